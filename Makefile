@@ -1,0 +1,169 @@
+# softlux. `make help` lists what can be made.
+#
+#   CONFIG=release (default)  optimised
+#   CONFIG=debug              address and undefined-behaviour sanitizers
+#   CONFIG=tsan               thread sanitizer (clang)
+#   CONFIG=baseline           without the multiversioned loops
+# Each configuration and compiler has its own folder: build/ for the default, build/CONFIG[-clang] otherwise.
+
+CONFIG ?= release
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+PREFIX ?= /usr/local
+DESTDIR ?=
+
+COMPILER := $(if $(findstring clang,$(CC)),clang,gcc)
+ifeq ($(CONFIG)-$(COMPILER),release-gcc)
+BUILD ?= build
+else
+BUILD ?= build/$(CONFIG)$(if $(filter clang,$(COMPILER)),-clang)
+endif
+
+# ---- flags -------------------------------------------------------------------------------------------------------
+
+WARNINGS := -Wall -Wextra -Wconversion -Wshadow
+# The determinism contract: no contraction, no fast-math. The two -fno- flags change no value, only errno and traps.
+EXACT := -std=c11 -ffp-contract=off -fno-math-errno -fno-trapping-math
+DEFINES := -D_POSIX_C_SOURCE=200809L
+INCLUDES := -Iinclude -Isrc
+OPENMP := -fopenmp
+ISAS := baseline avx2 avx512
+
+ifeq ($(CONFIG),release)
+OPTIMISE := -O3 -g
+else ifeq ($(CONFIG),debug)
+OPTIMISE := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+else ifeq ($(CONFIG),tsan)
+OPTIMISE := -O1 -g -fsanitize=thread
+DEFINES += -DSL_THREADS_WITHOUT_OPENMP
+OPENMP :=
+else ifeq ($(CONFIG),baseline)
+OPTIMISE := -O2 -g
+ISAS := baseline
+DEFINES += -DSL_BASELINE_ONLY
+else
+$(error CONFIG is release, debug, tsan or baseline, not '$(CONFIG)')
+endif
+
+FLAGS_baseline := -DSL_ISA_SUFFIX=baseline
+FLAGS_avx2 := -DSL_ISA_SUFFIX=avx2 -march=x86-64-v3
+FLAGS_avx512 := -DSL_ISA_SUFFIX=avx512 -march=x86-64-v4 -mprefer-vector-width=512
+KERNEL_OPTIMISE := $(if $(filter release baseline,$(CONFIG)),-O3)
+
+PACKAGES := OpenEXR assimp libcjson libpng
+PACKAGE_CFLAGS = $(shell pkg-config --cflags $(PACKAGES) 2>/dev/null)
+PACKAGE_LIBS = $(shell pkg-config --libs-only-L assimp libcjson libpng 2>/dev/null) -lOpenEXRCore -lassimp -lcjson -lpng
+EMBREE := $(if $(wildcard /usr/include/embree4/rtcore.h /usr/local/include/embree4/rtcore.h),embree4,embree3)
+DEFINES += $(if $(filter embree4,$(EMBREE)),-DSL_EMBREE4)
+
+ALL_CFLAGS = $(EXACT) $(WARNINGS) $(OPTIMISE) $(OPENMP) $(DEFINES) $(INCLUDES) $(PACKAGE_CFLAGS) -fPIC \
+             -fvisibility=hidden -MMD -MP $(CFLAGS)
+LIBS = $(PACKAGE_LIBS) -l$(EMBREE) -lm -lpthread
+
+# ---- sources -----------------------------------------------------------------------------------------------------
+
+LIBRARY_SOURCES := $(filter-out src/app/% %_kernels.c,$(wildcard src/*/*.c src/cache/*/*.c))
+KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/cache/*/*_kernels.c)
+APP_SOURCES := $(wildcard src/app/*.c)
+TEST_SOURCES := $(wildcard tests/test_*.c)
+BENCH_SOURCES := $(wildcard bench/bench_*.c)
+
+LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/o/%.o) \
+                   $(foreach isa,$(ISAS),$(KERNEL_SOURCES:%.c=$(BUILD)/o/%.$(isa).o))
+APP_OBJECTS := $(APP_SOURCES:%.c=$(BUILD)/o/%.o)
+TESTS := $(TEST_SOURCES:tests/%.c=$(BUILD)/tests/%)
+BENCHES := $(BENCH_SOURCES:bench/%.c=$(BUILD)/bench/%)
+HELPERS := $(patsubst tests/%.c,$(BUILD)/o/tests/%.o,$(filter-out tests/test_%.c,$(wildcard tests/*.c)))
+
+.PHONY: all demo check test scenes bench install uninstall clean help setup
+.DELETE_ON_ERROR:
+.SECONDARY:
+
+all: $(BUILD)/softlux $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
+
+$(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
+$(BUILD)/libsoftlux.a: $(LIBRARY_OBJECTS)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(BUILD)/libsoftlux.so: $(LIBRARY_OBJECTS)
+	$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,-soname,libsoftlux.so.0 -o $@ $^ $(LDFLAGS) $(LIBS)
+
+$(BUILD)/o/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -c $< -o $@
+
+define kernel_rule
+$(BUILD)/o/%.$(1).o: %.c
+	@mkdir -p $$(@D)
+	$$(CC) $$(ALL_CFLAGS) $$(KERNEL_OPTIMISE) $$(FLAGS_$(1)) -c $$< -o $$@
+endef
+$(foreach isa,$(ISAS),$(eval $(call kernel_rule,$(isa))))
+
+$(BUILD)/tests/%: $(BUILD)/o/tests/%.o $(HELPERS) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
+
+$(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
+$(BUILD)/generate: $(BUILD)/o/scenes/generate.o
+	$(CC) $(OPTIMISE) -o $@ $^ -lm
+
+-include $(shell find $(BUILD)/o -name '*.d' 2>/dev/null)
+
+# ---- what a person asks for ----------------------------------------------------------------------------------------
+
+setup:
+	@./setup.sh
+
+demo: setup
+	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@./demo.sh $(BUILD)
+
+check: setup
+	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@./tests/check.sh
+
+# The tests of this configuration alone.
+test: $(TESTS) $(BUILD)/softlux
+	@./tests/run.sh $(BUILD)
+
+scenes: $(BUILD)/generate
+	@$(BUILD)/generate scenes/generated
+
+bench: all $(BENCHES)
+	@./bench/run.sh $(BUILD)
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
+	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
+	install -m 644 include/softlux.h $(DESTDIR)$(PREFIX)/include/softlux.h
+	install -m 644 $(BUILD)/libsoftlux.a $(DESTDIR)$(PREFIX)/lib/libsoftlux.a
+	install -m 755 $(BUILD)/libsoftlux.so $(DESTDIR)$(PREFIX)/lib/libsoftlux.so.0
+	ln -sf libsoftlux.so.0 $(DESTDIR)$(PREFIX)/lib/libsoftlux.so
+	printf 'prefix=%s\nName: softlux\nDescription: global illumination of triangle scenes on a CPU\nVersion: 0.1.0\nLibs: -L$${prefix}/lib -lsoftlux\nCflags: -I$${prefix}/include\n' '$(PREFIX)' \
+	  > $(DESTDIR)$(PREFIX)/lib/pkgconfig/softlux.pc
+
+uninstall:
+	rm -f $(DESTDIR)$(PREFIX)/bin/softlux $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(PREFIX)/lib/libsoftlux.* \
+	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/softlux.pc
+
+clean:
+	rm -rf build scenes/generated
+
+help:
+	@echo 'make            build/softlux, build/libsoftlux.a and build/libsoftlux.so'
+	@echo 'make demo       install what is missing, build, render a scene and print its error'
+	@echo 'make check      install what is missing, build, run all tests'
+	@echo 'make test       build and run the tests of one configuration'
+	@echo 'make scenes     generate the larger scenes into scenes/generated/'
+	@echo 'make bench      speed against error'
+	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
+	@echo 'make clean      remove what was built and generated'
+	@echo
+	@echo 'CONFIG=release|debug|tsan|baseline, CC=gcc|clang; CFLAGS and LDFLAGS are added last.'

@@ -1,0 +1,260 @@
+/* softlux: global illumination of triangle scenes on a CPU, with methods written for graphics hardware.
+ *
+ * This is the library's only public header. Start reading at sl_scene_load(), then sl_method_create().
+ *
+ *     sl_error error;
+ *     sl_scene *scene;
+ *     sl_method *method;
+ *     sl_image *image;
+ *     sl_settings settings = sl_settings_default();
+ *     if (sl_scene_load("scenes/cornell.json", &scene, &error) == SL_OK &&
+ *         sl_method_create(scene, &settings, &method, &error) == SL_OK) {
+ *         sl_progress progress = {0};
+ *         while (!progress.done && sl_method_update(method, &progress, &error) == SL_OK) {}
+ *         sl_method_resolve(method, &image, &error);
+ *         sl_image_write(image, "cornell.exr", &error);
+ *     }
+ *
+ * Conventions: right-handed world, y up; radiance in W/(m^2 sr), irradiance in W/m^2, per RGB channel (Rec. 709,
+ * linear); angles in radians; images have row 0 at the top. A function that can fail returns an sl_status and
+ * describes the failure, one line, in *error (which may be NULL). The library never prints, exits or aborts.
+ * The same input gives the same bits at any number of threads, with any compiler and instruction set. */
+#ifndef SOFTLUX_H
+#define SOFTLUX_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SL_VERSION "0.1.0"
+#define SL_API __attribute__((visibility("default")))
+
+/* ---- errors ------------------------------------------------------------------------------------------------- */
+
+/* The numbers are also the program's exit statuses; 1 is kept for a comparison that failed its bounds. */
+typedef enum sl_status {
+    SL_OK = 0,
+    SL_ERROR_USAGE = 2,
+    SL_ERROR_INPUT = 3,
+    SL_ERROR_OUTPUT = 4,
+    SL_ERROR_RESOURCES = 5
+} sl_status;
+
+typedef struct sl_error {
+    sl_status status;
+    char message[1024]; /* one line: file, line where there is one, what was expected; no newline */
+} sl_error;
+
+/* ---- counters: the hardware's bill ------------------------------------------------------------------------------ */
+
+/* Deterministic: equal at any number of threads. sl_counter_name() gives the name used in JSON and metadata. */
+typedef enum sl_counter {
+    SL_COUNT_RASTER_PASSES,        /* renders of the scene into some target */
+    SL_COUNT_CLUSTERS_TESTED,
+    SL_COUNT_CLUSTERS_CULLED,
+    SL_COUNT_TRIANGLES_SUBMITTED,  /* reached the transform */
+    SL_COUNT_TRIANGLES_CULLED,     /* outside the view, or covering no pixel centre */
+    SL_COUNT_TRIANGLES_DROPPED,    /* not finite */
+    SL_COUNT_TRIANGLES_CLIPPED,
+    SL_COUNT_TRIANGLES_RASTERIZED,
+    SL_COUNT_FRAGMENTS_SHADED,
+    SL_COUNT_FRAGMENTS_BLENDED,
+    SL_COUNT_BYTES_READ_BACK,
+    SL_COUNT_SHADOW_LOOKUPS,
+    SL_COUNT_RAYS,                 /* closest-hit rays */
+    SL_COUNT_SHADOW_RAYS,          /* any-hit rays */
+    SL_COUNT_GATHERS,              /* gathers computed, also those of records that were discarded */
+    SL_COUNT_RECORDS,
+    SL_COUNT_RECORDS_DISCARDED,    /* speculative records found covered at commit */
+    SL_COUNT_SPLATS,
+    SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
+    SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
+    SL_COUNTERS
+} sl_counter;
+
+typedef struct sl_counters {
+    uint64_t value[SL_COUNTERS];
+} sl_counters;
+
+SL_API const char *sl_counter_name(sl_counter counter);
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+enum { SL_CHANNEL_NAME_MAX = 64, SL_METADATA_KEY_MAX = 64 };
+
+typedef struct sl_metadatum {
+    char key[SL_METADATA_KEY_MAX];
+    char *value; /* owned by the image */
+} sl_metadatum;
+
+/* Planar float image. Channel c is the width*height floats from planes + c*width*height, row 0 at the top.
+ * Channels are named as in EXR: "R", "G", "B" for the picture itself, "direct.R" and so on for its layers. */
+typedef struct sl_image {
+    int width, height, channels;
+    char (*channel_name)[SL_CHANNEL_NAME_MAX];
+    float *planes;
+    sl_metadatum *metadata;
+    size_t metadata_count;
+} sl_image;
+
+/* A black image; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). */
+SL_API sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
+                                 sl_image **image, sl_error *error);
+SL_API void sl_image_destroy(sl_image *image); /* NULL is allowed */
+/* The plane of a named channel, or NULL. */
+SL_API float *sl_image_channel(const sl_image *image, const char *name);
+/* Adds or replaces a metadata string; both strings are copied. */
+SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error);
+SL_API const char *sl_image_metadata(const sl_image *image, const char *key); /* or NULL */
+/* Reads EXR (any channels, any compression, half/float/uint, scan lines or tiles, first part), PFM, Radiance HDR,
+ * PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is what R, G, B are in the file; a lone Y
+ * (or L) becomes R = G = B. */
+SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
+/* Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (RGB), .png (see sl_tone). The file
+ * appears whole or not at all: it is written beside its name and renamed. */
+SL_API sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error);
+
+/* PNG out: value * 2^exposure_stops, then the curve, then sRGB, then 8 bits rounded to nearest. */
+typedef enum sl_tone_curve {
+    SL_TONE_CLIP,     /* min(x, 1) */
+    SL_TONE_REINHARD  /* per channel x (1 + x/w^2) / (1 + x), w = 4: the extended curve, white at 4 */
+} sl_tone_curve;
+
+typedef struct sl_tone {
+    sl_tone_curve curve;
+    float exposure_stops;
+    bool automatic; /* exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
+} sl_tone;
+
+SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
+
+/* ---- comparison ---------------------------------------------------------------------------------------------------- */
+
+/* x = image, r = reference, over R, G, B of all pixels where both are finite and mask (if any) is > 0.5; sums in
+ * double in a fixed order. */
+typedef struct sl_comparison {
+    uint64_t values;      /* how many values were compared */
+    uint64_t nonfinite;   /* NaN or infinite values, in either image */
+    uint64_t negative;    /* negative values, in either image */
+    bool identical;       /* every bit of every R, G, B value equal */
+    double rmse;          /* sqrt(mean (x-r)^2) */
+    double rel_rmse;      /* rmse / mean(r) */
+    double rel_mse;       /* mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
+    double rel_mse_trimmed; /* the same without the largest 0.1 % of the terms */
+    double max_abs;       /* max |x-r| */
+    double bias;          /* sum(x-r) / sum(r) */
+    double ssim;          /* mean structural similarity of the tone-mapped luminance, 11x11 Gaussian window */
+    double flip;          /* mean LDR-FLIP of the tone-mapped images, 67 pixels per degree */
+    double mean_image, mean_reference;
+} sl_comparison;
+
+typedef struct sl_compare_options {
+    const sl_image *mask;  /* first channel, same size; or NULL */
+    float exposure_stops;  /* for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
+} sl_compare_options;
+
+/* options may be NULL. If difference is not NULL it receives a picture of the difference, (x-r)/(r + 0.01 mean r) in
+ * false colour (blue: too dark, red: too bright, full colour at 50 %), which the caller destroys. */
+SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
+                                  sl_comparison *result, sl_image **difference, sl_error *error);
+
+/* ---- scenes -------------------------------------------------------------------------------------------------------- */
+
+typedef struct sl_scene sl_scene;
+
+/* Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. */
+SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
+SL_API void sl_scene_destroy(sl_scene *scene);
+/* What loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */
+SL_API size_t sl_scene_warning_count(const sl_scene *scene);
+SL_API const char *sl_scene_warning(const sl_scene *scene, size_t index);
+SL_API size_t sl_scene_triangle_count(const sl_scene *scene);
+SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
+SL_API uint64_t sl_scene_hash(const sl_scene *scene); /* of everything that can reach a pixel */
+/* What changed between two states of a scene; a method is told so with sl_method_edit(). */
+enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
+/* Moves camera, objects and lights to their keyframes' state at a time; *changes (may be NULL) gets SL_CHANGED_ bits. */
+SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error);
+/* Looks from eye to target; the up vector need not be perpendicular. Fails if the frame is degenerate. */
+SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
+                                     float vertical_fov_rad, sl_error *error);
+
+/* ---- observers: every pass announces itself -------------------------------------------------------------------------- */
+
+typedef struct sl_pass {
+    const char *method;   /* "splatting" */
+    const char *name;     /* "splat irradiance records" */
+    const char *source;   /* section or equation of the paper, "section 4, Algorithm 1" */
+    const sl_image *buffer;      /* what the pass made, row 0 at the top; valid during the call only; may be NULL */
+    const sl_counters *counters; /* what this pass alone cost */
+} sl_pass;
+
+typedef struct sl_observer {
+    void *context;
+    void (*pass)(void *context, const sl_pass *pass);
+} sl_observer;
+
+/* ---- methods --------------------------------------------------------------------------------------------------------- */
+
+typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
+typedef enum sl_gather_kind { SL_GATHER_AUTO, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS } sl_gather_kind;
+typedef enum sl_pixel_filter {
+    SL_FILTER_METHOD, /* what the method or the matched method does */
+    SL_FILTER_BOX,    /* samples spread over the pixel */
+    SL_FILTER_CENTRE  /* all samples at the pixel's centre, as a rasterizer samples */
+} sl_pixel_filter;
+typedef enum sl_direct_kind { SL_DIRECT_AUTO, SL_DIRECT_RAYS, SL_DIRECT_SHADOW_MAPS } sl_direct_kind;
+
+typedef struct sl_settings {
+    const char *method;    /* "splatting", "path" */
+    const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
+                              Only the reference tracers take another than their own. */
+    int width, height;     /* 0: the scene's film */
+    unsigned threads;      /* 0: one a processor */
+    uint64_t seed;
+    sl_quality quality;
+    uint32_t spp;          /* path: samples a pixel; splatting: light samples a pixel; 0: by quality */
+    double accuracy;       /* splatting: a of the paper; 0: by quality */
+    int gather_size;       /* N of an N x N gather; 0: by quality */
+    sl_gather_kind gather;
+    sl_direct_kind direct;
+    sl_pixel_filter filter;
+    const sl_observer *observer; /* or NULL */
+} sl_settings;
+
+SL_API sl_settings sl_settings_default(void);
+
+typedef struct sl_method sl_method;
+
+typedef struct sl_progress {
+    uint64_t batches;  /* done so far */
+    double fraction;   /* an estimate in [0,1] */
+    bool done;         /* nothing left to refine; updating again changes nothing */
+} sl_progress;
+
+/* The scene must outlive the method and must not change but as told to sl_method_edit(). */
+SL_API sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
+                                  sl_error *error);
+SL_API void sl_method_destroy(sl_method *method);
+/* One more batch: a pure function of the state and the batch's number, never of time. */
+SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error);
+/* The picture so far: R, G, B and the method's layers. The caller destroys it. */
+SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
+SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
+SL_API const sl_counters *sl_method_counters(const sl_method *method);
+SL_API size_t sl_method_memory_bytes(const sl_method *method);
+/* The names of all methods, in order; NULL past the end. */
+SL_API const char *sl_method_name(size_t index);
+
+/* What a method would do with a scene: one line for each pass that runs or is left out, and why. NUL-terminated
+ * text, the caller frees it with free(). */
+SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,32 @@
+#include "base/counters.h"
+
+static const char *const counter_names[SL_COUNTERS] = {
+    [SL_COUNT_RASTER_PASSES] = "raster_passes",
+    [SL_COUNT_CLUSTERS_TESTED] = "clusters_tested",
+    [SL_COUNT_CLUSTERS_CULLED] = "clusters_culled",
+    [SL_COUNT_TRIANGLES_SUBMITTED] = "triangles_submitted",
+    [SL_COUNT_TRIANGLES_CULLED] = "triangles_culled",
+    [SL_COUNT_TRIANGLES_DROPPED] = "triangles_dropped",
+    [SL_COUNT_TRIANGLES_CLIPPED] = "triangles_clipped",
+    [SL_COUNT_TRIANGLES_RASTERIZED] = "triangles_rasterized",
+    [SL_COUNT_FRAGMENTS_SHADED] = "fragments_shaded",
+    [SL_COUNT_FRAGMENTS_BLENDED] = "fragments_blended",
+    [SL_COUNT_BYTES_READ_BACK] = "bytes_read_back",
+    [SL_COUNT_SHADOW_LOOKUPS] = "shadow_lookups",
+    [SL_COUNT_RAYS] = "rays",
+    [SL_COUNT_SHADOW_RAYS] = "shadow_rays",
+    [SL_COUNT_GATHERS] = "gathers",
+    [SL_COUNT_RECORDS] = "records",
+    [SL_COUNT_RECORDS_DISCARDED] = "records_discarded",
+    [SL_COUNT_SPLATS] = "splats",
+    [SL_COUNT_SAMPLES] = "samples",
+    [SL_COUNT_NONFINITE] = "nonfinite",
+};
+
+const char *sl_counter_name(sl_counter counter) {
+    return counter >= 0 && counter < SL_COUNTERS ? counter_names[counter] : "unknown";
+}
+
+void sl_counters_add(sl_counters *sum, const sl_counters *other) {
+    for (int i = 0; i < SL_COUNTERS; i++) sum->value[i] += other->value[i];
+}

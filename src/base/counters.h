@@ -1,0 +1,11 @@
+#ifndef SL_BASE_COUNTERS_H
+#define SL_BASE_COUNTERS_H
+
+#include "softlux.h"
+
+static inline void sl_count(sl_counters *counters, sl_counter counter, uint64_t amount) {
+    counters->value[counter] += amount;
+}
+void sl_counters_add(sl_counters *sum, const sl_counters *other);
+
+#endif

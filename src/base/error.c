@@ -1,0 +1,21 @@
+#include "base/error.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...) {
+    if (!error) return status;
+    error->status = status;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(error->message, sizeof error->message, format, arguments);
+    va_end(arguments);
+    for (char *c = error->message; *c; c++) {
+        if (*c == '\n' || *c == '\r') *c = ' ';
+    }
+    return status;
+}
+
+sl_status sl_fail_memory(sl_error *error, const char *what) {
+    return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", what);
+}

@@ -1,0 +1,13 @@
+/* Filling an sl_error. `error` may be NULL everywhere. */
+#ifndef SL_BASE_ERROR_H
+#define SL_BASE_ERROR_H
+
+#include "softlux.h"
+
+/* Formats one line into *error (newlines become spaces) and returns status, so that a failing function can end with
+ * `return sl_fail(error, SL_ERROR_INPUT, "%s:%d: expected ...", file, line);` */
+__attribute__((format(printf, 3, 4))) sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...);
+/* The one answer to a failed allocation of `what`. */
+sl_status sl_fail_memory(sl_error *error, const char *what);
+
+#endif

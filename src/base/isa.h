@@ -1,0 +1,19 @@
+/* Hot loops live in files called *_kernels.c, which are compiled once for each instruction set, with the suffix SL_ISA_SUFFIX
+ * on every symbol, and are called through a table chosen at run time. All variants give the same bits: no contraction,
+ * element-wise loops, reductions in fixed lanes. The environment variable SOFTLUX_ISA=baseline|avx2|avx512 lowers the choice
+ * (tests use it to compare); a build with SL_BASELINE_ONLY has the baseline variant alone. */
+#ifndef SL_BASE_ISA_H
+#define SL_BASE_ISA_H
+
+typedef enum sl_isa { SL_ISA_BASELINE, SL_ISA_AVX2, SL_ISA_AVX512, SL_ISAS } sl_isa;
+
+/* The best that the CPU has, this build holds and SOFTLUX_ISA allows. */
+sl_isa sl_isa_best(void);
+const char *sl_isa_name(sl_isa isa);
+
+/* SL_KERNEL(name) is name_baseline, name_avx2 or name_avx512, as SL_ISA_SUFFIX says (the Makefile sets it). */
+#define SL_KERNEL_PASTE2(name, suffix) name##_##suffix
+#define SL_KERNEL_PASTE(name, suffix) SL_KERNEL_PASTE2(name, suffix)
+#define SL_KERNEL(name) SL_KERNEL_PASTE(name, SL_ISA_SUFFIX)
+
+#endif

@@ -1,0 +1,10 @@
+/* Allocation with overflow checks; 64-byte aligned, zeroed. NULL on failure or overflow; count 0 gives a valid block. */
+#ifndef SL_BASE_MEMORY_H
+#define SL_BASE_MEMORY_H
+
+#include <stddef.h>
+
+void *sl_allocate(size_t count, size_t size);
+void sl_free(void *block); /* NULL is allowed; only for blocks of sl_allocate() */
+
+#endif

@@ -1,0 +1,74 @@
+#include "base/parallel.h"
+
+#include <stdatomic.h>
+#include <unistd.h>
+
+enum { THREADS_MAX = 256 };
+
+unsigned sl_thread_count(unsigned threads) {
+    if (threads == 0) {
+        long processors = sysconf(_SC_NPROCESSORS_ONLN);
+        threads = processors > 0 ? (unsigned)processors : 1;
+    }
+    return threads > THREADS_MAX ? THREADS_MAX : threads;
+}
+
+static void run_alone(size_t count, sl_task *task, void *context) {
+    for (size_t i = 0; i < count; i++) task(context, i, 0);
+}
+
+#ifndef SL_THREADS_WITHOUT_OPENMP
+
+#include <omp.h>
+
+void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context) {
+    if (threads > count) threads = (unsigned)count;
+    if (threads <= 1 || omp_in_parallel()) {
+        run_alone(count, task, context);
+        return;
+    }
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (size_t i = 0; i < count; i++) task(context, i, (unsigned)omp_get_thread_num());
+}
+
+#else
+
+/* The thread sanitizer does not understand the OpenMP runtime's barriers, but it does understand POSIX threads. */
+#include <pthread.h>
+#include <stdbool.h>
+
+typedef struct {
+    sl_task *task;
+    void *context;
+    size_t count;
+    atomic_size_t *next;
+    unsigned worker;
+} loop_worker;
+
+static _Thread_local bool inside_loop;
+
+static void *work(void *argument) {
+    loop_worker *w = argument;
+    inside_loop = true;
+    for (size_t i; (i = atomic_fetch_add(w->next, 1)) < w->count;) w->task(w->context, i, w->worker);
+    inside_loop = false;
+    return NULL;
+}
+
+void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context) {
+    if (threads > count) threads = (unsigned)count;
+    if (threads <= 1 || inside_loop) {
+        run_alone(count, task, context);
+        return;
+    }
+    atomic_size_t next = 0;
+    loop_worker workers[THREADS_MAX];
+    pthread_t handles[THREADS_MAX];
+    unsigned started = 1;
+    for (unsigned i = 0; i < threads; i++) workers[i] = (loop_worker){task, context, count, &next, i};
+    while (started < threads && pthread_create(&handles[started], NULL, work, &workers[started]) == 0) started++;
+    work(&workers[0]);
+    for (unsigned i = 1; i < started; i++) pthread_join(handles[i], NULL);
+}
+
+#endif

@@ -1,0 +1,91 @@
+/* Small vectors and colours, in float (what the simulated hardware computes in) and in double (what sums and geometric
+ * predicates need). Plain values; every operation is one rounding per component, in the order written. */
+#ifndef SL_BASE_VEC_H
+#define SL_BASE_VEC_H
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef struct sl_vec3 {
+    float x, y, z;
+} sl_vec3;
+
+typedef struct sl_vec3d {
+    double x, y, z;
+} sl_vec3d;
+
+typedef struct sl_rgb {
+    float r, g, b;
+} sl_rgb;
+
+static inline sl_vec3 sl_v3(float x, float y, float z) { return (sl_vec3){x, y, z}; }
+static inline sl_vec3 sl_add(sl_vec3 a, sl_vec3 b) { return sl_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
+static inline sl_vec3 sl_sub(sl_vec3 a, sl_vec3 b) { return sl_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
+static inline sl_vec3 sl_scale(sl_vec3 a, float s) { return sl_v3(a.x * s, a.y * s, a.z * s); }
+static inline sl_vec3 sl_neg(sl_vec3 a) { return sl_v3(-a.x, -a.y, -a.z); }
+static inline float sl_dot(sl_vec3 a, sl_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline sl_vec3 sl_cross(sl_vec3 a, sl_vec3 b) {
+    return sl_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+/* a + s b */
+static inline sl_vec3 sl_mad(sl_vec3 a, float s, sl_vec3 b) {
+    return sl_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+static inline float sl_length(sl_vec3 a) { return sqrtf(sl_dot(a, a)); }
+static inline bool sl_is_finite(sl_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+
+static inline sl_vec3d sl_v3d(double x, double y, double z) { return (sl_vec3d){x, y, z}; }
+static inline sl_vec3d sl_to_double(sl_vec3 a) { return sl_v3d((double)a.x, (double)a.y, (double)a.z); }
+static inline sl_vec3 sl_to_float(sl_vec3d a) { return sl_v3((float)a.x, (float)a.y, (float)a.z); }
+static inline sl_vec3d sl_addd(sl_vec3d a, sl_vec3d b) { return sl_v3d(a.x + b.x, a.y + b.y, a.z + b.z); }
+static inline sl_vec3d sl_subd(sl_vec3d a, sl_vec3d b) { return sl_v3d(a.x - b.x, a.y - b.y, a.z - b.z); }
+static inline sl_vec3d sl_scaled(sl_vec3d a, double s) { return sl_v3d(a.x * s, a.y * s, a.z * s); }
+static inline double sl_dotd(sl_vec3d a, sl_vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline sl_vec3d sl_crossd(sl_vec3d a, sl_vec3d b) {
+    return sl_v3d(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline double sl_lengthd(sl_vec3d a) { return sqrt(sl_dotd(a, a)); }
+
+/* The unit vector along a, computed in double so that tiny and huge vectors keep their direction; `fallback` where a has
+ * no direction (zero, NaN, infinite). */
+static inline sl_vec3 sl_normalize_or(sl_vec3 a, sl_vec3 fallback) {
+    sl_vec3d d = sl_to_double(a);
+    double length_squared = sl_dotd(d, d);
+    if (!(length_squared > 0.0) || !isfinite(length_squared)) return fallback;
+    return sl_to_float(sl_scaled(d, 1.0 / sqrt(length_squared)));
+}
+
+/* Orthonormal frame with z along a unit normal: branch-free, continuous but for n.z = 0 (Duff et al. 2017). */
+typedef struct sl_frame {
+    sl_vec3 x, y, z;
+} sl_frame;
+
+static inline sl_frame sl_frame_from_normal(sl_vec3 n) {
+    float sign = copysignf(1.0f, n.z);
+    float a = -1.0f / (sign + n.z);
+    float b = n.x * n.y * a;
+    return (sl_frame){sl_v3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x), sl_v3(b, sign + n.y * n.y * a, -n.y), n};
+}
+static inline sl_vec3 sl_frame_to_world(const sl_frame *f, sl_vec3 a) {
+    return sl_v3(f->x.x * a.x + f->y.x * a.y + f->z.x * a.z, f->x.y * a.x + f->y.y * a.y + f->z.y * a.z,
+                 f->x.z * a.x + f->y.z * a.y + f->z.z * a.z);
+}
+static inline sl_vec3 sl_frame_to_local(const sl_frame *f, sl_vec3 a) {
+    return sl_v3(sl_dot(f->x, a), sl_dot(f->y, a), sl_dot(f->z, a));
+}
+
+static inline sl_rgb sl_grey(float v) { return (sl_rgb){v, v, v}; }
+static inline sl_rgb sl_rgb_add(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r + b.r, a.g + b.g, a.b + b.b}; }
+static inline sl_rgb sl_rgb_sub(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r - b.r, a.g - b.g, a.b - b.b}; }
+static inline sl_rgb sl_rgb_mul(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r * b.r, a.g * b.g, a.b * b.b}; }
+static inline sl_rgb sl_rgb_scale(sl_rgb a, float s) { return (sl_rgb){a.r * s, a.g * s, a.b * s}; }
+static inline float sl_rgb_mean(sl_rgb a) { return (a.r + a.g + a.b) * (1.0f / 3.0f); }
+static inline float sl_rgb_max(sl_rgb a) {
+    float m = a.r > a.g ? a.r : a.g;
+    return m > a.b ? m : a.b;
+}
+static inline bool sl_rgb_is_finite(sl_rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
+/* Rec. 709 luminance. */
+static inline float sl_luminance(sl_rgb a) { return 0.2126f * a.r + 0.7152f * a.g + 0.0722f * a.b; }
+
+#endif

@@ -1,0 +1,69 @@
+/* Irradiance at a point: the sum over a picture of the hemisphere, by one of three instruments,
+ *   plane     one N x N raster render of the plane at unit distance above the point, 140 degrees, borders extended to the horizon
+ *   hemicube  five raster renders, N x N and four halves
+ *   rays      N x N rays in the cells of the concentric map, equal cosine weights
+ * each with harmonic mean distance, rotational and translational gradients (cache-math sections 2 and 3,
+ * radiance-cache-splatting section 2). What is seen is shaded with direct light alone (one diffuse bounce). */
+#ifndef SL_CACHE_GATHER_H
+#define SL_CACHE_GATHER_H
+
+#include "raster/raster.h"
+#include "trace/trace.h"
+
+typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL } sl_border;
+
+typedef struct sl_gather_settings {
+    sl_gather_kind kind;      /* AUTO is decided on creation, by counts */
+    int size;                 /* N */
+    float plane_fov;          /* radians; 140 degrees by default */
+    sl_border border;         /* plane only; RADIAL by default */
+    bool jitter;              /* rays: jittered inside their cells */
+    bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
+    sl_direct_kind direct;    /* how what is seen is lit: shadow rays (one light sample a hit) or shadow cubes */
+    uint64_t seed;
+} sl_gather_settings;
+
+sl_gather_settings sl_gather_defaults(void);
+
+typedef struct sl_irradiance {
+    sl_rgb value;                   /* E, W/m^2 */
+    sl_vec3 rotational[3];          /* grad_r E per channel, world frame, W/m^2/rad: E(n') = E + (n x n') . grad_r */
+    sl_vec3 translational[3];       /* grad_t E per channel, world frame, tangential, W/m^3 */
+    float harmonic_mean;            /* cosine-weighted harmonic mean distance, m; infinite where nothing is seen */
+    float nearest;                  /* min over hits of r / cos theta' (the guard's rho_min); infinite where nothing is seen */
+    float back_share;               /* share of the cosine weight that saw surfaces from their clockwise side */
+} sl_irradiance;
+
+/* Everything that many gathers share: weight tables, shadow cubes, light sampler. Immutable after creation. */
+typedef struct sl_gather sl_gather;
+/* raster may be NULL for rays with shadow rays; tracer may be NULL for raster gathers with shadow cubes. */
+sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                           const sl_gather_settings *settings, unsigned threads, sl_gather **gather, sl_counters *counters, sl_error *error);
+void sl_gather_destroy(sl_gather *gather);
+sl_gather_kind sl_gather_kind_used(const sl_gather *gather);
+size_t sl_gather_memory_bytes(const sl_gather *gather);
+
+/* One worker's buffers. */
+typedef struct sl_gather_scratch sl_gather_scratch;
+sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **scratch, sl_error *error);
+void sl_gather_scratch_destroy(sl_gather_scratch *scratch);
+
+/* point: position, geometric normal on the side that is lit, shading normal, own triangle (SL_NO_INDEX: none); key: a hash of
+ * seed and pixel that jitter and light samples are drawn from. Thread-safe with a scratch for each thread. */
+typedef struct sl_gather_point {
+    sl_vec3 position, geometric_normal, normal;
+    uint32_t triangle;
+    uint64_t key;
+} sl_gather_point;
+void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                          sl_irradiance *irradiance, sl_counters *counters);
+
+/* The picture of the last gather: N x N (plane, rays) or 2N x 2N with the side faces around the top (hemicube), for observers and
+ * tests; radiance and distance planes owned by the scratch, bottom row first. */
+typedef struct sl_gather_picture {
+    int width, height;
+    const float *r, *g, *b, *distance;
+} sl_gather_picture;
+sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *scratch);
+
+#endif

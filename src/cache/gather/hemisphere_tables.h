@@ -1,0 +1,27 @@
+/* Exact cell integrals over the hemisphere, in double, by the project's own elementary functions (cache-math section 2). */
+#ifndef SL_CACHE_HEMISPHERE_TABLES_H
+#define SL_CACHE_HEMISPHERE_TABLES_H
+
+#include "base/vec.h"
+
+/* Closed forms, cell [u0,u1] x [v0,v1] of the plane at unit distance. */
+double sl_plane_solid_angle(double u0, double u1, double v0, double v1);   /* box A */
+double sl_plane_cosine_weight(double u0, double u1, double v0, double v1); /* box C */
+sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1);      /* integral of omega d omega: (box X, box X^T, box C) */
+double sl_plane_wall(double c, double v0, double v1);                      /* I(c; v0, v1), section 3.3 */
+/* Half side face of the hemicube, u sideways, z upwards. */
+double sl_side_cosine_weight(double u0, double u1, double z0, double z1);  /* box S */
+/* Radial border extension of an outer edge on side v = t. */
+double sl_border_solid_angle(double t, double u0, double u1);
+double sl_border_cosine_weight(double t, double u0, double u1);
+/* Any cell bounded by great circles, corners counter-clockwise seen from outside (section 2.1). */
+sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count);
+double sl_cell_solid_angle(const sl_vec3d *corners, int count);
+
+/* ---- truth for tests (section 8.1) ---- */
+
+/* Irradiance at p with unit normal n from a one-sided Lambertian polygon of radiance 1 (vertices counter-clockwise seen from its
+ * shining side), clipped to the horizon, and its gradient with respect to p; gradient may be NULL. count <= 16. */
+double sl_polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *vertices, int count, sl_vec3d *gradient);
+
+#endif

@@ -1,0 +1,38 @@
+/* The one interface that all methods and the reference tracers implement, so that the program, the step pages, the benchmarks
+ * and the tests drive them all alike. */
+#ifndef SL_CACHE_METHOD_H
+#define SL_CACHE_METHOD_H
+
+#include "scene/scene.h"
+#include "softlux.h"
+
+typedef struct sl_plan_writer sl_plan_writer;
+/* One line of the plan: a pass that runs or does not, and why. */
+__attribute__((format(printf, 4, 5))) void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const char *why, ...);
+
+typedef struct sl_method_class {
+    const char *name;
+    /* settings have no zero left where 0 means "by quality" or "by scene" for size and threads. */
+    sl_status (*create)(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                        sl_error *error);
+    void (*destroy)(void *state);
+    sl_status (*update)(void *state, sl_progress *progress, sl_error *error);
+    sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
+    sl_status (*edit)(void *state, unsigned changes, sl_error *error);
+    const sl_counters *(*counters)(const void *state);
+    size_t (*memory_bytes)(const void *state);
+    /* The paths that the method models (for the tracers: `full`). */
+    void (*transport)(sl_transport *transport);
+    void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+    bool any_transport; /* takes --transport: a reference tracer */
+} sl_method_class;
+
+extern const sl_method_class sl_splatting_method; /* cache/splatting */
+extern const sl_method_class sl_path_method;      /* cache/reference */
+
+/* Tells the observer, if any, of a pass. planes: `channels` planes of width*height, bottom row first where bottom_first.
+ * Costs nothing without an observer. */
+void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,
+                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters);
+
+#endif

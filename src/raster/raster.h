@@ -1,0 +1,134 @@
+/* The simulated raster hardware. Conventions are OpenGL's: clip space, viewport, pixel centres at .5, vertices snapped to
+ * 1/256 pixel (round to nearest even), left and lowest-row edges inclusive, float depth, nearer wins, on a tie the first
+ * submitted triangle. Targets have row 0 at the bottom; sl_raster_flip() turns a plane into an image's order.
+ *
+ * Visibility comes first: one hot kernel writes triangle id and depth. Everything that is interpolated is then resolved per
+ * pixel from the id, once per visible pixel (G-buffer, Gouraud).
+ *
+ *     view ── sl_raster_id() ── id, depth ──┬── sl_raster_gbuffer()   positions, normals, albedo, material
+ *                                           └── sl_raster_gouraud()   perspective-correct vertex attributes
+ *     records ── sl_raster_splats() ── additive float blending ── sl_raster_reduce() ── sums
+ */
+#ifndef SL_RASTER_RASTER_H
+#define SL_RASTER_RASTER_H
+
+#include "base/isa.h"
+#include "scene/scene.h"
+
+/* The triangles as the hardware holds them: vertices, indices, clusters with bounds. Immutable; many passes at once. */
+typedef struct sl_raster sl_raster;
+
+/* The scene must outlive it. */
+sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error);
+void sl_raster_destroy(sl_raster *raster);
+size_t sl_raster_memory_bytes(const sl_raster *raster);
+
+typedef enum sl_depth_kind {
+    SL_DEPTH_WINDOW,    /* z/w mapped to [0,1], smaller is nearer: what OpenGL stores */
+    SL_DEPTH_INVERSE_W  /* 1/w, linear on the screen, larger is nearer, no far plane; cleared to 0 */
+} sl_depth_kind;
+
+/* A view: clip = matrix * (p - origin, 1), rows first: clip_i = sum_j m[i][j] q_j. The origin (the eye) is subtracted first, in float,
+ * so that tiny near distances keep their precision. */
+typedef struct sl_view {
+    float clip[4][4];
+    sl_vec3 origin;
+    int width, height;
+    sl_depth_kind depth;
+    uint32_t skip_triangle; /* not drawn (a gather's own triangle), or SL_NO_INDEX */
+} sl_view;
+
+/* Perspective camera with near and far planes, window depth. */
+sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far);
+/* Any pyramid: frame x right, y up, looks along +z of the frame; tangents of the four sides at unit distance; clip at
+ * w >= near; inverse-w depth. The plane above a surface point: frame z = normal, tangents +-tan(fov/2). */
+sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float right, float bottom, float top, int width,
+                        int height, float near);
+/* Face 0..5 = +x -x +y -y +z -z of a cube around eye, 90 degrees, OpenGL's cube-map orientation of s and t. */
+sl_view sl_view_cube_face(sl_vec3 eye, int face, int size, float near);
+/* The frame (s axis, t axis, outward axis) of a cube face. */
+sl_frame sl_cube_face_frame(int face);
+
+/* A pbuffer's planes; all caller-owned arrays of width*height (NULL: not wanted), row 0 at the bottom. */
+typedef struct sl_target {
+    int width, height;
+    uint32_t *id;   /* triangle index, SL_NO_INDEX where nothing is */
+    float *depth;
+} sl_target;
+
+/* Scratch for one worker's small renders (gathers), reused from call to call. */
+typedef struct sl_raster_scratch sl_raster_scratch;
+sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch, sl_error *error);
+void sl_raster_scratch_destroy(sl_raster_scratch *scratch);
+
+/* Clears and draws the whole scene into id and depth; alpha masks are tested. Large targets: parallel over tiles. Both forms give the same bits.
+ * id NULL: depth only. */
+sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads, const sl_target *target,
+                       sl_counters *counters, sl_error *error);
+/* The same on the calling thread alone, without allocating. */
+void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target, sl_raster_scratch *scratch,
+                        sl_counters *counters);
+
+/* Perspective-correct barycentric weights of corners 1 and 2 at the pixel's centre, for `count` pixels of a view given by
+ * their linear indices (y*width + x) and ids; pixels with SL_NO_INDEX get 0. Weights are clamped to the triangle. w1, w2: count values. */
+void sl_raster_barycentrics(const sl_raster *raster, const sl_view *view, size_t count, const uint32_t *pixel,
+                            const uint32_t *id, float *w1, float *w2);
+
+/* G-buffer planes (NULL: not wanted); all of width*height, row 0 at the bottom. */
+typedef struct sl_gbuffer {
+    int width, height;
+    uint32_t *id;
+    float *depth;
+    float *position_x, *position_y, *position_z;
+    float *normal_x, *normal_y, *normal_z;          /* shading, turned to the viewer */
+    float *geometric_x, *geometric_y, *geometric_z; /* geometric, turned to the viewer */
+    float *diffuse_r, *diffuse_g, *diffuse_b;       /* kd with texture */
+    uint32_t *material;                             /* SL_NO_INDEX: background */
+} sl_gbuffer;
+
+sl_status sl_gbuffer_create(int width, int height, sl_gbuffer **gbuffer, sl_error *error); /* all planes */
+void sl_gbuffer_destroy(sl_gbuffer *gbuffer);
+/* ID pass and its resolution through sl_scene_surface(). */
+sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
+                            sl_counters *counters, sl_error *error);
+
+/* Gouraud: interpolates `channels` floats per vertex (vertex v's at attributes[v*channels]) at every pixel of an id plane;
+ * out holds `channels` planes; background 0. */
+void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
+                       const float *attributes, int channels, float *out, sl_counters *counters);
+
+/* Depth cube: six faces of distance information around a light (shadow map), inverse-w depth, size x size each. */
+typedef struct sl_depth_cube {
+    int size;
+    sl_vec3 eye;
+    float *depth; /* 6 planes, 1/w, 0 where nothing is */
+} sl_depth_cube;
+sl_status sl_raster_depth_cube(const sl_raster *raster, sl_vec3 eye, int size, float near, unsigned threads,
+                               sl_depth_cube **cube, sl_counters *counters, sl_error *error);
+void sl_depth_cube_destroy(sl_depth_cube *cube);
+/* Share of light in [0,1] at p with unit normal n (towards the light's side): percentage-closer filtering of 2x2 texels, bilinear; bias from the texel's footprint and slope. */
+float sl_depth_cube_lit(const sl_depth_cube *cube, sl_vec3 p, sl_vec3 n);
+
+/* Additive float blending of screen rectangles. The fragment program computes (and adds) for a run of pixels of one row. */
+typedef struct sl_splat_rect {
+    int x0, y0, x1, y1; /* half-open, in target pixels; empty is allowed */
+} sl_splat_rect;
+/* Shades pixels [x0,x1) of row y of splat `index` and adds to the target; called in index order for every pixel. Returns how many
+ * fragments it blended. */
+typedef uint64_t sl_splat_program(void *context, size_t index, int x0, int x1, int y);
+/* Tiles of 32x32, each owned by one thread; within a tile splats run in index order, so every pixel adds in index order at any
+ * number of threads. */
+sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_rect *rects, sl_splat_program *program,
+                           void *context, unsigned threads, sl_counters *counters, sl_error *error);
+/* Bounds on the screen of a sphere (centre, radius) in a camera view, rounded outwards by a pixel and cut to the
+ * target (cache-math section 7); empty if nothing can show. */
+sl_splat_rect sl_sphere_bounds(const sl_camera *camera, int width, int height, float near, sl_vec3 centre, float radius);
+
+/* Reduction: repeated 2x2 sums, ping-pong between two pbuffers, of a size x size plane (size a power of two) down to
+ * final x final; `scratch` holds size*size/2 floats; the sums are left in out (final*final). */
+void sl_raster_reduce(const float *plane, int size, int final, float *scratch, float *out, sl_counters *counters);
+
+/* Copies a bottom-first plane into top-first order. */
+void sl_raster_flip(const float *plane, int width, int height, float *image_plane);
+
+#endif

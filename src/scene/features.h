@@ -1,0 +1,15 @@
+/* What a scene holds: the ground on which plans are made. One look over materials, lights and triangles. */
+#ifndef SL_SCENE_FEATURES_H
+#define SL_SCENE_FEATURES_H
+
+#include "scene/scene.h"
+
+typedef struct sl_features {
+    size_t diffuse_triangles, glossy_triangles, mirror_triangles, emissive_triangles, textured_triangles, masked_triangles;
+    size_t point_lights, spot_lights, directional_lights, emitters;
+    bool environment, animated;
+} sl_features;
+
+sl_features sl_scene_features(const sl_scene *scene);
+
+#endif

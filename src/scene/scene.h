@@ -1,0 +1,181 @@
+/* The scene as everyone behind the public header sees it: triangles in structure-of-arrays form, materials, lights,
+ * camera. Immutable between edits; an edit raises `version`. */
+#ifndef SL_SCENE_SCENE_H
+#define SL_SCENE_SCENE_H
+
+#include "base/vec.h"
+#include "scene/transport.h"
+#include "softlux.h"
+
+#define SL_NO_INDEX UINT32_MAX
+
+/* f = kd/pi + ks (n+2)/(2 pi) max(0, cos alpha)^n, or a perfect mirror. kd + ks <= 1 in every channel. */
+typedef struct sl_material {
+    char *name;
+    sl_rgb diffuse;       /* kd, multiplied by the texture where there is one */
+    sl_rgb specular;      /* ks */
+    float exponent;       /* n >= 0 */
+    sl_rgb mirror;        /* reflectance of a perfect mirror; then diffuse and specular are 0 */
+    sl_rgb emission;      /* radiance L_e, leaving the front (counter-clockwise) side */
+    bool emission_two_sided;
+    uint32_t texture;     /* of kd, or SL_NO_INDEX */
+    uint32_t alpha_texture; /* alpha mask (its alpha channel, or its luminance where it has none), tested at 0.5, or SL_NO_INDEX */
+} sl_material;
+
+static inline bool sl_material_is_diffuse(const sl_material *m) { return sl_rgb_max(m->diffuse) > 0.0f; }
+static inline bool sl_material_is_glossy(const sl_material *m) { return sl_rgb_max(m->specular) > 0.0f; }
+static inline bool sl_material_is_mirror(const sl_material *m) { return sl_rgb_max(m->mirror) > 0.0f; }
+static inline bool sl_material_is_emitter(const sl_material *m) { return sl_rgb_max(m->emission) > 0.0f; }
+
+/* 8-bit sRGB RGBA, row 0 at the top; v = 0 is the bottom row as in OBJ and OpenGL; repeats in both directions. */
+typedef struct sl_texture {
+    char *file;
+    int width, height;
+    bool has_alpha;
+    uint8_t *texels; /* 4 bytes a texel */
+} sl_texture;
+
+/* Lights without extent. Emissive triangles (sl_emitter) are the area lights; "quad" lights of a scene file become two. */
+typedef enum sl_light_type { SL_LIGHT_POINT, SL_LIGHT_SPOT, SL_LIGHT_DIRECTIONAL } sl_light_type;
+
+typedef struct sl_light {
+    sl_light_type type;
+    sl_vec3 position;    /* point, spot */
+    sl_vec3 direction;   /* unit, the way the light travels: spot axis, directional */
+    sl_rgb intensity;    /* point, spot: radiant intensity I in W/sr; directional: irradiance E in W/m^2 on a plane facing it */
+    float cos_inner, cos_outer; /* spot: full intensity inside, none outside, smoothstep of the cosine between; equal: a step */
+} sl_light;
+
+typedef struct sl_emitter {
+    uint32_t triangle;
+    float area;          /* > 0 */
+    sl_rgb radiance;
+    bool two_sided;
+} sl_emitter;
+
+/* Latitude-longitude radiance, or one constant where width is 0.
+ * direction = (sin theta sin phi, cos theta, -sin theta cos phi), phi = 2 pi (u - 1/2), theta = pi v, v = 0 the top row. */
+typedef struct sl_environment {
+    bool present;
+    sl_rgb constant;     /* where width = 0; scale included */
+    int width, height;
+    float *texels;       /* RGB, scale included; each texel is one constant piece of the sky */
+    /* Sampling proportional to luminance times solid angle: cumulative sums, double, normalised to end at 1. */
+    double *row_cdf;     /* height values */
+    double *column_cdf;  /* height x width values */
+} sl_environment;
+
+typedef struct sl_camera {
+    sl_vec3 eye;
+    sl_vec3 right, up, back; /* orthonormal; looks along -back */
+    float vertical_fov;      /* radians */
+} sl_camera;
+
+typedef struct sl_animation sl_animation; /* keyframes of camera, objects and lights: scene/animation.h */
+
+struct sl_scene {
+    uint64_t version;     /* raised by every edit */
+
+    size_t vertex_count;
+    float *position_x, *position_y, *position_z;
+    float *normal_x, *normal_y, *normal_z; /* unit shading normals */
+    float *texture_u, *texture_v;
+
+    size_t triangle_count;
+    uint32_t *vertex[3];        /* corner indices */
+    uint32_t *material_index;
+    uint32_t *object_index;     /* into objects */
+    float *geometric_normal_x, *geometric_normal_y, *geometric_normal_z; /* unit, by counter-clockwise winding */
+
+    size_t material_count;
+    sl_material *materials;
+    size_t texture_count;
+    sl_texture *textures;
+    size_t light_count;
+    sl_light *lights;
+    size_t emitter_count;
+    sl_emitter *emitters;       /* in triangle order */
+    uint32_t *emitter_of_triangle; /* triangle_count, or SL_NO_INDEX */
+    sl_environment environment;
+
+    sl_camera camera;
+    int film_width, film_height;
+
+    size_t object_count;
+    char **object_names;
+    sl_animation *animation;    /* NULL: nothing moves */
+
+    sl_vec3 box_min, box_max;
+    float diagonal;             /* > 0 */
+
+    size_t warning_count;
+    char **warnings;
+};
+
+static inline sl_vec3 sl_scene_position(const sl_scene *s, uint32_t vertex) {
+    return sl_v3(s->position_x[vertex], s->position_y[vertex], s->position_z[vertex]);
+}
+static inline sl_vec3 sl_scene_normal(const sl_scene *s, uint32_t vertex) {
+    return sl_v3(s->normal_x[vertex], s->normal_y[vertex], s->normal_z[vertex]);
+}
+static inline sl_vec3 sl_scene_geometric_normal(const sl_scene *s, uint32_t triangle) {
+    return sl_v3(s->geometric_normal_x[triangle], s->geometric_normal_y[triangle], s->geometric_normal_z[triangle]);
+}
+/* What a surface point is made of, for one triangle and barycentric weights (w1, w2) of corners 1 and 2. */
+typedef struct sl_surface {
+    sl_vec3 position;
+    sl_vec3 geometric_normal;   /* turned to the viewer's side */
+    sl_vec3 normal;             /* shading normal, flipped into the hemisphere of geometric_normal */
+    sl_rgb diffuse;             /* kd with its texture */
+    const sl_material *material;
+    bool front;                 /* seen from the counter-clockwise side */
+} sl_surface;
+
+/* to_viewer need not be unit. The one place where sides, flipping and textures are decided (scene/surface.c). */
+void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,
+                      sl_surface *surface);
+/* kd with texture alone; and whether the alpha mask is opaque there. */
+sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2);
+bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2);
+bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle); /* the triangle's material has an alpha mask */
+
+/* Radiance of the environment in a unit direction; black where there is none. */
+sl_rgb sl_environment_radiance(const sl_environment *environment, sl_vec3 direction);
+/* A direction drawn proportional to luminance x solid angle from two numbers in [0,1); its radiance and pdf (1/sr). */
+sl_vec3 sl_environment_sample(const sl_environment *environment, float u1, float u2, sl_rgb *radiance, float *pdf);
+float sl_environment_pdf(const sl_environment *environment, sl_vec3 direction);
+
+/* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for directional)
+ * and the irradiance on a plane that faces it. Returns false where that is zero. */
+bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance, sl_rgb *irradiance);
+
+/* ---- building (used by the importers and by tests that make scenes by hand) ---- */
+
+/* A scene from plain arrays: takes ownership of nothing, copies everything. Validates as sl_scene_load() does: drops triangles
+ * with non-finite or out-of-range vertices and zero area (with a warning), computes missing normals, emitters, bounds. */
+typedef struct sl_scene_parts {
+    size_t vertex_count;
+    const float *positions;      /* xyz */
+    const float *normals;        /* xyz, or NULL; (0,0,0) or non-finite: computed from the geometry */
+    const float *texture_coordinates; /* uv, or NULL */
+    size_t triangle_count;
+    const uint32_t *indices;     /* three a triangle */
+    const uint32_t *material_index; /* one a triangle, or NULL: all 0 */
+    const uint32_t *object_index;   /* or NULL: all 0 */
+    size_t material_count;
+    const sl_material *materials;
+    size_t texture_count;
+    const sl_texture *textures;
+    size_t light_count;
+    const sl_light *lights;
+    const sl_environment *environment; /* CDFs are made here; NULL: none */
+    const sl_camera *camera;     /* or NULL: framed */
+    int film_width, film_height; /* 0: 512 */
+    bool default_light;          /* if nothing gives light, add the stated default */
+} sl_scene_parts;
+
+sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error);
+__attribute__((format(printf, 2, 3))) void sl_scene_warn(sl_scene *scene, const char *format, ...);
+bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 up, float vertical_fov);
+
+#endif

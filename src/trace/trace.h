@@ -1,0 +1,86 @@
+/* Rays. Embree (3 or 4, behind trace/embree.h) builds the hierarchy and walks it; our own packet test decides what is hit:
+ * antisymmetric edge functions (watertight), a hit only inside the triangle's own box, lower triangle index on a tie. So hits
+ * are the same bits on every instruction set and in every packet shape. */
+#ifndef SL_TRACE_TRACE_H
+#define SL_TRACE_TRACE_H
+
+#include "scene/scene.h"
+
+typedef struct sl_tracer sl_tracer;
+
+/* The scene must outlive it. embree_config: as rtcNewDevice takes it ("isa=sse2"), or NULL; threads for the build. */
+sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config, sl_tracer **tracer,
+                           sl_error *error);
+void sl_tracer_destroy(sl_tracer *tracer);
+size_t sl_tracer_memory_bytes(const sl_tracer *tracer);
+
+enum { SL_PACKET = 16 };
+
+typedef struct sl_ray16 {
+    _Alignas(64) float origin_x[SL_PACKET], origin_y[SL_PACKET], origin_z[SL_PACKET];
+    float direction_x[SL_PACKET], direction_y[SL_PACKET], direction_z[SL_PACKET]; /* any length > 0; distances are in its units */
+    float near[SL_PACKET], far[SL_PACKET]; /* a hit counts for near < t < far; far may be infinite */
+    uint32_t skip[SL_PACKET]; /* a triangle that is not hit (the ray's own), or SL_NO_INDEX */
+} sl_ray16;
+
+typedef struct sl_hit16 {
+    _Alignas(64) float t[SL_PACKET];
+    float w1[SL_PACKET], w2[SL_PACKET]; /* barycentric weights of corners 1 and 2 */
+    uint32_t triangle[SL_PACKET];       /* SL_NO_INDEX: nothing */
+} sl_hit16;
+
+/* Closest hits of rays [0, count), count <= 16. Alpha masks are tested. coherent: a hint only, the bits are the same. */
+void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent, sl_hit16 *hits,
+              sl_counters *counters);
+/* Bit i set: something lies between near and far of ray i. */
+uint32_t sl_trace_occluded(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent,
+                           sl_counters *counters);
+
+/* ---- light, shared by the path tracer and the methods that trace ---- */
+
+/* A distribution over the scene's emitters, lights and environment, chosen in proportion to power. */
+typedef struct sl_light_sampler sl_light_sampler;
+sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **sampler, sl_error *error);
+void sl_light_sampler_destroy(sl_light_sampler *sampler);
+
+typedef struct sl_light_sample {
+    sl_vec3 to_light;    /* unit */
+    float distance;      /* infinite for directional lights and the environment */
+    sl_rgb radiance;     /* radiance over pdf-in-solid-angle for lights with extent; for delta lights irradiance on a facing
+                            plane over the probability. So E += radiance * max(0, n . to_light) where unoccluded. */
+    float pdf;           /* solid angle, selection included; 0: a delta light, not hit by chance */
+    uint32_t triangle;   /* the emitter's triangle, or SL_NO_INDEX */
+} sl_light_sample;
+
+/* One sample from three numbers in [0,1). False: contributes nothing. Only emitters' fronts shine (unless two-sided). */
+bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
+                             sl_light_sample *sample);
+/* Solid-angle pdf with which the sampler would have made the direction that hit this emitter (or the environment: triangle
+ * SL_NO_INDEX) from p. */
+float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
+                           float distance);
+
+/* ---- the reference path tracer ---- */
+
+typedef struct sl_path_tracer sl_path_tracer;
+
+typedef struct sl_path_settings {
+    int width, height;
+    unsigned threads;
+    uint64_t seed;
+    sl_transport transport; /* filter must be BOX or CENTRE */
+} sl_path_settings;
+
+sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, const sl_path_settings *settings,
+                                sl_path_tracer **path, sl_error *error);
+void sl_path_tracer_destroy(sl_path_tracer *path);
+/* One more sample for every pixel, sample number `sample` (0, 1, 2, ...). */
+sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters, sl_error *error);
+/* Means so far: R, G, B planes of width*height, row 0 at the top, each may be NULL. Half 0 and 1: the even and odd samples
+ * alone, two independent pictures whose difference is the noise; -1: all. */
+void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b);
+/* Radiance along given rays instead of a film: for tests with closed forms and for gathers. radiance: count values. */
+void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count, uint64_t stream,
+                             uint64_t sample, sl_rgb *radiance, sl_counters *counters);
+
+#endif
