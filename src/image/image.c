@@ -1,0 +1,128 @@
+/* The image itself: planes of floats with names, and strings that say where they came from. */
+#include "softlux.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* 2^31 floats are 8 GiB: what is larger is a mistake in the caller or a damaged file, not a picture. */
+static const uint64_t most_values = (uint64_t)1 << 31;
+
+static const char *default_channel_name(int channels, int channel) {
+    static const char *const rgb[3] = {"R", "G", "B"};
+    if (channels == 1) return "Y";
+    return channels == 3 ? rgb[channel] : NULL;
+}
+
+static sl_status check_size(int width, int height, int channels, sl_error *error) {
+    if (width < 1 || height < 1 || channels < 1) {
+        return sl_fail(error, SL_ERROR_USAGE, "an image cannot be %d x %d pixels with %d channels", width, height, channels);
+    }
+    uint64_t pixels = (uint64_t)width * (uint64_t)height;
+    if (pixels > most_values / (uint64_t)channels) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "an image of %d x %d pixels with %d channels is too large", width, height,
+                       channels);
+    }
+    return SL_OK;
+}
+
+static sl_status name_channels(sl_image *image, const char *const *names, sl_error *error) {
+    for (int c = 0; c < image->channels; c++) {
+        const char *name = names ? names[c] : default_channel_name(image->channels, c);
+        if (!name) return sl_fail(error, SL_ERROR_USAGE, "an image of %d channels needs their names", image->channels);
+        size_t length = strlen(name);
+        if (length == 0 || length >= SL_CHANNEL_NAME_MAX) {
+            return sl_fail(error, SL_ERROR_USAGE, "a channel name has 1 to %d bytes, '%s' has %zu", SL_CHANNEL_NAME_MAX - 1,
+                           name, length);
+        }
+        for (int other = 0; other < c; other++) {
+            if (strcmp(image->channel_name[other], name) == 0) {
+                return sl_fail(error, SL_ERROR_USAGE, "two channels are called '%s'", name);
+            }
+        }
+        memcpy(image->channel_name[c], name, length + 1);
+    }
+    return SL_OK;
+}
+
+sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names, sl_image **image,
+                          sl_error *error) {
+    *image = NULL;
+    sl_status status = check_size(width, height, channels, error);
+    if (status != SL_OK) return status;
+    sl_image *created = sl_allocate(1, sizeof *created);
+    if (!created) return sl_fail_memory(error, "an image");
+    created->width = width;
+    created->height = height;
+    created->channels = channels;
+    created->channel_name = sl_allocate((size_t)channels, sizeof *created->channel_name);
+    created->planes = sl_allocate((size_t)width * (size_t)height * (size_t)channels, sizeof *created->planes);
+    if (!created->channel_name || !created->planes) status = sl_fail_memory(error, "an image");
+    else status = name_channels(created, channel_names, error);
+    if (status != SL_OK) {
+        sl_image_destroy(created);
+        return status;
+    }
+    *image = created;
+    return SL_OK;
+}
+
+void sl_image_destroy(sl_image *image) {
+    if (!image) return;
+    for (size_t i = 0; i < image->metadata_count; i++) free(image->metadata[i].value);
+    free(image->metadata);
+    sl_free(image->channel_name);
+    sl_free(image->planes);
+    sl_free(image);
+}
+
+float *sl_image_channel(const sl_image *image, const char *name) {
+    size_t plane = (size_t)image->width * (size_t)image->height;
+    for (int c = 0; c < image->channels; c++) {
+        if (strcmp(image->channel_name[c], name) == 0) return image->planes + (size_t)c * plane;
+    }
+    return NULL;
+}
+
+static sl_metadatum *find_metadatum(const sl_image *image, const char *key) {
+    for (size_t i = 0; i < image->metadata_count; i++) {
+        if (strcmp(image->metadata[i].key, key) == 0) return &image->metadata[i];
+    }
+    return NULL;
+}
+
+sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error) {
+    size_t key_length = strlen(key), value_length = strlen(value);
+    if (key_length == 0 || key_length >= SL_METADATA_KEY_MAX) {
+        return sl_fail(error, SL_ERROR_USAGE, "a metadata key has 1 to %d bytes, '%s' has %zu", SL_METADATA_KEY_MAX - 1, key,
+                       key_length);
+    }
+    char *copy = malloc(value_length + 1);
+    if (!copy) return sl_fail_memory(error, "metadata");
+    memcpy(copy, value, value_length + 1);
+    sl_metadatum *datum = find_metadatum(image, key);
+    if (datum) {
+        free(datum->value);
+        datum->value = copy;
+        return SL_OK;
+    }
+    sl_metadatum *grown = realloc(image->metadata, (image->metadata_count + 1) * sizeof *grown);
+    if (!grown) {
+        free(copy);
+        return sl_fail_memory(error, "metadata");
+    }
+    image->metadata = grown;
+    datum = &grown[image->metadata_count++];
+    memset(datum, 0, sizeof *datum);
+    memcpy(datum->key, key, key_length + 1);
+    datum->value = copy;
+    return SL_OK;
+}
+
+const char *sl_image_metadata(const sl_image *image, const char *key) {
+    const sl_metadatum *datum = find_metadatum(image, key);
+    return datum ? datum->value : NULL;
+}
