@@ -1,0 +1,51 @@
+/* softlux: the program. Each subcommand has a file of its own. */
+#include "app/commands.h"
+#include "app/options.h"
+#include "softlux.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} commands[] = {
+    {"render", sl_command_render, "compute a picture of a scene"},
+    {"compare", sl_command_compare, "error metrics between two pictures; exit status for golden-image tests"},
+    {"info", sl_command_info, "what is in a scene, and what a method would do with it"},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+static void print_help(FILE *out) {
+    fprintf(out, "usage: softlux COMMAND ...\n\n"
+                 "Global illumination of triangle scenes on a CPU: deterministic, without a GPU.\n\ncommands:\n");
+    for (size_t i = 0; i < COMMANDS; i++) fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+    fprintf(out, "\n`softlux COMMAND --help` tells more; `softlux --version` prints the version.\n"
+                 "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources.\n\n"
+                 "example: softlux render scenes/cornell.json -o cornell.png\n");
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        print_help(stderr);
+        return SL_ERROR_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        print_help(stdout);
+        return 0;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("softlux %s\n", SL_VERSION);
+        return 0;
+    }
+    const char *names[COMMANDS];
+    for (size_t i = 0; i < COMMANDS; i++) {
+        names[i] = commands[i].name;
+        if (strcmp(argv[1], names[i]) == 0) return commands[i].run(argc - 2, argv + 2);
+    }
+    const char *near = sl_nearest_word(argv[1], names, COMMANDS);
+    fprintf(stderr, "softlux: unknown command '%s'%s%s; see softlux --help\n", argv[1], near ? "; did you mean " : "",
+            near ? near : "");
+    return SL_ERROR_USAGE;
+}

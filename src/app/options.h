@@ -1,0 +1,47 @@
+/* Command lines from tables: `--name value`, `--name=value`, `-n value`, flags, `--` and operands in any order; `--help` is
+ * printed from the same table, so that the two cannot disagree. */
+#ifndef SL_APP_OPTIONS_H
+#define SL_APP_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum sl_option_kind {
+    SL_OPTION_FLAG,    /* bool *: set to true */
+    SL_OPTION_TEXT,    /* const char **  */
+    SL_OPTION_REAL,    /* double *, finite, within [minimum, maximum] */
+    SL_OPTION_COUNT,   /* uint64_t *, decimal, within [minimum, maximum] */
+    SL_OPTION_CHOICE,  /* int *: the index into choices */
+    SL_OPTION_SIZE     /* int[2]: WxH, each 1 to 32768 */
+} sl_option_kind;
+
+typedef struct sl_option {
+    const char *name;           /* without the dashes */
+    char letter;                /* short form, or 0 */
+    sl_option_kind kind;
+    void *value;
+    bool *given;                /* set to true where the option occurs; or NULL */
+    const char *metavar;        /* "N"; NULL for flags */
+    const char *help;           /* one line; ends with the default in brackets where there is one */
+    double minimum, maximum;    /* REAL and COUNT; both 0: no bounds but the type's */
+    const char *const *choices; /* CHOICE: NULL-terminated */
+} sl_option;
+
+typedef struct sl_command_line {
+    const char *usage;        /* "softlux render SCENE -o FILE [options]" */
+    const char *summary;      /* what it does: printed under the usage */
+    const char *details;      /* printed under the options; or NULL */
+    const sl_option *options; /* ends with a NULL name */
+    int operands_min, operands_max;
+} sl_command_line;
+
+/* Parses argv[0..argc). operands receives up to operands_max strings. Returns true to go on; otherwise *status is the exit status
+ * (0 after --help, 2 after a mistake, which has been described on stderr in one line). */
+bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands, int *operand_count,
+                      int *status);
+
+/* The candidate nearest to a misspelt word by edit distance, or NULL if none is near. */
+const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count);
+
+#endif
