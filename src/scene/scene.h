@@ -152,7 +152,9 @@ bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, fl
 /* ---- building (used by the importers and by tests that make scenes by hand) ---- */
 
 /* A scene from plain arrays: takes ownership of nothing, copies everything. Validates as sl_scene_load() does: drops triangles
- * with non-finite or out-of-range vertices and zero area (with a warning), computes missing normals, emitters, bounds. */
+ * with non-finite or out-of-range vertices and zero area (with a warning), computes emitters and bounds. Vertices come out in
+ * the order of their first use. A corner without a normal gets its facet's geometric normal, and with it a vertex of its own, so
+ * that facets stay facets. */
 typedef struct sl_scene_parts {
     size_t vertex_count;
     const float *positions;      /* xyz */
@@ -172,6 +174,8 @@ typedef struct sl_scene_parts {
     const sl_camera *camera;     /* or NULL: framed */
     int film_width, film_height; /* 0: 512 */
     bool default_light;          /* if nothing gives light, add the stated default */
+    size_t object_count;         /* 0: as many as object_index names */
+    const char *const *object_names; /* object_count, or NULL */
 } sl_scene_parts;
 
 sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error);

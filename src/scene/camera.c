@@ -1,0 +1,50 @@
+/* Cameras: an orthonormal frame from eye, target and up; and the framed one of a file that brings none. */
+#include <math.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "scene/derive.h"
+
+bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 up, float vertical_fov) {
+    if (!(vertical_fov > 0.0f) || !(vertical_fov < (float)SL_PI)) return false;
+    if (!sl_is_finite(eye) || !sl_is_finite(target) || !sl_is_finite(up)) return false;
+    sl_vec3d back = sl_subd(sl_to_double(eye), sl_to_double(target));
+    double distance = sl_lengthd(back), up_length = sl_lengthd(sl_to_double(up));
+    if (!(distance > 0.0) || !(up_length > 0.0)) return false;
+    back = sl_scaled(back, 1.0 / distance);
+    sl_vec3d right = sl_crossd(sl_scaled(sl_to_double(up), 1.0 / up_length), back);
+    double sine = sl_lengthd(right); /* of the angle between up and the view direction */
+    if (!(sine > 1e-6)) return false;
+    right = sl_scaled(right, 1.0 / sine);
+    *camera = (sl_camera){eye, sl_to_float(right), sl_to_float(sl_crossd(back, right)), sl_to_float(back), vertical_fov};
+    return true;
+}
+
+/* The sphere around the box just fits the narrower side of the film. */
+sl_camera sl_camera_framed(const sl_scene *scene) {
+    const double tangent = 0.41421356237309503; /* of half of 45 degrees */
+    const float fov = 0.78539816339744828f;
+    double aspect = (double)scene->film_width / (double)scene->film_height;
+    double narrow = aspect < 1.0 ? tangent * aspect : tangent;
+    double sine = narrow / sqrt(1.0 + narrow * narrow);
+    double distance = 0.5 * (double)scene->diagonal / sine;
+    sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max);
+    sl_vec3d centre = sl_scaled(sl_addd(low, high), 0.5);
+    sl_vec3d outwards = sl_scaled(sl_v3d(0.0, 0.25, 1.0), 1.0 / sqrt(1.0625));
+    sl_vec3 eye = sl_to_float(sl_addd(centre, sl_scaled(outwards, distance)));
+    sl_camera camera = {eye, sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), fov};
+    /* A scene so small beside its distance from the origin that eye and centre round to the same point keeps the plain frame. */
+    sl_camera_look_at(&camera, eye, sl_to_float(centre), sl_v3(0, 1, 0), fov);
+    return camera;
+}
+
+sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
+                              float vertical_fov_rad, sl_error *error) {
+    if (!sl_camera_look_at(&scene->camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
+                           sl_v3(up[0], up[1], up[2]), vertical_fov_rad)) {
+        return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view "
+                                              "and a vertical field of view between 0 and 180 degrees");
+    }
+    scene->version++;
+    return SL_OK;
+}

@@ -1,0 +1,73 @@
+#include "scene/derive.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+bool sl_triangle_cross(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3d *cross) {
+    sl_vec3d origin = sl_to_double(a);
+    *cross = sl_crossd(sl_subd(sl_to_double(b), origin), sl_subd(sl_to_double(c), origin));
+    double length_squared = sl_dotd(*cross, *cross);
+    return length_squared > 0.0 && isfinite(length_squared);
+}
+
+static void derive_bounds(sl_scene *scene) {
+    sl_vec3 low = sl_v3(FLT_MAX, FLT_MAX, FLT_MAX), high = sl_v3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
+    for (size_t v = 0; v < scene->vertex_count; v++) {
+        sl_vec3 p = sl_scene_position(scene, (uint32_t)v);
+        low = sl_v3(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
+        high = sl_v3(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
+    }
+    scene->box_min = low;
+    scene->box_max = high;
+    double diagonal = sl_lengthd(sl_subd(sl_to_double(high), sl_to_double(low)));
+    scene->diagonal = (float)fmin(fmax(diagonal, (double)FLT_MIN), (double)FLT_MAX);
+}
+
+size_t sl_scene_derive(sl_scene *scene) {
+    size_t without_area = 0;
+    scene->emitter_count = 0;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        sl_vec3d cross;
+        bool has_area = sl_triangle_cross(sl_scene_position(scene, scene->vertex[0][t]),
+                                          sl_scene_position(scene, scene->vertex[1][t]),
+                                          sl_scene_position(scene, scene->vertex[2][t]), &cross);
+        double length = has_area ? sl_lengthd(cross) : 0.0;
+        if (has_area) {
+            sl_vec3 normal = sl_to_float(sl_scaled(cross, 1.0 / length));
+            scene->geometric_normal_x[t] = normal.x;
+            scene->geometric_normal_y[t] = normal.y;
+            scene->geometric_normal_z[t] = normal.z;
+        }
+        scene->emitter_of_triangle[t] = SL_NO_INDEX;
+        const sl_material *material = &scene->materials[scene->material_index[t]];
+        if (!sl_material_is_emitter(material)) continue;
+        float area = (float)(0.5 * length);
+        if (!(area > 0.0f) || !isfinite(area)) {
+            without_area++;
+            continue;
+        }
+        scene->emitter_of_triangle[t] = (uint32_t)scene->emitter_count;
+        scene->emitters[scene->emitter_count++] =
+            (sl_emitter){(uint32_t)t, area, material->emission, material->emission_two_sided};
+    }
+    derive_bounds(scene);
+    return without_area;
+}
+
+sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
+    size_t emissive = 0;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        emissive += sl_material_is_emitter(&scene->materials[scene->material_index[t]]);
+    }
+    scene->emitters = sl_allocate(emissive, sizeof *scene->emitters);
+    scene->emitter_of_triangle = sl_allocate(scene->triangle_count, sizeof *scene->emitter_of_triangle);
+    if (!scene->emitters || !scene->emitter_of_triangle) return sl_fail_memory(error, "the scene's emitters");
+    size_t without_area = sl_scene_derive(scene);
+    if (without_area) {
+        sl_scene_warn(scene, "%zu emissive triangles are too small (or too large) to have an area and give no light", without_area);
+    }
+    return SL_OK;
+}

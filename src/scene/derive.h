@@ -1,0 +1,30 @@
+/* What follows from the triangles, and is computed again whenever they move: geometric normals, emitters, bounds. */
+#ifndef SL_SCENE_DERIVE_H
+#define SL_SCENE_DERIVE_H
+
+#include "scene/scene.h"
+
+/* The geometric normal times twice the area, in double, so that slivers keep a direction. False where the triangle has no
+ * area at all or is not finite. */
+bool sl_triangle_cross(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3d *cross);
+
+/* Room for every triangle of an emissive material, then sl_scene_derive(). */
+sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error);
+/* Normals (a triangle that lost its area keeps the normal it had), emitters (only those with an area; returns how many emissive
+ * triangles have none) and bounds. Allocates nothing. */
+size_t sl_scene_derive(sl_scene *scene);
+
+/* The picture of the whole scene that a file without a camera gets: from outside, a little above, along -z. */
+sl_camera sl_camera_framed(const sl_scene *scene);
+
+/* Copies what the environment holds, clears what is not light, and makes the sums that sampling needs. */
+sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired, sl_error *error);
+void sl_environment_release(sl_environment *environment);
+
+/* Checks and repairs what a scene says of its surfaces and lights; failing is an input error that names the culprit. */
+sl_status sl_materials_check(sl_scene *scene, sl_error *error);
+sl_status sl_lights_check(sl_scene *scene, sl_error *error);
+
+char *sl_string_copy(const char *text); /* NULL: ""; release with sl_free() */
+
+#endif

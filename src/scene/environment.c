@@ -1,0 +1,173 @@
+/* The sky: a latitude-longitude picture, every texel one constant piece of the sphere, or one constant radiance.
+ *
+ * Sampling draws a texel with probability proportional to luminance times solid angle, first its row, then its column, by
+ * inverting the cumulative sums; inside the texel directions are uniform. So pdf = P(texel) / solid angle of the texel. */
+#include <math.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "scene/derive.h"
+
+/* Cosine of the polar angle at the upper edge of a row. */
+static double row_edge(const sl_environment *e, int row) { return sl_cos(SL_PI * (double)row / (double)e->height); }
+
+static double texel_solid_angle(const sl_environment *e, int row) {
+    return 2.0 * SL_PI / (double)e->width * (row_edge(e, row) - row_edge(e, row + 1));
+}
+
+static sl_rgb texel_radiance(const sl_environment *e, int row, int column) {
+    const float *t = e->texels + 3 * ((size_t)row * (size_t)e->width + (size_t)column);
+    return (sl_rgb){t[0], t[1], t[2]};
+}
+
+/* ---- making --------------------------------------------------------------------------------------------------------- */
+
+static double cumulate(double *sums, int count) {
+    double total = 0.0;
+    for (int i = 0; i < count; i++) sums[i] = total += sums[i];
+    return total;
+}
+
+/* Scales to end at exactly 1; a row without light is never chosen, so its sums only have to be valid. */
+static void normalize_sums(double *sums, int count, double total) {
+    for (int i = 0; i < count; i++) sums[i] = total > 0.0 ? sums[i] / total : (double)(i + 1) / (double)count;
+    sums[count - 1] = 1.0;
+}
+
+static void make_sums(sl_environment *e) {
+    for (int row = 0; row < e->height; row++) {
+        double *columns = e->column_cdf + (size_t)row * (size_t)e->width;
+        for (int column = 0; column < e->width; column++) columns[column] = (double)sl_luminance(texel_radiance(e, row, column));
+        double light = cumulate(columns, e->width);
+        normalize_sums(columns, e->width, light);
+        e->row_cdf[row] = light * texel_solid_angle(e, row);
+    }
+    normalize_sums(e->row_cdf, e->height, cumulate(e->row_cdf, e->height));
+}
+
+static bool is_light(float value) { return value >= 0.0f && isfinite(value); }
+
+/* A texel that is negative or not finite is no radiance: it becomes black. */
+static size_t clear_what_is_not_light(sl_environment *e, bool *any) {
+    size_t cleared = 0;
+    for (size_t i = 0; i < 3 * (size_t)e->width * (size_t)e->height; i++) {
+        if (!is_light(e->texels[i])) {
+            e->texels[i] = 0.0f;
+            cleared++;
+        }
+        *any |= e->texels[i] > 0.0f;
+    }
+    return cleared;
+}
+
+sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired, sl_error *error) {
+    *to = (sl_environment){.present = from->present, .constant = from->constant, .width = from->width, .height = from->height};
+    *repaired = 0;
+    if (!from->present) {
+        *to = (sl_environment){0};
+        return SL_OK;
+    }
+    if (from->width == 0) {
+        if (!is_light(from->constant.r) || !is_light(from->constant.g) || !is_light(from->constant.b)) {
+            return sl_fail(error, SL_ERROR_INPUT, "environment: expected a finite radiance of at least 0");
+        }
+        to->height = 0;
+        to->present = sl_rgb_max(from->constant) > 0.0f;
+        return SL_OK;
+    }
+    if (from->width < 0 || from->height <= 0 || !from->texels) {
+        return sl_fail(error, SL_ERROR_INPUT, "environment: expected a picture, got %d x %d texels", from->width, from->height);
+    }
+    size_t texels = (size_t)from->width * (size_t)from->height;
+    to->texels = sl_allocate(3 * texels, sizeof(float));
+    to->row_cdf = sl_allocate((size_t)from->height, sizeof(double));
+    to->column_cdf = sl_allocate(texels, sizeof(double));
+    if (!to->texels || !to->row_cdf || !to->column_cdf) return sl_fail_memory(error, "the environment");
+    memcpy(to->texels, from->texels, 3 * texels * sizeof(float));
+    bool any = false;
+    *repaired = clear_what_is_not_light(to, &any);
+    to->present = any;
+    make_sums(to);
+    return SL_OK;
+}
+
+void sl_environment_release(sl_environment *e) {
+    sl_free(e->texels);
+    sl_free(e->row_cdf);
+    sl_free(e->column_cdf);
+    *e = (sl_environment){0};
+}
+
+/* ---- looking up ------------------------------------------------------------------------------------------------------- */
+
+static int clamp_index(double position, int count) {
+    if (!(position > 0.0)) return 0;
+    return position < (double)count ? (int)position : count - 1;
+}
+
+/* direction = (sin theta sin phi, cos theta, -sin theta cos phi), phi = 2 pi (u - 1/2), theta = pi v. */
+static void texel_of(const sl_environment *e, sl_vec3 d, int *row, int *column) {
+    double u = sl_atan2((double)d.x, -(double)d.z) / (2.0 * SL_PI) + 0.5, v = sl_acos((double)d.y) / SL_PI;
+    *row = clamp_index(v * (double)e->height, e->height);
+    *column = clamp_index(u * (double)e->width, e->width);
+}
+
+sl_rgb sl_environment_radiance(const sl_environment *e, sl_vec3 direction) {
+    if (!e->present) return sl_grey(0.0f);
+    if (e->width == 0) return e->constant;
+    int row, column;
+    texel_of(e, direction, &row, &column);
+    return texel_radiance(e, row, column);
+}
+
+static double probability(const double *sums, int i) { return i > 0 ? sums[i] - sums[i - 1] : sums[0]; }
+
+static float texel_pdf(const sl_environment *e, int row, int column) {
+    double chance = probability(e->row_cdf, row) * probability(e->column_cdf + (size_t)row * (size_t)e->width, column);
+    return (float)(chance / texel_solid_angle(e, row));
+}
+
+float sl_environment_pdf(const sl_environment *e, sl_vec3 direction) {
+    if (!e->present) return 0.0f;
+    if (e->width == 0) return (float)(0.25 / SL_PI);
+    int row, column;
+    texel_of(e, direction, &row, &column);
+    return texel_pdf(e, row, column);
+}
+
+/* ---- sampling ----------------------------------------------------------------------------------------------------------- */
+
+/* The first i with u < sums[i]; *within: where u lies in that interval, in [0,1). */
+static int invert(const double *sums, int count, double u, double *within) {
+    int low = 0, high = count - 1;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (u < sums[middle]) high = middle;
+        else low = middle + 1;
+    }
+    double start = low > 0 ? sums[low - 1] : 0.0, width = sums[low] - start;
+    *within = width > 0.0 ? fmin(fmax((u - start) / width, 0.0), 1.0) : 0.5;
+    return low;
+}
+
+static sl_vec3 direction_at(double u, double cosine) {
+    double sine = sqrt(fmax(0.0, 1.0 - cosine * cosine)), phi = 2.0 * SL_PI * (u - 0.5);
+    return sl_to_float(sl_v3d(sine * sl_sin(phi), cosine, -sine * sl_cos(phi)));
+}
+
+sl_vec3 sl_environment_sample(const sl_environment *e, float u1, float u2, sl_rgb *radiance, float *pdf) {
+    if (!e->present || e->width == 0) {
+        *radiance = e->present ? e->constant : sl_grey(0.0f);
+        *pdf = e->present ? (float)(0.25 / SL_PI) : 0.0f;
+        return direction_at((double)u2, 1.0 - 2.0 * (double)u1);
+    }
+    double down, across;
+    int row = invert(e->row_cdf, e->height, (double)u1, &down);
+    int column = invert(e->column_cdf + (size_t)row * (size_t)e->width, e->width, (double)u2, &across);
+    *radiance = texel_radiance(e, row, column);
+    *pdf = texel_pdf(e, row, column);
+    double top = row_edge(e, row), bottom = row_edge(e, row + 1); /* uniform in the cosine is uniform in solid angle */
+    return direction_at(((double)column + across) / (double)e->width, top + down * (bottom - top));
+}

@@ -1,0 +1,157 @@
+/* A scene's life after it is built: what it says of itself, its hash, its end. */
+#include "scene/scene.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/random.h"
+#include "scene/derive.h"
+
+size_t sl_scene_warning_count(const sl_scene *scene) { return scene->warning_count; }
+const char *sl_scene_warning(const sl_scene *scene, size_t index) {
+    return index < scene->warning_count ? scene->warnings[index] : NULL;
+}
+size_t sl_scene_triangle_count(const sl_scene *scene) { return scene->triangle_count; }
+void sl_scene_film(const sl_scene *scene, int *width, int *height) {
+    *width = scene->film_width;
+    *height = scene->film_height;
+}
+
+char *sl_string_copy(const char *text) {
+    if (!text) text = "";
+    size_t length = strlen(text);
+    char *copy = sl_allocate(length + 1, 1);
+    if (copy) memcpy(copy, text, length);
+    return copy;
+}
+
+/* Grows the list by one. Without memory for it the warning is lost, never the scene. */
+void sl_scene_warn(sl_scene *scene, const char *format, ...) {
+    char line[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    for (char *c = line; *c; c++) {
+        if (*c == '\n' || *c == '\r') *c = ' ';
+    }
+    char **list = sl_allocate(scene->warning_count + 1, sizeof *list);
+    char *copy = sl_string_copy(line);
+    if (!list || !copy) {
+        sl_free(list);
+        sl_free(copy);
+        return;
+    }
+    if (scene->warning_count) memcpy(list, scene->warnings, scene->warning_count * sizeof *list);
+    list[scene->warning_count++] = copy;
+    sl_free(scene->warnings);
+    scene->warnings = list;
+}
+
+/* ---- the end ------------------------------------------------------------------------------------------------------------ */
+
+static void free_strings(char **strings, size_t count) {
+    for (size_t i = 0; strings && i < count; i++) sl_free(strings[i]);
+    sl_free(strings);
+}
+
+static void free_geometry(sl_scene *s) {
+    float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x, s->normal_y, s->normal_z, s->texture_u,
+                       s->texture_v, s->geometric_normal_x, s->geometric_normal_y, s->geometric_normal_z};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) sl_free(arrays[i]);
+    for (int c = 0; c < 3; c++) sl_free(s->vertex[c]);
+    sl_free(s->material_index);
+    sl_free(s->object_index);
+    sl_free(s->emitters);
+    sl_free(s->emitter_of_triangle);
+}
+
+void sl_scene_destroy(sl_scene *scene) {
+    if (!scene) return;
+    free_geometry(scene);
+    for (size_t i = 0; scene->materials && i < scene->material_count; i++) sl_free(scene->materials[i].name);
+    sl_free(scene->materials);
+    for (size_t i = 0; scene->textures && i < scene->texture_count; i++) {
+        sl_free(scene->textures[i].file);
+        sl_free(scene->textures[i].texels);
+    }
+    sl_free(scene->textures);
+    sl_free(scene->lights);
+    sl_environment_release(&scene->environment);
+    free_strings(scene->object_names, scene->object_count);
+    free_strings(scene->warnings, scene->warning_count);
+    sl_free(scene);
+}
+
+/* ---- the hash ------------------------------------------------------------------------------------------------------------- */
+
+/* Words of eight bytes, each mixed into the state; the length closes, so that lists cannot run into each other. */
+static void hash_bytes(uint64_t *hash, const void *data, size_t bytes) {
+    const unsigned char *at = data;
+    for (size_t i = 0; i < bytes; i += 8) {
+        uint64_t word = 0;
+        memcpy(&word, at + i, bytes - i < 8 ? bytes - i : 8);
+        *hash = sl_hash64(*hash ^ word);
+    }
+    *hash = sl_hash64(*hash ^ bytes);
+}
+
+static void hash_rgb(uint64_t *hash, sl_rgb c) { hash_bytes(hash, (float[3]){c.r, c.g, c.b}, 3 * sizeof(float)); }
+static void hash_vec3(uint64_t *hash, sl_vec3 v) { hash_bytes(hash, (float[3]){v.x, v.y, v.z}, 3 * sizeof(float)); }
+
+static void hash_geometry(uint64_t *hash, const sl_scene *s) {
+    const float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x, s->normal_y, s->normal_z,
+                             s->texture_u, s->texture_v};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) hash_bytes(hash, arrays[i], s->vertex_count * sizeof(float));
+    for (int c = 0; c < 3; c++) hash_bytes(hash, s->vertex[c], s->triangle_count * sizeof(uint32_t));
+    hash_bytes(hash, s->material_index, s->triangle_count * sizeof(uint32_t));
+}
+
+static void hash_material(uint64_t *hash, const sl_material *m) {
+    hash_rgb(hash, m->diffuse);
+    hash_rgb(hash, m->specular);
+    hash_bytes(hash, &m->exponent, sizeof m->exponent);
+    hash_rgb(hash, m->mirror);
+    hash_rgb(hash, m->emission);
+    hash_bytes(hash, (uint32_t[3]){m->emission_two_sided, m->texture, m->alpha_texture}, 3 * sizeof(uint32_t));
+}
+
+static void hash_light(uint64_t *hash, const sl_light *l) {
+    hash_bytes(hash, (uint32_t[1]){(uint32_t)l->type}, sizeof(uint32_t));
+    hash_vec3(hash, l->position);
+    hash_vec3(hash, l->direction);
+    hash_rgb(hash, l->intensity);
+    hash_bytes(hash, (float[2]){l->cos_inner, l->cos_outer}, 2 * sizeof(float));
+}
+
+static void hash_environment(uint64_t *hash, const sl_environment *e) {
+    hash_bytes(hash, (int32_t[3]){e->present, e->width, e->height}, 3 * sizeof(int32_t));
+    hash_rgb(hash, e->constant);
+    if (e->width > 0) hash_bytes(hash, e->texels, 3 * (size_t)e->width * (size_t)e->height * sizeof(float));
+}
+
+static void hash_camera(uint64_t *hash, const sl_camera *c) {
+    hash_vec3(hash, c->eye);
+    hash_vec3(hash, c->right);
+    hash_vec3(hash, c->up);
+    hash_vec3(hash, c->back);
+    hash_bytes(hash, &c->vertical_fov, sizeof c->vertical_fov);
+}
+
+uint64_t sl_scene_hash(const sl_scene *scene) {
+    uint64_t hash = 0x736f66746c7578u; /* "softlux" */
+    hash_geometry(&hash, scene);
+    for (size_t i = 0; i < scene->material_count; i++) hash_material(&hash, &scene->materials[i]);
+    for (size_t i = 0; i < scene->texture_count; i++) {
+        const sl_texture *t = &scene->textures[i];
+        hash_bytes(&hash, (int32_t[3]){t->width, t->height, t->has_alpha}, 3 * sizeof(int32_t));
+        hash_bytes(&hash, t->texels, 4 * (size_t)t->width * (size_t)t->height);
+    }
+    for (size_t i = 0; i < scene->light_count; i++) hash_light(&hash, &scene->lights[i]);
+    hash_environment(&hash, &scene->environment);
+    hash_camera(&hash, &scene->camera);
+    hash_bytes(&hash, (int32_t[2]){scene->film_width, scene->film_height}, 2 * sizeof(int32_t));
+    return hash;
+}

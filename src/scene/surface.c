@@ -1,0 +1,64 @@
+/* What a surface point is made of. Here alone it is decided which side is seen and which way normals point. */
+#include "scene/texture.h"
+
+/* Perspective plays no part: the weights are those of the point on the triangle itself. */
+static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
+    float first = values[corner[0]];
+    return first + w1 * (values[corner[1]] - first) + w2 * (values[corner[2]] - first);
+}
+
+static void corners_of(const sl_scene *scene, uint32_t triangle, uint32_t corner[3]) {
+    for (int i = 0; i < 3; i++) corner[i] = scene->vertex[i][triangle];
+}
+
+static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) {
+    return &scene->materials[scene->material_index[triangle]];
+}
+
+static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, const uint32_t corner[3], float w1, float w2) {
+    if (material->texture == SL_NO_INDEX) return material->diffuse;
+    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    return sl_rgb_mul(material->diffuse, sl_texture_color(&scene->textures[material->texture], u, v));
+}
+
+void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,
+                      sl_surface *surface) {
+    uint32_t corner[3];
+    corners_of(scene, triangle, corner);
+    surface->material = material_of(scene, triangle);
+    surface->diffuse = diffuse_at(scene, surface->material, corner, w1, w2);
+    surface->position = sl_v3(interpolate(scene->position_x, corner, w1, w2),
+                              interpolate(scene->position_y, corner, w1, w2),
+                              interpolate(scene->position_z, corner, w1, w2));
+
+    sl_vec3 geometric = sl_scene_geometric_normal(scene, triangle);
+    surface->front = !(sl_dot(geometric, to_viewer) < 0.0f); /* edge on counts as front */
+    if (!surface->front) geometric = sl_neg(geometric);
+    surface->geometric_normal = geometric;
+
+    sl_vec3 normal = sl_normalize_or(sl_v3(interpolate(scene->normal_x, corner, w1, w2),
+                                           interpolate(scene->normal_y, corner, w1, w2),
+                                           interpolate(scene->normal_z, corner, w1, w2)), geometric);
+    float agreement = sl_dot(normal, geometric);
+    if (agreement < 0.0f) normal = sl_neg(normal);
+    surface->normal = agreement != 0.0f ? normal : geometric; /* at right angles neither side is right */
+}
+
+sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
+    uint32_t corner[3];
+    corners_of(scene, triangle, corner);
+    return diffuse_at(scene, material_of(scene, triangle), corner, w1, w2);
+}
+
+bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle) {
+    return material_of(scene, triangle)->alpha_texture != SL_NO_INDEX;
+}
+
+bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
+    const sl_material *material = material_of(scene, triangle);
+    if (material->alpha_texture == SL_NO_INDEX) return true;
+    uint32_t corner[3];
+    corners_of(scene, triangle, corner);
+    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    return sl_texture_alpha(&scene->textures[material->alpha_texture], u, v) >= 0.5f;
+}

@@ -1,0 +1,12 @@
+/* Texture lookup: bilinear between texel centres, repeated in both directions, v = 0 at the bottom. */
+#ifndef SL_SCENE_TEXTURE_H
+#define SL_SCENE_TEXTURE_H
+
+#include "scene/scene.h"
+
+/* Linear colour: texels are decoded from sRGB before they are filtered. */
+sl_rgb sl_texture_color(const sl_texture *texture, float u, float v);
+/* The alpha channel, or where there is none the luminance of the bytes as they stand (a mask is data, not a colour). */
+float sl_texture_alpha(const sl_texture *texture, float u, float v);
+
+#endif
