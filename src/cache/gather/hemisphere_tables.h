@@ -17,6 +17,13 @@ double sl_border_cosine_weight(double t, double u0, double u1);
 /* Any cell bounded by great circles, corners counter-clockwise seen from outside (section 2.1). */
 sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count);
 double sl_cell_solid_angle(const sl_vec3d *corners, int count);
+/* Sum of omega d omega over the border extension of the outer edge (u0..u1, t): the cell from the edge down to the horizon. */
+sl_vec3d sl_border_vector(double t, double u0, double u1);
+/* How a wall between two cells moves (section 3.2). The wall is the arc from direction a to direction b; it is made by surfaces
+ * at depth 1 along the axis in whose units a and b are given. The vector g: displacing the receiver by delta gives the
+ * cosine weight g . delta to the cell on the right of a -> b (for one who looks along +z, x right and y up), taken from the
+ * cell on its left. */
+sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b);
 
 /* ---- truth for tests (section 8.1) ---- */
 

@@ -1,0 +1,57 @@
+/* The tables of an instrument: what every cell of its picture weighs, and how the walls between cells move with the receiver.
+ * Made once, in double; read by every gather.
+ *
+ * All three instruments are one regular grid of cells, width x height, kept flat (cell = y * width + x):
+ *   plane     N x N pixels of the plane at unit distance
+ *   hemicube  2N x 2N: the top in the middle, the upper halves of the four sides folded out around it; the four corner
+ *             blocks are blank
+ *   rays      N x N cells of the concentric map (cache-math 2.5)
+ * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width and i;
+ * walls that do not exist have the vector 0. */
+#ifndef SL_CACHE_GATHER_TABLES_H
+#define SL_CACHE_GATHER_TABLES_H
+
+#include <stdint.h>
+
+#include "cache/gather/gather.h"
+
+enum { SL_GATHER_LANES = 8 };
+
+/* A wall that the grid does not hold: side faces of the hemicube meet at azimuths of 45 degrees. */
+typedef struct sl_gather_seam {
+    uint32_t a, b;
+    float x, y;
+} sl_gather_seam;
+
+typedef struct sl_gather_tables {
+    sl_gather_kind kind;
+    int size, width, height;
+    size_t cells;  /* width * height */
+    size_t padded; /* rounded up to whole lanes; everything beyond `cells` is 0 */
+    size_t used;   /* cells that are not blank */
+    double weight_sum;
+    float *block;  /* the one allocation behind all the planes */
+
+    /* Cosine weight W; W over the distance at unit depth (for the harmonic mean); tangential part of the cell's vector V. */
+    float *weight, *weight_by_depth, *vector_x, *vector_y;
+    /* dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth. */
+    float *column_x, *column_y, *row_x, *row_y;
+    /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one face axis 1 on the
+     * hemicube, unit for rays. And its length. */
+    float *direction_x, *direction_y, *direction_z, *length;
+    /* Used cells in the order in which they are traced and shaded: tiles of 4 x 4. */
+    uint32_t *order;
+    size_t seam_count;
+    sl_gather_seam *seams;
+} sl_gather_tables;
+
+/* size is even for the hemicube (rounded up). half_tangent = tan(fov / 2), for the plane. */
+sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
+                                  sl_gather_tables **tables, sl_error *error);
+void sl_gather_tables_destroy(sl_gather_tables *tables);
+size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
+
+/* The concentric map of Shirley and Chiu in the form of cache-math 2.5: [-1,1]^2 to the unit disc. */
+void sl_concentric_disc(double a, double b, double *x, double *y);
+
+#endif
