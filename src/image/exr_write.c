@@ -1,0 +1,149 @@
+/* Writing OpenEXR through its C library: 32-bit floats, ZIP-compressed scan lines, all metadata as strings. The same image
+ * gives the same bytes: nothing but the image goes into the file. */
+#include "image/formats.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <openexr.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct exr_sink {
+    sl_output_file *file;
+    sl_status status; /* of the file itself */
+    sl_error *error;
+    char reason[256]; /* the first thing that the library complained about */
+} exr_sink;
+
+static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
+    exr_sink *sink = NULL;
+    (void)code;
+    if (context && exr_get_user_data(context, (void **)&sink) == EXR_ERR_SUCCESS && sink && !sink->reason[0]) {
+        snprintf(sink->reason, sizeof sink->reason, "%s", message);
+    }
+}
+
+static int64_t sink_write(exr_const_context_t context, void *user, const void *from, uint64_t count, uint64_t offset,
+                          exr_stream_error_func_ptr_t report) {
+    exr_sink *sink = user;
+    if (sink->status == SL_OK) sink->status = sl_output_write_at(sink->file, from, count, offset, sink->error);
+    if (sink->status == SL_OK) return (int64_t)count;
+    report(context, EXR_ERR_WRITE_IO, "the file cannot be written");
+    return -1;
+}
+
+/* ---- the header -------------------------------------------------------------------------------------------------- */
+
+/* OpenEXR wants channels in the order of their names. */
+static int compare_names(const void *a, const void *b) { return strcmp(*(const char *const *)a, *(const char *const *)b); }
+
+static exr_result_t add_channels(exr_context_t context, const sl_image *image) {
+    size_t count = (size_t)image->channels;
+    const char **names = sl_allocate(count, sizeof *names);
+    if (!names) return EXR_ERR_OUT_OF_MEMORY;
+    for (size_t c = 0; c < count; c++) names[c] = image->channel_name[c];
+    qsort(names, count, sizeof *names, compare_names); /* names are distinct, so the order is total */
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (size_t c = 0; c < count && result == EXR_ERR_SUCCESS; c++) {
+        result = exr_add_channel(context, 0, names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    }
+    sl_free(names);
+    return result;
+}
+
+static exr_result_t add_metadata(exr_context_t context, const sl_image *image) {
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (size_t i = 0; i < image->metadata_count && result == EXR_ERR_SUCCESS; i++) {
+        result = exr_attr_set_string(context, 0, image->metadata[i].key, image->metadata[i].value);
+    }
+    return result;
+}
+
+/* The names that OpenEXR has a meaning for: a string of ours under one of them would make the file unreadable. */
+static const char *reserved_key(const sl_image *image) {
+    static const char *const reserved[] = {"channels",    "compression",        "dataWindow",        "displayWindow",
+                                           "lineOrder",   "pixelAspectRatio",   "screenWindowCenter", "screenWindowWidth",
+                                           "name",        "type",               "version",           "chunkCount",
+                                           "tiles",       "view",               "maxSamplesPerPixel"};
+    for (size_t r = 0; r < sizeof reserved / sizeof *reserved; r++) {
+        if (sl_image_metadata(image, reserved[r])) return reserved[r];
+    }
+    return NULL;
+}
+
+static exr_result_t write_header(exr_context_t context, const sl_image *image) {
+    int part;
+    exr_result_t result = exr_set_longname_support(context, 1); /* names of up to 255 bytes; only a version flag if unused */
+    if (result == EXR_ERR_SUCCESS) result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
+    if (result == EXR_ERR_SUCCESS) {
+        exr_attr_box2i_t window = {.min = {.x = 0, .y = 0}, .max = {.x = image->width - 1, .y = image->height - 1}};
+        exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
+        result = exr_initialize_required_attr(context, 0, &window, &window, 1.0f, &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
+                                              EXR_COMPRESSION_ZIP);
+    }
+    if (result == EXR_ERR_SUCCESS) result = add_channels(context, image);
+    if (result == EXR_ERR_SUCCESS) result = add_metadata(context, image);
+    return result == EXR_ERR_SUCCESS ? exr_write_header(context) : result;
+}
+
+/* ---- pixels ------------------------------------------------------------------------------------------------------ */
+
+static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, int y, exr_encode_pipeline_t *encoder) {
+    exr_chunk_info_t info;
+    exr_result_t result = exr_write_scanline_chunk_info(context, 0, y, &info);
+    if (result != EXR_ERR_SUCCESS) return result;
+    bool first = encoder->channels == NULL;
+    result = first ? exr_encoding_initialize(context, 0, &info, encoder) : exr_encoding_update(context, 0, &info, encoder);
+    if (result != EXR_ERR_SUCCESS) return result;
+    for (int c = 0; c < encoder->channel_count; c++) {
+        exr_coding_channel_info_t *channel = &encoder->channels[c];
+        const float *plane = sl_image_channel(image, channel->channel_name);
+        channel->encode_from_ptr = (const uint8_t *)(plane + (size_t)y * (size_t)image->width);
+        channel->user_bytes_per_element = 4;
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = 4;
+        channel->user_line_stride = 4 * image->width;
+    }
+    if (first) result = exr_encoding_choose_default_routines(context, 0, encoder);
+    return result == EXR_ERR_SUCCESS ? exr_encoding_run(context, 0, encoder) : result;
+}
+
+static exr_result_t write_pixels(exr_context_t context, const sl_image *image) {
+    int32_t lines;
+    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
+    for (int y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += lines) {
+        result = encode_chunk(context, image, y, &encoder);
+    }
+    if (encoder.channels) exr_encoding_destroy(context, &encoder);
+    return result;
+}
+
+sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error) {
+    const char *reserved = reserved_key(image);
+    if (reserved) {
+        return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: '%s' has a meaning of its own in EXR and cannot be metadata",
+                       file->name, reserved);
+    }
+    exr_sink sink = {.file = file, .status = SL_OK, .error = error};
+    exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    start.error_handler_fn = on_error;
+    start.user_data = &sink;
+    start.write_fn = sink_write;
+    start.zip_level = 4; /* said, so that the bytes do not change with the library's defaults */
+    exr_context_t context = NULL;
+    exr_result_t result = exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start);
+    if (result == EXR_ERR_SUCCESS) result = write_header(context, image);
+    if (result == EXR_ERR_SUCCESS) result = write_pixels(context, image);
+    if (context) {
+        exr_result_t finished = exr_finish(&context); /* writes the table of chunks */
+        if (result == EXR_ERR_SUCCESS) result = finished;
+    }
+    if (result != EXR_ERR_SUCCESS && sink.status == SL_OK) {
+        sink.status = sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
+                              sink.reason[0] ? sink.reason : exr_get_default_error_message(result));
+    }
+    return sink.status;
+}

@@ -1,0 +1,40 @@
+/* The picture formats, each a pair of functions between bytes and images. Readers get the whole file: `path` names it
+ * in errors only. */
+#ifndef SL_IMAGE_FORMATS_H
+#define SL_IMAGE_FORMATS_H
+
+#include "image/output_file.h"
+
+typedef struct sl_bytes {
+    const char *path; /* for errors */
+    uint8_t *data;
+    size_t size;
+} sl_bytes;
+
+/* The whole file; data is freed with sl_free(). */
+sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error);
+/* Refuses a size that no file of so few bytes can mean, before memory is asked for. `expansion`: the most pixels that
+ * a byte can hold in the format. */
+sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion, sl_error *error);
+
+bool sl_exr_recognise(const sl_bytes *bytes);
+sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
+sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);
+
+bool sl_pfm_recognise(const sl_bytes *bytes);
+sl_status sl_pfm_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
+sl_status sl_pfm_write(const sl_image *image, sl_output_file *file, sl_error *error);
+
+bool sl_hdr_recognise(const sl_bytes *bytes);
+sl_status sl_hdr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
+
+bool sl_png_recognise(const sl_bytes *bytes);
+sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error);
+/* rgb: width * height * 3 bytes, row 0 at the top. */
+sl_status sl_png_write(int width, int height, const uint8_t *rgb, sl_output_file *file, sl_error *error);
+
+/* JPEG, BMP and TGA through stb_image; TGA has no mark of its own, so it is what is left. */
+bool sl_jpeg_recognise(const sl_bytes *bytes);
+sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error);
+
+#endif

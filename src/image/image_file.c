@@ -1,0 +1,161 @@
+/* Reading by content, writing by name. */
+#include "image/color.h"
+#include "image/decode.h"
+#include "image/formats.h"
+#include "image/tone.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- bytes ------------------------------------------------------------------------------------------------------ */
+
+static sl_status read_descriptor(int descriptor, sl_bytes *bytes, sl_error *error) {
+    struct stat status;
+    if (fstat(descriptor, &status) != 0) {
+        return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
+    }
+    if (!S_ISREG(status.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: not a file", bytes->path);
+    size_t size = (size_t)status.st_size;
+    bytes->data = sl_allocate(size, 1);
+    if (!bytes->data) return sl_fail_memory(error, bytes->path);
+    while (bytes->size < size) {
+        ssize_t got = read(descriptor, bytes->data + bytes->size, size - bytes->size);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", bytes->path, strerror(errno));
+        if (got == 0) break;
+        bytes->size += (size_t)got;
+    }
+    return SL_OK;
+}
+
+sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error) {
+    *bytes = (sl_bytes){path, NULL, 0};
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0) return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", path, strerror(errno));
+    sl_status status = read_descriptor(descriptor, bytes, error);
+    close(descriptor);
+    if (status != SL_OK) {
+        sl_free(bytes->data);
+        bytes->data = NULL;
+    }
+    return status;
+}
+
+sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion, sl_error *error) {
+    const int64_t longest = 1 << 24;
+    if (width < 1 || height < 1 || width > longest || height > longest) {
+        return sl_fail(error, SL_ERROR_INPUT, "%s: %lld x %lld pixels is no size for a picture", bytes->path,
+                       (long long)width, (long long)height);
+    }
+    /* Small pictures pass whatever they say: nothing is lost by trying. */
+    const uint64_t small = (uint64_t)1 << 22, largest = (uint64_t)1 << 29;
+    uint64_t pixels = (uint64_t)width * (uint64_t)height;
+    if (pixels > largest || (pixels > small && pixels / expansion > bytes->size)) {
+        return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels, too many for its %zu bytes", bytes->path,
+                       (long long)width, (long long)height, bytes->size);
+    }
+    return SL_OK;
+}
+
+/* ---- 8-bit pictures ---------------------------------------------------------------------------------------------- */
+
+sl_status sl_decode_texels(const char *path, const void *memory, size_t size, int *width, int *height, bool *has_alpha,
+                           uint8_t **rgba, sl_error *error) {
+    *rgba = NULL;
+    sl_bytes bytes = {path, NULL, size};
+    if (memory) {
+        bytes.data = sl_allocate(size, 1);
+        if (!bytes.data) return sl_fail_memory(error, path);
+        if (size) memcpy(bytes.data, memory, size);
+    } else {
+        sl_status status = sl_bytes_read(path, &bytes, error);
+        if (status != SL_OK) return status;
+    }
+    sl_status status = sl_png_recognise(&bytes) ? sl_png_decode(&bytes, width, height, has_alpha, rgba, error)
+                                                : sl_stb_decode(&bytes, width, height, has_alpha, rgba, error);
+    sl_free(bytes.data);
+    return status;
+}
+
+static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    static const char *const names[4] = {"R", "G", "B", "A"};
+    int width, height;
+    bool has_alpha;
+    uint8_t *rgba;
+    sl_status status = sl_decode_texels(bytes->path, bytes->data, bytes->size, &width, &height, &has_alpha, &rgba, error);
+    if (status != SL_OK) return status;
+    status = sl_image_create(width, height, has_alpha ? 4 : 3, names, image, error);
+    if (status == SL_OK) {
+        float linear[256];
+        sl_srgb_decode_table(linear);
+        size_t pixels = (size_t)width * (size_t)height;
+        for (size_t i = 0; i < pixels; i++) {
+            for (size_t c = 0; c < 3; c++) (*image)->planes[c * pixels + i] = linear[rgba[4 * i + c]];
+            if (has_alpha) (*image)->planes[3 * pixels + i] = (float)rgba[4 * i + 3] / 255.0f;
+        }
+    }
+    sl_free(rgba);
+    return status;
+}
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
+    *image = NULL;
+    sl_bytes bytes;
+    sl_status status = sl_bytes_read(path, &bytes, error);
+    if (status != SL_OK) return status;
+    if (sl_exr_recognise(&bytes)) status = sl_exr_read(&bytes, image, error);
+    else if (sl_pfm_recognise(&bytes)) status = sl_pfm_read(&bytes, image, error);
+    else if (sl_hdr_recognise(&bytes)) status = sl_hdr_read(&bytes, image, error);
+    else if (sl_png_recognise(&bytes) || sl_jpeg_recognise(&bytes)) status = read_texels(&bytes, image, error);
+    else status = sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture", path);
+    sl_free(bytes.data);
+    return status;
+}
+
+typedef sl_status write_function(const sl_image *image, sl_output_file *file, sl_error *error);
+
+static sl_status write_with(write_function *write_image, const sl_image *image, const char *path, sl_error *error) {
+    sl_output_file file;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    status = write_image(image, &file, error);
+    if (status == SL_OK) return sl_output_commit(&file, error);
+    sl_output_discard(&file);
+    return status;
+}
+
+static bool ends_with(const char *text, const char *ending) {
+    size_t length = strlen(text), ending_length = strlen(ending);
+    return length > ending_length && strcasecmp(text + length - ending_length, ending) == 0;
+}
+
+sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error) {
+    if (ends_with(path, ".exr")) return write_with(sl_exr_write, image, path, error);
+    if (ends_with(path, ".pfm")) return write_with(sl_pfm_write, image, path, error);
+    if (ends_with(path, ".png")) return sl_image_write_png(image, path, (sl_tone){SL_TONE_CLIP, 0.0f, false}, error);
+    return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: the name must end in .exr, .pfm or .png", path);
+}
+
+sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error) {
+    uint8_t *rgb;
+    sl_status status = sl_tone_map(image, tone, &rgb, error);
+    if (status != SL_OK) return status;
+    sl_output_file file;
+    status = sl_output_open(&file, path, error);
+    if (status == SL_OK) {
+        status = sl_png_write(image->width, image->height, rgb, &file, error);
+        if (status == SL_OK) status = sl_output_commit(&file, error);
+        else sl_output_discard(&file);
+    }
+    sl_free(rgb);
+    return status;
+}

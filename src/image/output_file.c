@@ -1,0 +1,109 @@
+#define _XOPEN_SOURCE 700 /* realpath() */
+#include "image/output_file.h"
+
+#include "base/error.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static sl_status fail_writing(const char *name, int reason, sl_error *error) {
+    return sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", name, strerror(reason));
+}
+
+static void release(sl_output_file *file) {
+    free(file->name);
+    free(file->target);
+    free(file->temporary);
+    memset(file, 0, sizeof *file);
+    file->descriptor = -1;
+}
+
+/* Not mkstemp(), whose files nobody else may read whatever the umask says. */
+static int create_beside(sl_output_file *file) {
+    enum { ATTEMPTS = 1000 };
+    size_t room = strlen(file->target) + 64;
+    file->temporary = malloc(room);
+    if (!file->temporary) return ENOMEM;
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        snprintf(file->temporary, room, "%s.%ld-%d.part", file->target, (long)getpid(), attempt);
+        file->descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file->descriptor >= 0) return 0;
+        if (errno != EEXIST) break;
+    }
+    return errno;
+}
+
+static int open_target(sl_output_file *file, const char *path) {
+    file->name = strdup(path);
+    file->target = realpath(path, NULL); /* fails where the file is new */
+    if (!file->target) file->target = strdup(path);
+    if (!file->name || !file->target) return ENOMEM;
+    struct stat status;
+    bool exists = stat(file->target, &status) == 0;
+    if (!exists || S_ISREG(status.st_mode)) {
+        int reason = create_beside(file);
+        if (reason == 0 && exists) (void)fchmod(file->descriptor, status.st_mode & 07777);
+        return reason;
+    }
+    file->descriptor = open(file->target, O_WRONLY | O_CLOEXEC); /* renaming onto /dev/null would replace it */
+    return file->descriptor < 0 ? errno : 0;
+}
+
+sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error) {
+    memset(file, 0, sizeof *file);
+    file->descriptor = -1;
+    int reason = path[0] ? open_target(file, path) : ENOENT;
+    if (reason == 0) return SL_OK;
+    sl_status status = fail_writing(path, reason, error);
+    release(file);
+    return status;
+}
+
+sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error) {
+    const char *from = data;
+    while (bytes > 0) {
+        ssize_t written = write(file->descriptor, from, bytes);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return fail_writing(file->name, written < 0 ? errno : EIO, error);
+        from += written;
+        bytes -= (size_t)written;
+        file->size += (uint64_t)written;
+    }
+    return SL_OK;
+}
+
+sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset, sl_error *error) {
+    const char *from = data;
+    while (bytes > 0) {
+        ssize_t written = pwrite(file->descriptor, from, bytes, (off_t)offset);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return fail_writing(file->name, written < 0 ? errno : EIO, error);
+        from += written;
+        bytes -= (size_t)written;
+        offset += (uint64_t)written;
+    }
+    return SL_OK;
+}
+
+sl_status sl_output_commit(sl_output_file *file, sl_error *error) {
+    int reason = 0;
+    if (file->temporary && fsync(file->descriptor) != 0) reason = errno;
+    if (close(file->descriptor) != 0 && reason == 0) reason = errno;
+    file->descriptor = -1;
+    if (reason == 0 && file->temporary && rename(file->temporary, file->target) != 0) reason = errno;
+    sl_status status = reason ? fail_writing(file->name, reason, error) : SL_OK;
+    if (reason && file->temporary) unlink(file->temporary);
+    release(file);
+    return status;
+}
+
+void sl_output_discard(sl_output_file *file) {
+    if (file->descriptor >= 0) close(file->descriptor);
+    if (file->temporary) unlink(file->temporary);
+    release(file);
+}

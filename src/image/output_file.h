@@ -1,0 +1,26 @@
+/* Files that appear whole or not at all: the bytes go to a temporary file beside the target, which takes the target's name
+ * only when everything is on the disk. A failure, at any point, leaves what was there before. */
+#ifndef SL_IMAGE_OUTPUT_FILE_H
+#define SL_IMAGE_OUTPUT_FILE_H
+
+#include "softlux.h"
+
+typedef struct sl_output_file {
+    int descriptor;
+    uint64_t size;    /* bytes written in sequence */
+    char *name;       /* as the caller wrote it, for messages */
+    char *target;     /* with symbolic links resolved */
+    char *temporary;  /* NULL where the target is a device or a pipe, which is written directly */
+} sl_output_file;
+
+/* All failures are SL_ERROR_OUTPUT, "cannot write PATH: reason". After a failed open nothing is to be undone; after a
+ * successful one exactly one of commit and discard must follow. */
+sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error);
+sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error);
+/* For formats whose writer goes back; independent of the sequence. */
+sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset, sl_error *error);
+/* Gives the file its name. Where it fails the file has been discarded. */
+sl_status sl_output_commit(sl_output_file *file, sl_error *error);
+void sl_output_discard(sl_output_file *file);
+
+#endif

@@ -1,0 +1,152 @@
+/* PNG through libpng, which reports errors by longjmp(): everything that must survive the jump lives in a struct that
+ * the caller of setjmp() owns. */
+#include "image/formats.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <png.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct png_work {
+    png_structp png;
+    png_infop info;
+    char reason[200];
+    /* reading */
+    const sl_bytes *bytes;
+    size_t position;
+    png_uint_32 width, height;
+    bool has_alpha;
+    uint8_t *rgba;
+    png_bytep *rows;
+    /* writing */
+    const uint8_t *rgb;
+    sl_output_file *file;
+    sl_status status;
+    sl_error *error;
+} png_work;
+
+static void on_error(png_structp png, png_const_charp message) {
+    png_work *work = png_get_error_ptr(png);
+    snprintf(work->reason, sizeof work->reason, "%s", message);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png; /* a library does not print */
+    (void)message;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+bool sl_png_recognise(const sl_bytes *bytes) { return bytes->size >= 8 && png_sig_cmp(bytes->data, 0, 8) == 0; }
+
+static void read_bytes(png_structp png, png_bytep to, size_t count) {
+    png_work *work = png_get_io_ptr(png);
+    if (count > work->bytes->size - work->position) png_error(png, "the file is cut short");
+    memcpy(to, work->bytes->data + work->position, count);
+    work->position += count;
+}
+
+/* Whatever the file holds becomes 8-bit R, G, B, A. */
+static void ask_for_rgba(png_work *work) {
+    png_structp png = work->png;
+    int type = png_get_color_type(png, work->info);
+    bool transparent_colour = png_get_valid(png, work->info, PNG_INFO_tRNS) != 0;
+    work->has_alpha = (type & PNG_COLOR_MASK_ALPHA) != 0 || transparent_colour;
+    png_set_expand(png);
+    png_set_scale_16(png);
+    if (!(type & PNG_COLOR_MASK_COLOR)) png_set_gray_to_rgb(png);
+    if (!work->has_alpha) png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
+    png_set_interlace_handling(png);
+    png_read_update_info(png, work->info);
+}
+
+static bool decode_rows(png_work *work, sl_error *error) {
+    png_structp png = work->png;
+    if (setjmp(png_jmpbuf(png))) return false;
+    png_set_user_limits(png, 1 << 24, 1 << 24); /* absurd sizes are refused below, by the file's own length */
+    png_set_read_fn(png, work, read_bytes);
+    png_read_info(png, work->info);
+    work->width = png_get_image_width(png, work->info);
+    work->height = png_get_image_height(png, work->info);
+    /* Deflate packs at most 1032 to 1, and a byte holds eight pixels of one bit. */
+    work->status = sl_check_claimed_size(work->bytes, work->width, work->height, 8 * 1032, error);
+    if (work->status != SL_OK) return false;
+    ask_for_rgba(work);
+    if (png_get_rowbytes(png, work->info) != 4 * (size_t)work->width) png_error(png, "unexpected row size");
+    work->rgba = sl_allocate((size_t)work->width * work->height, 4);
+    work->rows = sl_allocate(work->height, sizeof *work->rows);
+    if (!work->rgba || !work->rows) {
+        work->status = sl_fail_memory(error, work->bytes->path);
+        return false;
+    }
+    for (png_uint_32 y = 0; y < work->height; y++) work->rows[y] = work->rgba + 4 * (size_t)work->width * y;
+    png_read_image(png, work->rows);
+    png_read_end(png, NULL);
+    return true;
+}
+
+sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error) {
+    *rgba = NULL;
+    png_work work = {.bytes = bytes, .status = SL_OK};
+    work.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+    work.info = work.png ? png_create_info_struct(work.png) : NULL;
+    bool done = false;
+    if (!work.info) work.status = sl_fail_memory(error, bytes->path);
+    else done = decode_rows(&work, error);
+    if (!done && work.status == SL_OK) work.status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged PNG: %s", bytes->path, work.reason);
+    png_destroy_read_struct(&work.png, &work.info, NULL);
+    sl_free(work.rows);
+    if (done) {
+        *width = (int)work.width;
+        *height = (int)work.height;
+        *has_alpha = work.has_alpha;
+        *rgba = work.rgba;
+    } else {
+        sl_free(work.rgba);
+    }
+    return work.status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+static void write_bytes(png_structp png, png_bytep from, size_t count) {
+    png_work *work = png_get_io_ptr(png);
+    work->status = sl_output_write(work->file, from, count, work->error);
+    if (work->status != SL_OK) png_error(png, "the file cannot be written");
+}
+
+static void flush_nothing(png_structp png) { (void)png; }
+
+static bool encode_rows(png_work *work) {
+    png_structp png = work->png;
+    if (setjmp(png_jmpbuf(png))) return false;
+    png_set_write_fn(png, work, write_bytes, flush_nothing);
+    png_set_IHDR(png, work->info, work->width, work->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(png, work->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_set_compression_level(png, 6); /* said, so that the bytes do not change with the library's defaults */
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_write_info(png, work->info);
+    for (png_uint_32 y = 0; y < work->height; y++) png_write_row(png, work->rgb + 3 * (size_t)work->width * y);
+    png_write_end(png, work->info);
+    return true;
+}
+
+sl_status sl_png_write(int width, int height, const uint8_t *rgb, sl_output_file *file, sl_error *error) {
+    png_work work = {.rgb = rgb, .file = file, .status = SL_OK, .error = error};
+    work.width = (png_uint_32)width;
+    work.height = (png_uint_32)height;
+    work.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+    work.info = work.png ? png_create_info_struct(work.png) : NULL;
+    if (!work.info) {
+        work.status = sl_fail_memory(error, file->name);
+    } else if (!encode_rows(&work) && work.status == SL_OK) {
+        work.status = sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name, work.reason);
+    }
+    png_destroy_write_struct(&work.png, &work.info);
+    return work.status;
+}

@@ -1,0 +1,100 @@
+/* JPEG, BMP and TGA textures through stb_image, compiled into this file alone. */
+#include "image/formats.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What stb_image leaves unset (rows beyond the end of a short file) is to be 0, not what the memory held before. */
+static inline void *zeroed(size_t bytes) { return calloc(1, bytes ? bytes : 1); }
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_STDIO
+#define STBI_NO_SIMD /* its vector code rounds JPEGs differently */
+#define STBI_NO_LINEAR
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_BMP
+#define STBI_ONLY_TGA
+#define STBI_MAX_DIMENSIONS 65536
+#define STBI_MALLOC(size) zeroed(size)
+#define STBI_REALLOC(block, size) realloc(block, size)
+#define STBI_FREE(block) free(block)
+#define STBI_ASSERT(condition) ((void)(condition))
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+
+/* stb_image reads zeros beyond the end and calls it a picture; this stream notices that it was asked for more. */
+typedef struct watched_stream {
+    const sl_bytes *bytes;
+    size_t position;
+    bool overrun;
+} watched_stream;
+
+static int stream_read(void *user, char *to, int count) {
+    watched_stream *stream = user;
+    size_t left = stream->bytes->size - stream->position, asked = (size_t)count;
+    /* Its buffer is filled ahead of need, so only a read past what is left, or one that is not such a filling, is an overrun. */
+    bool ahead = asked == sizeof ((stbi__context *)NULL)->buffer_start;
+    if (left == 0 || (asked > left && !ahead)) stream->overrun = true;
+    if (asked > left) asked = left;
+    memcpy(to, stream->bytes->data + stream->position, asked);
+    stream->position += asked;
+    return (int)asked;
+}
+
+static void stream_skip(void *user, int count) {
+    watched_stream *stream = user;
+    size_t left = stream->bytes->size - stream->position;
+    if (count > 0 && (size_t)count > left) {
+        stream->overrun = true;
+        stream->position = stream->bytes->size;
+    } else if (count < 0 && (size_t)-(int64_t)count > stream->position) {
+        stream->position = 0;
+    } else {
+        stream->position = (size_t)((int64_t)stream->position + count);
+    }
+}
+
+static int stream_at_end(void *user) {
+    watched_stream *stream = user;
+    return stream->position >= stream->bytes->size;
+}
+
+static const stbi_io_callbacks callbacks = {stream_read, stream_skip, stream_at_end};
+
+bool sl_jpeg_recognise(const sl_bytes *bytes) {
+    return bytes->size >= 3 && bytes->data[0] == 0xff && bytes->data[1] == 0xd8 && bytes->data[2] == 0xff;
+}
+
+static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *error) {
+    watched_stream stream = {bytes, 0, false};
+    int width, height, channels;
+    if (!stbi_info_from_callbacks(&callbacks, &stream, &width, &height, &channels)) {
+        return sl_fail(error, SL_ERROR_INPUT, "%s: not a PNG, JPEG, BMP or TGA picture, or a damaged one", bytes->path);
+    }
+    *has_alpha = channels == 2 || channels == 4;
+    /* A JPEG spends at least a bit on each of the six blocks of 256 pixels; run-length TGAs stay far below. */
+    return sl_check_claimed_size(bytes, width, height, 512, error);
+}
+
+sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error) {
+    *rgba = NULL;
+    sl_status status = check_header(bytes, has_alpha, error);
+    if (status != SL_OK) return status;
+    watched_stream stream = {bytes, 0, false};
+    int channels;
+    uint8_t *texels = stbi_load_from_callbacks(&callbacks, &stream, width, height, &channels, 4);
+    if (!texels) status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged picture: %s", bytes->path, stbi_failure_reason());
+    else if (stream.overrun) status = sl_fail(error, SL_ERROR_INPUT, "%s: the picture is cut short", bytes->path);
+    if (status == SL_OK) {
+        size_t size = (size_t)*width * (size_t)*height * 4;
+        *rgba = sl_allocate(size, 1);
+        if (*rgba) memcpy(*rgba, texels, size);
+        else status = sl_fail_memory(error, bytes->path);
+    }
+    stbi_image_free(texels);
+    return status;
+}

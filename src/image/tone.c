@@ -1,0 +1,88 @@
+#include "image/tone.h"
+
+#include "image/color.h"
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* The planes to show: R, G, B, or three times Y. */
+static bool picture_planes(const sl_image *image, const float *planes[3]) {
+    static const char *const names[3] = {"R", "G", "B"};
+    const float *gray = sl_image_channel(image, "Y");
+    bool colour = true;
+    for (int c = 0; c < 3; c++) {
+        planes[c] = sl_image_channel(image, names[c]);
+        colour = colour && planes[c];
+    }
+    if (colour) return true;
+    for (int c = 0; c < 3; c++) planes[c] = gray;
+    return gray != NULL;
+}
+
+/* Reinhard et al., "Photographic tone reproduction for digital images" (2002), equation 1 without its small constant: black
+ * pixels are left out instead, so that the result scales exactly with the image. */
+static double log_average_luminance(const float *const planes[3], size_t pixels) {
+    double sum = 0.0;
+    size_t count = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        double luminance = 0.2126 * (double)planes[0][i] + 0.7152 * (double)planes[1][i] + 0.0722 * (double)planes[2][i];
+        if (!(luminance > 0.0) || isinf(luminance)) continue;
+        sum += sl_log(luminance);
+        count++;
+    }
+    return count ? sl_exp(sum / (double)count) : 0.18;
+}
+
+double sl_tone_exposure(const sl_image *image, sl_tone tone) {
+    const float *planes[3];
+    double factor = sl_pow(2.0, (double)tone.exposure_stops);
+    if (!tone.automatic || !picture_planes(image, planes)) return factor;
+    return factor * (0.18 / log_average_luminance(planes, (size_t)image->width * (size_t)image->height));
+}
+
+/* Reinhard's equation 4 for each channel, the smallest value that becomes white being 4. */
+static double apply_curve(sl_tone_curve curve, double x) {
+    const double white = 4.0;
+    if (curve == SL_TONE_CLIP || x > 0x1p500) return x;
+    return x * (1.0 + x / (white * white)) / (1.0 + x);
+}
+
+/* borders[i]: the linear value at which the encoded value passes from code i to code i + 1, so that rounding to the nearest
+ * code is a search for the number of borders at or below a value. */
+static void find_code_borders(double borders[255]) {
+    for (int i = 0; i < 255; i++) borders[i] = (double)sl_srgb_decode(((float)i + 0.5f) / 255.0f);
+}
+
+static uint8_t nearest_code(const double borders[255], double x) {
+    unsigned code = 0;
+    for (unsigned step = 128; step > 0; step /= 2) {
+        if (code + step <= 255 && x >= borders[code + step - 1]) code += step; /* NaN passes no border */
+    }
+    return (uint8_t)code;
+}
+
+sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error) {
+    *rgb = NULL;
+    const float *planes[3];
+    if (!picture_planes(image, planes)) {
+        return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
+    }
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    uint8_t *mapped = sl_allocate(pixels, 3);
+    if (!mapped) return sl_fail_memory(error, "a tone-mapped picture");
+    double borders[255];
+    find_code_borders(borders);
+    double exposure = sl_tone_exposure(image, tone);
+    for (size_t i = 0; i < pixels; i++) {
+        for (size_t c = 0; c < 3; c++) {
+            double x = (double)planes[c][i] * exposure;
+            mapped[3 * i + c] = x > 0.0 ? nearest_code(borders, apply_curve(tone.curve, x)) : 0;
+        }
+    }
+    *rgb = mapped;
+    return SL_OK;
+}

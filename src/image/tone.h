@@ -1,0 +1,14 @@
+/* From radiance to the 8-bit sRGB of a PNG. */
+#ifndef SL_IMAGE_TONE_H
+#define SL_IMAGE_TONE_H
+
+#include "softlux.h"
+
+/* The factor that tone's exposure means for an image: 2^exposure_stops, times 0.18 / (log-average luminance) where it is
+ * automatic. The average is over the pixels with finite positive luminance; without any it is taken as 0.18. */
+double sl_tone_exposure(const sl_image *image, sl_tone tone);
+/* *rgb gets width * height * 3 bytes, freed with sl_free(). R, G, B of the image, or its Y alone. Negative values and NaN
+ * come out black, infinity white. */
+sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error);
+
+#endif
