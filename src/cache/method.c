@@ -1,0 +1,255 @@
+/* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture. */
+#include "cache/method.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "raster/raster.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_path_method};
+enum { CLASSES = sizeof classes / sizeof classes[0] };
+
+struct sl_method {
+    const sl_method_class *class;
+    void *state;
+    const sl_scene *scene;
+    sl_settings settings;
+    char name[32], transport_name[64];
+    uint64_t batches;
+};
+
+sl_settings sl_settings_default(void) { return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL}; }
+
+const char *sl_method_name(size_t index) { return index < CLASSES ? classes[index]->name : NULL; }
+
+static const sl_method_class *find_class(const char *name) {
+    for (size_t i = 0; i < CLASSES; i++) {
+        if (strcmp(name, classes[i]->name) == 0) return classes[i];
+    }
+    return NULL;
+}
+
+static sl_status unknown_method(const char *name, sl_error *error) {
+    char known[256] = "";
+    for (size_t i = 0; i < CLASSES; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", classes[i]->name);
+    }
+    return sl_fail(error, SL_ERROR_USAGE, "unknown method '%s'; expected one of %s", name, known);
+}
+
+/* The paths to count: the class's own, a named set, or those that another method declares. */
+static sl_status choose_transport(const sl_method_class *class, const char *name, sl_transport *transport,
+                                  sl_error *error) {
+    static const char matched[] = "matched:";
+    class->transport(transport);
+    if (!name) return SL_OK;
+    const sl_method_class *other = NULL;
+    if (strncmp(name, matched, sizeof matched - 1) == 0) {
+        other = find_class(name + sizeof matched - 1);
+        if (!other) return unknown_method(name + sizeof matched - 1, error);
+        if (other == class) return SL_OK;
+        other->transport(transport);
+    } else if (!sl_transport_named(name, transport)) {
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "unknown transport '%s'; expected direct, one-bounce, full or matched:METHOD", name);
+    }
+    if (!class->any_transport)
+        return sl_fail(error, SL_ERROR_USAGE, "%s computes its own paths only; another transport needs --method path",
+                       class->name);
+    return SL_OK;
+}
+
+static sl_status complete_settings(const sl_scene *scene, sl_settings *settings, sl_error *error) {
+    if (settings->width == 0 && settings->height == 0) sl_scene_film(scene, &settings->width, &settings->height);
+    if (settings->width < 1 || settings->height < 1 || settings->width > 32768 || settings->height > 32768)
+        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to 32768 pixels each way, got %dx%d",
+                       settings->width, settings->height);
+    if (settings->accuracy < 0.0 || settings->accuracy > 2.0 || settings->accuracy != settings->accuracy)
+        return sl_fail(error, SL_ERROR_USAGE, "expected an accuracy of 0 to 2, got %g", settings->accuracy);
+    if (settings->gather_size < 0 || settings->gather_size == 1 || settings->gather_size > 1024 || settings->gather_size % 2)
+        return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 2 to 1024, got %d", settings->gather_size);
+    settings->threads = sl_thread_count(settings->threads);
+    return SL_OK;
+}
+
+sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method, sl_error *error) {
+    *method = NULL;
+    const sl_method_class *class = find_class(settings->method);
+    if (!class) return unknown_method(settings->method, error);
+    sl_transport transport;
+    sl_status status = choose_transport(class, settings->transport, &transport, error);
+    if (status != SL_OK) return status;
+    if (settings->filter != SL_FILTER_METHOD) {
+        if (!class->any_transport && settings->filter != transport.filter)
+            return sl_fail(error, SL_ERROR_USAGE, "%s samples pixels in its own way; another filter needs --method path",
+                           class->name);
+        transport.filter = settings->filter;
+    }
+    sl_method *m = sl_allocate(1, sizeof *m);
+    if (!m) return sl_fail_memory(error, "a method");
+    m->class = class;
+    m->scene = scene;
+    m->settings = *settings;
+    snprintf(m->name, sizeof m->name, "%s", class->name);
+    snprintf(m->transport_name, sizeof m->transport_name, "%s", settings->transport ? settings->transport : "");
+    if (!settings->transport) snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
+    m->settings.method = m->name;
+    m->settings.transport = m->transport_name;
+    status = complete_settings(scene, &m->settings, error);
+    if (status == SL_OK) status = class->create(scene, &m->settings, &transport, &m->state, error);
+    if (status != SL_OK) {
+        sl_free(m);
+        return status;
+    }
+    *method = m;
+    return SL_OK;
+}
+
+void sl_method_destroy(sl_method *method) {
+    if (!method) return;
+    method->class->destroy(method->state);
+    sl_free(method);
+}
+
+sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error) {
+    if (progress->done) return SL_OK;
+    sl_status status = method->class->update(method->state, progress, error);
+    if (status == SL_OK) progress->batches = ++method->batches;
+    return status;
+}
+
+static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error) {
+    static const char *const qualities[] = {"draft", "normal", "high"};
+    const sl_settings *s = &method->settings;
+    char text[8][64];
+    snprintf(text[0], 64, "%" PRIu64, s->seed);
+    snprintf(text[1], 64, "%016" PRIx64, sl_scene_hash(method->scene));
+    snprintf(text[2], 64, "%" PRIu64, method->batches);
+    snprintf(text[3], 64, "%" PRIu32, s->spp);
+    snprintf(text[4], 64, "%.9g", s->accuracy);
+    snprintf(text[5], 64, "%d", s->gather_size);
+    const char *const pairs[][2] = {
+        {"softlux.version", SL_VERSION},   {"softlux.method", method->name},
+        {"softlux.transport", s->transport}, {"softlux.quality", qualities[s->quality]},
+        {"softlux.seed", text[0]},         {"softlux.scene_hash", text[1]},
+        {"softlux.batches", text[2]},      {"softlux.spp", text[3]},
+        {"softlux.accuracy", text[4]},     {"softlux.gather_size", text[5]},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        sl_status status = sl_image_set_metadata(image, pairs[i][0], pairs[i][1], error);
+        if (status != SL_OK) return status;
+    }
+    const sl_counters *counters = method->class->counters(method->state);
+    for (int i = 0; i < SL_COUNTERS; i++) {
+        if (!counters->value[i]) continue;
+        char key[SL_METADATA_KEY_MAX];
+        snprintf(key, sizeof key, "softlux.counter.%s", sl_counter_name((sl_counter)i));
+        snprintf(text[6], 64, "%" PRIu64, counters->value[i]);
+        sl_status status = sl_image_set_metadata(image, key, text[6], error);
+        if (status != SL_OK) return status;
+    }
+    return SL_OK;
+}
+
+sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error) {
+    *image = NULL;
+    sl_image *result = NULL;
+    sl_status status = method->class->resolve(method->state, &result, error);
+    if (status == SL_OK) status = stamp(method, result, error);
+    if (status != SL_OK) {
+        sl_image_destroy(result);
+        return status;
+    }
+    *image = result;
+    return SL_OK;
+}
+
+sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
+    return method->class->edit(method->state, changes, error);
+}
+
+const sl_counters *sl_method_counters(const sl_method *method) { return method->class->counters(method->state); }
+
+size_t sl_method_memory_bytes(const sl_method *method) {
+    return sizeof *method + method->class->memory_bytes(method->state);
+}
+
+/* ---- the plan ---- */
+
+struct sl_plan_writer {
+    char *text;
+    size_t length, capacity;
+    bool failed;
+};
+
+static void plan_append(sl_plan_writer *writer, const char *line) {
+    size_t length = strlen(line);
+    if (writer->length + length + 1 > writer->capacity) {
+        size_t capacity = 2 * (writer->length + length + 1);
+        char *text = realloc(writer->text, capacity);
+        if (!text) {
+            writer->failed = true;
+            return;
+        }
+        writer->text = text;
+        writer->capacity = capacity;
+    }
+    memcpy(writer->text + writer->length, line, length + 1);
+    writer->length += length;
+}
+
+void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const char *why, ...) {
+    char reason[256], line[384];
+    va_list arguments;
+    va_start(arguments, why);
+    vsnprintf(reason, sizeof reason, why, arguments);
+    va_end(arguments);
+    snprintf(line, sizeof line, "%-4s %-28s %s\n", runs ? "run" : "skip", pass, reason);
+    plan_append(writer, line);
+}
+
+sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
+    *text = NULL;
+    const sl_method_class *class = find_class(settings->method);
+    if (!class) return unknown_method(settings->method, error);
+    sl_settings completed = *settings;
+    sl_status status = complete_settings(scene, &completed, error);
+    if (status != SL_OK) return status;
+    sl_plan_writer writer = {0};
+    plan_append(&writer, "");
+    class->plan(scene, &completed, &writer);
+    if (writer.failed) {
+        free(writer.text);
+        return sl_fail_memory(error, "the plan");
+    }
+    *text = writer.text;
+    return SL_OK;
+}
+
+/* ---- observers ---- */
+
+void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,
+                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters) {
+    if (!observer || !observer->pass) return;
+    sl_image *image = NULL;
+    size_t pixels = (size_t)width * (size_t)height;
+    if (planes && sl_image_create(width, height, channels, NULL, &image, NULL) == SL_OK) {
+        for (int c = 0; c < channels; c++) {
+            const float *plane = planes + (size_t)c * pixels;
+            float *out = image->planes + (size_t)c * pixels;
+            if (bottom_first) sl_raster_flip(plane, width, height, out);
+            else memcpy(out, plane, pixels * sizeof *out);
+        }
+    }
+    sl_pass pass = {method, name, source, image, counters};
+    observer->pass(observer->context, &pass);
+    sl_image_destroy(image);
+}

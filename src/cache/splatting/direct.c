@@ -1,0 +1,258 @@
+/* Direct light of every pixel by shadow rays, diffuse and glossy lobes.
+ *
+ * Lights without extent get one ray each. For the diffuse lobe, light from emissive triangles is the exact polygon irradiance
+ * (Lambert's formula) times the visible share, sum(V f) / sum(f) over the light samples: where nothing is in the way there is
+ * no noise at all (the ratio estimator of Heitz, Hill and McGuire 2018). With many emitters, for the environment and for the
+ * glossy lobe, it is the plain estimator. */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "cache/gather/hemisphere_tables.h"
+#include "cache/splatting/splatting.h"
+
+#include <string.h>
+
+enum { EXACT_EMITTERS_MAX = 16 }; /* beyond, the closed form costs more than the noise that it saves */
+
+struct sl_direct {
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    sl_light_sampler *sampler; /* NULL: no light with extent */
+    sl_direct_settings settings;
+    bool exact;
+};
+
+sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
+                           sl_direct **direct, sl_error *error) {
+    *direct = NULL;
+    sl_direct *d = sl_allocate(1, sizeof *d);
+    if (!d) return sl_fail_memory(error, "direct light");
+    d->scene = scene;
+    d->tracer = tracer;
+    d->settings = *settings;
+    d->exact = scene->emitter_count > 0 && scene->emitter_count <= EXACT_EMITTERS_MAX;
+    sl_status status = SL_OK;
+    if (scene->emitter_count || scene->environment.present) status = sl_light_sampler_create(scene, &d->sampler, error);
+    if (status != SL_OK) {
+        sl_direct_destroy(d);
+        return status;
+    }
+    *direct = d;
+    return SL_OK;
+}
+
+void sl_direct_destroy(sl_direct *direct) {
+    if (!direct) return;
+    sl_light_sampler_destroy(direct->sampler);
+    sl_free(direct);
+}
+
+/* ---- one row: rays are queued, traced sixteen at a time, and their light added to their pixels in the order of the queue ---- */
+
+typedef struct {
+    sl_rgb plain;          /* diffuse irradiance of visible samples: delta lights, environment, inexact emitters */
+    sl_rgb glossy;         /* radiance by the glossy lobe */
+    sl_rgb seen, all;      /* emitter samples: visible, and whether or not */
+} pixel_sums;
+
+typedef struct {
+    const sl_direct *direct;
+    sl_counters *counters;
+    pixel_sums *sums;
+    sl_ray16 rays;
+    unsigned count;
+    int pixel[SL_PACKET];
+    sl_rgb irradiance[SL_PACKET], glossy[SL_PACKET];
+    bool from_emitter[SL_PACKET];
+} shadow_queue;
+
+static void add(sl_rgb *sum, sl_rgb term) { *sum = sl_rgb_add(*sum, term); }
+
+static void flush(shadow_queue *q) {
+    if (q->count == 0) return;
+    uint32_t occluded = sl_trace_occluded(q->direct->tracer, &q->rays, q->count, true, q->counters);
+    for (unsigned i = 0; i < q->count; i++) {
+        pixel_sums *sums = &q->sums[q->pixel[i]];
+        bool ratio = q->from_emitter[i] && q->direct->exact;
+        if (ratio) add(&sums->all, q->irradiance[i]);
+        if (occluded >> i & 1u) continue;
+        add(ratio ? &sums->seen : &sums->plain, q->irradiance[i]);
+        add(&sums->glossy, q->glossy[i]);
+    }
+    q->count = 0;
+}
+
+typedef struct {
+    sl_vec3 position, normal, geometric_normal, to_viewer;
+    uint32_t triangle;
+    const sl_material *material;
+    float offset;          /* how far along the geometric normal rays start */
+} receiver;
+
+/* ks (n+2)/(2 pi) cos^n alpha, alpha between the light and the mirror direction of the viewer. */
+static sl_rgb phong(const receiver *at, sl_vec3 to_light) {
+    if (!sl_material_is_glossy(at->material)) return sl_grey(0.0f);
+    float n_v = sl_dot(at->normal, at->to_viewer);
+    sl_vec3 mirrored = sl_sub(sl_scale(at->normal, 2.0f * n_v), at->to_viewer);
+    float cos_alpha = sl_dot(mirrored, to_light);
+    if (!(cos_alpha > 0.0f)) return sl_grey(0.0f);
+    float n = at->material->exponent, lobe = sl_powf(cos_alpha < 1.0f ? cos_alpha : 1.0f, n);
+    return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
+}
+
+/* light: irradiance on a plane that faces the light. */
+static void enqueue(shadow_queue *q, int pixel, const receiver *at, sl_vec3 to_light, float distance, sl_rgb light,
+                    bool from_emitter) {
+    float cosine = sl_dot(at->normal, to_light);
+    if (!(cosine > 0.0f) || !(sl_dot(at->geometric_normal, to_light) > 0.0f)) return;
+    unsigned i = q->count++;
+    sl_vec3 origin = sl_mad(at->position, at->offset, at->geometric_normal);
+    q->rays.origin_x[i] = origin.x, q->rays.origin_y[i] = origin.y, q->rays.origin_z[i] = origin.z;
+    q->rays.direction_x[i] = to_light.x, q->rays.direction_y[i] = to_light.y, q->rays.direction_z[i] = to_light.z;
+    q->rays.near[i] = 0.0f;
+    q->rays.far[i] = distance * 0.9999f;
+    q->rays.skip[i] = at->triangle;
+    q->pixel[i] = pixel;
+    q->irradiance[i] = sl_rgb_scale(light, cosine);
+    q->glossy[i] = sl_rgb_mul(q->irradiance[i], phong(at, to_light));
+    q->from_emitter[i] = from_emitter;
+    if (q->count == SL_PACKET) flush(q);
+}
+
+static void queue_delta_lights(shadow_queue *q, int pixel, const receiver *at) {
+    const sl_scene *scene = q->direct->scene;
+    for (size_t i = 0; i < scene->light_count; i++) {
+        sl_vec3 to_light;
+        float distance;
+        sl_rgb irradiance;
+        if (sl_light_illuminate(&scene->lights[i], at->position, &to_light, &distance, &irradiance))
+            enqueue(q, pixel, at, to_light, distance, irradiance, false);
+    }
+}
+
+/* Samples of a pixel: strata of the choice of light, a Kronecker sequence on the light (golden ratios of two dimensions), all
+ * shifted by random numbers of the pixel (Cranley-Patterson rotation). */
+static void queue_extended_lights(shadow_queue *q, int pixel, const receiver *at, uint64_t key) {
+    uint32_t samples = q->direct->settings.light_samples;
+    float scale = 1.0f / (float)samples;
+    float shift = sl_random_unit(key, 0), shift1 = sl_random_unit(key, 1), shift2 = sl_random_unit(key, 2);
+    for (uint32_t s = 0; s < samples; s++) {
+        float select = ((float)s + shift) * scale;
+        double p1 = (double)shift1 + (double)s * 0.7548776662466927, p2 = (double)shift2 + (double)s * 0.5698402909980532;
+        float u1 = (float)(p1 - floor(p1)), u2 = (float)(p2 - floor(p2));
+        sl_light_sample light;
+        if (select >= 1.0f || u1 >= 1.0f || u2 >= 1.0f) continue; /* rounded up to the open end */
+        if (!sl_light_sampler_sample(q->direct->sampler, at->position, select, u1, u2, &light)) continue;
+        if (!(light.pdf > 0.0f) || light.triangle == at->triangle) continue; /* delta lights have had their ray */
+        enqueue(q, pixel, at, light.to_light, light.distance, sl_rgb_scale(light.radiance, scale),
+                light.triangle != SL_NO_INDEX);
+    }
+}
+
+/* ---- combining ---- */
+
+/* Unoccluded irradiance of all emitters at a point, in closed form. */
+static sl_rgb exact_irradiance(const sl_scene *scene, const receiver *at) {
+    sl_rgb sum = sl_grey(0.0f);
+    sl_vec3d p = sl_to_double(at->position), n = sl_to_double(at->normal);
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        const sl_emitter *e = &scene->emitters[i];
+        if (e->triangle == at->triangle) continue;
+        sl_vec3d corners[3];
+        for (int c = 0; c < 3; c++) corners[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][e->triangle]));
+        double factor = sl_polygon_irradiance(p, n, corners, 3, NULL);
+        if (e->two_sided && !(factor > 0.0)) {
+            sl_vec3d swapped[3] = {corners[0], corners[2], corners[1]};
+            factor = sl_polygon_irradiance(p, n, swapped, 3, NULL);
+        }
+        if (factor > 0.0) add(&sum, sl_rgb_scale(e->radiance, (float)factor));
+    }
+    return sum;
+}
+
+static float visible(float exact, float seen, float all) { return all > 0.0f ? exact * (seen / all) : 0.0f; }
+
+static sl_rgb diffuse_irradiance(const sl_direct *direct, const receiver *at, const pixel_sums *sums) {
+    if (!direct->exact || !(sl_rgb_max(sums->seen) > 0.0f)) return sums->plain;
+    sl_rgb exact = exact_irradiance(direct->scene, at);
+    return sl_rgb_add(sums->plain, (sl_rgb){visible(exact.r, sums->seen.r, sums->all.r),
+                                            visible(exact.g, sums->seen.g, sums->all.g),
+                                            visible(exact.b, sums->seen.b, sums->all.b)});
+}
+
+/* ---- rows ---- */
+
+typedef struct {
+    const sl_direct *direct;
+    const sl_gbuffer *gbuffer;
+    int row0;
+    float *r, *g, *b;
+    pixel_sums *sums;      /* a row for each worker */
+    sl_counters *counters; /* one a row */
+} rows_context;
+
+static receiver receiver_at(const sl_direct *direct, const sl_gbuffer *g, size_t i) {
+    receiver at = {
+        .position = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+        .normal = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]),
+        .geometric_normal = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
+        .triangle = g->id[i],
+        .material = &direct->scene->materials[g->material[i]],
+        .offset = 1e-5f * direct->scene->diagonal,
+    };
+    at.to_viewer = sl_normalize_or(sl_sub(direct->scene->camera.eye, at.position), at.geometric_normal);
+    return at;
+}
+
+static bool reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
+    if (g->material[i] == SL_NO_INDEX) return false;
+    return g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f ||
+           sl_material_is_glossy(&scene->materials[g->material[i]]);
+}
+
+static void light_row(void *context, size_t index, unsigned worker) {
+    rows_context *c = context;
+    const sl_gbuffer *g = c->gbuffer;
+    const sl_direct *direct = c->direct;
+    int width = g->width;
+    size_t row = (size_t)(c->row0 + (int)index) * (size_t)width;
+    shadow_queue queue = {.direct = direct, .counters = &c->counters[index], .sums = c->sums + (size_t)worker * (size_t)width};
+    memset(queue.sums, 0, (size_t)width * sizeof *queue.sums);
+    for (int x = 0; x < width; x++) {
+        size_t i = row + (size_t)x;
+        if (!reflects(g, direct->scene, i)) continue;
+        receiver at = receiver_at(direct, g, i);
+        queue_delta_lights(&queue, x, &at);
+        if (direct->sampler) queue_extended_lights(&queue, x, &at, sl_random_key(direct->settings.seed ^ 0xd1ecu, i));
+    }
+    flush(&queue);
+    for (int x = 0; x < width; x++) {
+        size_t i = row + (size_t)x;
+        if (!reflects(g, direct->scene, i)) continue;
+        receiver at = receiver_at(direct, g, i);
+        sl_rgb e = diffuse_irradiance(direct, &at, &queue.sums[x]);
+        c->r[i] = g->diffuse_r[i] * (float)(1.0 / SL_PI) * e.r + queue.sums[x].glossy.r;
+        c->g[i] = g->diffuse_g[i] * (float)(1.0 / SL_PI) * e.g + queue.sums[x].glossy.g;
+        c->b[i] = g->diffuse_b[i] * (float)(1.0 / SL_PI) * e.b + queue.sums[x].glossy.b;
+    }
+    sl_count(&c->counters[index], SL_COUNT_FRAGMENTS_SHADED, (uint64_t)width);
+}
+
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                         float *b, sl_counters *counters, sl_error *error) {
+    size_t rows = (size_t)(row1 - row0);
+    pixel_sums *sums = sl_allocate((size_t)direct->settings.threads * (size_t)gbuffer->width, sizeof *sums);
+    sl_counters *costs = sl_allocate(rows, sizeof *costs);
+    sl_status status = sums && costs ? SL_OK : sl_fail_memory(error, "direct light");
+    if (status == SL_OK) {
+        rows_context context = {direct, gbuffer, row0, r, g, b, sums, costs};
+        sl_parallel_for(direct->settings.threads, rows, light_row, &context);
+        for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
+    }
+    sl_free(sums);
+    sl_free(costs);
+    return status;
+}

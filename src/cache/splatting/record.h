@@ -1,0 +1,74 @@
+/* Irradiance records: what is cached, how far it reaches, and with which weight it contributes to a pixel
+ * (Gautron et al. 2005, section 3; Ward et al. 1988 for the split-sphere weight; Krivanek et al. 2006 for neighbour clamping). */
+#ifndef SL_CACHE_SPLATTING_RECORD_H
+#define SL_CACHE_SPLATTING_RECORD_H
+
+#include "base/isa.h"
+#include "cache/gather/gather.h"
+
+typedef struct sl_record {
+    sl_vec3 position, normal;
+    float radius;              /* R; the record reaches accuracy * R */
+    sl_rgb irradiance;         /* E, W/m^2 */
+    sl_vec3 rotational[3];     /* grad_r E per channel, W/m^2/rad */
+    sl_vec3 translational[3];  /* grad_t E per channel, W/m^3 */
+    float rotational_length[3];
+    float own_radius;          /* R by the record's own gather alone, before its neighbours had a say */
+    float minimum_radius;      /* R_min at this record */
+    uint32_t triangle;
+    bool behind_a_wall;        /* R_min reaches past what the guard allows: pixels are tested by a ray */
+} sl_record;
+
+typedef struct sl_radius_rules {
+    double accuracy;           /* a */
+    double maximum_radius;     /* aR_max = diagonal / 10 */
+    bool guard;
+    sl_gather_kind gather;
+    double plane_tangent;      /* tan(fov/2) of the plane gather */
+} sl_radius_rules;
+
+/* A record from a gather: values copied, R by rules 1 to 4: positivity of the linear extrapolation, the guard against reaching
+ * through a wall, R_min (footprint: of a pixel at the record, m), R_max. */
+sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
+                         float footprint);
+/* Rule 5: R_i <= R_j + |p_i - p_j| for all j, then R_min again. Returns the radius that record i should have. */
+float sl_record_clamped_radius(const sl_record *records, size_t count, const sl_record *record);
+/* Sets R and scales the translational gradient so that the linear extrapolation stays positive within it (rule 3). */
+void sl_record_set_radius(sl_record *record, float radius);
+
+/* ---- weights ---- */
+
+/* What the fragment program reads per pixel: one class of receivers, bottom row first. */
+typedef struct sl_receivers {
+    int width, height;
+    const float *position_x, *position_y, *position_z;
+    const float *normal_x, *normal_y, *normal_z;
+    const uint32_t *receives; /* 0: no geometry, or nothing to reflect */
+} sl_receivers;
+
+typedef struct sl_weight_rules {
+    float accuracy;           /* a: contributes iff D <= a, (3) with the threshold 1/a */
+    float offset;             /* 1/a for smooth weights, 0 for Ward's own */
+    float front_tolerance;    /* 1e-5 of the scene's diagonal */
+} sl_weight_rules;
+
+typedef struct sl_splat_buffer {
+    float *r, *g, *b;         /* sum of w E' */
+    float *weight;            /* sum of w */
+    float *count;             /* records that contributed */
+} sl_splat_buffer;
+
+typedef struct sl_splat_kernels {
+    /* Algorithm 1, steps 2 to 6, for pixels [first, end). Returns how many contributed. */
+    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers,
+                      const sl_splat_buffer *buffer, size_t first, size_t end);
+    /* The same sum of weights alone, with the same bits. */
+    uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers,
+                      float *coverage, size_t first, size_t end);
+    /* w at one pixel; 0 where the record does not contribute. */
+    float (*weight)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers, size_t pixel);
+} sl_splat_kernels;
+
+const sl_splat_kernels *sl_splat_kernels_for(sl_isa isa);
+
+#endif

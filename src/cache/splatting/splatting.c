@@ -1,0 +1,543 @@
+/* Algorithm 2 of Gautron et al. 2005, corrected where the paper errs:
+ *
+ *   1  G-buffer                               update 0
+ *   1b emission and direct light              one update for every DIRECT_ROWS rows
+ *   2  splat existing records                 none are there at the start; after a camera edit all of them
+ *   3  coverage                               kept as records are committed; the same sums, so nothing to read back
+ *   4  new records where uncovered            one update a batch (traversal.c)
+ *   4b clamp radii to neighbours, visit once more  one update, then step 4 again
+ *   5  splat the new records only             resolve
+ *   6  normalise, times albedo / pi, add direct and emission   resolve
+ */
+#include "cache/splatting/splatting.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "scene/features.h"
+
+#include <string.h>
+
+enum { DIRECT_ROWS = 64 };
+
+typedef enum { PHASE_GBUFFER, PHASE_DIRECT, PHASE_RECORDS, PHASE_CLAMP, PHASE_SECOND, PHASE_DONE } phase;
+
+typedef struct {
+    double accuracy;
+    int gather_size;
+    uint32_t light_samples;
+} quality_settings;
+
+static const quality_settings by_quality[] = {
+    [SL_QUALITY_DRAFT] = {0.30, 32, 4},
+    [SL_QUALITY_NORMAL] = {0.15, 64, 16},
+    [SL_QUALITY_HIGH] = {0.10, 64, 64},
+};
+
+typedef struct {
+    const sl_scene *scene;
+    sl_settings settings;
+    quality_settings quality;
+    sl_gather_settings gather_settings;
+    bool indirect_needed, direct_needed;
+
+    sl_raster *raster;
+    sl_tracer *tracer;
+    sl_gather *gather;
+    sl_gather_scratch **scratch;
+    sl_direct *direct;
+    sl_gbuffer *gbuffer;
+    uint32_t *receives;
+    float *planes;                  /* direct rgb, splat rgb, weight, count, coverage: 9 planes, bottom row first */
+    float *direct_light[3], *coverage;
+    sl_splat_buffer splats;
+    uint8_t *owned;
+    size_t splatted;                /* records in the splat buffer */
+    sl_record_list list;
+    sl_record_pass pass;
+    sl_traversal traversal;
+    phase phase;
+    int direct_row;
+    sl_counters counters;
+} splat_state;
+
+enum { PLANES = 9 };
+
+static size_t pixel_count(const splat_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+
+/* ---- creation ---- */
+
+static quality_settings chosen_quality(const sl_settings *settings) {
+    quality_settings q = by_quality[settings->quality];
+    if (settings->accuracy > 0.0) q.accuracy = settings->accuracy;
+    if (settings->gather_size > 0) q.gather_size = settings->gather_size;
+    if (settings->spp > 0) q.light_samples = settings->spp;
+    return q;
+}
+
+static bool gives_light(const sl_scene *scene) {
+    return scene->light_count || scene->emitter_count || scene->environment.present;
+}
+
+static sl_gather_settings chosen_gather(const sl_settings *settings) {
+    sl_gather_settings g = sl_gather_defaults();
+    g.kind = settings->gather;
+    g.size = chosen_quality(settings).gather_size;
+    g.direct = settings->direct;
+    g.seed = settings->seed;
+    g.emission = false; /* the direct pass samples every light: what emits is black in the gather */
+    return g;
+}
+
+static void destroy_transport(splat_state *s) {
+    for (unsigned i = 0; s->scratch && i < s->settings.threads; i++) sl_gather_scratch_destroy(s->scratch[i]);
+    sl_free(s->scratch);
+    s->scratch = NULL;
+    sl_gather_destroy(s->gather);
+    sl_direct_destroy(s->direct);
+    sl_tracer_destroy(s->tracer);
+    sl_raster_destroy(s->raster);
+    s->gather = NULL;
+    s->direct = NULL;
+    s->tracer = NULL;
+    s->raster = NULL;
+}
+
+static void splat_destroy(void *state) {
+    splat_state *s = state;
+    if (!s) return;
+    destroy_transport(s);
+    sl_gbuffer_destroy(s->gbuffer);
+    sl_free(s->receives);
+    sl_free(s->planes);
+    sl_free(s->owned);
+    sl_free(s->list.records);
+    sl_free(s);
+}
+
+/* Everything that depends on geometry and lights, and not on the camera. Only what the plan asks for is made. */
+static sl_status create_transport(splat_state *s, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
+    if (status == SL_OK && s->direct_needed) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK && s->direct_needed) {
+        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads};
+        status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
+    }
+    if (status != SL_OK || !s->indirect_needed) return status;
+    status = sl_gather_create(s->scene, s->raster, s->tracer, &s->gather_settings, threads, &s->gather, &s->counters, error);
+    if (status == SL_OK) {
+        s->scratch = sl_allocate(threads, sizeof *s->scratch);
+        if (!s->scratch) status = sl_fail_memory(error, "gathers");
+    }
+    for (unsigned i = 0; status == SL_OK && i < threads; i++) status = sl_gather_scratch_create(s->gather, &s->scratch[i], error);
+    return status;
+}
+
+static sl_status create_buffers(splat_state *s, sl_error *error) {
+    size_t pixels = pixel_count(s);
+    s->receives = sl_allocate(pixels, sizeof *s->receives);
+    s->owned = sl_allocate(pixels, sizeof *s->owned);
+    s->planes = sl_allocate(PLANES * pixels, sizeof *s->planes);
+    if (!s->receives || !s->owned || !s->planes) return sl_fail_memory(error, "the splat buffers");
+    for (int c = 0; c < 3; c++) s->direct_light[c] = s->planes + (size_t)c * pixels;
+    float *p = s->planes + 3 * pixels;
+    s->splats = (sl_splat_buffer){p, p + pixels, p + 2 * pixels, p + 3 * pixels, p + 4 * pixels};
+    s->coverage = p + 5 * pixels;
+    return sl_gbuffer_create(s->settings.width, s->settings.height, &s->gbuffer, error);
+}
+
+static void prepare_pass(splat_state *s) {
+    const sl_gbuffer *g = s->gbuffer;
+    float a = (float)s->quality.accuracy, diagonal = s->scene->diagonal;
+    double tangent = sl_tan(0.5 * (double)s->gather_settings.plane_fov);
+    s->pass = (sl_record_pass){
+        .gather = s->gather,
+        .scratch = s->scratch,
+        .gbuffer = g,
+        .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
+                      g->normal_z, s->receives},
+        /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
+        .weights = {a, 1.0f / a, 1e-5f * diagonal},
+        .covered_weight = 1.0f / (9.0f * a),
+        .radii = {s->quality.accuracy, 0.1 * (double)diagonal, true, s->gather ? sl_gather_kind_used(s->gather) : SL_GATHER_RAYS,
+                  tangent},
+        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .camera = &s->scene->camera,
+        .near_distance = 1e-5f * diagonal,
+        .footprint_per_depth = (float)(2.0 * sl_tan(0.5 * (double)s->scene->camera.vertical_fov)) / (float)s->settings.height,
+        .neighbour_clamp = true,
+        .coverage = s->coverage,
+        .owned = s->owned,
+        .seed = s->settings.seed,
+        .threads = s->settings.threads,
+        .diagonal = diagonal,
+    };
+}
+
+static sl_status splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                              void **state, sl_error *error) {
+    (void)transport; /* its own: splat_transport() */
+    splat_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "radiance cache splatting");
+    sl_features features = sl_scene_features(scene);
+    s->scene = scene;
+    s->settings = *settings;
+    s->quality = chosen_quality(settings);
+    s->gather_settings = chosen_gather(settings);
+    s->indirect_needed = features.diffuse_triangles && gives_light(scene);
+    s->direct_needed = (features.diffuse_triangles || features.glossy_triangles) && gives_light(scene);
+    sl_status status = create_transport(s, error);
+    if (status == SL_OK) status = create_buffers(s, error);
+    if (status != SL_OK) {
+        splat_destroy(s);
+        return status;
+    }
+    prepare_pass(s);
+    *state = s;
+    return SL_OK;
+}
+
+/* ---- steps 1 and 1b ---- */
+
+static sl_view camera_view(const splat_state *s) {
+    const sl_camera *camera = &s->scene->camera;
+    sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
+    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
+    float right = top * (float)s->settings.width / (float)s->settings.height;
+    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, s->settings.width, s->settings.height,
+                           s->pass.near_distance);
+}
+
+/* Which pixels can reflect light diffusely: the others never ask for records. A normal that is not finite would ask for ever. */
+static void classify_receivers(splat_state *s) {
+    const sl_gbuffer *g = s->gbuffer;
+    for (size_t i = 0; i < pixel_count(s); i++) {
+        s->receives[i] = 0;
+        if (g->material[i] == SL_NO_INDEX) continue;
+        if (!sl_is_finite(sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])) ||
+            !sl_is_finite(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]))) {
+            sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
+            continue;
+        }
+        s->receives[i] = g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f;
+    }
+}
+
+static sl_status draw_gbuffer(splat_state *s, sl_error *error) {
+    sl_view view = camera_view(s);
+    sl_counters cost = {{0}};
+    sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &cost, error);
+    if (status != SL_OK) return status;
+    sl_counters_add(&s->counters, &cost);
+    sl_observe(s->settings.observer, "splatting", "G-buffer: depth", "Algorithm 2, step 1", view.width, view.height, 1,
+               s->gbuffer->depth, true, &cost);
+    classify_receivers(s);
+    s->direct_row = 0;
+    s->phase = s->direct_needed ? PHASE_DIRECT : PHASE_DONE;
+    if (s->list.count == 0) return SL_OK;
+    return sl_cover(&s->pass, s->list.records, s->list.count, &s->counters, error); /* step 2: records of earlier views */
+}
+
+static sl_status light_rows(splat_state *s, sl_error *error) {
+    int end = s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0], s->direct_light[1],
+                                      s->direct_light[2], &s->counters, error);
+    if (status != SL_OK) return status;
+    s->direct_row = end;
+    if (end < s->settings.height) return SL_OK;
+    sl_observe(s->settings.observer, "splatting", "direct light", "section 4, direct lighting", s->settings.width,
+               s->settings.height, 3, s->planes, true, &s->counters);
+    sl_traversal_start(&s->traversal, s->settings.width, s->settings.height);
+    s->phase = s->indirect_needed ? PHASE_RECORDS : PHASE_DONE;
+    return SL_OK;
+}
+
+/* ---- step 4 ---- */
+
+static sl_status new_records(splat_state *s, phase next, sl_error *error) {
+    sl_status status = sl_traversal_advance(&s->traversal, &s->pass, &s->list, &s->counters, error);
+    if (status == SL_OK && s->traversal.stride == 0) s->phase = next;
+    return status;
+}
+
+/* Step 4b. A single pass over the radii is the fixed point of mutual clamping, whatever the order of insertion. Older records may
+ * shrink: coverage is summed anew, and what came to light gets records in a second visit. */
+static sl_status clamp_to_neighbours(splat_state *s, sl_error *error) {
+    bool shrunk = false;
+    float *radii = sl_allocate(s->list.count + 1, sizeof *radii);
+    if (!radii) return sl_fail_memory(error, "record radii");
+    for (size_t i = 0; i < s->list.count; i++)
+        radii[i] = sl_record_clamped_radius(s->list.records, s->list.count, &s->list.records[i]);
+    for (size_t i = 0; i < s->list.count; i++) {
+        if (!(radii[i] < s->list.records[i].radius)) continue;
+        sl_record_set_radius(&s->list.records[i], radii[i]);
+        shrunk = true;
+    }
+    sl_free(radii);
+    s->phase = PHASE_DONE;
+    if (!shrunk) return SL_OK;
+    size_t pixels = pixel_count(s);
+    memset(s->coverage, 0, pixels * sizeof *s->coverage);
+    memset(s->splats.r, 0, 5 * pixels * sizeof *s->splats.r); /* r, g, b, weight, count lie in one block */
+    s->splatted = 0;
+    sl_traversal_start(&s->traversal, s->settings.width, s->settings.height);
+    s->phase = PHASE_SECOND;
+    return sl_cover(&s->pass, s->list.records, s->list.count, &s->counters, error);
+}
+
+/* Shares of the whole that each phase takes, roughly, for the progress bar alone. */
+static double fraction_done(const splat_state *s) {
+    double visited = s->traversal.total ? (double)s->traversal.visited / (double)s->traversal.total : 0.0;
+    switch (s->phase) {
+    case PHASE_GBUFFER: return 0.0;
+    case PHASE_DIRECT: return 0.02 + 0.18 * (double)s->direct_row / (double)s->settings.height;
+    case PHASE_RECORDS: return 0.2 + 0.7 * visited;
+    case PHASE_CLAMP: return 0.9;
+    case PHASE_SECOND: return 0.9 + 0.1 * visited;
+    case PHASE_DONE: return 1.0;
+    }
+    return 1.0;
+}
+
+static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
+    splat_state *s = state;
+    sl_status status = SL_OK;
+    switch (s->phase) {
+    case PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
+    case PHASE_DIRECT: status = light_rows(s, error); break;
+    case PHASE_RECORDS: status = new_records(s, PHASE_CLAMP, error); break;
+    case PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
+    case PHASE_SECOND: status = new_records(s, PHASE_DONE, error); break;
+    case PHASE_DONE: break;
+    }
+    progress->fraction = fraction_done(s);
+    progress->done = s->phase == PHASE_DONE;
+    return status;
+}
+
+/* ---- steps 5 and 6 ---- */
+
+typedef struct {
+    const splat_state *state;
+    const sl_record *records;
+} splat_context;
+
+/* A record whose R_min reaches past the guard is tested by a ray to each of its few pixels: walls thinner than a pixel's
+ * footprint do not leak. */
+static bool sees(const splat_state *s, const sl_record *record, size_t pixel) {
+    const sl_gbuffer *g = s->gbuffer;
+    sl_ray16 ray;
+    memset(&ray, 0, sizeof ray);
+    float offset = 1e-5f * s->scene->diagonal;
+    sl_vec3 from = sl_mad(sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]), offset,
+                          sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
+    sl_vec3 to = sl_sub(sl_mad(record->position, offset, record->normal), from);
+    ray.origin_x[0] = from.x, ray.origin_y[0] = from.y, ray.origin_z[0] = from.z;
+    ray.direction_x[0] = to.x, ray.direction_y[0] = to.y, ray.direction_z[0] = to.z;
+    ray.far[0] = 1.0f;
+    ray.skip[0] = g->id[pixel];
+    sl_counters unused = {{0}}; /* tiles run in parallel: their rays are not counted */
+    return !(sl_dot(to, to) > 0.0f) || !(sl_trace_occluded(s->tracer, &ray, 1, false, &unused) & 1u);
+}
+
+static uint64_t splat_run(void *context, size_t index, int x0, int x1, int y) {
+    const splat_context *c = context;
+    const splat_state *s = c->state;
+    const sl_record *record = &c->records[index];
+    size_t row = (size_t)y * (size_t)s->settings.width, first = row + (size_t)x0, end = row + (size_t)x1;
+    const sl_record_pass *pass = &s->pass;
+    if (!record->behind_a_wall || !s->tracer)
+        return pass->kernels->splat(record, &pass->weights, &pass->receivers, &s->splats, first, end);
+    uint64_t blended = 0;
+    for (size_t i = first; i < end; i++) {
+        if (pass->kernels->weight(record, &pass->weights, &pass->receivers, i) > 0.0f && sees(s, record, i))
+            blended += pass->kernels->splat(record, &pass->weights, &pass->receivers, &s->splats, i, i + 1);
+    }
+    return blended;
+}
+
+/* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all, bit for bit. */
+static sl_status splat_new_records(splat_state *s, sl_error *error) {
+    size_t count = s->list.count - s->splatted;
+    if (count == 0) return SL_OK;
+    const sl_record *records = s->list.records + s->splatted;
+    sl_splat_rect *rects = sl_allocate(count, sizeof *rects);
+    if (!rects) return sl_fail_memory(error, "splat rectangles");
+    for (size_t i = 0; i < count; i++) rects[i] = sl_record_bounds(&s->pass, &records[i]);
+    splat_context context = {s, records};
+    sl_counters cost = {{0}};
+    sl_count(&cost, SL_COUNT_SPLATS, count);
+    sl_status status = sl_raster_splats(s->settings.width, s->settings.height, count, rects, splat_run, &context,
+                                        s->settings.threads, &cost, error);
+    sl_free(rects);
+    if (status != SL_OK) return status;
+    s->splatted = s->list.count;
+    sl_counters_add(&s->counters, &cost);
+    sl_observe(s->settings.observer, "splatting", "splat: sum of w E", "Algorithm 1", s->settings.width, s->settings.height,
+               3, s->splats.r, true, &cost);
+    sl_observe(s->settings.observer, "splatting", "splat: sum of w", "Algorithm 1", s->settings.width, s->settings.height, 1,
+               s->splats.weight, true, &cost);
+    return SL_OK;
+}
+
+static sl_rgb emission_at(const splat_state *s, size_t pixel) {
+    const sl_gbuffer *g = s->gbuffer;
+    const sl_scene *scene = s->scene;
+    int x = (int)(pixel % (size_t)g->width), y = (int)(pixel / (size_t)g->width);
+    if (g->material[pixel] == SL_NO_INDEX) {
+        const sl_camera *camera = &scene->camera;
+        if (!scene->environment.present) return sl_grey(0.0f);
+        float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
+        float right = top * (float)g->width / (float)g->height;
+        float u = (2.0f * ((float)x + 0.5f) / (float)g->width - 1.0f) * right;
+        float v = (2.0f * ((float)y + 0.5f) / (float)g->height - 1.0f) * top;
+        sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), u, camera->right), v, camera->up);
+        return sl_environment_radiance(&scene->environment, sl_normalize_or(direction, sl_neg(camera->back)));
+    }
+    const sl_material *m = &scene->materials[g->material[pixel]];
+    if (!sl_material_is_emitter(m)) return sl_grey(0.0f);
+    sl_vec3 geometric = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
+    bool front = sl_dot(geometric, sl_scene_geometric_normal(scene, g->id[pixel])) > 0.0f;
+    return front || m->emission_two_sided ? m->emission : sl_grey(0.0f);
+}
+
+enum { LAYERS = 14 };
+static const char *const layer_names[LAYERS] = {"R",          "G",          "B",          "emission.R", "emission.G",
+                                                "emission.B", "direct.R",   "direct.G",   "direct.B",   "indirect.R",
+                                                "indirect.G", "indirect.B", "weight.Y",   "records.Y"};
+
+/* Step 6: means of E', filled where nothing reached, times albedo / pi; the sum of the layers is the picture. */
+static sl_status compose(const splat_state *s, float *layers, sl_error *error) {
+    size_t pixels = pixel_count(s);
+    const sl_gbuffer *g = s->gbuffer;
+    float *picture = layers, *emission = layers + 3 * pixels, *direct = layers + 6 * pixels, *indirect = layers + 9 * pixels;
+    const float *sums[3] = {s->splats.r, s->splats.g, s->splats.b};
+    const float *albedo[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
+    for (size_t i = 0; i < pixels; i++) {
+        float w = s->splats.weight[i];
+        for (int c = 0; c < 3; c++) indirect[(size_t)c * pixels + i] = w > 0.0f ? sums[c][i] / w : 0.0f;
+    }
+    sl_status status = sl_fill_uncovered(g->width, g->height, s->splats.weight, s->receives, indirect, indirect + pixels,
+                                         indirect + 2 * pixels, error);
+    if (status != SL_OK) return status;
+    for (size_t i = 0; i < pixels; i++) {
+        sl_rgb e = s->phase == PHASE_GBUFFER ? sl_grey(0.0f) : emission_at(s, i);
+        const float emitted[3] = {e.r, e.g, e.b};
+        for (size_t c = 0; c < 3; c++) {
+            size_t at = c * pixels + i;
+            indirect[at] *= s->receives[i] ? albedo[c][i] * (float)(1.0 / SL_PI) : 0.0f;
+            emission[at] = emitted[c];
+            direct[at] = s->direct_light[c][i];
+            picture[at] = emission[at] + direct[at] + indirect[at];
+        }
+    }
+    memcpy(layers + 12 * pixels, s->splats.weight, pixels * sizeof *layers);
+    memcpy(layers + 13 * pixels, s->splats.count, pixels * sizeof *layers);
+    return SL_OK;
+}
+
+static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
+    splat_state *s = state;
+    sl_status status = splat_new_records(s, error);
+    if (status != SL_OK) return status;
+    int width = s->settings.width, height = s->settings.height;
+    size_t pixels = pixel_count(s);
+    float *layers = sl_allocate(LAYERS * pixels, sizeof *layers);
+    status = layers ? compose(s, layers, error) : sl_fail_memory(error, "the picture");
+    if (status == SL_OK) status = sl_image_create(width, height, LAYERS, layer_names, image, error);
+    for (size_t c = 0; status == SL_OK && c < LAYERS; c++)
+        sl_raster_flip(layers + c * pixels, width, height, (*image)->planes + c * pixels);
+    if (status == SL_OK) {
+        sl_observe(s->settings.observer, "splatting", "indirect light", "Algorithm 2, step 6", width, height, 3,
+                   layers + 9 * pixels, true, &s->counters);
+        sl_observe(s->settings.observer, "splatting", "sum of emission, direct and indirect light", "Algorithm 2, step 6",
+                   width, height, 3, layers, true, &s->counters);
+    }
+    sl_free(layers);
+    return status;
+}
+
+/* ---- edits: records live in the world, so a new camera keeps them; new geometry or light drops them ---- */
+
+static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
+    splat_state *s = state;
+    size_t pixels = pixel_count(s);
+    memset(s->planes, 0, PLANES * pixels * sizeof *s->planes);
+    memset(s->owned, 0, pixels);
+    s->splatted = 0;
+    s->phase = PHASE_GBUFFER;
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
+        s->list.count = 0;
+        destroy_transport(s);
+        sl_status status = create_transport(s, error);
+        if (status != SL_OK) return status;
+    }
+    prepare_pass(s);
+    return SL_OK;
+}
+
+static const sl_counters *splat_counters(const void *state) { return &((const splat_state *)state)->counters; }
+
+static size_t splat_memory_bytes(const void *state) {
+    const splat_state *s = state;
+    size_t pixels = pixel_count(s);
+    size_t gbuffer = pixels * (14 * sizeof(float) + 2 * sizeof(uint32_t));
+    size_t bytes = sizeof *s + pixels * (PLANES * sizeof(float) + sizeof(uint32_t) + 1) + gbuffer;
+    bytes += s->list.capacity * sizeof(sl_record) + sl_raster_memory_bytes(s->raster);
+    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
+    return bytes;
+}
+
+/* L E, L (D|G) E, L D D E: one diffuse bounce, no mirrors. */
+static void splat_transport(sl_transport *transport) {
+    *transport = (sl_transport){
+        .emission = true,
+        .eye_mirrors = false,
+        .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = SL_LOBE_DIFFUSE,
+        .bounce_lobes = SL_LOBE_DIFFUSE,
+        .bounces = 1,
+        .direct_visibility = true,
+        .bounce_visibility = true,
+        .filter = SL_FILTER_CENTRE,
+    };
+}
+
+static void splat_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    sl_features f = sl_scene_features(scene);
+    quality_settings q = chosen_quality(settings);
+    bool light = gives_light(scene), receivers = f.diffuse_triangles || f.glossy_triangles;
+    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
+                 scene->triangle_count);
+    sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
+    sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
+    sl_plan_pass(writer, light && receivers && (f.emitters || f.environment), "light samples",
+                 "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
+                 f.environment ? " and the environment" : "");
+    sl_plan_pass(writer, receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
+                 scene->light_count);
+    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, %d x %d gathers", q.accuracy,
+                 q.gather_size, q.gather_size);
+    sl_plan_pass(writer, false, "radiance records", "%zu glossy triangles; their indirect light is not computed",
+                 f.glossy_triangles);
+    sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
+    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
+                 f.environment ? ", environment" : "");
+}
+
+const sl_method_class sl_splatting_method = {
+    .name = "splatting",
+    .create = splat_create,
+    .destroy = splat_destroy,
+    .update = splat_update,
+    .resolve = splat_resolve,
+    .edit = splat_edit,
+    .counters = splat_counters,
+    .memory_bytes = splat_memory_bytes,
+    .transport = splat_transport,
+    .plan = splat_plan,
+    .any_transport = false,
+};

@@ -1,0 +1,86 @@
+/* Radiance cache splatting, diffuse part (Gautron, Krivanek, Bouatouch, Pattanaik 2005). Read in this order:
+ *
+ *   splatting.c      Algorithm 2: the passes of one picture
+ *   direct.c         step 1b: emission and direct light of every pixel
+ *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
+ *   record.c         a record and how far it reaches
+ *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel
+ *   fill.c           step 6: pixels that have no record yet in an unfinished picture
+ */
+#ifndef SL_CACHE_SPLATTING_H
+#define SL_CACHE_SPLATTING_H
+
+#include "cache/gather/gather.h"
+#include "cache/method.h"
+#include "cache/splatting/record.h"
+
+/* ---- direct light per pixel ---- */
+
+typedef struct sl_direct_settings {
+    uint32_t light_samples;   /* shadow rays a pixel towards lights with extent */
+    uint64_t seed;
+    unsigned threads;
+} sl_direct_settings;
+
+typedef struct sl_direct sl_direct;
+
+sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings, sl_direct **direct, sl_error *error);
+void sl_direct_destroy(sl_direct *direct);
+/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes, shadow rays: radiance into the r, g, b planes (bottom row
+ * first). */
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                         float *b, sl_counters *counters, sl_error *error);
+
+/* ---- which pixels get records ---- */
+
+typedef struct sl_record_list {
+    sl_record *records;
+    size_t count, capacity;
+} sl_record_list;
+
+typedef struct sl_traversal {
+    int stride, x, y;         /* the next candidate; stride 0: all visited */
+    uint64_t visited, total;
+    size_t batch;             /* candidates taken at once, adapted to how many turned out covered */
+} sl_traversal;
+
+/* What a traversal works on. */
+typedef struct sl_record_pass {
+    const sl_gather *gather;
+    sl_gather_scratch *const *scratch; /* one a thread */
+    const sl_gbuffer *gbuffer;
+    sl_receivers receivers;
+    sl_weight_rules weights;
+    sl_radius_rules radii;
+    const sl_splat_kernels *kernels;
+    const sl_camera *camera;
+    float near_distance, footprint_per_depth;
+    float covered_weight;     /* w_min: a pixel whose sum of weights reaches it is covered */
+    bool neighbour_clamp;
+    float *coverage;          /* sum of w, bottom row first */
+    uint8_t *owned;           /* pixels that have a record of their own count as covered */
+    uint64_t seed;
+    unsigned threads;
+    float diagonal;
+} sl_record_pass;
+
+enum { SL_BATCH_MAX = 128 };
+
+void sl_traversal_start(sl_traversal *traversal, int width, int height);
+/* The next batch of uncovered pixels gets records, exactly as if they were visited one by one. Done where traversal->stride
+ * becomes 0. */
+sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
+                               sl_counters *counters, sl_error *error);
+/* Adds the weights of records [first, count) to the coverage. */
+sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_counters *counters,
+                   sl_error *error);
+/* The rectangle of pixels that a record can reach. */
+sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record);
+
+/* ---- fallback of an unfinished picture ---- */
+
+/* Push-pull: where weight is 0 and the pixel receives, the mean of what surrounds it. r, g, b hold means, not sums. */
+sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r, float *g,
+                            float *b, sl_error *error);
+
+#endif

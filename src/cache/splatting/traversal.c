@@ -1,0 +1,192 @@
+/* Step 4 of Algorithm 2: the pixels are visited in a fixed order, and an uncovered one gets a record.
+ *
+ * The order is coarse to fine: every 16th pixel of every 16th row, then every 8th, and so on, so that the first records are far
+ * apart. A record's content does not depend on the cache, and coverage only grows; so a batch of candidates can be gathered
+ * in parallel and committed in order, setting aside those that an earlier one of the batch has covered: the records are those
+ * of the sequential algorithm, whatever the batch and the number of threads. */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "cache/splatting/splatting.h"
+
+#include <string.h>
+
+enum { COARSEST_STRIDE = 16, SMALLEST_BATCH = 8 };
+
+void sl_traversal_start(sl_traversal *traversal, int width, int height) {
+    *traversal = (sl_traversal){.stride = COARSEST_STRIDE, .total = (uint64_t)width * (uint64_t)height, .batch = SMALLEST_BATCH};
+}
+
+/* Moves to the next pixel of the order: row by row, then the next finer stride, leaving out what a coarser one visited. */
+static void step(sl_traversal *t, int width, int height) {
+    do {
+        t->x += t->stride;
+        if (t->x >= width) {
+            t->x = 0;
+            t->y += t->stride;
+        }
+        if (t->y >= height) {
+            t->y = 0;
+            t->stride /= 2;
+        }
+    } while (t->stride && t->stride < COARSEST_STRIDE && t->x % (2 * t->stride) == 0 && t->y % (2 * t->stride) == 0);
+}
+
+static bool is_covered(const sl_record_pass *pass, size_t pixel) {
+    return pass->owned[pixel] || pass->coverage[pixel] >= pass->covered_weight;
+}
+
+static size_t next_candidates(sl_traversal *t, const sl_record_pass *pass, size_t *pixels) {
+    int width = pass->receivers.width, height = pass->receivers.height;
+    size_t count = 0;
+    while (t->stride && count < t->batch) {
+        size_t pixel = (size_t)t->y * (size_t)width + (size_t)t->x;
+        if (pass->receivers.receives[pixel] && !is_covered(pass, pixel)) pixels[count++] = pixel;
+        t->visited++;
+        step(t, width, height);
+    }
+    return count;
+}
+
+/* ---- gathering a batch ---- */
+
+typedef struct {
+    const sl_record_pass *pass;
+    const size_t *pixels;
+    sl_record *records;
+    sl_counters *counters; /* one a candidate */
+} gather_batch;
+
+static sl_gather_point point_at(const sl_record_pass *pass, size_t pixel) {
+    const sl_gbuffer *g = pass->gbuffer;
+    return (sl_gather_point){
+        .position = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]),
+        .geometric_normal = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]),
+        .normal = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]),
+        .triangle = g->id[pixel],
+        .key = sl_random_key(pass->seed, pixel),
+    };
+}
+
+/* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
+ * if that does not help it speaks for no more than its own pixel. */
+static void gather_one(void *context, size_t index, unsigned worker) {
+    const gather_batch *b = context;
+    const sl_record_pass *pass = b->pass;
+    sl_gather_point point = point_at(pass, b->pixels[index]);
+    sl_irradiance irradiance;
+    sl_counters *counters = &b->counters[index];
+    sl_gather_irradiance(pass->gather, &point, pass->scratch[worker], &irradiance, counters);
+    float close = 1e-3f * pass->diagonal;
+    bool inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
+    if (inside) {
+        sl_gather_point outer = point;
+        outer.position = sl_mad(point.position, 1e-4f * pass->diagonal, point.geometric_normal);
+        sl_gather_irradiance(pass->gather, &outer, pass->scratch[worker], &irradiance, counters);
+        inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
+    }
+    if (inside) irradiance.harmonic_mean = 0.0f;
+    sl_vec3 to_point = sl_sub(point.position, pass->camera->eye);
+    float depth = -sl_dot(to_point, pass->camera->back);
+    b->records[index] = sl_record_make(&point, &irradiance, &pass->radii, depth * pass->footprint_per_depth);
+}
+
+/* ---- committing it ---- */
+
+static sl_status append(sl_record_list *list, const sl_record *record, sl_error *error) {
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity ? 2 * list->capacity : 1024;
+        sl_record *grown = sl_allocate(capacity, sizeof *grown);
+        if (!grown) return sl_fail_memory(error, "irradiance records");
+        if (list->count) memcpy(grown, list->records, list->count * sizeof *grown);
+        sl_free(list->records);
+        list->records = grown;
+        list->capacity = capacity;
+    }
+    list->records[list->count++] = *record;
+    return SL_OK;
+}
+
+/* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the coverage buffer will. */
+static bool covered_by_batch(const sl_record_pass *pass, const sl_record *committed, size_t count, size_t pixel) {
+    float sum = pass->coverage[pixel];
+    for (size_t i = 0; i < count; i++) sum += pass->kernels->weight(&committed[i], &pass->weights, &pass->receivers, pixel);
+    return sum >= pass->covered_weight;
+}
+
+static sl_status commit(const sl_record_pass *pass, const size_t *pixels, sl_record *candidates, size_t count,
+                        sl_record_list *list, sl_counters *counters, sl_error *error) {
+    size_t first = list->count;
+    for (size_t i = 0; i < count; i++) {
+        if (covered_by_batch(pass, list->records + first, list->count - first, pixels[i])) {
+            sl_count(counters, SL_COUNT_RECORDS_DISCARDED, 1);
+            continue;
+        }
+        if (pass->neighbour_clamp)
+            sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->records, list->count, &candidates[i]));
+        sl_status status = append(list, &candidates[i], error);
+        if (status != SL_OK) return status;
+        pass->owned[pixels[i]] = 1;
+        sl_count(counters, SL_COUNT_RECORDS, 1);
+    }
+    return sl_cover(pass, list->records + first, list->count - first, counters, error);
+}
+
+sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
+                               sl_counters *counters, sl_error *error) {
+    size_t pixels[SL_BATCH_MAX];
+    size_t count = next_candidates(traversal, pass, pixels);
+    if (count == 0) return SL_OK;
+    sl_record *records = sl_allocate(count, sizeof *records);
+    sl_counters *costs = sl_allocate(count, sizeof *costs);
+    sl_status status = records && costs ? SL_OK : sl_fail_memory(error, "a batch of irradiance records");
+    if (status == SL_OK) {
+        gather_batch batch = {pass, pixels, records, costs};
+        sl_parallel_for(pass->threads, count, gather_one, &batch);
+        for (size_t i = 0; i < count; i++) sl_counters_add(counters, &costs[i]);
+        size_t before = list->count;
+        status = commit(pass, pixels, records, count, list, counters, error);
+        /* The batch follows the waste; it never changes which records there are. */
+        size_t wasted = count - (list->count - before);
+        if (wasted * 8 <= count && traversal->batch < SL_BATCH_MAX) traversal->batch *= 2;
+        else if (wasted * 3 > count && traversal->batch > SMALLEST_BATCH) traversal->batch /= 2;
+    }
+    sl_free(records);
+    sl_free(costs);
+    return status;
+}
+
+/* ---- coverage ---- */
+
+typedef struct {
+    const sl_record_pass *pass;
+    const sl_record *records;
+} cover_context;
+
+static uint64_t cover_run(void *context, size_t index, int x0, int x1, int y) {
+    const cover_context *c = context;
+    size_t row = (size_t)y * (size_t)c->pass->receivers.width;
+    return c->pass->kernels->cover(&c->records[index], &c->pass->weights, &c->pass->receivers, c->pass->coverage,
+                                   row + (size_t)x0, row + (size_t)x1);
+}
+
+sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record) {
+    float reach = (float)pass->radii.accuracy * record->radius * 1.0001f; /* never less than the kernel's own test accepts */
+    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance,
+                            record->position, reach);
+}
+
+sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_counters *counters,
+                   sl_error *error) {
+    if (count == 0) return SL_OK;
+    sl_splat_rect *rects = sl_allocate(count, sizeof *rects);
+    if (!rects) return sl_fail_memory(error, "splat rectangles");
+    for (size_t i = 0; i < count; i++) rects[i] = sl_record_bounds(pass, &records[i]);
+    cover_context context = {pass, records};
+    sl_status status = sl_raster_splats(pass->receivers.width, pass->receivers.height, count, rects, cover_run, &context,
+                                        pass->threads, counters, error);
+    sl_free(rects);
+    return status;
+}
