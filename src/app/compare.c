@@ -1,0 +1,201 @@
+/* softlux compare: how far a picture is from a reference, and whether that is near enough. */
+#include "app/commands.h"
+#include "app/options.h"
+#include "softlux.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char details[] =
+    "A is the picture x, B the reference r: EXR, PFM, Radiance HDR, PNG or JPEG files of the same size. Every metric is\n"
+    "over the R, G, B values where both are finite and the mask, if any, is > 0.5; sums are in double.\n"
+    "\n"
+    "  rmse              sqrt(mean (x-r)^2)\n"
+    "  rel_rmse          rmse / mean(r)\n"
+    "  rel_mse           mean((x-r)^2 / (r^2 + 0.01 mean(r)^2))\n"
+    "  rel_mse_trimmed   the same without the largest 0.1 % of the terms\n"
+    "  max_abs           max |x-r|\n"
+    "  bias              sum(x-r) / sum(r)\n"
+    "  ssim              mean structural similarity of the luminance, 11x11 Gaussian window, of both pictures times\n"
+    "                    2^STOPS, clipped to [0,1], in sRGB; 1 where they are alike\n"
+    "  flip              mean LDR-FLIP of the same two, 67 pixels per degree; 0 where they are alike\n"
+    "  nonfinite         NaN or infinite values in either picture\n"
+    "  negative          negative values in either picture\n"
+    "  identical         every bit of every R, G, B value is equal\n"
+    "  values            values compared\n"
+    "  mean_image, mean_reference\n"
+    "\n"
+    "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 input, 4 output.\n"
+    "A NaN or infinite value in either picture fails any bound; so does a metric that is undefined (nothing to compare, or\n"
+    "a black reference).";
+
+/* ---- the command line ------------------------------------------------------------------------------------------ */
+
+enum { MAX_RMSE, MAX_REL_RMSE, MAX_REL_MSE, MAX_ABS, MAX_BIAS, MIN_SSIM, MAX_FLIP, BOUNDS };
+
+typedef struct compare_request {
+    const char *paths[2];
+    const char *mask, *difference;
+    double exposure;
+    bool identical, json;
+    double bound[BOUNDS];
+    bool bounded[BOUNDS];
+} compare_request;
+
+static bool parse(int argc, char **argv, compare_request *q, int *status) {
+    const sl_option options[] = {
+        {.name = "mask", .kind = SL_OPTION_TEXT, .value = &q->mask, .metavar = "FILE",
+         .help = "compare only where the first channel of this picture is > 0.5"},
+        {.name = "difference", .kind = SL_OPTION_TEXT, .value = &q->difference, .metavar = "FILE",
+         .help = "write (x-r)/(r + 0.01 mean r) in false colour: blue too dark, red too bright, full at 50 %"},
+        {.name = "exposure", .kind = SL_OPTION_REAL, .value = &q->exposure, .metavar = "STOPS", .minimum = -100,
+         .maximum = 100, .help = "both pictures times 2^STOPS for ssim and flip [0]"},
+        {.name = "identical", .kind = SL_OPTION_FLAG, .value = &q->identical, .help = "every bit of R, G, B must be equal"},
+        {.name = "max-rmse", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_RMSE], .given = &q->bounded[MAX_RMSE],
+         .metavar = "X", .maximum = HUGE_VAL, .help = "rmse must be at most X"},
+        {.name = "max-rel-rmse", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_REL_RMSE],
+         .given = &q->bounded[MAX_REL_RMSE], .metavar = "X", .maximum = HUGE_VAL, .help = "rel_rmse must be at most X"},
+        {.name = "max-rel-mse", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_REL_MSE], .given = &q->bounded[MAX_REL_MSE],
+         .metavar = "X", .maximum = HUGE_VAL, .help = "rel_mse must be at most X"},
+        {.name = "max-abs", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_ABS], .given = &q->bounded[MAX_ABS],
+         .metavar = "X", .maximum = HUGE_VAL, .help = "max_abs must be at most X"},
+        {.name = "max-bias", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_BIAS], .given = &q->bounded[MAX_BIAS],
+         .metavar = "X", .maximum = HUGE_VAL, .help = "|bias| must be at most X"},
+        {.name = "min-ssim", .kind = SL_OPTION_REAL, .value = &q->bound[MIN_SSIM], .given = &q->bounded[MIN_SSIM],
+         .metavar = "X", .minimum = -1, .maximum = 1, .help = "ssim must be at least X"},
+        {.name = "max-flip", .kind = SL_OPTION_REAL, .value = &q->bound[MAX_FLIP], .given = &q->bounded[MAX_FLIP],
+         .metavar = "X", .maximum = HUGE_VAL, .help = "flip must be at most X"},
+        {.name = "json", .kind = SL_OPTION_FLAG, .value = &q->json, .help = "print the metrics as one JSON object"},
+        {.name = NULL}};
+    const sl_command_line line = {.usage = "softlux compare A B [options]",
+                                  .summary = "Error metrics of picture A against reference B.",
+                                  .details = details,
+                                  .options = options,
+                                  .operands_min = 2,
+                                  .operands_max = 2};
+    int count;
+    return sl_options_parse(&line, argc, argv, q->paths, &count, status);
+}
+
+/* ---- the pictures ------------------------------------------------------------------------------------------------ */
+
+typedef struct compare_pictures {
+    sl_image *image, *reference, *mask, *difference;
+} compare_pictures;
+
+static int complain(const char *message, sl_status status) {
+    fprintf(stderr, "softlux: %s\n", message);
+    return (int)status;
+}
+
+static int check_picture(const sl_image *image, const char *path) {
+    if (sl_image_channel(image, "R") && sl_image_channel(image, "G") && sl_image_channel(image, "B")) return SL_OK;
+    fprintf(stderr, "softlux: %s: no R, G, B channels to compare\n", path);
+    return SL_ERROR_INPUT;
+}
+
+static int check_size(const sl_image *image, const char *path, const sl_image *other, const char *other_path) {
+    if (image->width == other->width && image->height == other->height) return SL_OK;
+    fprintf(stderr, "softlux: pictures of different sizes: %s has %d x %d pixels, %s %d x %d\n", path, image->width,
+            image->height, other_path, other->width, other->height);
+    return SL_ERROR_INPUT;
+}
+
+static int read_pictures(const compare_request *q, compare_pictures *p) {
+    sl_error error;
+    sl_status read = sl_image_read(q->paths[0], &p->image, &error);
+    if (read == SL_OK) read = sl_image_read(q->paths[1], &p->reference, &error);
+    if (read == SL_OK && q->mask) read = sl_image_read(q->mask, &p->mask, &error);
+    if (read != SL_OK) return complain(error.message, read);
+    int status = check_picture(p->image, q->paths[0]);
+    if (status == SL_OK) status = check_picture(p->reference, q->paths[1]);
+    if (status == SL_OK) status = check_size(p->image, q->paths[0], p->reference, q->paths[1]);
+    if (status == SL_OK && p->mask) status = check_size(p->image, q->paths[0], p->mask, q->mask);
+    return status;
+}
+
+/* ---- the answer --------------------------------------------------------------------------------------------------- */
+
+static void print_real(bool json, const char *name, double value) {
+    if (!json) printf("%-16s %.9g\n", name, value);
+    else if (isfinite(value)) printf("\"%s\": %.17g, ", name, value);
+    else printf("\"%s\": null, ", name); /* JSON has no word for them */
+}
+
+static void print_count(bool json, const char *name, uint64_t value) {
+    printf(json ? "\"%s\": %llu, " : "%-16s %llu\n", name, (unsigned long long)value);
+}
+
+static int print_comparison(const sl_comparison *r, bool json) {
+    if (json) putchar('{');
+    print_real(json, "rmse", r->rmse);
+    print_real(json, "rel_rmse", r->rel_rmse);
+    print_real(json, "rel_mse", r->rel_mse);
+    print_real(json, "rel_mse_trimmed", r->rel_mse_trimmed);
+    print_real(json, "max_abs", r->max_abs);
+    print_real(json, "bias", r->bias);
+    print_real(json, "ssim", r->ssim);
+    print_real(json, "flip", r->flip);
+    print_real(json, "mean_image", r->mean_image);
+    print_real(json, "mean_reference", r->mean_reference);
+    print_count(json, "nonfinite", r->nonfinite);
+    print_count(json, "negative", r->negative);
+    print_count(json, "values", r->values);
+    if (json) printf("\"identical\": %s}\n", r->identical ? "true" : "false");
+    else printf("%-16s %s\n", "identical", r->identical ? "yes" : "no");
+    return fflush(stdout) == 0 ? SL_OK : complain("cannot write the standard output", SL_ERROR_OUTPUT);
+}
+
+/* One line on stderr for all that failed, so that a test's log says it at a glance. */
+static int check_bounds(const compare_request *q, const sl_comparison *r) {
+    static const char *const names[BOUNDS] = {"rmse", "rel_rmse", "rel_mse", "max_abs", "|bias|", "ssim", "flip"};
+    const double values[BOUNDS] = {r->rmse, r->rel_rmse, r->rel_mse, r->max_abs, fabs(r->bias), r->ssim, r->flip};
+    char failures[1024] = "";
+    bool any = q->identical;
+    for (int i = 0; i < BOUNDS; i++) any = any || q->bounded[i];
+    if (any && r->nonfinite) {
+        snprintf(failures, sizeof failures, "; %llu values are NaN or infinite", (unsigned long long)r->nonfinite);
+    }
+    if (q->identical && !r->identical) {
+        size_t used = strlen(failures);
+        snprintf(failures + used, sizeof failures - used, "; not identical");
+    }
+    for (int i = 0; i < BOUNDS; i++) {
+        bool holds = i == MIN_SSIM ? values[i] >= q->bound[i] : values[i] <= q->bound[i]; /* false for NaN */
+        if (!q->bounded[i] || holds) continue;
+        size_t used = strlen(failures);
+        snprintf(failures + used, sizeof failures - used, "; %s is %.9g, not at %s %.9g", names[i], values[i],
+                 i == MIN_SSIM ? "least" : "most", q->bound[i]);
+    }
+    if (!failures[0]) return SL_OK;
+    fprintf(stderr, "softlux: %s differs from %s: %s\n", q->paths[0], q->paths[1], failures + 2);
+    return SL_EXIT_COMPARISON_FAILED;
+}
+
+static int compare(const compare_request *q, compare_pictures *p) {
+    sl_error error;
+    sl_comparison result;
+    sl_compare_options options = {.mask = p->mask, .exposure_stops = (float)q->exposure};
+    sl_status status = sl_image_compare(p->image, p->reference, &options, &result, q->difference ? &p->difference : NULL,
+                                        &error);
+    if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
+    if (status != SL_OK) return complain(error.message, status);
+    int printed = print_comparison(&result, q->json);
+    return printed == SL_OK ? check_bounds(q, &result) : printed;
+}
+
+int sl_command_compare(int argc, char **argv) {
+    compare_request request = {0};
+    compare_pictures pictures = {0};
+    int status;
+    if (!parse(argc, argv, &request, &status)) return status;
+    status = read_pictures(&request, &pictures);
+    if (status == SL_OK) status = compare(&request, &pictures);
+    sl_image_destroy(pictures.image);
+    sl_image_destroy(pictures.reference);
+    sl_image_destroy(pictures.mask);
+    sl_image_destroy(pictures.difference);
+    return status;
+}
