@@ -1,0 +1,54 @@
+#!/bin/sh
+# All that `make check` runs, each step on its own line; ends with "N passed, N failed".
+set -u
+cd "$(dirname "$0")/.."
+jobs=$(nproc)
+passed=0 failed=0 failures=
+
+step() { # step NAME COMMAND...
+    name=$1
+    shift
+    start=$(date +%s)
+    log=build/check-$(echo "$name" | tr ' /,' '---').log
+    if "$@" >"$log" 2>&1; then
+        passed=$((passed + 1))
+        echo "ok     $name ($(($(date +%s) - start)) s)"
+        grep -h '^skip\|cases,' "$log" | sed 's/^/         /'
+    else
+        failed=$((failed + 1))
+        failures="$failures, $name"
+        echo "FAILED $name ($(($(date +%s) - start)) s)"
+        tail -n 60 "$log" | sed 's/^/         /'
+    fi
+}
+
+build_and_test() { # build_and_test BUILD "MAKE ARGUMENTS" [TEST ...]
+    build=$1 arguments=$2
+    shift 2
+    targets=
+    for t in "$@"; do targets="$targets $build/tests/$t"; done
+    # shellcheck disable=SC2086
+    if [ $# -eq 0 ]; then
+        make -s -j"$jobs" $arguments BUILD="$build" test
+    else
+        make -s -j"$jobs" $arguments BUILD="$build" $targets && tests/run.sh "$build" "$@"
+    fi
+}
+
+mkdir -p build
+# Warnings are errors here and only here: a newer compiler's new warning does not keep a user from building.
+step 'release, gcc: all tests' build_and_test build 'CC=gcc CFLAGS=-Werror'
+step 'the program: usage, exit statuses, files' tests/program.sh build/softlux
+step 'release, clang: builds without warnings' make -s -j"$jobs" CC=clang CFLAGS=-Werror all
+step 'baseline, gcc: builds' make -s -j"$jobs" CONFIG=baseline all
+step 'same bits: threads, compilers, instruction sets' tests/same_bits.sh
+step 'address and undefined-behaviour sanitizers' build_and_test build/debug CONFIG=debug \
+    $(ls tests/test_*.c | sed 's|tests/||;s|\.c$||' | grep -v '_reference$\|_truth$\|_gradients$')
+step 'thread sanitizer' build_and_test build/tsan-clang 'CONFIG=tsan CC=clang' \
+    test_base_parts test_raster_determinism test_splatting_determinism test_path_determinism
+step 'every command of the README' tests/readme.sh
+step 'dependencies run one way' tests/layers.sh
+
+[ -z "$failures" ] || echo "failed:${failures#,}"
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
