@@ -1,0 +1,328 @@
+/* One record's contribution to a pixel (Algorithm 1 of radiance cache splatting), and how far a record reaches. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "cache/splatting/record.h"
+
+enum { SIDE = 16, PIXELS = SIDE * SIDE };
+
+/* A patch of receivers that a test fills in. */
+typedef struct {
+    float px[PIXELS], py[PIXELS], pz[PIXELS], nx[PIXELS], ny[PIXELS], nz[PIXELS];
+    uint32_t receives[PIXELS];
+    float r[PIXELS], g[PIXELS], b[PIXELS], weight[PIXELS], count[PIXELS], coverage[PIXELS];
+    sl_receivers receivers;
+    sl_splat_buffer buffer;
+} patch;
+
+static void patch_clear(patch *p) {
+    memset(p, 0, sizeof *p);
+    for (int i = 0; i < PIXELS; i++) p->nz[i] = 1.0f, p->receives[i] = 1;
+    p->receivers = (sl_receivers){SIDE, SIDE, p->px, p->py, p->pz, p->nx, p->ny, p->nz, p->receives};
+    p->buffer = (sl_splat_buffer){p->r, p->g, p->b, p->weight, p->count};
+}
+
+/* The plane z = 0, one unit square. */
+static void patch_plane(patch *p) {
+    patch_clear(p);
+    for (int i = 0; i < PIXELS; i++) {
+        p->px[i] = ((float)(i % SIDE) + 0.5f) / SIDE;
+        p->py[i] = ((float)(i / SIDE) + 0.5f) / SIDE;
+    }
+}
+
+static sl_record record_at(float x, float y, float radius, float irradiance) {
+    return (sl_record){.position = {x, y, 0.0f}, .normal = {0.0f, 0.0f, 1.0f}, .radius = radius,
+                       .irradiance = {irradiance, irradiance, irradiance}};
+}
+
+static const sl_splat_kernels *kernels(void) { return sl_splat_kernels_for(sl_isa_best()); }
+
+static const sl_weight_rules wards = {0.5f, 0.0f, 1e-6f}, smooth = {0.5f, 2.0f, 1e-6f};
+
+static void splat(patch *p, const sl_record *records, size_t count, const sl_weight_rules *rules) {
+    for (size_t k = 0; k < count; k++) kernels()->splat(&records[k], rules, &p->receivers, &p->buffer, 0, PIXELS);
+}
+
+static void two_records_mix_as_computed_by_hand(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    p.px[0] = 1.0f;
+    sl_record records[2] = {record_at(0.0f, 0.0f, 4.0f, 3.0f), record_at(1.5f, 0.0f, 2.0f, 6.0f)};
+    splat(&p, records, 2, &wards); /* D = 1/4 and 1/4: weights 4 and 4 */
+    assert_true(fabs((double)p.weight[0] - 8.0) < 1e-6);
+    assert_true(fabs((double)(p.r[0] / p.weight[0]) - 4.5) < 1e-6);
+    assert_true(p.count[0] == 2.0f);
+}
+
+static void a_pixel_at_D_equal_to_a_contributes_and_one_ulp_beyond_does_not(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    p.px[0] = 1.0f;
+    p.px[1] = nextafterf(1.0f, 2.0f);
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    splat(&p, &record, 1, &wards);
+    assert_true(p.weight[0] == 2.0f);
+    assert_true(p.weight[1] == 0.0f);
+}
+
+static void smooth_weights_vanish_at_the_border(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    p.px[0] = 0.9999f;
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    splat(&p, &record, 1, &smooth);
+    assert_true(p.weight[0] > 0.0f && p.weight[0] < 1e-3f);
+}
+
+static void a_field_linear_on_a_plane_is_reproduced(void **state) {
+    (void)state;
+    patch p;
+    patch_plane(&p);
+    sl_record records[12];
+    uint64_t key = sl_random_key(1, 2);
+    for (uint64_t k = 0; k < 12; k++) {
+        float x = sl_random_unit(key, 2 * k), y = sl_random_unit(key, 2 * k + 1);
+        records[k] = record_at(x, y, 3.0f, 4.0f + x - 0.5f * y);
+        for (int c = 0; c < 3; c++) records[k].translational[c] = sl_v3(1.0f, -0.5f, 0.0f);
+    }
+    splat(&p, records, 12, &smooth);
+    for (int i = 0; i < PIXELS; i++) {
+        double wanted = 4.0 + (double)p.px[i] - 0.5 * (double)p.py[i];
+        assert_true(p.weight[i] > 0.0f);
+        assert_true(fabs((double)(p.g[i] / p.weight[i]) - wanted) < 2e-6 * wanted);
+    }
+}
+
+static void a_turned_receiver_takes_the_rotational_gradient(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    const float angle = 0.1f;
+    p.nx[0] = sinf(angle);
+    p.nz[0] = cosf(angle);
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    record.rotational[0] = sl_v3(0.0f, 2.0f, 0.0f); /* n_k x n = (0, sin, 0) */
+    record.rotational_length[0] = 2.0f;
+    splat(&p, &record, 1, &wards);
+    assert_true(fabs((double)(p.r[0] / p.weight[0]) - (1.0 + 2.0 * sin(0.1))) < 1e-6);
+    assert_true(fabs((double)(p.g[0] / p.weight[0]) - 1.0) < 1e-6);
+}
+
+static void extrapolation_is_never_negative_nor_beyond_what_the_record_knows(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    p.px[0] = 0.9f;
+    p.px[1] = -0.9f;
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    for (int c = 0; c < 3; c++) record.translational[c] = sl_v3(-10.0f, 0.0f, 0.0f);
+    splat(&p, &record, 1, &wards);
+    assert_true(p.r[0] == 0.0f);
+    assert_true(fabs((double)(p.r[1] / p.weight[1]) - 1.5) < 1e-6); /* E (1 + a) */
+}
+
+static void the_weight_at_the_record_itself_is_finite(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    splat(&p, &record, 1, &wards);
+    assert_true(fabsf(p.weight[0] - 1000.0f) < 0.01f);
+}
+
+static void nearly_parallel_normals_never_give_nan(void **state) {
+    (void)state;
+    patch p;
+    uint64_t key = sl_random_key(3, 4);
+    for (uint64_t round = 0; round < 200; round++) {
+        patch_clear(&p);
+        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 3 * round) - 0.5f, sl_random_unit(key, 3 * round + 1) - 0.5f,
+                                          sl_random_unit(key, 3 * round + 2) - 0.5f), sl_v3(0, 0, 1));
+        sl_record record = record_at(0.0f, 0.0f, 1.0f, 1.0f);
+        record.normal = n;
+        for (int i = 0; i < PIXELS; i++) {
+            float e = 1e-7f * (float)i;
+            p.nx[i] = n.x + e, p.ny[i] = n.y - e, p.nz[i] = n.z + e;
+        }
+        splat(&p, &record, 1, &wards);
+        for (int i = 0; i < PIXELS; i++) assert_true(isfinite(p.weight[i]) && p.weight[i] > 0.0f);
+    }
+}
+
+static void a_record_in_front_of_a_pixel_is_refused(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    p.pz[0] = -0.2f; /* the record floats above this floor pixel: it sees what the floor does not */
+    p.pz[1] = 0.2f;
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    splat(&p, &record, 1, &wards);
+    assert_true(p.weight[0] == 0.0f);
+    assert_true(p.weight[1] > 0.0f);
+}
+
+static void no_record_on_a_sphere_is_refused_for_curvature(void **state) {
+    (void)state;
+    patch p;
+    for (int inside = 0; inside < 2; inside++) {
+        patch_clear(&p);
+        float side = inside ? -1.0f : 1.0f;
+        sl_record record = record_at(0.0f, 0.0f, 4.0f, 1.0f);
+        record.position = sl_v3(0.0f, 0.0f, 1.0f);
+        record.normal = sl_v3(0.0f, 0.0f, side);
+        for (int i = 0; i < PIXELS; i++) {
+            float theta = 0.3f * (float)(i + 1) / PIXELS;
+            p.px[i] = sinf(theta), p.pz[i] = cosf(theta);
+            p.nx[i] = side * p.px[i], p.nz[i] = side * p.pz[i];
+        }
+        splat(&p, &record, 1, &wards);
+        for (int i = 0; i < PIXELS; i++) assert_true(p.weight[i] > 0.0f);
+    }
+}
+
+static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_set(void **state) {
+    (void)state;
+    static patch reference, p;
+    sl_record records[20];
+    uint64_t key = sl_random_key(5, 6);
+    for (uint64_t k = 0; k < 20; k++) {
+        records[k] = record_at(sl_random_unit(key, 4 * k), sl_random_unit(key, 4 * k + 1), 0.2f + sl_random_unit(key, 4 * k + 2), 1.0f);
+        records[k].translational[0] = sl_v3(sl_random_unit(key, 4 * k + 3), 0.3f, 0.0f);
+        records[k].rotational[1] = sl_v3(0.3f, 0.1f, 0.0f);
+        records[k].rotational_length[1] = 0.32f;
+    }
+    for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
+        patch_plane(&p);
+        for (int i = 0; i < PIXELS; i++) p.pz[i] = 0.01f * sl_random_unit(key, 1000 + (uint64_t)i), p.receives[i] = i % 7 != 0;
+        const sl_splat_kernels *k = sl_splat_kernels_for((sl_isa)isa);
+        for (int n = 0; n < 20; n++) {
+            k->splat(&records[n], &smooth, &p.receivers, &p.buffer, 3, PIXELS - 5); /* runs that fill no vector */
+            k->cover(&records[n], &smooth, &p.receivers, p.coverage, 3, PIXELS - 5);
+        }
+        assert_memory_equal(p.coverage, p.weight, sizeof p.weight);
+        for (size_t i = 0; i < PIXELS; i++) { /* and those of adding single pixels in record order */
+            float sum = 0.0f;
+            for (int n = 0; n < 20 && i >= 3 && i < PIXELS - 5; n++) sum += k->weight(&records[n], &smooth, &p.receivers, i);
+            assert_true(sum == p.weight[i]);
+        }
+        if (isa == 0) reference = p;
+        assert_memory_equal(p.r, reference.r, sizeof p.r);
+        assert_memory_equal(p.g, reference.g, sizeof p.g);
+        assert_memory_equal(p.weight, reference.weight, sizeof p.weight);
+        assert_memory_equal(p.count, reference.count, sizeof p.count);
+    }
+}
+
+/* ---- radii ---- */
+
+static const sl_gather_point at_origin = {.normal = {0, 0, 1}, .geometric_normal = {0, 0, 1}, .triangle = 0};
+
+static sl_radius_rules rules_with(double accuracy, double maximum, bool guard) {
+    return (sl_radius_rules){accuracy, maximum, guard, SL_GATHER_RAYS, 2.7};
+}
+
+static sl_irradiance seen(float value, float slope, float harmonic_mean, float nearest) {
+    sl_irradiance e = {.value = sl_grey(value), .harmonic_mean = harmonic_mean, .nearest = nearest};
+    for (int c = 0; c < 3; c++) e.translational[c] = sl_v3(slope, 0.0f, 0.0f);
+    return e;
+}
+
+static void the_radius_is_the_harmonic_mean_where_nothing_limits_it(void **state) {
+    (void)state;
+    sl_radius_rules rules = rules_with(0.2, 100.0, true);
+    sl_irradiance e = seen(1.0f, 0.0f, 3.0f, 3.0f);
+    assert_true(sl_record_make(&at_origin, &e, &rules, 0.001f).radius == 3.0f);
+}
+
+static void a_steep_gradient_limits_the_radius_to_where_the_extrapolation_stays_positive(void **state) {
+    (void)state;
+    sl_radius_rules rules = rules_with(0.2, 100.0, true);
+    sl_irradiance e = seen(1.0f, 2.0f, 3.0f, 3.0f);
+    assert_true(fabsf(sl_record_make(&at_origin, &e, &rules, 0.001f).radius - 0.5f) < 1e-6f);
+}
+
+static void the_guard_keeps_a_record_from_reaching_through_a_wall(void **state) {
+    (void)state;
+    sl_irradiance e = seen(1.0f, 0.0f, 4.7f, 1.0f); /* a lone wall at distance 1: harmonic mean 3 pi / 2 */
+    sl_radius_rules rules = rules_with(0.5, 100.0, true);
+    assert_true(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius <= 1.0f);
+    rules.guard = false;
+    assert_true(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius > 1.0f);
+}
+
+static void where_the_minimum_radius_overrides_the_guard_the_record_says_so(void **state) {
+    (void)state;
+    sl_radius_rules rules = rules_with(0.5, 100.0, true);
+    sl_irradiance e = seen(1.0f, 50.0f, 0.001f, 1e-4f);
+    sl_record r = sl_record_make(&at_origin, &e, &rules, 0.1f);
+    assert_true(fabsf(0.5f * r.radius - 0.15f) < 1e-6f); /* 1.5 footprints */
+    assert_true(r.behind_a_wall);
+    assert_true(r.translational[0].x * r.radius <= 1.0001f); /* and its gradient shrank with it */
+}
+
+static void seeing_nothing_gives_the_maximum_radius(void **state) {
+    (void)state;
+    sl_radius_rules rules = rules_with(0.25, 2.0, true);
+    sl_irradiance e = seen(0.0f, 0.0f, INFINITY, INFINITY);
+    assert_true(sl_record_make(&at_origin, &e, &rules, 0.001f).radius == 8.0f);
+    e.harmonic_mean = NAN;
+    assert_true(sl_record_make(&at_origin, &e, &rules, 0.001f).radius == 8.0f);
+}
+
+static void clamped_radii_are_lipschitz_and_do_not_depend_on_the_order(void **state) {
+    (void)state;
+    enum { N = 200 };
+    static sl_record records[N], reversed[N];
+    uint64_t key = sl_random_key(7, 8);
+    for (uint64_t i = 0; i < N; i++) {
+        records[i] = record_at(10.0f * sl_random_unit(key, 3 * i), 10.0f * sl_random_unit(key, 3 * i + 1), 0.0f, 1.0f);
+        float u = sl_random_unit(key, 3 * i + 2);
+        records[i].own_radius = 0.1f + 5.0f * u * u;
+    }
+    for (size_t i = 0; i < N; i++) reversed[N - 1 - i] = records[i];
+    static float radius[N];
+    for (size_t i = 0; i < N; i++) radius[i] = sl_record_clamped_radius(records, N, &records[i]);
+    for (size_t i = 0; i < N; i++) {
+        assert_true(radius[i] == sl_record_clamped_radius(reversed, N, &records[i]));
+        for (size_t j = 0; j < N; j++) {
+            float distance = sl_length(sl_sub(records[i].position, records[j].position));
+            assert_true(radius[i] <= radius[j] + distance + 1e-5f);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_records_mix_as_computed_by_hand),
+        cmocka_unit_test(a_pixel_at_D_equal_to_a_contributes_and_one_ulp_beyond_does_not),
+        cmocka_unit_test(smooth_weights_vanish_at_the_border),
+        cmocka_unit_test(a_field_linear_on_a_plane_is_reproduced),
+        cmocka_unit_test(a_turned_receiver_takes_the_rotational_gradient),
+        cmocka_unit_test(extrapolation_is_never_negative_nor_beyond_what_the_record_knows),
+        cmocka_unit_test(the_weight_at_the_record_itself_is_finite),
+        cmocka_unit_test(nearly_parallel_normals_never_give_nan),
+        cmocka_unit_test(a_record_in_front_of_a_pixel_is_refused),
+        cmocka_unit_test(no_record_on_a_sphere_is_refused_for_curvature),
+        cmocka_unit_test(coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_set),
+        cmocka_unit_test(the_radius_is_the_harmonic_mean_where_nothing_limits_it),
+        cmocka_unit_test(a_steep_gradient_limits_the_radius_to_where_the_extrapolation_stays_positive),
+        cmocka_unit_test(the_guard_keeps_a_record_from_reaching_through_a_wall),
+        cmocka_unit_test(where_the_minimum_radius_overrides_the_guard_the_record_says_so),
+        cmocka_unit_test(seeing_nothing_gives_the_maximum_radius),
+        cmocka_unit_test(clamped_radii_are_lipschitz_and_do_not_depend_on_the_order),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
