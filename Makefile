@@ -76,7 +76,7 @@ TESTS := $(TEST_SOURCES:tests/%.c=$(BUILD)/tests/%)
 BENCHES := $(BENCH_SOURCES:bench/%.c=$(BUILD)/bench/%)
 HELPERS := $(patsubst tests/%.c,$(BUILD)/o/tests/%.o,$(filter-out tests/test_%.c,$(wildcard tests/*.c)))
 
-.PHONY: all demo check test scenes bench install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -133,6 +133,11 @@ check: setup
 test: $(TESTS) $(BUILD)/softlux
 	@./tests/run.sh $(BUILD)
 
+# Writes the golden images of the tests anew; look at them before committing.
+golden: $(BUILD)/tests/test_golden_passes
+	@mkdir -p tests/golden && rm -f tests/golden/*.exr
+	SOFTLUX_UPDATE_GOLDEN=1 $(BUILD)/tests/test_golden_passes
+
 scenes: $(BUILD)/generate
 	@$(BUILD)/generate scenes/generated
 
@@ -161,6 +166,7 @@ help:
 	@echo 'make demo       install what is missing, build, render a scene and print its error'
 	@echo 'make check      install what is missing, build, run all tests'
 	@echo 'make test       build and run the tests of one configuration'
+	@echo 'make golden     write the golden images of the tests anew'
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
 	@echo 'make bench      speed against error'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
