@@ -28,9 +28,13 @@ static void file_name(char *name, size_t size, const char *folder, const golden_
 }
 
 static bool same_bits(const sl_image *a, const sl_image *b) {
-    size_t values = (size_t)a->width * (size_t)a->height * (size_t)a->channels;
+    size_t pixels = (size_t)a->width * (size_t)a->height;
     if (a->width != b->width || a->height != b->height || a->channels != b->channels) return false;
-    return memcmp(a->planes, b->planes, values * sizeof(float)) == 0;
+    for (int c = 0; c < a->channels; c++) {
+        const float *other = sl_image_channel(b, a->channel_name[c]);
+        if (!other || memcmp(a->planes + (size_t)c * pixels, other, pixels * sizeof(float)) != 0) return false;
+    }
+    return true;
 }
 
 static void report_worst(const sl_image *a, const sl_image *b, const char *golden) {
