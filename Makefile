@@ -126,7 +126,6 @@ demo: setup
 	@./demo.sh $(BUILD)
 
 check: setup
-	@$(MAKE) --no-print-directory -j$$(nproc) all
 	@./tests/check.sh
 
 # The tests of this configuration alone.
