@@ -226,9 +226,8 @@ static bool illuminate(const shadow_light *s, sl_vec3 p, sl_vec3 *to_light, sl_r
     return true;
 }
 
-sl_rgb sl_shadow_maps_irradiance(const sl_shadow_maps *maps, sl_vec3 p, sl_vec3 geometric_normal, sl_vec3 n,
-                                 sl_counters *counters) {
-    sl_rgb sum = {0.0f, 0.0f, 0.0f};
+void sl_shadow_maps_each(const sl_shadow_maps *maps, sl_vec3 p, sl_vec3 geometric_normal, sl_vec3 n,
+                         sl_shadow_map_visitor *visit, void *context, sl_counters *counters) {
     for (size_t i = 0; i < maps->count; i++) {
         const shadow_light *s = &maps->lights[i];
         sl_vec3 to_light;
@@ -238,7 +237,19 @@ sl_rgb sl_shadow_maps_irradiance(const sl_shadow_maps *maps, sl_vec3 p, sl_vec3 
         if (!(cosine > 0.0f) || !(sl_dot(geometric_normal, to_light) > 0.0f)) continue;
         sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, 1);
         float lit = s->cube ? sl_depth_cube_lit(s->cube, p, geometric_normal) : map_lit(maps, &s->map, p, geometric_normal);
-        if (lit > 0.0f) sum = sl_rgb_add(sum, sl_rgb_scale(irradiance, lit * cosine));
+        if (lit > 0.0f) visit(context, to_light, sl_rgb_scale(irradiance, lit * cosine));
     }
+}
+
+static void add_irradiance(void *context, sl_vec3 to_light, sl_rgb irradiance) {
+    (void)to_light;
+    sl_rgb *sum = context;
+    *sum = sl_rgb_add(*sum, irradiance);
+}
+
+sl_rgb sl_shadow_maps_irradiance(const sl_shadow_maps *maps, sl_vec3 p, sl_vec3 geometric_normal, sl_vec3 n,
+                                 sl_counters *counters) {
+    sl_rgb sum = {0.0f, 0.0f, 0.0f};
+    sl_shadow_maps_each(maps, p, geometric_normal, n, add_irradiance, &sum, counters);
     return sum;
 }

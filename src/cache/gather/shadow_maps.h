@@ -20,5 +20,10 @@ size_t sl_shadow_maps_bytes(const sl_shadow_maps *maps);
 /* Irradiance from all lights at p, on the side of the unit geometric normal, for the unit shading normal n. */
 sl_rgb sl_shadow_maps_irradiance(const sl_shadow_maps *maps, sl_vec3 p, sl_vec3 geometric_normal, sl_vec3 n,
                                  sl_counters *counters);
+/* Light by light, for materials that reflect each in its own way: the unit direction to the light and what it adds to the
+ * irradiance, shadowed. */
+typedef void sl_shadow_map_visitor(void *context, sl_vec3 to_light, sl_rgb irradiance);
+void sl_shadow_maps_each(const sl_shadow_maps *maps, sl_vec3 p, sl_vec3 geometric_normal, sl_vec3 n,
+                         sl_shadow_map_visitor *visit, void *context, sl_counters *counters);
 
 #endif
