@@ -68,7 +68,6 @@ KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/cache/*/*_kernels.c)
 APP_SOURCES := $(wildcard src/app/*.c)
 TEST_SOURCES := $(wildcard tests/test_*.c)
 BENCH_SOURCES := $(wildcard bench/bench_*.c)
-GENERATE_SOURCES := $(wildcard scenes/generate/*.c)
 
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/o/%.o) \
                    $(foreach isa,$(ISAS),$(KERNEL_SOURCES:%.c=$(BUILD)/o/%.$(isa).o))
@@ -77,7 +76,7 @@ TESTS := $(TEST_SOURCES:tests/%.c=$(BUILD)/tests/%)
 BENCHES := $(BENCH_SOURCES:bench/%.c=$(BUILD)/bench/%)
 HELPERS := $(patsubst tests/%.c,$(BUILD)/o/tests/%.o,$(filter-out tests/test_%.c,$(wildcard tests/*.c)))
 
-.PHONY: all demo check test scenes bench install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -112,8 +111,7 @@ $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
-# Stands alone: of the library it takes the elementary functions only, so that its files are the same everywhere.
-$(BUILD)/generate: $(BUILD)/o/scenes/generate.o $(GENERATE_SOURCES:%.c=$(BUILD)/o/%.o) $(BUILD)/o/src/base/math.o
+$(BUILD)/generate: $(BUILD)/o/scenes/generate.o
 	$(CC) $(OPTIMISE) -o $@ $^ -lm
 
 -include $(shell find $(BUILD)/o -name '*.d' 2>/dev/null)
@@ -128,12 +126,16 @@ demo: setup
 	@./demo.sh $(BUILD)
 
 check: setup
-	@$(MAKE) --no-print-directory -j$$(nproc) all
 	@./tests/check.sh
 
 # The tests of this configuration alone.
 test: $(TESTS) $(BUILD)/softlux
 	@./tests/run.sh $(BUILD)
+
+# Writes the golden images of the tests anew; look at them before committing.
+golden: $(BUILD)/tests/test_golden_passes
+	@mkdir -p tests/golden && rm -f tests/golden/*.exr
+	SOFTLUX_UPDATE_GOLDEN=1 $(BUILD)/tests/test_golden_passes
 
 scenes: $(BUILD)/generate
 	@$(BUILD)/generate scenes/generated
@@ -163,6 +165,7 @@ help:
 	@echo 'make demo       install what is missing, build, render a scene and print its error'
 	@echo 'make check      install what is missing, build, run all tests'
 	@echo 'make test       build and run the tests of one configuration'
+	@echo 'make golden     write the golden images of the tests anew'
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
 	@echo 'make bench      speed against error'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'

@@ -1,11 +1,11 @@
-/* The polynomials were fitted at Chebyshev nodes over the reduced ranges, with 50 digits; their own error is below 2^-55
- * of the function, so what is left is rounding. */
+/* The polynomials were fitted at Chebyshev nodes over the reduced ranges, with 50 digits; their own error is below
+ * 2^-55 of the function, so what is left is rounding. */
 #include "base/math.h"
 
 #include <math.h>
 #include <stdbool.h>
 
-/* ---- unevaluated sums of two doubles -------------------------------------------------------------------------------- */
+/* ---- unevaluated sums of two doubles ---------------------------------------------------------- */
 
 typedef struct {
     double hi, lo;
@@ -25,10 +25,10 @@ static pair two_product(double a, double b) {
     return (pair){product, ((ah * bh - product) + ah * bl + al * bh) + al * bl};
 }
 
-/* ---- sine, cosine, tangent -------------------------------------------------------------------------------------------- */
+/* ---- sine, cosine, tangent -------------------------------------------------------------------- */
 
-/* x = n pi/2 + r with |r| <= pi/4: Cody and Waite's reduction, pi/2 in parts of 33 bits, so that n times a part is exact
- * for n below 2^20. Returns n modulo 4. */
+/* x = n pi/2 + r with |r| <= pi/4: Cody and Waite's reduction, pi/2 in parts of 33 bits, so that n times a part is
+ * exact for n below 2^20. Returns n modulo 4. */
 static unsigned reduce(double x, pair *r) {
     if (!(fabs(x) <= 1e5)) x = fmod(x, 2.0 * SL_PI); /* fmod is exact, hence the same everywhere; NaN for infinity */
     double rounded = x * 0x1.45f306dc9c883p-1 + 0x1.8p52;
@@ -88,7 +88,7 @@ double sl_tan(double x) {
     return quadrant & 1u ? -c / s : s / c;
 }
 
-/* ---- arc tangent and what follows from it -------------------------------------------------------------------------------- */
+/* ---- arc tangent and what follows from it ----------------------------------------------------- */
 
 /* atan(k/8) */
 static const pair atan_of_eighths[9] = {
@@ -139,7 +139,7 @@ double sl_atan2(double y, double x) {
     double angle = 0.0;
     if (larger > 0.0) {
         if (isinf(ax) && isinf(ay)) ax = ay = 1.0;
-        double scale = larger > 0x1p900 ? 0x1p-200 : larger < 0x1p-900 ? 0x1p200 : 1.0; /* sums and products stay in range */
+        double scale = larger > 0x1p900 ? 0x1p-200 : larger < 0x1p-900 ? 0x1p200 : 1.0; /* no overflow in x + c y */
         angle = first_quadrant(ay * scale, ax * scale);
     }
     if (signbit(x)) angle = 2.0 * half_pi.hi - (angle - 2.0 * half_pi.lo);
@@ -158,11 +158,11 @@ double sl_acos(double x) {
     return sl_atan2(sqrt((1.0 - x) * (1.0 + x)), x);
 }
 
-/* ---- exponential, logarithm, power ------------------------------------------------------------------------------------------ */
+/* ---- exponential, logarithm, power ------------------------------------------------------------ */
 
 static double power_of_two(int n) { return sl_double_of_bits((uint64_t)(n + 1023) << 52); }
 
-/* exp(x.hi + x.lo): x = n log 2 + r with |r| <= log(2)/2; the first part of log 2 has 40 bits, so n times it is exact. */
+/* exp(x.hi + x.lo): x = n log 2 + r, |r| <= log(2)/2; the first part of log 2 has 40 bits, so n times it is exact. */
 static double exp_of_pair(pair x) {
     if (isnan(x.hi)) return x.hi;
     if (x.hi > 710.0) return INFINITY;
@@ -181,7 +181,7 @@ static double exp_of_pair(pair x) {
     p = p * r + 0x1.5555555555557p-3;
     p = p * r + 0.5;
     int whole = (int)n, half = whole / 2;
-    return (1.0 + (r + r * r * p)) * power_of_two(half) * power_of_two(whole - half); /* only the last product can round */
+    return (1.0 + (r + r * r * p)) * power_of_two(half) * power_of_two(whole - half); /* only the last can round */
 }
 
 /* log x for finite x > 0, with about ten bits more than a double: x = 2^k m, m in [sqrt(1/2), sqrt(2)), and

@@ -30,13 +30,14 @@ static int64_t source_size(exr_const_context_t context, void *user) {
     return (int64_t)((exr_source *)user)->bytes->size;
 }
 
+/* The library reads its header in large steps and expects what there is; it checks for itself where it needs all. */
 static int64_t source_read(exr_const_context_t context, void *user, void *to, uint64_t count, uint64_t offset,
                            exr_stream_error_func_ptr_t report) {
     const sl_bytes *bytes = ((exr_source *)user)->bytes;
-    if (offset > bytes->size || count > bytes->size - offset) {
-        report(context, EXR_ERR_READ_IO, "the file is cut short");
-        return -1;
-    }
+    (void)context;
+    (void)report;
+    if (offset >= bytes->size) return 0;
+    if (count > bytes->size - offset) count = bytes->size - offset;
     memcpy(to, bytes->data + offset, count);
     return (int64_t)count;
 }

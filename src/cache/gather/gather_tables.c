@@ -5,14 +5,15 @@
 #include "base/memory.h"
 #include "cache/gather/hemisphere_tables.h"
 
-enum { TILE = 4, PLANES = 12 };
+enum { TILE = 4, PLANES = 14 };
 
 /* ---- memory ---------------------------------------------------------------------------------------------------------- */
 
 static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
     float **planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
                               &t->column_x, &t->column_y,        &t->row_x,       &t->row_y,
-                              &t->direction_x, &t->direction_y,  &t->direction_z, &t->length};
+                              &t->direction_x, &t->direction_y,  &t->direction_z, &t->length,
+                              &t->slot_a,   &t->slot_b};
     t->block = sl_allocate(t->padded * PLANES, sizeof(float));
     t->order = sl_allocate(t->cells, sizeof(uint32_t));
     t->seams = sl_allocate((size_t)2 * (size_t)t->size, sizeof(sl_gather_seam));
@@ -56,7 +57,10 @@ static void order_cells(sl_gather_tables *t) {
             for (int y = ty; y < ty + TILE && y < t->height; y++) {
                 for (int x = tx; x < tx + TILE && x < t->width; x++) {
                     size_t i = (size_t)y * (size_t)t->width + (size_t)x;
-                    if (t->length[i] > 0.0f) t->order[t->used++] = (uint32_t)i;
+                    if (!(t->length[i] > 0.0f)) continue; /* blank */
+                    t->slot_a[t->used] = (float)(2.0 * x / t->width - 1.0);
+                    t->slot_b[t->used] = (float)(2.0 * y / t->height - 1.0);
+                    t->order[t->used++] = (uint32_t)i;
                 }
             }
         }

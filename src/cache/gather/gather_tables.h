@@ -41,6 +41,7 @@ typedef struct sl_gather_tables {
     float *direction_x, *direction_y, *direction_z, *length;
     /* Used cells in the order in which they are traced and shaded: tiles of 4 x 4. */
     uint32_t *order;
+    float *slot_a, *slot_b; /* rays: the lower corner of cell order[k] in the square that the concentric map maps */
     size_t seam_count;
     sl_gather_seam *seams;
 } sl_gather_tables;

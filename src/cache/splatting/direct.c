@@ -1,6 +1,6 @@
-/* Direct light of every pixel by shadow rays, diffuse and glossy lobes.
+/* Direct light of every pixel, diffuse and glossy lobes, by shadow maps or by shadow rays.
  *
- * Lights without extent get one ray each. For the diffuse lobe, light from emissive triangles is the exact polygon irradiance
+ * By rays, lights without extent get one ray each. For the diffuse lobe, light from emissive triangles is the exact polygon irradiance
  * (Lambert's formula) times the visible share, sum(V f) / sum(f) over the light samples: where nothing is in the way there is
  * no noise at all (the ratio estimator of Heitz, Hill and McGuire 2018). With many emitters, for the environment and for the
  * glossy lobe, it is the plain estimator. */
@@ -33,9 +33,10 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->scene = scene;
     d->tracer = tracer;
     d->settings = *settings;
-    d->exact = scene->emitter_count > 0 && scene->emitter_count <= EXACT_EMITTERS_MAX;
+    d->exact = !settings->maps && scene->emitter_count > 0 && scene->emitter_count <= EXACT_EMITTERS_MAX;
     sl_status status = SL_OK;
-    if (scene->emitter_count || scene->environment.present) status = sl_light_sampler_create(scene, &d->sampler, error);
+    if (!settings->maps && (scene->emitter_count || scene->environment.present))
+        status = sl_light_sampler_create(scene, &d->sampler, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);
         return status;
@@ -183,6 +184,25 @@ static sl_rgb diffuse_irradiance(const sl_direct *direct, const receiver *at, co
                                             visible(exact.b, sums->seen.b, sums->all.b)});
 }
 
+/* ---- shadow maps ---- */
+
+typedef struct {
+    const receiver *at;
+    pixel_sums *sums;
+} map_context;
+
+static void add_mapped_light(void *context, sl_vec3 to_light, sl_rgb irradiance) {
+    map_context *c = context;
+    add(&c->sums->plain, irradiance);
+    add(&c->sums->glossy, sl_rgb_mul(irradiance, phong(c->at, to_light)));
+}
+
+static void look_up_lights(shadow_queue *q, int pixel, const receiver *at) {
+    map_context context = {at, &q->sums[pixel]};
+    sl_shadow_maps_each(q->direct->settings.maps, at->position, at->geometric_normal, at->normal, add_mapped_light, &context,
+                        q->counters);
+}
+
 /* ---- rows ---- */
 
 typedef struct {
@@ -225,6 +245,10 @@ static void light_row(void *context, size_t index, unsigned worker) {
         size_t i = row + (size_t)x;
         if (!reflects(g, direct->scene, i)) continue;
         receiver at = receiver_at(direct, g, i);
+        if (direct->settings.maps) {
+            look_up_lights(&queue, x, &at);
+            continue;
+        }
         queue_delta_lights(&queue, x, &at);
         if (direct->sampler) queue_extended_lights(&queue, x, &at, sl_random_key(direct->settings.seed ^ 0xd1ecu, i));
     }

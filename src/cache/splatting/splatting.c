@@ -19,7 +19,7 @@
 
 #include <string.h>
 
-enum { DIRECT_ROWS = 64 };
+enum { DIRECT_ROWS = 64, SHADOW_MAP_SIZE = 1024 };
 
 typedef enum { PHASE_GBUFFER, PHASE_DIRECT, PHASE_RECORDS, PHASE_CLAMP, PHASE_SECOND, PHASE_DONE } phase;
 
@@ -46,6 +46,7 @@ typedef struct {
     sl_tracer *tracer;
     sl_gather *gather;
     sl_gather_scratch **scratch;
+    sl_shadow_maps *maps;
     sl_direct *direct;
     sl_gbuffer *gbuffer;
     uint32_t *receives;
@@ -96,10 +97,12 @@ static void destroy_transport(splat_state *s) {
     s->scratch = NULL;
     sl_gather_destroy(s->gather);
     sl_direct_destroy(s->direct);
+    sl_shadow_maps_destroy(s->maps);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     s->gather = NULL;
     s->direct = NULL;
+    s->maps = NULL;
     s->tracer = NULL;
     s->raster = NULL;
 }
@@ -121,8 +124,10 @@ static sl_status create_transport(splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK && s->direct_needed) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK && s->direct_needed && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
+        status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
     if (status == SL_OK && s->direct_needed) {
-        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads};
+        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads, s->maps};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
     if (status != SL_OK || !s->indirect_needed) return status;
@@ -488,6 +493,7 @@ static size_t splat_memory_bytes(const void *state) {
     bytes += s->list.capacity * sizeof(sl_record) + sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
+    if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);
     return bytes;
 }
 

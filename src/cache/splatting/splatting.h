@@ -11,6 +11,7 @@
 #define SL_CACHE_SPLATTING_H
 
 #include "cache/gather/gather.h"
+#include "cache/gather/shadow_maps.h"
 #include "cache/method.h"
 #include "cache/splatting/record.h"
 
@@ -20,13 +21,16 @@ typedef struct sl_direct_settings {
     uint32_t light_samples;   /* shadow rays a pixel towards lights with extent */
     uint64_t seed;
     unsigned threads;
+    const sl_shadow_maps *maps; /* NULL: shadow rays */
 } sl_direct_settings;
 
 typedef struct sl_direct sl_direct;
 
-sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings, sl_direct **direct, sl_error *error);
+/* tracer may be NULL where shadow maps are given. */
+sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
+                           sl_direct **direct, sl_error *error);
 void sl_direct_destroy(sl_direct *direct);
-/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes, shadow rays: radiance into the r, g, b planes (bottom row
+/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes: radiance into the r, g, b planes (bottom row
  * first). */
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
                          float *b, sl_counters *counters, sl_error *error);

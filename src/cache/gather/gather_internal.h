@@ -1,0 +1,87 @@
+/* What the parts of a gather share: the steps of one gather are
+ *
+ *     see      plane_gather.c, hemicube_gather.c or ray_gather.c: which triangle, where, in every cell
+ *     shade    hit_shading.c: outgoing radiance of what is seen, lit by direct light alone
+ *     sum      gather_kernels.c and gradients.c: irradiance, gradients, mean distance
+ */
+#ifndef SL_CACHE_GATHER_INTERNAL_H
+#define SL_CACHE_GATHER_INTERNAL_H
+
+#include "cache/gather/gather_kernels.h"
+#include "cache/gather/gather_tables.h"
+#include "cache/gather/shadow_maps.h"
+
+struct sl_gather {
+    const sl_scene *scene;
+    const sl_raster *raster;
+    const sl_tracer *tracer;
+    sl_gather_settings settings; /* kind and direct decided */
+    sl_gather_tables *tables;
+    float half_tangent;
+    float offset;                /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
+    sl_gather_kernels kernels;
+
+    sl_shadow_maps *maps;        /* direct light by shadow maps, or NULL */
+    sl_scene extended;           /* the scene without its lights without extent: what `sampler` draws from */
+    sl_light_sampler *sampler;   /* emitters and environment (and lights without extent where they are many), or NULL */
+    bool every_light;            /* lights without extent are few: each lights every hit */
+    bool any_texture;
+};
+
+/* What was seen in the cells, by slot: slot k is cell order[k]. */
+typedef struct sl_gather_hits {
+    uint32_t *triangle;                             /* SL_NO_INDEX: nothing */
+    float *depth, *w1, *w2;                         /* position = eye + depth * direction */
+    float *direction_x, *direction_y, *direction_z; /* world, in units of depth */
+    float *position_x, *position_y, *position_z;
+    float *normal_x, *normal_y, *normal_z;          /* shading, towards the gather */
+    float *geometric_x, *geometric_y, *geometric_z; /* towards the gather */
+    float *cosine;                                  /* of the geometric normal with the way back, times the direction's length */
+    float *diffuse_r, *diffuse_g, *diffuse_b;
+    float *irradiance_r, *irradiance_g, *irradiance_b;
+    float *back;                                    /* 1: seen from the clockwise side */
+} sl_gather_hits;
+
+/* By cell. `width` zeros lie before the first cell, so that its walls to cells outside the picture can be read. */
+typedef struct sl_gather_planes {
+    float *r, *g, *b, *nearness, *distance; /* radiance, 1 / depth (0: nothing seen), distance */
+} sl_gather_planes;
+
+struct sl_gather_scratch {
+    const sl_gather *gather;
+    float *block;
+    sl_gather_hits hits;
+    sl_gather_planes planes;
+    sl_raster_scratch *raster;
+    uint32_t *target_id;
+    float *target_depth, *target_w1, *target_w2;
+    uint32_t *pixels; /* 0, 1, 2, ... */
+    uint32_t *cell_id;
+    float *cell_depth, *cell_w1, *cell_w2;
+};
+
+/* The gather under way. */
+typedef struct sl_gather_view {
+    const sl_gather *gather;
+    const sl_gather_point *point;
+    sl_gather_scratch *scratch;
+    sl_frame frame;
+    sl_vec3 eye;
+} sl_gather_view;
+
+void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
+/* After a raster render: fills slots from cell_id, cell_depth, cell_w1, cell_w2. */
+void sl_gather_hits_of_cells(const sl_gather_view *view);
+
+/* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as in sl_irradiance. */
+void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
+
+/* Adds the walls that the grid does not hold, turns the sums into the world. */
+void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_irradiance *irradiance);
+
+/* The choice AUTO: true if a raster gather is clearly cheaper than rays (gather_cost.c). */
+bool sl_gather_raster_is_cheaper(const sl_scene *scene, const sl_gather_settings *settings);
+
+#endif

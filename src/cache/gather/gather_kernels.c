@@ -1,0 +1,145 @@
+#include "cache/gather/gather_kernels.h"
+
+#include "base/random.h"
+
+/* ---- directions of rays ------------------------------------------------------------------------------------------- */
+
+/* sin and cos for |x| <= pi / 4: Taylor, errors below 4e-7 and 3e-8. */
+static inline float sine(float x) {
+    float q = x * x;
+    return x * (1.0f + q * (-1.0f / 6.0f + q * (1.0f / 120.0f - q * (1.0f / 5040.0f))));
+}
+static inline float cosine_of(float x) {
+    float q = x * x;
+    return 1.0f + q * (-0.5f + q * (1.0f / 24.0f + q * (-1.0f / 720.0f + q * (1.0f / 40320.0f))));
+}
+
+/* The concentric map (cache-math 2.5): the larger coordinate is the radius, the other one's share of it the azimuth. */
+void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
+    const float *restrict corner_a = c->slot_a, *restrict corner_b = c->slot_b;
+    float *restrict out_x = c->x, *restrict out_y = c->y, *restrict out_z = c->z;
+    sl_frame f = c->frame;
+    for (size_t k = 0; k < c->count; k++) { /* one random number makes both jitters */
+        uint32_t bits = c->jitter ? sl_random_bits(c->key, k) : 0x80008000u;
+        out_x[k] = (float)(bits >> 16) * 0x1p-16f;
+        out_y[k] = (float)(bits & 0xffffu) * 0x1p-16f;
+    }
+#pragma omp simd
+    for (size_t k = 0; k < c->count; k++) {
+        float a = corner_a[k] + c->cell * out_x[k], b = corner_b[k] + c->cell * out_y[k];
+        bool a_larger = fabsf(a) > fabsf(b);
+        float radius = a_larger ? a : b, other = a_larger ? b : a;
+        float share = other / (radius != 0.0f ? radius : 1.0f);
+        float angle = share * 0.785398163397f, s = radius * sine(angle), t = radius * cosine_of(angle);
+        float x = a_larger ? t : s, y = a_larger ? s : t;
+        float height = 1.0f - radius * radius;
+        float z = sqrtf(height > 1e-8f ? height : 1e-8f);
+        out_x[k] = f.x.x * x + f.y.x * y + f.z.x * z;
+        out_y[k] = f.x.y * x + f.y.y * y + f.z.y * z;
+        out_z[k] = f.x.z * x + f.y.z * y + f.z.z * z;
+    }
+}
+
+/* ---- surfaces ---------------------------------------------------------------------------------------------------------- */
+
+/* As sl_scene_surface() decides: normals turned to the gather's side, the shading normal into the geometric one's hemisphere. */
+void SL_KERNEL(sl_gather_surfaces)(const sl_surface_cells *c) {
+    const float *restrict depth = c->depth;
+    const float *restrict dx = c->direction_x, *restrict dy = c->direction_y, *restrict dz = c->direction_z;
+    float *restrict px = c->position_x, *restrict py = c->position_y, *restrict pz = c->position_z;
+    float *restrict nx = c->normal_x, *restrict ny = c->normal_y, *restrict nz = c->normal_z;
+    float *restrict gx = c->geometric_x, *restrict gy = c->geometric_y, *restrict gz = c->geometric_z;
+    float *restrict cosine = c->cosine, *restrict back = c->back;
+    sl_vec3 eye = c->eye;
+#pragma omp simd
+    for (size_t k = 0; k < c->count; k++) {
+        px[k] = eye.x + depth[k] * dx[k];
+        py[k] = eye.y + depth[k] * dy[k];
+        pz[k] = eye.z + depth[k] * dz[k];
+        float towards = -(gx[k] * dx[k] + gy[k] * dy[k] + gz[k] * dz[k]);
+        float side = towards < 0.0f ? -1.0f : 1.0f;
+        float x = side * gx[k], y = side * gy[k], z = side * gz[k];
+        float squared = nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k];
+        float agreement = nx[k] * x + ny[k] * y + nz[k] * z;
+        bool good = squared > 1e-20f && squared < 1e20f && agreement != 0.0f; /* else the geometric normal */
+        float scale = (agreement < 0.0f ? -1.0f : 1.0f) / sqrtf(good ? squared : 1.0f);
+        nx[k] = good ? nx[k] * scale : x;
+        ny[k] = good ? ny[k] * scale : y;
+        nz[k] = good ? nz[k] * scale : z;
+        gx[k] = x;
+        gy[k] = y;
+        gz[k] = z;
+        cosine[k] = side * towards;
+        back[k] = towards < 0.0f ? 1.0f : 0.0f;
+    }
+}
+
+/* ---- sums --------------------------------------------------------------------------------------------------------------- */
+
+enum { LANES = SL_GATHER_LANES };
+
+/* The fixed shape of every sum: eight lanes, then pairs. */
+static double lanes_sum(const double *s) {
+    return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+}
+
+/* E = sum W L; grad_r E = sum L (-V_y, V_x) (cache-math 3.4). */
+static void sum_cells(const sl_gather_tables *t, size_t cells, const float *restrict radiance, double *irradiance,
+                      double rotational[2]) {
+    const float *restrict w = t->weight, *restrict vx = t->vector_x, *restrict vy = t->vector_y;
+    double e[LANES] = {0}, rx[LANES] = {0}, ry[LANES] = {0};
+    for (size_t i = 0; i < cells; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) {
+            double l = (double)radiance[i + lane];
+            e[lane] += (double)w[i + lane] * l;
+            rx[lane] -= (double)vy[i + lane] * l;
+            ry[lane] += (double)vx[i + lane] * l;
+        }
+    }
+    *irradiance = lanes_sum(e);
+    rotational[0] = lanes_sum(rx);
+    rotational[1] = lanes_sum(ry);
+}
+
+static double sum_products(size_t cells, const float *restrict a, const float *restrict b) {
+    double sum[LANES] = {0};
+    for (size_t i = 0; i < cells; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) sum[lane] += (double)a[i + lane] * (double)b[i + lane];
+    }
+    return lanes_sum(sum);
+}
+
+/* The principle of walls (cache-math 3.2): the boundary between two cells moves with the nearer of the two surfaces. */
+static void sum_walls(const sl_gather_tables *t, size_t cells, const float *restrict radiance, const float *restrict nearness,
+                      double translational[2]) {
+    const float *restrict column_x = t->column_x, *restrict column_y = t->column_y;
+    const float *restrict row_x = t->row_x, *restrict row_y = t->row_y;
+    const float *restrict left = radiance - 1, *restrict below = radiance - t->width;
+    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - t->width;
+    double x[LANES] = {0}, y[LANES] = {0};
+    for (size_t i = 0; i < cells; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) {
+            size_t j = i + lane;
+            double near = (double)nearness[j], near_a = (double)near_left[j], near_b = (double)near_below[j];
+            double across = ((double)radiance[j] - (double)left[j]) * (near > near_a ? near : near_a);
+            double up = ((double)radiance[j] - (double)below[j]) * (near > near_b ? near : near_b);
+            x[lane] += across * (double)column_x[j] + up * (double)row_x[j];
+            y[lane] += across * (double)column_y[j] + up * (double)row_y[j];
+        }
+    }
+    translational[0] = lanes_sum(x);
+    translational[1] = lanes_sum(y);
+}
+
+void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
+                               const float *nearness, sl_gather_sums *sums) {
+    const float *channel[3] = {r, g, b};
+    for (int c = 0; c < 3; c++) {
+        sum_cells(t, t->padded, channel[c], &sums->irradiance[c], sums->rotational[c]);
+        sum_walls(t, t->padded, channel[c], nearness, sums->translational[c]);
+    }
+    sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, nearness);
+}

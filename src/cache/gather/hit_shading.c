@@ -1,0 +1,256 @@
+/* What the gather sees, lit by direct light alone: outgoing radiance L = kd / pi * E_direct of a Lambertian bounce.
+ *
+ * Shadow rays: every light without extent lights every hit (where there are more than eight, the sampler draws among them), and
+ * emitters and environment together get one sample a hit. The numbers that choose these samples are one three-dimensional Kronecker
+ * sequence over the hits of the gather (Roberts' R3), rotated by the point's key, so that all hits together are spread evenly over the
+ * lights. */
+#include "cache/gather/gather_internal.h"
+
+#include "base/counters.h"
+#include "base/math.h"
+#include "base/random.h"
+
+/* Radiance below this is 0 (its products would be denormal), above that it is cut (radiance-cache-splatting 8). */
+#define RADIANCE_MIN 1e-30f
+#define RADIANCE_MAX 1e20f
+
+/* ---- surfaces ------------------------------------------------------------------------------------------------------- */
+
+static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
+    float first = values[corner[0]];
+    return first + w1 * (values[corner[1]] - first) + w2 * (values[corner[2]] - first);
+}
+
+static void clear_slot(const sl_gather_hits *h, size_t k) {
+    h->depth[k] = 0.0f;
+    h->normal_x[k] = h->normal_y[k] = h->normal_z[k] = 0.0f;
+    h->geometric_x[k] = h->geometric_y[k] = h->geometric_z[k] = 0.0f;
+    h->diffuse_r[k] = h->diffuse_g[k] = h->diffuse_b[k] = 0.0f;
+}
+
+static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k) {
+    const sl_scene *s = gather->scene;
+    uint32_t triangle = h->triangle[k], corner[3] = {s->vertex[0][triangle], s->vertex[1][triangle], s->vertex[2][triangle]};
+    float w1 = h->w1[k], w2 = h->w2[k];
+    h->normal_x[k] = interpolate(s->normal_x, corner, w1, w2);
+    h->normal_y[k] = interpolate(s->normal_y, corner, w1, w2);
+    h->normal_z[k] = interpolate(s->normal_z, corner, w1, w2);
+    h->geometric_x[k] = s->geometric_normal_x[triangle];
+    h->geometric_y[k] = s->geometric_normal_y[triangle];
+    h->geometric_z[k] = s->geometric_normal_z[triangle];
+    const sl_material *material = &s->materials[s->material_index[triangle]];
+    sl_rgb diffuse = material->texture == SL_NO_INDEX ? material->diffuse : sl_scene_diffuse(s, triangle, w1, w2);
+    h->diffuse_r[k] = diffuse.r;
+    h->diffuse_g[k] = diffuse.g;
+    h->diffuse_b[k] = diffuse.b;
+}
+
+static void make_surfaces(const sl_gather_view *view) {
+    const sl_gather *gather = view->gather;
+    const sl_gather_hits *h = &view->scratch->hits;
+    for (size_t k = 0; k < gather->tables->used; k++) {
+        if (h->triangle[k] == SL_NO_INDEX) clear_slot(h, k);
+        else load_slot(gather, h, k);
+        h->irradiance_r[k] = h->irradiance_g[k] = h->irradiance_b[k] = 0.0f;
+    }
+    sl_surface_cells cells = {
+        .count = gather->tables->used, .eye = view->eye, .depth = h->depth,
+        .direction_x = h->direction_x, .direction_y = h->direction_y, .direction_z = h->direction_z,
+        .position_x = h->position_x, .position_y = h->position_y, .position_z = h->position_z,
+        .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z,
+        .geometric_x = h->geometric_x, .geometric_y = h->geometric_y, .geometric_z = h->geometric_z,
+        .cosine = h->cosine, .back = h->back};
+    gather->kernels.surfaces(&cells);
+}
+
+/* A shading normal may tilt the gather below the geometric horizon; what it meets there in the point's own plane is the surface
+ * itself (neighbouring triangles of it), which it does not see. */
+static bool is_own_plane(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    sl_vec3 g = view->point->geometric_normal;
+    sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    float down = sl_dot(g, d);
+    if (!(down < 0.0f)) return false;
+    float height = view->gather->offset + h->depth[k] * down; /* above the plane through the point */
+    return fabsf(height) <= 2.0f * view->gather->offset + 1e-6f * h->depth[k];
+}
+
+static void drop_own_plane(const sl_gather_view *view) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    if (sl_dot(view->point->geometric_normal, view->frame.z) >= 1.0f - 1e-6f) return; /* not tilted */
+    for (size_t k = 0; k < view->gather->tables->used; k++) {
+        if (h->triangle[k] != SL_NO_INDEX && is_own_plane(view, k)) h->triangle[k] = SL_NO_INDEX;
+    }
+}
+
+/* ---- direct light by shadow rays ----------------------------------------------------------------------------------------- */
+
+/* Shadow rays wait here until there are sixteen. */
+typedef struct shadow_queue {
+    const sl_gather_view *view;
+    sl_counters *counters;
+    unsigned count;
+    bool coherent;
+    sl_ray16 rays;
+    uint32_t slot[SL_PACKET];
+    sl_rgb light[SL_PACKET];
+} shadow_queue;
+
+static void flush_queue(shadow_queue *q) {
+    if (q->count == 0) return;
+    const sl_gather_hits *h = &q->view->scratch->hits;
+    uint32_t occluded = sl_trace_occluded(q->view->gather->tracer, &q->rays, q->count, q->coherent, q->counters);
+    for (unsigned i = 0; i < q->count; i++) {
+        if (occluded >> i & 1u) continue;
+        h->irradiance_r[q->slot[i]] += q->light[i].r;
+        h->irradiance_g[q->slot[i]] += q->light[i].g;
+        h->irradiance_b[q->slot[i]] += q->light[i].b;
+    }
+    q->count = 0;
+}
+
+/* Light of irradiance `facing` on a facing plane arrives at slot k, unless something is in the way. */
+static void push_shadow_ray(shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb facing) {
+    const sl_gather_hits *h = &q->view->scratch->hits;
+    float cosine = h->normal_x[k] * to_light.x + h->normal_y[k] * to_light.y + h->normal_z[k] * to_light.z;
+    float above = h->geometric_x[k] * to_light.x + h->geometric_y[k] * to_light.y + h->geometric_z[k] * to_light.z;
+    if (!(cosine > 0.0f) || !(above > 0.0f)) return;
+    float offset = q->view->gather->offset;
+    unsigned i = q->count++;
+    q->rays.origin_x[i] = h->position_x[k] + offset * h->geometric_x[k];
+    q->rays.origin_y[i] = h->position_y[k] + offset * h->geometric_y[k];
+    q->rays.origin_z[i] = h->position_z[k] + offset * h->geometric_z[k];
+    q->rays.direction_x[i] = to_light.x;
+    q->rays.direction_y[i] = to_light.y;
+    q->rays.direction_z[i] = to_light.z;
+    q->rays.near[i] = 0.0f;
+    q->rays.far[i] = isinf(distance) ? INFINITY : distance * (1.0f - 1e-4f); /* short of the light itself */
+    q->rays.skip[i] = h->triangle[k];
+    q->slot[i] = (uint32_t)k;
+    q->light[i] = sl_rgb_scale(facing, cosine);
+    if (q->count == SL_PACKET) flush_queue(q);
+}
+
+static bool reflects(const sl_gather_hits *h, size_t k) {
+    return h->triangle[k] != SL_NO_INDEX && h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k] > 0.0f;
+}
+
+static sl_vec3 position_of(const sl_gather_hits *h, size_t k) {
+    return sl_v3(h->position_x[k], h->position_y[k], h->position_z[k]);
+}
+
+static void light_by_each(const sl_gather_view *view, shadow_queue *q) {
+    const sl_scene *scene = view->gather->scene;
+    const sl_gather_hits *h = &view->scratch->hits;
+    for (size_t i = 0; i < scene->light_count; i++) {
+        for (size_t k = 0; k < view->gather->tables->used; k++) {
+            sl_vec3 to_light;
+            float distance;
+            sl_rgb facing;
+            if (!reflects(h, k) || !sl_light_illuminate(&scene->lights[i], position_of(h, k), &to_light, &distance, &facing)) continue;
+            push_shadow_ray(q, k, to_light, distance, facing);
+        }
+        flush_queue(q); /* packets hold rays to one light */
+    }
+}
+
+static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
+
+/* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */
+static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    uint64_t key = sl_random_key(view->point->key, 1);
+    uint32_t select = sl_random_bits(key, 0), u1 = sl_random_bits(key, 1), u2 = sl_random_bits(key, 2);
+    for (size_t k = 0; k < view->gather->tables->used; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
+        sl_light_sample sample;
+        if (!reflects(h, k)) continue;
+        if (!sl_light_sampler_sample(view->gather->sampler, position_of(h, k), unit(select), unit(u1), unit(u2), &sample)) continue;
+        push_shadow_ray(q, k, sample.to_light, sample.distance, sample.radiance);
+    }
+    flush_queue(q);
+}
+
+static void light_by_rays(const sl_gather_view *view, sl_counters *counters) {
+    shadow_queue queue = {.view = view, .counters = counters, .coherent = true};
+    if (view->gather->every_light) light_by_each(view, &queue);
+    queue.coherent = false;
+    if (view->gather->sampler) light_by_samples(view, &queue);
+}
+
+/* ---- direct light by shadow maps ------------------------------------------------------------------------------------------ */
+
+static void light_by_maps(const sl_gather_view *view, sl_counters *counters) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    for (size_t k = 0; k < view->gather->tables->used; k++) {
+        if (!reflects(h, k)) continue;
+        sl_rgb e = sl_shadow_maps_irradiance(view->gather->maps, position_of(h, k),
+                                             sl_v3(h->geometric_x[k], h->geometric_y[k], h->geometric_z[k]),
+                                             sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]), counters);
+        h->irradiance_r[k] = e.r;
+        h->irradiance_g[k] = e.g;
+        h->irradiance_b[k] = e.b;
+    }
+}
+
+/* ---- radiance of the cells --------------------------------------------------------------------------------------------------- */
+
+static float sane(float radiance, uint64_t *nonfinite) {
+    if (radiance != radiance) {
+        ++*nonfinite;
+        return 0.0f;
+    }
+    if (radiance > RADIANCE_MAX) return RADIANCE_MAX;
+    return radiance >= RADIANCE_MIN ? radiance : 0.0f;
+}
+
+static sl_rgb emission_of(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_scene *scene = view->gather->scene;
+    if (h->triangle[k] == SL_NO_INDEX) {
+        sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+        return sl_environment_radiance(&scene->environment, sl_normalize_or(d, view->frame.z));
+    }
+    const sl_material *material = &scene->materials[scene->material_index[h->triangle[k]]];
+    return h->back[k] > 0.0f && !material->emission_two_sided ? sl_grey(0.0f) : material->emission;
+}
+
+static void write_cell(const sl_gather_view *view, size_t k, float length, uint64_t *nonfinite) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_gather_planes *p = &view->scratch->planes;
+    uint32_t cell = view->gather->tables->order[k];
+    const float inverse_pi = (float)(1.0 / SL_PI);
+    sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k], h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
+                       h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
+    if (view->gather->settings.emission) radiance = sl_rgb_add(radiance, emission_of(view, k));
+    p->r[cell] = sane(radiance.r, nonfinite);
+    p->g[cell] = sane(radiance.g, nonfinite);
+    p->b[cell] = sane(radiance.b, nonfinite);
+    bool hit = h->triangle[k] != SL_NO_INDEX;
+    float nearest_depth = 2.0f * view->gather->offset;
+    p->nearness[cell] = hit ? 1.0f / (h->depth[k] > nearest_depth ? h->depth[k] : nearest_depth) : 0.0f;
+    p->distance[cell] = hit ? h->depth[k] * length : INFINITY;
+}
+
+void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters) {
+    const sl_gather *gather = view->gather;
+    const sl_gather_tables *t = gather->tables;
+    const sl_gather_hits *h = &view->scratch->hits;
+    uint64_t nonfinite = 0;
+    *nearest = INFINITY;
+    *back_weight = 0.0;
+    drop_own_plane(view);
+    make_surfaces(view);
+    if (gather->maps) light_by_maps(view, counters);
+    else light_by_rays(view, counters);
+    for (size_t k = 0; k < t->used; k++) {
+        float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[t->order[k]];
+        write_cell(view, k, length, &nonfinite);
+        if (h->triangle[k] == SL_NO_INDEX) continue;
+        *back_weight += (double)(h->back[k] * t->weight[t->order[k]]);
+        sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+        if (!(h->cosine[k] > 0.0f) || !(sl_dot(d, view->point->geometric_normal) > 0.0f)) continue;
+        float reach = h->depth[k] * length * length / h->cosine[k]; /* r / cos theta' */
+        if (reach < *nearest) *nearest = reach;
+    }
+    if (nonfinite) sl_count(counters, SL_COUNT_NONFINITE, nonfinite);
+}

@@ -1,0 +1,42 @@
+/* Rays through the cells of the concentric map: the cells have equal cosine weights, so every ray counts alike. */
+#include "cache/gather/gather_internal.h"
+
+#include "base/random.h"
+
+static void trace_packet(const sl_gather_view *view, size_t first, unsigned count, sl_counters *counters) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    sl_ray16 rays;
+    sl_hit16 hits;
+    for (unsigned i = 0; i < count; i++) {
+        rays.origin_x[i] = view->eye.x;
+        rays.origin_y[i] = view->eye.y;
+        rays.origin_z[i] = view->eye.z;
+        rays.direction_x[i] = h->direction_x[first + i];
+        rays.direction_y[i] = h->direction_y[first + i];
+        rays.direction_z[i] = h->direction_z[first + i];
+        rays.near[i] = 2.0f * view->gather->offset;
+        rays.far[i] = INFINITY;
+        rays.skip[i] = view->point->triangle;
+    }
+    sl_trace(view->gather->tracer, &rays, count, true, &hits, counters);
+    for (unsigned i = 0; i < count; i++) {
+        h->triangle[first + i] = hits.triangle[i];
+        h->depth[first + i] = hits.triangle[i] != SL_NO_INDEX ? hits.t[i] : 0.0f;
+        h->w1[first + i] = hits.w1[i];
+        h->w2[first + i] = hits.w2[i];
+    }
+}
+
+void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters) {
+    const sl_gather *gather = view->gather;
+    const sl_gather_tables *t = gather->tables;
+    const sl_gather_hits *h = &view->scratch->hits;
+    sl_ray_cells cells = {.count = t->used, .slot_a = t->slot_a, .slot_b = t->slot_b, .cell = 2.0f / (float)t->size,
+                          .jitter = gather->settings.jitter, .key = sl_random_key(view->point->key, 0), .frame = view->frame,
+                          .x = h->direction_x, .y = h->direction_y, .z = h->direction_z};
+    gather->kernels.directions(&cells);
+    for (size_t first = 0; first < t->used; first += SL_PACKET) {
+        size_t left = t->used - first;
+        trace_packet(view, first, left < SL_PACKET ? (unsigned)left : (unsigned)SL_PACKET, counters);
+    }
+}

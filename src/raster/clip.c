@@ -1,0 +1,146 @@
+/* Clipping: Sutherland and Hodgman 1974, plane by plane in clip space, before the division by w, so that vertices behind the eye
+ * need no special case. Arithmetic and order are llvmpipe's (Mesa's draw module).
+ *
+ * A new vertex is found from the end of the edge that lies nearer to the plane, whichever way the edge is walked, so the two
+ * triangles that share an edge get the same new vertex, and no pixel between them is lost or drawn twice. */
+#include <math.h>
+
+#include "raster/internal.h"
+
+enum { POLYGON_MAX = 3 + SL_CLIP_PLANES };
+
+typedef struct {
+    float x, y, z, w;
+    int32_t original; /* index of the vertex in the buffer, or -1 for a new one */
+} clip_vertex;
+
+static float plane_distance(const sl_pass_view *view, int plane, const clip_vertex *p) {
+    switch (plane) {
+    case 0: return -p->x + p->w;
+    case 1: return p->x + p->w;
+    case 2: return -p->y + p->w;
+    case 3: return p->y + p->w;
+    case 4: return view->inverse_w ? p->z : p->z + p->w;
+    default: return -p->z + p->w;
+    }
+}
+
+static clip_vertex interpolate(const clip_vertex *from, const clip_vertex *to, float t) {
+    return (clip_vertex){from->x + t * (to->x - from->x), from->y + t * (to->y - from->y),
+                         from->z + t * (to->z - from->z), from->w + t * (to->w - from->w), -1};
+}
+
+/* Where the ends are thousands of times further out than the plane, rounding can leave the new vertex visibly off it; then its
+ * coordinate is taken from the plane's equation. In all other cases the interpolated value stands, as in llvmpipe. */
+static void settle(const sl_pass_view *view, int plane, clip_vertex *p) {
+    const float visible = 1e-4f;
+    if (!(fabsf(plane_distance(view, plane, p)) > visible * fabsf(p->w))) return;
+    switch (plane) {
+    case 0: p->x = p->w; break;
+    case 1: p->x = -p->w; break;
+    case 2: p->y = p->w; break;
+    case 3: p->y = -p->w; break;
+    case 4: p->z = view->inverse_w ? p->z : -p->w; break;
+    default: p->z = p->w; break;
+    }
+}
+
+static clip_vertex cut_edge(const sl_pass_view *view, int plane, const clip_vertex *outside, float d_outside,
+                            const clip_vertex *inside, float d_inside) {
+    clip_vertex p = -d_outside < d_inside ? interpolate(outside, inside, d_outside / (d_outside - d_inside))
+                                          : interpolate(inside, outside, d_inside / (d_inside - d_outside));
+    settle(view, plane, &p);
+    return p;
+}
+
+static int clip_by_plane(const sl_pass_view *view, int plane, const clip_vertex *in, int count, clip_vertex *out) {
+    int made = 0;
+    const clip_vertex *p = &in[0];
+    float d = plane_distance(view, plane, p);
+    for (int i = 1; i <= count; i++) {
+        const clip_vertex *next = &in[i % count];
+        float d_next = plane_distance(view, plane, next);
+        if (d >= 0.0f && made < POLYGON_MAX) out[made++] = *p;
+        if (d >= 0.0f && d_next < 0.0f && made < POLYGON_MAX) out[made++] = cut_edge(view, plane, next, d_next, p, d);
+        if (d < 0.0f && d_next >= 0.0f && made < POLYGON_MAX) out[made++] = cut_edge(view, plane, p, d, next, d_next);
+        p = next;
+        d = d_next;
+    }
+    return made;
+}
+
+/* ---- viewport of clipped polygons ---- */
+
+typedef struct {
+    float u, v, depth;
+    int32_t snapped_u, snapped_v;
+    bool finite;
+} window_vertex;
+
+/* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a pixel's margin keeps
+ * it representable. */
+static float keep_near(float u, int size) {
+    float low = -384.0f, high = (float)size * 256.0f + 128.0f;
+    return u < low ? low : u > high ? high : u;
+}
+
+static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer *buffer, const clip_vertex *p) {
+    window_vertex q = {.finite = p->w > 0.0f};
+    if (p->original >= 0 && buffer->code[p->original] == 0) {
+        int32_t i = p->original;
+        return (window_vertex){buffer->u[i], buffer->v[i], buffer->depth[i], buffer->snapped_u[i], buffer->snapped_v[i],
+                               true};
+    }
+    if (!q.finite) return q;
+    float oow = 1.0f / p->w;
+    float u = (p->x * oow) * view->half_width + view->half_width, v = (p->y * oow) * view->half_height + view->half_height;
+    float depth = (p->z * oow) * 0.5f + 0.5f;
+    q.u = keep_near((u - 0.5f) * 256.0f, view->width);
+    q.v = keep_near((v - 0.5f) * 256.0f, view->height);
+    q.depth = view->inverse_w ? oow : depth < 0.0f ? 0.0f : depth > 1.0f ? 1.0f : depth;
+    q.finite = isfinite(q.u) && isfinite(q.v) && isfinite(q.depth);
+    if (q.finite) {
+        q.snapped_u = (int32_t)lrintf(q.u);
+        q.snapped_v = (int32_t)lrintf(q.v);
+    }
+    return q;
+}
+
+static bool append(sl_batch *batch, const window_vertex *a, const window_vertex *b, const window_vertex *c) {
+    const window_vertex *corner[3] = {a, b, c};
+    for (int k = 0; k < 3; k++) {
+        if (!corner[k]->finite) return false;
+    }
+    uint32_t t = batch->count++;
+    for (int k = 0; k < 3; k++) {
+        batch->u[k][t] = corner[k]->u;
+        batch->v[k][t] = corner[k]->v;
+        batch->depth[k][t] = corner[k]->depth;
+        batch->snapped_u[k][t] = corner[k]->snapped_u;
+        batch->snapped_v[k][t] = corner[k]->snapped_v;
+    }
+    return true;
+}
+
+uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buffer, const uint16_t corner[3],
+                          sl_batch *batch) {
+    clip_vertex polygon[2][POLYGON_MAX];
+    int32_t codes = 0;
+    for (int k = 0; k < 3; k++) {
+        uint16_t i = corner[k];
+        polygon[0][k] = (clip_vertex){buffer->x[i], buffer->y[i], buffer->z[i], buffer->w[i], i};
+        codes |= buffer->code[i];
+    }
+    int count = 3, now = 0;
+    for (int plane = 0; plane < view->planes && count >= 3; plane++) {
+        if (!(codes & 1 << plane)) continue;
+        count = clip_by_plane(view, plane, polygon[now], count, polygon[1 - now]);
+        now = 1 - now;
+    }
+    if (count < 3) return 0;
+    window_vertex window[POLYGON_MAX];
+    for (int i = 0; i < count; i++) window[i] = to_window(view, buffer, &polygon[now][i]);
+    uint32_t made = 0;
+    for (int i = 2; i < count; i++) made += append(batch, &window[i - 1], &window[i], &window[0]);
+    return made;
+}

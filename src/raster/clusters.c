@@ -1,0 +1,264 @@
+/* Clusters: at most 128 triangles that lie close together, with a box and a sphere around them, so that a view can reject
+ * them whole.
+ *
+ * Triangles are sorted by size class, then by the Morton code of their box's centre, then by index; the sorted list is cut
+ * where Morton codes differ in their highest bit (Lauterbach et al. 2009, "Fast BVH construction on GPUs") until a piece fits.
+ * Large triangles are kept apart: one wall among the books on a shelf would make the shelf's box as large as the room. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "raster/internal.h"
+
+typedef struct {
+    uint64_t code; /* size class in the top bits, Morton code below */
+    uint32_t triangle;
+} sorted_triangle;
+
+enum { MORTON_BITS = 20, CODE_BYTES = 8, HASH_SLOTS = 1024 };
+
+/* ---- order ---- */
+
+static uint64_t spread_bits(uint64_t x) { /* 21 bits, two zeros between each */
+    x &= 0x1fffff;
+    x = (x | x << 32) & 0x1f00000000ffffu;
+    x = (x | x << 16) & 0x1f0000ff0000ffu;
+    x = (x | x << 8) & 0x100f00f00f00f00fu;
+    x = (x | x << 4) & 0x10c30c30c30c30c3u;
+    x = (x | x << 2) & 0x1249249249249249u;
+    return x;
+}
+
+static uint64_t quantize(double value, double low, double scale) {
+    double q = (value - low) * scale;
+    if (!(q > 0.0)) return 0; /* also NaN */
+    double last = (double)((1 << MORTON_BITS) - 1);
+    return (uint64_t)(q < last ? q : last);
+}
+
+static uint64_t triangle_code(const sl_scene *s, uint32_t t) {
+    double low[3], high[3];
+    for (int c = 0; c < 3; c++) {
+        uint32_t i = s->vertex[c][t];
+        double p[3] = {(double)s->position_x[i], (double)s->position_y[i], (double)s->position_z[i]};
+        for (int k = 0; k < 3; k++) {
+            low[k] = c == 0 || p[k] < low[k] ? p[k] : low[k];
+            high[k] = c == 0 || p[k] > high[k] ? p[k] : high[k];
+        }
+    }
+    double origin[3] = {(double)s->box_min.x, (double)s->box_min.y, (double)s->box_min.z};
+    double diagonal = s->diagonal > 0.0f ? (double)s->diagonal : 1.0;
+    double scale = (double)(1 << MORTON_BITS) / diagonal, extent = 0.0;
+    uint64_t code = 0;
+    for (int k = 0; k < 3; k++) {
+        code |= spread_bits(quantize(0.5 * (low[k] + high[k]), origin[k], scale)) << k;
+        if (high[k] - low[k] > extent) extent = high[k] - low[k];
+    }
+    uint64_t class = extent > diagonal / 6.0 ? 0 : extent > diagonal / 24.0 ? 1 : 2;
+    return class << 60 | code;
+}
+
+/* Radix sort by code, stable, so index is the last key. Returns the array that holds the result. */
+static sorted_triangle *sort_by_code(sorted_triangle *a, sorted_triangle *b, size_t count) {
+    for (int byte = 0; byte < CODE_BYTES; byte++) {
+        size_t start[257] = {0};
+        for (size_t i = 0; i < count; i++) start[(a[i].code >> (8 * byte) & 255) + 1]++;
+        for (int k = 0; k < 256; k++) start[k + 1] += start[k];
+        for (size_t i = 0; i < count; i++) b[start[a[i].code >> (8 * byte) & 255]++] = a[i];
+        sorted_triangle *swap = a;
+        a = b;
+        b = swap;
+    }
+    return a; /* an even number of passes: the first array again */
+}
+
+/* First index in (first, last) whose code has the highest bit in which the ends differ; the middle if they do not. */
+static size_t split_position(const sorted_triangle *t, size_t first, size_t last) {
+    uint64_t difference = t[first].code ^ t[last - 1].code;
+    if (!difference) return first + (last - first) / 2;
+    uint64_t bit = (uint64_t)1 << (63 - __builtin_clzll(difference));
+    size_t low = first, high = last - 1; /* bit clear at low, set at high */
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (t[middle].code & bit) high = middle;
+        else low = middle;
+    }
+    return high;
+}
+
+/* ---- one cluster ---- */
+
+typedef struct {
+    sl_raster *raster;
+    const sorted_triangle *sorted;
+    size_t clusters, vertices; /* so far */
+    bool fill;                 /* false: only count */
+} builder;
+
+typedef struct {
+    uint32_t bits[SL_CLUSTER_VERTICES][3];
+    uint16_t slot[HASH_SLOTS]; /* number + 1 */
+    uint16_t count;
+} welder;
+
+static uint16_t weld(welder *w, const float p[3]) {
+    uint32_t bits[3];
+    memcpy(bits, p, sizeof bits);
+    uint32_t hash = bits[0] * 0x9e3779b1u ^ bits[1] * 0x85ebca77u ^ bits[2] * 0xc2b2ae3du;
+    for (uint32_t at = hash >> 22;; at = (at + 1) % HASH_SLOTS) {
+        if (!w->slot[at]) {
+            memcpy(w->bits[w->count], bits, sizeof bits);
+            w->slot[at] = ++w->count;
+            return (uint16_t)(w->count - 1);
+        }
+        uint16_t found = (uint16_t)(w->slot[at] - 1);
+        if (memcmp(w->bits[found], bits, sizeof bits) == 0) return found;
+    }
+}
+
+/* Box and sphere around the vertices, about one centre; rounded outwards. */
+static void bound_cluster(sl_raster *r, size_t cluster, size_t first, size_t count) {
+    const float *axis[3] = {r->vertex_x + first, r->vertex_y + first, r->vertex_z + first};
+    float *centre[3] = {r->centre_x, r->centre_y, r->centre_z}, *half[3] = {r->half_x, r->half_y, r->half_z};
+    double c[3];
+    for (int k = 0; k < 3; k++) {
+        float low = axis[k][0], high = axis[k][0];
+        for (size_t i = 1; i < count; i++) {
+            low = axis[k][i] < low ? axis[k][i] : low;
+            high = axis[k][i] > high ? axis[k][i] : high;
+        }
+        float middle = (float)(0.5 * ((double)low + (double)high));
+        double reach = fmax((double)high - (double)middle, (double)middle - (double)low);
+        centre[k][cluster] = middle;
+        half[k][cluster] = (float)(reach * (1.0 + 1e-6));
+        c[k] = (double)middle;
+    }
+    double radius_squared = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        sl_vec3d d = sl_v3d((double)axis[0][i] - c[0], (double)axis[1][i] - c[1], (double)axis[2][i] - c[2]);
+        radius_squared = fmax(radius_squared, sl_dotd(d, d));
+    }
+    r->radius[cluster] = (float)(sqrt(radius_squared) * (1.0 + 1e-6));
+}
+
+static void fill_cluster(builder *b, size_t first, size_t count, welder *w) {
+    sl_raster *r = b->raster;
+    const sl_scene *s = r->scene;
+    for (size_t i = first; i < first + count; i++) {
+        uint32_t t = b->sorted[i].triangle;
+        for (int c = 0; c < 3; c++) {
+            uint32_t v = s->vertex[c][t];
+            uint16_t local = weld(w, (const float[3]){s->position_x[v], s->position_y[v], s->position_z[v]});
+            if (!b->fill) continue;
+            r->corner[c][i] = local;
+            r->vertex_x[b->vertices + local] = s->position_x[v];
+            r->vertex_y[b->vertices + local] = s->position_y[v];
+            r->vertex_z[b->vertices + local] = s->position_z[v];
+        }
+        if (!b->fill) continue;
+        r->triangle[i] = t;
+        r->triangle_masked[i] = sl_scene_has_alpha(s, t);
+        r->masked |= r->triangle_masked[i];
+    }
+}
+
+static void add_cluster(builder *b, size_t first, size_t count) {
+    sl_raster *r = b->raster;
+    welder w = {.count = 0};
+    fill_cluster(b, first, count, &w);
+    if (b->fill) {
+        r->first_triangle[b->clusters] = (uint32_t)first;
+        r->triangles[b->clusters] = (uint32_t)count;
+        r->first_vertex[b->clusters] = (uint32_t)b->vertices;
+        r->vertices[b->clusters] = w.count;
+        bound_cluster(r, b->clusters, b->vertices, w.count);
+    }
+    b->clusters++;
+    b->vertices += (size_t)(w.count + SL_LANES - 1) / SL_LANES * SL_LANES;
+}
+
+static void split(builder *b, size_t first, size_t last) {
+    if (last - first <= SL_CLUSTER_TRIANGLES) {
+        add_cluster(b, first, last - first);
+        return;
+    }
+    size_t middle = split_position(b->sorted, first, last);
+    split(b, first, middle);
+    split(b, middle, last);
+}
+
+/* ---- the whole ---- */
+
+static void *claim(sl_raster *r, bool *ok, size_t count, size_t size) {
+    void *block = sl_allocate(count, size);
+    if (!block) *ok = false;
+    r->memory_bytes += count * size;
+    return block;
+}
+
+static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
+    bool ok = true;
+    size_t padded = (clusters + SL_LANES - 1) / SL_LANES * SL_LANES, triangles = r->scene->triangle_count;
+    float **bounds[7] = {&r->centre_x, &r->centre_y, &r->centre_z, &r->half_x, &r->half_y, &r->half_z, &r->radius};
+    for (int k = 0; k < 7; k++) *bounds[k] = claim(r, &ok, padded, sizeof(float));
+    uint32_t **ranges[4] = {&r->first_triangle, &r->triangles, &r->first_vertex, &r->vertices};
+    for (int k = 0; k < 4; k++) *ranges[k] = claim(r, &ok, padded, sizeof(uint32_t));
+    float **positions[3] = {&r->vertex_x, &r->vertex_y, &r->vertex_z};
+    for (int k = 0; k < 3; k++) *positions[k] = claim(r, &ok, vertices, sizeof(float));
+    for (int k = 0; k < 3; k++) r->corner[k] = claim(r, &ok, triangles, sizeof(uint16_t));
+    r->triangle = claim(r, &ok, triangles, sizeof(uint32_t));
+    r->triangle_masked = claim(r, &ok, triangles, 1);
+    return ok;
+}
+
+static bool build(sl_raster *r, sorted_triangle *a, sorted_triangle *b) {
+    size_t count = r->scene->triangle_count;
+    for (size_t t = 0; t < count; t++) a[t] = (sorted_triangle){triangle_code(r->scene, (uint32_t)t), (uint32_t)t};
+    const sorted_triangle *sorted = sort_by_code(a, b, count);
+    builder counting = {.raster = r, .sorted = sorted, .fill = false};
+    if (count) split(&counting, 0, count);
+    if (!allocate_clusters(r, counting.clusters, counting.vertices)) return false;
+    builder filling = {.raster = r, .sorted = sorted, .fill = true};
+    if (count) split(&filling, 0, count);
+    r->cluster_count = filling.clusters;
+    return true;
+}
+
+sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error) {
+    (void)threads; /* the build is a few linear passes */
+    *raster = NULL;
+    sl_raster *r = sl_allocate(1, sizeof *r);
+    sorted_triangle *a = sl_allocate(scene->triangle_count, sizeof *a);
+    sorted_triangle *b = sl_allocate(scene->triangle_count, sizeof *b);
+    bool ok = r && a && b;
+    if (ok) {
+        r->scene = scene;
+        r->kernels = sl_raster_kernels_best();
+        r->memory_bytes = sizeof *r;
+        ok = build(r, a, b);
+    }
+    sl_free(a);
+    sl_free(b);
+    if (!ok) {
+        sl_raster_destroy(r);
+        return sl_fail_memory(error, "the rasterizer's clusters");
+    }
+    *raster = r;
+    return SL_OK;
+}
+
+void sl_raster_destroy(sl_raster *r) {
+    if (!r) return;
+    float *bounds[10] = {r->centre_x, r->centre_y, r->centre_z, r->half_x,   r->half_y,
+                         r->half_z,   r->radius,   r->vertex_x, r->vertex_y, r->vertex_z};
+    for (int k = 0; k < 10; k++) sl_free(bounds[k]);
+    uint32_t *ranges[5] = {r->first_triangle, r->triangles, r->first_vertex, r->vertices, r->triangle};
+    for (int k = 0; k < 5; k++) sl_free(ranges[k]);
+    for (int k = 0; k < 3; k++) sl_free(r->corner[k]);
+    sl_free(r->triangle_masked);
+    sl_free(r);
+}
+
+size_t sl_raster_memory_bytes(const sl_raster *raster) { return raster->memory_bytes; }

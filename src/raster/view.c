@@ -1,0 +1,88 @@
+/* Views: the matrices of cameras, of pyramids above surface points, and of cube faces. */
+#include <math.h>
+#include <string.h>
+
+#include "base/math.h"
+#include "raster/internal.h"
+
+static void set_row(float row[4], sl_vec3d a, double w) {
+    row[0] = (float)a.x;
+    row[1] = (float)a.y;
+    row[2] = (float)a.z;
+    row[3] = (float)w;
+}
+
+/* OpenGL's perspective matrix on top of the camera's rotation; the translation is the view's origin. */
+sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far) {
+    sl_view view = {.origin = camera->eye, .width = width, .height = height, .depth = SL_DEPTH_WINDOW,
+                    .skip_triangle = SL_NO_INDEX};
+    double tangent = sl_tan(0.5 * (double)camera->vertical_fov);
+    double aspect = (double)width / (double)height;
+    double n = (double)near, f = (double)far;
+    sl_vec3d forward = sl_scaled(sl_to_double(camera->back), -1.0);
+    set_row(view.clip[0], sl_scaled(sl_to_double(camera->right), 1.0 / (tangent * aspect)), 0.0);
+    set_row(view.clip[1], sl_scaled(sl_to_double(camera->up), 1.0 / tangent), 0.0);
+    set_row(view.clip[2], sl_scaled(forward, (f + n) / (f - n)), -2.0 * f * n / (f - n));
+    set_row(view.clip[3], forward, 0.0);
+    return view;
+}
+
+/* x/w runs from -1 at tangent `left` to 1 at tangent `right`. Row 2 is w - near: the near plane's distance. */
+sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float right, float bottom, float top, int width,
+                        int height, float near) {
+    sl_view view = {.origin = eye, .width = width, .height = height, .depth = SL_DEPTH_INVERSE_W,
+                    .skip_triangle = SL_NO_INDEX};
+    double l = (double)left, r = (double)right, b = (double)bottom, t = (double)top;
+    sl_vec3d x = sl_to_double(frame->x), y = sl_to_double(frame->y), z = sl_to_double(frame->z);
+    set_row(view.clip[0], sl_subd(sl_scaled(x, 2.0 / (r - l)), sl_scaled(z, (r + l) / (r - l))), 0.0);
+    set_row(view.clip[1], sl_subd(sl_scaled(y, 2.0 / (t - b)), sl_scaled(z, (t + b) / (t - b))), 0.0);
+    set_row(view.clip[2], z, -(double)near);
+    set_row(view.clip[3], z, 0.0);
+    return view;
+}
+
+/* OpenGL 4.5, table 8.19: the axes s, t and the major axis of each face. */
+sl_frame sl_cube_face_frame(int face) {
+    static const float axes[6][9] = {
+        {0, 0, -1, 0, -1, 0, 1, 0, 0},  /* +x */
+        {0, 0, 1, 0, -1, 0, -1, 0, 0},  /* -x */
+        {1, 0, 0, 0, 0, 1, 0, 1, 0},    /* +y */
+        {1, 0, 0, 0, 0, -1, 0, -1, 0},  /* -y */
+        {1, 0, 0, 0, -1, 0, 0, 0, 1},   /* +z */
+        {-1, 0, 0, 0, -1, 0, 0, 0, -1}, /* -z */
+    };
+    const float *a = axes[face];
+    return (sl_frame){sl_v3(a[0], a[1], a[2]), sl_v3(a[3], a[4], a[5]), sl_v3(a[6], a[7], a[8])};
+}
+
+sl_view sl_view_cube_face(sl_vec3 eye, int face, int size, float near) {
+    sl_frame frame = sl_cube_face_frame(face);
+    return sl_view_pyramid(&frame, eye, -1.0f, 1.0f, -1.0f, 1.0f, size, size, near);
+}
+
+/* Planes in the order of the clip codes: w -+ x, w -+ y, then near and far. */
+static void make_planes(const sl_view *view, sl_pass_view *pass) {
+    const float(*m)[4] = view->clip;
+    for (int k = 0; k < 4; k++) {
+        pass->plane[0][k] = m[3][k] - m[0][k];
+        pass->plane[1][k] = m[3][k] + m[0][k];
+        pass->plane[2][k] = m[3][k] - m[1][k];
+        pass->plane[3][k] = m[3][k] + m[1][k];
+        pass->plane[4][k] = pass->inverse_w ? m[2][k] : m[3][k] + m[2][k];
+        pass->plane[5][k] = pass->inverse_w ? 0.0f : m[3][k] - m[2][k];
+    }
+    pass->planes = pass->inverse_w ? 5 : 6;
+    for (int k = 0; k < 6; k++) {
+        pass->plane_length[k] = sl_length(sl_v3(pass->plane[k][0], pass->plane[k][1], pass->plane[k][2]));
+    }
+}
+
+sl_pass_view sl_pass_view_make(const sl_view *view) {
+    sl_pass_view pass = {.origin = {view->origin.x, view->origin.y, view->origin.z},
+                         .half_width = 0.5f * (float)view->width, .half_height = 0.5f * (float)view->height,
+                         .width = view->width, .height = view->height, .x1 = view->width, .y1 = view->height,
+                         .inverse_w = view->depth == SL_DEPTH_INVERSE_W, .skip = view->skip_triangle};
+    memcpy(pass.clip, view->clip, sizeof pass.clip);
+    make_planes(view, &pass);
+    return pass;
+}

@@ -1,0 +1,194 @@
+/* Direct light by Monte Carlo: one light is chosen in proportion to its power, then a point of it. Emissive triangles are
+ * sampled uniformly by area, dA = d^2 / cos theta' d omega (Shirley, Wang and Zimmerman 1996); the sky by its own
+ * distribution; lights without extent as they are. */
+#include <math.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "trace/trace.h"
+
+struct sl_light_sampler {
+    const sl_scene *scene;
+    size_t count;   /* emitters, then lights, then the environment if there is one */
+    double *sums;   /* cumulative probabilities, the last chosen one ends at 1 */
+    double *chance; /* of each */
+};
+
+/* ---- powers ---------------------------------------------------------------------------------------------------------- */
+
+static double mean(sl_rgb c) { return ((double)c.r + (double)c.g + (double)c.b) / 3.0; }
+
+/* Of the disc that the scene shows to a distant light. */
+static double disc_area(const sl_scene *scene) {
+    double radius = 0.5 * (double)scene->diagonal;
+    return SL_PI * radius * radius;
+}
+
+static double emitter_power(const sl_emitter *emitter) {
+    return SL_PI * (double)emitter->area * mean(emitter->radiance) * (emitter->two_sided ? 2.0 : 1.0);
+}
+
+static double light_power(const sl_scene *scene, const sl_light *light) {
+    double strength = mean(light->intensity);
+    switch (light->type) {
+    case SL_LIGHT_POINT: return 4.0 * SL_PI * strength;
+    case SL_LIGHT_SPOT: /* smoothstep's mean is a half; never 0, so that a step of no width still shines */
+        return 2.0 * SL_PI * strength * fmax(1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer), 1e-6);
+    case SL_LIGHT_DIRECTIONAL: return strength * disc_area(scene);
+    }
+    return 0.0;
+}
+
+static double environment_power(const sl_scene *scene) {
+    const sl_environment *e = &scene->environment;
+    double flux = 4.0 * SL_PI * mean(e->constant);
+    if (e->width > 0) {
+        flux = 0.0;
+        for (int row = 0; row < e->height; row++) {
+            double top = sl_cos(SL_PI * row / e->height), bottom = sl_cos(SL_PI * (row + 1) / e->height);
+            double sum = 0.0;
+            const float *texel = e->texels + 3 * (size_t)row * (size_t)e->width;
+            for (int i = 0; i < 3 * e->width; i++) sum += (double)texel[i];
+            flux += sum / 3.0 * 2.0 * SL_PI / e->width * (top - bottom);
+        }
+    }
+    return flux * disc_area(scene);
+}
+
+static void fill_powers(sl_light_sampler *sampler) {
+    const sl_scene *scene = sampler->scene;
+    size_t i = 0;
+    for (size_t e = 0; e < scene->emitter_count; e++) sampler->chance[i++] = emitter_power(&scene->emitters[e]);
+    for (size_t l = 0; l < scene->light_count; l++) sampler->chance[i++] = light_power(scene, &scene->lights[l]);
+    if (scene->environment.present) sampler->chance[i++] = environment_power(scene);
+    for (size_t k = 0; k < i; k++) {
+        if (!(sampler->chance[k] > 0.0) || !isfinite(sampler->chance[k])) sampler->chance[k] = 0.0;
+    }
+}
+
+static void normalize(sl_light_sampler *sampler) {
+    double total = 0.0;
+    for (size_t i = 0; i < sampler->count; i++) total += sampler->chance[i];
+    double sum = 0.0;
+    size_t last = 0;
+    for (size_t i = 0; i < sampler->count; i++) {
+        sampler->chance[i] = total > 0.0 ? sampler->chance[i] / total : 0.0;
+        sampler->sums[i] = sum += sampler->chance[i];
+        if (sampler->chance[i] > 0.0) last = i;
+    }
+    /* Rounding must not leave a gap at the end into which a number could fall. */
+    for (size_t i = last; total > 0.0 && i < sampler->count; i++) sampler->sums[i] = 1.0;
+}
+
+sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **out, sl_error *error) {
+    *out = NULL;
+    sl_light_sampler *sampler = sl_allocate(1, sizeof *sampler);
+    if (!sampler) return sl_fail_memory(error, "the light sampler");
+    sampler->scene = scene;
+    sampler->count = scene->emitter_count + scene->light_count + (scene->environment.present ? 1 : 0);
+    sampler->sums = sl_allocate(sampler->count, sizeof *sampler->sums);
+    sampler->chance = sl_allocate(sampler->count, sizeof *sampler->chance);
+    if (!sampler->sums || !sampler->chance) {
+        sl_light_sampler_destroy(sampler);
+        return sl_fail_memory(error, "the light sampler");
+    }
+    fill_powers(sampler);
+    normalize(sampler);
+    *out = sampler;
+    return SL_OK;
+}
+
+void sl_light_sampler_destroy(sl_light_sampler *sampler) {
+    if (!sampler) return;
+    sl_free(sampler->sums);
+    sl_free(sampler->chance);
+    sl_free(sampler);
+}
+
+/* ---- sampling -------------------------------------------------------------------------------------------------------- */
+
+/* The first entry whose cumulative probability exceeds u: never one that has none. */
+static size_t choose(const sl_light_sampler *sampler, double u) {
+    size_t low = 0, high = sampler->count - 1;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (u < sampler->sums[middle]) high = middle;
+        else low = middle + 1;
+    }
+    return low;
+}
+
+/* Solid-angle density of a uniform point of the triangle, seen along `direction` from `distance`; 0 from the dark side. */
+static double area_pdf(const sl_scene *scene, const sl_emitter *emitter, sl_vec3d direction, double distance) {
+    sl_vec3d normal = sl_to_double(sl_scene_geometric_normal(scene, emitter->triangle));
+    double cosine = -sl_dotd(normal, direction);
+    if (emitter->two_sided) cosine = fabs(cosine);
+    if (!(cosine > 0.0) || !(distance > 0.0)) return 0.0;
+    double pdf = distance * distance / ((double)emitter->area * cosine);
+    return isfinite(pdf) ? pdf : 0.0;
+}
+
+static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, double chance, sl_vec3 p, float u1, float u2,
+                           sl_light_sample *sample) {
+    /* Uniform on the triangle: (1 - sqrt u1, sqrt u1 (1 - u2), sqrt u1 u2). */
+    double s = sqrt((double)u1), w1 = s * (1.0 - (double)u2), w2 = s * (double)u2;
+    uint32_t t = emitter->triangle;
+    sl_vec3d a = sl_to_double(sl_scene_position(scene, scene->vertex[0][t]));
+    sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[1][t])), a);
+    sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[2][t])), a);
+    sl_vec3d to = sl_addd(sl_subd(a, sl_to_double(p)), sl_addd(sl_scaled(b, w1), sl_scaled(c, w2)));
+    double distance = sl_lengthd(to);
+    if (!(distance > 0.0) || !isfinite(distance)) return false;
+    sl_vec3 direction = sl_to_float(sl_scaled(to, 1.0 / distance));
+    double pdf = chance * area_pdf(scene, emitter, sl_to_double(direction), distance);
+    if (!(pdf > 0.0)) return false;
+    if (sl_scene_has_alpha(scene, t) && !sl_scene_is_opaque(scene, t, (float)w1, (float)w2)) return false;
+    *sample = (sl_light_sample){direction, (float)distance, sl_rgb_scale(emitter->radiance, (float)(1.0 / pdf)), (float)pdf, t};
+    return true;
+}
+
+static bool sample_light(const sl_light *light, double chance, sl_vec3 p, sl_light_sample *sample) {
+    *sample = (sl_light_sample){.pdf = 0.0f, .triangle = SL_NO_INDEX};
+    if (!sl_light_illuminate(light, p, &sample->to_light, &sample->distance, &sample->radiance)) return false;
+    sample->radiance = sl_rgb_scale(sample->radiance, (float)(1.0 / chance));
+    return true;
+}
+
+static bool sample_environment(const sl_environment *environment, double chance, float u1, float u2, sl_light_sample *sample) {
+    sl_rgb radiance;
+    float pdf;
+    sl_vec3 direction = sl_environment_sample(environment, u1, u2, &radiance, &pdf);
+    double whole_pdf = chance * (double)pdf;
+    if (!(whole_pdf > 0.0)) return false;
+    *sample = (sl_light_sample){direction, INFINITY, sl_rgb_scale(radiance, (float)(1.0 / whole_pdf)), (float)whole_pdf, SL_NO_INDEX};
+    return true;
+}
+
+bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
+                             sl_light_sample *sample) {
+    if (sampler->count == 0 || !sl_is_finite(p)) return false;
+    const sl_scene *scene = sampler->scene;
+    size_t i = choose(sampler, (double)select);
+    double chance = sampler->chance[i];
+    if (!(chance > 0.0)) return false;
+    bool lit;
+    if (i < scene->emitter_count) lit = sample_emitter(scene, &scene->emitters[i], chance, p, u1, u2, sample);
+    else if (i < scene->emitter_count + scene->light_count) {
+        lit = sample_light(&scene->lights[i - scene->emitter_count], chance, p, sample);
+    } else lit = sample_environment(&scene->environment, chance, u1, u2, sample);
+    return lit && sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
+}
+
+float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle, float distance) {
+    (void)p; /* sampling by area is the same from everywhere */
+    const sl_scene *scene = sampler->scene;
+    if (triangle == SL_NO_INDEX) {
+        if (!scene->environment.present) return 0.0f;
+        return (float)(sampler->chance[sampler->count - 1] * (double)sl_environment_pdf(&scene->environment, direction));
+    }
+    uint32_t emitter = scene->emitter_of_triangle[triangle];
+    if (emitter == SL_NO_INDEX) return 0.0f;
+    return (float)(sampler->chance[emitter] *
+                   area_pdf(scene, &scene->emitters[emitter], sl_to_double(direction), (double)distance));
+}

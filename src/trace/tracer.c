@@ -1,0 +1,389 @@
+/* The hierarchy and its queries. One Embree user primitive a triangle; its box is inflated, since Embree's walk rounds; and
+ * while a ray is under way its far end is kept a little beyond the best hit, so that near ties are still visited. The
+ * answer is then a function of the ray and the set of triangles alone: the least (distance, index) among all hits. */
+#include "trace/trace.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "trace/embree.h"
+#include "trace/triangle_test.h"
+
+/* Across the ray a hit is decided within about 3 * 2^-24 of its distance, which start_near() bounds by 2.5 diagonals; boxes
+ * grow by four times that. Near ties differ by the rounding of distances, far below FAR_SLACK. */
+#define INFLATION 2e-6
+#define FAR_SLACK 1e-4
+
+struct sl_tracer {
+    const sl_scene *scene;
+    RTCDevice device;
+    RTCScene hierarchy;
+    sl_triangle_corners *corners;
+    bool any_alpha;
+    float inflation;
+    sl_vec3d centre;
+    double diagonal;
+    sl_triangle_test *test;
+    atomic_llong embree_bytes;
+};
+
+/* What a query's callbacks work on. */
+typedef struct query_state {
+    const sl_tracer *tracer;
+    sl_ray_state rays;
+    float scale[SL_PACKET]; /* of the direction, see direction_scale() */
+    uint32_t occluded; /* occlusion queries: bit per ray */
+} query_state;
+
+/* ---- building ------------------------------------------------------------------------------------------------------ */
+
+static float least(const float v[3]) { return fminf(v[0], fminf(v[1], v[2])); }
+static float greatest(const float v[3]) { return fmaxf(v[0], fmaxf(v[1], v[2])); }
+
+static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments) {
+    const sl_tracer *tracer = arguments->geometryUserPtr;
+    const sl_triangle_corners *c = &tracer->corners[arguments->primID];
+    float grow = tracer->inflation;
+    struct RTCBounds *box = arguments->bounds_o;
+    box->lower_x = least(c->x) - grow;
+    box->lower_y = least(c->y) - grow;
+    box->lower_z = least(c->z) - grow;
+    box->upper_x = greatest(c->x) + grow;
+    box->upper_y = greatest(c->y) + grow;
+    box->upper_z = greatest(c->z) + grow;
+}
+
+static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments);
+static void occluded_callback(const struct RTCOccludedFunctionNArguments *arguments);
+
+static bool count_memory(void *tracer, ssize_t bytes, bool post) {
+    (void)post;
+    atomic_fetch_add(&((sl_tracer *)tracer)->embree_bytes, (long long)bytes);
+    return true;
+}
+
+static sl_status fail_embree(const sl_tracer *tracer, const char *what, sl_error *error) {
+    enum RTCError code = rtcGetDeviceError(tracer->device);
+    return sl_fail(error, SL_ERROR_RESOURCES, "Embree could not %s (error %d)", what, (int)code);
+}
+
+static void copy_corners(sl_tracer *tracer) {
+    const sl_scene *s = tracer->scene;
+    float greatest_coordinate = 0.0f;
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        sl_triangle_corners *c = &tracer->corners[t];
+        for (int k = 0; k < 3; k++) {
+            sl_vec3 p = sl_scene_position(s, s->vertex[k][t]);
+            c->x[k] = p.x;
+            c->y[k] = p.y;
+            c->z[k] = p.z;
+            greatest_coordinate = fmaxf(greatest_coordinate, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
+        }
+        tracer->any_alpha |= sl_scene_has_alpha(s, (uint32_t)t);
+    }
+    sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
+    tracer->centre = sl_scaled(sl_addd(low, high), 0.5);
+    tracer->diagonal = sl_lengthd(sl_subd(high, low));
+    /* The second term: far from the origin a box must grow by some units in the last place to grow at all. */
+    tracer->inflation = (float)(INFLATION * tracer->diagonal + 0x1p-22 * (double)greatest_coordinate);
+}
+
+static sl_status build_hierarchy(sl_tracer *tracer, sl_error *error) {
+    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_USER);
+    if (!geometry) return fail_embree(tracer, "make a geometry", error);
+    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)tracer->scene->triangle_count);
+    rtcSetGeometryUserData(geometry, tracer);
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
+    rtcSetGeometryBoundsFunction(geometry, triangle_bounds, NULL);
+    rtcSetGeometryIntersectFunction(geometry, intersect_callback);
+    rtcSetGeometryOccludedFunction(geometry, occluded_callback);
+    rtcCommitGeometry(geometry);
+    tracer->hierarchy = rtcNewScene(tracer->device);
+    if (!tracer->hierarchy) {
+        rtcReleaseGeometry(geometry);
+        return fail_embree(tracer, "make a scene", error);
+    }
+    rtcSetSceneFlags(tracer->hierarchy, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(tracer->hierarchy, RTC_BUILD_QUALITY_HIGH);
+    rtcAttachGeometry(tracer->hierarchy, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(tracer->hierarchy);
+    if (rtcGetDeviceError(tracer->device) != RTC_ERROR_NONE) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "Embree could not build the hierarchy of %zu triangles",
+                       tracer->scene->triangle_count);
+    }
+    return SL_OK;
+}
+
+static sl_triangle_test *triangle_test_for(sl_isa isa) {
+#ifdef SL_BASELINE_ONLY
+    (void)isa;
+    return sl_triangle_test_baseline;
+#else
+    static sl_triangle_test *const tests[SL_ISAS] = {sl_triangle_test_baseline, sl_triangle_test_avx2,
+                                                     sl_triangle_test_avx512};
+    return tests[isa];
+#endif
+}
+
+sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config, sl_tracer **out,
+                           sl_error *error) {
+    *out = NULL;
+    if (scene->triangle_count >= SL_NO_INDEX) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "a scene may have at most %u triangles, this has %zu", SL_NO_INDEX - 1,
+                       scene->triangle_count);
+    }
+    sl_tracer *tracer = sl_allocate(1, sizeof *tracer);
+    if (!tracer) return sl_fail_memory(error, "the tracer");
+    tracer->scene = scene;
+    tracer->test = triangle_test_for(sl_isa_best());
+    tracer->corners = sl_allocate(scene->triangle_count, sizeof *tracer->corners);
+    if (!tracer->corners) {
+        sl_tracer_destroy(tracer);
+        return sl_fail_memory(error, "the tracer's triangles");
+    }
+    copy_corners(tracer);
+
+    char config[256];
+    snprintf(config, sizeof config, "threads=%u%s%s", sl_thread_count(threads), embree_config ? "," : "",
+             embree_config ? embree_config : "");
+    tracer->device = rtcNewDevice(config);
+    sl_status status = SL_OK;
+    if (!tracer->device) {
+        status = sl_fail(error, SL_ERROR_RESOURCES, "Embree could not make a device with \"%s\" (error %d)", config,
+                         (int)rtcGetDeviceError(NULL));
+    } else {
+        rtcSetDeviceMemoryMonitorFunction(tracer->device, count_memory, tracer);
+        status = build_hierarchy(tracer, error);
+    }
+    if (status != SL_OK) {
+        sl_tracer_destroy(tracer);
+        return status;
+    }
+    *out = tracer;
+    return SL_OK;
+}
+
+void sl_tracer_destroy(sl_tracer *tracer) {
+    if (!tracer) return;
+    if (tracer->hierarchy) rtcReleaseScene(tracer->hierarchy);
+    if (tracer->device) rtcReleaseDevice(tracer->device);
+    sl_free(tracer->corners);
+    sl_free(tracer);
+}
+
+size_t sl_tracer_memory_bytes(const sl_tracer *tracer) {
+    long long embree = atomic_load(&((sl_tracer *)tracer)->embree_bytes);
+    return sizeof *tracer + tracer->scene->triangle_count * sizeof *tracer->corners + (size_t)(embree > 0 ? embree : 0);
+}
+
+/* ---- callbacks: a triangle is proposed for some of the rays ---------------------------------------------------------- */
+
+/* Whether the candidate beats what ray k has: nearer, or as near with a lower index. */
+static bool is_better(const sl_ray_state *r, unsigned k, float t, uint32_t triangle) {
+    if (!(t > r->near[k]) || r->skip[k] == triangle) return false;
+    if (t < r->best_t[k]) return true;
+    return t == r->best_t[k] && r->best_triangle[k] != SL_NO_INDEX && triangle < r->best_triangle[k];
+}
+
+static bool is_opaque(const sl_tracer *tracer, uint32_t triangle, float w1, float w2) {
+    return !tracer->any_alpha || !sl_scene_has_alpha(tracer->scene, triangle) ||
+           sl_scene_is_opaque(tracer->scene, triangle, w1, w2);
+}
+
+/* The far end that Embree is told for a ray whose best hit (or given end) is at t. */
+static float embree_far(const sl_ray_state *r, unsigned k, float t) {
+    double from_start = (double)t - r->start[k];
+    return (float)(from_start + FAR_SLACK * fabs(from_start) + 0x1p-22 * fabs((double)t));
+}
+
+/* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then one call tests them all. Few rays, or rays that were
+ * sorted, are tested one by one: the same arithmetic, so the same bits. Candidate i belongs to ray id[i]. */
+static uint32_t test_rays(const query_state *state, uint32_t triangle, const int *valid, const unsigned *id, unsigned n,
+                          sl_candidates *candidates) {
+    const sl_triangle_corners *corners = &state->tracer->corners[triangle];
+    uint32_t active = 0;
+    bool consecutive = true;
+    for (unsigned i = 0; i < n; i++) {
+        active |= (uint32_t)(valid[i] != 0) << i;
+        consecutive &= id[i] == id[0] + i;
+    }
+    unsigned actives = (unsigned)__builtin_popcount(active);
+    if (consecutive && id[0] + n <= SL_PACKET && actives > 2) {
+        return active & state->tracer->test(&state->rays, corners, id[0], n, candidates);
+    }
+    uint32_t hits = 0;
+    for (uint32_t rest = active; rest; rest &= rest - 1) {
+        unsigned i = (unsigned)__builtin_ctz(rest);
+        sl_candidates one;
+        if (!state->tracer->test(&state->rays, corners, id[i], 1, &one)) continue;
+        candidates->t[i] = one.t[0];
+        candidates->w1[i] = one.w1[0];
+        candidates->w2[i] = one.w2[0];
+        hits |= 1u << i;
+    }
+    return hits;
+}
+
+static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments) {
+    query_state *state = sl_embree_state(arguments->context);
+    unsigned n = arguments->N;
+    const unsigned *id = sl_embree_id(arguments->rayhit, n);
+    float *tfar = sl_embree_tfar(arguments->rayhit, n);
+    uint32_t triangle = arguments->primID;
+    sl_candidates c;
+    uint32_t hits = test_rays(state, triangle, arguments->valid, id, n, &c);
+    for (; hits; hits &= hits - 1) {
+        unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
+        sl_ray_state *r = &state->rays;
+        if (!is_better(r, k, c.t[i], triangle) || !is_opaque(state->tracer, triangle, c.w1[i], c.w2[i])) continue;
+        r->best_t[k] = c.t[i];
+        r->best_w1[k] = c.w1[i];
+        r->best_w2[k] = c.w2[i];
+        r->best_triangle[k] = triangle;
+        tfar[i] = embree_far(r, k, c.t[i]);
+    }
+}
+
+static void occluded_callback(const struct RTCOccludedFunctionNArguments *arguments) {
+    query_state *state = sl_embree_state(arguments->context);
+    unsigned n = arguments->N;
+    const unsigned *id = sl_embree_id(arguments->ray, n);
+    float *tfar = sl_embree_tfar(arguments->ray, n);
+    uint32_t triangle = arguments->primID;
+    sl_candidates c;
+    uint32_t hits = test_rays(state, triangle, arguments->valid, id, n, &c);
+    for (; hits; hits &= hits - 1) {
+        unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
+        if (!is_better(&state->rays, k, c.t[i], triangle)) continue;
+        if (!is_opaque(state->tracer, triangle, c.w1[i], c.w2[i])) continue;
+        state->occluded |= 1u << k;
+        tfar[i] = -INFINITY;
+    }
+}
+
+/* ---- queries ----------------------------------------------------------------------------------------------------- */
+
+/* A ray that starts far from the scene is started nearer, at about a diagonal from the centre, so that the test's rounding
+ * and Embree's stay within the boxes' inflation. Returns the new origin; *start is its distance. */
+static sl_vec3 start_near(const sl_tracer *tracer, sl_vec3 origin, sl_vec3d direction, double *start) {
+    sl_vec3d to_centre = sl_subd(tracer->centre, sl_to_double(origin));
+    double distance_squared = sl_dotd(to_centre, to_centre), diagonal = tracer->diagonal;
+    *start = 0.0;
+    if (distance_squared <= 4.0 * diagonal * diagonal) return origin;
+    double length_squared = sl_dotd(direction, direction);
+    double forward = sl_dotd(to_centre, direction) / length_squared - diagonal / sqrt(length_squared);
+    if (!(forward > 0.0) || !isfinite(forward)) return origin;
+    *start = forward;
+    return sl_to_float(sl_addd(sl_to_double(origin), sl_scaled(direction, forward)));
+}
+
+/* The power of two that brings a direction's largest component near 1, where it is far from that: Embree treats tiny
+ * directions as zero. Distances are then in units of the scaled direction, exactly. */
+static float direction_scale(float largest_component) {
+    if (largest_component > 0x1p-20f && largest_component < 0x1p20f) return 1.0f;
+    int exponent;
+    frexpf(largest_component, &exponent);
+    exponent = exponent > 120 ? 120 : exponent < -120 ? -120 : exponent;
+    return ldexpf(1.0f, -exponent);
+}
+
+/* Makes ray i ready: false if it has no direction, is not finite or is empty. */
+static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, struct RTCRay16 *out) {
+    sl_vec3 origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
+    sl_vec3 d = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
+    float size = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
+    if (!sl_is_finite(origin) || !sl_is_finite(d) || !(size > 0.0f)) return false;
+    if (!(rays->far[i] > rays->near[i]) || !(rays->far[i] > 0.0f)) return false;
+
+    float scale = direction_scale(size);
+    d = sl_scale(d, scale);
+    float near = rays->near[i] / scale, far = rays->far[i] / scale;
+    sl_ray_state *r = &state->rays;
+    sl_vec3 o = start_near(state->tracer, origin, sl_to_double(d), &r->start[i]);
+    state->scale[i] = scale;
+    r->origin_x[i] = out->org_x[i] = o.x;
+    r->origin_y[i] = out->org_y[i] = o.y;
+    r->origin_z[i] = out->org_z[i] = o.z;
+    sl_ray_state_shear(r, i, d.x, d.y, d.z);
+    r->near[i] = near > 0.0f ? near : 0.0f;
+    r->best_t[i] = far;
+    r->best_triangle[i] = SL_NO_INDEX;
+    r->skip[i] = rays->skip[i];
+    out->dir_x[i] = d.x;
+    out->dir_y[i] = d.y;
+    out->dir_z[i] = d.z;
+    double from_start = (double)r->near[i] - r->start[i];
+    out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - FAR_SLACK)) : 0.0f;
+    out->tfar[i] = isinf(far) ? INFINITY : fmaxf(embree_far(r, i, far), 0.0f);
+    out->time[i] = 0.0f;
+    out->mask[i] = UINT32_MAX;
+    out->id[i] = i;
+    out->flags[i] = 0;
+    return true;
+}
+
+/* All rays of a query; lanes that are not valid hold a harmless ray. Returns how many are valid. */
+static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ray16 *rays, unsigned count,
+                        struct RTCRay16 *out, int valid[SL_PACKET]) {
+    unsigned valids = 0;
+    state->tracer = tracer;
+    state->occluded = 0;
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        valid[i] = i < count && prepare_ray(state, rays, i, out) ? -1 : 0;
+        if (valid[i]) {
+            valids++;
+            continue;
+        }
+        state->rays.origin_x[i] = state->rays.origin_y[i] = state->rays.origin_z[i] = 0.0f;
+        sl_ray_state_shear(&state->rays, i, 0.0f, 0.0f, 1.0f);
+        state->rays.near[i] = state->rays.best_t[i] = 0.0f;
+        state->rays.start[i] = 0.0;
+        state->rays.best_triangle[i] = state->rays.skip[i] = SL_NO_INDEX;
+        out->org_x[i] = out->org_y[i] = out->org_z[i] = out->dir_x[i] = out->dir_y[i] = 0.0f;
+        out->dir_z[i] = 1.0f;
+        out->tnear[i] = out->time[i] = 0.0f;
+        out->tfar[i] = -INFINITY;
+        out->mask[i] = out->flags[i] = 0;
+        out->id[i] = i;
+    }
+    return valids;
+}
+
+void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent, sl_hit16 *hits,
+              sl_counters *counters) {
+    query_state state;
+    struct RTCRayHit16 packet;
+    _Alignas(64) int valid[SL_PACKET];
+    sl_count(counters, SL_COUNT_RAYS, count);
+    if (prepare(&state, tracer, rays, count, &packet.ray, valid) > 0) {
+        for (unsigned i = 0; i < SL_PACKET; i++) packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        sl_embree_query query;
+        sl_embree_begin(&query, &state);
+        sl_embree_intersect16(tracer->hierarchy, &query, coherent, valid, &packet);
+    }
+    for (unsigned i = 0; i < count; i++) {
+        bool hit = valid[i] && state.rays.best_triangle[i] != SL_NO_INDEX;
+        hits->triangle[i] = hit ? state.rays.best_triangle[i] : SL_NO_INDEX;
+        hits->t[i] = hit ? state.rays.best_t[i] * state.scale[i] : INFINITY;
+        hits->w1[i] = hit ? state.rays.best_w1[i] : 0.0f;
+        hits->w2[i] = hit ? state.rays.best_w2[i] : 0.0f;
+    }
+}
+
+uint32_t sl_trace_occluded(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent,
+                           sl_counters *counters) {
+    query_state state;
+    struct RTCRay16 packet;
+    _Alignas(64) int valid[SL_PACKET];
+    sl_count(counters, SL_COUNT_SHADOW_RAYS, count);
+    if (prepare(&state, tracer, rays, count, &packet, valid) == 0) return 0;
+    sl_embree_query query;
+    sl_embree_begin(&query, &state);
+    sl_embree_occluded16(tracer->hierarchy, &query, coherent, valid, &packet);
+    return state.occluded;
+}

@@ -1,0 +1,73 @@
+#include "rendering.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+sl_scene *load_scene(const char *path) {
+    sl_error error;
+    sl_scene *scene = NULL;
+    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    return scene;
+}
+
+static void write_text(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+sl_scene *scene_from_text(const char *json, const char *obj) {
+    char folder[] = "/tmp/softlux-test-XXXXXX", scene_path[64], mesh_path[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(scene_path, sizeof scene_path, "%s/scene.json", folder);
+    snprintf(mesh_path, sizeof mesh_path, "%s/mesh.obj", folder);
+    write_text(scene_path, json);
+    if (obj) write_text(mesh_path, obj);
+    sl_error error;
+    sl_scene *scene = NULL;
+    sl_status status = sl_scene_load(scene_path, &scene, &error);
+    unlink(scene_path);
+    unlink(mesh_path);
+    rmdir(folder);
+    if (status != SL_OK) fail_msg("%s", error.message);
+    return scene;
+}
+
+sl_settings small_settings(const char *method, int width, int height) {
+    sl_settings settings = sl_settings_default();
+    settings.method = method;
+    settings.width = width;
+    settings.height = height;
+    settings.quality = SL_QUALITY_DRAFT;
+    settings.threads = 2;
+    return settings;
+}
+
+sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters) {
+    sl_error error;
+    sl_method *method = NULL;
+    sl_image *image = NULL;
+    sl_progress progress = {0};
+    sl_status status = sl_method_create(scene, settings, &method, &error);
+    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
+    if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
+    if (status != SL_OK) fail_msg("%s", error.message);
+    if (counters) *counters = *sl_method_counters(method);
+    sl_method_destroy(method);
+    return image;
+}
+
+bool same_picture(const sl_image *a, const sl_image *b) {
+    size_t values = (size_t)a->width * (size_t)a->height * (size_t)a->channels;
+    return a->width == b->width && a->height == b->height && a->channels == b->channels &&
+           memcmp(a->planes, b->planes, values * sizeof(float)) == 0;
+}

@@ -1,0 +1,16 @@
+/* What tests of whole pictures share: every function fails the test, with the library's message, where anything fails. */
+#ifndef SL_TESTS_RENDERING_H
+#define SL_TESTS_RENDERING_H
+
+#include "softlux.h"
+
+sl_scene *load_scene(const char *path);
+/* A scene file from text, in a temporary folder; mesh text (OBJ) may be NULL, else the scene calls it "mesh.obj". */
+sl_scene *scene_from_text(const char *json, const char *obj);
+sl_settings small_settings(const char *method, int width, int height);
+/* Runs a method to its end and resolves it; counters (may be NULL) receives what it cost. */
+sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters);
+/* Are all channels equal, bit for bit? */
+bool same_picture(const sl_image *a, const sl_image *b);
+
+#endif

@@ -1,0 +1,376 @@
+/* The small parts of src/base: random numbers, vectors, parallel loops, memory, errors, instruction sets, counters. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/isa.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/vec.h"
+
+/* ---- random.h ---- */
+
+/* Chi-square of `bins` equally likely bins has mean bins-1 and variance 2(bins-1); five deviations are a fault. */
+static void assert_uniform(const uint32_t *histogram, int bins, double draws) {
+    double expected = draws / bins, chi_square = 0.0;
+    for (int i = 0; i < bins; i++) chi_square += (histogram[i] - expected) * (histogram[i] - expected) / expected;
+    double freedom = bins - 1.0;
+    if (fabs(chi_square - freedom) > 5.0 * sqrt(2.0 * freedom))
+        fail_msg("chi-square %g, expected %g", chi_square, freedom);
+}
+
+static void random_numbers_are_uniform_within_and_across_streams(void **state) {
+    (void)state;
+    enum { BINS = 256, DRAWS = 1 << 17 };
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        uint32_t within[BINS] = {0}, low_bits[BINS] = {0}, across[BINS] = {0};
+        uint64_t key = sl_random_key(seed, 1);
+        for (uint64_t i = 0; i < DRAWS; i++) {
+            within[(int)(sl_random_unit(key, i) * BINS)]++;
+            low_bits[sl_random_bits(key, i) & (BINS - 1)]++;
+            across[(int)(sl_random_unit(sl_random_key(seed, i), 0) * BINS)]++; /* the first number of many streams */
+        }
+        assert_uniform(within, BINS, DRAWS);
+        assert_uniform(low_bits, BINS, DRAWS);
+        assert_uniform(across, BINS, DRAWS);
+    }
+}
+
+static void random_pairs_fill_the_square_evenly(void **state) {
+    (void)state;
+    enum { SIDE = 32, DRAWS = 1 << 17 };
+    uint32_t next[SIDE * SIDE] = {0}, streams[SIDE * SIDE] = {0}, seeds[SIDE * SIDE] = {0};
+    for (uint64_t i = 0; i < DRAWS; i++) {
+        uint64_t key = sl_random_key(5, 8), other = sl_random_key(5, 9), reseeded = sl_random_key(6, 8);
+        uint32_t x = sl_random_bits(key, i) >> 27;
+        next[x * SIDE + (sl_random_bits(key, i + 1) >> 27)]++;
+        streams[x * SIDE + (sl_random_bits(other, i) >> 27)]++;
+        seeds[x * SIDE + (sl_random_bits(reseeded, i) >> 27)]++;
+    }
+    assert_uniform(next, SIDE * SIDE, DRAWS);
+    assert_uniform(streams, SIDE * SIDE, DRAWS);
+    assert_uniform(seeds, SIDE * SIDE, DRAWS);
+}
+
+/* The correlation of n independent pairs has deviation 1/sqrt(n). */
+static double correlation(uint64_t key_a, uint64_t key_b, uint64_t offset, uint64_t n) {
+    double sum = 0.0;
+    for (uint64_t i = 0; i < n; i++) {
+        sum += ((double)sl_random_unit(key_a, i) - 0.5) * ((double)sl_random_unit(key_b, i + offset) - 0.5);
+    }
+    return 12.0 * sum / (double)n;
+}
+
+static void streams_and_seeds_are_not_correlated(void **state) {
+    (void)state;
+    enum { N = 20000 };
+    double bound = 5.0 / sqrt(N);
+    for (uint64_t k = 0; k < 16; k++) {
+        uint64_t key = sl_random_key(1, k);
+        assert_true(fabs(correlation(key, sl_random_key(1, k + 1), 0, N)) < bound);
+        assert_true(fabs(correlation(key, sl_random_key(2, k), 0, N)) < bound);
+        assert_true(fabs(correlation(key, sl_random_key(k + 2, 1), 0, N)) < bound); /* seed and stream exchanged */
+        assert_true(fabs(correlation(key, key, k + 1, N)) < bound);
+    }
+    assert_true(correlation(3, 3, 0, N) > 0.9); /* the measure sees what it should */
+}
+
+static void random_numbers_depend_on_seed_stream_and_index_alone(void **state) {
+    (void)state;
+    enum { N = 1000 };
+    static uint32_t forward[N];
+    for (uint64_t i = 0; i < N; i++) forward[i] = sl_random_bits(sl_random_key(11, 3), i);
+    for (uint64_t i = N; i-- > 0;) assert_int_equal(forward[i], sl_random_bits(sl_random_key(11, 3), i));
+    for (uint64_t i = 0; i < 100000; i++) {
+        float u = sl_random_unit(sl_random_key(i, i), i);
+        assert_true(u >= 0.0f && u < 1.0f);
+    }
+    assert_true(sl_hash64(0) == 0xe220a8397b1dcdafu); /* SplitMix64's first output for seed 0 */
+}
+
+static void radical_inverse_reverses_bits(void **state) {
+    (void)state;
+    assert_int_equal(sl_van_der_corput(0), 0);
+    assert_true(sl_van_der_corput(1) == 0x80000000u && sl_van_der_corput(2) == 0x40000000u);
+    assert_true(sl_van_der_corput(3) == 0xc0000000u && sl_van_der_corput(0xffffffffu) == 0xffffffffu);
+    for (uint32_t i = 0; i < 1000; i++) assert_true(sl_van_der_corput(sl_van_der_corput(i)) == i);
+}
+
+/* ---- vec.h ---- */
+
+static void normalizing_gives_a_unit_vector_or_the_fallback(void **state) {
+    (void)state;
+    sl_vec3 fallback = sl_v3(0.0f, 0.0f, 1.0f);
+    float sizes[] = {1.0f, 1e-45f, 1e-40f, FLT_MIN, 1e-20f, 1e20f, FLT_MAX};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        sl_vec3 x = sl_normalize_or(sl_v3(-sizes[i], 0.0f, 0.0f), fallback);
+        assert_true(x.x == -1.0f && x.y == 0.0f && x.z == 0.0f);
+        sl_vec3 d = sl_normalize_or(sl_v3(sizes[i], sizes[i], -sizes[i]), fallback);
+        assert_true(fabsf(d.x - 0.57735027f) < 1e-7f && d.y == d.x && d.z == -d.x);
+    }
+    sl_vec3 bad[] = {sl_v3(0, 0, 0),        sl_v3(-0.0f, 0, -0.0f), sl_v3(NAN, 1, 0),
+                     sl_v3(INFINITY, 0, 0), sl_v3(1, -INFINITY, 0), sl_v3(0, 0, NAN)};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        sl_vec3 v = sl_normalize_or(bad[i], fallback);
+        assert_true(v.x == 0.0f && v.y == 0.0f && v.z == 1.0f);
+    }
+}
+
+static void assert_orthonormal(sl_vec3 n) {
+    sl_frame f = sl_frame_from_normal(n);
+    float e = 1e-6f;
+    assert_true(sl_is_finite(f.x) && sl_is_finite(f.y));
+    assert_true(fabsf(sl_dot(f.x, f.x) - 1.0f) < e && fabsf(sl_dot(f.y, f.y) - 1.0f) < e);
+    assert_true(fabsf(sl_dot(f.x, f.y)) < e && fabsf(sl_dot(f.x, n)) < e && fabsf(sl_dot(f.y, n)) < e);
+    assert_true(fabsf(sl_dot(sl_cross(f.x, f.y), n) - 1.0f) < 2.0f * e); /* right-handed */
+    assert_true(f.z.x == n.x && f.z.y == n.y && f.z.z == n.z);
+}
+
+static void frames_are_orthonormal_for_every_normal(void **state) {
+    (void)state;
+    float v[] = {0.0f, -0.0f, 1.0f, -1.0f};
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 2; j++) {
+            for (int k = 2; k < 4; k++) { /* the axes, with zeros of either sign: (0,0,-1) is the hard one */
+                assert_orthonormal(sl_v3(v[i], v[j], v[k]));
+                assert_orthonormal(sl_v3(v[i], v[k], v[j]));
+                assert_orthonormal(sl_v3(v[k], v[i], v[j]));
+            }
+        }
+    }
+    uint64_t key = sl_random_key(1, 2);
+    for (uint64_t i = 0; i < 100000; i++) {
+        float small = i % 4 == 0 ? exp2f(-30.0f * sl_random_unit(key, 4 * i)) : 1.0f; /* also close to the poles */
+        sl_vec3 a =
+            sl_v3((2.0f * sl_random_unit(key, 4 * i + 1) - 1.0f) * small,
+                  (2.0f * sl_random_unit(key, 4 * i + 2) - 1.0f) * small, 2.0f * sl_random_unit(key, 4 * i + 3) - 1.0f);
+        assert_orthonormal(sl_normalize_or(a, sl_v3(0.0f, 1.0f, 0.0f)));
+    }
+}
+
+static void frames_turn_vectors_there_and_back(void **state) {
+    (void)state;
+    sl_vec3 n = sl_normalize_or(sl_v3(0.3f, -0.5f, -0.8f), sl_v3(0, 0, 1)), a = sl_v3(0.2f, 0.7f, -1.5f);
+    sl_frame f = sl_frame_from_normal(n);
+    sl_vec3 up = sl_frame_to_world(&f, sl_v3(0, 0, 1)), back = sl_frame_to_world(&f, a);
+    back = sl_frame_to_local(&f, back);
+    assert_true(sl_length(sl_sub(up, n)) < 1e-7f && sl_length(sl_sub(back, a)) < 1e-6f);
+}
+
+static void vector_and_colour_arithmetic(void **state) {
+    (void)state;
+    sl_vec3 c = sl_cross(sl_v3(1, 0, 0), sl_v3(0, 1, 0)), m = sl_mad(sl_v3(1, 2, 3), 2.0f, sl_v3(10, 20, 30));
+    assert_true(c.x == 0.0f && c.y == 0.0f && c.z == 1.0f && m.x == 21.0f && m.y == 42.0f && m.z == 63.0f);
+    assert_true(sl_dot(sl_v3(1, 2, 3), sl_v3(4, 5, 6)) == 32.0f && sl_length(sl_v3(2, 3, 6)) == 7.0f);
+    assert_true(sl_lengthd(sl_v3d(2e200 / 1e200, 3, 6)) == 7.0);
+    assert_true(sl_rgb_max((sl_rgb){1, 3, 2}) == 3.0f && sl_rgb_max((sl_rgb){1, 2, 3}) == 3.0f);
+    assert_true(fabsf(sl_luminance(sl_grey(2.0f)) - 2.0f) < 1e-6f &&
+                fabsf(sl_rgb_mean((sl_rgb){1, 2, 6}) - 3.0f) < 1e-6f);
+    assert_false(sl_rgb_is_finite((sl_rgb){0, NAN, 0}));
+    assert_false(sl_is_finite(sl_v3(0, 0, -INFINITY)));
+}
+
+/* ---- parallel.h ---- */
+
+typedef struct {
+    atomic_uint *done;
+    atomic_uint workers_out_of_range;
+    unsigned threads;
+} loop_record;
+
+static void note(void *context, size_t index, unsigned worker) {
+    loop_record *r = context;
+    atomic_fetch_add(&r->done[index], 1);
+    if (worker >= r->threads) atomic_fetch_add(&r->workers_out_of_range, 1);
+}
+
+static void every_index_runs_once_at_any_number_of_threads(void **state) {
+    (void)state;
+    unsigned threads[] = {1, 2, 3, 7};
+    size_t counts[] = {0, 1, 2, 5, 1000};
+    for (int t = 0; t < 4; t++) {
+        for (int c = 0; c < 5; c++) {
+            atomic_uint done[1000];
+            for (int i = 0; i < 1000; i++) atomic_init(&done[i], 0);
+            loop_record r = {done, 0, threads[t]};
+            sl_parallel_for(threads[t], counts[c], note, &r);
+            for (size_t i = 0; i < 1000; i++) assert_int_equal(atomic_load(&done[i]), i < counts[c] ? 1 : 0);
+            assert_int_equal(atomic_load(&r.workers_out_of_range), 0);
+        }
+    }
+}
+
+/* Scratch memory is chosen by the worker: two tasks never hold the same one at once. */
+typedef struct {
+    atomic_flag busy[7];
+    atomic_uint clashes;
+} scratch_record;
+
+static void hold_scratch(void *context, size_t index, unsigned worker) {
+    scratch_record *r = context;
+    if (atomic_flag_test_and_set(&r->busy[worker])) atomic_fetch_add(&r->clashes, 1);
+    volatile double work = (double)index;
+    for (int i = 0; i < 200; i++) work = work * 0.5 + 1.0;
+    atomic_flag_clear(&r->busy[worker]);
+}
+
+static void a_worker_runs_one_task_at_a_time(void **state) {
+    (void)state;
+    scratch_record r;
+    for (int i = 0; i < 7; i++) atomic_flag_clear(&r.busy[i]);
+    atomic_init(&r.clashes, 0);
+    sl_parallel_for(7, 5000, hold_scratch, &r);
+    assert_int_equal(atomic_load(&r.clashes), 0);
+}
+
+/* An inner loop of a running task: in order, on worker 0, one at a time. */
+typedef struct {
+    size_t next;
+    unsigned faults;
+} inner_record;
+
+static void inner_task(void *context, size_t index, unsigned worker) {
+    inner_record *r = context;
+    if (index != r->next || worker != 0) r->faults++;
+    r->next++;
+}
+
+static void outer_task(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    inner_record *records = context;
+    sl_parallel_for(4, 50, inner_task, &records[index]);
+}
+
+static void nested_loops_run_alone_and_in_order(void **state) {
+    (void)state;
+    inner_record records[20];
+    memset(records, 0, sizeof records);
+    sl_parallel_for(3, 20, outer_task, records);
+    for (int i = 0; i < 20; i++) assert_true(records[i].next == 50 && records[i].faults == 0);
+    inner_record alone = {0, 0};
+    sl_parallel_for(1, 50, inner_task, &alone);
+    assert_true(alone.next == 50 && alone.faults == 0);
+}
+
+static void thread_count_is_at_least_one_and_bounded(void **state) {
+    (void)state;
+    assert_in_range(sl_thread_count(0), 1, 256);
+    assert_int_equal(sl_thread_count(1), 1);
+    assert_int_equal(sl_thread_count(64), 64);
+    assert_int_equal(sl_thread_count(100000), 256);
+}
+
+/* ---- memory.h ---- */
+
+static void allocation_is_aligned_and_zeroed(void **state) {
+    (void)state;
+    size_t counts[] = {0, 1, 63, 64, 65, 1000};
+    for (int i = 0; i < 6; i++) {
+        unsigned char *block = sl_allocate(counts[i], 3);
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        for (size_t j = 0; j < counts[i] * 3; j++) assert_int_equal(block[j], 0);
+        memset(block, 0xff, counts[i] * 3); /* the next block of this size must be zero all the same */
+        sl_free(block);
+    }
+    sl_free(NULL);
+}
+
+static void allocation_that_overflows_gives_null(void **state) {
+    (void)state;
+    assert_null(sl_allocate(SIZE_MAX, 1));
+    assert_null(sl_allocate(SIZE_MAX - 63, 1));
+    assert_null(sl_allocate(SIZE_MAX / 2 + 1, 2));
+    assert_null(sl_allocate((size_t)1 << 33, (size_t)1 << 33));
+    assert_null(sl_allocate(2, SIZE_MAX / 2 + 1));
+}
+
+/* ---- error.h, counters.h, isa.h ---- */
+
+static void an_error_is_one_line_that_ends(void **state) {
+    (void)state;
+    sl_error error;
+    memset(&error, 'x', sizeof error);
+    assert_int_equal(sl_fail(&error, SL_ERROR_INPUT, "%s:%d: expected\na number\r\n", "scene.json", 12),
+                     SL_ERROR_INPUT);
+    assert_int_equal(error.status, SL_ERROR_INPUT);
+    assert_string_equal(error.message, "scene.json:12: expected a number  ");
+    char *text = malloc(100000);
+    assert_non_null(text);
+    memset(text, 'a', 99999);
+    text[99999] = 0;
+    sl_fail(&error, SL_ERROR_INPUT, "%s", text);
+    assert_int_equal(strlen(error.message), sizeof error.message - 1);
+    free(text);
+    assert_int_equal(sl_fail_memory(&error, "the image"), SL_ERROR_RESOURCES);
+    assert_non_null(strstr(error.message, "the image"));
+    assert_int_equal(sl_fail(NULL, SL_ERROR_INPUT, "nobody listens"), SL_ERROR_INPUT);
+}
+
+static void counters_add_up_and_have_distinct_names(void **state) {
+    (void)state;
+    sl_counters a, b;
+    for (int i = 0; i < SL_COUNTERS; i++) {
+        a.value[i] = (uint64_t)i;
+        b.value[i] = 100;
+        sl_count(&b, (sl_counter)i, 7);
+        const char *name = sl_counter_name((sl_counter)i);
+        assert_true(name && *name && strcmp(name, "unknown") != 0);
+        for (int j = 0; j < i; j++) assert_string_not_equal(name, sl_counter_name((sl_counter)j));
+    }
+    sl_counters_add(&a, &b);
+    for (int i = 0; i < SL_COUNTERS; i++) assert_true(a.value[i] == (uint64_t)i + 107);
+    assert_string_equal(sl_counter_name(SL_COUNTERS), "unknown");
+}
+
+static void the_environment_lowers_the_instruction_set_and_never_raises_it(void **state) {
+    (void)state;
+    unsetenv("SOFTLUX_ISA");
+    sl_isa best = sl_isa_best();
+    for (int isa = 0; isa < SL_ISAS; isa++) {
+        setenv("SOFTLUX_ISA", sl_isa_name((sl_isa)isa), 1);
+        assert_int_equal(sl_isa_best(), isa < (int)best ? isa : (int)best);
+    }
+    setenv("SOFTLUX_ISA", "nonsense", 1);
+    assert_int_equal(sl_isa_best(), best);
+    unsetenv("SOFTLUX_ISA");
+#ifdef SL_BASELINE_ONLY
+    assert_int_equal(best, SL_ISA_BASELINE);
+#endif
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_numbers_are_uniform_within_and_across_streams),
+        cmocka_unit_test(random_pairs_fill_the_square_evenly),
+        cmocka_unit_test(streams_and_seeds_are_not_correlated),
+        cmocka_unit_test(random_numbers_depend_on_seed_stream_and_index_alone),
+        cmocka_unit_test(radical_inverse_reverses_bits),
+        cmocka_unit_test(normalizing_gives_a_unit_vector_or_the_fallback),
+        cmocka_unit_test(frames_are_orthonormal_for_every_normal),
+        cmocka_unit_test(frames_turn_vectors_there_and_back),
+        cmocka_unit_test(vector_and_colour_arithmetic),
+        cmocka_unit_test(every_index_runs_once_at_any_number_of_threads),
+        cmocka_unit_test(a_worker_runs_one_task_at_a_time),
+        cmocka_unit_test(nested_loops_run_alone_and_in_order),
+        cmocka_unit_test(thread_count_is_at_least_one_and_bounded),
+        cmocka_unit_test(allocation_is_aligned_and_zeroed),
+        cmocka_unit_test(allocation_that_overflows_gives_null),
+        cmocka_unit_test(an_error_is_one_line_that_ends),
+        cmocka_unit_test(counters_add_up_and_have_distinct_names),
+        cmocka_unit_test(the_environment_lowers_the_instruction_set_and_never_raises_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,225 @@
+/* Gradients against closed forms (cache-math 8.1, 8.7) and against differences of finer gathers. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "gather_world.h"
+
+static void assert_near(double a, double b, double eps) {
+    if (!(fabs(a - b) <= eps)) fail_msg("%.9g is not %.9g (+- %g)", a, b, eps);
+}
+
+static sl_gather_settings settings_of(sl_gather_kind kind, int size) {
+    sl_gather_settings s = sl_gather_defaults();
+    s.kind = kind;
+    s.size = size;
+    s.emission = true;
+    s.jitter = false;
+    s.direct = SL_DIRECT_RAYS;
+    return s;
+}
+
+static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
+
+static world *light_above(bool occluder) {
+    world *w = world_new();
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
+               world_material(w, sl_grey(0), sl_grey(5)));
+    if (occluder) {
+        world_quad(w, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(-0.1f, 0.45f, 0.6f), sl_v3(0.5f, 0.45f, 0.6f), sl_v3(0.5f, -0.2f, 0.6f),
+                   world_material(w, sl_grey(0), sl_grey(0)));
+    }
+    world_build(w);
+    return w;
+}
+
+static void polygon_light_moves_and_turns_as_its_closed_form(void **state) {
+    (void)state;
+    world *w = light_above(false);
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
+        assert_near((double)e.value.g, 4.643140759564, 0.08);
+        assert_near((double)e.translational[1].x, -0.648396539400, 0.08);
+        assert_near((double)e.translational[1].y, 0.305188879962, 0.08);
+        assert_near((double)e.translational[1].z, 0, 0);
+        assert_near((double)e.rotational[1].x, -0.136330404, 0.06);
+        assert_near((double)e.rotational[1].y, -0.326685256, 0.06);
+        assert_near((double)e.rotational[1].z, 0, 0);
+    }
+    world_free(w);
+}
+
+/* The wall is cut by the horizon; the second normal is tilted. The plane does not see down to the horizon. */
+static void clipped_wall_moves_as_its_closed_form(void **state) {
+    (void)state;
+    world *w = world_new();
+    world_quad(w, sl_v3(1.2f, -0.5f, -0.6f), sl_v3(1.2f, -0.5f, 1.1f), sl_v3(1.2f, 0.9f, 1.1f), sl_v3(1.2f, 0.9f, -0.6f),
+               world_material(w, sl_grey(0), sl_grey(5)));
+    world_build(w);
+    for (int k = 1; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_irradiance e = gather_once(w, &s, sl_v3(0.1f, 0.2f, 0), sl_v3(0, 0, 1));
+        assert_near((double)e.value.r, 1.338699193443, 0.03);
+        assert_near((double)e.translational[0].x, 2.136970274, 0.08);
+        assert_near((double)e.translational[0].y, 0, 0.05);
+        sl_vec3 n = sl_v3(0.36f, 0.48f, 0.8f);
+        e = gather_once(w, &s, sl_v3(0.1f, 0.2f, 0), n);
+        assert_near((double)e.value.r, 2.726858117647, 0.04);
+        double exact[3] = {3.302700934, -1.501339400, -1.379378227}; /* its tangential part */
+        double along = exact[0] * 0.36 + exact[1] * 0.48 + exact[2] * 0.8;
+        assert_near((double)e.translational[0].x, exact[0] - along * 0.36, 0.1);
+        assert_near((double)e.translational[0].y, exact[1] - along * 0.48, 0.1);
+        assert_near((double)e.translational[0].z, exact[2] - along * 0.8, 0.1);
+    }
+    world_free(w);
+}
+
+/* Silhouettes of an occluder move with the occluder, not with what lies behind: without that the gradient has another sign. */
+static void occluder_moves_before_the_light(void **state) {
+    (void)state;
+    world *w = light_above(true);
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
+        assert_near((double)e.value.b, 1.48128, 0.06);
+        assert_near((double)e.translational[2].x, 2.3814, 0.12);
+        assert_near((double)e.translational[2].y, 3.1224, 0.15);
+    }
+    world_free(w);
+}
+
+/* E(n') = E + (n x n') . grad_r: the sign is decided by turning. */
+static void rotational_gradient_has_the_sign_of_turning(void **state) {
+    (void)state;
+    world *w = light_above(false);
+    const double tilt = 0.06;
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_vec3 p = sl_v3(0.9f, -0.3f, 0), n = sl_v3(0, 0, 1);
+        sl_irradiance e = gather_once(w, &s, p, n);
+        for (int i = 0; i < 4; i++) {
+            double azimuth = 0.5 * SL_PI * i + 0.3;
+            sl_vec3 turned = sl_to_float(sl_v3d(sl_sin(tilt) * sl_cos(azimuth), sl_sin(tilt) * sl_sin(azimuth), sl_cos(tilt)));
+            sl_vec3 back = sl_v3(-turned.x, -turned.y, turned.z);
+            double difference = (double)(gather_once(w, &s, p, turned).value.g - gather_once(w, &s, p, back).value.g);
+            double predicted = 2 * (double)sl_dot(sl_cross(n, turned), e.rotational[1]);
+            assert_near(predicted, difference, 0.25 * fabs(difference) + 0.05);
+            if (fabs(difference) > 0.1) assert_true(predicted * difference > 0);
+        }
+    }
+    world_free(w);
+}
+
+/* L = 1 + x / 2 on the unit sphere, seen from its lowest point: E = pi; moving along the sphere turns the normal as well, and the
+ * two gradients cancel (cache-math 8.7). */
+static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
+    (void)state;
+    enum { SHADES = 256 };
+    world *w = world_new();
+    uint32_t shades[SHADES];
+    for (int i = 0; i < SHADES; i++) {
+        float x = ((float)i + 0.5f) * (2.0f / SHADES) - 1.0f;
+        shades[i] = world_material(w, sl_grey(0), sl_grey(1.0f + 0.5f * x));
+    }
+    world_sphere(w, 1, 128, shades, SHADES);
+    world_build(w);
+    for (int k = 1; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 128);
+        sl_irradiance e = gather_once(w, &s, sl_v3(0.003f, 0.002f, -0.9995f), sl_v3(0, 0, 1));
+        assert_near((double)e.value.g, SL_PI, 0.01);
+        assert_near((double)e.rotational[1].x, 0, 0.02);
+        assert_near((double)e.rotational[1].y, SL_PI / 4, kinds[k] == SL_GATHER_RAYS ? 0.03 : 0.01);
+        assert_near((double)e.translational[1].x, SL_PI / 4, 0.04);
+        assert_near((double)e.translational[1].y, 0, 0.03);
+        double step = 0.1; /* n' = (-s, 0, 1): n x n' = (0, -s, 0) */
+        assert_near(step * (double)e.translational[1].x - step * (double)e.rotational[1].y, 0, 0.006);
+    }
+    world_free(w);
+}
+
+/* Central differences of a fine gather, at room points, against the gradients of 64 x 64. The errors are relative to E, 1/m or
+ * 1/rad. The plane's are the largest: it lacks the directions near the horizon. */
+typedef struct errors {
+    double translational, rotational, true_translational, true_rotational;
+} errors;
+
+static double difference(gatherer *fine, const sl_gather_point *p, sl_vec3 axis, float step, bool turn) {
+    double value[2];
+    for (int i = 0; i < 2; i++) {
+        sl_gather_point q = *p;
+        float h = i ? -step : step;
+        if (turn) q.normal = q.geometric_normal = sl_normalize_or(sl_mad(p->normal, h, sl_cross(axis, p->normal)), p->normal);
+        else q.position = sl_mad(p->position, h, axis);
+        sl_irradiance e;
+        sl_gather_irradiance(fine->gather, &q, fine->scratch, &e, fine->counters);
+        value[i] = (double)e.value.g;
+    }
+    return (value[0] - value[1]) / (2.0 * (double)step);
+}
+
+static void room_gradients_agree_with_differences(void **state) {
+    (void)state;
+    world *w = world_room(false);
+    sl_gather_settings fine = settings_of(SL_GATHER_HEMICUBE, 256);
+    fine.emission = false;
+    gatherer f = gatherer_new(w, &fine), g[3];
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 64);
+        s.emission = false;
+        g[k] = gatherer_new(w, &s);
+    }
+    errors sums[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    int count = 0;
+    for (uint64_t i = 0; i < 40 && count < 12; i++) {
+        sl_gather_point p = world_surface_point(w, i);
+        p.triangle = SL_NO_INDEX;
+        p.position = sl_mad(p.position, 0.001f, p.geometric_normal); /* clear of its own plane when it turns */
+        sl_frame frame = sl_frame_from_normal(p.normal);
+        sl_irradiance e;
+        sl_gather_irradiance(f.gather, &p, f.scratch, &e, f.counters);
+        double tx = difference(&f, &p, frame.x, 0.03f, false), ty = difference(&f, &p, frame.y, 0.03f, false);
+        double rx = difference(&f, &p, frame.x, 0.02f, true), ry = difference(&f, &p, frame.y, 0.02f, true);
+        if (!(e.value.g > 0.02f) || sqrt(tx * tx + ty * ty) > 3.0 * (double)e.value.g) continue;
+        count++;
+        for (int k = 0; k < 3; k++) {
+            sl_irradiance c;
+            sl_gather_irradiance(g[k].gather, &p, g[k].scratch, &c, g[k].counters);
+            double dx = (double)sl_dot(c.translational[1], frame.x) - tx, dy = (double)sl_dot(c.translational[1], frame.y) - ty;
+            double ax = (double)sl_dot(c.rotational[1], frame.x) - rx, ay = (double)sl_dot(c.rotational[1], frame.y) - ry;
+            double scale = 1.0 / ((double)e.value.g * (double)e.value.g);
+            sums[k].translational += (dx * dx + dy * dy) * scale;
+            sums[k].rotational += (ax * ax + ay * ay) * scale;
+            sums[k].true_translational += (tx * tx + ty * ty) * scale;
+            sums[k].true_rotational += (rx * rx + ry * ry) * scale;
+        }
+    }
+    assert_true(count >= 8);
+    const double t_bounds[3] = {0.2, 0.06, 0.06}, r_bounds[3] = {0.4, 0.06, 0.15};
+    for (int k = 0; k < 3; k++) {
+        double t = sqrt(sums[k].translational / count), r = sqrt(sums[k].rotational / count);
+        print_message("instrument %d: rms error of grad_t/E %.3f (of %.3f), of grad_r/E %.3f (of %.3f)\n", (int)kinds[k], t,
+                      sqrt(sums[k].true_translational / count), r, sqrt(sums[k].true_rotational / count));
+        assert_true(t < t_bounds[k]);
+        assert_true(r < r_bounds[k]);
+        gatherer_free(&g[k]);
+    }
+    gatherer_free(&f);
+    world_free(w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(polygon_light_moves_and_turns_as_its_closed_form),
+        cmocka_unit_test(clipped_wall_moves_as_its_closed_form),
+        cmocka_unit_test(occluder_moves_before_the_light),
+        cmocka_unit_test(rotational_gradient_has_the_sign_of_turning),
+        cmocka_unit_test(gradients_cancel_on_the_inside_of_a_sphere),
+        cmocka_unit_test(room_gradients_agree_with_differences),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

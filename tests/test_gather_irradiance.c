@@ -1,0 +1,341 @@
+/* What gathers return against closed forms: furnaces, polygon lights, mean distances, the integrating sphere. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "cache/gather/hemisphere_tables.h"
+#include "gather_world.h"
+
+static void assert_near(double a, double b, double eps) {
+    if (!(fabs(a - b) <= eps)) fail_msg("%.9g is not %.9g (+- %g)", a, b, eps);
+}
+
+static sl_gather_settings settings_of(sl_gather_kind kind, int size) {
+    sl_gather_settings s = sl_gather_defaults();
+    s.kind = kind;
+    s.size = size;
+    s.emission = true;
+    s.direct = SL_DIRECT_RAYS;
+    return s;
+}
+
+static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
+
+/* A closed black box whose walls shine with radiance 1. */
+static void furnace_gives_pi(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, sl_grey(0), sl_grey(1));
+    world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){m, m, m, m, m, m});
+    world_build(w);
+    const sl_border borders[4] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
+    sl_vec3 n = sl_normalize_or(sl_v3(0.3f, -0.5f, 0.7f), sl_v3(0, 0, 1));
+    for (int k = 0; k < 6; k++) {
+        sl_gather_settings s = settings_of(k < 4 ? SL_GATHER_PLANE : kinds[k - 3], 64);
+        s.border = borders[k % 4];
+        sl_irradiance e = gather_once(w, &s, sl_v3(0.2f, 0.1f, -0.3f), n);
+        double sine = sl_sin(0.5 * (double)s.plane_fov), share = k == 0 ? 4 / SL_PI * sine * sl_atan(sine) : 1;
+        assert_near((double)e.value.r, SL_PI * share, 3e-6);
+        assert_near((double)e.value.g, SL_PI * share, 3e-6);
+        assert_near((double)e.value.b, SL_PI * share, 3e-6);
+        for (int c = 0; c < 3; c++) {
+            if (k) assert_near((double)sl_length(e.rotational[c]), 0, 1e-5);
+            assert_near((double)sl_length(e.translational[c]), 0, 1e-6);
+        }
+        assert_near((double)e.back_share, 0, 0);
+    }
+    world_free(w);
+}
+
+/* Relative rms error over positions under the quad of cache-math 8.1. */
+static double polygon_rms(world *w, const sl_gather_settings *s) {
+    sl_vec3d light[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}};
+    gatherer g = gatherer_new(w, s);
+    double sum = 0;
+    enum { COUNT = 100 };
+    for (int i = 0; i < COUNT; i++) {
+        sl_vec3 p = sl_v3(-1.0f + 0.213f * (float)(i % 10), -1.0f + 0.219f * (float)(i / 10), 0.01f * (float)(i % 7));
+        double exact = 5 * sl_polygon_irradiance(sl_to_double(p), sl_v3d(0, 0, 1), light, 4, NULL);
+        double error = (double)gather_at(&g, p, sl_v3(0, 0, 1), (uint64_t)i).value.g / exact - 1;
+        sum += error * error;
+    }
+    gatherer_free(&g);
+    return sqrt(sum / COUNT);
+}
+
+static void polygon_light_converges_to_its_closed_form(void **state) {
+    (void)state;
+    world *w = world_new();
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
+               world_material(w, sl_grey(0), sl_grey(5)));
+    world_build(w);
+    const double bounds[3] = {0.07, 0.03, 0.01}; /* at 64; the plane's pixels are the largest */
+    for (int k = 0; k < 3; k++) {
+        double rms[3];
+        for (int i = 0; i < 3; i++) {
+            sl_gather_settings s = settings_of(kinds[k], 32 << i);
+            rms[i] = polygon_rms(w, &s);
+        }
+        print_message("rms at 32, 64, 128: %.4f %.4f %.4f\n", rms[0], rms[1], rms[2]);
+        assert_true(rms[1] <= bounds[k]);
+        assert_true(rms[1] < 0.8 * rms[0] && rms[2] < 0.35 * rms[0]); /* about halving */
+    }
+    world_free(w);
+}
+
+static void mean_distance_is_cosine_weighted(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 128);
+        world *ceiling = world_new(), *wall = world_new(), *sphere = world_new();
+        uint32_t m = world_material(ceiling, sl_grey(0.5f), sl_grey(0));
+        world_quad(ceiling, sl_v3(-400, -400, 2), sl_v3(-400, 400, 2), sl_v3(400, 400, 2), sl_v3(400, -400, 2), m);
+        world_build(ceiling);
+        sl_irradiance e = gather_once(ceiling, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
+        assert_near((double)e.harmonic_mean, 1.5 * 2, 0.08);
+        assert_near((double)e.nearest, 2, 0.02);
+
+        m = world_material(wall, sl_grey(0.5f), sl_grey(0));
+        world_quad(wall, sl_v3(2, -800, -800), sl_v3(2, -800, 800), sl_v3(2, 800, 800), sl_v3(2, 800, -800), m);
+        world_build(wall);
+        e = gather_once(wall, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
+        assert_near((double)e.harmonic_mean, 1.5 * SL_PI * 2, kinds[k] == SL_GATHER_PLANE ? 0.9 : 0.25);
+        double tangent = sl_tan(0.5 * (double)s.plane_fov), sine2 = tangent * tangent / (1 + tangent * tangent);
+        assert_near((double)e.nearest, kinds[k] == SL_GATHER_PLANE ? 2 / sine2 : 2, 0.06);
+
+        m = world_material(sphere, sl_grey(0.5f), sl_grey(0));
+        world_sphere(sphere, 1, 64, &m, 1);
+        world_build(sphere);
+        e = gather_once(sphere, &s, sl_v3(0.0f, 0.02f, -0.998f), sl_v3(0, 0, 1));
+        assert_near((double)e.harmonic_mean, 1, kinds[k] == SL_GATHER_PLANE ? 0.25 : 0.08); /* the plane takes the rim for the horizon */
+        e = gather_once(sphere, &s, sl_v3(0, 0, 0), sl_v3(0, 0.6f, 0.8f)); /* from the centre everything is a radius away */
+        assert_near((double)e.harmonic_mean, 1, 0.01);
+        assert_near((double)e.nearest, 1, 0.01);
+        world_free(ceiling), world_free(wall), world_free(sphere);
+    }
+}
+
+static void empty_sky_is_infinitely_far(void **state) {
+    (void)state;
+    world *w = world_new();
+    world_quad(w, sl_v3(-9, -9, -1), sl_v3(9, -9, -1), sl_v3(9, 9, -1), sl_v3(-9, 9, -1), world_material(w, sl_grey(0.5f), sl_grey(0)));
+    w->environment = (sl_environment){.present = true, .constant = sl_grey(2)};
+    world_build(w);
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 32);
+        sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
+        assert_near((double)e.value.r, 2 * SL_PI, 1e-5);
+        assert_true(isinf(e.harmonic_mean) && isinf(e.nearest));
+        assert_near((double)sl_length(e.translational[0]), 0, 0);
+        s.emission = false; /* the direct pass samples the sky: black here */
+        assert_near((double)gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1)).value.r, 0, 0);
+        e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, -1)); /* the ground, lit by the sky: L = 0.5 / pi * 2 pi */
+        assert_near((double)e.back_share, 0, 0);
+        assert_near((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
+        e = gather_once(w, &s, sl_v3(0, 0, -2), sl_v3(0, 0, 1)); /* and its underside, lit by the sky below */
+        assert_near((double)e.back_share, 1, 0.03);
+        assert_near((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
+    }
+    world_free(w);
+}
+
+static void emitters_that_do_not_count_still_have_a_distance(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    sl_gather_settings seen = settings_of(SL_GATHER_RAYS, 32), black = seen;
+    black.emission = false;
+    sl_irradiance a = gather_once(w, &seen, sl_v3(2, 1, 3), sl_v3(0, 1, 0)), b = gather_once(w, &black, sl_v3(2, 1, 3), sl_v3(0, 1, 0));
+    assert_true(a.value.g > 2 * b.value.g && b.value.g > 0);
+    assert_true(a.harmonic_mean == b.harmonic_mean && a.nearest == b.nearest);
+    world_free(w);
+}
+
+/* One bounce inside a sphere is the same everywhere: albedo x mean direct irradiance (cache-math 8.7). */
+static void integrating_sphere_is_evenly_lit(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, (sl_rgb){0.6f, 0.3f, 0.9f}, sl_grey(0));
+    world_sphere(w, 1, 64, &m, 1);
+    world_point_light(w, sl_v3(0.35f, -0.2f, 0.3f), 1);
+    world_build(w);
+    for (int k = 0; k < 4; k++) {
+        sl_gather_settings s = settings_of(kinds[k % 3], 64);
+        if (k == 3) s.kind = SL_GATHER_HEMICUBE, s.direct = SL_DIRECT_SHADOW_MAPS;
+        gatherer g = gatherer_new(w, &s);
+        double plane = s.kind == SL_GATHER_PLANE ? 0.15 : 0.025; /* the plane guesses what lies near the horizon */
+        for (int i = 0; i < 20; i++) {
+            double polar = 0.15 * i, azimuth = 2.1 * i;
+            sl_vec3 n = sl_to_float(sl_v3d(sl_sin(polar) * sl_cos(azimuth), sl_sin(polar) * sl_sin(azimuth), sl_cos(polar)));
+            sl_irradiance e = gather_at(&g, sl_scale(n, 0.997f), sl_neg(n), (uint64_t)i);
+            assert_near((double)e.value.r / 0.6, 1, plane);
+            assert_near((double)e.value.g / 0.3, 1, plane);
+            assert_near((double)e.value.b / 0.9, 1, plane);
+            assert_near((double)e.back_share, 0, 1e-3);
+        }
+        gatherer_free(&g);
+    }
+    world_free(w);
+}
+
+/* A floor that a quad light shines on, seen from below the light's own plane: irradiance by two integrals, here by many small
+ * rays against few. */
+static void few_stratified_shadow_rays_agree_with_many(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    sl_gather_settings few = settings_of(SL_GATHER_RAYS, 64), many = settings_of(SL_GATHER_RAYS, 384);
+    few.emission = many.emission = false;
+    gatherer a = gatherer_new(w, &few), b = gatherer_new(w, &many);
+    double sum = 0;
+    for (uint64_t i = 0; i < 24; i++) {
+        sl_gather_point p = world_surface_point(w, i);
+        sl_irradiance x, y;
+        sl_gather_irradiance(a.gather, &p, a.scratch, &x, a.counters);
+        sl_gather_irradiance(b.gather, &p, b.scratch, &y, b.counters);
+        if (!(y.value.g > 1e-3f)) continue; /* the underside of a box */
+        double error = (double)x.value.g / (double)y.value.g - 1;
+        sum += error * error;
+    }
+    print_message("rms of 64 x 64 against 384 x 384: %.4f\n", sqrt(sum / 24));
+    assert_true(sqrt(sum / 24) < 0.03);
+    gatherer_free(&a), gatherer_free(&b);
+    world_free(w);
+}
+
+static void shadow_maps_and_rays_light_alike(void **state) {
+    (void)state;
+    for (int quad = 0; quad < 2; quad++) {
+        world *w = world_room(quad);
+        if (!quad) w->scene->lights[0] = (sl_light){.type = SL_LIGHT_SPOT, .position = {2.1f, 2.6f, 2.9f}, .direction = {0, -1, 0},
+                                                    .intensity = sl_grey(10), .cos_inner = 0.7f, .cos_outer = 0.3f};
+        sl_gather_settings rays = settings_of(SL_GATHER_RAYS, 64), maps = rays;
+        rays.emission = maps.emission = false;
+        maps.direct = SL_DIRECT_SHADOW_MAPS;
+        gatherer a = gatherer_new(w, &rays), b = gatherer_new(w, &maps);
+        double sum = 0;
+        for (uint64_t i = 0; i < 24; i++) {
+            sl_gather_point p = world_surface_point(w, i);
+            sl_irradiance x, y;
+            sl_gather_irradiance(a.gather, &p, a.scratch, &x, a.counters);
+            sl_gather_irradiance(b.gather, &p, b.scratch, &y, b.counters);
+            double error = (double)(y.value.g - x.value.g) / (double)(x.value.g + y.value.g + 1e-3f) * 2;
+            sum += error * error;
+        }
+        print_message("maps against rays, rms: %.4f\n", sqrt(sum / 24));
+        assert_true(sqrt(sum / 24) < 0.05);
+        assert_true(w->counters.value[SL_COUNT_SHADOW_LOOKUPS] > 1000);
+        gatherer_free(&a), gatherer_free(&b);
+        world_free(w);
+    }
+}
+
+static void directional_light_is_the_same_by_map_and_by_rays(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, sl_grey(0.5f), sl_grey(0));
+    world_quad(w, sl_v3(-50, 0, 50), sl_v3(50, 0, 50), sl_v3(50, 0, -50), sl_v3(-50, 0, -50), m);
+    world_box(w, sl_v3(2, 0.001f, -5), sl_v3(8, 9, 5), false, (uint32_t[6]){m, m, m, m, m, m});
+    sl_vec3 direction = sl_normalize_or(sl_v3(1, -1.2f, 0.3f), sl_v3(0, -1, 0));
+    w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = direction, .intensity = sl_grey(3)};
+    world_build(w);
+    sl_gather_settings rays = settings_of(SL_GATHER_RAYS, 64), maps = rays;
+    maps.direct = SL_DIRECT_SHADOW_MAPS;
+    for (int i = 0; i < 6; i++) {
+        sl_vec3 p = sl_v3(-6.0f + (float)i, 4.0f, (float)i), n = sl_v3(1, 0, 0);
+        double a = (double)gather_once(w, &rays, p, n).value.r, b = (double)gather_once(w, &maps, p, n).value.r;
+        assert_true(a > 0.1);
+        assert_near(b / a, 1, 0.02);
+    }
+    /* Open ground: E of a wall = pi / 2 L, L = 0.5 / pi * 3 cos; most of what a downward gather sees is sunlit ground. */
+    double cosine = 1.2 / sqrt(1 + 1.44 + 0.09);
+    assert_near((double)gather_once(w, &rays, sl_v3(-20, 0.5f, -20), sl_v3(0, -1, 0)).value.r, 0.5 * 3 * cosine, 0.02);
+    world_free(w);
+}
+
+/* Shading normals tilt gathers below the surface: what they meet there in their own plane is not seen. */
+static void tilted_normal_does_not_see_its_own_surface(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, sl_grey(0.5f), sl_grey(4));
+    for (int i = -5; i < 5; i++) { /* a shining floor of many triangles */
+        float x = (float)i;
+        world_quad(w, sl_v3(x, 0, 5), sl_v3(x + 1, 0, 5), sl_v3(x + 1, 0, -5), sl_v3(x, 0, -5), m);
+    }
+    world_build(w);
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 64);
+        gatherer g = gatherer_new(w, &s);
+        sl_gather_point p = {.position = {0.3f, 0, 0.2f}, .geometric_normal = {0, 1, 0}, .normal = {0.8f, 0.6f, 0},
+                             .triangle = SL_NO_INDEX, .key = 5};
+        sl_irradiance e;
+        sl_gather_irradiance(g.gather, &p, g.scratch, &e, g.counters);
+        assert_near((double)e.value.r, 0, 0);
+        assert_true(isinf(e.harmonic_mean) && isinf(e.nearest));
+        gatherer_free(&g);
+    }
+    world_free(w);
+}
+
+static void hostile_points_give_finite_answers(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    const sl_vec3 normals[] = {{0, 0, 0}, {NAN, 0, 0}, {0, 0, -1}, {INFINITY, 0, 1}, {1e-30f, 0, 0}};
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 16);
+        gatherer g = gatherer_new(w, &s);
+        for (size_t i = 0; i < sizeof normals / sizeof *normals; i++) {
+            sl_gather_point p = {.position = {2, 1.5f, 3}, .geometric_normal = {0, 1, 0}, .normal = normals[i], .triangle = SL_NO_INDEX};
+            sl_irradiance e;
+            sl_gather_irradiance(g.gather, &p, g.scratch, &e, g.counters);
+            assert_true(sl_rgb_is_finite(e.value) && e.value.g >= 0);
+            for (int c = 0; c < 3; c++) assert_true(sl_is_finite(e.rotational[c]) && sl_is_finite(e.translational[c]));
+            assert_true(e.harmonic_mean > 0 && e.nearest > 0);
+        }
+        gatherer_free(&g);
+    }
+    world_free(w);
+}
+
+static void wishes_that_cannot_be_met_are_errors(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    sl_error error;
+    sl_gather *gather;
+    sl_gather_settings s = settings_of(SL_GATHER_PLANE, 64);
+    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error), SL_ERROR_USAGE);
+    assert_null(gather);
+    s = settings_of(SL_GATHER_RAYS, 64);
+    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error), SL_ERROR_USAGE);
+    s.size = 2;
+    assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &w->counters, &error), SL_ERROR_USAGE);
+    s = sl_gather_defaults(); /* no tracer: plane with shadow maps; no rasterizer: rays */
+    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_gather_kind_used(gather), SL_GATHER_PLANE);
+    assert_true(sl_gather_memory_bytes(gather) > 100000);
+    sl_gather_destroy(gather);
+    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_gather_kind_used(gather), SL_GATHER_RAYS);
+    sl_gather_destroy(gather);
+    world_free(w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(furnace_gives_pi),
+        cmocka_unit_test(polygon_light_converges_to_its_closed_form),
+        cmocka_unit_test(mean_distance_is_cosine_weighted),
+        cmocka_unit_test(empty_sky_is_infinitely_far),
+        cmocka_unit_test(emitters_that_do_not_count_still_have_a_distance),
+        cmocka_unit_test(integrating_sphere_is_evenly_lit),
+        cmocka_unit_test(few_stratified_shadow_rays_agree_with_many),
+        cmocka_unit_test(shadow_maps_and_rays_light_alike),
+        cmocka_unit_test(directional_light_is_the_same_by_map_and_by_rays),
+        cmocka_unit_test(tilted_normal_does_not_see_its_own_surface),
+        cmocka_unit_test(hostile_points_give_finite_answers),
+        cmocka_unit_test(wishes_that_cannot_be_met_are_errors),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,128 @@
+/* Golden images, pass by pass: every pass that radiance cache splatting announces on a small Cornell box must have the bits of
+ * the picture in tests/golden/. A missing golden fails. `make golden` writes them anew; look at them before committing. A
+ * failure leaves what came out in build/golden-failed/. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "softlux.h"
+
+typedef struct {
+    const char *scene;
+    int passes, wrong;
+} golden_run;
+
+static void file_name(char *name, size_t size, const char *folder, const golden_run *run, const sl_pass *pass) {
+    int used = snprintf(name, size, "%s/%s-%02d-", folder, run->scene, run->passes);
+    for (const char *c = pass->name; *c && (size_t)used + 6 < size; c++)
+        name[used++] = (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') ? *c : '-';
+    snprintf(name + used, size - (size_t)used, ".exr");
+}
+
+static bool same_bits(const sl_image *a, const sl_image *b) {
+    size_t pixels = (size_t)a->width * (size_t)a->height;
+    if (a->width != b->width || a->height != b->height || a->channels != b->channels) return false;
+    for (int c = 0; c < a->channels; c++) {
+        const float *other = sl_image_channel(b, a->channel_name[c]);
+        if (!other || memcmp(a->planes + (size_t)c * pixels, other, pixels * sizeof(float)) != 0) return false;
+    }
+    return true;
+}
+
+static void report_worst(const sl_image *a, const sl_image *b, const char *golden) {
+    size_t values = (size_t)a->width * (size_t)a->height * (size_t)a->channels, worst = 0, differing = 0;
+    for (size_t i = 0; i < values; i++) {
+        float d = a->planes[i] - b->planes[i], w = a->planes[worst] - b->planes[worst];
+        if (d * d > w * w) worst = i;
+        differing += d != 0.0f;
+    }
+    size_t pixel = worst % ((size_t)a->width * (size_t)a->height);
+    print_error("%s: %zu values differ, most at x %zu y %zu: %.9g instead of %.9g\n", golden, differing,
+                pixel % (size_t)a->width, pixel / (size_t)a->width, (double)a->planes[worst], (double)b->planes[worst]);
+}
+
+static void check_pass(void *context, const sl_pass *pass) {
+    golden_run *run = context;
+    char golden[256], actual[256];
+    if (!pass->buffer) return;
+    file_name(golden, sizeof golden, "tests/golden", run, pass);
+    file_name(actual, sizeof actual, "build/golden-failed", run, pass);
+    run->passes++;
+    sl_error error;
+    if (getenv("SOFTLUX_UPDATE_GOLDEN")) {
+        if (sl_image_write(pass->buffer, golden, &error) != SL_OK) run->wrong++, print_error("%s\n", error.message);
+        return;
+    }
+    sl_image *wanted;
+    bool same = false;
+    if (sl_image_read(golden, &wanted, &error) != SL_OK) {
+        print_error("%s\n", error.message);
+    } else {
+        same = same_bits(pass->buffer, wanted);
+        if (!same && pass->buffer->channels == wanted->channels && pass->buffer->width == wanted->width)
+            report_worst(pass->buffer, wanted, golden);
+        sl_image_destroy(wanted);
+    }
+    if (same) return;
+    run->wrong++;
+    mkdir("build", 0777);
+    mkdir("build/golden-failed", 0777);
+    sl_image_write(pass->buffer, actual, NULL);
+}
+
+static void expect_golden(const char *name, const char *path, sl_gather_kind gather) {
+    golden_run run = {name, 0, 0};
+    sl_observer observer = {&run, check_pass};
+    sl_settings settings = sl_settings_default();
+    settings.width = 64;
+    settings.height = 48;
+    settings.quality = SL_QUALITY_DRAFT;
+    settings.gather = gather;
+    settings.observer = &observer;
+    sl_error error = {SL_OK, ""};
+    sl_scene *scene = NULL;
+    sl_method *method = NULL;
+    sl_image *image = NULL;
+    sl_progress progress = {0};
+    if (sl_scene_load(path, &scene, &error) != SL_OK || sl_method_create(scene, &settings, &method, &error) != SL_OK)
+        fail_msg("%s", error.message);
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, &error), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &image, &error), SL_OK);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    assert_true(run.passes >= 6);
+    assert_int_equal(run.wrong, 0);
+}
+
+static void every_pass_of_the_cornell_box_gathered_by_rays_is_golden(void **state) {
+    (void)state;
+    expect_golden("cornell-rays", "scenes/cornell.json", SL_GATHER_RAYS);
+}
+
+static void every_pass_of_the_cornell_box_gathered_by_the_plane_is_golden(void **state) {
+    (void)state;
+    expect_golden("cornell-plane", "scenes/cornell.json", SL_GATHER_PLANE);
+}
+
+static void every_pass_of_the_glossy_box_gathered_by_the_hemicube_is_golden(void **state) {
+    (void)state;
+    expect_golden("glossy-hemicube", "scenes/cornell-glossy.json", SL_GATHER_HEMICUBE);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_pass_of_the_cornell_box_gathered_by_rays_is_golden),
+        cmocka_unit_test(every_pass_of_the_cornell_box_gathered_by_the_plane_is_golden),
+        cmocka_unit_test(every_pass_of_the_glossy_box_gathered_by_the_hemicube_is_golden),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,214 @@
+/* The same records and the same bits, whatever the threads, the batches and the way there. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rendering.h"
+#include "base/memory.h"
+#include "cache/splatting/splatting.h"
+
+static void the_picture_has_the_same_bits_at_any_number_of_threads(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    for (int kind = SL_GATHER_PLANE; kind <= SL_GATHER_RAYS; kind++) {
+        sl_settings settings = small_settings("splatting", 40, 40);
+        settings.gather = (sl_gather_kind)kind;
+        settings.gather_size = 16;
+        settings.threads = 1;
+        sl_counters counters, other_counters;
+        sl_image *first = render(scene, &settings, &counters);
+        const unsigned threads[] = {2, 3, 7};
+        for (int t = 0; t < 3; t++) {
+            settings.threads = threads[t];
+            sl_image *other = render(scene, &settings, &other_counters);
+            assert_true(same_picture(first, other));
+            assert_memory_equal(&counters, &other_counters, sizeof counters);
+            sl_image_destroy(other);
+        }
+        sl_image_destroy(first);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* ---- the traversal, driven by hand ---- */
+
+enum { SIDE = 48 };
+
+typedef struct {
+    sl_scene *scene;
+    sl_raster *raster;
+    sl_tracer *tracer;
+    sl_gather *gather;
+    sl_gather_scratch *scratch[1];
+    sl_gbuffer *gbuffer;
+    uint32_t receives[SIDE * SIDE];
+    uint8_t owned[SIDE * SIDE];
+    float coverage[SIDE * SIDE];
+    sl_record_pass pass;
+} stage;
+
+static void stage_open(stage *s) {
+    memset(s, 0, sizeof *s);
+    s->scene = load_scene("scenes/cornell.json");
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_raster_create(s->scene, 1, &s->raster, NULL), SL_OK);
+    assert_int_equal(sl_tracer_create(s->scene, 1, NULL, &s->tracer, NULL), SL_OK);
+    sl_gather_settings gather = sl_gather_defaults();
+    gather.kind = SL_GATHER_RAYS;
+    gather.size = 8;
+    assert_int_equal(sl_gather_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gather, &counters, NULL), SL_OK);
+    assert_int_equal(sl_gather_scratch_create(s->gather, &s->scratch[0], NULL), SL_OK);
+    assert_int_equal(sl_gbuffer_create(SIDE, SIDE, &s->gbuffer, NULL), SL_OK);
+    const sl_camera *c = &s->scene->camera;
+    sl_frame frame = {c->right, c->up, sl_neg(c->back)};
+    float t = 0.357f; /* tan of half the field of view */
+    sl_view view = sl_view_pyramid(&frame, c->eye, -t, t, -t, t, SIDE, SIDE, 1e-5f * s->scene->diagonal);
+    assert_int_equal(sl_raster_gbuffer(s->raster, &view, 1, s->gbuffer, &counters, NULL), SL_OK);
+    const sl_gbuffer *g = s->gbuffer;
+    for (int i = 0; i < SIDE * SIDE; i++) s->receives[i] = g->material[i] != SL_NO_INDEX && g->diffuse_r[i] > 0.0f;
+    s->pass = (sl_record_pass){
+        .gather = s->gather, .scratch = s->scratch, .gbuffer = g,
+        .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z,
+                      s->receives},
+        .weights = {0.3f, 1.0f / 0.3f, 1e-5f * s->scene->diagonal},
+        .covered_weight = 1.0f / (9.0f * 0.3f),
+        .radii = {0.3, 0.1 * (double)s->scene->diagonal, true, SL_GATHER_RAYS, 2.7},
+        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .camera = c,
+        .near_distance = 1e-5f * s->scene->diagonal,
+        .footprint_per_depth = 2.0f * t / SIDE,
+        .neighbour_clamp = true,
+        .coverage = s->coverage, .owned = s->owned, .threads = 1, .diagonal = s->scene->diagonal,
+    };
+}
+
+static void stage_close(stage *s) {
+    sl_gbuffer_destroy(s->gbuffer);
+    sl_gather_scratch_destroy(s->scratch[0]);
+    sl_gather_destroy(s->gather);
+    sl_tracer_destroy(s->tracer);
+    sl_raster_destroy(s->raster);
+    sl_scene_destroy(s->scene);
+}
+
+static sl_record_list traverse(stage *s, size_t batch, sl_counters *counters) {
+    sl_record_list list = {0};
+    sl_traversal traversal;
+    memset(s->owned, 0, sizeof s->owned);
+    memset(s->coverage, 0, sizeof s->coverage);
+    sl_traversal_start(&traversal, SIDE, SIDE);
+    while (traversal.stride) {
+        traversal.batch = batch;
+        assert_int_equal(sl_traversal_advance(&traversal, &s->pass, &list, counters, NULL), SL_OK);
+    }
+    assert_int_equal(traversal.visited, SIDE * SIDE);
+    return list;
+}
+
+static void speculative_batches_give_the_records_of_one_by_one(void **state) {
+    (void)state;
+    static stage s;
+    stage_open(&s);
+    sl_counters counters = {{0}};
+    sl_record_list one_by_one = traverse(&s, 1, &counters);
+    assert_int_equal(counters.value[SL_COUNT_RECORDS_DISCARDED], 0);
+    assert_true(one_by_one.count > 20);
+    for (size_t batch = 2; batch <= SL_BATCH_MAX; batch *= 4) {
+        sl_record_list list = traverse(&s, batch, &counters);
+        assert_int_equal(list.count, one_by_one.count);
+        assert_memory_equal(list.records, one_by_one.records, list.count * sizeof *list.records);
+        sl_free(list.records);
+    }
+    assert_true(counters.value[SL_COUNT_RECORDS_DISCARDED] > 0);
+    sl_free(one_by_one.records);
+    stage_close(&s);
+}
+
+static void in_the_end_every_receiver_is_covered_and_no_record_was_made_in_vain(void **state) {
+    (void)state;
+    static stage s;
+    stage_open(&s);
+    sl_counters counters = {{0}};
+    sl_record_list list = traverse(&s, 16, &counters);
+    size_t receivers = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        receivers += s.receives[i];
+        if (s.receives[i]) assert_true(s.owned[i] || s.coverage[i] >= s.pass.covered_weight);
+        else assert_true(s.coverage[i] == 0.0f && !s.owned[i]);
+    }
+    assert_true(list.count < receivers / 4); /* it is a cache: far fewer records than pixels */
+    sl_free(list.records);
+    stage_close(&s);
+}
+
+/* ---- ways to the same picture ---- */
+
+static void resolving_on_the_way_changes_nothing(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", 40, 40);
+    settings.gather_size = 16;
+    sl_image *straight = render(scene, &settings, NULL), *stepwise = NULL;
+    sl_method *method;
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    while (!progress.done) {
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+        sl_image_destroy(stepwise);
+        assert_int_equal(sl_method_resolve(method, &stepwise, NULL), SL_OK);
+    }
+    const float *a = sl_image_channel(straight, "indirect.R"), *b = sl_image_channel(stepwise, "indirect.R");
+    for (int i = 0; i < 40 * 40; i++) assert_true(a[i] == b[i]);
+    sl_method_destroy(method);
+    sl_image_destroy(straight);
+    sl_image_destroy(stepwise);
+    sl_scene_destroy(scene);
+}
+
+static uint64_t finish(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    return sl_method_counters(method)->value[SL_COUNT_RECORDS];
+}
+
+static void a_moved_camera_keeps_the_records_and_looking_back_needs_none(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_camera home = scene->camera;
+    sl_settings settings = small_settings("splatting", 40, 40);
+    settings.gather_size = 16;
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    uint64_t first = finish(method);
+    const float eye[3] = {300, 290, -760}, target[3] = {270, 260, 0}, up[3] = {0, 1, 0};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, home.vertical_fov, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    uint64_t second = finish(method) - first;
+    assert_true(second < first / 2);
+    scene->camera = home;
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    uint64_t third = finish(method) - first - second;
+    assert_true(third <= first / 20); /* radii that shrank for the second view's records may open a few gaps */
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_LIGHTS, NULL), SL_OK);
+    assert_int_equal(finish(method) - first - second - third, first); /* new light: all anew */
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_picture_has_the_same_bits_at_any_number_of_threads),
+        cmocka_unit_test(speculative_batches_give_the_records_of_one_by_one),
+        cmocka_unit_test(in_the_end_every_receiver_is_covered_and_no_record_was_made_in_vain),
+        cmocka_unit_test(resolving_on_the_way_changes_nothing),
+        cmocka_unit_test(a_moved_camera_keeps_the_records_and_looking_back_needs_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

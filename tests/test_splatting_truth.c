@@ -1,0 +1,148 @@
+/* Radiance cache splatting against what must come out: closed forms first, then the reference path tracer. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "rendering.h"
+
+static double mean_of(const sl_image *image, const char *channel) {
+    const float *plane = sl_image_channel(image, channel);
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    double sum = 0.0;
+    assert_non_null(plane);
+    for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
+    return sum / (double)pixels;
+}
+
+/* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4 pi R^2) = 1 for a
+ * light of intensity 1 and R = 1. So L = albedo / pi * albedo, for albedo 0.5. */
+static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
+    (void)state;
+    const double wanted = 0.25 / 3.14159265358979;
+    sl_scene *scene = load_scene("scenes/sphere.json");
+    const sl_gather_kind kinds[] = {SL_GATHER_RAYS, SL_GATHER_HEMICUBE, SL_GATHER_PLANE};
+    const double tolerance[] = {0.01, 0.02, 0.04}, spread[] = {0.05, 0.08, 0.15};
+    for (int k = 0; k < 3; k++) {
+        sl_settings settings = small_settings("splatting", 48, 48);
+        settings.gather = kinds[k];
+        settings.gather_size = 64;
+        sl_image *image = render(scene, &settings, NULL);
+        const float *indirect = sl_image_channel(image, "indirect.G");
+        assert_true(fabs(mean_of(image, "indirect.G") / wanted - 1.0) < tolerance[k]);
+        for (int i = 0; i < 48 * 48; i++) assert_true(fabs((double)indirect[i] / wanted - 1.0) < spread[k]);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* The same paths by the path tracer: a missing 1/pi, a wrong cosine or a lost factor 2 would show at once. */
+static void expect_near_reference(const char *path, double most_relative_rmse, double most_bias) {
+    sl_scene *scene = load_scene(path);
+    sl_settings settings = small_settings("splatting", 96, 96), reference = small_settings("path", 96, 96);
+    settings.quality = SL_QUALITY_NORMAL;
+    reference.transport = "matched:splatting";
+    reference.spp = 400;
+    sl_image *ours = render(scene, &settings, NULL), *theirs = render(scene, &reference, NULL);
+    sl_comparison result;
+    assert_int_equal(sl_image_compare(ours, theirs, NULL, &result, NULL, NULL), SL_OK);
+    print_message("%s: relative RMSE %.4f, bias %+.4f, relMSE %.2e\n", path, result.rel_rmse, result.bias, result.rel_mse);
+    assert_int_equal(result.nonfinite, 0);
+    assert_int_equal(result.negative, 0);
+    assert_true(result.rel_rmse < most_relative_rmse);
+    assert_true(fabs(result.bias) < most_bias);
+    sl_image_destroy(ours);
+    sl_image_destroy(theirs);
+    sl_scene_destroy(scene);
+}
+
+static void the_cornell_box_is_what_the_path_tracer_says(void **state) {
+    (void)state;
+    expect_near_reference("scenes/cornell.json", 0.05, 0.005);
+}
+
+static void a_room_lit_only_indirectly_is_what_the_path_tracer_says(void **state) {
+    (void)state;
+    expect_near_reference("scenes/two-rooms.json", 0.10, 0.02);
+}
+
+static void direct_light_on_a_glossy_wall_is_what_the_path_tracer_says(void **state) {
+    (void)state;
+    expect_near_reference("scenes/cornell-glossy.json", 0.10, 0.01);
+}
+
+static void the_layers_add_up_to_the_picture(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", 32, 32);
+    sl_image *image = render(scene, &settings, NULL);
+    const float *r = sl_image_channel(image, "R"), *e = sl_image_channel(image, "emission.R"),
+                *d = sl_image_channel(image, "direct.R"), *i = sl_image_channel(image, "indirect.R");
+    for (int p = 0; p < 32 * 32; p++) assert_true(r[p] == e[p] + d[p] + i[p]);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* Two rooms of 2 x 2 x 2 share a wall that is 1/1000 thick; the light hangs in the one, the camera stands in the other. */
+static const char thin_wall_obj[] =
+    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n" /* 1..8: the dark room, x 0..2 */
+    "v 2.001 0 0\nv 4 0 0\nv 4 2 0\nv 2.001 2 0\nv 2.001 0 2\nv 4 0 2\nv 4 2 2\nv 2.001 2 2\n"
+    "f 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n"
+    "f 9 10 11 12\nf 13 16 15 14\nf 9 12 16 13\nf 10 14 15 11\nf 9 13 14 10\nf 12 11 15 16\n";
+static const char thin_wall_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+    " \"lights\": [{\"type\": \"point\", \"position\": [3, 1, 1], \"intensity\": [10, 10, 10]}],\n"
+    " \"camera\": {\"eye\": [0.2, 1.2, 1.9], \"target\": [2, 0.8, 0.6], \"up\": [0, 1, 0], \"fov_deg\": 60}}";
+
+static void no_light_leaks_through_a_wall_of_a_thousandth(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(thin_wall_json, thin_wall_obj);
+    for (int kind = SL_GATHER_PLANE; kind <= SL_GATHER_RAYS; kind++) {
+        sl_settings settings = small_settings("splatting", 48, 36);
+        settings.accuracy = 0.5;
+        settings.gather = (sl_gather_kind)kind;
+        sl_image *image = render(scene, &settings, NULL);
+        for (int i = 0; i < 3 * 48 * 36; i++) assert_true(image->planes[i] == 0.0f);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void passes_that_a_scene_does_not_need_do_not_run(void **state) {
+    (void)state;
+    sl_scene *furnace = load_scene("scenes/furnace.json");
+    sl_settings settings = small_settings("splatting", 24, 24);
+    sl_counters counters;
+    sl_image_destroy(render(furnace, &settings, &counters));
+    sl_scene_destroy(furnace);
+    assert_int_equal(counters.value[SL_COUNT_SHADOW_LOOKUPS], 0);
+
+    static const char mirror_json[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"mirror\": [1, 1, 1]}},\n"
+        " \"lights\": [{\"type\": \"point\", \"position\": [3, 1, 1], \"intensity\": [10, 10, 10]}]}";
+    sl_scene *mirrors = scene_from_text(mirror_json, thin_wall_obj);
+    sl_image_destroy(render(mirrors, &settings, &counters));
+    sl_scene_destroy(mirrors);
+    assert_int_equal(counters.value[SL_COUNT_GATHERS], 0);
+    assert_int_equal(counters.value[SL_COUNT_RAYS], 0);
+    assert_int_equal(counters.value[SL_COUNT_SHADOW_RAYS], 0);
+    assert_int_equal(counters.value[SL_COUNT_SPLATS], 0);
+    assert_int_equal(counters.value[SL_COUNT_RASTER_PASSES], 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_bounce_in_the_integrating_sphere_is_uniform),
+        cmocka_unit_test(the_cornell_box_is_what_the_path_tracer_says),
+        cmocka_unit_test(a_room_lit_only_indirectly_is_what_the_path_tracer_says),
+        cmocka_unit_test(direct_light_on_a_glossy_wall_is_what_the_path_tracer_says),
+        cmocka_unit_test(the_layers_add_up_to_the_picture),
+        cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),
+        cmocka_unit_test(passes_that_a_scene_does_not_need_do_not_run),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

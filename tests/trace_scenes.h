@@ -1,0 +1,40 @@
+/* Small scenes made by hand for the tests of rays, lights and paths. */
+#ifndef TRACE_SCENES_H
+#define TRACE_SCENES_H
+
+#include "scene/scene.h"
+
+enum { TRACE_VERTICES_MAX = 70000, TRACE_TRIANGLES_MAX = 140000 };
+
+/* Collects triangles and materials; trace_mesh_build() makes the scene and empties the mesh. */
+typedef struct trace_mesh {
+    float *positions;
+    uint32_t *indices, *material_index;
+    size_t vertex_count, triangle_count;
+    sl_material materials[16];
+    size_t material_count;
+    sl_light lights[4];
+    size_t light_count;
+    const sl_environment *environment;
+    sl_camera camera;
+    bool has_camera;
+    float *texture_coordinates;
+    sl_texture textures[1];
+    size_t texture_count;
+} trace_mesh;
+
+trace_mesh trace_mesh_begin(void);
+uint32_t trace_mesh_vertex(trace_mesh *mesh, float x, float y, float z);
+void trace_mesh_triangle(trace_mesh *mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t material);
+/* A parallelogram corner, corner + a, corner + a + b, corner + b; its front is on the side of a x b. */
+void trace_mesh_quad(trace_mesh *mesh, sl_vec3 corner, sl_vec3 a, sl_vec3 b, uint32_t material);
+/* A closed box, fronts inside or outside. */
+void trace_mesh_box(trace_mesh *mesh, sl_vec3 low, sl_vec3 high, bool inside, uint32_t material);
+/* A closed sphere of rings x 2 rings quads, split into triangles, with bumps of relative height `bump`. */
+void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned rings, float bump, bool inside,
+                       uint32_t material);
+uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, float exponent, float mirror, float emission);
+sl_scene *trace_mesh_build(trace_mesh *mesh);
+void trace_mesh_discard(trace_mesh *mesh);
+
+#endif
