@@ -63,4 +63,70 @@ static inline float random_between(uint64_t key, uint64_t index, float low, floa
     return low + (high - low) * sl_random_unit(key, index);
 }
 
+static inline sl_vec3 random_direction(uint64_t key, uint64_t index) {
+    for (uint64_t n = 0;; n++) {
+        sl_vec3 d = sl_v3(random_between(key, index * 64 + 3 * n, -1, 1), random_between(key, index * 64 + 3 * n + 1, -1, 1),
+                          random_between(key, index * 64 + 3 * n + 2, -1, 1));
+        float r = sl_length(d);
+        if ((r > 0.1f && r < 1.0f) || n == 20) return sl_normalize_or(d, sl_v3(0, 0, 1));
+    }
+}
+
+/* ---- meshes, written as triangles of nine floats; return how many were added at `at` ---- */
+
+/* Each face of the box [low, high], n x n squares of two triangles, turned inwards; vertices moved by function `move` or not. */
+typedef sl_vec3 move_vertex(const void *context, sl_vec3 p);
+static inline size_t add_box(float *xyz, size_t at, sl_vec3 low, sl_vec3 high, int n, move_vertex *move, const void *context) {
+    size_t count = 0;
+    for (int face = 0; face < 6; face++) {
+        int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const float l[3] = {low.x, low.y, low.z}, h[3] = {high.x, high.y, high.z};
+        for (int j = 0; j < n; j++) {
+            for (int i = 0; i < n; i++) {
+                const int di[6] = {0, 1, 1, 0, 1, 0}, dj[6] = {0, 0, 1, 0, 1, 1};
+                for (int c = 0; c < 6; c++) {
+                    float p[3];
+                    p[axis] = face % 2 ? h[axis] : l[axis];
+                    p[u] = l[u] + (h[u] - l[u]) * ((float)(i + di[c]) / (float)n);
+                    p[v] = l[v] + (h[v] - l[v]) * ((float)(j + dj[c]) / (float)n);
+                    sl_vec3 q = move ? move(context, sl_v3(p[0], p[1], p[2])) : sl_v3(p[0], p[1], p[2]);
+                    memcpy(&xyz[9 * (at + count) + 3 * (size_t)(c % 3)], &q, sizeof q);
+                    count += c % 3 == 2;
+                }
+            }
+        }
+    }
+    return count;
+}
+
+/* A box's vertices moved onto a sphere's surface. */
+typedef struct ball {
+    sl_vec3 centre;
+    float radius;
+} ball;
+static inline sl_vec3 onto_ball(const void *context, sl_vec3 p) {
+    const ball *b = context;
+    return sl_mad(b->centre, b->radius, sl_normalize_or(sl_sub(p, b->centre), sl_v3(0, 0, 1)));
+}
+
+/* A room of 4 x 3 x 5 with `balls` tessellated balls of 12 n^2 triangles each; malloc'ed. */
+static inline sl_scene *furnished_room(int balls, int n) {
+    size_t room = 12 * 8 * 8, each = 12 * (size_t)n * (size_t)n, count = room + each * (size_t)balls, at;
+    float *xyz = malloc(count * 9 * sizeof *xyz);
+    assert_non_null(xyz);
+    at = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 3, 5), 8, NULL, NULL);
+    uint64_t key = sl_random_key(77, 0);
+    for (uint64_t b = 0; b < (uint64_t)balls; b++) {
+        ball shape = {sl_v3(random_between(key, 4 * b, 0.3f, 3.7f), random_between(key, 4 * b + 1, 0.3f, 2.7f),
+                            random_between(key, 4 * b + 2, 0.3f, 4.7f)),
+                      random_between(key, 4 * b + 3, 0.05f, 0.3f)};
+        sl_vec3 half = sl_v3(0.1f, 0.1f, 0.1f);
+        at += add_box(xyz, at, sl_sub(shape.centre, half), sl_add(shape.centre, half), n, onto_ball, &shape);
+    }
+    assert_int_equal(at, count);
+    sl_scene *scene = scene_of_triangles(xyz, count);
+    free(xyz);
+    return scene;
+}
+
 #endif

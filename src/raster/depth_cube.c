@@ -89,15 +89,17 @@ float sl_depth_cube_lit(const sl_depth_cube *cube, sl_vec3 p, sl_vec3 n) {
     float over = 1.0f / w, facing = fabsf(sl_dot(n, q)) * over;
     float reach = 3.0f / size * (fabsf(n.x) + fabsf(n.y) + fabsf(n.z));
     float relative_bias = reach / (facing + reach) + 1e-5f; /* x / (1 + x); 1e-5: the depth's own rounding */
-    float u = (sl_dot(f.x, q) * over + 1.0f) * 0.5f * size - 0.5f, v = (sl_dot(f.y, q) * over + 1.0f) * 0.5f * size - 0.5f;
+    float u = (sl_dot(f.x, q) * over + 1.0f) * 0.5f * size - 0.5f;
+    float v = (sl_dot(f.y, q) * over + 1.0f) * 0.5f * size - 0.5f;
     float u0 = floorf(u), v0 = floorf(v), fu = u - u0, fv = v - v0;
-    float lit = 0.0f;
+    float share[4];
     for (int k = 0; k < 4; k++) {
-        float s = (u0 + (float)(k & 1) + 0.5f) * 2.0f / size - 1.0f, t = (v0 + (float)(k >> 1) + 0.5f) * 2.0f / size - 1.0f;
+        float s = (u0 + (float)(k & 1) + 0.5f) * 2.0f / size - 1.0f;
+        float t = (v0 + (float)(k >> 1) + 0.5f) * 2.0f / size - 1.0f;
         sl_vec3 d = sl_add(sl_add(sl_scale(f.x, s), sl_scale(f.y, t)), f.z);
         float receiver, stored = fetch(cube, d, q, &receiver);
-        float weight = (k & 1 ? fu : 1.0f - fu) * (k >> 1 ? fv : 1.0f - fv);
-        lit += weight * texel_share(stored, receiver, relative_bias);
+        share[k] = texel_share(stored, receiver, relative_bias);
     }
-    return lit > 1.0f ? 1.0f : lit;
+    float low = share[0] + fu * (share[1] - share[0]), high = share[2] + fu * (share[3] - share[2]);
+    return low + fv * (high - low); /* all equal: exactly their value */
 }
