@@ -134,21 +134,26 @@ SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_
 
 /* ---- comparison ---------------------------------------------------------------------------------------------------- */
 
-/* x = image, r = reference, over R, G, B of all pixels where both are finite and mask (if any) is > 0.5; sums in
- * double in a fixed order. */
+/* x = image, r = reference, over R, G, B (or a lone Y three times) of the compared pixels: those whose six values are all
+ * finite and whose mask, if any, is > 0.5. Sums in double in a fixed order. A ratio 0/0 is 0; another ratio to 0 (the mean
+ * of a black reference) is infinite.
+ * ssim (Wang et al. 2004) and flip (Andersson et al. 2020) see all pixels as neighbours, those with a value that is not
+ * finite as black in both images, and average over the compared ones. Both see value * 2^exposure_stops clipped to [0,1]:
+ * ssim the sRGB-encoded Rec. 709 luminance (Gaussian window of 11x11 pixels, sigma 1.5, K1 = 0.01, K2 = 0.03), flip the
+ * colours. */
 typedef struct sl_comparison {
-    uint64_t values;      /* how many values were compared */
-    uint64_t nonfinite;   /* NaN or infinite values, in either image */
-    uint64_t negative;    /* negative values, in either image */
-    bool identical;       /* every bit of every R, G, B value equal */
+    uint64_t values;      /* how many values were compared: 3 a pixel */
+    uint64_t nonfinite;   /* NaN or infinite values under the mask, of both images together */
+    uint64_t negative;    /* values below 0 under the mask, of both images together */
+    bool identical;       /* every bit of every R, G, B value under the mask is equal, be it finite or not */
     double rmse;          /* sqrt(mean (x-r)^2) */
-    double rel_rmse;      /* rmse / mean(r) */
+    double rel_rmse;      /* rmse / |mean(r)| */
     double rel_mse;       /* mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
-    double rel_mse_trimmed; /* the same without the largest 0.1 % of the terms */
+    double rel_mse_trimmed; /* the same without the largest 0.1 % of the terms (rounded down to a whole number) */
     double max_abs;       /* max |x-r| */
-    double bias;          /* sum(x-r) / sum(r) */
-    double ssim;          /* mean structural similarity of the tone-mapped luminance, 11x11 Gaussian window */
-    double flip;          /* mean LDR-FLIP of the tone-mapped images, 67 pixels per degree */
+    double bias;          /* sum(x-r) / |sum(r)| */
+    double ssim;          /* mean structural similarity; 1 where equal */
+    double flip;          /* mean LDR-FLIP at 67 pixels per degree, in [0,1]; 0 where equal */
     double mean_image, mean_reference;
 } sl_comparison;
 
@@ -157,8 +162,10 @@ typedef struct sl_compare_options {
     float exposure_stops;  /* for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
 } sl_compare_options;
 
-/* options may be NULL. If difference is not NULL it receives a picture of the difference, (x-r)/(r + 0.01 mean r) in
- * false colour (blue: too dark, red: too bright, full colour at 50 %), which the caller destroys. */
+/* options may be NULL. Fails if the sizes differ, a picture is missing, or no pixel can be compared. If difference is not
+ * NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys: of each pixel's
+ * three values the farthest from 0; blue where too dark, red where too bright, full colour at 50 %; grey outside the mask,
+ * green where a value is not finite. */
 SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
                                   sl_comparison *result, sl_image **difference, sl_error *error);
 

@@ -1,0 +1,542 @@
+/* The metrics of sl_image_compare(): by hand where a hand can, against plain forms of their papers' formulas (whole 2-D
+ * kernels, libm) elsewhere. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "image/metrics.h"
+#include "softlux.h"
+
+static sl_image *make(int width, int height, const float *rgb) {
+    sl_image *image;
+    assert_int_equal(sl_image_create(width, height, 3, NULL, &image, NULL), SL_OK);
+    if (rgb) memcpy(image->planes, rgb, (size_t)(3 * width * height) * sizeof(float));
+    return image;
+}
+
+static sl_image *uniform(int width, int height, float r, float g, float b) {
+    sl_image *image = make(width, height, NULL);
+    float value[3] = {r, g, b};
+    for (int i = 0; i < 3 * width * height; i++) image->planes[i] = value[i / (width * height)];
+    return image;
+}
+
+static sl_image *noise(int width, int height, uint64_t seed) {
+    sl_image *image = make(width, height, NULL);
+    uint64_t key = sl_random_key(seed, 0);
+    for (int i = 0; i < 3 * width * height; i++) image->planes[i] = sl_random_unit(key, (uint64_t)i);
+    return image;
+}
+
+static sl_comparison compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options) {
+    sl_comparison result;
+    sl_error error;
+    sl_status status = sl_image_compare(image, reference, options, &result, NULL, &error);
+    if (status != SL_OK) fail_msg("%s", error.message);
+    return result;
+}
+
+static void assert_near(double got, double expected, double tolerance) {
+    if (!(fabs(got - expected) <= tolerance)) fail_msg("%.17g, expected %.17g", got, expected);
+}
+
+/* ---- single values ---- */
+
+static void an_image_equals_itself_in_every_metric(void **state) {
+    (void)state;
+    sl_image *a = noise(23, 17, 1);
+    a->planes[5] = -0.25f;
+    a->planes[6] = 1e30f;
+    sl_comparison c = compare(a, a, NULL);
+    assert_true(c.identical && c.values == 3 * 23 * 17 && c.nonfinite == 0 && c.negative == 2);
+    assert_true(c.rmse == 0 && c.rel_rmse == 0 && c.rel_mse == 0 && c.rel_mse_trimmed == 0 && c.max_abs == 0 &&
+                c.bias == 0);
+    assert_true(c.ssim == 1.0 && c.flip == 0.0 && c.mean_image == c.mean_reference);
+    sl_image_destroy(a);
+}
+
+static void errors_of_two_pixels_are_those_computed_by_hand(void **state) {
+    (void)state;
+    float x[] = {1.5f, 2.0f, 1.0f, 2.0f, 1.0f, 4.0f}, r[] = {1.0f, 2.0f, 1.0f, 2.0f, 1.0f, 5.0f}; /* R R G G B B */
+    sl_image *a = make(2, 1, x), *b = make(2, 1, r);
+    sl_comparison c = compare(a, b, NULL);
+    assert_true(c.values == 6 && !c.identical);
+    assert_near(c.rmse, sqrt((0.25 + 1.0) / 6.0), 1e-15);
+    assert_near(c.mean_reference, 2.0, 1e-15);
+    assert_near(c.mean_image, 11.5 / 6.0, 1e-15);
+    assert_near(c.rel_rmse, sqrt(1.25 / 6.0) / 2.0, 1e-15);
+    assert_near(c.rel_mse, (0.25 / (1.0 + 0.04) + 1.0 / (25.0 + 0.04)) / 6.0, 1e-15);
+    assert_true(c.rel_mse_trimmed == c.rel_mse); /* a thousandth of six values is none */
+    assert_true(c.max_abs == 1.0);
+    assert_near(c.bias, -0.5 / 12.0, 1e-15);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+}
+
+static void trimming_leaves_out_a_thousandth_of_the_terms(void **state) {
+    (void)state;
+    sl_image *r = uniform(40, 50, 1.0f, 1.0f, 1.0f), *x = uniform(40, 50, 1.5f, 1.5f, 1.5f); /* 6000 values: 6 go */
+    double usual = 0.25 / 1.01;
+    assert_near(compare(x, r, NULL).rel_mse_trimmed, usual, 1e-13); /* all terms equal: five thousand ties */
+    size_t spikes[] = {0, 77, 2000, 3333, 5000, 5999};
+    for (size_t i = 0; i < 6; i++) x->planes[spikes[i]] = 101.0f + (float)i;
+    sl_comparison c = compare(x, r, NULL);
+    assert_near(c.rel_mse_trimmed, usual, 1e-13);
+    double spiked = usual * 5994.0;
+    for (int i = 0; i < 6; i++) spiked += (100.0 + i) * (100.0 + i) / 1.01;
+    assert_near(c.rel_mse, spiked / 6000.0, 1e-12);
+    x->planes[1234] = 3.0f; /* the seventh largest stays */
+    assert_near(compare(x, r, NULL).rel_mse_trimmed, (usual * 5993.0 + 4.0 / 1.01) / 5994.0, 1e-13);
+    sl_image_destroy(r);
+    sl_image_destroy(x);
+}
+
+static void a_black_reference_gives_zero_or_infinity(void **state) {
+    (void)state;
+    sl_image *black = uniform(4, 4, 0, 0, 0), *zero = uniform(4, 4, -0.0f, 0, 0),
+             *grey = uniform(4, 4, 0.5f, 0.5f, 0.5f);
+    sl_comparison same = compare(zero, black, NULL), other = compare(grey, black, NULL);
+    assert_true(!same.identical); /* the bits of -0 are others */
+    assert_true(same.rmse == 0 && same.rel_rmse == 0 && same.rel_mse == 0 && same.bias == 0 && same.flip == 0 &&
+                same.ssim == 1);
+    assert_true(other.rmse == 0.5 && isinf(other.rel_rmse) && isinf(other.rel_mse) && isinf(other.bias));
+    sl_image_destroy(black);
+    sl_image_destroy(zero);
+    sl_image_destroy(grey);
+}
+
+static void values_that_are_not_finite_are_counted_and_set_aside(void **state) {
+    (void)state;
+    sl_image *r = noise(12, 9, 2), *x = noise(12, 9, 2);
+    size_t pixels = 12 * 9;
+    x->planes[3] = NAN;                     /* pixel 3, R */
+    x->planes[pixels + 3] = INFINITY;       /* pixel 3, G */
+    r->planes[2 * pixels + 50] = -INFINITY; /* pixel 50, B */
+    r->planes[60] = x->planes[60] = NAN;    /* pixel 60, in both */
+    x->planes[70] = r->planes[70] = -1.0f;
+    sl_comparison c = compare(x, r, NULL);
+    assert_true(c.nonfinite == 5 && c.negative == 3 && c.values == 3 * (pixels - 3) && !c.identical);
+    assert_true(c.rmse == 0 && c.max_abs == 0 && c.flip == 0 && c.ssim == 1); /* the rest is equal */
+    sl_comparison self = compare(x, x, NULL);
+    assert_true(self.identical && self.nonfinite == 6);
+    sl_image_destroy(x);
+    sl_image_destroy(r);
+}
+
+static void huge_values_do_not_overflow_the_sums(void **state) {
+    (void)state;
+    sl_image *r = uniform(8, 8, FLT_MAX, FLT_MAX, FLT_MAX), *x = uniform(8, 8, -FLT_MAX, -FLT_MAX, -FLT_MAX);
+    sl_comparison c = compare(x, r, NULL);
+    assert_true(isfinite(c.rmse) && isfinite(c.rel_mse) && c.max_abs == 2.0 * (double)FLT_MAX);
+    assert_near(c.bias, -2.0, 1e-12);
+    sl_image_destroy(r);
+    sl_image_destroy(x);
+}
+
+static void only_pixels_under_the_mask_count(void **state) {
+    (void)state;
+    sl_image *r = uniform(10, 6, 1, 1, 1), *x = uniform(10, 6, 1, 1, 1), *mask;
+    assert_int_equal(sl_image_create(10, 6, 1, NULL, &mask, NULL), SL_OK);
+    mask->planes[0] = 1.0f;
+    mask->planes[1] = 0.75f;
+    mask->planes[2] = 0.5f; /* not above 0.5 */
+    mask->planes[3] = NAN;
+    x->planes[1] = 1.25f;
+    x->planes[2] = 7.0f;
+    x->planes[3] = NAN;
+    x->planes[4] = -3.0f;
+    sl_compare_options options = {.mask = mask};
+    sl_comparison c = compare(x, r, &options);
+    assert_true(c.values == 6 && c.nonfinite == 0 && c.negative == 0 && !c.identical && c.max_abs == 0.25);
+    assert_near(c.rmse, sqrt(0.0625 / 6.0), 1e-15);
+    mask->planes[1] = 0.0f;
+    c = compare(x, r, &options);
+    assert_true(c.values == 3 && c.identical && c.rmse == 0.0);
+    sl_image_destroy(r);
+    sl_image_destroy(x);
+    sl_image_destroy(mask);
+}
+
+static void a_lone_luminance_channel_compares_as_grey(void **state) {
+    (void)state;
+    sl_image *y, *rgb = uniform(5, 4, 0.25f, 0.25f, 0.25f), *depth;
+    const char *name = "Z";
+    assert_int_equal(sl_image_create(5, 4, 1, NULL, &y, NULL), SL_OK);
+    assert_int_equal(sl_image_create(5, 4, 1, &name, &depth, NULL), SL_OK);
+    for (int i = 0; i < 20; i++) y->planes[i] = 0.25f;
+    assert_true(compare(y, rgb, NULL).identical);
+    sl_comparison result;
+    sl_error error;
+    assert_int_equal(sl_image_compare(depth, rgb, NULL, &result, NULL, &error), SL_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "R, G, B"));
+    sl_image_destroy(y);
+    sl_image_destroy(rgb);
+    sl_image_destroy(depth);
+}
+
+static void what_cannot_be_compared_is_an_error(void **state) {
+    (void)state;
+    sl_image *a = noise(8, 6, 1), *b = noise(8, 5, 1), *nan = uniform(8, 6, NAN, 0, 0), *difference = a;
+    sl_compare_options other_mask = {.mask = b}, no_exposure = {.exposure_stops = NAN}, empty = {.mask = NULL};
+    sl_image *none = uniform(8, 6, 0, 0, 0);
+    empty.mask = none;
+    sl_comparison result;
+    sl_error error;
+    assert_int_equal(sl_image_compare(a, b, NULL, &result, &difference, &error), SL_ERROR_INPUT);
+    assert_null(difference);
+    assert_non_null(strstr(error.message, "8 x 6"));
+    assert_non_null(strstr(error.message, "8 x 5"));
+    assert_int_equal(sl_image_compare(a, a, &other_mask, &result, NULL, &error), SL_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "mask"));
+    assert_int_equal(sl_image_compare(a, nan, NULL, &result, NULL, &error), SL_ERROR_INPUT);
+    assert_int_equal(sl_image_compare(a, a, &empty, &result, NULL, &error), SL_ERROR_INPUT);
+    assert_int_equal(sl_image_compare(a, a, &no_exposure, &result, NULL, NULL), SL_ERROR_USAGE);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+    sl_image_destroy(nan);
+    sl_image_destroy(none);
+}
+
+static void the_difference_picture_is_blue_too_dark_and_red_too_bright(void **state) {
+    (void)state;
+    sl_image *r = uniform(3, 2, 1, 1, 1), *x = uniform(3, 2, 1, 1, 1), *mask = uniform(3, 2, 1, 1, 1), *d;
+    x->planes[1] = 1.2525f;  /* pixel 1, R: +25 % of 1.01 */
+    x->planes[6 + 2] = 0.0f; /* pixel 2, G: beyond -50 % */
+    x->planes[12 + 3] = NAN; /* pixel 3, B */
+    mask->planes[4] = 0.0f;
+    sl_compare_options options = {.mask = mask};
+    sl_comparison result;
+    assert_int_equal(sl_image_compare(x, r, &options, &result, &d, NULL), SL_OK);
+    float expected[6][3] = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0.1f, 0.1f, 0.1f}, {0, 0, 0}};
+    assert_true(d->width == 3 && d->height == 2 && d->channels == 3);
+    for (int i = 0; i < 6; i++) {
+        for (int c = 0; c < 3; c++) assert_near((double)d->planes[6 * c + i], (double)expected[i][c], 1e-6);
+    }
+    sl_image_destroy(r);
+    sl_image_destroy(x);
+    sl_image_destroy(mask);
+    sl_image_destroy(d);
+}
+
+/* ---- structural similarity ---- */
+
+static double encode(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055; }
+
+static double clamp_unit(double x) { return fmin(fmax(x, 0.0), 1.0); }
+
+static int edge(int i, int count) { return i < 0 ? 0 : i >= count ? count - 1 : i; }
+
+static double plain_luminance(const sl_image *image, double factor, int x, int y) {
+    int w = image->width, n = w * image->height, i = edge(y, image->height) * w + edge(x, w);
+    const float *p = image->planes;
+    return encode(0.2126 * clamp_unit((double)p[i] * factor) + 0.7152 * clamp_unit((double)p[n + i] * factor) +
+                  0.0722 * clamp_unit((double)p[2 * n + i] * factor));
+}
+
+static double plain_ssim(const sl_image *a, const sl_image *b, double factor) {
+    double total = 0.0;
+    for (int y = 0; y < a->height; y++) {
+        for (int x = 0; x < a->width; x++) {
+            double sum = 0, mx = 0, my = 0, vx = 0, vy = 0, cov = 0;
+            for (int pass = 0; pass < 2; pass++) {
+                for (int dy = -5; dy <= 5; dy++) {
+                    for (int dx = -5; dx <= 5; dx++) {
+                        double weight = exp(-(dx * dx + dy * dy) / (2.0 * 1.5 * 1.5));
+                        double p = plain_luminance(a, factor, x + dx, y + dy),
+                               q = plain_luminance(b, factor, x + dx, y + dy);
+                        if (pass == 0) {
+                            sum += weight;
+                            mx += weight * p;
+                            my += weight * q;
+                        } else {
+                            vx += weight * (p - mx) * (p - mx) / sum;
+                            vy += weight * (q - my) * (q - my) / sum;
+                            cov += weight * (p - mx) * (q - my) / sum;
+                        }
+                    }
+                }
+                if (pass == 0) mx /= sum, my /= sum;
+            }
+            double c1 = 1e-4, c2 = 9e-4;
+            total += (2 * mx * my + c1) * (2 * cov + c2) / ((mx * mx + my * my + c1) * (vx + vy + c2));
+        }
+    }
+    return total / (a->width * a->height);
+}
+
+static void ssim_is_wangs_formula(void **state) {
+    (void)state;
+    sl_image *a = noise(19, 14, 3), *b = noise(19, 14, 4);
+    for (int i = 0; i < 3 * 19 * 14; i++) b->planes[i] = 0.7f * a->planes[i] + 0.5f * b->planes[i] - 0.1f;
+    for (int stops = -2; stops <= 1; stops++) {
+        sl_compare_options options = {.exposure_stops = (float)stops};
+        assert_near(compare(b, a, &options).ssim, plain_ssim(b, a, exp2(stops)), 1e-6);
+    }
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+}
+
+static void ssim_of_uniform_pictures_is_that_of_their_means(void **state) {
+    (void)state;
+    sl_image *a = uniform(7, 5, 0.2f, 0.2f, 0.2f), *b = uniform(7, 5, 0.6f, 0.6f, 0.6f), *c = uniform(7, 5, 1, 1, 1);
+    double p = encode(0.2), q = encode(0.6);
+    assert_near(compare(a, b, NULL).ssim, (2 * p * q + 1e-4) / (p * p + q * q + 1e-4), 1e-6);
+    sl_compare_options bright = {.exposure_stops = 10.0f}; /* both are white then */
+    assert_true(compare(b, c, &bright).ssim == 1.0 && compare(b, c, &bright).flip == 0.0);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+    sl_image_destroy(c);
+}
+
+static void ssim_is_symmetric_falls_with_noise_and_turns_negative_for_negatives(void **state) {
+    (void)state;
+    sl_image *a = noise(32, 32, 5), *other = noise(32, 32, 6), *x = make(32, 32, a->planes),
+             *negative = make(32, 32, NULL);
+    double before = 1.0;
+    for (int step = 1; step <= 4; step++) {
+        for (int i = 0; i < 3 * 32 * 32; i++) {
+            x->planes[i] = a->planes[i] + 0.25f * (float)step * (other->planes[i] - a->planes[i]);
+        }
+        sl_comparison forth = compare(x, a, NULL), back = compare(a, x, NULL);
+        assert_near(forth.ssim, back.ssim, 1e-12);
+        assert_near(forth.flip, back.flip, 1e-12);
+        assert_true(forth.ssim < before - 0.02);
+        before = forth.ssim;
+    }
+    for (int i = 0; i < 3 * 32 * 32; i++) negative->planes[i] = 1.0f - a->planes[i];
+    assert_true(compare(negative, a, NULL).ssim < -0.3);
+    sl_image_destroy(a);
+    sl_image_destroy(other);
+    sl_image_destroy(x);
+    sl_image_destroy(negative);
+}
+
+/* ---- FLIP, as plainly as the paper writes it ---- */
+
+typedef struct {
+    double v[3];
+} triple;
+
+/* The published matrix of sRGB: four to five digits, hence the tolerance of the comparison below. */
+static triple xyz_of_rgb(triple c) {
+    return (triple){{0.4124564 * c.v[0] + 0.3575761 * c.v[1] + 0.1804375 * c.v[2],
+                     0.2126729 * c.v[0] + 0.7151522 * c.v[1] + 0.0721750 * c.v[2],
+                     0.0193339 * c.v[0] + 0.1191920 * c.v[1] + 0.9503041 * c.v[2]}};
+}
+
+static triple rgb_of_xyz(triple c) {
+    return (triple){{3.2404542 * c.v[0] - 1.5371385 * c.v[1] - 0.4985314 * c.v[2],
+                     -0.9692660 * c.v[0] + 1.8760108 * c.v[1] + 0.0415560 * c.v[2],
+                     0.0556434 * c.v[0] - 0.2040259 * c.v[1] + 1.0572252 * c.v[2]}};
+}
+
+static const triple white = {{0.95047, 1.0, 1.08883}};
+
+static triple ycxcz(triple rgb) {
+    triple c = xyz_of_rgb(rgb);
+    double x = c.v[0] / white.v[0], y = c.v[1] / white.v[1], z = c.v[2] / white.v[2];
+    return (triple){{116 * y - 16, 500 * (x - y), 200 * (y - z)}};
+}
+
+static double compress(double t) {
+    return t > pow(6.0 / 29.0, 3.0) ? cbrt(t) : t / (3 * pow(6.0 / 29.0, 2.0)) + 4.0 / 29.0;
+}
+
+static triple hunt_lab(triple rgb) {
+    triple c = xyz_of_rgb(rgb);
+    double x = compress(c.v[0] / white.v[0]), y = compress(c.v[1] / white.v[1]), z = compress(c.v[2] / white.v[2]);
+    double l = 116 * y - 16;
+    return (triple){{l, 0.01 * l * 500 * (x - y), 0.01 * l * 200 * (y - z)}};
+}
+
+static triple pixel(const sl_image *image, int x, int y) {
+    int w = image->width, n = w * image->height, i = edge(y, image->height) * w + edge(x, w);
+    return (triple){{clamp_unit((double)image->planes[i]), clamp_unit((double)image->planes[n + i]),
+                     clamp_unit((double)image->planes[2 * n + i])}};
+}
+
+/* The contrast sensitivity of channel c at a distance of (dx, dy) pixels. */
+static double sensitivity(int c, int dx, int dy) {
+    const double a1[3] = {1, 1, 34.1}, b1[3] = {0.0047, 0.0053, 0.04}, pi = 3.14159265358979323846;
+    double z = (dx * dx + dy * dy) / (67.0 * 67.0), s = a1[c] * sqrt(pi / b1[c]) * exp(-pi * pi * z / b1[c]);
+    return c == 2 ? s + 13.5 * sqrt(pi / 0.025) * exp(-pi * pi * z / 0.025) : s;
+}
+
+static triple plain_color(const sl_image *image, int x, int y) {
+    triple sum = {{0, 0, 0}}, weights = {{0, 0, 0}};
+    for (int dy = -10; dy <= 10; dy++) {
+        for (int dx = -10; dx <= 10; dx++) {
+            triple p = ycxcz(pixel(image, x + dx, y + dy));
+            for (int c = 0; c < 3; c++) {
+                sum.v[c] += sensitivity(c, dx, dy) * p.v[c];
+                weights.v[c] += sensitivity(c, dx, dy);
+            }
+        }
+    }
+    for (int c = 0; c < 3; c++) sum.v[c] /= weights.v[c];
+    double n = (sum.v[0] + 16) / 116;
+    triple xyz = {{(n + sum.v[1] / 500) * white.v[0], n, (n - sum.v[2] / 200) * white.v[2]}}, rgb = rgb_of_xyz(xyz);
+    for (int c = 0; c < 3; c++) rgb.v[c] = clamp_unit(rgb.v[c]);
+    return hunt_lab(rgb);
+}
+
+static double feature_kernel(int point, int d, int across) {
+    double sd = 0.5 * 0.082 * 67.0, g = exp(-(d * d + across * across) / (2 * sd * sd));
+    return point ? (d * d / (sd * sd) - 1) * g : -d * g;
+}
+
+static double plain_feature(const sl_image *image, int x, int y, int point) {
+    double plus = 0, minus = 0, gx = 0, gy = 0;
+    for (int i = -9; i <= 9; i++) {
+        for (int j = -9; j <= 9; j++) {
+            double k = feature_kernel(point, i, j);
+            *(k > 0 ? &plus : &minus) += fabs(k);
+        }
+    }
+    for (int dy = -9; dy <= 9; dy++) {
+        for (int dx = -9; dx <= 9; dx++) {
+            double luminance = (ycxcz(pixel(image, x + dx, y + dy)).v[0] + 16) / 116;
+            double kx = feature_kernel(point, dx, dy), ky = feature_kernel(point, dy, dx);
+            gx += luminance * kx / (kx > 0 ? plus : minus);
+            gy += luminance * ky / (ky > 0 ? plus : minus);
+        }
+    }
+    return hypot(gx, gy);
+}
+
+static double distance(triple a, triple b) { return fabs(a.v[0] - b.v[0]) + hypot(a.v[1] - b.v[1], a.v[2] - b.v[2]); }
+
+static double plain_color_error(triple a, triple b) {
+    double cmax = pow(distance(hunt_lab((triple){{0, 1, 0}}), hunt_lab((triple){{0, 0, 1}})), 0.7);
+    double e = pow(distance(a, b), 0.7), knee = 0.4 * cmax;
+    return e < knee ? 0.95 / knee * e : 0.95 + (e - knee) / (cmax - knee) * 0.05;
+}
+
+static double plain_flip(const sl_image *a, const sl_image *b) {
+    double sum = 0;
+    for (int y = 0; y < a->height; y++) {
+        for (int x = 0; x < a->width; x++) {
+            double color = plain_color_error(plain_color(a, x, y), plain_color(b, x, y));
+            double edges = fabs(plain_feature(a, x, y, 0) - plain_feature(b, x, y, 0));
+            double points = fabs(plain_feature(a, x, y, 1) - plain_feature(b, x, y, 1));
+            sum += pow(color, 1 - sqrt(fmax(edges, points) / sqrt(2.0)));
+        }
+    }
+    return sum / (a->width * a->height);
+}
+
+static void flip_is_the_papers_formula(void **state) {
+    (void)state;
+    sl_image *a = noise(14, 11, 7), *b = noise(14, 11, 8);
+    assert_near(compare(a, b, NULL).flip, plain_flip(a, b), 2e-4);
+    for (int i = 0; i < 3 * 14 * 11; i++) { /* an edge against a ramp, with saturated colours */
+        a->planes[i] = i % 14 < 7 ? 0.05f : i < 154 ? 1.0f : 0.3f;
+        b->planes[i] = (float)(i % 14) / 13.0f * (i < 154 ? 0.2f : 0.9f);
+    }
+    double expected = plain_flip(a, b);
+    assert_true(expected > 0.1 && expected < 0.95);
+    assert_near(compare(a, b, NULL).flip, expected, 2e-4);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+}
+
+static void flip_of_uniform_pictures_is_the_colour_error_alone(void **state) {
+    (void)state;
+    triple colors[] = {{{0, 0, 0}}, {{1, 1, 1}}, {{0.5, 0.5, 0.5}}, {{1, 0, 0}},
+                       {{0, 1, 0}}, {{0, 0, 1}}, {{0.1, 0.6, 0.3}}};
+    for (int i = 0; i < 7; i++) {
+        for (int j = 0; j < 7; j++) {
+            sl_image *a = uniform(12, 10, (float)colors[i].v[0], (float)colors[i].v[1], (float)colors[i].v[2]);
+            sl_image *b = uniform(12, 10, (float)colors[j].v[0], (float)colors[j].v[1], (float)colors[j].v[2]);
+            double got = compare(a, b, NULL).flip;
+            assert_near(got, plain_color_error(hunt_lab(colors[i]), hunt_lab(colors[j])), 2e-4);
+            assert_true(got >= 0.0 && got <= 1.0 && (i == j ? got == 0.0 : got > 0.0));
+            if (i == 0 && j == 1)
+                assert_true(got > 0.96 && got < 0.98);          /* black and white: far apart, but not the farthest */
+            if (i == 4 && j == 5) assert_near(got, 1.0, 1e-12); /* green and blue are */
+            sl_image_destroy(a);
+            sl_image_destroy(b);
+        }
+    }
+}
+
+static void flip_grows_with_the_difference(void **state) {
+    (void)state;
+    sl_image *a = noise(24, 20, 9), *b = noise(24, 20, 10), *x = make(24, 20, NULL);
+    double before = 0.0;
+    for (int step = 1; step <= 8; step++) {
+        for (int i = 0; i < 3 * 24 * 20; i++) {
+            x->planes[i] = a->planes[i] + 0.125f * (float)step * (b->planes[i] - a->planes[i]);
+        }
+        double now = compare(x, a, NULL).flip;
+        assert_true(now > before && now <= 1.0);
+        before = now;
+    }
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+    sl_image_destroy(x);
+}
+
+static void one_pixel_pictures_can_be_compared(void **state) {
+    (void)state;
+    sl_image *a = uniform(1, 1, 0.5f, 0.5f, 0.5f), *b = uniform(1, 1, 0.25f, 0.25f, 0.25f);
+    sl_comparison c = compare(a, b, NULL);
+    assert_near(c.rmse, 0.25, 1e-15);
+    assert_true(c.ssim > 0.0 && c.ssim < 1.0 && c.flip > 0.0 && c.flip < 1.0);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+}
+
+/* ---- the convolution ---- */
+
+static void convolution_continues_the_edges_and_keeps_the_two_axes_apart(void **state) {
+    (void)state;
+    double in[12] = {0}, out[12], scratch[12 + 16], row[5] = {1, 2, 3, 4, 5}, column[5] = {0, 10, 100, 1000, 0};
+    in[5] = 1.0; /* (1, 1) of 4 x 3; kernel[k] weighs the pixel at x + k - 2 */
+    assert_true(sl_convolve_margin(4, 2) <= 16);
+    sl_convolve(in, 4, 3, row, column, 2, scratch, out);
+    double rows[4] = {4, 3, 2, 1}, columns[3] = {1000, 100, 10};
+    for (int i = 0; i < 12; i++) assert_true(out[i] == rows[i % 4] * columns[i / 4]);
+    for (int i = 0; i < 12; i++) in[i] = 2.0;
+    sl_convolve(in, 4, 3, row, column, 2, scratch, in);
+    for (int i = 0; i < 12; i++) assert_true(in[i] == 2.0 * 15.0 * 1110.0);
+    double kernel[11], sum = 0.0, expected = 0.0;
+    for (int i = -5; i <= 5; i++) expected += exp(-i * i / 4.5);
+    assert_near(sl_gaussian_kernel(1.5, 5, false, kernel), expected, 1e-14);
+    assert_true(kernel[5] == 1.0);
+    sl_gaussian_kernel(1.5, 5, true, kernel);
+    for (int i = 0; i < 11; i++) sum += kernel[i];
+    assert_near(sum, 1.0, 1e-15);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_image_equals_itself_in_every_metric),
+        cmocka_unit_test(errors_of_two_pixels_are_those_computed_by_hand),
+        cmocka_unit_test(trimming_leaves_out_a_thousandth_of_the_terms),
+        cmocka_unit_test(a_black_reference_gives_zero_or_infinity),
+        cmocka_unit_test(values_that_are_not_finite_are_counted_and_set_aside),
+        cmocka_unit_test(huge_values_do_not_overflow_the_sums),
+        cmocka_unit_test(only_pixels_under_the_mask_count),
+        cmocka_unit_test(a_lone_luminance_channel_compares_as_grey),
+        cmocka_unit_test(what_cannot_be_compared_is_an_error),
+        cmocka_unit_test(the_difference_picture_is_blue_too_dark_and_red_too_bright),
+        cmocka_unit_test(ssim_is_wangs_formula),
+        cmocka_unit_test(ssim_of_uniform_pictures_is_that_of_their_means),
+        cmocka_unit_test(ssim_is_symmetric_falls_with_noise_and_turns_negative_for_negatives),
+        cmocka_unit_test(flip_is_the_papers_formula),
+        cmocka_unit_test(flip_of_uniform_pictures_is_the_colour_error_alone),
+        cmocka_unit_test(flip_grows_with_the_difference),
+        cmocka_unit_test(one_pixel_pictures_can_be_compared),
+        cmocka_unit_test(convolution_continues_the_edges_and_keeps_the_two_axes_apart),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
