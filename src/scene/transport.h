@@ -23,8 +23,9 @@ typedef struct sl_transport {
     unsigned bounce_lobes;      /* lobes at x2, x3, ...; with SL_LOBE_MIRROR mirrors there are followed (caustics, L S D) */
     uint32_t bounces;           /* how many surfaces between x1 and the light, at most (mirrors not counted) */
     bool direct_visibility;     /* shadows between x1 and the light */
-    bool bounce_visibility;     /* shadows between x2, x3, ... and the light, and between x1 and x2 (off: direct radiance
-                                   mapping without indirect shadows; the reference then gathers from all of x2) */
+    bool bounce_visibility;     /* between x1 and x2 (off: direct radiance mapping without indirect shadows; the reference
+                                   then gathers from every surface along the ray). x2, x3, ... and the light always
+                                   have to see each other: no method counts light through walls there */
     sl_pixel_filter filter;     /* SL_FILTER_BOX or SL_FILTER_CENTRE */
 } sl_transport;
 

@@ -1,0 +1,31 @@
+/* Reflection of a surface that is not a mirror: Lambertian plus the modified Phong lobe (Lafortune and Willems 1994),
+ *
+ *     f = kd / pi + ks (n + 2) / (2 pi) max(0, cos alpha)^n,
+ *
+ * alpha between the light's direction and the viewer's mirror direction. Nothing passes through the surface: directions must
+ * lie above the geometric and the shading plane. */
+#ifndef SL_TRACE_BSDF_H
+#define SL_TRACE_BSDF_H
+
+#include "scene/scene.h"
+
+typedef struct sl_bsdf {
+    sl_rgb diffuse, specular;
+    float exponent;
+    sl_vec3 normal, geometric_normal, mirror_direction;
+    float diffuse_share; /* of samples; the rest goes to the Phong lobe */
+    bool black;          /* no lobe asked for reflects anything */
+} sl_bsdf;
+
+/* to_viewer: unit. sampled_lobes: those that sl_bsdf_sample() draws from. */
+sl_bsdf sl_bsdf_make(const sl_surface *surface, sl_vec3 to_viewer, unsigned sampled_lobes);
+/* f times the cosine of the shading normal, for some of the lobes. */
+sl_rgb sl_bsdf_reflect(const sl_bsdf *bsdf, sl_vec3 to_light, unsigned lobes);
+/* A direction from three numbers in [0,1); false if it falls below the surface. */
+bool sl_bsdf_sample(const sl_bsdf *bsdf, float lobe, float u1, float u2, sl_vec3 *to_light);
+/* Its density in solid angle: the mixture's. */
+float sl_bsdf_pdf(const sl_bsdf *bsdf, sl_vec3 to_light);
+
+sl_vec3 sl_reflect(sl_vec3 to_viewer, sl_vec3 normal);
+
+#endif

@@ -1,0 +1,189 @@
+/* The reference path tracer's film: pixels in tiles of 4 x 4, one packet each. Even and odd samples draw from sequences that are
+ * scrambled apart, so the two halves are independent pictures. */
+#include <math.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "trace/path_walk.h"
+
+enum { TILE = 4, TILES_A_TASK = 32, HALVES = 2 };
+
+struct sl_path_tracer {
+    const sl_scene *scene;
+    sl_path_settings settings;
+    sl_light_sampler *lights;
+    sl_sequence sequence;
+    sl_path_walk walk;
+    double *sums[HALVES];     /* R, G, B planes */
+    uint64_t samples[HALVES];
+    sl_counters *worker_counters;
+};
+
+sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, const sl_path_settings *settings,
+                                sl_path_tracer **out, sl_error *error) {
+    *out = NULL;
+    sl_pixel_filter filter = settings->transport.filter;
+    if (settings->width <= 0 || settings->height <= 0) {
+        return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width, settings->height);
+    }
+    if (filter != SL_FILTER_BOX && filter != SL_FILTER_CENTRE) {
+        return sl_fail(error, SL_ERROR_USAGE, "the path tracer's filter is box or centre");
+    }
+    sl_path_tracer *path = sl_allocate(1, sizeof *path);
+    if (!path) return sl_fail_memory(error, "the path tracer");
+    path->scene = scene;
+    path->settings = *settings;
+    path->settings.threads = sl_thread_count(settings->threads);
+    sl_status status = sl_light_sampler_create(scene, &path->lights, error);
+    if (status != SL_OK) {
+        sl_path_tracer_destroy(path);
+        return status;
+    }
+    size_t values = 3 * (size_t)settings->width * (size_t)settings->height;
+    for (int half = 0; half < HALVES; half++) path->sums[half] = sl_allocate(values, sizeof(double));
+    path->worker_counters = sl_allocate(path->settings.threads, sizeof *path->worker_counters);
+    if (!path->sums[0] || !path->sums[1] || !path->worker_counters) {
+        sl_path_tracer_destroy(path);
+        return sl_fail_memory(error, "the path tracer's film");
+    }
+    sl_sequence_make(&path->sequence);
+    path->walk = (sl_path_walk){scene, tracer, path->lights, &path->sequence, settings->transport};
+    *out = path;
+    return SL_OK;
+}
+
+void sl_path_tracer_destroy(sl_path_tracer *path) {
+    if (!path) return;
+    for (int half = 0; half < HALVES; half++) sl_free(path->sums[half]);
+    sl_free(path->worker_counters);
+    sl_light_sampler_destroy(path->lights);
+    sl_free(path);
+}
+
+/* ---- one sample of every pixel ------------------------------------------------------------------------------------------- */
+
+typedef struct sample_pass {
+    sl_path_tracer *path;
+    unsigned half;
+    uint32_t index;     /* of the half's points */
+    float tan_x, tan_y; /* of half the fields of view */
+} sample_pass;
+
+static uint64_t stream_key(const sl_path_tracer *path, unsigned half, uint64_t stream) {
+    return sl_random_key(path->settings.seed, 2 * stream + half);
+}
+
+static void camera_ray(const sample_pass *pass, int x, int y, uint64_t key, sl_ray16 *rays, unsigned i) {
+    const sl_path_tracer *path = pass->path;
+    float point[3] = {0.5f, 0.5f, 0.0f};
+    if (path->settings.transport.filter == SL_FILTER_BOX) {
+        sl_sequence_point(&path->sequence, key, SL_SET_PIXEL, pass->index, point);
+    }
+    float u = (2.0f * ((float)x + point[0]) / (float)path->settings.width - 1.0f) * pass->tan_x;
+    float v = (1.0f - 2.0f * ((float)y + point[1]) / (float)path->settings.height) * pass->tan_y;
+    const sl_camera *c = &path->scene->camera;
+    sl_vec3 direction = sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
+    rays->origin_x[i] = c->eye.x;
+    rays->origin_y[i] = c->eye.y;
+    rays->origin_z[i] = c->eye.z;
+    rays->direction_x[i] = direction.x;
+    rays->direction_y[i] = direction.y;
+    rays->direction_z[i] = direction.z;
+    rays->near[i] = 0.0f;
+    rays->far[i] = INFINITY;
+    rays->skip[i] = SL_NO_INDEX;
+}
+
+/* A sample that is not a number would spoil its pixel for good. */
+static sl_rgb finite_or_black(sl_rgb radiance, sl_counters *counters) {
+    if (sl_rgb_is_finite(radiance)) return radiance;
+    sl_count(counters, SL_COUNT_NONFINITE, 1);
+    return sl_grey(0.0f);
+}
+
+static void sample_tile(const sample_pass *pass, size_t tile, sl_counters *counters) {
+    sl_path_tracer *path = pass->path;
+    int width = path->settings.width, height = path->settings.height;
+    int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE, top = (int)(tile / (size_t)across) * TILE;
+    sl_ray16 rays;
+    uint64_t keys[SL_PACKET];
+    size_t pixels[SL_PACKET];
+    unsigned count = 0;
+    for (int i = 0; i < SL_PACKET; i++) {
+        int x = left + i % TILE, y = top + i / TILE;
+        if (x >= width || y >= height) continue;
+        pixels[count] = (size_t)y * (size_t)width + (size_t)x;
+        keys[count] = stream_key(path, pass->half, pixels[count]);
+        camera_ray(pass, x, y, keys[count], &rays, count);
+        count++;
+    }
+    sl_rgb radiance[SL_PACKET];
+    sl_path_walk_radiance(&path->walk, &rays, count, true, keys, pass->index, radiance, counters);
+    sl_count(counters, SL_COUNT_SAMPLES, count);
+    size_t plane = (size_t)width * (size_t)height;
+    double *sums = path->sums[pass->half];
+    for (unsigned i = 0; i < count; i++) {
+        sl_rgb sample = finite_or_black(radiance[i], counters);
+        sums[pixels[i]] += (double)sample.r;
+        sums[plane + pixels[i]] += (double)sample.g;
+        sums[2 * plane + pixels[i]] += (double)sample.b;
+    }
+}
+
+static size_t tile_count(const sl_path_tracer *path) {
+    size_t across = ((size_t)path->settings.width + TILE - 1) / TILE, down = ((size_t)path->settings.height + TILE - 1) / TILE;
+    return across * down;
+}
+
+static void sample_tiles(void *context, size_t task, unsigned worker) {
+    const sample_pass *pass = context;
+    size_t first = task * TILES_A_TASK, end = first + TILES_A_TASK, tiles = tile_count(pass->path);
+    sl_counters counters = {{0}};
+    for (size_t tile = first; tile < end && tile < tiles; tile++) sample_tile(pass, tile, &counters);
+    sl_counters_add(&pass->path->worker_counters[worker], &counters);
+}
+
+sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters, sl_error *error) {
+    if (sample / HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
+    double tangent = sl_tan(0.5 * (double)path->scene->camera.vertical_fov);
+    double aspect = (double)path->settings.width / (double)path->settings.height;
+    sample_pass pass = {path, (unsigned)(sample % HALVES), (uint32_t)(sample / HALVES), (float)(tangent * aspect), (float)tangent};
+    for (unsigned i = 0; i < path->settings.threads; i++) path->worker_counters[i] = (sl_counters){{0}};
+    sl_parallel_for(path->settings.threads, (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK, sample_tiles, &pass);
+    for (unsigned i = 0; i < path->settings.threads; i++) sl_counters_add(counters, &path->worker_counters[i]);
+    path->samples[pass.half]++;
+    return SL_OK;
+}
+
+/* ---- results ----------------------------------------------------------------------------------------------------------- */
+
+void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b) {
+    float *planes[3] = {r, g, b};
+    size_t pixels = (size_t)path->settings.width * (size_t)path->settings.height;
+    uint64_t samples = half < 0 ? path->samples[0] + path->samples[1] : path->samples[half & 1];
+    double scale = samples > 0 ? 1.0 / (double)samples : 0.0;
+    for (size_t channel = 0; channel < 3; channel++) {
+        if (!planes[channel]) continue;
+        const double *even = path->sums[0] + channel * pixels, *odd = path->sums[1] + channel * pixels;
+        for (size_t i = 0; i < pixels; i++) {
+            double sum = half < 0 ? even[i] + odd[i] : half == 0 ? even[i] : odd[i];
+            planes[channel][i] = (float)(sum * scale);
+        }
+    }
+}
+
+void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count, uint64_t stream,
+                             uint64_t sample, sl_rgb *radiance, sl_counters *counters) {
+    uint64_t keys[SL_PACKET] = {0};
+    sl_rgb found[SL_PACKET];
+    /* Each lane has a stream of its own; the high bit keeps them apart from pixels. */
+    for (unsigned i = 0; i < count; i++) {
+        keys[i] = stream_key(path, (unsigned)(sample % HALVES), (stream << 4 | i) ^ (uint64_t)1 << 62);
+    }
+    sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / HALVES), found, counters);
+    for (unsigned i = 0; i < count; i++) radiance[i] = finite_or_black(found[i], counters);
+}

@@ -1,0 +1,329 @@
+/* A walk leaves the eye, follows mirrors to x1, and from there bounces from surface to surface. At every surface light is
+ * counted twice over, by a sample of the lights and by where the next direction leads, each weighted by the power heuristic
+ * (Veach and Guibas 1995) so that together they count once. Sixteen walks go in step, so that their rays go in packets. */
+#include "trace/path_walk.h"
+
+#include <math.h>
+
+#include "base/random.h"
+#include "trace/bsdf.h"
+
+enum {
+    ROULETTE_AFTER = 4,         /* surfaces, in unlimited transport */
+    ROULETTE_AFTER_MIRRORS = 8, /* mirrors in a row, in any transport: two facing mirrors of reflectance 1 would not end */
+};
+
+typedef struct walker {
+    sl_rgb radiance;       /* gathered so far */
+    sl_rgb weight;         /* f cos / pdf so far, by the lobes that carry light of further surfaces */
+    sl_rgb direct_weight;  /* the same, by the lobes that reflect direct light at the last surface; black: not counted here */
+    sl_vec3 origin, direction; /* of the ray under way; unit direction but for the first, which is as given */
+    float near, far;
+    uint32_t skip;
+    float pdf;             /* of the ray's direction, if a surface chose it */
+    bool at_surface;       /* x1 has been reached */
+    bool mirror_since;     /* a mirror was met after the last surface */
+    bool through;          /* this ray sees through surfaces: no visibility between x1 and x2 */
+    uint32_t surfaces;     /* between x1 and the walk's end so far: 0 at x1 */
+    uint32_t mirrors;      /* in a row */
+    uint32_t vertex;       /* met so far, for the sets of random points */
+    uint64_t key;
+    uint32_t index;
+} walker;
+
+/* Light samples that wait for their shadow rays. */
+typedef struct shadow_queue {
+    sl_ray16 rays;
+    sl_rgb light[SL_PACKET];
+    walker *owner[SL_PACKET];
+    unsigned count;
+} shadow_queue;
+
+static void draw(const sl_path_walk *walk, const walker *w, uint32_t set, float point[3]) {
+    sl_sequence_point(walk->sequence, w->key, set + SL_SETS_A_VERTEX * w->vertex, w->index, point);
+}
+
+static bool is_black(sl_rgb c) { return !(sl_rgb_max(c) > 0.0f); }
+
+/* w = p^2 / (p^2 + q^2), computed by the ratio so that nothing overflows. */
+static float power_heuristic(float p, float q) {
+    if (!(p > 0.0f)) return 0.0f;
+    float ratio = q / p;
+    return 1.0f / (1.0f + ratio * ratio);
+}
+
+/* ---- light that the ray under way meets --------------------------------------------------------------------------------- */
+
+/* triangle: the emitter's, or SL_NO_INDEX for the environment. */
+static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint32_t triangle, float t) {
+    if (is_black(emitted)) return;
+    sl_rgb weight = w->weight;
+    if (!w->at_surface) {
+        if (!walk->transport.emission) return; /* L S* E */
+    } else if (!w->mirror_since) {
+        /* Direct light of the last surface, which its light sample counts too. */
+        if (is_black(w->direct_weight)) return;
+        float other = sl_light_sampler_pdf(walk->lights, w->origin, w->direction, triangle, t);
+        weight = sl_rgb_scale(w->direct_weight, power_heuristic(w->pdf, other));
+    } /* else: light by mirrors, which no light sample finds */
+    w->radiance = sl_rgb_add(w->radiance, sl_rgb_mul(weight, emitted));
+}
+
+/* ---- leaving a vertex --------------------------------------------------------------------------------------------------- */
+
+/* A point this far above the triangle is above it in spite of rounding: interpolation errs by a few units in the last place of
+ * the largest coordinate involved. */
+static sl_vec3 lift(const sl_scene *scene, uint32_t triangle, const sl_surface *s) {
+    float size = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        sl_vec3 p = sl_scene_position(scene, scene->vertex[k][triangle]);
+        size = fmaxf(size, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
+    }
+    return sl_mad(s->position, 6e-7f * size, s->geometric_normal);
+}
+
+static void leave(walker *w, sl_vec3 origin, sl_vec3 direction, uint32_t triangle) {
+    w->origin = origin;
+    w->direction = direction;
+    w->near = 0.0f;
+    w->far = INFINITY;
+    w->skip = triangle;
+    w->vertex++;
+}
+
+/* Russian roulette: goes on with a probability that follows the weight, and makes up for it. */
+static bool survives(const sl_path_walk *walk, walker *w) {
+    float weight = fmaxf(sl_rgb_max(w->weight), sl_rgb_max(w->direct_weight));
+    float chance = fminf(fmaxf(weight, 0.05f), 0.95f), point[3];
+    draw(walk, w, SL_SET_ROULETTE, point);
+    if (!(point[0] < chance)) return false;
+    w->weight = sl_rgb_scale(w->weight, 1.0f / chance);
+    w->direct_weight = sl_rgb_scale(w->direct_weight, 1.0f / chance);
+    return true;
+}
+
+static bool follow_mirror(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer, uint32_t triangle) {
+    const sl_transport *t = &walk->transport;
+    if (w->at_surface ? !(t->bounce_lobes & SL_LOBE_MIRROR) : !t->eye_mirrors) return false;
+    w->weight = sl_rgb_mul(w->weight, s->material->mirror);
+    if (is_black(w->weight)) return false;
+    if (++w->mirrors > ROULETTE_AFTER_MIRRORS && !survives(walk, w)) return false;
+    sl_vec3 direction = sl_normalize_or(sl_reflect(to_viewer, s->normal), s->normal);
+    if (!(sl_dot(direction, s->geometric_normal) > 0.0f)) return false;
+    w->mirror_since = true;
+    leave(w, lift(walk->scene, triangle, s), direction, triangle);
+    return true;
+}
+
+/* ---- a surface ---------------------------------------------------------------------------------------------------------- */
+
+/* What the transport asks of the surface that was reached. */
+typedef struct surface_task {
+    unsigned direct_lobes; /* reflect direct light here */
+    unsigned next_lobes;   /* reflect light of further surfaces */
+    bool shadows;          /* direct light needs to be visible */
+    bool met_by_chance;    /* the direction sampled may count direct light too */
+} surface_task;
+
+static surface_task task_at(const sl_path_walk *walk, const walker *w) {
+    const sl_transport *t = &walk->transport;
+    bool first = w->surfaces == 0, mirrors = t->bounce_lobes & SL_LOBE_MIRROR;
+    unsigned reflecting = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY;
+    surface_task task;
+    task.direct_lobes = reflecting & (first ? t->direct_lobes : t->bounce_lobes);
+    task.next_lobes = w->surfaces < t->bounces || mirrors ? reflecting & (first ? t->receiver_lobes : t->bounce_lobes) : 0;
+    task.shadows = first ? t->direct_visibility : true;
+    bool lights_with_extent = walk->scene->emitter_count > 0 || walk->scene->environment.present;
+    task.met_by_chance = lights_with_extent && task.direct_lobes && (!first || (t->direct_visibility && t->bounce_visibility));
+    return task;
+}
+
+static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const sl_light_sample *sample, uint32_t triangle,
+                             sl_rgb light) {
+    unsigned i = q->count++;
+    sl_ray16 *r = &q->rays;
+    r->origin_x[i] = origin.x;
+    r->origin_y[i] = origin.y;
+    r->origin_z[i] = origin.z;
+    r->direction_x[i] = sample->to_light.x;
+    r->direction_y[i] = sample->to_light.y;
+    r->direction_z[i] = sample->to_light.z;
+    r->near[i] = 0.0f;
+    r->far[i] = sample->distance * (1.0f - 1e-4f); /* the light's own surface does not hide it */
+    r->skip[i] = sample->triangle != SL_NO_INDEX ? sample->triangle : triangle;
+    q->light[i] = light;
+    q->owner[i] = w;
+}
+
+static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task, sl_vec3 origin,
+                         uint32_t triangle, shadow_queue *queue) {
+    float point[3];
+    sl_light_sample sample;
+    draw(walk, w, SL_SET_LIGHT, point);
+    if (!sl_light_sampler_sample(walk->lights, origin, point[2], point[0], point[1], &sample)) return;
+    sl_rgb reflected = sl_bsdf_reflect(bsdf, sample.to_light, task->direct_lobes);
+    if (is_black(reflected)) return;
+    float share = 1.0f;
+    if (task->met_by_chance && sample.pdf > 0.0f) share = power_heuristic(sample.pdf, sl_bsdf_pdf(bsdf, sample.to_light));
+    sl_rgb light = sl_rgb_scale(sl_rgb_mul(w->weight, sl_rgb_mul(reflected, sample.radiance)), share);
+    if (task->shadows) queue_shadow_ray(queue, w, origin, &sample, triangle, light);
+    else w->radiance = sl_rgb_add(w->radiance, light);
+}
+
+/* The next direction; false where the walk ends. */
+static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task, sl_vec3 origin,
+                   uint32_t triangle) {
+    float point[3];
+    sl_vec3 direction;
+    draw(walk, w, SL_SET_DIRECTION, point);
+    if (!sl_bsdf_sample(bsdf, point[2], point[0], point[1], &direction)) return false;
+    float pdf = sl_bsdf_pdf(bsdf, direction);
+    if (!(pdf > 0.0f)) return false;
+    sl_rgb weight = sl_rgb_scale(w->weight, 1.0f / pdf);
+    w->direct_weight = sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->met_by_chance ? task->direct_lobes : 0));
+    w->weight = sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->next_lobes));
+    if (is_black(w->weight) && is_black(w->direct_weight)) return false;
+    if (walk->transport.bounces == SL_BOUNCES_UNLIMITED && w->surfaces >= ROULETTE_AFTER && !survives(walk, w)) return false;
+    w->pdf = pdf;
+    w->through = w->surfaces == 0 && !walk->transport.bounce_visibility;
+    w->at_surface = true;
+    w->mirror_since = false;
+    w->mirrors = 0;
+    leave(w, origin, direction, triangle);
+    return true;
+}
+
+static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer, uint32_t triangle,
+                          shadow_queue *queue) {
+    if (w->at_surface) {
+        if (w->surfaces == walk->transport.bounces || is_black(w->weight)) return false;
+        w->surfaces++;
+    }
+    surface_task task = task_at(walk, w);
+    unsigned sampled = task.next_lobes | (task.met_by_chance ? task.direct_lobes : 0);
+    sl_bsdf bsdf = sl_bsdf_make(s, to_viewer, sampled);
+    sl_vec3 origin = lift(walk->scene, triangle, s);
+    if (task.direct_lobes) sample_light(walk, w, &bsdf, &task, origin, triangle, queue);
+    return !bsdf.black && bounce(walk, w, &bsdf, &task, origin, triangle);
+}
+
+/* The end of the ray under way; false where the walk ends with it. */
+static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float t, float w1, float w2, shadow_queue *queue) {
+    const sl_scene *scene = walk->scene;
+    sl_vec3 direction = sl_normalize_or(w->direction, sl_v3(0.0f, 0.0f, 1.0f));
+    if (triangle == SL_NO_INDEX) {
+        if (isinf(w->far)) meet_light(walk, w, sl_environment_radiance(&scene->environment, direction), SL_NO_INDEX, INFINITY);
+        return false;
+    }
+    sl_vec3 to_viewer = sl_neg(direction);
+    sl_surface surface;
+    sl_scene_surface(scene, triangle, w1, w2, to_viewer, &surface);
+    uint32_t emitter = scene->emitter_of_triangle[triangle];
+    if (emitter != SL_NO_INDEX && (surface.front || scene->emitters[emitter].two_sided)) {
+        meet_light(walk, w, scene->emitters[emitter].radiance, triangle, t);
+    }
+    if (sl_material_is_mirror(surface.material)) return follow_mirror(walk, w, &surface, to_viewer, triangle);
+    return reach_surface(walk, w, &surface, to_viewer, triangle, queue);
+}
+
+/* ---- packets ------------------------------------------------------------------------------------------------------------ */
+
+static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
+    rays->origin_x[i] = w->origin.x;
+    rays->origin_y[i] = w->origin.y;
+    rays->origin_z[i] = w->origin.z;
+    rays->direction_x[i] = w->direction.x;
+    rays->direction_y[i] = w->direction.y;
+    rays->direction_z[i] = w->direction.z;
+    rays->near[i] = w->near;
+    rays->far[i] = w->far;
+    rays->skip[i] = w->skip;
+}
+
+/* Without visibility between x1 and x2 every surface on the ray sends its light to x1. One of them is taken, each of the n with
+ * probability 1/n, with n times the weight. Returns the number n. */
+static uint32_t choose_along_ray(const sl_path_walk *walk, walker *w, sl_hit16 *hits, unsigned lane, sl_counters *counters) {
+    sl_ray16 ray;
+    sl_hit16 hit;
+    float point[3];
+    draw(walk, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
+    uint64_t key = sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f));
+    uint32_t met = 0;
+    hits->triangle[lane] = SL_NO_INDEX;
+    for (put_ray(&ray, 0, w);; ray.near[0] = hit.t[0], ray.skip[0] = hit.triangle[0]) {
+        sl_trace(walk->tracer, &ray, 1, false, &hit, counters);
+        if (hit.triangle[0] == SL_NO_INDEX) return met;
+        met++;
+        if (sl_random_unit(key, met) * (float)met < 1.0f) {
+            hits->t[lane] = hit.t[0];
+            hits->w1[lane] = hit.w1[0];
+            hits->w2[lane] = hit.w2[0];
+            hits->triangle[lane] = hit.triangle[0];
+        }
+    }
+}
+
+static void trace_walkers(const sl_path_walk *walk, walker *const *active, unsigned count, bool coherent, sl_hit16 *hits,
+                          sl_counters *counters) {
+    sl_ray16 rays;
+    bool through = false;
+    for (unsigned i = 0; i < count; i++) through |= active[i]->through;
+    if (!through) {
+        for (unsigned i = 0; i < count; i++) put_ray(&rays, i, active[i]);
+        sl_trace(walk->tracer, &rays, count, coherent, hits, counters);
+        return;
+    }
+    for (unsigned i = 0; i < count; i++) {
+        walker *w = active[i];
+        if (w->through) {
+            w->weight = sl_rgb_scale(w->weight, (float)choose_along_ray(walk, w, hits, i, counters));
+            w->through = false;
+            continue;
+        }
+        sl_hit16 hit;
+        put_ray(&rays, 0, w);
+        sl_trace(walk->tracer, &rays, 1, false, &hit, counters);
+        hits->t[i] = hit.t[0];
+        hits->w1[i] = hit.w1[0];
+        hits->w2[i] = hit.w2[0];
+        hits->triangle[i] = hit.triangle[0];
+    }
+}
+
+static void add_light(const sl_path_walk *walk, shadow_queue *queue, bool coherent, sl_counters *counters) {
+    if (queue->count == 0) return;
+    uint32_t hidden = sl_trace_occluded(walk->tracer, &queue->rays, queue->count, coherent, counters);
+    for (unsigned i = 0; i < queue->count; i++) {
+        if (hidden >> i & 1) continue;
+        queue->owner[i]->radiance = sl_rgb_add(queue->owner[i]->radiance, queue->light[i]);
+    }
+    queue->count = 0;
+}
+
+void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsigned count, bool coherent,
+                           const uint64_t key[SL_PACKET], uint32_t index, sl_rgb radiance[SL_PACKET],
+                           sl_counters *counters) {
+    walker walkers[SL_PACKET], *active[SL_PACKET];
+    shadow_queue queue;
+    queue.count = 0;
+    for (unsigned i = 0; i < count; i++) {
+        walkers[i] = (walker){.weight = {1.0f, 1.0f, 1.0f}, .key = key[i], .index = index, .near = rays->near[i],
+                              .far = rays->far[i], .skip = rays->skip[i]};
+        walkers[i].origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
+        walkers[i].direction = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
+        active[i] = &walkers[i];
+    }
+    for (unsigned alive = count; alive > 0;) {
+        sl_hit16 hits;
+        trace_walkers(walk, active, alive, coherent, &hits, counters);
+        unsigned left = 0;
+        for (unsigned i = 0; i < alive; i++) {
+            walker *w = active[i];
+            if (arrive(walk, w, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &queue)) active[left++] = w;
+        }
+        add_light(walk, &queue, coherent, counters);
+        alive = left;
+        coherent = false;
+    }
+    for (unsigned i = 0; i < count; i++) radiance[i] = walkers[i].radiance;
+}

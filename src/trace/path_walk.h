@@ -1,0 +1,24 @@
+/* Random walks from the eye, sixteen at a time, counting exactly the light paths of an sl_transport. */
+#ifndef SL_TRACE_PATH_WALK_H
+#define SL_TRACE_PATH_WALK_H
+
+#include "trace/sequence.h"
+#include "trace/trace.h"
+
+typedef struct sl_path_walk {
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    const sl_light_sampler *lights;
+    const sl_sequence *sequence;
+    sl_transport transport;
+} sl_path_walk;
+
+/* Radiance along the first count rays (near, far and skip are theirs). Ray i uses the points (key[i], ., index). */
+void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsigned count, bool coherent,
+                           const uint64_t key[SL_PACKET], uint32_t index, sl_rgb radiance[SL_PACKET],
+                           sl_counters *counters);
+
+/* The sets of points that a walk draws from: set 0 is for the pixel, then four a vertex. */
+enum { SL_SET_PIXEL = 0, SL_SET_LIGHT = 1, SL_SET_DIRECTION = 2, SL_SET_ROULETTE = 3, SL_SET_THROUGH = 4, SL_SETS_A_VERTEX = 4 };
+
+#endif
