@@ -215,6 +215,11 @@ typedef enum sl_pixel_filter {
     SL_FILTER_CENTRE  /* all samples at the pixel's centre, as a rasterizer samples */
 } sl_pixel_filter;
 typedef enum sl_direct_kind { SL_DIRECT_AUTO, SL_DIRECT_RAYS, SL_DIRECT_SHADOW_MAPS } sl_direct_kind;
+/* The order in which splatting visits pixels for new records. */
+typedef enum sl_traversal_order {
+    SL_ORDER_COARSE_TO_FINE, /* few gathers in vain when records are made in parallel */
+    SL_ORDER_LINEAR          /* row by row, as in the paper */
+} sl_traversal_order;
 
 typedef struct sl_settings {
     const char *method;    /* "splatting", "path" */
@@ -230,6 +235,7 @@ typedef struct sl_settings {
     sl_gather_kind gather;
     sl_direct_kind direct;
     sl_pixel_filter filter;
+    sl_traversal_order order;
     const sl_observer *observer; /* or NULL */
 } sl_settings;
 

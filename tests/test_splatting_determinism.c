@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "rendering.h"
-#include "base/memory.h"
 #include "cache/splatting/splatting.h"
 
 static void the_picture_has_the_same_bits_at_any_number_of_threads(void **state) {
@@ -98,12 +97,12 @@ static void stage_close(stage *s) {
     sl_scene_destroy(s->scene);
 }
 
-static sl_record_list traverse(stage *s, size_t batch, sl_counters *counters) {
+static sl_record_list traverse(stage *s, sl_traversal_order order, size_t batch, sl_counters *counters) {
     sl_record_list list = {0};
     sl_traversal traversal;
     memset(s->owned, 0, sizeof s->owned);
     memset(s->coverage, 0, sizeof s->coverage);
-    sl_traversal_start(&traversal, SIDE, SIDE);
+    sl_traversal_start(&traversal, order, SIDE, SIDE);
     while (traversal.stride) {
         traversal.batch = batch;
         assert_int_equal(sl_traversal_advance(&traversal, &s->pass, &list, counters, NULL), SL_OK);
@@ -116,18 +115,20 @@ static void speculative_batches_give_the_records_of_one_by_one(void **state) {
     (void)state;
     static stage s;
     stage_open(&s);
-    sl_counters counters = {{0}};
-    sl_record_list one_by_one = traverse(&s, 1, &counters);
-    assert_int_equal(counters.value[SL_COUNT_RECORDS_DISCARDED], 0);
-    assert_true(one_by_one.count > 20);
-    for (size_t batch = 2; batch <= SL_BATCH_MAX; batch *= 4) {
-        sl_record_list list = traverse(&s, batch, &counters);
-        assert_int_equal(list.count, one_by_one.count);
-        assert_memory_equal(list.records, one_by_one.records, list.count * sizeof *list.records);
-        sl_free(list.records);
+    for (int order = SL_ORDER_COARSE_TO_FINE; order <= SL_ORDER_LINEAR; order++) {
+        sl_counters counters = {{0}};
+        sl_record_list one_by_one = traverse(&s, (sl_traversal_order)order, 1, &counters);
+        assert_int_equal(counters.value[SL_COUNT_RECORDS_DISCARDED], 0);
+        assert_true(one_by_one.count > 20);
+        for (size_t batch = 2; batch <= SL_BATCH_MAX; batch *= 4) {
+            sl_record_list list = traverse(&s, (sl_traversal_order)order, batch, &counters);
+            assert_int_equal(list.count, one_by_one.count);
+            assert_memory_equal(list.records, one_by_one.records, list.count * sizeof *list.records);
+            sl_record_list_free(&list);
+        }
+        assert_true(counters.value[SL_COUNT_RECORDS_DISCARDED] > 0);
+        sl_record_list_free(&one_by_one);
     }
-    assert_true(counters.value[SL_COUNT_RECORDS_DISCARDED] > 0);
-    sl_free(one_by_one.records);
     stage_close(&s);
 }
 
@@ -136,7 +137,7 @@ static void in_the_end_every_receiver_is_covered_and_no_record_was_made_in_vain(
     static stage s;
     stage_open(&s);
     sl_counters counters = {{0}};
-    sl_record_list list = traverse(&s, 16, &counters);
+    sl_record_list list = traverse(&s, SL_ORDER_COARSE_TO_FINE, 16, &counters);
     size_t receivers = 0;
     for (int i = 0; i < SIDE * SIDE; i++) {
         receivers += s.receives[i];
@@ -144,7 +145,7 @@ static void in_the_end_every_receiver_is_covered_and_no_record_was_made_in_vain(
         else assert_true(s.coverage[i] == 0.0f && !s.owned[i]);
     }
     assert_true(list.count < receivers / 4); /* it is a cache: far fewer records than pixels */
-    sl_free(list.records);
+    sl_record_list_free(&list);
     stage_close(&s);
 }
 

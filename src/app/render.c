@@ -14,7 +14,7 @@
 typedef struct {
     const char *scene_path, *output;
     sl_settings settings;
-    int size[2], quality, gather, direct, filter, tone;
+    int size[2], quality, gather, direct, filter, order, tone;
     uint64_t threads, spp, gather_size, batches;
     double time_seconds, at_seconds, exposure;
     bool at_given, exposure_given, json, quiet;
@@ -24,6 +24,7 @@ static const char *const quality_names[] = {"draft", "normal", "high", NULL};
 static const char *const gather_names[] = {"auto", "raster", "hemicube", "trace", NULL}; /* as sl_gather_kind */
 static const char *const direct_names[] = {"auto", "rays", "shadow-maps", NULL};         /* as sl_direct_kind */
 static const char *const filter_names[] = {"method", "box", "centre", NULL};             /* as sl_pixel_filter */
+static const char *const order_names[] = {"coarse-to-fine", "linear", NULL};             /* as sl_traversal_order */
 static const char *const tone_names[] = {"clip", "reinhard", NULL};                      /* as sl_tone_curve */
 
 static bool parse(int argc, char **argv, render_options *o, int *status) {
@@ -43,6 +44,8 @@ static bool parse(int argc, char **argv, render_options *o, int *status) {
         {"gather-size", 0, SL_OPTION_COUNT, &o->gather_size, NULL, "N", "N x N samples a gather [by quality]", 2, 1024, NULL},
         {"direct", 0, SL_OPTION_CHOICE, &o->direct, NULL, "HOW", "auto, rays or shadow-maps [auto]", 0, 0, direct_names},
         {"filter", 0, SL_OPTION_CHOICE, &o->filter, NULL, "F", "path: box or centre of the pixel [method]", 0, 0, filter_names},
+        {"order", 0, SL_OPTION_CHOICE, &o->order, NULL, "ORDER",
+         "splatting: pixels coarse-to-fine or linear [coarse-to-fine]", 0, 0, order_names},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &o->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1,
          256, NULL},
@@ -72,6 +75,7 @@ static bool parse(int argc, char **argv, render_options *o, int *status) {
     s->gather = (sl_gather_kind)o->gather;
     s->direct = (sl_direct_kind)o->direct;
     s->filter = (sl_pixel_filter)o->filter;
+    s->order = (sl_traversal_order)o->order;
     s->spp = (uint32_t)o->spp;
     s->gather_size = (int)o->gather_size;
     s->threads = (unsigned)o->threads;

@@ -54,14 +54,15 @@ void sl_record_set_radius(sl_record *record, float radius) {
     for (int c = 0; c < 3; c++) record->translational[c] = sl_scale(record->translational[c], mean / change);
 }
 
-float sl_record_clamped_radius(const sl_record *records, size_t count, const sl_record *record) {
-    double radius = (double)record->own_radius;
+float sl_record_clamped_radius(const sl_record_reach *reaches, size_t count, const sl_record *record) {
+    float radius = record->own_radius;
     for (size_t j = 0; j < count; j++) {
-        if ((double)records[j].own_radius >= radius) continue;
-        sl_vec3 d = sl_sub(record->position, records[j].position);
-        double limit = (double)records[j].own_radius + (double)sl_length(d);
-        if (limit < radius) radius = limit;
+        float gap = radius - reaches[j].own_radius;
+        sl_vec3 d = sl_sub(record->position, reaches[j].position);
+        if (gap > 0.0f && sl_dot(d, d) < gap * gap) {
+            float limit = reaches[j].own_radius + sl_length(d);
+            radius = limit < radius ? limit : radius;
+        }
     }
-    float clamped = (float)radius;
-    return clamped > record->minimum_radius ? clamped : record->minimum_radius;
+    return radius > record->minimum_radius ? radius : record->minimum_radius;
 }

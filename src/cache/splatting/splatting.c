@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "scene/features.h"
 
 #include <string.h>
@@ -115,7 +116,7 @@ static void splat_destroy(void *state) {
     sl_free(s->receives);
     sl_free(s->planes);
     sl_free(s->owned);
-    sl_free(s->list.records);
+    sl_record_list_free(&s->list);
     sl_free(s);
 }
 
@@ -254,7 +255,7 @@ static sl_status light_rows(splat_state *s, sl_error *error) {
     if (end < s->settings.height) return SL_OK;
     sl_observe(s->settings.observer, "splatting", "direct light", "section 4, direct lighting", s->settings.width,
                s->settings.height, 3, s->planes, true, &s->counters);
-    sl_traversal_start(&s->traversal, s->settings.width, s->settings.height);
+    sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
     s->phase = s->indirect_needed ? PHASE_RECORDS : PHASE_DONE;
     return SL_OK;
 }
@@ -267,14 +268,25 @@ static sl_status new_records(splat_state *s, phase next, sl_error *error) {
     return status;
 }
 
+typedef struct {
+    const sl_record_list *list;
+    float *radii;
+} clamp_context;
+
+static void clamp_one(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const clamp_context *c = context;
+    c->radii[index] = sl_record_clamped_radius(c->list->reaches, c->list->count, &c->list->records[index]);
+}
+
 /* Step 4b. A single pass over the radii is the fixed point of mutual clamping, whatever the order of insertion. Older records may
  * shrink: coverage is summed anew, and what came to light gets records in a second visit. */
 static sl_status clamp_to_neighbours(splat_state *s, sl_error *error) {
     bool shrunk = false;
-    float *radii = sl_allocate(s->list.count + 1, sizeof *radii);
+    float *radii = sl_allocate(s->list.count, sizeof *radii);
     if (!radii) return sl_fail_memory(error, "record radii");
-    for (size_t i = 0; i < s->list.count; i++)
-        radii[i] = sl_record_clamped_radius(s->list.records, s->list.count, &s->list.records[i]);
+    clamp_context context = {&s->list, radii};
+    sl_parallel_for(s->settings.threads, s->list.count, clamp_one, &context);
     for (size_t i = 0; i < s->list.count; i++) {
         if (!(radii[i] < s->list.records[i].radius)) continue;
         sl_record_set_radius(&s->list.records[i], radii[i]);
@@ -287,7 +299,7 @@ static sl_status clamp_to_neighbours(splat_state *s, sl_error *error) {
     memset(s->coverage, 0, pixels * sizeof *s->coverage);
     memset(s->splats.r, 0, 5 * pixels * sizeof *s->splats.r); /* r, g, b, weight, count lie in one block */
     s->splatted = 0;
-    sl_traversal_start(&s->traversal, s->settings.width, s->settings.height);
+    sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
     s->phase = PHASE_SECOND;
     return sl_cover(&s->pass, s->list.records, s->list.count, &s->counters, error);
 }
@@ -373,7 +385,6 @@ static sl_status splat_new_records(splat_state *s, sl_error *error) {
     for (size_t i = 0; i < count; i++) rects[i] = sl_record_bounds(&s->pass, &records[i]);
     splat_context context = {s, records};
     sl_counters cost = {{0}};
-    sl_count(&cost, SL_COUNT_SPLATS, count);
     sl_status status = sl_raster_splats(s->settings.width, s->settings.height, count, rects, splat_run, &context,
                                         s->settings.threads, &cost, error);
     sl_free(rects);
@@ -490,7 +501,7 @@ static size_t splat_memory_bytes(const void *state) {
     size_t pixels = pixel_count(s);
     size_t gbuffer = pixels * (14 * sizeof(float) + 2 * sizeof(uint32_t));
     size_t bytes = sizeof *s + pixels * (PLANES * sizeof(float) + sizeof(uint32_t) + 1) + gbuffer;
-    bytes += s->list.capacity * sizeof(sl_record) + sl_raster_memory_bytes(s->raster);
+    bytes += s->list.capacity * (sizeof(sl_record) + sizeof(sl_record_reach)) + sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);

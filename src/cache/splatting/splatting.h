@@ -39,12 +39,18 @@ sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int
 
 typedef struct sl_record_list {
     sl_record *records;
+    sl_record_reach *reaches; /* of the same records */
     size_t count, capacity;
 } sl_record_list;
 
+void sl_record_list_free(sl_record_list *list);
+
 typedef struct sl_traversal {
-    int stride, x, y;         /* the next candidate; stride 0: all visited */
-    uint64_t visited, total;
+    sl_traversal_order order;
+    int width, height;
+    int stride;               /* of the level being visited; 0: all visited */
+    uint64_t cells, cell, step, next; /* the level's grid: how many, the current one, how far to the next, how many visited */
+    uint64_t visited, total;  /* pixels */
     size_t batch;             /* candidates taken at once, adapted to how many turned out covered */
 } sl_traversal;
 
@@ -70,7 +76,7 @@ typedef struct sl_record_pass {
 
 enum { SL_BATCH_MAX = 128 };
 
-void sl_traversal_start(sl_traversal *traversal, int width, int height);
+void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height);
 /* The next batch of uncovered pixels gets records, exactly as if they were visited one by one. Done where traversal->stride
  * becomes 0. */
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,

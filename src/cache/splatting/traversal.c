@@ -1,9 +1,10 @@
 /* Step 4 of Algorithm 2: the pixels are visited in a fixed order, and an uncovered one gets a record.
  *
- * The order is coarse to fine: every 16th pixel of every 16th row, then every 8th, and so on, so that the first records are far
- * apart. A record's content does not depend on the cache, and coverage only grows; so a batch of candidates can be gathered
+ * The paper's order is linear. The default is coarse to fine: every 16th pixel of every 16th row, then every 8th, and so on; and
+ * within such a level not row by row but in steps of the golden ratio, so that pixels visited one after the other are far apart.
+ * A record's content does not depend on the cache, and coverage only grows; so a batch of candidates can be gathered
  * in parallel and committed in order, setting aside those that an earlier one of the batch has covered: the records are those
- * of the sequential algorithm, whatever the batch and the number of threads. */
+ * of the sequential algorithm, whatever the batch and the number of threads. The further apart, the fewer are set aside. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -15,23 +16,55 @@
 
 enum { COARSEST_STRIDE = 16, SMALLEST_BATCH = 8 };
 
-void sl_traversal_start(sl_traversal *traversal, int width, int height) {
-    *traversal = (sl_traversal){.stride = COARSEST_STRIDE, .total = (uint64_t)width * (uint64_t)height, .batch = SMALLEST_BATCH};
+static uint64_t greatest_common_divisor(uint64_t a, uint64_t b) {
+    while (b) {
+        uint64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
 }
 
-/* Moves to the next pixel of the order: row by row, then the next finer stride, leaving out what a coarser one visited. */
-static void step(sl_traversal *t, int width, int height) {
-    do {
-        t->x += t->stride;
-        if (t->x >= width) {
-            t->x = 0;
-            t->y += t->stride;
-        }
-        if (t->y >= height) {
-            t->y = 0;
-            t->stride /= 2;
-        }
-    } while (t->stride && t->stride < COARSEST_STRIDE && t->x % (2 * t->stride) == 0 && t->y % (2 * t->stride) == 0);
+/* A grid of `count` cells is visited as (i * step) mod count: every cell once, as step and count have no common divisor. */
+static uint64_t golden_step(uint64_t count) {
+    uint64_t step = (uint64_t)(0.6180339887498949 * (double)count);
+    while (step > 1 && greatest_common_divisor(step, count) != 1) step--;
+    return step > 1 ? step : 1;
+}
+
+static void start_level(sl_traversal *t, int stride) {
+    t->stride = stride;
+    if (stride == 0) return;
+    uint64_t columns = (uint64_t)(t->width + stride - 1) / (uint64_t)stride,
+             rows = (uint64_t)(t->height + stride - 1) / (uint64_t)stride;
+    t->cells = columns * rows;
+    t->cell = 0;
+    t->next = 0;
+    t->step = t->order == SL_ORDER_LINEAR ? 1 : golden_step(t->cells);
+}
+
+void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height) {
+    *traversal = (sl_traversal){.order = order, .width = width, .height = height, .batch = SMALLEST_BATCH,
+                                .total = (uint64_t)width * (uint64_t)height};
+    start_level(traversal, order == SL_ORDER_LINEAR ? 1 : COARSEST_STRIDE);
+}
+
+/* The next pixel of the order that no coarser level has visited; false where all are visited. */
+static bool next_pixel(sl_traversal *t, size_t *pixel) {
+    while (t->stride) {
+        uint64_t columns = (uint64_t)(t->width + t->stride - 1) / (uint64_t)t->stride;
+        uint64_t x = t->cell % columns * (uint64_t)t->stride, y = t->cell / columns * (uint64_t)t->stride;
+        uint64_t coarser = 2 * (uint64_t)t->stride;
+        bool first_level = t->order == SL_ORDER_LINEAR || t->stride == COARSEST_STRIDE;
+        bool is_new = first_level || x % coarser != 0 || y % coarser != 0;
+        t->cell = (t->cell + t->step) % t->cells;
+        if (++t->next == t->cells) start_level(t, t->order == SL_ORDER_LINEAR ? 0 : t->stride / 2);
+        if (!is_new) continue;
+        *pixel = (size_t)y * (size_t)t->width + (size_t)x;
+        t->visited++;
+        return true;
+    }
+    return false;
 }
 
 static bool is_covered(const sl_record_pass *pass, size_t pixel) {
@@ -39,13 +72,9 @@ static bool is_covered(const sl_record_pass *pass, size_t pixel) {
 }
 
 static size_t next_candidates(sl_traversal *t, const sl_record_pass *pass, size_t *pixels) {
-    int width = pass->receivers.width, height = pass->receivers.height;
-    size_t count = 0;
-    while (t->stride && count < t->batch) {
-        size_t pixel = (size_t)t->y * (size_t)width + (size_t)t->x;
+    size_t count = 0, pixel;
+    while (count < t->batch && next_pixel(t, &pixel)) {
         if (pass->receivers.receives[pixel] && !is_covered(pass, pixel)) pixels[count++] = pixel;
-        t->visited++;
-        step(t, width, height);
     }
     return count;
 }
@@ -95,18 +124,35 @@ static void gather_one(void *context, size_t index, unsigned worker) {
 
 /* ---- committing it ---- */
 
+static bool grow(void **array, size_t count, size_t capacity, size_t size) {
+    void *grown = sl_allocate(capacity, size);
+    if (!grown) return false;
+    if (count) memcpy(grown, *array, count * size);
+    sl_free(*array);
+    *array = grown;
+    return true;
+}
+
 static sl_status append(sl_record_list *list, const sl_record *record, sl_error *error) {
     if (list->count == list->capacity) {
         size_t capacity = list->capacity ? 2 * list->capacity : 1024;
-        sl_record *grown = sl_allocate(capacity, sizeof *grown);
+        void *records = list->records, *reaches = list->reaches;
+        bool grown = grow(&records, list->count, capacity, sizeof *list->records);
+        list->records = records;
+        grown = grown && grow(&reaches, list->count, capacity, sizeof *list->reaches);
+        list->reaches = reaches;
         if (!grown) return sl_fail_memory(error, "irradiance records");
-        if (list->count) memcpy(grown, list->records, list->count * sizeof *grown);
-        sl_free(list->records);
-        list->records = grown;
         list->capacity = capacity;
     }
+    list->reaches[list->count] = (sl_record_reach){record->position, record->own_radius};
     list->records[list->count++] = *record;
     return SL_OK;
+}
+
+void sl_record_list_free(sl_record_list *list) {
+    sl_free(list->records);
+    sl_free(list->reaches);
+    *list = (sl_record_list){0};
 }
 
 /* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the coverage buffer will. */
@@ -125,7 +171,7 @@ static sl_status commit(const sl_record_pass *pass, const size_t *pixels, sl_rec
             continue;
         }
         if (pass->neighbour_clamp)
-            sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->records, list->count, &candidates[i]));
+            sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->reaches, list->count, &candidates[i]));
         sl_status status = append(list, &candidates[i], error);
         if (status != SL_OK) return status;
         pass->owned[pixels[i]] = 1;
