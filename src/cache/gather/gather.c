@@ -190,19 +190,25 @@ static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *
                             .eye = sl_mad(point->position, gather->offset, point->geometric_normal)};
 }
 
-void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
-                          sl_irradiance *irradiance, sl_counters *counters) {
+sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                             sl_counters *counters) {
     sl_gather_view view = make_view(gather, point, scratch);
-    const sl_gather_planes *p = &scratch->planes;
-    sl_gather_sums sums;
-    float nearest;
-    double back_weight;
-    sl_count(counters, SL_COUNT_GATHERS, 1);
     switch (gather->settings.kind) {
     case SL_GATHER_PLANE: sl_gather_see_plane(&view, counters); break;
     case SL_GATHER_HEMICUBE: sl_gather_see_hemicube(&view, counters); break;
     default: sl_gather_see_rays(&view, counters); break;
     }
+    return view;
+}
+
+void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                          sl_irradiance *irradiance, sl_counters *counters) {
+    const sl_gather_planes *p = &scratch->planes;
+    sl_gather_sums sums;
+    float nearest;
+    double back_weight;
+    sl_count(counters, SL_COUNT_GATHERS, 1);
+    sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
     sl_gather_shade(&view, &nearest, &back_weight, counters);
     gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, &sums);
     sl_gather_finish(&view, &sums, irradiance);

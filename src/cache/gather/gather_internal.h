@@ -69,6 +69,9 @@ typedef struct sl_gather_view {
     sl_vec3 eye;
 } sl_gather_view;
 
+/* Visibility alone, by the instrument chosen. */
+sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                             sl_counters *counters);
 void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
