@@ -68,6 +68,7 @@ KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/cache/*/*_kernels.c)
 APP_SOURCES := $(wildcard src/app/*.c)
 TEST_SOURCES := $(wildcard tests/test_*.c)
 BENCH_SOURCES := $(wildcard bench/bench_*.c)
+GENERATE_SOURCES := $(wildcard scenes/generate/*.c)
 
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/o/%.o) \
                    $(foreach isa,$(ISAS),$(KERNEL_SOURCES:%.c=$(BUILD)/o/%.$(isa).o))
@@ -111,7 +112,8 @@ $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
-$(BUILD)/generate: $(BUILD)/o/scenes/generate.o
+# Stands alone: of the library it takes the elementary functions only, so that its files are the same everywhere.
+$(BUILD)/generate: $(BUILD)/o/scenes/generate.o $(GENERATE_SOURCES:%.c=$(BUILD)/o/%.o) $(BUILD)/o/src/base/math.o
 	$(CC) $(OPTIMISE) -o $@ $^ -lm
 
 -include $(shell find $(BUILD)/o -name '*.d' 2>/dev/null)

@@ -90,7 +90,22 @@ static exr_result_t write_header(exr_context_t context, const sl_image *image) {
 
 /* ---- pixels ------------------------------------------------------------------------------------------------------ */
 
-static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, int y, exr_encode_pipeline_t *encoder) {
+typedef exr_result_t compress_function(exr_encode_pipeline_t *encoder);
+
+/* A chunk as long as its pixels means that it is stored and not compressed. OpenEXR 3.1's C library forgets this where the
+ * compressed form happens to have just that length, and nobody could read the file; so its step is wrapped. */
+static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
+    compress_function *const *compress = encoder->encoding_user_data;
+    exr_result_t result = (*compress)(encoder);
+    if (result == EXR_ERR_SUCCESS && encoder->compressed_bytes >= encoder->packed_bytes) {
+        memmove(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+        encoder->compressed_bytes = encoder->packed_bytes;
+    }
+    return result;
+}
+
+static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, int y, exr_encode_pipeline_t *encoder,
+                                 compress_function **compress) {
     exr_chunk_info_t info;
     exr_result_t result = exr_write_scanline_chunk_info(context, 0, y, &info);
     if (result != EXR_ERR_SUCCESS) return result;
@@ -106,16 +121,22 @@ static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, i
         channel->user_pixel_stride = 4;
         channel->user_line_stride = 4 * image->width;
     }
-    if (first) result = exr_encoding_choose_default_routines(context, 0, encoder);
+    if (first) {
+        result = exr_encoding_choose_default_routines(context, 0, encoder);
+        *compress = encoder->compress_fn;
+        encoder->encoding_user_data = compress;
+        encoder->compress_fn = compress_or_store;
+    }
     return result == EXR_ERR_SUCCESS ? exr_encoding_run(context, 0, encoder) : result;
 }
 
 static exr_result_t write_pixels(exr_context_t context, const sl_image *image) {
     int32_t lines;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    compress_function *compress = NULL;
     exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
     for (int y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += lines) {
-        result = encode_chunk(context, image, y, &encoder);
+        result = encode_chunk(context, image, y, &encoder, &compress);
     }
     if (encoder.channels) exr_encoding_destroy(context, &encoder);
     return result;

@@ -35,12 +35,10 @@ size_t sl_scene_derive(sl_scene *scene) {
                                           sl_scene_position(scene, scene->vertex[1][t]),
                                           sl_scene_position(scene, scene->vertex[2][t]), &cross);
         double length = has_area ? sl_lengthd(cross) : 0.0;
-        if (has_area) {
-            sl_vec3 normal = sl_to_float(sl_scaled(cross, 1.0 / length));
-            scene->geometric_normal_x[t] = normal.x;
-            scene->geometric_normal_y[t] = normal.y;
-            scene->geometric_normal_z[t] = normal.z;
-        }
+        sl_vec3 normal = has_area ? sl_to_float(sl_scaled(cross, 1.0 / length)) : sl_scene_normal(scene, scene->vertex[0][t]);
+        scene->geometric_normal_x[t] = normal.x;
+        scene->geometric_normal_y[t] = normal.y;
+        scene->geometric_normal_z[t] = normal.z;
         scene->emitter_of_triangle[t] = SL_NO_INDEX;
         const sl_material *material = &scene->materials[scene->material_index[t]];
         if (!sl_material_is_emitter(material)) continue;

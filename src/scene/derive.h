@@ -10,7 +10,7 @@ bool sl_triangle_cross(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3d *cross);
 
 /* Room for every triangle of an emissive material, then sl_scene_derive(). */
 sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error);
-/* Normals (a triangle that lost its area keeps the normal it had), emitters (only those with an area; returns how many emissive
+/* Normals (a triangle that lost its area in motion takes a shading normal), emitters (only those with an area; returns how many emissive
  * triangles have none) and bounds. Allocates nothing. */
 size_t sl_scene_derive(sl_scene *scene);
 

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/random.h"
+#include "scene/animation.h"
 #include "scene/derive.h"
 
 size_t sl_scene_warning_count(const sl_scene *scene) { return scene->warning_count; }
@@ -80,6 +81,7 @@ void sl_scene_destroy(sl_scene *scene) {
     sl_free(scene->textures);
     sl_free(scene->lights);
     sl_environment_release(&scene->environment);
+    sl_animation_destroy(scene->animation);
     free_strings(scene->object_names, scene->object_count);
     free_strings(scene->warnings, scene->warning_count);
     sl_free(scene);

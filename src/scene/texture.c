@@ -75,6 +75,11 @@ static float filter(const footprint *f, const float value[4]) {
     return mix(mix(value[0], value[1], f->right), mix(value[2], value[3], f->right), f->up);
 }
 
+sl_rgb sl_texture_texel(const sl_texture *texture, int column, int row) {
+    const uint8_t *t = texture->texels + 4 * ((size_t)row * (size_t)texture->width + (size_t)column);
+    return (sl_rgb){srgb_to_linear[t[0]], srgb_to_linear[t[1]], srgb_to_linear[t[2]]};
+}
+
 sl_rgb sl_texture_color(const sl_texture *texture, float u, float v) {
     footprint f = footprint_at(texture, u, v);
     float channel[3];

@@ -1,0 +1,250 @@
+#include "scene/animation.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "scene/derive.h"
+
+/* ---- rotations ----------------------------------------------------------------------------------------------------------- */
+
+static sl_quaternion multiply(sl_quaternion a, sl_quaternion b) {
+    return (sl_quaternion){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+
+sl_quaternion sl_quaternion_from_euler(double x, double y, double z) {
+    sl_quaternion about_x = {sl_cos(0.5 * x), sl_sin(0.5 * x), 0, 0}, about_y = {sl_cos(0.5 * y), 0, sl_sin(0.5 * y), 0};
+    sl_quaternion about_z = {sl_cos(0.5 * z), 0, 0, sl_sin(0.5 * z)};
+    return multiply(about_z, multiply(about_y, about_x));
+}
+
+static sl_quaternion blend(sl_quaternion a, double wa, sl_quaternion b, double wb) {
+    sl_quaternion q = {wa * a.w + wb * b.w, wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z};
+    double length = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    if (!(length > 0.0)) return a;
+    return (sl_quaternion){q.w / length, q.x / length, q.y / length, q.z / length};
+}
+
+/* Shoemake's spherical interpolation; nearly equal rotations are blended, where the quotient of sines loses its meaning. */
+sl_quaternion sl_quaternion_slerp(sl_quaternion a, sl_quaternion b, double t) {
+    double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+    double side = cosine < 0.0 ? -1.0 : 1.0; /* q and -q are one rotation; the nearer one is meant */
+    double angle = sl_acos(side * cosine), sine = sl_sin(angle);
+    if (!(sine > 1e-6)) return blend(a, 1.0 - t, b, side * t);
+    return blend(a, sl_sin((1.0 - t) * angle) / sine, b, side * sl_sin(t * angle) / sine);
+}
+
+static sl_affine placement(sl_vec3d translate, sl_quaternion q, sl_vec3d s) {
+    return (sl_affine){{{s.x * (1 - 2 * (q.y * q.y + q.z * q.z)), s.y * 2 * (q.x * q.y - q.w * q.z),
+                         s.z * 2 * (q.x * q.z + q.w * q.y), translate.x},
+                        {s.x * 2 * (q.x * q.y + q.w * q.z), s.y * (1 - 2 * (q.x * q.x + q.z * q.z)),
+                         s.z * 2 * (q.y * q.z - q.w * q.x), translate.y},
+                        {s.x * 2 * (q.x * q.z - q.w * q.y), s.y * 2 * (q.y * q.z + q.w * q.x),
+                         s.z * (1 - 2 * (q.x * q.x + q.y * q.y)), translate.z}}};
+}
+
+/* ---- between two keys ------------------------------------------------------------------------------------------------------- */
+
+/* The keys on both sides of a time (the same one before the first and after the last) and how far it is between them. `times` are
+ * `stride` bytes apart. */
+static double between(const void *keys, size_t count, size_t stride, double time, size_t *before, size_t *after) {
+    const char *base = keys;
+    size_t next = 0;
+    while (next < count && *(const double *)(const void *)(base + next * stride) <= time) next++;
+    *before = next > 0 ? next - 1 : 0;
+    *after = next < count ? next : count - 1;
+    double start = *(const double *)(const void *)(base + *before * stride);
+    double end = *(const double *)(const void *)(base + *after * stride);
+    return *before == *after ? 0.0 : (time - start) / (end - start);
+}
+
+static sl_vec3d lerp(sl_vec3d a, sl_vec3d b, double t) { return sl_addd(sl_scaled(a, 1.0 - t), sl_scaled(b, t)); }
+
+sl_affine sl_object_track_at(const sl_object_track *track, double time) {
+    size_t before, after;
+    double t = between(track->keys, track->key_count, sizeof *track->keys, time, &before, &after);
+    const sl_object_key *a = &track->keys[before], *b = &track->keys[after];
+    return placement(lerp(a->translate, b->translate, t), sl_quaternion_slerp(a->rotate, b->rotate, t), lerp(a->scale, b->scale, t));
+}
+
+/* In the turned world the same motion is U K U^-1, with U a permutation of axes, so nothing is rounded. */
+static sl_affine track_in_world(const sl_animation *animation, const sl_object_track *track, double time) {
+    sl_affine motion = sl_object_track_at(track, time);
+    if (!animation->z_up) return motion;
+    sl_affine turn = sl_affine_z_up(), back = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
+    sl_affine turned = sl_affine_after(&motion, &back);
+    return sl_affine_after(&turn, &turned);
+}
+
+/* ---- objects ------------------------------------------------------------------------------------------------------------------- */
+
+static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) { return sl_to_float(sl_affine_point(motion, sl_to_double(rest))); }
+
+static sl_status check_motion(const sl_scene *scene, const sl_affine *motions, double time, sl_error *error) {
+    const sl_animation *a = scene->animation;
+    for (size_t v = 0; v < scene->vertex_count; v++) {
+        uint32_t track = a->track_of_vertex[v];
+        if (track == SL_NO_INDEX || sl_is_finite(moved(&motions[track], a->rest_position[v]))) continue;
+        return sl_fail(error, SL_ERROR_INPUT, "keyframes move object '%s' beyond all numbers at time %g",
+                       scene->object_names[a->object_tracks[track].first_object], time);
+    }
+    return SL_OK;
+}
+
+static bool set_vector(float *x, float *y, float *z, sl_vec3 to) {
+    bool changed = *x != to.x || *y != to.y || *z != to.z;
+    *x = to.x;
+    *y = to.y;
+    *z = to.z;
+    return changed;
+}
+
+static bool move_vertices(sl_scene *s, const sl_affine *motions, const sl_affine *normal_maps) {
+    const sl_animation *a = s->animation;
+    bool changed = false;
+    for (size_t v = 0; v < s->vertex_count; v++) {
+        uint32_t track = a->track_of_vertex[v];
+        if (track == SL_NO_INDEX) continue;
+        sl_vec3 normal = sl_affine_unit(&normal_maps[track], a->rest_normal[v]);
+        if (!(sl_dot(normal, normal) > 0.5f)) normal = a->rest_normal[v];
+        changed |= set_vector(&s->position_x[v], &s->position_y[v], &s->position_z[v], moved(&motions[track], a->rest_position[v]));
+        changed |= set_vector(&s->normal_x[v], &s->normal_y[v], &s->normal_z[v], normal);
+    }
+    return changed;
+}
+
+static bool emissive_moves(const sl_scene *s) {
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        bool emissive = sl_material_is_emitter(&s->materials[s->material_index[t]]);
+        if (emissive && s->animation->track_of_vertex[s->vertex[0][t]] != SL_NO_INDEX) return true;
+    }
+    return false;
+}
+
+static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, sl_error *error) {
+    const sl_animation *a = scene->animation;
+    if (a->object_track_count == 0) return SL_OK;
+    sl_affine *motions = sl_allocate(2 * a->object_track_count, sizeof *motions), *normal_maps = motions + a->object_track_count;
+    if (!motions) return sl_fail_memory(error, "the motion of objects");
+    for (size_t i = 0; i < a->object_track_count; i++) {
+        motions[i] = track_in_world(a, &a->object_tracks[i], time);
+        normal_maps[i] = sl_affine_normal_map(&motions[i]);
+    }
+    sl_status status = check_motion(scene, motions, time, error);
+    if (status == SL_OK && move_vertices(scene, motions, normal_maps)) {
+        sl_scene_derive(scene);
+        *changes |= SL_CHANGED_OBJECTS;
+        if (emissive_moves(scene)) *changes |= SL_CHANGED_LIGHTS;
+    }
+    sl_free(motions);
+    return status;
+}
+
+/* ---- lights and camera ------------------------------------------------------------------------------------------------------------ */
+
+/* Directions turn at constant speed; opposite ones have no arc between them and flip half way. */
+static sl_vec3 between_directions(sl_vec3d a, sl_vec3d b, double t) {
+    double cosine = sl_dotd(a, b), angle = sl_acos(cosine), sine = sl_sin(angle);
+    if (!(sine > 1e-6)) return sl_to_float(t < 0.5 ? a : b);
+    sl_vec3d d = sl_addd(sl_scaled(a, sl_sin((1.0 - t) * angle) / sine), sl_scaled(b, sl_sin(t * angle) / sine));
+    return sl_normalize_or(sl_to_float(d), sl_to_float(a));
+}
+
+static void move_lights(sl_scene *scene, double time, unsigned *changes) {
+    for (size_t i = 0; i < scene->animation->light_track_count; i++) {
+        const sl_light_track *track = &scene->animation->light_tracks[i];
+        size_t before, after;
+        double t = between(track->keys, track->key_count, sizeof *track->keys, time, &before, &after);
+        const sl_light_key *a = &track->keys[before], *b = &track->keys[after];
+        sl_light *light = &scene->lights[track->light];
+        sl_vec3 position = sl_to_float(lerp(a->position, b->position, t));
+        sl_vec3 direction = light->type == SL_LIGHT_POINT ? light->direction : between_directions(a->direction, b->direction, t);
+        bool changed = set_vector(&light->position.x, &light->position.y, &light->position.z, position);
+        changed |= set_vector(&light->direction.x, &light->direction.y, &light->direction.z, direction);
+        if (changed) *changes |= SL_CHANGED_LIGHTS;
+    }
+}
+
+static sl_status camera_at(const sl_scene *scene, double time, sl_camera *camera, sl_error *error) {
+    const sl_animation *animation = scene->animation;
+    *camera = scene->camera;
+    if (animation->camera_key_count == 0) return SL_OK;
+    size_t before, after;
+    double t = between(animation->camera_keys, animation->camera_key_count, sizeof *animation->camera_keys, time, &before, &after);
+    const sl_camera_key *a = &animation->camera_keys[before], *b = &animation->camera_keys[after];
+    double fov = a->vertical_fov * (1.0 - t) + b->vertical_fov * t;
+    if (sl_camera_look_at(camera, sl_to_float(lerp(a->eye, b->eye, t)), sl_to_float(lerp(a->target, b->target, t)),
+                          sl_to_float(lerp(a->up, b->up, t)), (float)fov)) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "camera keyframes: at time %g the eye is at its target, or looks along its up vector", time);
+}
+
+static bool same(sl_vec3 a, sl_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_camera(const sl_camera *a, const sl_camera *b) {
+    return same(a->eye, b->eye) && same(a->right, b->right) && same(a->up, b->up) && same(a->back, b->back) &&
+           a->vertical_fov == b->vertical_fov;
+}
+
+/* ---- the whole -------------------------------------------------------------------------------------------------------------------- */
+
+/* Whatever can fail comes before the first change. */
+sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error) {
+    unsigned changed = 0;
+    if (changes) *changes = 0;
+    if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
+    if (!scene->animation) return SL_OK;
+    sl_camera camera;
+    sl_status status = camera_at(scene, time_seconds, &camera, error);
+    if (status == SL_OK) status = move_objects(scene, time_seconds, &changed, error);
+    if (status != SL_OK) return status;
+    move_lights(scene, time_seconds, &changed);
+    if (!same_camera(&camera, &scene->camera)) changed |= SL_CHANGED_CAMERA;
+    scene->camera = camera;
+    if (changed) scene->version++;
+    if (changes) *changes = changed;
+    return SL_OK;
+}
+
+static uint32_t track_of_object(const sl_animation *a, uint32_t object) {
+    for (size_t i = 0; i < a->object_track_count; i++) {
+        const sl_object_track *track = &a->object_tracks[i];
+        if (object >= track->first_object && object - track->first_object < track->object_count) return (uint32_t)i;
+    }
+    return SL_NO_INDEX;
+}
+
+sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error) {
+    scene->animation = a;
+    a->track_of_vertex = sl_allocate(scene->vertex_count, sizeof *a->track_of_vertex);
+    a->rest_position = sl_allocate(scene->vertex_count, sizeof *a->rest_position);
+    a->rest_normal = sl_allocate(scene->vertex_count, sizeof *a->rest_normal);
+    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal) return sl_fail_memory(error, "the animation");
+    for (size_t v = 0; v < scene->vertex_count; v++) {
+        a->track_of_vertex[v] = SL_NO_INDEX;
+        a->rest_position[v] = sl_scene_position(scene, (uint32_t)v);
+        a->rest_normal[v] = sl_scene_normal(scene, (uint32_t)v);
+    }
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        uint32_t track = track_of_object(a, scene->object_index[t]);
+        for (int c = 0; c < 3; c++) a->track_of_vertex[scene->vertex[c][t]] = track;
+    }
+    sl_status status = sl_scene_set_time(scene, 0.0, NULL, error);
+    scene->version = 0;
+    return status;
+}
+
+void sl_animation_destroy(sl_animation *a) {
+    if (!a) return;
+    for (size_t i = 0; a->object_tracks && i < a->object_track_count; i++) sl_free(a->object_tracks[i].keys);
+    for (size_t i = 0; a->light_tracks && i < a->light_track_count; i++) sl_free(a->light_tracks[i].keys);
+    sl_free(a->object_tracks);
+    sl_free(a->light_tracks);
+    sl_free(a->camera_keys);
+    sl_free(a->track_of_vertex);
+    sl_free(a->rest_position);
+    sl_free(a->rest_normal);
+    sl_free(a);
+}

@@ -1,0 +1,88 @@
+#include "scene/file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+bool sl_file_exists(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISREG(about.st_mode);
+}
+
+static sl_status read_all(FILE *file, const char *path, char **data, size_t *size, sl_error *error) {
+    if (fseek(file, 0, SEEK_END) != 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    long length = ftell(file);
+    rewind(file);
+    if (length < 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    *data = sl_allocate((size_t)length + 1, 1);
+    if (!*data) return sl_fail(error, SL_ERROR_RESOURCES, "%s: not enough memory for %ld bytes", path, length);
+    *size = fread(*data, 1, (size_t)length, file);
+    if (*size == (size_t)length) return SL_OK;
+    sl_free(*data);
+    *data = NULL;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read to its end", path);
+}
+
+sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error) {
+    *data = NULL;
+    *size = 0;
+    struct stat about;
+    if (stat(path, &about) != 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+    if (!S_ISREG(about.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file", path);
+    FILE *file = fopen(path, "rb");
+    if (!file) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+    sl_status status = read_all(file, path, data, size, error);
+    fclose(file);
+    return status;
+}
+
+char *sl_file_beside(const char *beside, const char *name) {
+    const char *slash = strrchr(beside, '/');
+    size_t folder = name[0] == '/' || !slash ? 0 : (size_t)(slash - beside) + 1, length = strlen(name);
+    char *path = sl_allocate(folder + length + 1, 1);
+    if (!path) return NULL;
+    memcpy(path, beside, folder);
+    memcpy(path + folder, name, length);
+    return path;
+}
+
+static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
+
+bool sl_file_has_extension(const char *path, const char *extension) {
+    size_t length = strlen(path), wanted = strlen(extension);
+    if (length < wanted) return false;
+    for (size_t i = 0; i < wanted; i++) {
+        if (lower(path[length - wanted + i]) != extension[i]) return false;
+    }
+    return true;
+}
+
+/* Levenshtein's distance, one row at a time; names longer than the row are compared by their beginnings. */
+static size_t edit_distance(const char *a, const char *b) {
+    enum { LONGEST = 63 };
+    size_t row[LONGEST + 1], length = strlen(b) < LONGEST ? strlen(b) : LONGEST;
+    for (size_t j = 0; j <= length; j++) row[j] = j;
+    for (size_t i = 0; a[i] && i < LONGEST; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < length; j++) {
+            size_t replaced = diagonal + (lower(a[i]) != lower(b[j]));
+            size_t changed = (row[j] < row[j + 1] ? row[j] : row[j + 1]) + 1;
+            diagonal = row[j + 1];
+            row[j + 1] = replaced < changed ? replaced : changed;
+        }
+    }
+    return row[length];
+}
+
+const char *sl_nearest_name(const char *name, const char *const *names, size_t count) {
+    size_t best = 0;
+    for (size_t i = 1; i < count; i++) {
+        if (edit_distance(name, names[i]) < edit_distance(name, names[best])) best = i;
+    }
+    return count ? names[best] : NULL;
+}

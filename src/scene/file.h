@@ -1,0 +1,20 @@
+/* Small things that all readers need: whole files, paths, names. */
+#ifndef SL_SCENE_FILE_H
+#define SL_SCENE_FILE_H
+
+#include <stddef.h>
+
+#include "softlux.h"
+
+/* The whole file and a NUL behind it; release with sl_free(). Failing names the file and the reason. */
+sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error);
+/* Whether there is a file (not a folder) that can be read. */
+bool sl_file_exists(const char *path);
+/* `name` as seen from the folder of `beside`: absolute names stay. Release with sl_free(); NULL without memory. */
+char *sl_file_beside(const char *beside, const char *name);
+/* ".obj" and the like, letter case ignored. */
+bool sl_file_has_extension(const char *path, const char *extension);
+/* The one of `count` names that takes the fewest insertions, deletions and replacements to become `name`; NULL if count is 0. */
+const char *sl_nearest_name(const char *name, const char *const *names, size_t count);
+
+#endif

@@ -1,0 +1,233 @@
+#include "scene/json.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/file.h"
+
+/* ---- lines: the text and the parsed tree are walked side by side ------------------------------------------------------------ */
+
+typedef struct walk {
+    const char *at;
+    unsigned long line;
+    const cJSON *wanted;
+} walk;
+
+static void skip_space(walk *w) {
+    for (; *w->at && (unsigned char)*w->at <= ' '; w->at++) w->line += *w->at == '\n';
+}
+
+static void skip_string(walk *w) {
+    for (w->at++; *w->at && *w->at != '"'; w->at++) {
+        if (*w->at == '\\' && w->at[1]) w->at++;
+    }
+    if (*w->at) w->at++;
+}
+
+static void skip_plain(walk *w) {
+    while (*w->at && !strchr(",]} \t\r\n", *w->at)) w->at++;
+}
+
+/* True once the wanted item is reached; w->line is then its line. */
+static bool walk_value(walk *w, const cJSON *item) {
+    skip_space(w);
+    if (item == w->wanted) return true;
+    if (*w->at == '"') {
+        skip_string(w);
+    } else if (*w->at == '{' || *w->at == '[') {
+        bool has_keys = *w->at++ == '{';
+        for (const cJSON *child = item->child; child; child = child->next) {
+            skip_space(w);
+            if (child == w->wanted) return true;
+            if (has_keys) {
+                skip_string(w);
+                skip_space(w);
+                if (*w->at) w->at++; /* the colon */
+            }
+            if (walk_value(w, child)) return true;
+            skip_space(w);
+            if (*w->at == ',') w->at++;
+        }
+        skip_space(w);
+        if (*w->at) w->at++; /* the closing bracket */
+    } else {
+        skip_plain(w);
+    }
+    return false;
+}
+
+unsigned long sl_json_line(const sl_json *json, const cJSON *item) {
+    walk w = {json->text, 1, item};
+    return item && walk_value(&w, json->root) ? w.line : 1;
+}
+
+void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...) {
+    if (json->status != SL_OK) return;
+    char message[900];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    json->status = sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, sl_json_line(json, item), message);
+}
+
+/* ---- the file ------------------------------------------------------------------------------------------------------------------ */
+
+static unsigned long line_of(const char *text, const char *at) {
+    unsigned long line = 1;
+    for (; text < at && *text; text++) line += *text == '\n';
+    return line;
+}
+
+sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
+    *json = (sl_json){.path = path, .error = error};
+    size_t size;
+    json->status = sl_file_read(path, &json->text, &size, error);
+    if (json->status != SL_OK) return json->status;
+    const char *start = json->text, *end = NULL;
+    if (size >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3); /* a byte order mark says nothing */
+    json->root = strlen(start) == size ? cJSON_ParseWithOpts(start, &end, 1) : NULL;
+    if (!json->root) {
+        const char *at = end ? end : start + strlen(start);
+        while (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r') at++;
+        int shown = (int)strcspn(at, "\r\n");
+        json->status = sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected valid JSON, got %s%.*s", path, line_of(start, at),
+                               *at ? "" : "the end of the file", shown < 40 ? shown : 40, at);
+    }
+    return json->status;
+}
+
+void sl_json_close(sl_json *json) {
+    cJSON_Delete(json->root);
+    sl_free(json->text);
+    json->root = NULL;
+    json->text = NULL;
+}
+
+/* ---- keys ---------------------------------------------------------------------------------------------------------------------- */
+
+static bool is_one_of(const char *name, const char *const *names, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (strcmp(name, names[i]) == 0) return true;
+    }
+    return false;
+}
+
+bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys, size_t count) {
+    if (json->status != SL_OK) return false;
+    if (!cJSON_IsObject(object)) {
+        sl_json_fail(json, object, "expected %s to be an object { ... }", what);
+        return false;
+    }
+    for (const cJSON *item = object->child; item; item = item->next) {
+        if (!is_one_of(item->string, keys, count)) {
+            sl_json_fail(json, item, "unknown key '%s' in %s; expected '%s'?", item->string, what,
+                         sl_nearest_name(item->string, keys, count));
+        }
+        for (const cJSON *other = object->child; other != item; other = other->next) {
+            if (strcmp(other->string, item->string) == 0) sl_json_fail(json, item, "key '%s' is given twice", item->string);
+        }
+    }
+    return json->status == SL_OK;
+}
+
+const cJSON *sl_json_get(const cJSON *object, const char *key) { return cJSON_GetObjectItemCaseSensitive(object, key); }
+
+const cJSON *sl_json_need(sl_json *json, const cJSON *object, const char *key) {
+    const cJSON *item = sl_json_get(object, key);
+    if (!item) sl_json_fail(json, object, "expected a key '%s' here", key);
+    return item;
+}
+
+/* ---- values --------------------------------------------------------------------------------------------------------------------- */
+
+static const char *name_of(const cJSON *item) { return item->string ? item->string : "this entry"; }
+
+static bool is_number(const cJSON *item) {
+    return cJSON_IsNumber(item) && isfinite(item->valuedouble) && fabs(item->valuedouble) <= (double)FLT_MAX;
+}
+
+bool sl_json_number(sl_json *json, const cJSON *item, double low, double high, double *value) {
+    if (json->status != SL_OK || !item) return false;
+    if (!is_number(item)) {
+        sl_json_fail(json, item, "expected '%s' to be a number", name_of(item));
+    } else if (!(item->valuedouble >= low && item->valuedouble <= high)) {
+        sl_json_fail(json, item, "expected '%s' from %g to %g, got %g", name_of(item), low, high, item->valuedouble);
+    } else {
+        *value = item->valuedouble;
+    }
+    return json->status == SL_OK;
+}
+
+bool sl_json_numbers(sl_json *json, const cJSON *item, int count, double *values) {
+    if (json->status != SL_OK || !item) return false;
+    if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != count) {
+        sl_json_fail(json, item, "expected '%s' to be an array of %d numbers", name_of(item), count);
+        return false;
+    }
+    const cJSON *entry = item->child;
+    for (int i = 0; i < count; i++, entry = entry->next) {
+        if (!is_number(entry)) {
+            sl_json_fail(json, entry, "expected '%s' to be an array of %d numbers", name_of(item), count);
+            return false;
+        }
+        values[i] = entry->valuedouble;
+    }
+    return true;
+}
+
+bool sl_json_vec3(sl_json *json, const cJSON *item, sl_vec3d *value) {
+    double v[3];
+    if (!sl_json_numbers(json, item, 3, v)) return false;
+    *value = sl_v3d(v[0], v[1], v[2]);
+    return true;
+}
+
+bool sl_json_rgb(sl_json *json, const cJSON *item, sl_rgb *value) {
+    double v[3];
+    if (cJSON_IsNumber(item)) {
+        if (!sl_json_number(json, item, 0.0, (double)FLT_MAX, &v[0])) return false;
+        v[1] = v[2] = v[0];
+    } else if (!sl_json_numbers(json, item, 3, v)) {
+        return false;
+    }
+    if (!(v[0] >= 0.0 && v[1] >= 0.0 && v[2] >= 0.0)) {
+        sl_json_fail(json, item, "expected '%s' to be at least 0 in every channel", name_of(item));
+        return false;
+    }
+    *value = (sl_rgb){(float)v[0], (float)v[1], (float)v[2]};
+    return true;
+}
+
+bool sl_json_bool(sl_json *json, const cJSON *item, bool *value) {
+    if (json->status != SL_OK || !item) return false;
+    if (!cJSON_IsBool(item)) {
+        sl_json_fail(json, item, "expected '%s' to be true or false", name_of(item));
+        return false;
+    }
+    *value = cJSON_IsTrue(item);
+    return true;
+}
+
+const char *sl_json_string(sl_json *json, const cJSON *item) {
+    if (json->status != SL_OK || !item) return NULL;
+    if (!cJSON_IsString(item) || !item->valuestring[0]) {
+        sl_json_fail(json, item, "expected '%s' to be a string that is not empty", name_of(item));
+        return NULL;
+    }
+    return item->valuestring;
+}
+
+size_t sl_json_array(sl_json *json, const cJSON *item) {
+    if (json->status != SL_OK || !item) return 0;
+    if (!cJSON_IsArray(item)) {
+        sl_json_fail(json, item, "expected '%s' to be an array [ ... ]", name_of(item));
+        return 0;
+    }
+    return (size_t)cJSON_GetArraySize(item);
+}

@@ -1,0 +1,26 @@
+/* What kind of file a scene is: a scene file of ours, or a mesh file. */
+#include "base/error.h"
+#include "scene/file.h"
+#include "scene/mesh_file.h"
+#include "scene/scene_file.h"
+
+static sl_status load_mesh_alone(const char *path, sl_scene **scene, sl_error *error) {
+    sl_model model = {0};
+    sl_affine identity = sl_affine_identity();
+    sl_error problem = {0};
+    sl_status status = sl_mesh_file_load(path, &identity, &model, error);
+    if (status == SL_OK) {
+        status = sl_model_build(&model, scene, &problem);
+        if (status == SL_ERROR_INPUT) sl_fail(error, status, "%s: %s", path, problem.message);
+        else if (status != SL_OK) sl_fail(error, status, "%s", problem.message);
+    }
+    sl_model_clear(&model);
+    return status;
+}
+
+sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error) {
+    *scene = NULL;
+    if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
+    if (sl_file_has_extension(path, ".json")) return sl_scene_file_load(path, scene, error);
+    return load_mesh_alone(path, scene, error);
+}

@@ -1,0 +1,227 @@
+/* From an imported file's materials to ours: MTL and its like by name, glTF's metallic-roughness by the mapping
+ *     kd = base (1 - metallic), ks = 0.04 + (base - 0.04) metallic, n = clamp(2 / roughness^4 - 2, 1, 10000). */
+#include <assimp/material.h>
+#include <assimp/scene.h>
+#include <assimp/GltfMaterial.h>
+#include <assimp/ObjMaterial.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/file.h"
+#include "scene/gltf.h"
+#include "scene/mesh_file.h"
+
+typedef struct source {
+    const char *path;
+    const struct aiScene *file;
+    const struct aiMaterial *material;
+    const char *name;
+    sl_model *model;
+    sl_error *error;
+} source;
+
+static bool get_float(const source *s, const char *key, unsigned type, unsigned index, float *value) {
+    unsigned one = 1;
+    return aiGetMaterialFloatArray(s->material, key, type, index, value, &one) == AI_SUCCESS && one == 1;
+}
+static float float_or(const source *s, const char *key, unsigned type, unsigned index, float otherwise) {
+    float value;
+    return get_float(s, key, type, index, &value) ? value : otherwise;
+}
+static sl_rgb color_or(const source *s, const char *key, unsigned type, unsigned index, sl_rgb otherwise) {
+    struct aiColor4D c;
+    return aiGetMaterialColor(s->material, key, type, index, &c) == AI_SUCCESS ? (sl_rgb){c.r, c.g, c.b} : otherwise;
+}
+static int int_or(const source *s, const char *key, unsigned type, unsigned index, int otherwise) {
+    int value;
+    unsigned one = 1;
+    return aiGetMaterialIntegerArray(s->material, key, type, index, &value, &one) == AI_SUCCESS ? value : otherwise;
+}
+
+/* ---- textures --------------------------------------------------------------------------------------------------------- */
+
+/* An image inside the file: compressed bytes, or BGRA texels that only have to change places. */
+static sl_status embedded_texture(const source *s, const struct aiTexture *t, const char *name, uint32_t *index) {
+    if (t->mHeight == 0) return sl_model_texture(s->model, name, t->pcData, t->mWidth, index, s->error);
+    sl_model_warn(s->model, "%s: texture left out: uncompressed embedded images are not read", name);
+    *index = SL_NO_INDEX;
+    return SL_OK;
+}
+
+/* Exporters write back slashes, %20, and folders of the machine they ran on; what exists is taken. */
+static char *find_texture_file(const char *beside, char *name) {
+    for (char *c = name; *c; c++) {
+        if (*c == '\\') *c = '/';
+    }
+    char *path = sl_file_beside(beside, name);
+    if (!path || sl_file_exists(path)) return path;
+    char *to = name;
+    for (const char *from = name; *from; from++) {
+        bool space = from[0] == '%' && from[1] == '2' && from[2] == '0';
+        *to++ = space ? ' ' : *from;
+        if (space) from += 2;
+    }
+    *to = 0;
+    const char *base = strrchr(name, '/');
+    char *candidates[] = {sl_file_beside(beside, name), sl_file_beside(beside, base ? base + 1 : name)};
+    for (int i = 0; i < 2; i++) {
+        if (candidates[i] && sl_file_exists(candidates[i])) {
+            char *found = candidates[i];
+            sl_free(path);
+            sl_free(candidates[1 - i]);
+            return found;
+        }
+    }
+    sl_free(candidates[0]);
+    sl_free(candidates[1]);
+    return path; /* reading it will say that it does not exist */
+}
+
+static sl_status find_texture(const source *s, unsigned type, uint32_t *index) {
+    *index = SL_NO_INDEX;
+    struct aiString name;
+    if (aiGetMaterialTextureCount(s->material, (enum aiTextureType)type) == 0) return SL_OK;
+    if (aiGetMaterialString(s->material, AI_MATKEY_TEXTURE((enum aiTextureType)type, 0), &name) != AI_SUCCESS) return SL_OK;
+    if (name.data[0] == '*') {
+        unsigned number = 0;
+        if (sscanf(name.data + 1, "%u", &number) != 1 || number >= s->file->mNumTextures) return SL_OK;
+        char label[1200];
+        snprintf(label, sizeof label, "%.*s%.100s", 1000, s->path, name.data);
+        return embedded_texture(s, s->file->mTextures[number], label, index);
+    }
+    char *path = find_texture_file(s->path, name.data);
+    if (!path) return sl_fail_memory(s->error, "a file name");
+    sl_status status = sl_model_texture(s->model, path, NULL, 0, index, s->error);
+    sl_free(path);
+    return status;
+}
+
+static const sl_texture *texture_at(const source *s, uint32_t index) {
+    return index == SL_NO_INDEX ? NULL : &s->model->textures[index];
+}
+
+/* ---- MTL, and whatever else has a diffuse and a specular colour ----------------------------------------------------------- */
+
+static sl_status classic_material(const source *s, sl_material *m) {
+    bool is_obj = sl_file_has_extension(s->path, ".obj");
+    m->diffuse = color_or(s, AI_MATKEY_COLOR_DIFFUSE, sl_grey(0.6f));
+    m->specular = color_or(s, AI_MATKEY_COLOR_SPECULAR, sl_grey(0.0f));
+    m->emission = color_or(s, AI_MATKEY_COLOR_EMISSIVE, sl_grey(0.0f));
+    m->exponent = float_or(s, AI_MATKEY_SHININESS, 0.0f);
+    if (!is_obj) { /* other formats say "no gloss" by a shininess of 0, and may scale the colour */
+        m->specular = sl_rgb_scale(m->specular, m->exponent > 0.0f ? float_or(s, AI_MATKEY_SHININESS_STRENGTH, 1.0f) : 0.0f);
+    }
+    int illum = int_or(s, AI_MATKEY_OBJ_ILLUM, 0);
+    if ((illum == 3 || illum == 5) && !(sl_rgb_max(m->diffuse) > 0.0f)) {
+        m->mirror = m->specular;
+        m->specular = sl_grey(0.0f);
+    }
+    if (float_or(s, AI_MATKEY_OPACITY, 1.0f) < 1.0f) {
+        sl_model_warn(s->model, "%s: material '%s' is transparent, which is not modelled: it is drawn opaque", s->path, s->name);
+    }
+    sl_status status = find_texture(s, aiTextureType_DIFFUSE, &m->texture);
+    if (status == SL_OK) status = find_texture(s, aiTextureType_OPACITY, &m->alpha_texture);
+    return status;
+}
+
+/* ---- glTF ---------------------------------------------------------------------------------------------------------------- */
+
+static float lerp(float a, float b, float t) { return a + (b - a) * t; }
+
+/* 2/r^4 - 2: the Phong lobe as wide as a GGX lobe of roughness r (alpha = r^2). */
+static float exponent_of(float roughness) {
+    double r2 = (double)roughness * (double)roughness;
+    return (float)fmin(fmax(2.0 / fmax(r2 * r2, 1e-12) - 2.0, 1.0), 10000.0);
+}
+
+static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base, float metallic, float roughness) {
+    m->diffuse = sl_rgb_scale(base, 1.0f - metallic);
+    m->specular = (sl_rgb){lerp(0.04f, textured_base.r, metallic), lerp(0.04f, textured_base.g, metallic),
+                           lerp(0.04f, textured_base.b, metallic)};
+    m->exponent = exponent_of(roughness);
+    /* A mirror has no other lobe, so only what is mostly a mirror becomes one. */
+    if (roughness < 0.03f && sl_rgb_max(m->specular) > sl_rgb_max(m->diffuse)) {
+        m->mirror = m->specular;
+        m->diffuse = m->specular = sl_grey(0.0f);
+        m->exponent = 0.0f;
+    }
+}
+
+static float clamp_unit(float value) { return fminf(fmaxf(value, 0.0f), 1.0f); }
+
+/* A texture that modulates a constant of ours enters by its mean. */
+static sl_status modulate(const source *s, float *metallic, float *roughness) {
+    uint32_t index;
+    sl_status status = find_texture(s, aiTextureType_METALNESS, &index);
+    if (status == SL_OK && index == SL_NO_INDEX) status = find_texture(s, aiTextureType_UNKNOWN, &index);
+    const sl_texture *texture = texture_at(s, index);
+    if (status != SL_OK || !texture) return status;
+    sl_rgb mean = sl_texture_mean_data(texture);
+    *roughness *= mean.g;
+    *metallic *= mean.b;
+    sl_model_warn(s->model, "%s: material '%s': metalness and roughness are those of its texture's mean", s->path, s->name);
+    return SL_OK;
+}
+
+static sl_status gltf_emission(const source *s, double strength, sl_material *m) {
+    m->emission = sl_rgb_scale(color_or(s, AI_MATKEY_COLOR_EMISSIVE, sl_grey(0.0f)), (float)strength);
+    m->emission_two_sided = int_or(s, AI_MATKEY_TWOSIDED, 0) != 0;
+    if (!sl_material_is_emitter(m)) return SL_OK;
+    uint32_t index;
+    sl_status status = find_texture(s, aiTextureType_EMISSIVE, &index);
+    if (status != SL_OK || index == SL_NO_INDEX) return status;
+    m->emission = sl_rgb_mul(m->emission, sl_texture_mean_color(texture_at(s, index)));
+    sl_model_warn(s->model, "%s: material '%s': emission is that of its texture's mean", s->path, s->name);
+    return SL_OK;
+}
+
+static void gltf_alpha(const source *s, sl_material *m) {
+    struct aiString mode;
+    if (aiGetMaterialString(s->material, AI_MATKEY_GLTF_ALPHAMODE, &mode) != AI_SUCCESS || strcmp(mode.data, "OPAQUE") == 0) return;
+    const sl_texture *texture = texture_at(s, m->texture);
+    if (texture && texture->has_alpha) m->alpha_texture = m->texture;
+    bool blend = strcmp(mode.data, "BLEND") == 0;
+    if (blend || float_or(s, AI_MATKEY_GLTF_ALPHACUTOFF, 0.5f) != 0.5f) {
+        sl_model_warn(s->model, "%s: material '%s': alpha is a mask, tested at 0.5", s->path, s->name);
+    }
+}
+
+static sl_status gltf_material(const source *s, double strength, sl_material *m) {
+    sl_rgb base = color_or(s, AI_MATKEY_BASE_COLOR, color_or(s, AI_MATKEY_COLOR_DIFFUSE, sl_grey(1.0f)));
+    float metallic = float_or(s, AI_MATKEY_METALLIC_FACTOR, 1.0f), roughness = float_or(s, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f);
+    sl_status status = find_texture(s, aiTextureType_DIFFUSE, &m->texture);
+    if (status == SL_OK) status = modulate(s, &metallic, &roughness);
+    if (status != SL_OK) return status;
+    const sl_texture *texture = texture_at(s, m->texture);
+    sl_rgb textured = texture && metallic > 0.0f ? sl_rgb_mul(base, sl_texture_mean_color(texture)) : base;
+    metallic_roughness(m, base, textured, clamp_unit(metallic), clamp_unit(roughness));
+    gltf_alpha(s, m);
+    return gltf_emission(s, strength, m);
+}
+
+/* ---- all of them ------------------------------------------------------------------------------------------------------------ */
+
+unsigned sl_mesh_uv_set(const struct aiScene *file, unsigned material) {
+    source s = {.material = file->mMaterials[material]};
+    int set = int_or(&s, AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), 0);
+    return set > 0 && set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? (unsigned)set : 0;
+}
+
+sl_status sl_mesh_materials(const char *path, const struct aiScene *file, const struct sl_gltf *gltf, sl_model *model,
+                            sl_error *error) {
+    for (unsigned i = 0; i < file->mNumMaterials; i++) {
+        struct aiString name = {.data = ""};
+        aiGetMaterialString(file->mMaterials[i], AI_MATKEY_NAME, &name);
+        source s = {path, file, file->mMaterials[i], name.data, model, error};
+        sl_material material = {.name = name.data, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+        double strength = gltf && i < gltf->material_count ? gltf->emissive_strength[i] : 1.0;
+        sl_status status = gltf ? gltf_material(&s, strength, &material) : classic_material(&s, &material);
+        uint32_t index;
+        if (status == SL_OK) status = sl_model_add_material(model, &material, &index, error);
+        if (status != SL_OK) return status;
+    }
+    return SL_OK;
+}

@@ -1,0 +1,54 @@
+/* A scene while it is being read: lists that grow. Importers append to it; sl_model_build() welds and builds the scene. */
+#ifndef SL_SCENE_MODEL_H
+#define SL_SCENE_MODEL_H
+
+#include "scene/affine.h"
+#include "scene/scene.h"
+
+typedef struct sl_model {
+    size_t vertex_count, vertex_room;
+    float *positions, *normals, *uvs; /* 3, 3, 2 a vertex; a missing normal is (0,0,0) */
+    uint32_t *vertex_object;
+    size_t triangle_count, triangle_room;
+    uint32_t *indices, *material_index, *object_index;
+    size_t material_count, material_room;
+    sl_material *materials;
+    size_t texture_count, texture_room;
+    sl_texture *textures;
+    size_t light_count, light_room;
+    sl_light *lights;
+    size_t object_count, object_room;
+    char **object_names;
+    size_t warning_count, warning_room;
+    char **warnings;
+    bool has_camera;
+    sl_camera camera;
+    sl_environment environment; /* texels owned */
+    int film_width, film_height;
+} sl_model;
+
+void sl_model_clear(sl_model *model);
+
+/* Room for `count` more; they are zero, and the counts are raised. The first new index in *first. */
+sl_status sl_model_add_vertices(sl_model *model, size_t count, uint32_t object, size_t *first, sl_error *error);
+sl_status sl_model_add_triangles(sl_model *model, size_t count, size_t *first, sl_error *error);
+/* Copies; the name too. */
+sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index, sl_error *error);
+sl_status sl_model_add_light(sl_model *model, const sl_light *light, sl_error *error);
+sl_status sl_model_add_object(sl_model *model, const char *name, uint32_t *index, sl_error *error);
+__attribute__((format(printf, 2, 3))) void sl_model_warn(sl_model *model, const char *format, ...);
+
+/* A texture by file name (decoded once however often it is named), or from `bytes` bytes at `memory` where that is not NULL, `path` then being its
+ * name. What cannot be read is a warning, and *index SL_NO_INDEX; failing is for want of memory only. */
+sl_status sl_model_texture(sl_model *model, const char *path, const void *memory, size_t bytes, uint32_t *index,
+                           sl_error *error);
+/* The mean colour (linear) and mean bytes/255 of a texture: for material constants that a texture modulates. */
+sl_rgb sl_texture_mean_color(const sl_texture *texture);
+sl_rgb sl_texture_mean_data(const sl_texture *texture);
+
+/* Vertices of one object that agree in every bit of position, normal and texture coordinates become one. */
+sl_status sl_model_weld(sl_model *model, sl_error *error);
+/* Welds and builds; the model's warnings come first. */
+sl_status sl_model_build(sl_model *model, sl_scene **scene, sl_error *error);
+
+#endif
