@@ -17,6 +17,9 @@ sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error);
  * a byte can hold in the format. */
 sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion, sl_error *error);
 
+/* sl_image_read() of a file that is in memory already. */
+sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
+
 bool sl_exr_recognise(const sl_bytes *bytes);
 sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);

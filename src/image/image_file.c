@@ -107,16 +107,20 @@ static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
+sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    *image = NULL;
+    if (sl_exr_recognise(bytes)) return sl_exr_read(bytes, image, error);
+    if (sl_pfm_recognise(bytes)) return sl_pfm_read(bytes, image, error);
+    if (sl_hdr_recognise(bytes)) return sl_hdr_read(bytes, image, error);
+    if (sl_png_recognise(bytes) || sl_jpeg_recognise(bytes)) return read_texels(bytes, image, error);
+    return sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture", bytes->path);
+}
+
 sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
     *image = NULL;
     sl_bytes bytes;
     sl_status status = sl_bytes_read(path, &bytes, error);
-    if (status != SL_OK) return status;
-    if (sl_exr_recognise(&bytes)) status = sl_exr_read(&bytes, image, error);
-    else if (sl_pfm_recognise(&bytes)) status = sl_pfm_read(&bytes, image, error);
-    else if (sl_hdr_recognise(&bytes)) status = sl_hdr_read(&bytes, image, error);
-    else if (sl_png_recognise(&bytes) || sl_jpeg_recognise(&bytes)) status = read_texels(&bytes, image, error);
-    else status = sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture", path);
+    if (status == SL_OK) status = sl_image_decode(&bytes, image, error);
     sl_free(bytes.data);
     return status;
 }
