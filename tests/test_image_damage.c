@@ -63,9 +63,7 @@ static sample_file write_8_bit(void **state, const char *name) {
     uint8_t rgb[WIDTH * HEIGHT * 3];
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) rgb[i] = (uint8_t)(255.0f * test_value(i % 3, i / 3 % WIDTH, i / 3 / WIDTH));
     const char *path = temporary_path(state, name);
-    assert_true(strstr(name, "jpg") ? stbi_write_jpg(path, WIDTH, HEIGHT, 3, rgb, 90)
-                                    : strstr(name, "tga") ? stbi_write_tga(path, WIDTH, HEIGHT, 3, rgb)
-                                                          : stbi_write_bmp(path, WIDTH, HEIGHT, 3, rgb));
+    assert_true(strstr(name, "tga") ? stbi_write_tga(path, WIDTH, HEIGHT, 3, rgb) : stbi_write_bmp(path, WIDTH, HEIGHT, 3, rgb));
     sample_file sample = {.name = name};
     sample.bytes = read_file(path, &sample.size);
     return sample;
@@ -88,7 +86,9 @@ static void make_samples(void **state, sample_file samples[SAMPLES]) {
     samples[count++] = write_our_own(state, "sample.pfm");
     samples[count++] = write_our_own(state, "sample.png");
     samples[count++] = write_hdr(state);
-    samples[count++] = write_8_bit(state, "sample.jpg");
+    samples[count] = (sample_file){.name = "tests/data/waves.jpg"};
+    samples[count].bytes = read_file(samples[count].name, &samples[count].size);
+    count++;
     samples[count++] = write_exr_of(state, "none.exr", EXR_COMPRESSION_NONE, 0);
     samples[count++] = write_exr_of(state, "rle.exr", EXR_COMPRESSION_RLE, 8);
     samples[count++] = write_exr_of(state, "zips.exr", EXR_COMPRESSION_ZIPS, 0);

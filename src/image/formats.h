@@ -38,6 +38,7 @@ sl_status sl_png_write(int width, int height, const uint8_t *rgb, sl_output_file
 
 /* JPEG, BMP and TGA through stb_image; TGA has no mark of its own, so it is what is left. */
 bool sl_jpeg_recognise(const sl_bytes *bytes);
+bool sl_jpeg_tables_are_sound(const sl_bytes *bytes);
 sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error);
 
 #endif

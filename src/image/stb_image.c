@@ -70,6 +70,9 @@ bool sl_jpeg_recognise(const sl_bytes *bytes) {
 }
 
 static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *error) {
+    if (sl_jpeg_recognise(bytes) && !sl_jpeg_tables_are_sound(bytes)) {
+        return sl_fail(error, SL_ERROR_INPUT, "%s: damaged JPEG: its segments or Huffman tables are broken", bytes->path);
+    }
     watched_stream stream = {bytes, 0, false};
     int width, height, channels;
     if (!stbi_info_from_callbacks(&callbacks, &stream, &width, &height, &channels)) {
