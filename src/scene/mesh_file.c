@@ -1,7 +1,6 @@
 #include "scene/mesh_file.h"
 
 #include <assimp/cimport.h>
-#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <string.h>
@@ -12,6 +11,7 @@
 #include "scene/file.h"
 #include "scene/gltf.h"
 #include "scene/obj_check.h"
+#include "scene/ply_check.h"
 
 enum { DEEPEST_NODE = 1000 };
 
@@ -190,21 +190,43 @@ static sl_status add_file(const importer *in) {
     return status;
 }
 
-/* Triangles only: points and lines are sorted out and dropped. */
-static const struct aiScene *import(const char *path) {
-    struct aiPropertyStore *properties = aiCreatePropertyStore();
-    if (!properties) return NULL;
-    aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const struct aiScene *file = aiImportFileExWithProperties(path, aiProcess_Triangulate | aiProcess_SortByPType, NULL, properties);
-    aiReleasePropertyStore(properties);
-    return file;
+/* Post-processing trusts what the readers made; damaged files make faces that it would run astray on. */
+static sl_status check_faces(const char *path, const struct aiScene *file, sl_error *error) {
+    for (unsigned m = 0; m < file->mNumMeshes; m++) {
+        const struct aiMesh *mesh = file->mMeshes[m];
+        for (unsigned f = 0; f < mesh->mNumFaces; f++) {
+            const struct aiFace *face = &mesh->mFaces[f];
+            if (face->mNumIndices == 0 || !face->mIndices) {
+                return sl_fail(error, SL_ERROR_INPUT, "%s: face %u of mesh '%s' has no corners", path, f, mesh->mName.data);
+            }
+            for (unsigned c = 0; c < face->mNumIndices; c++) {
+                if (face->mIndices[c] < mesh->mNumVertices) continue;
+                return sl_fail(error, SL_ERROR_INPUT, "%s: face %u of mesh '%s' names vertex %u of %u", path, f, mesh->mName.data,
+                               face->mIndices[c], mesh->mNumVertices);
+            }
+        }
+    }
+    return SL_OK;
+}
+
+/* Reads, checks, and only then has polygons cut into triangles. Points and lines stay and are skipped. */
+static sl_status import(const char *path, const struct aiScene **file, sl_error *error) {
+    *file = aiImportFile(path, 0);
+    if (!*file || !(*file)->mRootNode) {
+        const char *reason = *file ? "it is empty" : aiGetErrorString();
+        return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: %s", path, reason && *reason ? reason : "it is damaged");
+    }
+    sl_status status = check_faces(path, *file, error);
+    if (status != SL_OK) return status;
+    *file = aiApplyPostProcessing(*file, aiProcess_Triangulate);
+    if (*file) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: its polygons cannot be cut into triangles", path);
 }
 
 static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl_gltf *gltf, sl_error *error) {
     if (is_gltf) return sl_gltf_read(path, gltf, error);
     if (sl_file_has_extension(path, ".obj")) return sl_obj_check(path, model, error);
-    if (sl_file_exists(path)) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be opened: no such file", path);
+    return sl_ply_check(path, error);
 }
 
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
@@ -212,11 +234,9 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
     sl_gltf gltf = {0};
     sl_status status = check_first(path, model, is_gltf, &gltf, error);
     if (status != SL_OK) return status;
-    const struct aiScene *file = import(path);
-    if (!file || !file->mRootNode) {
-        const char *reason = aiGetErrorString();
-        status = sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: %s", path, reason && *reason ? reason : "no triangles");
-    } else {
+    const struct aiScene *file = NULL;
+    status = import(path, &file, error);
+    if (status == SL_OK) {
         importer in = {path, file, is_gltf ? &gltf : NULL, *placement, (uint32_t)model->material_count, model, error};
         status = add_file(&in);
     }

@@ -202,6 +202,14 @@ static sl_status gltf_material(const source *s, double strength, sl_material *m)
     return gltf_emission(s, strength, m);
 }
 
+/* KHR_texture_transform and its like would need texture coordinates of their own for every material. */
+static void warn_of_transform(const source *s) {
+    struct aiUVTransform t;
+    if (aiGetMaterialUVTransform(s->material, AI_MATKEY_UVTRANSFORM(aiTextureType_DIFFUSE, 0), &t) != AI_SUCCESS) return;
+    if (t.mTranslation.x == 0.0f && t.mTranslation.y == 0.0f && t.mScaling.x == 1.0f && t.mScaling.y == 1.0f && t.mRotation == 0.0f) return;
+    sl_model_warn(s->model, "%s: material '%s': the texture's offset, scale and rotation are not applied", s->path, s->name);
+}
+
 /* ---- all of them ------------------------------------------------------------------------------------------------------------ */
 
 unsigned sl_mesh_uv_set(const struct aiScene *file, unsigned material) {
@@ -220,6 +228,7 @@ sl_status sl_mesh_materials(const char *path, const struct aiScene *file, const 
         double strength = gltf && i < gltf->material_count ? gltf->emissive_strength[i] : 1.0;
         sl_status status = gltf ? gltf_material(&s, strength, &material) : classic_material(&s, &material);
         uint32_t index;
+        warn_of_transform(&s);
         if (status == SL_OK) status = sl_model_add_material(model, &material, &index, error);
         if (status != SL_OK) return status;
     }
