@@ -165,19 +165,30 @@ static bool sample_environment(const sl_environment *environment, double chance,
     return true;
 }
 
-bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
-                             sl_light_sample *sample) {
-    if (sampler->count == 0 || !sl_is_finite(p)) return false;
+static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
     const sl_scene *scene = sampler->scene;
-    size_t i = choose(sampler, (double)select);
     double chance = sampler->chance[i];
-    if (!(chance > 0.0)) return false;
+    if (!(chance > 0.0) || !sl_is_finite(p)) return false;
     bool lit;
     if (i < scene->emitter_count) lit = sample_emitter(scene, &scene->emitters[i], chance, p, u1, u2, sample);
     else if (i < scene->emitter_count + scene->light_count) {
         lit = sample_light(&scene->lights[i - scene->emitter_count], chance, p, sample);
     } else lit = sample_environment(&scene->environment, chance, u1, u2, sample);
     return lit && sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
+}
+
+bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
+                             sl_light_sample *sample) {
+    if (sampler->count == 0) return false;
+    return sample_entry(sampler, choose(sampler, (double)select), p, u1, u2, sample);
+}
+
+bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+    if (sampler->count == 0) return false;
+    size_t i = choose(sampler, (double)u1);
+    double start = i > 0 ? sampler->sums[i - 1] : 0.0, width = sampler->sums[i] - start;
+    float rest = width > 0.0 ? (float)(((double)u1 - start) / width) : 0.0f;
+    return sample_entry(sampler, i, p, fminf(rest, 0x1.fffffep-1f), u2, sample);
 }
 
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle, float distance) {

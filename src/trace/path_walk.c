@@ -160,7 +160,7 @@ static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsd
     float point[3];
     sl_light_sample sample;
     draw(walk, w, SL_SET_LIGHT, point);
-    if (!sl_light_sampler_sample(walk->lights, origin, point[2], point[0], point[1], &sample)) return;
+    if (!sl_light_sampler_sample_2d(walk->lights, origin, point[0], point[1], &sample)) return;
     sl_rgb reflected = sl_bsdf_reflect(bsdf, sample.to_light, task->direct_lobes);
     if (is_black(reflected)) return;
     float share = 1.0f;

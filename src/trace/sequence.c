@@ -55,10 +55,9 @@ static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
 void sl_sequence_point(const sl_sequence *sequence, uint64_t key, uint32_t set, uint32_t index, float point[3]) {
     uint64_t a = sl_hash64(key ^ ((uint64_t)set * 0xd1342543de82ef95u)), b = sl_hash64(a);
-    /* Shuffling the index by the same kind of permutation keeps every aligned block of 2^k points together. */
-    uint32_t shuffled = scramble(sl_van_der_corput(index), (uint32_t)a);
-    uint32_t i = sl_van_der_corput(shuffled);
-    point[0] = unit(scramble(shuffled, (uint32_t)(a >> 32)));
+    /* The same permutation of the index itself only reorders points inside every aligned block of 2^k of them. */
+    uint32_t i = scramble(index, (uint32_t)a);
+    point[0] = unit(scramble(sl_van_der_corput(i), (uint32_t)(a >> 32)));
     point[1] = unit(scramble(sobol(sequence, 0, i), (uint32_t)b));
     point[2] = unit(scramble(sobol(sequence, 1, i), (uint32_t)(b >> 32)));
 }

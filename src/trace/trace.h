@@ -55,6 +55,9 @@ typedef struct sl_light_sample {
 /* One sample from three numbers in [0,1). False: contributes nothing. Only emitters' fronts shine (unless two-sided). */
 bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
                              sl_light_sample *sample);
+/* The same from two numbers: u1 chooses the light, and what is left of it, stretched to [0,1), serves for the point. Two
+ * numbers that are well spread together (a Sobol' pair) stay so on every light. */
+bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample);
 /* Solid-angle pdf with which the sampler would have made the direction that hit this emitter (or the environment: triangle
  * SL_NO_INDEX) from p. */
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
