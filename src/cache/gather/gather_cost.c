@@ -23,9 +23,9 @@ static double ray_time(double triangles, double cells) {
     return cells * (ray_cost + ray_level_cost * levels + ray_growth * sqrt(triangles));
 }
 
-/* "Clearly": by half. At equal N rays are the more accurate instrument (radiance-cache-splatting 2.6), the plane lacks the
- * directions near the horizon. */
+/* By four times: at equal N a plane of 140 degrees errs about three times as much as rays (it lacks the directions near the horizon:
+ * 6.7 % against 2.1 % at 64 x 64, radiance-cache-splatting 2.6), so a quarter of the rays is still the better instrument. */
 bool sl_gather_raster_is_cheaper(const sl_scene *scene, const sl_gather_settings *settings) {
     double triangles = (double)scene->triangle_count, cells = (double)settings->size * (double)settings->size;
-    return 2.0 * raster_time(triangles, cells, 1.0, 0.33) < ray_time(triangles, cells);
+    return 4.0 * raster_time(triangles, cells, 1.0, 0.33) < ray_time(triangles, cells);
 }

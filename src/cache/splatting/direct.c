@@ -2,7 +2,8 @@
  *
  * By rays, lights without extent get one ray each. For the diffuse lobe, light from emissive triangles is the exact polygon irradiance
  * (Lambert's formula) times the visible share, sum(V f) / sum(f) over the light samples: where nothing is in the way there is
- * no noise at all (the ratio estimator of Heitz, Hill and McGuire 2018). With many emitters, for the environment and for the
+ * no noise at all (the ratio estimator of Heitz, Hill and McGuire 2018). Pixels that see a part of the lights only, the penumbrae,
+ * get four times as many samples more: nearly all of the noise is there. With many emitters, for the environment and for the
  * glossy lobe, it is the plain estimator. */
 #include "base/counters.h"
 #include "base/error.h"
@@ -15,7 +16,10 @@
 
 #include <string.h>
 
-enum { EXACT_EMITTERS_MAX = 16 }; /* beyond, the closed form costs more than the noise that it saves */
+enum {
+    EXACT_EMITTERS_MAX = 16, /* beyond, the closed form costs more than the noise that it saves */
+    PENUMBRA_FACTOR = 4
+};
 
 struct sl_direct {
     const sl_scene *scene;
@@ -57,6 +61,7 @@ typedef struct {
     sl_rgb plain;          /* diffuse irradiance of visible samples: delta lights, environment, inexact emitters */
     sl_rgb glossy;         /* radiance by the glossy lobe */
     sl_rgb seen, all;      /* emitter samples: visible, and whether or not */
+    uint32_t seen_count, all_count;
 } pixel_sums;
 
 typedef struct {
@@ -78,8 +83,9 @@ static void flush(shadow_queue *q) {
     for (unsigned i = 0; i < q->count; i++) {
         pixel_sums *sums = &q->sums[q->pixel[i]];
         bool ratio = q->from_emitter[i] && q->direct->exact;
-        if (ratio) add(&sums->all, q->irradiance[i]);
+        if (ratio) add(&sums->all, q->irradiance[i]), sums->all_count++;
         if (occluded >> i & 1u) continue;
+        sums->seen_count += ratio;
         add(ratio ? &sums->seen : &sums->plain, q->irradiance[i]);
         add(&sums->glossy, q->glossy[i]);
     }
@@ -134,21 +140,24 @@ static void queue_delta_lights(shadow_queue *q, int pixel, const receiver *at) {
     }
 }
 
-/* Samples of a pixel: strata of the choice of light, a Kronecker sequence on the light (golden ratios of two dimensions), all
- * shifted by random numbers of the pixel (Cranley-Patterson rotation). */
-static void queue_extended_lights(shadow_queue *q, int pixel, const receiver *at, uint64_t key) {
-    uint32_t samples = q->direct->settings.light_samples;
-    float scale = 1.0f / (float)samples;
-    float shift = sl_random_unit(key, 0), shift1 = sl_random_unit(key, 1), shift2 = sl_random_unit(key, 2);
-    for (uint32_t s = 0; s < samples; s++) {
-        float select = ((float)s + shift) * scale;
-        double p1 = (double)shift1 + (double)s * 0.7548776662466927, p2 = (double)shift2 + (double)s * 0.5698402909980532;
-        float u1 = (float)(p1 - floor(p1)), u2 = (float)(p2 - floor(p2));
+/* Samples [first, end) of a pixel, each worth 1/weight: a Kronecker sequence (golden ratios of three dimensions) over the choice of
+ * light and the light's surface, shifted by random numbers of the pixel (Cranley-Patterson rotation). */
+static void queue_extended_lights(shadow_queue *q, int pixel, const receiver *at, uint64_t key, uint32_t first, uint32_t end,
+                                  float weight) {
+    static const double golden[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    double shift[3];
+    for (uint64_t d = 0; d < 3; d++) shift[d] = (double)sl_random_unit(key, d);
+    for (uint32_t s = first; s < end; s++) {
+        float u[3];
+        for (int d = 0; d < 3; d++) {
+            double p = shift[d] + (double)s * golden[d];
+            float fraction = (float)(p - floor(p));
+            u[d] = fraction < 1.0f ? fraction : 0x1.fffffep-1f; /* rounded up to the open end */
+        }
         sl_light_sample light;
-        if (select >= 1.0f || u1 >= 1.0f || u2 >= 1.0f) continue; /* rounded up to the open end */
-        if (!sl_light_sampler_sample(q->direct->sampler, at->position, select, u1, u2, &light)) continue;
+        if (!sl_light_sampler_sample(q->direct->sampler, at->position, u[0], u[1], u[2], &light)) continue;
         if (!(light.pdf > 0.0f) || light.triangle == at->triangle) continue; /* delta lights have had their ray */
-        enqueue(q, pixel, at, light.to_light, light.distance, sl_rgb_scale(light.radiance, scale),
+        enqueue(q, pixel, at, light.to_light, light.distance, sl_rgb_scale(light.radiance, 1.0f / weight),
                 light.triangle != SL_NO_INDEX);
     }
 }
@@ -233,6 +242,42 @@ static bool reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
            sl_material_is_glossy(&scene->materials[g->material[i]]);
 }
 
+static uint64_t pixel_key(const sl_direct *direct, size_t i) { return sl_random_key(direct->settings.seed ^ 0xd1ecu, i); }
+
+static void sample_lights(shadow_queue *q, const sl_gbuffer *g, size_t row) {
+    const sl_direct *direct = q->direct;
+    uint32_t samples = direct->settings.light_samples;
+    for (int x = 0; x < g->width; x++) {
+        size_t i = row + (size_t)x;
+        if (!reflects(g, direct->scene, i)) continue;
+        receiver at = receiver_at(direct, g, i);
+        if (direct->settings.maps) {
+            look_up_lights(q, x, &at);
+            continue;
+        }
+        queue_delta_lights(q, x, &at);
+        if (direct->sampler) queue_extended_lights(q, x, &at, pixel_key(direct, i), 0, samples, (float)samples);
+    }
+    flush(q);
+}
+
+/* The diffuse lobe alone: of the glossy one and of the environment nothing is known of where their noise is. Both sums of the
+ * ratio grow, so weights do not matter. */
+static void refine_penumbrae(shadow_queue *q, const sl_gbuffer *g, size_t row) {
+    const sl_direct *direct = q->direct;
+    uint32_t samples = direct->settings.light_samples;
+    if (!direct->exact || direct->scene->environment.present) return;
+    for (int x = 0; x < g->width; x++) {
+        const pixel_sums *sums = &q->sums[x];
+        size_t i = row + (size_t)x;
+        if (sums->seen_count == 0 || sums->seen_count == sums->all_count) continue;
+        if (sl_material_is_glossy(&direct->scene->materials[g->material[i]])) continue;
+        receiver at = receiver_at(direct, g, i);
+        queue_extended_lights(q, x, &at, pixel_key(direct, i), samples, (1 + PENUMBRA_FACTOR) * samples, (float)samples);
+    }
+    flush(q);
+}
+
 static void light_row(void *context, size_t index, unsigned worker) {
     rows_context *c = context;
     const sl_gbuffer *g = c->gbuffer;
@@ -241,18 +286,8 @@ static void light_row(void *context, size_t index, unsigned worker) {
     size_t row = (size_t)(c->row0 + (int)index) * (size_t)width;
     shadow_queue queue = {.direct = direct, .counters = &c->counters[index], .sums = c->sums + (size_t)worker * (size_t)width};
     memset(queue.sums, 0, (size_t)width * sizeof *queue.sums);
-    for (int x = 0; x < width; x++) {
-        size_t i = row + (size_t)x;
-        if (!reflects(g, direct->scene, i)) continue;
-        receiver at = receiver_at(direct, g, i);
-        if (direct->settings.maps) {
-            look_up_lights(&queue, x, &at);
-            continue;
-        }
-        queue_delta_lights(&queue, x, &at);
-        if (direct->sampler) queue_extended_lights(&queue, x, &at, sl_random_key(direct->settings.seed ^ 0xd1ecu, i));
-    }
-    flush(&queue);
+    sample_lights(&queue, g, row);
+    refine_penumbrae(&queue, g, row);
     for (int x = 0; x < width; x++) {
         size_t i = row + (size_t)x;
         if (!reflects(g, direct->scene, i)) continue;
