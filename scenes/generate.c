@@ -15,6 +15,8 @@ static const struct {
 } scenes[] = {
     {"room", gen_room},
     {"cave", gen_cave},
+    {"atrium", gen_atrium},
+    {"cathedral", gen_cathedral},
     {"figure", gen_figure},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };

@@ -79,6 +79,12 @@ void gen_arch_moulding(mesh *m, const arch *a, double widen, double z, double wi
     outline o = {.count = 0};
     gen_arc(&o, -0.5 * width, 0.0, 0.5 * width, depth, 0.0, 180.0, 4);
     gen_sweep(m, path, count, gen_v3(0, 0, 1), o.p, o.count, 0);
+    for (int i = 1; i + 1 < o.count; i++) { /* its ends look down at the imposts */
+        v2 p = o.p[0], q = o.p[i], r = o.p[i + 1];
+        double x = curve[0].x, y = curve[0].y;
+        gen_triangle(m, gen_v3(x + p.x, y, z + p.y), gen_v3(x + q.x, y, z + q.y), gen_v3(x + r.x, y, z + r.y));
+        gen_triangle(m, gen_v3(-x - p.x, y, z + p.y), gen_v3(-x - r.x, y, z + r.y), gen_v3(-x - q.x, y, z + q.y));
+    }
 }
 
 /* ---- vaults ------------------------------------------------------------------------------------------------------ */
@@ -121,7 +127,7 @@ static void vault_rib(mesh *m, v2 from, v2 to, double spring, double rise, doubl
     outline o = {.count = 0};
     gen_to(&o, -0.3 * rib, -0.7 * rib);
     gen_sharp(&o, 0.3 * rib, -0.7 * rib);
-    gen_arc(&o, 0.4 * rib, 0.0, 0.6 * rib, 0.45 * rib, -90.0, 90.0, 4);
+    gen_arc(&o, 0.4 * rib, 0.0, 0.6 * rib, 0.45 * rib, -90.0, 90.0, 3);
     gen_sharp(&o, 0.3 * rib, 0.7 * rib);
     gen_to(&o, -0.3 * rib, 0.7 * rib);
     gen_sweep(m, path, count, gen_v3(from.y - to.y, 0.0, to.x - from.x), o.p, o.count, 0);
