@@ -16,6 +16,7 @@ static const struct {
     {"room", gen_room},
     {"cave", gen_cave},
     {"atrium", gen_atrium},
+    {"castle", gen_castle},
     {"cathedral", gen_cathedral},
     {"figure", gen_figure},
 };

@@ -79,11 +79,16 @@ void gen_arch_moulding(mesh *m, const arch *a, double widen, double z, double wi
     outline o = {.count = 0};
     gen_arc(&o, -0.5 * width, 0.0, 0.5 * width, depth, 0.0, 180.0, 4);
     gen_sweep(m, path, count, gen_v3(0, 0, 1), o.p, o.count, 0);
-    for (int i = 1; i + 1 < o.count; i++) { /* its ends look down at the imposts */
-        v2 p = o.p[0], q = o.p[i], r = o.p[i + 1];
-        double x = curve[0].x, y = curve[0].y;
-        gen_triangle(m, gen_v3(x + p.x, y, z + p.y), gen_v3(x + q.x, y, z + q.y), gen_v3(x + r.x, y, z + r.y));
-        gen_triangle(m, gen_v3(-x - p.x, y, z + p.y), gen_v3(-x - r.x, y, z + r.y), gen_v3(-x - q.x, y, z + q.y));
+    v3 right = gen_unit(gen_cross(gen_sub(path[1], path[0]), gen_v3(0, 0, 1)));
+    for (int i = 1; i + 1 < o.count; i++) { /* its ends look down at the imposts; the arch is symmetric */
+        v3 left_end[3], right_end[3];
+        for (int k = 0; k < 3; k++) {
+            v2 p = o.p[k == 0 ? 0 : i + k - 1];
+            left_end[k] = gen_add(path[0], gen_v3(right.x * p.x, right.y * p.x, p.y));
+            right_end[k] = gen_v3(-left_end[k].x, left_end[k].y, left_end[k].z);
+        }
+        gen_triangle(m, left_end[0], left_end[1], left_end[2]);
+        gen_triangle(m, right_end[0], right_end[2], right_end[1]);
     }
 }
 

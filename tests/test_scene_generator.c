@@ -1,0 +1,180 @@
+/* The generator of the larger scenes: its files are promised to be the same with every compiler and on every machine, so
+ * their hashes are written down here. SOFTLUX_GENERATE names the program (default build/generate); without it the tests
+ * are skipped. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char folder[64];
+
+static const char *generator(void) {
+    const char *named = getenv("SOFTLUX_GENERATE");
+    const char *path = named && *named ? named : "build/generate";
+    if (access(path, X_OK) == 0) return path;
+    print_message("there is no %s; build it with: make build/generate\n", path);
+    skip();
+    return NULL;
+}
+
+/* The program's exit status; its output is thrown away. */
+static int run(const char *arguments) {
+    char command[512];
+    snprintf(command, sizeof command, "'%s' %s >/dev/null 2>&1", generator(), arguments);
+    int status = system(command);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/* FNV-1a, 64 bits; 0 where the file is missing. */
+static uint64_t hash_of(const char *name) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    if (!file) return 0;
+    uint64_t hash = 14695981039346656037u;
+    for (int c; (c = fgetc(file)) != EOF;) hash = (hash ^ (uint64_t)c) * 1099511628211u;
+    fclose(file);
+    return hash;
+}
+
+static size_t faces_in(const char *name) {
+    char path[256], line[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    size_t faces = 0;
+    while (fgets(line, sizeof line, file)) faces += line[0] == 'f' && line[1] == ' ';
+    fclose(file);
+    return faces;
+}
+
+static void the_files_are_the_same_as_ever(void **state) {
+    (void)state;
+    (void)generator();
+    static const struct { const char *file; uint64_t hash; } expected[] = {
+        {"room.obj", 0x94f278d6b36aa0d2u},
+        {"room.mtl", 0x1425b09c6fe8a2fdu},
+        {"room.json", 0x773da255bc257968u},
+        {"cave.obj", 0x4c1ffda541574287u},
+        {"cave.mtl", 0x1b2237938912e28du},
+        {"cave.json", 0x24989370a09fe8cdu},
+        {"atrium.obj", 0x7ff32244c2256764u},
+        {"atrium.mtl", 0xb5edb9032a54c3b9u},
+        {"atrium.json", 0xbb5841fb28215817u},
+        {"castle.obj", 0xdf2432bbedd18298u},
+        {"castle.mtl", 0x070e1d0f0ead600cu},
+        {"castle.json", 0xf2b8659a0436e6eeu},
+        {"cathedral.obj", 0x2657a92c1a2627a3u},
+        {"cathedral.mtl", 0x1f5514478c262c9bu},
+        {"cathedral.json", 0xd98748536fd7a3c8u},
+        {"castle-sky.pfm", 0xb0f0f78226c107d9u},
+    };
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
+        uint64_t hash = hash_of(expected[i].file);
+        if (hash != expected[i].hash) print_error("%s: 0x%016llx\n", expected[i].file, (unsigned long long)hash);
+        assert_true(hash == expected[i].hash);
+    }
+}
+
+static void the_scenes_have_the_sizes_they_promise(void **state) {
+    (void)state;
+    (void)generator();
+    static const struct { const char *file; double triangles; } promised[] = {
+        {"room.obj", 7000.0},    {"cave.obj", 40000.0},      {"atrium.obj", 66000.0},
+        {"castle.obj", 58000.0}, {"cathedral.obj", 80000.0},
+    };
+    for (size_t i = 0; i < sizeof promised / sizeof promised[0]; i++) {
+        double ratio = (double)faces_in(promised[i].file) / promised[i].triangles;
+        assert_true(ratio > 0.97 && ratio < 1.03);
+    }
+}
+
+/* A file names each vertex before it is used, has a unit normal at every corner, and no triangle without area. */
+static void every_face_has_an_area_and_unit_normals(void **state) {
+    (void)state;
+    (void)generator();
+    char path[256], line[512];
+    snprintf(path, sizeof path, "%s/room.obj", folder);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    enum { MOST = 20000 };
+    double(*v)[3] = calloc(MOST, sizeof *v), (*n)[3] = calloc(MOST, sizeof *n);
+    assert_true(v != NULL && n != NULL);
+    unsigned vertices = 0, normals = 0, wrong_side = 0, faces = 0;
+    while (fgets(line, sizeof line, file)) {
+        unsigned p[3], q[3];
+        if (sscanf(line, "v %lf %lf %lf", &v[vertices][0], &v[vertices][1], &v[vertices][2]) == 3) vertices++;
+        else if (sscanf(line, "vn %lf %lf %lf", &n[normals][0], &n[normals][1], &n[normals][2]) == 3) {
+            const double *u = n[normals++];
+            double length_squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+            assert_true(length_squared > 0.999 && length_squared < 1.001);
+        } else if (sscanf(line, "f %u//%u %u//%u %u//%u", &p[0], &q[0], &p[1], &q[1], &p[2], &q[2]) == 6) {
+            for (int i = 0; i < 3; i++) assert_true(p[i] >= 1 && p[i] <= vertices && q[i] >= 1 && q[i] <= normals);
+            const double *a = v[p[0] - 1], *b = v[p[1] - 1], *c = v[p[2] - 1], *u = n[q[0] - 1];
+            double e[3], f[3];
+            for (int i = 0; i < 3; i++) e[i] = b[i] - a[i], f[i] = c[i] - a[i];
+            const double cross[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+            assert_true(cross[0] != 0.0 || cross[1] != 0.0 || cross[2] != 0.0);
+            wrong_side += cross[0] * u[0] + cross[1] * u[1] + cross[2] * u[2] <= 0.0;
+            faces++;
+        }
+        assert_true(vertices < MOST && normals < MOST);
+    }
+    fclose(file);
+    free(v);
+    free(n);
+    assert_true(faces > 0);
+    assert_true(wrong_side * 100 < faces); /* a normal may lean over where a surface bends sharply, rarely */
+}
+
+static void an_unknown_scene_is_refused(void **state) {
+    (void)state;
+    char arguments[128];
+    snprintf(arguments, sizeof arguments, "%s nowhere", folder);
+    assert_int_equal(run(arguments), 2);
+    assert_int_equal(run(""), 2);
+}
+
+static void a_folder_that_cannot_be_made_is_an_error_of_output(void **state) {
+    (void)state;
+    char arguments[128];
+    snprintf(arguments, sizeof arguments, "%s/missing/deeper room", folder);
+    assert_int_equal(run(arguments), 4);
+}
+
+static int generate_once(void **state) {
+    (void)state;
+    const char *named = getenv("SOFTLUX_GENERATE");
+    snprintf(folder, sizeof folder, "/tmp/softlux-generator-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    if (access(named && *named ? named : "build/generate", X_OK) != 0) return 0; /* every test then skips */
+    char arguments[128];
+    snprintf(arguments, sizeof arguments, "%s room cave atrium castle cathedral", folder);
+    return run(arguments) == 0 ? 0 : -1;
+}
+
+static int remove_all(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    return system(command) == 0 ? 0 : -1;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_files_are_the_same_as_ever),
+        cmocka_unit_test(the_scenes_have_the_sizes_they_promise),
+        cmocka_unit_test(every_face_has_an_area_and_unit_normals),
+        cmocka_unit_test(an_unknown_scene_is_refused),
+        cmocka_unit_test(a_folder_that_cannot_be_made_is_an_error_of_output),
+    };
+    return cmocka_run_group_tests(tests, generate_once, remove_all);
+}
