@@ -9,7 +9,7 @@ out=$build/test-results
 mkdir -p "$out"
 rm -f "$out"/*
 if [ $# -eq 0 ]; then set -- $(cd "$build/tests" && ls | grep '^test_' | grep -v '\.'); fi
-export SOFTLUX=${SOFTLUX:-$build/softlux} SOFTLUX_GENERATE=${SOFTLUX_GENERATE:-build/generate}
+export SOFTLUX=${SOFTLUX:-$build/softlux} SOFTLUX_GENERATE=${SOFTLUX_GENERATE:-$build/generate}
 
 printf '%s\n' "$@" | xargs -P 2 -I{} sh -c '
     start=$(date +%s)
