@@ -1,0 +1,318 @@
+/* The path tracer where the answer is known in closed form. Every mean has to lie within four and a half of its own standard
+ * errors, which have to be small. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "base/counters.h"
+#include "base/math.h"
+#include "trace/trace.h"
+#include "trace_scenes.h"
+
+/* Sixteen lanes, each a sequence of its own: their spread tells the error of their mean. */
+typedef struct measurement {
+    double mean, error;
+} measurement;
+
+static sl_transport transport_of(const char *name) {
+    sl_transport transport;
+    assert_true(sl_transport_named(name, &transport));
+    return transport;
+}
+
+static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec3 origin, sl_vec3 direction, unsigned samples) {
+    sl_tracer *tracer;
+    sl_path_tracer *path;
+    sl_path_settings settings = {.width = 1, .height = 1, .threads = 1, .seed = 3, .transport = transport};
+    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
+    assert_int_equal(sl_path_tracer_create(scene, tracer, &settings, &path, NULL), SL_OK);
+    sl_ray16 rays;
+    sl_counters counters = {{0}};
+    double sums[SL_PACKET] = {0}, sum = 0.0, squares = 0.0;
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        rays.origin_x[i] = origin.x;
+        rays.origin_y[i] = origin.y;
+        rays.origin_z[i] = origin.z;
+        rays.direction_x[i] = direction.x;
+        rays.direction_y[i] = direction.y;
+        rays.direction_z[i] = direction.z;
+        rays.near[i] = 0.0f;
+        rays.far[i] = INFINITY;
+        rays.skip[i] = SL_NO_INDEX;
+    }
+    for (unsigned s = 0; s < samples; s++) {
+        sl_rgb radiance[SL_PACKET];
+        sl_path_tracer_radiance(path, &rays, SL_PACKET, 9, s, radiance, &counters);
+        for (unsigned i = 0; i < SL_PACKET; i++) sums[i] += (double)radiance[i].g / samples;
+    }
+    assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        sum += sums[i];
+        squares += sums[i] * sums[i];
+    }
+    double mean = sum / SL_PACKET, variance = fmax(0.0, squares / SL_PACKET - mean * mean) / (SL_PACKET - 1);
+    sl_path_tracer_destroy(path);
+    sl_tracer_destroy(tracer);
+    return (measurement){mean, sqrt(variance)};
+}
+
+/* model: what the scene's tessellation or the table's digits may be off by, relatively. */
+static void check(measurement m, double expected, double model) {
+    if (!(m.error <= 0.006 * fabs(expected) + 1e-12)) fail_msg("%g +- %g is too noisy for a test", m.mean, m.error);
+    double tolerance = 4.5 * m.error + (model + 2e-5) * fabs(expected);
+    if (!(fabs(m.mean - expected) <= tolerance)) fail_msg("%.6g +- %.2g, expected %.6g", m.mean, m.error, expected);
+}
+
+static void furnace_radiance_is_the_geometric_series(void **unused) {
+    (void)unused;
+    const double albedo = 0.6;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, 1.0f);
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_vec3 eye = sl_v3(0.2f, 0.1f, -0.3f), direction = sl_v3(0.3f, -1.0f, 0.4f);
+    check(measure(scene, transport_of("direct"), eye, direction, 500), 1.0 + albedo, 0);
+    double series = 1.0 + albedo;
+    for (unsigned bounces = 1; bounces <= 3; bounces++) {
+        sl_transport transport = transport_of("one-bounce");
+        transport.bounces = bounces;
+        series = 1.0 + albedo * series;
+        check(measure(scene, transport, eye, direction, 500), series, 0);
+    }
+    check(measure(scene, transport_of("full"), eye, direction, 1000), 1.0 / (1.0 - albedo), 0);
+    sl_transport unseen = transport_of("full");
+    unseen.emission = false;
+    check(measure(scene, unseen, eye, direction, 1000), albedo / (1.0 - albedo), 0);
+    sl_scene_destroy(scene);
+}
+
+/* The kernel is constant inside a sphere, so light that went round once arrives evenly: E = rho Phi / (4 pi R^2), from wherever
+ * the light is and wherever it is measured. */
+static void integrating_sphere_has_constant_indirect_irradiance(void **unused) {
+    (void)unused;
+    const double albedo = 0.5, radius = 2.0, intensity = 3.0;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, 0);
+    trace_mesh_sphere(&mesh, sl_v3(1, 0, 0), (float)radius, 80, 0.0f, true, wall);
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {1.8f, 0.4f, 0.2f}, .intensity = sl_grey((float)intensity)};
+    mesh.light_count = 1;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    double irradiance = albedo * 4.0 * SL_PI * intensity / (4.0 * SL_PI * radius * radius);
+    /* At the middles of three of the sphere's quadrilaterals, where the facets' normals point to the centre. */
+    static const double rings[] = {40.5, 22.5, 61.5}, columns[] = {3.5, 77.5, 120.5};
+    for (int i = 0; i < 3; i++) {
+        double theta = SL_PI * rings[i] / 80.0, phi = SL_PI * columns[i] / 80.0;
+        sl_vec3 direction = sl_v3((float)(sl_sin(theta) * sl_cos(phi)), (float)sl_cos(theta), -(float)(sl_sin(theta) * sl_sin(phi)));
+        sl_transport transport = transport_of("one-bounce");
+        transport.direct_lobes = 0;
+        check(measure(scene, transport, sl_v3(1, 0, 0), direction, 2000), albedo * irradiance / SL_PI, 2e-3);
+        /* All but direct light: the series of rho. */
+        transport.bounces = SL_BOUNCES_UNLIMITED;
+        check(measure(scene, transport, sl_v3(1, 0, 0), direction, 2000), albedo * irradiance / (1.0 - albedo) / SL_PI, 3e-3);
+    }
+    sl_scene_destroy(scene);
+}
+
+static sl_scene *floor_under_light(sl_vec3 corner, sl_vec3 a, sl_vec3 b, float radiance) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
+    trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
+    trace_mesh_quad(&mesh, corner, a, b, light);
+    return trace_mesh_build(&mesh);
+}
+
+static void direct_light_on_a_floor_is_the_polygon_formula(void **unused) {
+    (void)unused;
+    sl_scene *scene = floor_under_light(sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), 5.0f);
+    sl_vec3 eye = sl_v3(0.35f, 0.2f, 1.0f), down = sl_v3(0, 0, -1);
+    check(measure(scene, transport_of("direct"), eye, down, 2000), 0.8 / SL_PI * 4.643140759564, 0);
+    /* Nothing else is lit here, so more bounces add nothing. */
+    check(measure(scene, transport_of("full"), eye, down, 2000), 0.8 / SL_PI * 4.643140759564, 0);
+    sl_scene_destroy(scene);
+    /* A vanishing light: E = L A / d^2. A light that fills the sky: E = pi L. */
+    scene = floor_under_light(sl_v3(-5e-5f, -5e-5f, 2.0f), sl_v3(0, 1e-4f, 0), sl_v3(1e-4f, 0, 0), 1e8f);
+    check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), down, 64), 0.8 / SL_PI * 1e8 * 1e-8 / 4.0, 1e-4);
+    sl_scene_destroy(scene);
+    scene = floor_under_light(sl_v3(-1e4f, -1e4f, 2.0f), sl_v3(0, 2e4f, 0), sl_v3(2e4f, 0, 0), 3.0f);
+    check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), down, 2000), 0.8 * 3.0, 1e-4);
+    sl_scene_destroy(scene);
+}
+
+static void a_plane_under_a_constant_sky_reflects_its_albedo(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t floor = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0);
+    sl_environment sky = {.present = true, .constant = {2, 2, 2}};
+    mesh.environment = &sky;
+    trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    check(measure(scene, transport_of("full"), sl_v3(0, 0, 1), sl_v3(0.2f, 0.1f, -1), 1000), 1.4, 0);
+    check(measure(scene, transport_of("full"), sl_v3(0, 0, -1), sl_v3(0.2f, 0.1f, 1), 1000), 1.4, 0); /* both sides reflect */
+    check(measure(scene, transport_of("direct"), sl_v3(0, 0, 1), sl_v3(0, 0.1f, 1), 16), 2.0, 0);
+    sl_transport unseen = transport_of("direct");
+    unseen.emission = false;
+    check(measure(scene, unseen, sl_v3(0, 0, 1), sl_v3(0, 0.1f, 1), 16), 0.0, 0);
+    sl_scene_destroy(scene);
+}
+
+/* Under a sky of radiance 1 a surface shows its directional albedo. */
+static void phong_lobe_has_its_directional_albedo(void **unused) {
+    (void)unused;
+    static const double albedo[] = {1.0000, 0.9659, 0.8660, 0.7071, 0.5005, 0.2712}; /* n = 20, in steps of 15 degrees */
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t glossy = trace_mesh_material(&mesh, 0, 1.0f, 20.0f, 0, 0);
+    sl_environment sky = {.present = true, .constant = {1, 1, 1}};
+    mesh.environment = &sky;
+    trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), glossy);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    for (int i = 0; i < 6; i++) {
+        double angle = SL_PI / 12.0 * i;
+        sl_vec3 direction = sl_v3((float)sl_sin(angle), 0, -(float)sl_cos(angle));
+        sl_vec3 eye = sl_scale(direction, -3.0f);
+        measurement m = measure(scene, transport_of("direct"), eye, direction, 2000);
+        check(m, albedo[i], 5e-5 / albedo[i]);
+        sl_transport diffuse_only = transport_of("direct");
+        diffuse_only.direct_lobes = SL_LOBE_DIFFUSE;
+        check(measure(scene, diffuse_only, eye, direction, 16), 0.0, 0);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Diffuse and glossy sampled together are the sum of each alone, at small and large exponents. */
+static void the_mixture_of_lobes_is_their_sum(void **unused) {
+    (void)unused;
+    static const float exponents[] = {0.0f, 1.0f, 50.0f, 5000.0f};
+    for (int i = 0; i < 4; i++) {
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t both = trace_mesh_material(&mesh, 0.4f, 0.5f, exponents[i], 0, 0);
+        uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+        trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), both);
+        trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
+        sl_scene *scene = trace_mesh_build(&mesh);
+        sl_vec3 eye = sl_v3(0.35f, 0.2f, 0.7f), direction = sl_v3(0.2f, 0.1f, -1);
+        double parts = 0.0, errors = 0.0;
+        for (unsigned lobe = SL_LOBE_DIFFUSE; lobe <= SL_LOBE_GLOSSY; lobe++) {
+            sl_transport transport = transport_of("direct");
+            transport.direct_lobes = lobe;
+            measurement m = measure(scene, transport, eye, direction, 4000);
+            assert_true(m.mean > 0.0);
+            parts += m.mean;
+            errors += m.error;
+        }
+        check(measure(scene, transport_of("direct"), eye, direction, 4000), parts, 4.0 * errors / parts);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void mirrors_are_followed_where_the_transport_says(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    /* A light that faces up, a mirror above it that faces down, a floor that only the mirror's image of the light shines on. */
+    trace_mesh_quad(&mesh, sl_v3(3, -0.5f, 1), sl_v3(1, 0, 0), sl_v3(0, 1, 0), light);
+    trace_mesh_quad(&mesh, sl_v3(-20, -20, 2), sl_v3(0, 40, 0), sl_v3(40, 0, 0), mirror);
+    trace_mesh_quad(&mesh, sl_v3(-20, -20, 0), sl_v3(40, 0, 0), sl_v3(0, 40, 0), floor);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_vec3 eye = sl_v3(0, 0, 0.5f), down = sl_v3(0, 0, -1);
+
+    double irradiance = 0.0; /* of the image, at height 3: the sum over its area of cos cos' / r^2 */
+    enum { FINE = 200 };
+    for (int j = 0; j < FINE; j++) {
+        for (int i = 0; i < FINE; i++) {
+            double x = 3.0 + (i + 0.5) / FINE, y = -0.5 + (j + 0.5) / FINE, r2 = x * x + y * y + 9.0;
+            irradiance += 5.0 * 0.8 * 9.0 / (r2 * r2) / (FINE * FINE);
+        }
+    }
+    check(measure(scene, transport_of("direct"), eye, down, 16), 0.0, 0);
+    check(measure(scene, transport_of("one-bounce"), eye, down, 64), 0.0, 0);
+    sl_transport caustics = transport_of("direct");
+    caustics.receiver_lobes = SL_LOBE_DIFFUSE;
+    caustics.bounce_lobes = SL_LOBE_MIRROR;
+    check(measure(scene, caustics, eye, down, 20000), 0.5 / SL_PI * irradiance, 0);
+    /* The light seen in the mirror, and the mirror as a black surface. */
+    sl_vec3 at_image = sl_v3(3.5f, 0.0f, 2.5f);
+    check(measure(scene, transport_of("direct"), eye, at_image, 16), 0.8 * 5.0, 0);
+    sl_transport blind = transport_of("direct");
+    blind.eye_mirrors = false;
+    check(measure(scene, blind, eye, at_image, 16), 0.0, 0);
+    sl_scene_destroy(scene);
+}
+
+/* A closed box of perfect mirrors never ends but by Russian roulette; nothing shines, so nothing is seen. */
+static void a_closed_box_of_perfect_mirrors_ends(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 1.0f, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 2.0f);
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, mirror);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0.999f), sl_v3(0, 2, 0), sl_v3(2, 0, 0), light);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    check(measure(scene, transport_of("full"), sl_v3(0, 0, 0), sl_v3(0.9f, 0.5f, -0.4f), 20000), 2.0, 0);
+    check(measure(scene, transport_of("full"), sl_v3(0, 0, 0), sl_v3(1, 0, 0), 64), 0.0, 0);
+    sl_scene_destroy(scene);
+}
+
+static void direct_light_without_visibility_passes_blockers(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
+    trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
+    trace_mesh_quad(&mesh, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(0.6f, 0, 0), sl_v3(0, 0.65f, 0), black);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_vec3 eye = sl_v3(0.35f, 0.2f, 0.3f), down = sl_v3(0, 0, -1);
+    check(measure(scene, transport_of("direct"), eye, down, 4000), 0.8 / SL_PI * 1.48128, 1e-5);
+    sl_transport through = transport_of("direct");
+    through.direct_visibility = false;
+    check(measure(scene, through, eye, down, 4000), 0.8 / SL_PI * 4.643140759564, 0);
+    sl_scene_destroy(scene);
+}
+
+/* A floor that sees a lit ceiling, with or without a black screen between them. */
+static sl_scene *floor_and_lit_ceiling(bool screen) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), white);
+    trace_mesh_quad(&mesh, sl_v3(-3, -3, 2), sl_v3(0, 6, 0), sl_v3(6, 0, 0), white);
+    if (screen) trace_mesh_quad(&mesh, sl_v3(-50, -50, 1), sl_v3(100, 0, 0), sl_v3(0, 100, 0), black);
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.2f, 0, 1.2f}, .intensity = {5, 5, 5}};
+    mesh.light_count = 1;
+    return trace_mesh_build(&mesh);
+}
+
+static void gathering_without_visibility_sees_through_surfaces(void **unused) {
+    (void)unused;
+    sl_scene *open = floor_and_lit_ceiling(false), *screened = floor_and_lit_ceiling(true);
+    sl_vec3 eye = sl_v3(0.3f, 0.1f, 0.5f), down = sl_v3(0, 0, -1);
+    sl_transport indirect = transport_of("one-bounce"), through;
+    indirect.direct_lobes = 0;
+    through = indirect;
+    through.bounce_visibility = false;
+    measurement seen = measure(open, indirect, eye, down, 8000);
+    assert_true(seen.mean > 0.01);
+    check(measure(screened, indirect, eye, down, 64), 0.0, 0);
+    check(measure(screened, through, eye, down, 8000), seen.mean, 4.0 * seen.error / seen.mean);
+    check(measure(open, through, eye, down, 8000), seen.mean, 4.0 * seen.error / seen.mean);
+    sl_scene_destroy(open);
+    sl_scene_destroy(screened);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(furnace_radiance_is_the_geometric_series),
+        cmocka_unit_test(integrating_sphere_has_constant_indirect_irradiance),
+        cmocka_unit_test(direct_light_on_a_floor_is_the_polygon_formula),
+        cmocka_unit_test(a_plane_under_a_constant_sky_reflects_its_albedo),
+        cmocka_unit_test(phong_lobe_has_its_directional_albedo),
+        cmocka_unit_test(the_mixture_of_lobes_is_their_sum),
+        cmocka_unit_test(mirrors_are_followed_where_the_transport_says),
+        cmocka_unit_test(a_closed_box_of_perfect_mirrors_ends),
+        cmocka_unit_test(direct_light_without_visibility_passes_blockers),
+        cmocka_unit_test(gathering_without_visibility_sees_through_surfaces),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
