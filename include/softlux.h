@@ -110,9 +110,9 @@ SL_API float *sl_image_channel(const sl_image *image, const char *name);
 /* Adds or replaces a metadata string; both strings are copied. */
 SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error);
 SL_API const char *sl_image_metadata(const sl_image *image, const char *key); /* or NULL */
-/* Reads EXR (any channels, any compression, half/float/uint, scan lines or tiles, first part), PFM, Radiance HDR,
- * PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is what R, G, B are in the file; a lone Y
- * (or L) becomes R = G = B. */
+/* Reads EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
+ * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is
+ * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
 /* Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (RGB), .png (see sl_tone). The file
  * appears whole or not at all: it is written beside its name and renamed. */

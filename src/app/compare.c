@@ -156,7 +156,7 @@ static int check_bounds(const compare_request *q, const sl_comparison *r) {
     bool any = q->identical;
     for (int i = 0; i < BOUNDS; i++) any = any || q->bounded[i];
     if (any && r->nonfinite) {
-        snprintf(failures, sizeof failures, "; %llu values are NaN or infinite", (unsigned long long)r->nonfinite);
+        snprintf(failures, sizeof failures, "; NaN or infinite values: %llu", (unsigned long long)r->nonfinite);
     }
     if (q->identical && !r->identical) {
         size_t used = strlen(failures);

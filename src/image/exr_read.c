@@ -63,7 +63,11 @@ bool sl_exr_recognise(const sl_bytes *bytes) {
 }
 
 static sl_status fail_reading(const exr_reader *reader, sl_error *error) {
-    return sl_fail(error, SL_ERROR_INPUT, "%s: damaged EXR: %s", reader->source.bytes->path,
+    exr_compression_t compression = EXR_COMPRESSION_NONE;
+    if (reader->context) exr_get_compression(reader->context, 0, &compression);
+    /* The C library learnt these late (OpenEXR 3.1 cannot read them). */
+    bool dwa = compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: %s EXR: %s", reader->source.bytes->path, dwa ? "damaged or unsupported" : "damaged",
                    reader->source.reason[0] ? reader->source.reason : "unreadable");
 }
 

@@ -55,7 +55,7 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
                        (long long)width, (long long)height);
     }
     /* Small pictures pass whatever they say: nothing is lost by trying. */
-    const uint64_t small = (uint64_t)1 << 22, largest = (uint64_t)1 << 29;
+    const uint64_t small = (uint64_t)1 << 20, largest = (uint64_t)1 << 29;
     uint64_t pixels = (uint64_t)width * (uint64_t)height;
     if (pixels > largest || (pixels > small && pixels / expansion > bytes->size)) {
         return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels, too many for its %zu bytes", bytes->path,
