@@ -75,11 +75,12 @@ typedef struct sl_pass_view {
 
 /* One cluster's vertices after the transform. */
 typedef struct sl_vertex_buffer {
-    _Alignas(64) float x[SL_CLUSTER_VERTICES]; /* clip space */
+    float x[SL_CLUSTER_VERTICES]; /* clip space */
     float y[SL_CLUSTER_VERTICES], z[SL_CLUSTER_VERTICES], w[SL_CLUSTER_VERTICES];
     float u[SL_CLUSTER_VERTICES], v[SL_CLUSTER_VERTICES]; /* window position in 1/256 pixel from the first pixel's centre */
     float depth[SL_CLUSTER_VERTICES];
     int32_t snapped_u[SL_CLUSTER_VERTICES], snapped_v[SL_CLUSTER_VERTICES];
+    int32_t cell[SL_CLUSTER_VERTICES]; /* the first pixel centre at or beyond it: j << 16 | i */
     int32_t code[SL_CLUSTER_VERTICES];
 } sl_vertex_buffer;
 
@@ -89,7 +90,7 @@ typedef struct sl_batch {
     uint32_t id[SL_BATCH];
     uint8_t masked[SL_BATCH];
     /* in */
-    _Alignas(64) int32_t snapped_u[3][SL_BATCH];
+    int32_t snapped_u[3][SL_BATCH];
     int32_t snapped_v[3][SL_BATCH];
     float u[3][SL_BATCH], v[3][SL_BATCH], depth[3][SL_BATCH];
     /* out: edge functions a i + b j + c at pixel (i, j), inside where all three are >= 0 */
@@ -109,7 +110,7 @@ typedef struct sl_classes {
 /* Pixels whose weights are computed together: corners relative to the eye, centres in [-1,1]. */
 enum { SL_BARYCENTRIC_BLOCK = 64 };
 typedef struct sl_barycentric_block {
-    _Alignas(64) float corner[9][SL_BARYCENTRIC_BLOCK]; /* x y z of corners 0, 1, 2 */
+    float corner[9][SL_BARYCENTRIC_BLOCK]; /* x y z of corners 0, 1, 2 */
     double x[SL_BARYCENTRIC_BLOCK], y[SL_BARYCENTRIC_BLOCK];
 } sl_barycentric_block;
 

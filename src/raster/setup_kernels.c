@@ -33,11 +33,47 @@ static void cull_group(const sl_raster *r, const sl_pass_view *view, size_t firs
     }
 }
 
+/* A cluster between pixel centres: its box seen on the screen, by interval arithmetic, holds no centre in x or in y. Only where
+ * the whole box lies before the eye. The hundredth of a pixel covers the snapping and all rounding. */
+static void cull_between_centres(const sl_raster *r, const sl_pass_view *view, size_t first, int32_t *restrict inside) {
+    const float *restrict cx = r->centre_x + first, *restrict cy = r->centre_y + first, *restrict cz = r->centre_z + first;
+    const float *restrict hx = r->half_x + first, *restrict hy = r->half_y + first, *restrict hz = r->half_z + first;
+    const float(*m)[4] = view->clip;
+    const float ox = view->origin[0], oy = view->origin[1], oz = view->origin[2];
+    const float half_width = view->half_width, half_height = view->half_height, margin = 0.01f;
+#pragma omp simd
+    for (int l = 0; l < SL_LANES; l++) {
+        float px = cx[l] - ox, py = cy[l] - oy, pz = cz[l] - oz;
+        float x = m[0][0] * px + m[0][1] * py + m[0][2] * pz + m[0][3];
+        float y = m[1][0] * px + m[1][1] * py + m[1][2] * pz + m[1][3];
+        float w = m[3][0] * px + m[3][1] * py + m[3][2] * pz + m[3][3];
+        float rx = fabsf(m[0][0]) * hx[l] + fabsf(m[0][1]) * hy[l] + fabsf(m[0][2]) * hz[l];
+        float ry = fabsf(m[1][0]) * hx[l] + fabsf(m[1][1]) * hy[l] + fabsf(m[1][2]) * hz[l];
+        float rw = fabsf(m[3][0]) * hx[l] + fabsf(m[3][1]) * hy[l] + fabsf(m[3][2]) * hz[l];
+        float slack = 1e-5f * (fabsf(x) + fabsf(y) + fabsf(w) + rx + ry + rw);
+        rx += slack;
+        ry += slack;
+        float nearest = w - (rw + slack), farthest = w + (rw + slack);
+        int32_t before = nearest > 0.0f;
+        float over_near = 1.0f / (before ? nearest : 1.0f), over_far = 1.0f / (before ? farthest : 1.0f);
+        float x_low = x - rx, x_high = x + rx, y_low = y - ry, y_high = y + ry;
+        float u_low = x_low * (x_low < 0.0f ? over_near : over_far), u_high = x_high * (x_high > 0.0f ? over_near : over_far);
+        float v_low = y_low * (y_low < 0.0f ? over_near : over_far), v_high = y_high * (y_high > 0.0f ? over_near : over_far);
+        /* Pixel coordinates of the ends; ceil(low) > floor(high) means no centre. */
+        float i_low = ceilf(u_low * half_width + (half_width - 0.5f) - margin);
+        float i_high = floorf(u_high * half_width + (half_width - 0.5f) + margin);
+        float j_low = ceilf(v_low * half_height + (half_height - 0.5f) - margin);
+        float j_high = floorf(v_high * half_height + (half_height - 0.5f) + margin);
+        inside[l] &= !(before & ((i_low > i_high) | (j_low > j_high)));
+    }
+}
+
 static uint32_t cull(const sl_raster *r, const sl_pass_view *view, uint32_t *visible) {
     uint32_t count = 0;
     for (size_t first = 0; first < r->cluster_count; first += SL_LANES) {
         int32_t inside[SL_LANES];
         cull_group(r, view, first, inside);
+        cull_between_centres(r, view, first, inside);
         size_t here = r->cluster_count - first < SL_LANES ? r->cluster_count - first : SL_LANES;
         for (size_t l = 0; l < here; l++) {
             visible[count] = (uint32_t)(first + l);
@@ -57,61 +93,95 @@ static inline int32_t snap(float x) {
     return bits - 0x4b400000;
 }
 
-static inline int32_t clip_code(float x, float y, float z, float w, int32_t has_far) {
+/* A view without a far plane has its near plane's distance in z alone (near_w 0, else 1). The coordinates are valid where none is
+ * NaN, infinite or huge. Selections of integers only, without truth values between: that is what compilers vectorise. */
+static void clip_codes(const float *restrict xs, const float *restrict ys, const float *restrict zs,
+                       const float *restrict ws, float near_w, int32_t far_code, int32_t *restrict codes) {
     const float limit = 0x1p60f;
-    int32_t valid = (fabsf(x) < limit) & (fabsf(y) < limit) & (fabsf(z) < limit) & (fabsf(w) < limit);
-    int32_t near = has_far ? (0.0f > z + w) : (0.0f > z);
-    int32_t code = (x > w) * SL_CLIP_RIGHT | (0.0f > x + w) * SL_CLIP_LEFT | (y > w) * SL_CLIP_TOP |
-                   (0.0f > y + w) * SL_CLIP_BOTTOM | (near | !(w > 0.0f)) * SL_CLIP_NEAR |
-                   (has_far & (z > w)) * SL_CLIP_FAR;
-    return valid ? code : SL_CLIP_INVALID;
+#pragma omp simd
+    for (int l = 0; l < SL_LANES; l++) {
+        float x = xs[l], y = ys[l], z = zs[l], w = ws[l];
+        int32_t right = x > w ? SL_CLIP_RIGHT : 0, left = 0.0f > x + w ? SL_CLIP_LEFT : 0;
+        int32_t top = y > w ? SL_CLIP_TOP : 0, bottom = 0.0f > y + w ? SL_CLIP_BOTTOM : 0;
+        int32_t near = 0.0f > z + w * near_w ? SL_CLIP_NEAR : 0, behind = w > 0.0f ? 0 : SL_CLIP_NEAR;
+        int32_t far = z > w ? far_code : 0;
+        float largest = fabsf(x) + fabsf(y) + fabsf(z) + fabsf(w);
+        int32_t all = right | left | top | bottom | near | behind | far;
+        codes[l] = largest < limit ? all : SL_CLIP_INVALID;
+    }
 }
 
 static void transform_clip(const sl_pass_view *view, const float *restrict px, const float *restrict py,
-                           const float *restrict pz, uint32_t count, sl_vertex_buffer *restrict out) {
+                           const float *restrict pz, float *restrict out_x, float *restrict out_y, float *restrict out_z,
+                           float *restrict out_w) {
     const float(*m)[4] = view->clip;
+    const float m00 = m[0][0], m01 = m[0][1], m02 = m[0][2], m03 = m[0][3], m10 = m[1][0], m11 = m[1][1], m12 = m[1][2],
+                m13 = m[1][3], m20 = m[2][0], m21 = m[2][1], m22 = m[2][2], m23 = m[2][3], m30 = m[3][0], m31 = m[3][1],
+                m32 = m[3][2], m33 = m[3][3];
     const float ox = view->origin[0], oy = view->origin[1], oz = view->origin[2];
-    const int32_t has_far = !view->inverse_w;
 #pragma omp simd
-    for (uint32_t i = 0; i < count; i++) {
-        float qx = px[i] - ox, qy = py[i] - oy, qz = pz[i] - oz;
-        float x = ((m[0][0] * qx + m[0][1] * qy) + m[0][2] * qz) + m[0][3];
-        float y = ((m[1][0] * qx + m[1][1] * qy) + m[1][2] * qz) + m[1][3];
-        float z = ((m[2][0] * qx + m[2][1] * qy) + m[2][2] * qz) + m[2][3];
-        float w = ((m[3][0] * qx + m[3][1] * qy) + m[3][2] * qz) + m[3][3];
-        out->x[i] = x;
-        out->y[i] = y;
-        out->z[i] = z;
-        out->w[i] = w;
-        out->code[i] = clip_code(x, y, z, w, has_far);
+    for (int l = 0; l < SL_LANES; l++) {
+        float qx = px[l] - ox, qy = py[l] - oy, qz = pz[l] - oz;
+        float x = ((m00 * qx + m01 * qy) + m02 * qz) + m03;
+        float y = ((m10 * qx + m11 * qy) + m12 * qz) + m13;
+        float z = ((m20 * qx + m21 * qy) + m22 * qz) + m23;
+        float w = ((m30 * qx + m31 * qy) + m32 * qz) + m33;
+        out_x[l] = x;
+        out_y[l] = y;
+        out_z[l] = z;
+        out_w[l] = w;
     }
 }
 
-/* Vertices with any code set get harmless zeros: they reach the screen through clipping only. */
-static void transform_window(const sl_pass_view *view, uint32_t count, sl_vertex_buffer *restrict out) {
-    const float half_width = view->half_width, half_height = view->half_height;
-    const int32_t inverse_w = view->inverse_w;
-    for (uint32_t i = 0; i < count; i++) {
-        float safe_w = out->code[i] ? 1.0f : out->w[i];
-        float oow = 1.0f / safe_w;
-        float u = fmaf(out->x[i] * oow, half_width, half_width), v = fmaf(out->y[i] * oow, half_height, half_height);
-        float window_depth = fmaf(out->z[i] * oow, 0.5f, 0.5f);
-        window_depth = window_depth < 0.0f ? 0.0f : window_depth > 1.0f ? 1.0f : window_depth;
-        u = out->code[i] ? 0.0f : (u - 0.5f) * 256.0f;
-        v = out->code[i] ? 0.0f : (v - 0.5f) * 256.0f;
-        out->u[i] = u;
-        out->v[i] = v;
-        out->depth[i] = inverse_w ? oow : window_depth;
-        out->snapped_u[i] = snap(u);
-        out->snapped_v[i] = snap(v);
+/* One coordinate to the window, in 1/256 pixel. Vertices with any code set get harmless zeros: they reach the screen through
+ * clipping only. */
+static void transform_window(const float *restrict x, const float *restrict oow, const int32_t *restrict code, float half,
+                             float *restrict out, int32_t *restrict snapped) {
+#pragma omp simd
+    for (int l = 0; l < SL_LANES; l++) {
+        float window = fmaf(x[l] * oow[l], half, half);
+        float u = (window - 0.5f) * 256.0f;
+        u = code[l] ? 0.0f : u;
+        out[l] = u;
+        snapped[l] = snap(u);
     }
+}
+
+static void transform_depth(const float *restrict z, const float *restrict oow, bool inverse_w, float *restrict depth) {
+#pragma omp simd
+    for (int l = 0; l < SL_LANES; l++) {
+        float window = fmaf(z[l] * oow[l], 0.5f, 0.5f);
+        window = window > 0.0f ? window : 0.0f;
+        window = window < 1.0f ? window : 1.0f;
+        depth[l] = inverse_w ? oow[l] : window;
+    }
+}
+
+/* See classify_inside(); shifts of negative numbers round down. */
+static void find_cells(const int32_t *restrict u, const int32_t *restrict v, int32_t *restrict cell) {
+#pragma omp simd
+    for (int l = 0; l < SL_LANES; l++) cell[l] = ((v[l] + 255) >> 8) << 16 | (u[l] + 255) >> 8;
+}
+
+static void transform_group(const sl_raster *r, size_t from, const sl_pass_view *view, sl_vertex_buffer *out, size_t to) {
+    float oow[SL_LANES];
+    transform_clip(view, r->vertex_x + from, r->vertex_y + from, r->vertex_z + from, out->x + to, out->y + to, out->z + to,
+                   out->w + to);
+    clip_codes(out->x + to, out->y + to, out->z + to, out->w + to, view->inverse_w ? 0.0f : 1.0f,
+               view->inverse_w ? 0 : SL_CLIP_FAR, out->code + to);
+    for (int l = 0; l < SL_LANES; l++) {
+        float w = out->w[to + (size_t)l];
+        oow[l] = 1.0f / (out->code[to + (size_t)l] ? 1.0f : w);
+    }
+    transform_window(out->x + to, oow, out->code + to, view->half_width, out->u + to, out->snapped_u + to);
+    transform_window(out->y + to, oow, out->code + to, view->half_height, out->v + to, out->snapped_v + to);
+    transform_depth(out->z + to, oow, view->inverse_w, out->depth + to);
+    find_cells(out->snapped_u + to, out->snapped_v + to, out->cell + to);
 }
 
 static void transform(const sl_raster *r, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out) {
-    uint32_t first = r->first_vertex[cluster];
-    uint32_t count = (r->vertices[cluster] + SL_LANES - 1) / SL_LANES * SL_LANES;
-    transform_clip(view, r->vertex_x + first, r->vertex_y + first, r->vertex_z + first, count, out);
-    transform_window(view, count, out);
+    size_t first = r->first_vertex[cluster];
+    for (size_t i = 0; i < r->vertices[cluster]; i += SL_LANES) transform_group(r, first + i, view, out, i);
 }
 
 /* ---- triangles ---- */
@@ -127,46 +197,70 @@ static inline int32_t max3(int32_t a, int32_t b, int32_t c) {
 
 enum { CULLED, ACCEPTED, ELSEWHERE, CLIPPED, DROPPED }; /* ELSEWHERE: on the target, but not in this region */
 
-/* Pixel centres lie at multiples of 256. The largest u and v are exclusive by the fill rule. */
-static void classify_corners(const sl_raster *r, uint32_t first, uint32_t count, const sl_pass_view *view,
-                             const sl_vertex_buffer *restrict b, uint8_t *restrict class) {
-    const uint16_t *restrict c0 = r->corner[0] + first, *restrict c1 = r->corner[1] + first,
-                   *restrict c2 = r->corner[2] + first;
-    const int32_t *restrict code = b->code, *restrict u = b->snapped_u, *restrict v = b->snapped_v;
-    const int32_t last_x = view->width - 1, last_y = view->height - 1;
-    const int32_t region_y0 = view->y0, region_y1 = view->y1 - 1;
+/* A vertex's cell is (i, j) = (ceil(u / 256), ceil(v / 256)): pixel centres lie at multiples of 256, the least u is inclusive and the
+ * largest exclusive by the fill rule, so a triangle's box holds a centre only if its corners' cells differ in i and in j. Cells
+ * of vertices on the screen fit 16 bits, so one gathered word says it for each corner. */
+static void classify_inside(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
+                            uint32_t count, const int32_t *restrict cell, int32_t y0, int32_t y1, uint8_t *restrict class) {
+#pragma omp simd
     for (uint32_t t = 0; t < count; t++) {
-        uint32_t i = c0[t], j = c1[t], k = c2[t];
-        int32_t any = code[i] | code[j] | code[k], all = code[i] & code[j] & code[k];
-        int32_t x0 = (min3(u[i], u[j], u[k]) + 255) >> 8, x1 = (max3(u[i], u[j], u[k]) - 1) >> 8;
-        int32_t y0 = (min3(v[i], v[j], v[k]) + 255) >> 8, y1 = (max3(v[i], v[j], v[k]) - 1) >> 8;
-        x0 = x0 > 0 ? x0 : 0;
-        y0 = y0 > 0 ? y0 : 0;
-        x1 = x1 < last_x ? x1 : last_x;
-        y1 = y1 < last_y ? y1 : last_y;
-        int32_t covers = (x0 <= x1) & (y0 <= y1), here = (y0 <= region_y1) & (y1 >= region_y0);
-        int32_t kind = covers ? (here ? ACCEPTED : ELSEWHERE) : CULLED;
-        kind = any ? (all ? CULLED : CLIPPED) : kind;
-        class[t] = (uint8_t)(any & SL_CLIP_INVALID ? DROPPED : kind);
+        int32_t p = cell[c0[t]], q = cell[c1[t]], r = cell[c2[t]];
+        int32_t px = p & 0xffff, qx = q & 0xffff, rx = r & 0xffff, py = p >> 16, qy = q >> 16, ry = r >> 16;
+        int32_t low_y = min3(py, qy, ry), high_y = max3(py, qy, ry);
+        int32_t here = high_y > y0 ? ACCEPTED : ELSEWHERE; /* rows low_y to high_y - 1 */
+        here = low_y < y1 ? here : ELSEWHERE;
+        here = low_y < high_y ? here : CULLED;
+        here = min3(px, qx, rx) < max3(px, qx, rx) ? here : CULLED;
+        class[t] = (uint8_t)here;
     }
+}
+
+/* Where some vertex of the cluster is outside a plane or not valid. */
+static void classify_crossing(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
+                              uint32_t count, const int32_t *restrict code, uint8_t *restrict class) {
+    for (uint32_t t = 0; t < count; t++) {
+        int32_t p = code[c0[t]], q = code[c1[t]], r = code[c2[t]];
+        int32_t any = p | q | r, all = p & q & r;
+        uint8_t kind = any ? (all ? CULLED : CLIPPED) : class[t];
+        class[t] = any & SL_CLIP_INVALID ? DROPPED : kind;
+    }
+}
+
+static uint32_t count_class(const uint8_t *restrict class, uint32_t count, uint8_t which) {
+    uint32_t found = 0;
+    for (uint32_t t = 0; t < count; t++) found += class[t] == which;
+    return found;
+}
+
+static uint32_t list_class(const uint8_t *restrict class, uint32_t count, uint8_t which, uint8_t *restrict list) {
+    uint32_t found = 0;
+    for (uint32_t t = 0; t < count; t++) {
+        list[found] = (uint8_t)t;
+        found += class[t] == which;
+    }
+    return found;
 }
 
 static sl_classes classify(const sl_raster *r, uint32_t cluster, const sl_pass_view *view, const sl_vertex_buffer *b,
                            uint8_t *accepted, uint8_t *clipped) {
     uint32_t first = r->first_triangle[cluster], count = r->triangles[cluster];
+    const uint16_t *corner[3] = {r->corner[0] + first, r->corner[1] + first, r->corner[2] + first};
     uint8_t class[SL_CLUSTER_TRIANGLES];
-    classify_corners(r, first, count, view, b, class);
+    sl_classes result = {0, 0, 0, 0};
+    classify_inside(corner[0], corner[1], corner[2], count, b->cell, view->y0, view->y1, class);
+    int32_t codes = 0;
+    for (uint32_t i = 0; i < r->vertices[cluster]; i++) codes |= b->code[i];
+    if (codes) classify_crossing(corner[0], corner[1], corner[2], count, b->code, class);
     if (view->skip != SL_NO_INDEX) {
         for (uint32_t t = 0; t < count; t++) class[t] = r->triangle[first + t] == view->skip ? CULLED : class[t];
     }
-    uint32_t accept = 0, clip = 0, kinds[5] = {0};
-    for (uint32_t t = 0; t < count; t++) {
-        accepted[accept] = clipped[clip] = (uint8_t)t;
-        accept += class[t] == ACCEPTED;
-        clip += class[t] == CLIPPED;
-        kinds[class[t]]++;
+    result.culled = count_class(class, count, CULLED);
+    if (result.culled < count) result.accepted = list_class(class, count, ACCEPTED, accepted);
+    if (codes) {
+        result.dropped = count_class(class, count, DROPPED);
+        result.clipped = list_class(class, count, CLIPPED, clipped);
     }
-    return (sl_classes){accept, clip, kinds[CULLED], kinds[DROPPED]};
+    return result;
 }
 
 /* Edge k runs from corner k+1 to corner k+2; E(u, v) = a (u - u_P) + b (v - v_P) is positive inside once the signs are turned by
