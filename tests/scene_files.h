@@ -1,0 +1,15 @@
+/* A folder of files that a test writes and reads back. */
+#ifndef SL_TESTS_SCENE_FILES_H
+#define SL_TESTS_SCENE_FILES_H
+
+#include "softlux.h"
+
+#include <stddef.h>
+
+/* Makes the folder on first use; every file written is removed by scene_files_remove(). */
+const char *scene_file_write(const char *name, const void *data, size_t size);
+const char *scene_file_text(const char *name, const char *text);
+const char *scene_file_path(const char *name); /* valid until the next call but three */
+void scene_files_remove(void);
+
+#endif
