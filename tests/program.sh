@@ -13,7 +13,7 @@ expect() { # expect STATUS PATTERN-OF-OUTPUT ARGUMENTS...: and on failure exactl
     status=$?
     if [ $status -ne "$wanted" ]; then
         echo "softlux $*: status $status, expected $wanted"; cat "$folder/err"; bad=1
-    elif ! cat "$folder/out" "$folder/err" | grep -qE -- "$pattern"; then
+    elif [ -n "$pattern" ] && ! cat "$folder/out" "$folder/err" | grep -qE -- "$pattern"; then
         echo "softlux $*: expected /$pattern/ in:"; cat "$folder/out" "$folder/err"; bad=1
     elif [ "$wanted" -ge 2 ] && [ "$(wc -l <"$folder/err")" -ne 1 ]; then
         echo "softlux $*: expected one line of error, got:"; cat "$folder/err"; bad=1
@@ -52,6 +52,30 @@ expect 1 'identical' compare "$folder/b.exr" "$folder/a.exr" --identical
 expect 0 '' compare "$folder/b.exr" "$folder/a.exr" --max-rel-rmse 0.5
 expect 1 '' compare "$folder/b.exr" "$folder/a.exr" --max-rmse 0
 expect 3 '' compare "$folder/a.exr" "$folder/none.exr"
+
+# Comparisons of single pixels: 1.0, 1.5, NaN and black.
+pixel() { printf "PF\\n1 1\\n-1.0\\n$2$2$2" >"$folder/$1.pfm"; }
+pixel one '\000\000\200\077'; pixel more '\000\000\300\077'; pixel nan '\000\000\300\177'; pixel black '\000\000\000\000'
+expect 0 'rmse +0.5' compare "$folder/more.pfm" "$folder/one.pfm" --max-rmse 0.5 --max-abs=0.5 --max-bias 0.5 --max-rel-rmse 0.5
+expect 1 'rmse is 0.5, not at most 0.4' compare "$folder/more.pfm" "$folder/one.pfm" --max-rmse 0.4
+expect 1 'rel_rmse is 0.5' compare "$folder/more.pfm" "$folder/one.pfm" --max-rel-rmse 0.4
+expect 1 'rel_mse is 0.24' compare "$folder/more.pfm" "$folder/one.pfm" --max-rel-mse 0.2
+expect 1 'max_abs is 0.5' compare "$folder/more.pfm" "$folder/one.pfm" --max-abs 0.4
+expect 1 '[|]bias[|] is 0.333' compare "$folder/one.pfm" "$folder/more.pfm" --max-bias 0.3
+expect 1 'ssim is .*not at least 0.9' compare "$folder/one.pfm" "$folder/black.pfm" --min-ssim 0.9
+expect 1 'flip is' compare "$folder/one.pfm" "$folder/black.pfm" --max-flip 0.1
+expect 1 'rel_rmse is inf' compare "$folder/one.pfm" "$folder/black.pfm" --max-rel-rmse 100
+expect 0 '"rel_rmse": null' compare "$folder/one.pfm" "$folder/black.pfm" --json
+expect 3 'nothing to compare' compare "$folder/nan.pfm" "$folder/nan.pfm" --max-rmse 1
+expect 3 'nothing to compare' compare "$folder/one.pfm" "$folder/one.pfm" --mask "$folder/black.pfm"
+expect 0 'values +3' compare "$folder/one.pfm" "$folder/one.pfm" --mask "$folder/one.pfm" --difference "$folder/difference.png"
+[ -s "$folder/difference.png" ] || { echo 'compare --difference wrote nothing'; bad=1; }
+expect 3 'different sizes' compare "$folder/one.pfm" "$folder/a.exr"
+expect 4 'cannot write .*nowhere' compare "$folder/one.pfm" "$folder/one.pfm" --difference "$folder/nowhere/d.png"
+expect 2 'did you mean --max-rmse' compare "$folder/one.pfm" "$folder/one.pfm" --max-rsme 1
+{ printf 'PF\n2 1\n-1.0\n'; tail -c 12 "$folder/nan.pfm"; tail -c 12 "$folder/one.pfm"; } >"$folder/half.pfm"
+expect 0 'nonfinite +6' compare "$folder/half.pfm" "$folder/half.pfm"
+expect 1 'NaN or infinite values: 6' compare "$folder/half.pfm" "$folder/half.pfm" --max-rmse 1
 
 # A picture stopped early has the same bits as one stopped at the same number of batches.
 expect 0 '' render scenes/cornell.json -s 48x48 -q draft --batches 5 --quiet -o "$folder/c.pfm"
