@@ -92,6 +92,7 @@ $(BUILD)/libsoftlux.a: $(LIBRARY_OBJECTS)
 
 $(BUILD)/libsoftlux.so: $(LIBRARY_OBJECTS)
 	$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,-soname,libsoftlux.so.0 -o $@ $^ $(LDFLAGS) $(LIBS)
+	@ln -sf libsoftlux.so $(BUILD)/libsoftlux.so.0
 
 # stb_image's integers overflow in damaged JPEGs; this makes that defined.
 $(BUILD)/o/src/image/stb_image.o: override CFLAGS += -fwrapv -fno-sanitize=shift

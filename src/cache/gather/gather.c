@@ -22,13 +22,9 @@ static void decide_kind(const sl_scene *scene, const sl_raster *raster, const sl
     s->kind = plane ? SL_GATHER_PLANE : SL_GATHER_RAYS;
 }
 
-/* Point and spot lights cast hard shadows, which depth cubes hold well and look up faster than a ray finds them; everything
- * else is exact with rays only. */
-static void decide_direct(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, sl_gather_settings *s) {
-    if (s->direct != SL_DIRECT_AUTO) return;
-    bool hard = scene->emitter_count == 0 && !scene->environment.present && scene->light_count <= EVERY_LIGHT_MAX;
-    for (size_t i = 0; i < scene->light_count; i++) hard = hard && scene->lights[i].type != SL_LIGHT_DIRECTIONAL;
-    s->direct = !tracer || (raster && hard && scene->light_count > 0) ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
+/* Rays wherever there is a tracer: a shadow map lets light through walls and corners that are thinner than its bias. */
+static void decide_direct(const sl_tracer *tracer, sl_gather_settings *s) {
+    if (s->direct == SL_DIRECT_AUTO) s->direct = tracer ? SL_DIRECT_RAYS : SL_DIRECT_SHADOW_MAPS;
 }
 
 static sl_status check(const sl_gather_settings *s, const sl_raster *raster, const sl_tracer *tracer, sl_error *error) {
@@ -75,7 +71,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->tracer = tracer;
     gather->settings = *settings;
     decide_kind(scene, raster, tracer, &gather->settings);
-    decide_direct(scene, raster, tracer, &gather->settings);
+    decide_direct(tracer, &gather->settings);
     gather->offset = 1e-5f * scene->diagonal;
     gather->kernels = sl_gather_kernels_for(sl_isa_best());
     sl_status status = check(&gather->settings, raster, tracer, error);

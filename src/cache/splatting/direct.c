@@ -2,8 +2,8 @@
  *
  * By rays, lights without extent get one ray each. For the diffuse lobe, light from emissive triangles is the exact polygon irradiance
  * (Lambert's formula) times the visible share, sum(V f) / sum(f) over the light samples: where nothing is in the way there is
- * no noise at all (the ratio estimator of Heitz, Hill and McGuire 2018). Pixels that see a part of the lights only, the penumbrae,
- * get four times as many samples more: nearly all of the noise is there. With many emitters, for the environment and for the
+ * no noise at all (the ratio estimator of Heitz, Hill and McGuire 2018). Pixels that see a part of the lights only, and
+ * those near them, the penumbrae, get four times as many samples more: nearly all of the noise is there. With many emitters, for the environment and for the
  * glossy lobe, it is the plain estimator. */
 #include "base/counters.h"
 #include "base/error.h"
@@ -18,7 +18,10 @@
 
 enum {
     EXACT_EMITTERS_MAX = 16, /* beyond, the closed form costs more than the noise that it saves */
-    PENUMBRA_FACTOR = 4
+    PENUMBRA_FACTOR = 4,
+    /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the faint
+     * edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
+    PENUMBRA_MARGIN = 2
 };
 
 struct sl_direct {
@@ -61,13 +64,14 @@ typedef struct {
     sl_rgb plain;          /* diffuse irradiance of visible samples: delta lights, environment, inexact emitters */
     sl_rgb glossy;         /* radiance by the glossy lobe */
     sl_rgb seen, all;      /* emitter samples: visible, and whether or not */
-    uint32_t seen_count, all_count;
+    uint32_t seen_count, pilot_count; /* of the first emitter samples */
 } pixel_sums;
 
 typedef struct {
     const sl_direct *direct;
     sl_counters *counters;
     pixel_sums *sums;
+    bool refining;
     sl_ray16 rays;
     unsigned count;
     int pixel[SL_PACKET];
@@ -83,9 +87,11 @@ static void flush(shadow_queue *q) {
     for (unsigned i = 0; i < q->count; i++) {
         pixel_sums *sums = &q->sums[q->pixel[i]];
         bool ratio = q->from_emitter[i] && q->direct->exact;
-        if (ratio) add(&sums->all, q->irradiance[i]), sums->all_count++;
+        bool pilot = ratio && !q->refining;
+        if (ratio) add(&sums->all, q->irradiance[i]);
+        if (pilot) sums->pilot_count++; /* while refining, neighbouring rows read the counts */
         if (occluded >> i & 1u) continue;
-        sums->seen_count += ratio;
+        if (pilot) sums->seen_count++;
         add(ratio ? &sums->seen : &sums->plain, q->irradiance[i]);
         add(&sums->glossy, q->glossy[i]);
     }
@@ -212,14 +218,14 @@ static void look_up_lights(shadow_queue *q, int pixel, const receiver *at) {
                         q->counters);
 }
 
-/* ---- rows ---- */
+/* ---- rows: first all pixels of a strip and of PENUMBRA_MARGIN rows around it, then the penumbrae among them ---- */
 
 typedef struct {
     const sl_direct *direct;
     const sl_gbuffer *gbuffer;
-    int row0;
+    int first, row0, row1; /* sums begin at row `first`; light is wanted for rows [row0, row1) */
     float *r, *g, *b;
-    pixel_sums *sums;      /* a row for each worker */
+    pixel_sums *sums;
     sl_counters *counters; /* one a row */
 } rows_context;
 
@@ -244,33 +250,58 @@ static bool reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
 
 static uint64_t pixel_key(const sl_direct *direct, size_t i) { return sl_random_key(direct->settings.seed ^ 0xd1ecu, i); }
 
-static void sample_lights(shadow_queue *q, const sl_gbuffer *g, size_t row) {
-    const sl_direct *direct = q->direct;
+static shadow_queue row_queue(const rows_context *c, size_t index) {
+    return (shadow_queue){.direct = c->direct, .counters = &c->counters[index],
+                          .sums = c->sums + index * (size_t)c->gbuffer->width};
+}
+
+static void sample_row(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const rows_context *c = context;
+    const sl_gbuffer *g = c->gbuffer;
+    const sl_direct *direct = c->direct;
     uint32_t samples = direct->settings.light_samples;
+    size_t row = (size_t)(c->first + (int)index) * (size_t)g->width;
+    shadow_queue queue = row_queue(c, index);
     for (int x = 0; x < g->width; x++) {
         size_t i = row + (size_t)x;
         if (!reflects(g, direct->scene, i)) continue;
         receiver at = receiver_at(direct, g, i);
         if (direct->settings.maps) {
-            look_up_lights(q, x, &at);
+            look_up_lights(&queue, x, &at);
             continue;
         }
-        queue_delta_lights(q, x, &at);
-        if (direct->sampler) queue_extended_lights(q, x, &at, pixel_key(direct, i), 0, samples, (float)samples);
+        queue_delta_lights(&queue, x, &at);
+        if (direct->sampler) queue_extended_lights(&queue, x, &at, pixel_key(direct, i), 0, samples, (float)samples);
     }
-    flush(q);
+    flush(&queue);
+}
+
+static bool is_partly_lit(const pixel_sums *s) { return s->seen_count > 0 && s->seen_count < s->pilot_count; }
+
+/* seen_count and pilot_count stay those of the first samples while others refine, so that rows can be refined in any order. */
+static bool near_penumbra(const rows_context *c, int x, int y) {
+    int width = c->gbuffer->width, height = c->gbuffer->height;
+    for (int v = y - PENUMBRA_MARGIN; v <= y + PENUMBRA_MARGIN; v++) {
+        for (int u = x - PENUMBRA_MARGIN; u <= x + PENUMBRA_MARGIN; u++) {
+            if (u < 0 || v < 0 || u >= width || v >= height) continue;
+            if (is_partly_lit(&c->sums[(size_t)(v - c->first) * (size_t)width + (size_t)u])) return true;
+        }
+    }
+    return false;
 }
 
 /* The diffuse lobe alone: of the glossy one and of the environment nothing is known of where their noise is. Both sums of the
  * ratio grow, so weights do not matter. */
-static void refine_penumbrae(shadow_queue *q, const sl_gbuffer *g, size_t row) {
-    const sl_direct *direct = q->direct;
+static void refine_penumbrae(const rows_context *c, shadow_queue *q, int y) {
+    const sl_direct *direct = c->direct;
+    const sl_gbuffer *g = c->gbuffer;
     uint32_t samples = direct->settings.light_samples;
     if (!direct->exact || direct->scene->environment.present) return;
+    q->refining = true;
     for (int x = 0; x < g->width; x++) {
-        const pixel_sums *sums = &q->sums[x];
-        size_t i = row + (size_t)x;
-        if (sums->seen_count == 0 || sums->seen_count == sums->all_count) continue;
+        size_t i = (size_t)y * (size_t)g->width + (size_t)x;
+        if (q->sums[x].pilot_count == 0 || !near_penumbra(c, x, y)) continue;
         if (sl_material_is_glossy(&direct->scene->materials[g->material[i]])) continue;
         receiver at = receiver_at(direct, g, i);
         queue_extended_lights(q, x, &at, pixel_key(direct, i), samples, (1 + PENUMBRA_FACTOR) * samples, (float)samples);
@@ -278,37 +309,38 @@ static void refine_penumbrae(shadow_queue *q, const sl_gbuffer *g, size_t row) {
     flush(q);
 }
 
-static void light_row(void *context, size_t index, unsigned worker) {
+static void finish_row(void *context, size_t index, unsigned worker) {
+    (void)worker;
     rows_context *c = context;
     const sl_gbuffer *g = c->gbuffer;
-    const sl_direct *direct = c->direct;
-    int width = g->width;
-    size_t row = (size_t)(c->row0 + (int)index) * (size_t)width;
-    shadow_queue queue = {.direct = direct, .counters = &c->counters[index], .sums = c->sums + (size_t)worker * (size_t)width};
-    memset(queue.sums, 0, (size_t)width * sizeof *queue.sums);
-    sample_lights(&queue, g, row);
-    refine_penumbrae(&queue, g, row);
-    for (int x = 0; x < width; x++) {
-        size_t i = row + (size_t)x;
-        if (!reflects(g, direct->scene, i)) continue;
-        receiver at = receiver_at(direct, g, i);
-        sl_rgb e = diffuse_irradiance(direct, &at, &queue.sums[x]);
+    int y = c->first + (int)index;
+    if (y < c->row0 || y >= c->row1) return;
+    shadow_queue queue = row_queue(c, index);
+    refine_penumbrae(c, &queue, y);
+    for (int x = 0; x < g->width; x++) {
+        size_t i = (size_t)y * (size_t)g->width + (size_t)x;
+        if (!reflects(g, c->direct->scene, i)) continue;
+        receiver at = receiver_at(c->direct, g, i);
+        sl_rgb e = diffuse_irradiance(c->direct, &at, &queue.sums[x]);
         c->r[i] = g->diffuse_r[i] * (float)(1.0 / SL_PI) * e.r + queue.sums[x].glossy.r;
         c->g[i] = g->diffuse_g[i] * (float)(1.0 / SL_PI) * e.g + queue.sums[x].glossy.g;
         c->b[i] = g->diffuse_b[i] * (float)(1.0 / SL_PI) * e.b + queue.sums[x].glossy.b;
     }
-    sl_count(&c->counters[index], SL_COUNT_FRAGMENTS_SHADED, (uint64_t)width);
+    sl_count(&c->counters[index], SL_COUNT_FRAGMENTS_SHADED, (uint64_t)g->width);
 }
 
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
                          float *b, sl_counters *counters, sl_error *error) {
-    size_t rows = (size_t)(row1 - row0);
-    pixel_sums *sums = sl_allocate((size_t)direct->settings.threads * (size_t)gbuffer->width, sizeof *sums);
+    int first = row0 > PENUMBRA_MARGIN ? row0 - PENUMBRA_MARGIN : 0;
+    int end = row1 + PENUMBRA_MARGIN < gbuffer->height ? row1 + PENUMBRA_MARGIN : gbuffer->height;
+    size_t rows = (size_t)(end - first);
+    pixel_sums *sums = sl_allocate(rows * (size_t)gbuffer->width, sizeof *sums);
     sl_counters *costs = sl_allocate(rows, sizeof *costs);
     sl_status status = sums && costs ? SL_OK : sl_fail_memory(error, "direct light");
     if (status == SL_OK) {
-        rows_context context = {direct, gbuffer, row0, r, g, b, sums, costs};
-        sl_parallel_for(direct->settings.threads, rows, light_row, &context);
+        rows_context context = {direct, gbuffer, first, row0, row1, r, g, b, sums, costs};
+        sl_parallel_for(direct->settings.threads, rows, sample_row, &context);
+        sl_parallel_for(direct->settings.threads, rows, finish_row, &context);
         for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
     }
     sl_free(sums);
