@@ -67,8 +67,8 @@ static sl_status fail_reading(const exr_reader *reader, sl_error *error) {
     if (reader->context) exr_get_compression(reader->context, 0, &compression);
     /* The C library learnt these late (OpenEXR 3.1 cannot read them). */
     bool dwa = compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: %s EXR: %s", reader->source.bytes->path, dwa ? "damaged or unsupported" : "damaged",
-                   reader->source.reason[0] ? reader->source.reason : "unreadable");
+    return sl_fail(error, SL_ERROR_INPUT, "%s: %s EXR: %s", reader->source.bytes->path,
+                   dwa ? "damaged or unsupported" : "damaged", reader->source.reason[0] ? reader->source.reason : "unreadable");
 }
 
 static int64_t box_width(const exr_attr_box2i_t *box) { return (int64_t)box->max.x - box->min.x + 1; }
@@ -84,10 +84,12 @@ static sl_status check_storage(exr_reader *reader, sl_error *error) {
     for (int c = 0; c < reader->channels->num_channels; c++) {
         const exr_attr_chlist_entry_t *channel = &reader->channels->entries[c];
         if (channel->x_sampling != 1 || channel->y_sampling != 1) {
-            return sl_fail(error, SL_ERROR_INPUT, "%s: channel %s is subsampled, which is not supported", path, channel->name.str);
+            return sl_fail(error, SL_ERROR_INPUT, "%s: channel %s is subsampled, which is not supported", path,
+                           channel->name.str);
         }
         if (channel->name.length >= SL_CHANNEL_NAME_MAX) {
-            return sl_fail(error, SL_ERROR_INPUT, "%s: a channel's name is longer than %d bytes", path, SL_CHANNEL_NAME_MAX - 1);
+            return sl_fail(error, SL_ERROR_INPUT, "%s: a channel's name is longer than %d bytes", path,
+                           SL_CHANNEL_NAME_MAX - 1);
         }
     }
     return SL_OK;

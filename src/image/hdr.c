@@ -51,7 +51,7 @@ static sl_status parse_header(hdr_reader *reader, int *width, int *height, sl_er
     if (!next_line(reader, line, sizeof line) || sscanf(line, "-Y %9d +X %9d%c", height, width, &end) != 2) {
         return sl_fail(error, SL_ERROR_INPUT, "%s: expected '-Y height +X width' at the end of the Radiance header", path);
     }
-    /* A run of 127 equal bytes takes two, and there are four bytes a pixel; the old coding repeats up to 255 times in four. */
+    /* A run of 127 equal bytes takes two, and there are four bytes a pixel; the old coding repeats 255 times in four. */
     return sl_check_claimed_size(reader->bytes, *width, *height, 64, error);
 }
 
@@ -120,7 +120,8 @@ static sl_status read_rows(hdr_reader *reader, sl_image *image, sl_error *error)
     sl_status status = SL_OK;
     for (size_t y = 0; y < height && status == SL_OK; y++) {
         if (!read_row(reader, width, rgbe)) {
-            status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged or cut short in row %zu of %zu", reader->bytes->path, y, height);
+            status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged or cut short in row %zu of %zu", reader->bytes->path, y,
+                             height);
             break;
         }
         for (size_t x = 0; x < width; x++) {

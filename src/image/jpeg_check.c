@@ -23,8 +23,8 @@ static bool huffman_tables_are_sound(const uint8_t *segment, size_t size) {
     return true;
 }
 
-/* The position behind the next marker at or after `position`, or 0 where there is none. In a scan's data 0xff is followed by 0;
- * elsewhere that would be junk, which decoders skip alike. */
+/* The position behind the next marker at or after `position`, or 0 where there is none. In a scan's data 0xff is
+ * followed by 0; elsewhere that would be junk, which decoders skip alike. */
 static size_t next_marker(const sl_bytes *bytes, size_t position, uint8_t *marker) {
     for (; position + 1 < bytes->size; position++) {
         uint8_t second = bytes->data[position + 1];

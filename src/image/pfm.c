@@ -128,7 +128,8 @@ sl_status sl_pfm_write(const sl_image *image, sl_output_file *file, sl_error *er
         return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: a PFM needs the channels R, G, B or Y", file->name);
     }
     char header[64];
-    int length = snprintf(header, sizeof header, "%s\n%d %d\n-1.0\n", channels == 3 ? "PF" : "Pf", image->width, image->height);
+    int length = snprintf(header, sizeof header, "%s\n%d %d\n-1.0\n", channels == 3 ? "PF" : "Pf", image->width,
+                          image->height);
     sl_status status = sl_output_write(file, header, (size_t)length, error);
     return status == SL_OK ? write_rows(image, planes, channels, file, error) : status;
 }

@@ -97,7 +97,9 @@ sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *ha
     bool done = false;
     if (!work.info) work.status = sl_fail_memory(error, bytes->path);
     else done = decode_rows(&work, error);
-    if (!done && work.status == SL_OK) work.status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged PNG: %s", bytes->path, work.reason);
+    if (!done && work.status == SL_OK) {
+        work.status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged PNG: %s", bytes->path, work.reason);
+    }
     png_destroy_read_struct(&work.png, &work.info, NULL);
     sl_free(work.rows);
     if (done) {

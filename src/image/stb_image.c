@@ -36,7 +36,7 @@ typedef struct watched_stream {
 static int stream_read(void *user, char *to, int count) {
     watched_stream *stream = user;
     size_t left = stream->bytes->size - stream->position, asked = (size_t)count;
-    /* Its buffer is filled ahead of need, so only a read past what is left, or one that is not such a filling, is an overrun. */
+    /* Its buffer is filled ahead of need, so a filling may come up short; anything else that does is an overrun. */
     bool ahead = asked == sizeof ((stbi__context *)NULL)->buffer_start;
     if (left == 0 || (asked > left && !ahead)) stream->overrun = true;
     if (asked > left) asked = left;
