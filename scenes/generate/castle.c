@@ -298,7 +298,7 @@ static void trees(mesh *m) {
 
 /* A clear sky from zenith to horizon, clouds drawn on a plane overhead, and a sun of three degrees' radius. */
 static v3 sky(v3 d) {
-    const v3 sun = {-0.52, 0.56, 0.6448};
+    const v3 sun = {-0.82, 0.44, 0.37};
     double up = gen_max(d.y, 0.0), towards_sun = gen_dot(d, gen_unit(sun));
     v3 horizon = {0.92, 0.95, 1.0}, zenith = {0.2, 0.38, 0.82};
     v3 c = gen_lerp(horizon, zenith, 1.0 - (1.0 - up) * (1.0 - up) * (1.0 - up));
