@@ -21,14 +21,14 @@ show() { # show NAME SCENE SIZE REFERENCE-SAMPLES
         >"demo/$name-error.json"
     printf '%-8s %8s %8s %10s %10s %10s %12s  %s\n' "$name" "$(value seconds "demo/$name.json")" \
         "$(value records "demo/$name.json")" "$(value rel_rmse "demo/$name-error.json")" \
-        "$(value rel_mse "demo/$name-error.json")" "$(value bias "demo/$name-error.json")" \
+        "$(value rel_mse_less_noise "demo/$name-error.json")" "$(value bias "demo/$name-error.json")" \
         "$(value seconds "demo/$name-reference.json")" "demo/$name.png" >>demo/table.txt
 }
 
 : >demo/table.txt
 show cornell scenes/cornell.json 512x512 256
 show atrium scenes/generated/atrium.json 800x800 64
-printf '\n%-8s %8s %8s %10s %10s %10s %12s  %s\n' scene seconds records relRMSE relMSE bias 'reference s' picture
+printf '\n%-8s %8s %8s %10s %10s %10s %12s  %s\n' scene seconds records relRMSE 'relMSE*' bias 'reference s' picture
 cat demo/table.txt
 echo
-echo 'The errors include the noise of the reference; `softlux compare --help` defines them. demo/*-difference.png show where.'
+echo '* less the noise of the reference; `softlux compare --help` defines the errors. demo/*-difference.png show where they are.'

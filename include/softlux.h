@@ -150,6 +150,8 @@ typedef struct sl_comparison {
     double rel_rmse;      /* rmse / |mean(r)| */
     double rel_mse;       /* mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
     double rel_mse_trimmed; /* the same without the largest 0.1 % of the terms (rounded down to a whole number) */
+    double rel_mse_noise; /* the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it has the layers
+                             even.* and odd.*, two independent halves (the path tracer writes them); else 0 */
     double max_abs;       /* max |x-r| */
     double bias;          /* sum(x-r) / |sum(r)| */
     double ssim;          /* mean structural similarity; 1 where equal */

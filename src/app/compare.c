@@ -16,6 +16,8 @@ static const char details[] =
     "  rel_rmse          rmse / mean(r)\n"
     "  rel_mse           mean((x-r)^2 / (r^2 + 0.01 mean(r)^2))\n"
     "  rel_mse_trimmed   the same without the largest 0.1 % of the terms\n"
+    "  rel_mse_noise     what the noise of B adds to rel_mse, from its layers even.* and odd.*, if any\n"
+    "  rel_mse_less_noise  rel_mse - rel_mse_noise: the error of A alone\n"
     "  max_abs           max |x-r|\n"
     "  bias              sum(x-r) / sum(r)\n"
     "  ssim              mean structural similarity of the luminance, 11x11 Gaussian window, of both pictures times\n"
@@ -119,13 +121,13 @@ static int read_pictures(const compare_request *q, compare_pictures *p) {
 /* ---- the answer --------------------------------------------------------------------------------------------------- */
 
 static void print_real(bool json, const char *name, double value) {
-    if (!json) printf("%-16s %.9g\n", name, value);
+    if (!json) printf("%-19s %.9g\n", name, value);
     else if (isfinite(value)) printf("\"%s\": %.17g, ", name, value);
     else printf("\"%s\": null, ", name); /* JSON has no word for them */
 }
 
 static void print_count(bool json, const char *name, uint64_t value) {
-    printf(json ? "\"%s\": %llu, " : "%-16s %llu\n", name, (unsigned long long)value);
+    printf(json ? "\"%s\": %llu, " : "%-19s %llu\n", name, (unsigned long long)value);
 }
 
 static int print_comparison(const sl_comparison *r, bool json) {
@@ -134,6 +136,8 @@ static int print_comparison(const sl_comparison *r, bool json) {
     print_real(json, "rel_rmse", r->rel_rmse);
     print_real(json, "rel_mse", r->rel_mse);
     print_real(json, "rel_mse_trimmed", r->rel_mse_trimmed);
+    print_real(json, "rel_mse_noise", r->rel_mse_noise);
+    print_real(json, "rel_mse_less_noise", r->rel_mse - r->rel_mse_noise);
     print_real(json, "max_abs", r->max_abs);
     print_real(json, "bias", r->bias);
     print_real(json, "ssim", r->ssim);
@@ -144,7 +148,7 @@ static int print_comparison(const sl_comparison *r, bool json) {
     print_count(json, "negative", r->negative);
     print_count(json, "values", r->values);
     if (json) printf("\"identical\": %s}\n", r->identical ? "true" : "false");
-    else printf("%-16s %s\n", "identical", r->identical ? "yes" : "no");
+    else printf("%-19s %s\n", "identical", r->identical ? "yes" : "no");
     return fflush(stdout) == 0 ? SL_OK : complain("cannot write the standard output", SL_ERROR_OUTPUT);
 }
 
