@@ -127,7 +127,8 @@ static void vault_rib(mesh *m, v2 from, v2 to, double spring, double rise, doubl
     int count = 2 * steps + 1;
     for (int i = 0; i < count; i++) {
         double s = towards_imposts((double)i / steps - 1.0), t = 0.5 * (s + 1.0);
-        path[i] = gen_v3(gen_mix(from.x, to.x, t), spring + rise * gen_arch_height(s, pointedness), gen_mix(from.y, to.y, t));
+        path[i] = gen_v3(gen_mix(from.x, to.x, t), spring + rise * gen_arch_height(s, pointedness),
+                         gen_mix(from.y, to.y, t));
     }
     outline o = {.count = 0};
     gen_to(&o, -0.3 * rib, -0.7 * rib);
@@ -138,7 +139,8 @@ static void vault_rib(mesh *m, v2 from, v2 to, double spring, double rise, doubl
     gen_sweep(m, path, count, gen_v3(from.y - to.y, 0.0, to.x - from.x), o.p, o.count, 0);
 }
 
-void gen_vault_ribs(mesh *m, double a, double b, double spring, double rise, double pointedness, double rib, int steps) {
+void gen_vault_ribs(mesh *m, double a, double b, double spring, double rise, double pointedness, double rib,
+                    int steps) {
     vault_rib(m, (v2){-a, -b}, (v2){a, b}, spring, rise, pointedness, rib, steps);
     vault_rib(m, (v2){-a, b}, (v2){a, -b}, spring, rise, pointedness, rib, steps);
     vault_rib(m, (v2){-a, -b}, (v2){a, -b}, spring, rise, pointedness, 1.3 * rib, steps);

@@ -48,7 +48,8 @@ static void column(mesh *m, double shaft, double radius, int segments) {
         gen_grid(m, leaf, 2, 3, 0);
         m->frame = before;
     }
-    gen_bevel_box(m, gen_v3(-1.5 * radius, shaft - 0.1, -1.5 * radius), gen_v3(1.5 * radius, shaft, 1.5 * radius), 0.02);
+    gen_bevel_box(m, gen_v3(-1.5 * radius, shaft - 0.1, -1.5 * radius), gen_v3(1.5 * radius, shaft, 1.5 * radius),
+                  0.02);
 }
 
 /* A row of bays along x from -half to half, facing +z at z = 0; columns carry it. */
@@ -64,8 +65,10 @@ static void arcade(mesh *m, double half, int bays, double floor, bool lower) {
         cut.spring = 0.0;
         frame springing = gen_move(m, 0, shaft, 0);
         gen_arch_wall(m, &cut, -0.5 * bay, 0.5 * bay, 0.0, top - shaft, wall);
-        gen_quad(m, gen_v3(-0.5 * bay, 0, -0.5 * wall), gen_v3(-open, 0, -0.5 * wall), gen_v3(-open, 0, 0.5 * wall), gen_v3(-0.5 * bay, 0, 0.5 * wall));
-        gen_quad(m, gen_v3(open, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, 0.5 * wall), gen_v3(open, 0, 0.5 * wall));
+        gen_quad(m, gen_v3(-0.5 * bay, 0, -0.5 * wall), gen_v3(-open, 0, -0.5 * wall), gen_v3(-open, 0, 0.5 * wall),
+                 gen_v3(-0.5 * bay, 0, 0.5 * wall));
+        gen_quad(m, gen_v3(open, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, -0.5 * wall), gen_v3(0.5 * bay, 0, 0.5 * wall),
+                 gen_v3(open, 0, 0.5 * wall));
         m->frame = springing;
         gen_paint(m, "archivolts", STONE);
         gen_arch_moulding(m, &a, 0.0, 0.5 * wall, 0.2, 0.06);
@@ -117,12 +120,14 @@ static void gallery_side(mesh *m, double half, int bays, double floor, double to
             gen_quad(m, gen_v3(-0.7, 0, -0.1), gen_v3(0.7, 0, -0.1), gen_v3(0.7, 2.7, -0.1), gen_v3(-0.7, 2.7, -0.1));
             for (int p = 0; p < 4; p++) {
                 double x = -0.55 + 0.6 * (p % 2), y = 0.2 + 1.1 * (p / 2);
-                gen_stone(m, gen_v3(x, y, -0.1), gen_v3(x + 0.5, y, -0.1), gen_v3(x + 0.5, y + 0.9, -0.1), gen_v3(x, y + 0.9, -0.1), 0.03);
+                gen_stone(m, gen_v3(x, y, -0.1), gen_v3(x + 0.5, y, -0.1), gen_v3(x + 0.5, y + 0.9, -0.1),
+                          gen_v3(x, y + 0.9, -0.1), 0.03);
             }
             gen_paint(m, "door_mouldings", STONE);
             gen_arch_moulding(m, &door, 0.0, 0.15, 0.12, 0.05);
         } else {
-            gen_panel(m, gen_v3(-0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, top, 0.15), gen_v3(-0.5 * bay, top, 0.15), 2, 3);
+            gen_panel(m, gen_v3(-0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, 0, 0.15), gen_v3(0.5 * bay, top, 0.15),
+                      gen_v3(-0.5 * bay, top, 0.15), 2, 3);
         }
         m->frame = row;
         gen_paint(m, "beams", WOOD);
@@ -132,14 +137,18 @@ static void gallery_side(mesh *m, double half, int bays, double floor, double to
     gen_paint(m, "gallery_walls", PLASTER);
     for (int end = 0; end < 2; end++) { /* the corners, beyond the bays */
         double x0 = end ? half : -reach, x1 = end ? reach : -half;
-        gen_panel(m, gen_v3(x0, 0, back + 0.15), gen_v3(x1, 0, back + 0.15), gen_v3(x1, top, back + 0.15), gen_v3(x0, top, back + 0.15), 2, 3);
+        gen_panel(m, gen_v3(x0, 0, back + 0.15), gen_v3(x1, 0, back + 0.15), gen_v3(x1, top, back + 0.15),
+                  gen_v3(x0, top, back + 0.15), 2, 3);
     }
     gen_paint(m, "gallery_ceiling", PLASTER);
     double y = top - 0.12;
-    gen_panel(m, gen_v3(-reach, y, back), gen_v3(reach, y, back), gen_v3(half, y, -0.5 * wall), gen_v3(-half, y, -0.5 * wall), 2 * bays, 3);
+    gen_panel(m, gen_v3(-reach, y, back), gen_v3(reach, y, back), gen_v3(half, y, -0.5 * wall),
+              gen_v3(-half, y, -0.5 * wall), 2 * bays, 3);
     gen_paint(m, "gallery_floor", TILE);
-    gen_quad(m, gen_v3(-half, top, 0.5 * wall), gen_v3(half, top, 0.5 * wall), gen_v3(half, top, 0), gen_v3(-half, top, 0));
-    gen_panel(m, gen_v3(-half, top, 0), gen_v3(half, top, 0), gen_v3(reach, top, back - 0.15), gen_v3(-reach, top, back - 0.15), 2 * bays, 3);
+    gen_quad(m, gen_v3(-half, top, 0.5 * wall), gen_v3(half, top, 0.5 * wall), gen_v3(half, top, 0),
+             gen_v3(-half, top, 0));
+    gen_panel(m, gen_v3(-half, top, 0), gen_v3(half, top, 0), gen_v3(reach, top, back - 0.15),
+              gen_v3(-reach, top, back - 0.15), 2 * bays, 3);
     m->frame = before;
 }
 
@@ -159,7 +168,8 @@ static void roof(mesh *m, double half, int rows) {
     }
     gen_paint(m, "eaves", WOOD);
     double inner = half - low_z, outer = half;
-    gen_quad(m, gen_v3(-outer, y, 0.25), gen_v3(outer, y, 0.25), gen_v3(inner, y + 0.04, low_z), gen_v3(-inner, y + 0.04, low_z));
+    gen_quad(m, gen_v3(-outer, y, 0.25), gen_v3(outer, y, 0.25), gen_v3(inner, y + 0.04, low_z),
+             gen_v3(-inner, y + 0.04, low_z));
 }
 
 /* A drape hangs from a rod in front of the upper gallery: pleats that die out towards the rod. */
@@ -203,7 +213,8 @@ static void vase(mesh *m, double x, double z, uint32_t seed) {
         for (int r = 0; r < 5; r++) {
             double t = r / 4.0, w = 0.32 * l * t * (1.0 - t) + (r == 0 ? 0.01 : 0.0);
             v3 stem = gen_v3(0.0, l * lift * (1.6 * t - 0.9 * t * t), l * t);
-            for (int c = 0; c < 3; c++) leaf[3 * r + c] = gen_add(stem, gen_v3(-w * (c - 1), c == 1 ? 0.0 : 0.15 * w, 0.0));
+            for (int c = 0; c < 3; c++)
+                leaf[3 * r + c] = gen_add(stem, gen_v3(-w * (c - 1), c == 1 ? 0.0 : 0.15 * w, 0.0));
         }
         gen_grid(m, leaf, 3, 5, GEN_FLIP);
         m->frame = pot;
@@ -218,7 +229,8 @@ static void court_floor(mesh *m) {
             double sx = 2.0 * half_x / nx, sz = 2.0 * half_z / nz, x = -half_x + sx * i, z = -half_z + sz * k;
             bool border = i < 2 || i >= nx - 2 || k < 2 || k >= nz - 2;
             gen_paint(m, "court_floor", border != ((i + k) % 2 == 0 && !border) ? TILE_DARK : TILE);
-            gen_stone(m, gen_v3(x, -0.006, z + sz), gen_v3(x + sx, -0.006, z + sz), gen_v3(x + sx, -0.006, z), gen_v3(x, -0.006, z), 0.006);
+            gen_stone(m, gen_v3(x, -0.006, z + sz), gen_v3(x + sx, -0.006, z + sz), gen_v3(x + sx, -0.006, z),
+                      gen_v3(x, -0.006, z), 0.006);
         }
     gen_paint(m, "gallery_floor", TILE);
     double rx = half_x + gallery + 0.15, rz = half_z + gallery + 0.15;
@@ -226,7 +238,8 @@ static void court_floor(mesh *m) {
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             if (i != 1 || k != 1)
-                gen_panel(m, gen_v3(x[i], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k]), gen_v3(x[i], 0, z[k]), i == 1 ? 16 : 4, k == 1 ? 8 : 4);
+                gen_panel(m, gen_v3(x[i], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k + 1]), gen_v3(x[i + 1], 0, z[k]),
+                          gen_v3(x[i], 0, z[k]), i == 1 ? 16 : 4, k == 1 ? 8 : 4);
 }
 
 static void fountain(mesh *m) {

@@ -8,7 +8,8 @@
 #include "base/math.h"
 #include "mesh.h"
 
-enum { STONE, DRESSED, SLATE, GRASS, ROAD, WOOD, PLASTER, TILES, DARK, TRUNK, LEAVES, FIR, IRON, FLAG, WATER, MATERIALS };
+enum { STONE, DRESSED, SLATE, GRASS, ROAD, WOOD, PLASTER, TILES, DARK, TRUNK, LEAVES, FIR, IRON, FLAG, WATER,
+      MATERIALS };
 
 static const gen_material materials[MATERIALS] = {
     [STONE] = {"stone", "Kd 0.5 0.45 0.37\n"},
@@ -35,8 +36,8 @@ static double ground(double x, double z) {
     double r = sqrt(x * x + z * z);
     double slope = gen_smoothstep(26.0, 60.0, r), far = gen_smoothstep(60.0, 150.0, r);
     double rolling = gen_fractal(gen_v3(x * 0.035, 0.0, z * 0.035), 4, 601);
-    double y = -9.0 * slope + 2.2 * slope * rolling + far * (14.0 + 16.0 * gen_noise(gen_v3(x * 0.014, 0.0, z * 0.014), 611));
-    return y;
+    double hills = 14.0 + 16.0 * gen_noise(gen_v3(x * 0.014, 0.0, z * 0.014), 611);
+    return -9.0 * slope + 2.2 * slope * rolling + far * hills;
 }
 
 static v3 terrain_point(double u, double v, const void *unused) {
@@ -60,7 +61,8 @@ static void ashlar(mesh *m, double x0, double x1, double y0, double y1, int cour
         for (int i = 0; i <= stones; i++) {
             double shift = c % 2 ? 0.5 : 0.0;
             double a = gen_clamp(x0 + (i - shift) * wide, x0, x1), b = gen_clamp(x0 + (i + 1 - shift) * wide, x0, x1);
-            double y = y0 + c * high, up = 0.03 + 0.05 * gen_random(621, (uint32_t)(c * 64 + i), (uint32_t)(stones * 16 + courses));
+            double y = y0 + c * high;
+            double up = 0.03 + 0.05 * gen_random(621, (uint32_t)(c * 64 + i), (uint32_t)(stones * 16 + courses));
             if (b - a < 0.05) continue;
             gen_stone(m, gen_v3(a, y, 0), gen_v3(b, y, 0), gen_v3(b, y + high, 0), gen_v3(a, y + high, 0), up);
         }
@@ -82,7 +84,8 @@ static void round_courses(mesh *m, double radius, double y0, double y1, int cour
             double low = gen_mix(y0, y1, (double)c / courses), high = gen_mix(y0, y1, (c + 1.0) / courses);
             double foot = 1.0 + 0.12 * (1.0 - gen_smoothstep(0.0, 0.35, (double)c / courses));
             double above = 1.0 + 0.12 * (1.0 - gen_smoothstep(0.0, 0.35, (c + 1.0) / courses));
-            v3 a = gen_v3(sl_cos(from), 0, -sl_sin(from)), b = gen_v3(sl_cos(to), 0, -sl_sin(to)), up = {0, low, 0}, top = {0, high, 0};
+            v3 a = gen_v3(sl_cos(from), 0, -sl_sin(from)), b = gen_v3(sl_cos(to), 0, -sl_sin(to));
+            v3 up = {0, low, 0}, top = {0, high, 0};
             double raised = 0.03 + 0.05 * gen_random(631, (uint32_t)(c * 64 + i), (uint32_t)(radius * 100.0));
             gen_stone(m, gen_add(gen_scale(a, radius * foot), up), gen_add(gen_scale(b, radius * foot), up),
                       gen_add(gen_scale(b, radius * above), top), gen_add(gen_scale(a, radius * above), top), raised);
@@ -126,7 +129,8 @@ static void tower(mesh *m, double x, double z, double radius, double height, dou
         outline cone = {.count = 0};
         gen_to(&cone, 0.0, y);
         gen_sharp(&cone, r, y);
-        for (int i = 1; i <= 6; i++) gen_to(&cone, r * (1.0 - i / 6.0) * (0.9 + 0.1 * (1.0 - i / 6.0)), y + roof * i / 6.0);
+        for (int i = 1; i <= 6; i++) gen_to(&cone, r * (1.0 - i / 6.0) * (0.9 + 0.1 * (1.0 - i / 6.0)),
+                                            y + roof * i / 6.0);
         gen_lathe(m, cone.p, cone.count, 24);
         gen_paint(m, "roof_posts", WOOD);
         gen_rod(m, gen_v3(0, height + 0.5, 0), gen_v3(0, y + roof + 2.0, 0), 0.09, 0.05, 6);
@@ -134,7 +138,8 @@ static void tower(mesh *m, double x, double z, double radius, double height, dou
         v3 cloth[18];
         for (int c = 0; c < 9; c++)
             for (int row = 0; row < 2; row++)
-                cloth[row * 9 + c] = gen_v3(0.05 + 0.22 * c, y + roof + 0.9 + row * (1.0 - 0.06 * c) - 0.03 * c, 0.16 * sl_sin(0.9 * c) * c / 8.0);
+                cloth[row * 9 + c] = gen_v3(0.05 + 0.22 * c, y + roof + 0.9 + row * (1.0 - 0.06 * c) - 0.03 * c,
+                                            0.16 * sl_sin(0.9 * c) * c / 8.0);
         gen_grid(m, cloth, 9, 2, 0);
     }
     m->frame = before;
@@ -144,9 +149,11 @@ static void tower(mesh *m, double x, double z, double radius, double height, dou
 static void curtain_wall(mesh *m, double x0, double x1, int stones) {
     gen_paint(m, "curtain_walls", STONE);
     ashlar(m, x0, x1, -1.5, curtain, 9, stones);
-    gen_panel(m, gen_v3(x1, -0.1, -thick), gen_v3(x0, -0.1, -thick), gen_v3(x0, curtain, -thick), gen_v3(x1, curtain, -thick), 6, 3);
+    gen_panel(m, gen_v3(x1, -0.1, -thick), gen_v3(x0, -0.1, -thick), gen_v3(x0, curtain, -thick),
+              gen_v3(x1, curtain, -thick), 6, 3);
     gen_paint(m, "wall_walks", DRESSED);
-    gen_panel(m, gen_v3(x0, curtain, 0), gen_v3(x1, curtain, 0), gen_v3(x1, curtain, -thick), gen_v3(x0, curtain, -thick), 6, 1);
+    gen_panel(m, gen_v3(x0, curtain, 0), gen_v3(x1, curtain, 0), gen_v3(x1, curtain, -thick),
+              gen_v3(x0, curtain, -thick), 6, 1);
     merlons(m, x0, x1, curtain, 0.0, (int)((x1 - x0) / 2.0 + 0.5));
 }
 
@@ -177,7 +184,7 @@ static void gatehouse(mesh *m) {
     for (int side = -1; side <= 1; side += 2) tower(m, side * 4.8, half_z - 0.4, 2.3, 10.0, 5.0, 12, 16);
 }
 
-/* A house with a gabled roof along x; low half: w x d. */
+/* A house of 2 w by 2 d with a gabled roof along x. */
 static void house(mesh *m, double x, double z, double degrees, double w, double d, double eaves, uint32_t roof) {
     frame before = gen_move(m, x, 0, z);
     gen_turn(m, degrees);
@@ -193,7 +200,8 @@ static void house(mesh *m, double x, double z, double degrees, double w, double 
         for (int c = 0; c < 8; c++) {
             double t0 = c / 8.0, t1 = (c + 1.0) / 8.0;
             double y0 = gen_mix(eaves - drop, ridge, t0), y1 = gen_mix(eaves - drop, ridge, t1);
-            double z0 = gen_mix(d * (1.0 + drop / (ridge - eaves)), 0.0, t0), z1 = gen_mix(d * (1.0 + drop / (ridge - eaves)), 0.0, t1);
+            double z0 = gen_mix(d * (1.0 + drop / (ridge - eaves)), 0.0,
+                                t0), z1 = gen_mix(d * (1.0 + drop / (ridge - eaves)), 0.0, t1);
             v3 a = gen_v3(-w - out, y0 + 0.12, z0), b = gen_v3(w + out, y0 + 0.12, z0);
             gen_panel(m, a, b, gen_v3(w + out, y1 + 0.06, z1), gen_v3(-w - out, y1 + 0.06, z1), 6, 1);
             gen_quad(m, gen_v3(-w - out, y0 + 0.0, z0), gen_v3(w + out, y0 + 0.0, z0), b, a);
@@ -209,7 +217,8 @@ static void house(mesh *m, double x, double z, double degrees, double w, double 
     gen_box(m, gen_v3(-w, eaves - 0.2, d), gen_v3(w, eaves, d + 0.07));
     gen_paint(m, "doors_and_windows", DARK);
     gen_box(m, gen_v3(-0.25 * w - 0.4, 0, d - 0.1), gen_v3(-0.25 * w + 0.4, 1.9, d + 0.03));
-    for (int i = 0; i < 2; i++) gen_box(m, gen_v3(w * (i ? 0.6 : 0.1), 1.0, d - 0.1), gen_v3(w * (i ? 0.6 : 0.1) + 0.6, 1.8, d + 0.03));
+    for (int i = 0; i < 2; i++) gen_box(m, gen_v3(w * (i ? 0.6 : 0.1), 1.0, d - 0.1),
+                                        gen_v3(w * (i ? 0.6 : 0.1) + 0.6, 1.8, d + 0.03));
     m->frame = before;
 }
 
@@ -240,7 +249,8 @@ static void keep(mesh *m) {
         m->frame = here;
     }
     gen_paint(m, "keep_deck", DRESSED);
-    gen_quad(m, gen_v3(-half, height, half), gen_v3(half, height, half), gen_v3(half, height, -half), gen_v3(-half, height, -half));
+    gen_quad(m, gen_v3(-half, height, half), gen_v3(half, height, half), gen_v3(half, height, -half),
+             gen_v3(-half, height, -half));
     m->frame = before;
 }
 
@@ -258,7 +268,8 @@ static void well(mesh *m) {
     const v2 disc[] = {{0.74, -0.4}, {0.0, -0.4}};
     gen_lathe(m, disc, 2, 20);
     gen_paint(m, "well_frame", WOOD);
-    for (int i = -1; i <= 1; i += 2) gen_box(m, gen_v3(0.85 * i - 0.07, 0.8, -0.07), gen_v3(0.85 * i + 0.07, 2.2, 0.07));
+    for (int i = -1; i <= 1; i += 2) gen_box(m, gen_v3(0.85 * i - 0.07, 0.8, -0.07),
+                                             gen_v3(0.85 * i + 0.07, 2.2, 0.07));
     gen_rod(m, gen_v3(-0.95, 1.6, 0), gen_v3(0.95, 1.6, 0), 0.07, 0.07, 8);
     gen_rod(m, gen_v3(0, 0.9, 0), gen_v3(0, 1.6, 0), 0.012, 0.012, 5);
     gen_paint(m, "well_roof", TILES);
@@ -336,7 +347,8 @@ void gen_castle(const char *folder) {
     gen_paint(&m, "road", ROAD);
     gen_surface(&m, 4, 60, GEN_FLIP, road_point, NULL);
     gen_paint(&m, "yard", ROAD);
-    gen_panel(&m, gen_v3(-half_x, 0.05, half_z), gen_v3(half_x, 0.05, half_z), gen_v3(half_x, 0.05, -half_z), gen_v3(-half_x, 0.05, -half_z), 12, 10);
+    gen_panel(&m, gen_v3(-half_x, 0.05, half_z), gen_v3(half_x, 0.05, half_z), gen_v3(half_x, 0.05, -half_z),
+              gen_v3(-half_x, 0.05, -half_z), 12, 10);
     for (int s = 0; s < 4; s++) {
         frame before = gen_turn(&m, 90.0 * s);
         double out = s % 2 ? half_x : half_z, along = s % 2 ? half_z : half_x;
@@ -350,7 +362,8 @@ void gen_castle(const char *folder) {
         m.frame = before;
     }
     for (int i = 0; i < 4; i++)
-        tower(&m, i & 1 ? half_x : -half_x, i & 2 ? half_z : -half_z, 3.6, i == 0 ? 15.0 : 12.0, i == 1 ? 0.0 : 7.0, 12, 18);
+        tower(&m, i & 1 ? half_x : -half_x, i & 2 ? half_z : -half_z, 3.6, i == 0 ? 15.0 : 12.0, i == 1 ? 0.0 : 7.0,
+              12, 18);
     gatehouse(&m);
     keep(&m);
     house(&m, 11.5, -8.5, 0.0, 4.0, 2.6, 3.4, TILES);

@@ -111,11 +111,13 @@ static void nave_side(mesh *m, int index) {
         m->frame = row;
     }
     gen_paint(m, "triforium_back", SHAFT);
-    gen_quad(m, gen_v3(-0.5 * bay, 0.2, -0.48), gen_v3(0.5 * bay, 0.2, -0.48), gen_v3(0.5 * bay, 2.1, -0.48), gen_v3(-0.5 * bay, 2.1, -0.48));
+    gen_quad(m, gen_v3(-0.5 * bay, 0.2, -0.48), gen_v3(0.5 * bay, 0.2, -0.48), gen_v3(0.5 * bay, 2.1, -0.48),
+             gen_v3(-0.5 * bay, 2.1, -0.48));
     m->frame = before;
     gen_paint(m, "string_courses", SHAFT);
     const double courses[2] = {triforium, clerestory};
-    for (int i = 0; i < 2; i++) gen_bevel_box(m, gen_v3(-0.5 * bay, courses[i] - 0.1, 0.4 * wall), gen_v3(0.5 * bay, courses[i] + 0.06, 0.5 * wall + 0.13), 0.05);
+    for (int i = 0; i < 2; i++) gen_bevel_box(m, gen_v3(-0.5 * bay, courses[i] - 0.1, 0.4 * wall),
+                                              gen_v3(0.5 * bay, courses[i] + 0.06, 0.5 * wall + 0.13), 0.05);
 
     gen_move(m, 0, clerestory, 0);
     const arch window = {1.1, 3.0, 1.9, 0.95, 6};
@@ -269,7 +271,8 @@ static void round_opening(mesh *m, double x, double low, double top, double y, d
             for (int j = 0; j < 32; j++) {
                 v3 a = outer[j], b = outer[j + 1];
                 bool a_side = a.x * corner[i] > 0.0 && (a.y > y) == (k == 1), b_side = b.x * corner[i] > 0.0 && (b.y > y) == (k == 1);
-                bool turns = (gen_max(a.x * a.x, b.x * b.x) >= x * x - 1e-9) && (gen_min(a.x * a.x, b.x * b.x) < x * x - 1e-9);
+                bool turns = (gen_max(a.x * a.x, b.x * b.x) >= x * x - 1e-9) && (gen_min(a.x * a.x,
+                                                                                         b.x * b.x) < x * x - 1e-9);
                 if (a_side && b_side && turns) gen_triangle(m, a, c, b);
             }
         }
@@ -316,7 +319,8 @@ static void apse(mesh *m) {
         double angle = (90.0 - 36.0 * i - 18.0) * SL_PI / 180.0;
         for (int k = 0; k <= 12; k++) {
             double s = 1.0 - (k / 12.0) * (k / 12.0);
-            path[12 - k] = gen_v3(-r * s * sl_sin(angle), spring + rise * gen_arch_height(s, 0.8) - 0.02, -r * s * sl_cos(angle));
+            path[12 - k] = gen_v3(-r * s * sl_sin(angle), spring + rise * gen_arch_height(s, 0.8) - 0.02,
+                                  -r * s * sl_cos(angle));
         }
         for (int k = 1; k <= 12; k++) gen_rod(m, path[k - 1], path[k], 0.1, 0.1, 6);
     }
@@ -344,15 +348,19 @@ static void floors(mesh *m) {
     const double outer = half_nave + wall + aisle, size = 1.2;
     for (int k = 0; k * size < BAYS * bay - 1e-6; k++)
         for (int i = -8; i < 8; i++) {
-            double x0 = gen_max(i * size, -outer), x1 = gen_min((i + 1) * size, outer), z0 = -k * size, z1 = -(k + 1) * size;
+            double x0 = gen_max(i * size, -outer), x1 = gen_min((i + 1) * size,
+                                                                outer), z0 = -k * size, z1 = -(k + 1) * size;
             gen_paint(m, "floor", (i + k) & 1 ? FLOOR_DARK : FLOOR_LIGHT);
-            gen_stone(m, gen_v3(x0, -0.004, z0), gen_v3(x1, -0.004, z0), gen_v3(x1, -0.004, z1), gen_v3(x0, -0.004, z1), 0.004);
+            gen_stone(m, gen_v3(x0, -0.004, z0), gen_v3(x1, -0.004, z0), gen_v3(x1, -0.004, z1),
+                      gen_v3(x0, -0.004, z1), 0.004);
         }
     double end = -BAYS * bay, edge = outer + 0.5;
     gen_paint(m, "floor", FLOOR_DARK); /* seen in the joints */
-    gen_quad(m, gen_v3(-edge, -0.004, 0.5), gen_v3(edge, -0.004, 0.5), gen_v3(edge, -0.004, end), gen_v3(-edge, -0.004, end));
+    gen_quad(m, gen_v3(-edge, -0.004, 0.5), gen_v3(edge, -0.004, 0.5), gen_v3(edge, -0.004, end),
+             gen_v3(-edge, -0.004, end));
     gen_paint(m, "chancel_steps", FLOOR_LIGHT);
-    for (int i = 0; i < 3; i++) gen_bevel_box(m, gen_v3(-half_nave, -0.1, end - 5.2), gen_v3(half_nave, 0.16 * (i + 1), end + 1.6 - 0.4 * i), 0.02);
+    for (int i = 0; i < 3; i++) gen_bevel_box(m, gen_v3(-half_nave, -0.1, end - 5.2),
+                                              gen_v3(half_nave, 0.16 * (i + 1), end + 1.6 - 0.4 * i), 0.02);
     gen_paint(m, "carpet", CARPET);
     gen_box(m, gen_v3(-0.75, 0, end + 1.6), gen_v3(0.75, 0.012, -1.0));
     gen_paint(m, "altar", ALTAR);

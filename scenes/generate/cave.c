@@ -61,14 +61,16 @@ static v3 drip_point(double u, double v, const void *context) {
     double angle = 2.0 * SL_PI * u * (d->height > 0.0 ? 1.0 : -1.0), rest = 1.0 - v;
     double r = v >= 1.0 ? 0.0 : d->width * (0.12 + 0.5 * rest * rest + 0.4 * rest * rest * rest * rest * rest * rest);
     v3 p = gen_v3(r * sl_cos(angle), d->height * v, -r * sl_sin(angle));
-    double rings = 1.0 + 0.16 * gen_noise(gen_v3(0, 9.0 * v, 3.0), d->seed) + 0.14 * gen_fractal(gen_scale(p, 5.0), 2, d->seed + 1);
+    double rings = 1.0 + 0.16 * gen_noise(gen_v3(0, 9.0 * v, 3.0), d->seed) + 0.14 * gen_fractal(gen_scale(p, 5.0), 2,
+                                                                                                 d->seed + 1);
     double lean = 0.12 * d->width * v * v;
     return gen_add(d->root, gen_v3(p.x * rings + lean, p.y, p.z * rings));
 }
 
 static void dripstones(mesh *m) {
     for (uint32_t i = 0; i < 40; i++) {
-        double v = 0.16 + 0.70 * (i + gen_random(71, i, 0)) / 40.0, u = 0.25 + 0.17 * (2.0 * gen_random(72, i, 0) - 1.0);
+        double v = 0.16 + 0.70 * (i + gen_random(71, i, 0)) / 40.0, u = 0.25 + 0.17 * (2.0 * gen_random(72, i,
+                                                                                                        0) - 1.0);
         v3 roof = rock_point(u, v, NULL), ground = gen_v3(roof.x, 0, roof.z);
         ground.y = floor_height(ground);
         double space = roof.y - ground.y, tall = space * (0.2 + 0.35 * gen_random(73, i, 0));

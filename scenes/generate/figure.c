@@ -22,7 +22,8 @@ static void tiles(mesh *m) {
         for (int i = 0; i < n; i++) {
             double s = 2.0 * half / n, x = -half + s * i, z = -half + s * k;
             gen_paint(m, "floor", (i + k) % 2 ? DARK_TILE : LIGHT_TILE);
-            gen_stone(m, gen_v3(x, -0.003, z + s), gen_v3(x + s, -0.003, z + s), gen_v3(x + s, -0.003, z), gen_v3(x, -0.003, z), 0.003);
+            gen_stone(m, gen_v3(x, -0.003, z + s), gen_v3(x + s, -0.003, z + s), gen_v3(x + s, -0.003, z),
+                      gen_v3(x, -0.003, z), 0.003);
         }
 }
 
@@ -104,7 +105,8 @@ void gen_figure(const char *folder) {
     gen_mesh_init(&m, materials, MATERIALS);
     tiles(&m);
     gen_paint(&m, "ceiling", WALL);
-    gen_quad(&m, gen_v3(-half, tall, -half), gen_v3(half, tall, -half), gen_v3(half, tall, half), gen_v3(-half, tall, half));
+    gen_quad(&m, gen_v3(-half, tall, -half), gen_v3(half, tall, -half), gen_v3(half, tall, half),
+             gen_v3(-half, tall, half));
     for (int i = 0; i < 4; i++) {
         frame before = gen_turn(&m, 90.0 * i);
         side(&m);

@@ -80,7 +80,8 @@ static void put_faces(FILE *file, const mesh *m) {
             fprintf(file, "usemtl %s\n", m->materials[r->material].name);
         }
         const gen_corner *f = m->faces[i];
-        fprintf(file, "f %u//%u %u//%u %u//%u\n", f[0].position + 1, f[0].normal + 1, f[1].position + 1, f[1].normal + 1,
+        fprintf(file, "f %u//%u %u//%u %u//%u\n", f[0].position + 1, f[0].normal + 1, f[1].position + 1,
+                f[1].normal + 1,
                 f[2].position + 1, f[2].normal + 1);
     }
 }

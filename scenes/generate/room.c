@@ -143,8 +143,10 @@ static void door(mesh *m) {
     gen_quad(m, gen_v3(1.0, 0, -0.1), gen_v3(1.95, 0, -0.1), gen_v3(1.95, 2.1, -0.1), gen_v3(1.0, 2.1, -0.1));
     for (int i = 0; i < 2; i++) {
         double x = 1.1 + 0.4 * i;
-        gen_stone(m, gen_v3(x, 0.2, -0.1), gen_v3(x + 0.34, 0.2, -0.1), gen_v3(x + 0.34, 0.9, -0.1), gen_v3(x, 0.9, -0.1), 0.02);
-        gen_stone(m, gen_v3(x, 1.1, -0.1), gen_v3(x + 0.34, 1.1, -0.1), gen_v3(x + 0.34, 1.95, -0.1), gen_v3(x, 1.95, -0.1), 0.02);
+        gen_stone(m, gen_v3(x, 0.2, -0.1), gen_v3(x + 0.34, 0.2, -0.1), gen_v3(x + 0.34, 0.9, -0.1),
+                  gen_v3(x, 0.9, -0.1), 0.02);
+        gen_stone(m, gen_v3(x, 1.1, -0.1), gen_v3(x + 0.34, 1.1, -0.1), gen_v3(x + 0.34, 1.95, -0.1),
+                  gen_v3(x, 1.95, -0.1), 0.02);
     }
     gen_box(m, gen_v3(0.9, 0, 0), gen_v3(1.0, 2.2, 0.025));
     gen_box(m, gen_v3(1.95, 0, 0), gen_v3(2.05, 2.2, 0.025));
@@ -291,7 +293,8 @@ static void picture(mesh *m, double x, double y, double w, double h, uint32_t ca
     gen_paint(m, "picture_frames", DARK_WOOD);
     gen_sweep(m, corners, 4, gen_v3(0, 0, 1), o.p, o.count, GEN_WRAP_COLUMNS | GEN_FLAT);
     gen_paint(m, "pictures", canvas);
-    gen_quad(m, gen_v3(-w / 2, -h / 2, 0.012), gen_v3(w / 2, -h / 2, 0.012), gen_v3(w / 2, h / 2, 0.012), gen_v3(-w / 2, h / 2, 0.012));
+    gen_quad(m, gen_v3(-w / 2, -h / 2, 0.012), gen_v3(w / 2, -h / 2, 0.012), gen_v3(w / 2, h / 2, 0.012),
+             gen_v3(-w / 2, h / 2, 0.012));
     m->frame = before;
 }
 
@@ -308,7 +311,8 @@ static void floor_lamp(mesh *m) {
     gen_to(&o, 0.0, 1.5);
     gen_lathe(m, o.p, o.count, 14);
     gen_paint(m, "lamp_shade", SHADE);
-    v2 shade[] = {{0.24, 1.38}, {0.14, 1.72}, {0.14, 1.72}, {0.135, 1.72}, {0.135, 1.72}, {0.235, 1.38}, {0.235, 1.38}, {0.24, 1.38}};
+    v2 shade[] = {{0.24, 1.38}, {0.14, 1.72}, {0.14, 1.72}, {0.135, 1.72}, {0.135, 1.72}, {0.235, 1.38}, {0.235, 1.38},
+                  {0.24, 1.38}};
     gen_lathe(m, shade, 8, 18);
     m->frame = before;
 }

@@ -49,10 +49,13 @@ static double arms(v3 p) {
     d = gen_min(d, blend(limb(p, left[0], left[1], 0.068, 0.053), limb(p, left[1], left[2], 0.052, 0.032), 0.03));
     for (int finger = 0; finger < 4; finger++) { /* the left hand's fingers hold the globe, the right's a book */
         double f = finger - 1.5;
-        d = blend(d, limb(p, gen_v3(0.36 + 0.018 * f, 1.66, 0.21), gen_v3(0.36 + 0.03 * f, 1.715, 0.262), 0.012, 0.01), 0.02);
-        d = blend(d, limb(p, gen_v3(-0.1, 1.17 + 0.014 * f, 0.25), gen_v3(-0.03, 1.17 + 0.02 * f, 0.285), 0.011, 0.01), 0.02);
+        d = blend(d, limb(p, gen_v3(0.36 + 0.018 * f, 1.66, 0.21), gen_v3(0.36 + 0.03 * f, 1.715, 0.262), 0.012, 0.01),
+                  0.02);
+        d = blend(d, limb(p, gen_v3(-0.1, 1.17 + 0.014 * f, 0.25), gen_v3(-0.03, 1.17 + 0.02 * f, 0.285), 0.011, 0.01),
+                  0.02);
     }
-    d = blend(d, limb(p, gen_v3(-0.28, 1.22, 0.04), gen_v3(-0.3, 0.95, 0.09), 0.075, 0.04), 0.06);     /* sleeves hang */
+    d = blend(d, limb(p, gen_v3(-0.28, 1.22, 0.04), gen_v3(-0.3, 0.95, 0.09), 0.075, 0.04),
+              0.06);     /* sleeves hang */
     d = blend(d, limb(p, gen_v3(0.34, 1.34, 0.05), gen_v3(0.36, 1.06, 0.03), 0.07, 0.04), 0.06);
     return d;
 }
@@ -69,11 +72,13 @@ static double robe(v3 p) {
     chest = blend(chest, limb(p, gen_v3(-0.15, 1.52, -0.01), gen_v3(0.15, 1.52, -0.01), 0.07, 0.07), 0.08);
     double hips = ellipsoid(p, gen_v3(0, 1.02, 0), gen_v3(0.19, 0.2, 0.15));
     double skirt = limb(p, gen_v3(0, 0.95, 0), gen_v3(0, 0.0, 0.02), 0.18, 0.3);
-    skirt = blend(skirt, limb(p, gen_v3(0.09, 0.9, 0.04), gen_v3(0.12, 0.5, 0.19), 0.1, 0.075), 0.12); /* the bent knee */
+    skirt = blend(skirt, limb(p, gen_v3(0.09, 0.9, 0.04), gen_v3(0.12, 0.5, 0.19), 0.1, 0.075),
+                  0.12); /* the bent knee */
     double cape = limb(p, gen_v3(0, 1.45, -0.1), gen_v3(0, 0.05, -0.24), 0.14, 0.24);
     double d = blend(blend(chest, hips, 0.12), blend(skirt, cape, 0.06), 0.1);
     double belt = fabs(p.y - 1.19 - 0.1 * p.x) - 0.02;
-    d -= 0.012 * (1.0 - gen_smoothstep(0.0, 0.012, belt)); /* a belt stands out, the cloth is gathered above and below */
+    d -= 0.012 * (1.0 - gen_smoothstep(0.0, 0.012,
+                                       belt)); /* a belt stands out, the cloth is gathered above and below */
     return d + folds(p, 0.012 + 0.026 * gen_smoothstep(1.3, 0.2, p.y));
 }
 

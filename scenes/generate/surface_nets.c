@@ -110,7 +110,8 @@ static void join_vertices(net *n, int j) {
             const double *lower = n->value[0] + k * row + i;
             bool in = lower[0] < 0.0;
             int c = k * nx + i; /* the cell above and beyond this grid point */
-            if (in != (n->value[1][k * row + i] < 0.0)) quad(n, !in, here[c - 1], here[c], here[c - nx], here[c - nx - 1]);
+            if (in != (n->value[1][k * row + i] < 0.0)) quad(n, !in, here[c - 1], here[c], here[c - nx],
+                                                             here[c - nx - 1]);
             if (j == 0) continue;
             if (in != (lower[1] < 0.0)) quad(n, !in, below[c - nx], here[c - nx], here[c], below[c]);
             if (in != (lower[row] < 0.0)) quad(n, !in, below[c - 1], below[c], here[c], here[c - 1]);
