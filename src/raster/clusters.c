@@ -207,7 +207,7 @@ static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
     for (int k = 0; k < 4; k++) *ranges[k] = claim(r, &ok, padded, sizeof(uint32_t));
     float **positions[3] = {&r->vertex_x, &r->vertex_y, &r->vertex_z};
     for (int k = 0; k < 3; k++) *positions[k] = claim(r, &ok, vertices, sizeof(float));
-    for (int k = 0; k < 3; k++) r->corner[k] = claim(r, &ok, triangles, sizeof(uint16_t));
+    for (int k = 0; k < 3; k++) r->corner[k] = claim(r, &ok, triangles + SL_LANES, sizeof(uint16_t));
     r->triangle = claim(r, &ok, triangles, sizeof(uint32_t));
     r->triangle_masked = claim(r, &ok, triangles, 1);
     return ok;

@@ -53,7 +53,7 @@ struct sl_raster {
 
     /* Positions, welded within a cluster by their bits; every cluster starts at a multiple of SL_LANES. */
     float *vertex_x, *vertex_y, *vertex_z;
-    uint16_t *corner[3];     /* cluster-local vertex of each corner, in cluster order */
+    uint16_t *corner[3];     /* cluster-local vertex of each corner, in cluster order; a group of padding at the end */
     uint32_t *triangle;      /* the scene's index of each */
     uint8_t *triangle_masked;
     size_t memory_bytes;

@@ -78,9 +78,9 @@ static void gather_accepted(const render *r, uint32_t first, const uint8_t *acce
             batch->depth[k][base + n] = from->depth[v];
         }
     }
+    for (uint32_t n = 0; n < count; n++) batch->id[base + n] = raster->triangle[first + accepted[n]];
     for (uint32_t n = 0; n < count; n++) {
-        batch->id[base + n] = raster->triangle[first + accepted[n]];
-        batch->masked[base + n] = raster->triangle_masked[first + accepted[n]];
+        batch->masked[base + n] = raster->masked && raster->triangle_masked[first + accepted[n]];
     }
     batch->count += count;
 }

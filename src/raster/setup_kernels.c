@@ -199,11 +199,12 @@ enum { CULLED, ACCEPTED, ELSEWHERE, CLIPPED, DROPPED }; /* ELSEWHERE: on the tar
 
 /* A vertex's cell is (i, j) = (ceil(u / 256), ceil(v / 256)): pixel centres lie at multiples of 256, the least u is inclusive and the
  * largest exclusive by the fill rule, so a triangle's box holds a centre only if its corners' cells differ in i and in j. Cells
- * of vertices on the screen fit 16 bits, so one gathered word says it for each corner. */
+ * of vertices on the screen fit 16 bits, so one gathered word says it for each corner. A whole group at a time: what lies beyond the
+ * cluster's last triangle is not looked at. */
 static void classify_inside(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
-                            uint32_t count, const int32_t *restrict cell, int32_t y0, int32_t y1, uint8_t *restrict class) {
+                            const int32_t *restrict cell, int32_t y0, int32_t y1, uint8_t *restrict class) {
 #pragma omp simd
-    for (uint32_t t = 0; t < count; t++) {
+    for (int t = 0; t < SL_LANES; t++) {
         int32_t p = cell[c0[t]], q = cell[c1[t]], r = cell[c2[t]];
         int32_t px = p & 0xffff, qx = q & 0xffff, rx = r & 0xffff, py = p >> 16, qy = q >> 16, ry = r >> 16;
         int32_t low_y = min3(py, qy, ry), high_y = max3(py, qy, ry);
@@ -227,8 +228,8 @@ static void classify_crossing(const uint16_t *restrict c0, const uint16_t *restr
 }
 
 static uint32_t count_class(const uint8_t *restrict class, uint32_t count, uint8_t which) {
-    uint32_t found = 0;
-    for (uint32_t t = 0; t < count; t++) found += class[t] == which;
+    uint8_t found = 0; /* at most SL_CLUSTER_TRIANGLES */
+    for (uint32_t t = 0; t < count; t++) found = (uint8_t)(found + (class[t] == which));
     return found;
 }
 
@@ -247,7 +248,9 @@ static sl_classes classify(const sl_raster *r, uint32_t cluster, const sl_pass_v
     const uint16_t *corner[3] = {r->corner[0] + first, r->corner[1] + first, r->corner[2] + first};
     uint8_t class[SL_CLUSTER_TRIANGLES];
     sl_classes result = {0, 0, 0, 0};
-    classify_inside(corner[0], corner[1], corner[2], count, b->cell, view->y0, view->y1, class);
+    for (uint32_t t = 0; t < count; t += SL_LANES) {
+        classify_inside(corner[0] + t, corner[1] + t, corner[2] + t, b->cell, view->y0, view->y1, class + t);
+    }
     int32_t codes = 0;
     for (uint32_t i = 0; i < r->vertices[cluster]; i++) codes |= b->code[i];
     if (codes) classify_crossing(corner[0], corner[1], corner[2], count, b->code, class);
