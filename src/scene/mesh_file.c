@@ -10,8 +10,8 @@
 #include "base/memory.h"
 #include "scene/file.h"
 #include "scene/gltf.h"
+#include "scene/header_check.h"
 #include "scene/obj_check.h"
-#include "scene/ply_check.h"
 
 enum { DEEPEST_NODE = 1000 };
 
@@ -226,7 +226,7 @@ static sl_status import(const char *path, const struct aiScene **file, sl_error 
 static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl_gltf *gltf, sl_error *error) {
     if (is_gltf) return sl_gltf_read(path, gltf, error);
     if (sl_file_has_extension(path, ".obj")) return sl_obj_check(path, model, error);
-    return sl_ply_check(path, error);
+    return sl_header_check(path, error);
 }
 
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {

@@ -150,7 +150,9 @@ static sl_status check_corner(checker *c) {
 static sl_status check_face(checker *c) {
     sl_status status = SL_OK;
     for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c)) status = check_corner(c);
-    return status;
+    if (status != SL_OK || peek(c) != '#') return status;
+    /* The importer takes the comment for a corner. */
+    return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected no comment behind a face: put it on a line of its own", c->path, c->line);
 }
 
 /* ---- lines ---------------------------------------------------------------------------------------------------------------- */

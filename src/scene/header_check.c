@@ -1,4 +1,4 @@
-#include "scene/ply_check.h"
+#include "scene/header_check.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -93,14 +93,32 @@ static sl_status check(header *h, const char *data, size_t size) {
                    h->path, h->smallest, left - 1.0);
 }
 
-sl_status sl_ply_check(const char *path, sl_error *error) {
+/* ---- OFF ------------------------------------------------------------------------------------------------------------------ */
+
+/* "OFF", then how many vertices and faces there are. A vertex takes six bytes ("0 0 0\n"), a face two. */
+static sl_status check_off(const char *path, const char *data, size_t size, sl_error *error) {
+    double vertices = 0.0, faces = 0.0;
+    const char *at = strpbrk(data, "\r\n");
+    if (!at || sscanf(at, " %lf %lf", &vertices, &faces) != 2) return SL_OK; /* comments, say: the importer's business */
+    double smallest = 6.0 * vertices + 2.0 * faces;
+    if (smallest <= (double)size) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: expected at least %.0f bytes for %.0f vertices and %.0f faces, got %zu", path, smallest,
+                   vertices, faces, size);
+}
+
+static bool begins_with(const char *data, size_t size, const char *word) {
+    size_t length = strlen(word);
+    return size > length && memcmp(data, word, length) == 0 && (data[length] == '\n' || data[length] == '\r');
+}
+
+sl_status sl_header_check(const char *path, sl_error *error) {
     char *data;
     size_t size;
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
     header h = {.path = path, .line = 1, .error = error};
-    bool named = sl_file_has_extension(path, ".ply"), begins = size > 3 && memcmp(data, "ply", 3) == 0 && (data[3] == '\n' || data[3] == '\r');
-    if (named || begins) status = check(&h, data, size);
+    if (sl_file_has_extension(path, ".ply") || begins_with(data, size, "ply")) status = check(&h, data, size);
+    else if (sl_file_has_extension(path, ".off") || begins_with(data, size, "OFF")) status = check_off(path, data, size, error);
     sl_free(data);
     return status;
 }

@@ -1,0 +1,391 @@
+/* Scene and mesh files: what good ones give, and that each mistake is one line that names file, line and what was expected. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "scene/scene.h"
+#include "scene_files.h"
+
+static const char box_obj[] = "mtllib box.mtl\n"
+                              "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n"
+                              "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                              "usemtl wall\nf 1/1 2/2 3/3\nusemtl lamp\nf -4/-4 -2/-2 -1/-1\n";
+static const char box_mtl[] = "newmtl wall\nKd 0.1 0.2 0.3\nKs 0.4 0.4 0.4\nNs 25\nmap_Kd texel.png\nillum 2\n"
+                              "newmtl lamp\nKd 0 0 0\nKe 17 12 4\n"
+                              "newmtl glass\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 5\n";
+
+static void write_box(void) {
+    scene_file_text("box.obj", box_obj);
+    scene_file_text("box.mtl", box_mtl);
+    sl_image *image;
+    assert_int_equal(sl_image_create(2, 1, 3, NULL, &image, NULL), SL_OK);
+    image->planes[0] = 1.0f; /* red, black */
+    scene_file_text("texel.png", "");
+    assert_int_equal(sl_image_write(image, scene_file_path("texel.png"), NULL), SL_OK);
+    sl_image_destroy(image);
+}
+
+static sl_scene *load(const char *path) {
+    sl_scene *scene;
+    sl_error error = {0};
+    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    return scene;
+}
+
+static sl_scene *load_json(const char *json) {
+    write_box();
+    return load(scene_file_text("scene.json", json));
+}
+
+static bool warns_of(const sl_scene *scene, const char *part) {
+    for (size_t i = 0; i < sl_scene_warning_count(scene); i++) {
+        if (strstr(sl_scene_warning(scene, i), part)) return true;
+    }
+    return false;
+}
+
+static const sl_material *material(const sl_scene *s, const char *name) {
+    for (size_t i = 0; i < s->material_count; i++) {
+        if (strcmp(s->materials[i].name, name) == 0) return &s->materials[i];
+    }
+    fail_msg("no material '%s'", name);
+    return NULL;
+}
+
+/* The file must be refused as input, with a line that begins with its path and then `rest`. */
+static void refuse(const char *path, const char *rest) {
+    sl_scene *scene = (sl_scene *)&refuse;
+    sl_error error = {0};
+    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
+    assert_null(scene);
+    assert_null(strchr(error.message, '\n'));
+    size_t length = strlen(path);
+    if (strncmp(error.message, path, length) != 0 || strncmp(error.message + length, rest, strlen(rest)) != 0) {
+        fail_msg("expected '%s%s', got '%s'", path, rest, error.message);
+    }
+}
+
+static void refuse_json(const char *json, const char *rest) { refuse(scene_file_text("bad.json", json), rest); }
+static void refuse_obj(const char *obj, const char *rest) { refuse(scene_file_text("bad.obj", obj), rest); }
+
+/* ---- mesh files ----------------------------------------------------------------------------------------------------------- */
+
+static void an_obj_file_alone_is_a_scene(void **state) {
+    (void)state;
+    write_box();
+    sl_scene *s = load(scene_file_path("box.obj"));
+    assert_int_equal(sl_scene_triangle_count(s), 2);
+    assert_int_equal(s->emitter_count, 1);
+    const sl_material *wall = material(s, "wall"), *lamp = material(s, "lamp");
+    assert_true(wall->diffuse.g == 0.2f && wall->specular.r == 0.4f && wall->exponent == 25.0f);
+    assert_true(lamp->emission.r == 17.0f && lamp->emission.b == 4.0f && !lamp->emission_two_sided);
+    assert_true(s->geometric_normal_z[0] == 1.0f);
+    assert_int_equal(s->texture_count, 1);
+    assert_true(sl_scene_diffuse(s, 0, 0.0f, 0.25f).r > 0.09f); /* u = v = 0.25: the red texel */
+    assert_true(sl_scene_diffuse(s, 0, 0.0f, 0.75f).r < 0.01f);
+    assert_true(warns_of(s, "no camera"));
+    sl_scene_destroy(s);
+}
+
+static void mtl_mirrors_are_illum_3_or_5_without_diffuse(void **state) {
+    (void)state;
+    write_box();
+    sl_scene *s = load(scene_file_text("glass.obj", "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\n"));
+    const sl_material *glass = material(s, "glass");
+    assert_true(glass->mirror.g == 0.8f && sl_rgb_max(glass->specular) == 0.0f);
+    sl_scene_destroy(s);
+}
+
+static void equal_corners_are_welded_within_an_object(void **state) {
+    (void)state;
+    sl_scene *s = load(scene_file_text("quads.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvn 0 0 1\n"
+                                                    "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n"));
+    assert_int_equal(sl_scene_triangle_count(s), 4);
+    assert_int_equal(s->vertex_count, 6);
+    sl_scene_destroy(s);
+}
+
+static void missing_textures_and_libraries_are_warnings(void **state) {
+    (void)state;
+    scene_file_text("lost.mtl", "newmtl a\nKd 0.3 0.3 0.3\nmap_Kd nowhere.png\n");
+    sl_scene *s = load(scene_file_text("lost.obj", "mtllib lost.mtl\nmtllib other.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"));
+    assert_true(warns_of(s, "nowhere.png"));
+    assert_true(warns_of(s, "lost.obj:2: material library 'other.mtl'"));
+    assert_int_equal(material(s, "a")->texture, SL_NO_INDEX);
+    assert_true(material(s, "a")->diffuse.r == 0.3f);
+    sl_scene_destroy(s);
+}
+
+static void obj_mistakes_are_told_by_line(void **state) {
+    (void)state;
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", ":4: vertex index 4 is out of range: the file has 3");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 0\n", ":5: vertex index 0 is out of range");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", ":4: vertex index -4 is out of range: expected 1 or more, or -1 to -3");
+    refuse_obj("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1//1 2 3\r\n", ":4: normal index 1 is out of range: the file has 0");
+    refuse_obj("v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3 numbers for a vertex");
+    refuse_obj("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3 numbers for a vertex, got 'zero'");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x3\n", ":4: expected a vertex index, got 'x3'");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3;4\n", ":4: expected face corners like");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # up\n", ":4: expected no comment behind a face");
+    refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", ":4: vertex index");
+}
+
+static void odd_but_good_obj_files_load(void **state) {
+    (void)state;
+    const char *good[] = {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "v 0 0 0 # origin\nv\t1e0 -.0 +0.\nv 0 1 0 1.0\nf 1 2 3 \n",
+                          "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n",
+                          "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 \\\n3\n"};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        sl_scene *s = load(scene_file_text("good.obj", good[i]));
+        assert_int_equal(sl_scene_triangle_count(s), 1);
+        sl_scene_destroy(s);
+    }
+}
+
+static void files_that_are_no_meshes_are_refused_by_name(void **state) {
+    (void)state;
+    refuse(scene_file_path("nowhere.obj"), ": cannot be opened");
+    refuse(scene_file_path("nowhere.json"), ": cannot be opened");
+    refuse(scene_file_path("nowhere.glb"), ": cannot be opened");
+    refuse("/tmp", ": expected a file");
+    refuse(scene_file_text("a.txt", "hello"), ": cannot be read as a mesh");
+    refuse(scene_file_text("empty.obj", ""), ": cannot be read as a mesh");
+    refuse(scene_file_text("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), ": no triangles");
+    refuse(scene_file_text("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ": no triangles");
+}
+
+static void headers_that_announce_too_much_are_refused(void **state) {
+    (void)state;
+    const char *head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                       "element face 1\nproperty list uchar int vertex_indices\n";
+    char text[600];
+    snprintf(text, sizeof text, "%send_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", head);
+    sl_scene *s = load(scene_file_text("good.ply", text));
+    assert_int_equal(sl_scene_triangle_count(s), 1);
+    sl_scene_destroy(s);
+    snprintf(text, sizeof text, "%send_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", head);
+    refuse(scene_file_text("range.ply", text), ": face 0 of mesh '' names vertex 7 of 3");
+    refuse(scene_file_text("cut.ply", head), ":9: expected a PLY header that ends with 'end_header'");
+    refuse(scene_file_text("type.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n"), ":4: expected a property type");
+    refuse(scene_file_text("long.ply", "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),
+           ": expected at least 6000000000 bytes");
+    refuse(scene_file_text("long.off", "OFF\n353535235358 6 0\n0 0 0\n"), ": expected at least ");
+    s = load(scene_file_text("good.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    assert_int_equal(sl_scene_triangle_count(s), 1);
+    sl_scene_destroy(s);
+}
+
+/* ---- glTF ------------------------------------------------------------------------------------------------------------------- */
+
+/* One triangle, data in the JSON: positions (0,0,0) (1,0,0) (0,1,0), indices 0 1 2. */
+#define GLTF_BUFFER \
+    "\"buffers\":[{\"byteLength\":44,\"uri\":\"data:application/octet-stream;base64," \
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAA=\"}]," \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}]," \
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}," \
+    "{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]," \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]"
+
+static const char lit_gltf[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_materials_emissive_strength\"],"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"name\":\"bulb\",\"color\":[1,0.5,0.25],\"intensity\":8},"
+    "{\"type\":\"spot\",\"name\":\"beam\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.25,\"outerConeAngle\":0.5}}]}},"
+    "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.75,\"znear\":0.1}}],"
+    "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.6,0.4,1],\"metallicFactor\":0.5,\"roughnessFactor\":0.5},"
+    "\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":10}}}],"
+    "\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\"nodes\":[{\"mesh\":0,\"scale\":[-2,1,1],\"translation\":[0,0,1]},"
+    "{\"name\":\"eye\",\"camera\":0,\"translation\":[1,2,3]},"
+    "{\"name\":\"bulb\",\"translation\":[0,4,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+    "{\"name\":\"beam\",\"translation\":[0,5,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}]," GLTF_BUFFER "}";
+
+static void gltf_gives_camera_lights_and_materials(void **state) {
+    (void)state;
+    sl_scene *s = load(scene_file_text("lit.gltf", lit_gltf));
+    assert_int_equal(sl_scene_triangle_count(s), 1);
+    assert_true(s->camera.eye.x == 1.0f && s->camera.eye.y == 2.0f && s->camera.eye.z == 3.0f);
+    assert_true(s->camera.back.z == 1.0f && s->camera.vertical_fov == 0.75f);
+    assert_int_equal(s->light_count, 2);
+    assert_true(s->lights[0].type == SL_LIGHT_POINT && s->lights[0].position.y == 4.0f && s->lights[0].intensity.g == 4.0f);
+    assert_true(s->lights[1].type == SL_LIGHT_SPOT && s->lights[1].direction.z == -1.0f);
+    assert_true(fabs((double)s->lights[1].cos_inner - cos(0.25)) < 1e-6 && fabs((double)s->lights[1].cos_outer - cos(0.5)) < 1e-6);
+    const sl_material *m = material(s, "paint");
+    assert_true(fabsf(m->diffuse.r - 0.4f) < 1e-6f && fabsf(m->specular.r - 0.42f) < 1e-6f); /* 0.04 + (0.8 - 0.04) / 2 */
+    assert_true(fabsf(m->exponent - 30.0f) < 1e-4f);                                          /* 2 / 0.5^4 - 2 */
+    assert_true(m->emission.r == 10.0f && m->emission.g == 5.0f);
+    assert_true(s->geometric_normal_z[0] == 1.0f && s->box_min.x == -2.0f); /* a mirrored node keeps its front in front */
+    sl_scene_destroy(s);
+}
+
+static void gltf_that_needs_what_is_not_read_is_refused(void **state) {
+    (void)state;
+    refuse(scene_file_text("draco.gltf", "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}"),
+           ": requires the glTF extension KHR_draco_mesh_compression");
+    refuse(scene_file_text("broken.gltf", "{\"asset\":"), ": expected a glTF file");
+    refuse(scene_file_text("short.glb", "glTF\2\0\0"), ": expected a glTF file");
+}
+
+/* ---- scene files ----------------------------------------------------------------------------------------------------------------- */
+
+static void a_scene_file_places_and_overrides(void **state) {
+    (void)state;
+    sl_scene *s = load_json(
+        "{\"softlux\": 1, \"up\": \"y\",\n"
+        " \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a\", \"transform\": [2,0,0,0, 0,2,0,0, 0,0,2,0, 1,2,3,1]},\n"
+        "  {\"file\": \"box.obj\", \"material\": \"gold\", \"transform\": {\"translate\": [0,0,-1], \"rotate_deg\": [0,90,0], \"scale\": 3}}],\n"
+        " \"materials\": {\"wall\": {\"specular\": 0.25}, \"gold\": {\"mirror\": [0.9,0.7,0.3], \"two_sided\": true}},\n"
+        " \"lights\": [{\"type\": \"point\", \"position\": [0,5,0], \"power\": 12.566370614}, {\"type\": \"directional\", \"direction\": [0,-2,0], \"irradiance\": [1,2,3]},\n"
+        "  {\"type\": \"spot\", \"position\": [0,1,0], \"direction\": [0,-1,0], \"intensity\": 2, \"inner_deg\": 10, \"outer_deg\": 60},\n"
+        "  {\"type\": \"quad\", \"corner\": [0,9,0], \"edge1\": [2,0,0], \"edge2\": [0,0,3], \"power\": [6,12,18]}],\n"
+        " \"environment\": {\"radiance\": [1,2,3], \"scale\": 0.5},\n"
+        " \"camera\": {\"eye\": [0,0,9], \"target\": [0,0,0], \"fov_deg\": 60}, \"film\": {\"width\": 320, \"height\": 200}}");
+    assert_int_equal(sl_scene_triangle_count(s), 6);
+    assert_true(s->box_max.x == 5.0f && s->box_max.z == 3.0f);
+    assert_string_equal(s->object_names[s->object_index[0]], "a");
+    const sl_material *wall = material(s, "wall"), *gold = material(s, "gold");
+    assert_true(wall->diffuse.g == 0.2f && wall->specular.g == 0.25f && wall->exponent == 25.0f); /* key by key */
+    assert_true(gold->mirror.r == 0.9f && gold->emission_two_sided && sl_rgb_max(gold->diffuse) == 0.0f);
+    assert_ptr_equal(&s->materials[s->material_index[2]], gold);
+    assert_true(fabsf(s->geometric_normal_x[2] - 1.0f) < 1e-6f);
+    assert_int_equal(s->light_count, 3);
+    assert_true(fabsf(s->lights[0].intensity.r - 1.0f) < 1e-6f && s->lights[1].direction.y == -1.0f);
+    assert_true(fabsf(s->lights[2].cos_outer - 0.5f) < 1e-6f);
+    const sl_emitter *quad = &s->emitters[s->emitter_count - 1];
+    assert_true(fabsf(quad->area - 3.0f) < 1e-6f && fabs((double)quad->radiance.g - 2.0 / SL_PI) < 1e-6);
+    assert_true(s->geometric_normal_y[5] == -1.0f); /* edge1 x edge2 */
+    assert_true(s->environment.constant.b == 1.5f);
+    int width, height;
+    sl_scene_film(s, &width, &height);
+    assert_true(width == 320 && height == 200 && fabs((double)s->camera.vertical_fov - SL_PI / 3.0) < 1e-6);
+    assert_int_equal(sl_scene_warning_count(s), 0);
+    sl_scene_destroy(s);
+}
+
+static void z_up_is_turned_once(void **state) {
+    (void)state;
+    sl_scene *s = load_json("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"box.obj\", \"transform\": {\"translate\": [0,0,7]}}],\n"
+                            " \"lights\": [{\"type\": \"point\", \"position\": [1,2,3], \"intensity\": 1}],\n"
+                            " \"camera\": {\"eye\": [0,-9,1], \"target\": [0,0,1], \"up\": [0,0,1]}}");
+    assert_true(s->geometric_normal_y[0] == 1.0f && s->box_min.y == 7.0f && s->box_min.z == -2.0f);
+    assert_true(s->lights[0].position.y == 3.0f && s->lights[0].position.z == -2.0f);
+    assert_true(s->camera.eye.z == 9.0f && s->camera.up.y == 1.0f && s->camera.back.z == 1.0f);
+    sl_scene_destroy(s);
+}
+
+static void an_environment_picture_keeps_its_top_row_up(void **state) {
+    (void)state;
+    sl_image *image;
+    assert_int_equal(sl_image_create(4, 2, 3, NULL, &image, NULL), SL_OK);
+    for (int i = 0; i < 24; i++) image->planes[i] = i % 8 < 4 ? 3.0f : 0.5f;
+    scene_file_text("sky.pfm", "");
+    assert_int_equal(sl_image_write(image, scene_file_path("sky.pfm"), NULL), SL_OK);
+    sl_image_destroy(image);
+    sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"environment\": {\"file\": \"sky.pfm\", \"scale\": 2}}");
+    assert_true(sl_environment_radiance(&s->environment, sl_v3(0, 1, 0)).g == 6.0f);
+    assert_true(sl_environment_radiance(&s->environment, sl_v3(0, -1, 0)).g == 1.0f);
+    sl_scene_destroy(s);
+}
+
+static void reflectance_beyond_one_warns_in_a_scene_file_too(void **state) {
+    (void)state;
+    sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": {\"wall\": {\"diffuse\": 0.8, \"specular\": 0.8}}}");
+    assert_true(warns_of(s, "together exceed 1"));
+    assert_true(material(s, "wall")->diffuse.r == 0.5f);
+    sl_scene_destroy(s);
+}
+
+#define MESH "\"meshes\": [{\"file\": \"box.obj\"}]"
+
+static void scene_file_mistakes_are_told_by_line(void **state) {
+    (void)state;
+    write_box();
+    const char *cases[][2] = {
+        {"", ":1: expected valid JSON, got the end of the file"},
+        {"{\"softlux\": 1,\n \"up\": }", ":2: expected valid JSON, got }"},
+        {"{\"softlux\": 1,\n " MESH ",\n \"film\": {\"width\": NaN}}", ":3: expected valid JSON"},
+        {"[]", ":1: expected the scene to be an object"},
+        {"{" MESH "}", ":1: expected a key 'softlux' here"},
+        {"{\"softlux\": 2,\n" MESH "}", ":1: expected version \"softlux\": 1, got 2"},
+        {"{\"softlux\": 1,\n\n\"mehses\": []}", ":3: unknown key 'mehses' in the scene; expected 'meshes'?"},
+        {"{\"softlux\": 1, \"softlux\": 1}", ":1: key 'softlux' is given twice"},
+        {"{\"softlux\": 1, \"up\": \"x\"}", ":1: expected 'up' to be \"y\" or \"z\""},
+        {"{\"softlux\": 1}", ": no triangles"},
+        {"{\"softlux\": 1, \"meshes\": {}}", ":1: expected 'meshes' to be an array"},
+        {"{\"softlux\": 1, \"meshes\": [\n{}]}", ":2: expected a key 'file' here"},
+        {"{\"softlux\": 1, \"meshes\": [\n{\"file\":\n 3}]}", ":2: expected 'file' to be a string"},
+        {"{\"softlux\": 1, \"meshes\": [\n{\"file\": \"none.obj\"}]}", ":2: mesh "},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [1,2]}]}", ":2: expected 'transform' to be an array of 16 numbers"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": {\"scale\": 0}}]}", ":2: expected 'scale' to be other than 0"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]}]}", ":2: expected 'transform' to be a matrix"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"material\": \"wal\"}]}", ":2: no mesh has a material 'wal'; expected 'wall'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\n\"walls\": {}}}", ":2: no mesh has a material 'walls'; expected 'wall'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"difuse\": 1}}}", ":2: unknown key 'difuse' in a material; expected 'diffuse'?"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"diffuse\": [1, -1, 0]}}}", ":2: expected 'diffuse' to be at least 0"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"diffuse\": 1.5}}}", ":2: expected reflectance 'diffuse' from 0 to 1"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"emission\": [1, 2]}}}", ":2: expected 'emission' to be an array of 3 numbers"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"emission\": 1e999}}}", ":2: expected 'emission' to be a number"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"texture\": \"no.png\"}}}", ":2: texture "},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"mirror\": 1, \"diffuse\": 1}}}", ":2: expected either 'mirror'"},
+        {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"two_sided\": 1}}}", ":2: expected 'two_sided' to be true or false"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"pont\"}]}", ":2: unknown light type 'pont'; expected 'point'?"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"point\", \"position\": [0,0,0]}]}", ":2: expected either 'intensity' or 'power' here"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"directional\", \"direction\": [0,0,0], \"irradiance\": 1}]}", ":2: expected 'direction' to be other than 0"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"spot\", \"position\": [0,0,0], \"direction\": [0,0,1], \"intensity\": 1,\n \"inner_deg\": 50, \"outer_deg\": 40}]}",
+         ":3: expected 'inner_deg' of at most 'outer_deg', 40"},
+        {"{\"softlux\": 1, " MESH ", \"lights\": [\n{\"type\": \"quad\", \"corner\": [0,0,0], \"edge1\": [1,0,0], \"edge2\": [2,0,0], \"radiance\": 1}]}",
+         ":2: expected a quad light with an area"},
+        {"{\"softlux\": 1, " MESH ", \"environment\": {\n\"file\": \"none.exr\"}}", ":2: environment: "},
+        {"{\"softlux\": 1, " MESH ", \"environment\": {\"radiance\": 1,\n\"scale\": -1}}", ":2: expected 'scale' from 0 to"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\n\"eye\": [0,0,1]}}", ":1: expected a key 'target' here"},
+        {"{\"softlux\": 1, " MESH ",\n\"camera\": {\"eye\": [0,0,1], \"target\": [0,0,1]}}", ":2: expected the camera's 'eye' apart from its 'target'"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov_deg\": 180}}", ":2: expected 'fov_deg' from 0.01 to 179, got 180"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fovdeg\": 80}}", ":2: unknown key 'fovdeg' in the camera; expected 'fov_deg'?"},
+        {"{\"softlux\": 1, " MESH ", \"film\": {\n\"width\": 0, \"height\": 5}}", ":2: expected 'width' from 1 to 65536, got 0"},
+        {"{\"softlux\": 1, " MESH ",\n\"film\": {\"width\": 1.5, \"height\": 5}}", ":2: expected 'width' and 'height' to be whole numbers"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1},\n{\"time\": 1}]}]}", ":3: expected keyframes in the order of their times"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1, \"scale\": -1}]}]}", ":2: expected 'scale' to be above 0"},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"keyframes\": []}]}", ":2: expected at least one keyframe"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) refuse_json(cases[i][0], cases[i][1]);
+}
+
+static void strings_with_brackets_do_not_mislead_the_line_count(void **state) {
+    (void)state;
+    write_box();
+    refuse_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a ] } , \\\" \\\\\"}],\n\"materials\": {\"wall\":\n{\"diffuse\": [0.1,\n0.2, \"x\"]}}}",
+                ":4: expected 'diffuse' to be an array of 3 numbers");
+}
+
+static int clean(void **state) {
+    (void)state;
+    scene_files_remove();
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_obj_file_alone_is_a_scene),
+        cmocka_unit_test(mtl_mirrors_are_illum_3_or_5_without_diffuse),
+        cmocka_unit_test(equal_corners_are_welded_within_an_object),
+        cmocka_unit_test(missing_textures_and_libraries_are_warnings),
+        cmocka_unit_test(obj_mistakes_are_told_by_line),
+        cmocka_unit_test(odd_but_good_obj_files_load),
+        cmocka_unit_test(files_that_are_no_meshes_are_refused_by_name),
+        cmocka_unit_test(headers_that_announce_too_much_are_refused),
+        cmocka_unit_test(gltf_gives_camera_lights_and_materials),
+        cmocka_unit_test(gltf_that_needs_what_is_not_read_is_refused),
+        cmocka_unit_test(a_scene_file_places_and_overrides),
+        cmocka_unit_test(z_up_is_turned_once),
+        cmocka_unit_test(an_environment_picture_keeps_its_top_row_up),
+        cmocka_unit_test(reflectance_beyond_one_warns_in_a_scene_file_too),
+        cmocka_unit_test(scene_file_mistakes_are_told_by_line),
+        cmocka_unit_test(strings_with_brackets_do_not_mislead_the_line_count),
+    };
+    return cmocka_run_group_tests(tests, NULL, clean);
+}
