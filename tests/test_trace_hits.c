@@ -145,21 +145,20 @@ static void a_closed_mesh_is_never_missed_from_inside(void **unused) {
 static hit nearest_of_all(const sl_scene *scene, ray r) {
     sl_ray_state state;
     memset(&state, 0, sizeof state);
-    state.origin_x[0] = r.origin.x;
-    state.origin_y[0] = r.origin.y;
-    state.origin_z[0] = r.origin.z;
-    sl_ray_state_shear(&state, 0, r.direction.x, r.direction.y, r.direction.z);
+    sl_ray_state_set(&state, 0, r.origin, r.direction);
+    const int valid = -1;
+    const unsigned id = 0;
     hit best = {INFINITY, 0, 0, SL_NO_INDEX};
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         sl_triangle_corners corners;
         for (int k = 0; k < 3; k++) {
             sl_vec3 p = sl_scene_position(scene, scene->vertex[k][t]);
-            corners.x[k] = p.x;
-            corners.y[k] = p.y;
-            corners.z[k] = p.z;
+            corners.p[0][k] = p.x;
+            corners.p[1][k] = p.y;
+            corners.p[2][k] = p.z;
         }
         sl_candidates c;
-        if (sl_triangle_test_baseline(&state, &corners, 0, 1, &c) && c.t[0] > 0.0f && c.t[0] < best.t) {
+        if (sl_triangle_test_baseline(&state, &corners, &valid, &id, 1, &c) && c.t[0] > 0.0f && c.t[0] < best.t) {
             best = (hit){c.t[0], c.w1[0], c.w2[0], t};
         }
     }

@@ -49,12 +49,12 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments) 
     const sl_triangle_corners *c = &tracer->corners[arguments->primID];
     float grow = tracer->inflation;
     struct RTCBounds *box = arguments->bounds_o;
-    box->lower_x = least(c->x) - grow;
-    box->lower_y = least(c->y) - grow;
-    box->lower_z = least(c->z) - grow;
-    box->upper_x = greatest(c->x) + grow;
-    box->upper_y = greatest(c->y) + grow;
-    box->upper_z = greatest(c->z) + grow;
+    box->lower_x = least(c->p[0]) - grow;
+    box->lower_y = least(c->p[1]) - grow;
+    box->lower_z = least(c->p[2]) - grow;
+    box->upper_x = greatest(c->p[0]) + grow;
+    box->upper_y = greatest(c->p[1]) + grow;
+    box->upper_z = greatest(c->p[2]) + grow;
 }
 
 static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments);
@@ -78,9 +78,9 @@ static void copy_corners(sl_tracer *tracer) {
         sl_triangle_corners *c = &tracer->corners[t];
         for (int k = 0; k < 3; k++) {
             sl_vec3 p = sl_scene_position(s, s->vertex[k][t]);
-            c->x[k] = p.x;
-            c->y[k] = p.y;
-            c->z[k] = p.z;
+            c->p[0][k] = p.x;
+            c->p[1][k] = p.y;
+            c->p[2][k] = p.z;
             greatest_coordinate = fmaxf(greatest_coordinate, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
         }
         tracer->any_alpha |= sl_scene_has_alpha(s, (uint32_t)t);
@@ -201,34 +201,6 @@ static float embree_far(const sl_ray_state *r, unsigned k, float t) {
     return (float)(from_start + FAR_SLACK * fabs(from_start) + 0x1p-22 * fabs((double)t));
 }
 
-/* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then one call tests them all. Few rays, or rays that were
- * sorted, are tested one by one: the same arithmetic, so the same bits. Candidate i belongs to ray id[i]. */
-static uint32_t test_rays(const query_state *state, uint32_t triangle, const int *valid, const unsigned *id, unsigned n,
-                          sl_candidates *candidates) {
-    const sl_triangle_corners *corners = &state->tracer->corners[triangle];
-    uint32_t active = 0;
-    bool consecutive = true;
-    for (unsigned i = 0; i < n; i++) {
-        active |= (uint32_t)(valid[i] != 0) << i;
-        consecutive &= id[i] == id[0] + i;
-    }
-    unsigned actives = (unsigned)__builtin_popcount(active);
-    if (consecutive && id[0] + n <= SL_PACKET && actives > 2) {
-        return active & state->tracer->test(&state->rays, corners, id[0], n, candidates);
-    }
-    uint32_t hits = 0;
-    for (uint32_t rest = active; rest; rest &= rest - 1) {
-        unsigned i = (unsigned)__builtin_ctz(rest);
-        sl_candidates one;
-        if (!state->tracer->test(&state->rays, corners, id[i], 1, &one)) continue;
-        candidates->t[i] = one.t[0];
-        candidates->w1[i] = one.w1[0];
-        candidates->w2[i] = one.w2[0];
-        hits |= 1u << i;
-    }
-    return hits;
-}
-
 static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments) {
     query_state *state = sl_embree_state(arguments->context);
     unsigned n = arguments->N;
@@ -236,7 +208,7 @@ static void intersect_callback(const struct RTCIntersectFunctionNArguments *argu
     float *tfar = sl_embree_tfar(arguments->rayhit, n);
     uint32_t triangle = arguments->primID;
     sl_candidates c;
-    uint32_t hits = test_rays(state, triangle, arguments->valid, id, n, &c);
+    uint32_t hits = state->tracer->test(&state->rays, &state->tracer->corners[triangle], arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         sl_ray_state *r = &state->rays;
@@ -256,7 +228,7 @@ static void occluded_callback(const struct RTCOccludedFunctionNArguments *argume
     float *tfar = sl_embree_tfar(arguments->ray, n);
     uint32_t triangle = arguments->primID;
     sl_candidates c;
-    uint32_t hits = test_rays(state, triangle, arguments->valid, id, n, &c);
+    uint32_t hits = state->tracer->test(&state->rays, &state->tracer->corners[triangle], arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         if (!is_better(&state->rays, k, c.t[i], triangle)) continue;
@@ -296,20 +268,24 @@ static float direction_scale(float largest_component) {
 static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, struct RTCRay16 *out) {
     sl_vec3 origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
     sl_vec3 d = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
-    float size = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
+    float ax = fabsf(d.x), ay = fabsf(d.y), az = fabsf(d.z), size = ax > ay ? ax : ay;
+    size = size > az ? size : az;
     if (!sl_is_finite(origin) || !sl_is_finite(d) || !(size > 0.0f)) return false;
     if (!(rays->far[i] > rays->near[i]) || !(rays->far[i] > 0.0f)) return false;
 
-    float scale = direction_scale(size);
-    d = sl_scale(d, scale);
-    float near = rays->near[i] / scale, far = rays->far[i] / scale;
+    float scale = direction_scale(size), near = rays->near[i], far = rays->far[i];
+    if (scale != 1.0f) {
+        d = sl_scale(d, scale);
+        near /= scale;
+        far /= scale;
+    }
     sl_ray_state *r = &state->rays;
     sl_vec3 o = start_near(state->tracer, origin, sl_to_double(d), &r->start[i]);
+    sl_ray_state_set(r, i, o, d);
     state->scale[i] = scale;
-    r->origin_x[i] = out->org_x[i] = o.x;
-    r->origin_y[i] = out->org_y[i] = o.y;
-    r->origin_z[i] = out->org_z[i] = o.z;
-    sl_ray_state_shear(r, i, d.x, d.y, d.z);
+    out->org_x[i] = o.x;
+    out->org_y[i] = o.y;
+    out->org_z[i] = o.z;
     r->near[i] = near > 0.0f ? near : 0.0f;
     r->best_t[i] = far;
     r->best_triangle[i] = SL_NO_INDEX;
@@ -319,7 +295,7 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     out->dir_z[i] = d.z;
     double from_start = (double)r->near[i] - r->start[i];
     out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - FAR_SLACK)) : 0.0f;
-    out->tfar[i] = isinf(far) ? INFINITY : fmaxf(embree_far(r, i, far), 0.0f);
+    out->tfar[i] = isinf(far) ? INFINITY : embree_far(r, i, far);
     out->time[i] = 0.0f;
     out->mask[i] = UINT32_MAX;
     out->id[i] = i;
@@ -333,14 +309,14 @@ static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ra
     unsigned valids = 0;
     state->tracer = tracer;
     state->occluded = 0;
+    state->rays.with_axis[0] = state->rays.with_axis[1] = state->rays.with_axis[2] = 0;
     for (unsigned i = 0; i < SL_PACKET; i++) {
         valid[i] = i < count && prepare_ray(state, rays, i, out) ? -1 : 0;
         if (valid[i]) {
             valids++;
             continue;
         }
-        state->rays.origin_x[i] = state->rays.origin_y[i] = state->rays.origin_z[i] = 0.0f;
-        sl_ray_state_shear(&state->rays, i, 0.0f, 0.0f, 1.0f);
+        sl_ray_state_set(&state->rays, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f));
         state->rays.near[i] = state->rays.best_t[i] = 0.0f;
         state->rays.start[i] = 0.0;
         state->rays.best_triangle[i] = state->rays.skip[i] = SL_NO_INDEX;

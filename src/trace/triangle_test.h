@@ -14,40 +14,41 @@
 #include "base/isa.h"
 #include "trace/trace.h"
 
-/* Sixteen rays made ready for the test, and the best hit of each. Distances `near`, `best_t` are the caller's. */
+/* Sixteen rays made ready for the test, and the best hit of each. Distances are in units of the direction. Axis 3 of a ray is
+ * the dominant one of its direction, axes 1 and 2 follow it in cyclic order. */
 typedef struct sl_ray_state {
-    _Alignas(64) float origin_x[SL_PACKET], origin_y[SL_PACKET], origin_z[SL_PACKET];
-    /* Rows of the shear: coordinates across the ray are (row_x . p, row_y . p) for p relative to the origin. */
-    float row_xx[SL_PACKET], row_xy[SL_PACKET], row_xz[SL_PACKET];
-    float row_yx[SL_PACKET], row_yy[SL_PACKET], row_yz[SL_PACKET];
-    float along_x[SL_PACKET], along_y[SL_PACKET], along_z[SL_PACKET]; /* 1 on the ray's dominant axis, else 0 */
+    _Alignas(64) float origin_1[SL_PACKET], origin_2[SL_PACKET], origin_3[SL_PACKET];
+    float shear_1[SL_PACKET], shear_2[SL_PACKET]; /* across the ray: (x1 + shear_1 x3, x2 + shear_2 x3), x relative to the origin */
     double per_distance[SL_PACKET]; /* 1 over the direction's dominant component */
     double start[SL_PACKET];        /* distance by which the origin was moved towards a far-away scene, else 0 */
     float near[SL_PACKET];
     float best_t[SL_PACKET], best_w1[SL_PACKET], best_w2[SL_PACKET];
     uint32_t best_triangle[SL_PACKET], skip[SL_PACKET];
+    uint32_t with_axis[3];          /* bit i of entry k: ray i's dominant axis is k */
 } sl_ray_state;
 
 typedef struct sl_triangle_corners {
-    float x[3], y[3], z[3];
+    float p[3][3]; /* by axis, then corner */
 } sl_triangle_corners;
 
-/* Candidate hits of consecutive rays. */
+/* Candidate hits: entry i belongs to ray id[i]. */
 typedef struct sl_candidates {
-    _Alignas(64) float t[SL_PACKET], w1[SL_PACKET], w2[SL_PACKET];
+    float t[SL_PACKET], w1[SL_PACKET], w2[SL_PACKET];
 } sl_candidates;
 
-/* Tests rays [first, first + count) of state. Bit i of the result: ray first + i meets the triangle's plane inside it, at
- * candidates->t[i], whatever near, far and best hit are. The bits do not depend on count. */
-typedef uint32_t sl_triangle_test(const sl_ray_state *state, const sl_triangle_corners *corners, unsigned first,
-                                  unsigned count, sl_candidates *candidates);
+/* Tests the rays id[i] of state for which valid[i] is not 0, i < n <= 16. Bit i of the result: ray id[i] meets the triangle, at
+ * candidates->t[i], whatever near, far and best hit are. A ray's bits do not depend on its company. */
+typedef uint32_t sl_triangle_test(const sl_ray_state *state, const sl_triangle_corners *corners, const int *valid,
+                                  const unsigned *id, unsigned n, sl_candidates *candidates);
 
-uint32_t sl_triangle_test_baseline(const sl_ray_state *, const sl_triangle_corners *, unsigned, unsigned, sl_candidates *);
-uint32_t sl_triangle_test_avx2(const sl_ray_state *, const sl_triangle_corners *, unsigned, unsigned, sl_candidates *);
-uint32_t sl_triangle_test_avx512(const sl_ray_state *, const sl_triangle_corners *, unsigned, unsigned, sl_candidates *);
+uint32_t sl_triangle_test_baseline(const sl_ray_state *, const sl_triangle_corners *, const int *, const unsigned *, unsigned,
+                                   sl_candidates *);
+uint32_t sl_triangle_test_avx2(const sl_ray_state *, const sl_triangle_corners *, const int *, const unsigned *, unsigned,
+                               sl_candidates *);
+uint32_t sl_triangle_test_avx512(const sl_ray_state *, const sl_triangle_corners *, const int *, const unsigned *, unsigned,
+                                 sl_candidates *);
 
-/* Fills the shear of ray i from its origin (already in the state) and direction, whose components must be finite and not
- * all 0. */
-void sl_ray_state_shear(sl_ray_state *state, unsigned i, float x, float y, float z);
+/* Sets origin, shear and dominant axis of ray i; the direction must be finite and not 0. with_axis starts as 0. */
+void sl_ray_state_set(sl_ray_state *state, unsigned i, sl_vec3 origin, sl_vec3 direction);
 
 #endif
