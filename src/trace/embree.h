@@ -3,8 +3,6 @@
 #ifndef SL_TRACE_EMBREE_H
 #define SL_TRACE_EMBREE_H
 
-#include <stdbool.h>
-
 #ifdef SL_EMBREE4
 #include <embree4/rtcore.h>
 #else
@@ -35,25 +33,35 @@ static inline void sl_embree_begin(sl_embree_query *query, void *state) {
     query->state = state;
 }
 
-static inline enum RTCRayQueryFlags sl_embree_flags(bool coherent) {
-    return coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-}
-
-static inline void sl_embree_intersect16(RTCScene scene, sl_embree_query *query, bool coherent, const int *valid,
+static inline void sl_embree_intersect16(RTCScene scene, sl_embree_query *query, const int *valid,
                                          struct RTCRayHit16 *rays) {
     struct RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.context = &query->context;
-    arguments.flags = sl_embree_flags(coherent);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
     rtcIntersect16(valid, scene, rays, &arguments);
 }
 
-static inline void sl_embree_occluded16(RTCScene scene, sl_embree_query *query, bool coherent, const int *valid,
+static inline void sl_embree_intersect1(RTCScene scene, sl_embree_query *query, struct RTCRayHit *ray) {
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &query->context;
+    rtcIntersect1(scene, ray, &arguments);
+}
+
+static inline void sl_embree_occluded1(RTCScene scene, sl_embree_query *query, struct RTCRay *ray) {
+    struct RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &query->context;
+    rtcOccluded1(scene, ray, &arguments);
+}
+
+static inline void sl_embree_occluded16(RTCScene scene, sl_embree_query *query, const int *valid,
                                         struct RTCRay16 *rays) {
     struct RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
     arguments.context = &query->context;
-    arguments.flags = sl_embree_flags(coherent);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
     rtcOccluded16(valid, scene, rays, &arguments);
 }
 
@@ -64,19 +72,23 @@ static inline void sl_embree_begin(sl_embree_query *query, void *state) {
     query->state = state;
 }
 
-static inline void sl_embree_hint(sl_embree_query *query, bool coherent) {
-    query->context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-}
-
-static inline void sl_embree_intersect16(RTCScene scene, sl_embree_query *query, bool coherent, const int *valid,
+static inline void sl_embree_intersect16(RTCScene scene, sl_embree_query *query, const int *valid,
                                          struct RTCRayHit16 *rays) {
-    sl_embree_hint(query, coherent);
+    query->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcIntersect16(valid, scene, &query->context, rays);
 }
 
-static inline void sl_embree_occluded16(RTCScene scene, sl_embree_query *query, bool coherent, const int *valid,
+static inline void sl_embree_intersect1(RTCScene scene, sl_embree_query *query, struct RTCRayHit *ray) {
+    rtcIntersect1(scene, &query->context, ray);
+}
+
+static inline void sl_embree_occluded1(RTCScene scene, sl_embree_query *query, struct RTCRay *ray) {
+    rtcOccluded1(scene, &query->context, ray);
+}
+
+static inline void sl_embree_occluded16(RTCScene scene, sl_embree_query *query, const int *valid,
                                         struct RTCRay16 *rays) {
-    sl_embree_hint(query, coherent);
+    query->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcOccluded16(valid, scene, &query->context, rays);
 }
 

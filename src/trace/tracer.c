@@ -18,6 +18,8 @@
 #define INFLATION 2e-6
 #define FAR_SLACK 1e-4
 
+enum { FEW_RAYS = 2 }; /* not worth a packet */
+
 struct sl_tracer {
     const sl_scene *scene;
     RTCDevice device;
@@ -330,17 +332,45 @@ static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ra
     return valids;
 }
 
+static struct RTCRay one_of(const struct RTCRay16 *rays, unsigned i) {
+    return (struct RTCRay){.org_x = rays->org_x[i], .org_y = rays->org_y[i], .org_z = rays->org_z[i], .tnear = rays->tnear[i],
+                           .dir_x = rays->dir_x[i], .dir_y = rays->dir_y[i], .dir_z = rays->dir_z[i], .time = 0.0f,
+                           .tfar = rays->tfar[i], .mask = UINT32_MAX, .id = i, .flags = 0};
+}
+
+/* Rays that go different ways are walked one by one, which is faster than as a packet; the hits are the same. */
+static void intersect_singly(const sl_tracer *tracer, sl_embree_query *query, const int valid[SL_PACKET],
+                             const struct RTCRay16 *rays) {
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        if (!valid[i]) continue;
+        struct RTCRayHit ray = {.ray = one_of(rays, i)};
+        ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        sl_embree_intersect1(tracer->hierarchy, query, &ray);
+    }
+}
+
+static void occluded_singly(const sl_tracer *tracer, sl_embree_query *query, const int valid[SL_PACKET],
+                            const struct RTCRay16 *rays) {
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        if (!valid[i]) continue;
+        struct RTCRay ray = one_of(rays, i);
+        sl_embree_occluded1(tracer->hierarchy, query, &ray);
+    }
+}
+
 void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent, sl_hit16 *hits,
               sl_counters *counters) {
     query_state state;
     struct RTCRayHit16 packet;
     _Alignas(64) int valid[SL_PACKET];
     sl_count(counters, SL_COUNT_RAYS, count);
-    if (prepare(&state, tracer, rays, count, &packet.ray, valid) > 0) {
+    unsigned valids = prepare(&state, tracer, rays, count, &packet.ray, valid);
+    if (valids > 0) {
         for (unsigned i = 0; i < SL_PACKET; i++) packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         sl_embree_query query;
         sl_embree_begin(&query, &state);
-        sl_embree_intersect16(tracer->hierarchy, &query, coherent, valid, &packet);
+        if (coherent && valids > FEW_RAYS) sl_embree_intersect16(tracer->hierarchy, &query, valid, &packet);
+        else intersect_singly(tracer, &query, valid, &packet.ray);
     }
     for (unsigned i = 0; i < count; i++) {
         bool hit = valid[i] && state.rays.best_triangle[i] != SL_NO_INDEX;
@@ -357,9 +387,11 @@ uint32_t sl_trace_occluded(const sl_tracer *tracer, const sl_ray16 *rays, unsign
     struct RTCRay16 packet;
     _Alignas(64) int valid[SL_PACKET];
     sl_count(counters, SL_COUNT_SHADOW_RAYS, count);
-    if (prepare(&state, tracer, rays, count, &packet, valid) == 0) return 0;
+    unsigned valids = prepare(&state, tracer, rays, count, &packet, valid);
+    if (valids == 0) return 0;
     sl_embree_query query;
     sl_embree_begin(&query, &state);
-    sl_embree_occluded16(tracer->hierarchy, &query, coherent, valid, &packet);
+    if (coherent && valids > FEW_RAYS) sl_embree_occluded16(tracer->hierarchy, &query, valid, &packet);
+    else occluded_singly(tracer, &query, valid, &packet);
     return state.occluded;
 }
