@@ -41,6 +41,20 @@ static void nearer_wins_whatever_the_order(void **state) {
     sl_scene_destroy(scene);
 }
 
+static void nothing_is_drawn_at_the_cleared_depth(void **state) {
+    (void)state;
+    const float xyz[18] = {-1, -1, 1, 3, -1, 1, -1, 3, 1, -1, -1, 0.999f, 0, -1, 0.999f, -1, 0, 0.999f};
+    sl_scene *scene = scene_of_triangles(xyz, 2);
+    sl_raster *raster = raster_of(scene);
+    uint32_t id[64];
+    sl_view view = flat_view(8, 8);
+    render(raster, &view, 1, id, NULL);
+    assert_int_equal(id[0], 1);
+    assert_int_equal(id[63], SL_NO_INDEX); /* the first triangle lies in the far plane: GL_LESS against a cleared 1 fails */
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
 /* ---- the cube's orientation, from OpenGL's table and nothing else ---- */
 
 static void texel_direction(int face, double s, double t, double d[3]) { /* s, t in [-1,1] */
@@ -198,6 +212,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_depths_go_to_the_lowest_index),
         cmocka_unit_test(nearer_wins_whatever_the_order),
+        cmocka_unit_test(nothing_is_drawn_at_the_cleared_depth),
         cmocka_unit_test(cube_faces_hold_the_depth_along_their_axis),
         cmocka_unit_test(walls_do_not_shadow_themselves),
         cmocka_unit_test(plate_shadows_the_floor_below_it_and_nothing_else),

@@ -39,7 +39,8 @@ void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_
             size_t i = (size_t)y * (size_t)pass->width + (size_t)x;
             float z = depth_at(b, t, x, y);
             bool nearer = pass->inverse_w ? z > depth[i] : z < depth[i];
-            if (!(nearer || (z == depth[i] && me < id[i])) || !opaque_at(raster, view, me, q, x, y)) continue;
+            if (!nearer && !(z == depth[i] && (int32_t)me < (int32_t)id[i])) continue;
+            if (!opaque_at(raster, view, me, q, x, y)) continue;
             depth[i] = z;
             id[i] = me;
         }

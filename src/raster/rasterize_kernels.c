@@ -2,7 +2,8 @@
  *
  * A pixel is covered where all three edge functions are >= 0 (their fill rule is in the constants already). They are exact
  * integers, so shared edges are drawn exactly once. A pixel's depth is evaluated by itself, from the plane's origin, so it
- * does not depend on blocks, lanes or regions. Nearer wins; equal depths go to the lower triangle index. */
+ * does not depend on blocks, lanes or regions. Nearer wins; equal depths go to the lower triangle index. Indices are compared with
+ * their signs: the background's, -1, is the lowest, so nothing is drawn at the cleared depth itself, as with GL_LESS. */
 #include "raster/internal.h"
 
 typedef struct {
@@ -16,7 +17,7 @@ static inline void draw_lanes(const group *g, int lanes, bool larger_is_nearer, 
                               float *restrict depth) {
     const int32_t e0 = g->e[0], e1 = g->e[1], e2 = g->e[2], a0 = g->a[0], a1 = g->a[1], a2 = g->a[2];
     const float row_depth = g->row_depth, du = g->du, first_u = g->first_u, least = g->least, most = g->most;
-    const uint32_t me = g->id;
+    const int32_t me = (int32_t)g->id;
 #pragma omp simd
     for (int l = 0; l < lanes; l++) {
         int32_t outside = (e0 + a0 * l) | (e1 + a1 * l) | (e2 + a2 * l);
@@ -24,11 +25,11 @@ static inline void draw_lanes(const group *g, int lanes, bool larger_is_nearer, 
         z = z < least ? least : z;
         z = z > most ? most : z;
         float old = depth[l];
-        uint32_t old_id = id[l];
+        int32_t old_id = (int32_t)id[l];
         bool nearer = larger_is_nearer ? z > old : z < old;
         bool wins = (outside >= 0) & (nearer | ((z == old) & (me < old_id)));
         depth[l] = wins ? z : old;
-        id[l] = wins ? me : old_id;
+        id[l] = (uint32_t)(wins ? me : old_id);
     }
 }
 
