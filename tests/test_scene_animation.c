@@ -112,6 +112,18 @@ static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
     sl_scene_destroy(s);
 }
 
+static void dark_lights_do_not_shift_the_ones_that_move(void **state) {
+    (void)state;
+    sl_scene *s = load(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
+        " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 0, \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [9, 9, 9]}]},\n"
+        "  {\"type\": \"point\", \"position\": [1, 1, 1], \"power\": 1, \"keyframes\": [{\"time\": 0}, {\"time\": 2, \"position\": [3, 1, 1]}]}]}");
+    assert_int_equal(s->light_count, 1);
+    assert_int_equal(at(s, 1.0), SL_CHANGED_LIGHTS);
+    assert_true(s->lights[0].position.x == 2.0f && s->lights[0].position.y == 1.0f);
+    sl_scene_destroy(s);
+}
+
 static void moving_emitters_count_as_lights_and_keep_their_area(void **state) {
     (void)state;
     sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
@@ -172,6 +184,7 @@ int main(void) {
         cmocka_unit_test(objects_move_between_keys_and_rest_beyond_them),
         cmocka_unit_test(a_state_depends_on_the_time_alone),
         cmocka_unit_test(lights_and_camera_move_and_are_reported_by_kind),
+        cmocka_unit_test(dark_lights_do_not_shift_the_ones_that_move),
         cmocka_unit_test(moving_emitters_count_as_lights_and_keep_their_area),
         cmocka_unit_test(a_z_up_scene_moves_as_its_y_up_twin),
         cmocka_unit_test(what_cannot_be_shown_is_refused_and_changes_nothing),

@@ -141,6 +141,10 @@ static sl_status add_light(const importer *in, const struct aiLight *from) {
         light.cos_outer = cosine_of(part * fmaxf(from->mAngleOuterCone, from->mAngleInnerCone));
         light.cos_inner = cosine_of(part * fminf(from->mAngleOuterCone, from->mAngleInnerCone));
     }
+    if (!(sl_rgb_max(light.intensity) > 0.0f)) {
+        sl_model_warn(in->model, "%s: light '%s' gives no light and is left out", in->path, from->mName.data);
+        return SL_OK;
+    }
     if (light.type != SL_LIGHT_POINT && !(sl_dot(light.direction, light.direction) > 0.5f)) {
         sl_model_warn(in->model, "%s: light '%s' has no direction and is left out", in->path, from->mName.data);
         return SL_OK;
