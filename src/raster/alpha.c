@@ -15,9 +15,9 @@ static float depth_at(const sl_batch *b, uint32_t t, int x, int y) {
     return z > b->depth_max[t] ? b->depth_max[t] : z;
 }
 
-static bool opaque_at(const sl_raster *raster, const sl_view *view, uint32_t triangle, const float q[9], int x, int y) {
+static bool opaque_at(const sl_raster *raster, const sl_view *view, uint32_t triangle, const sl_vec3 q[3], int x, int y) {
     float w1, w2;
-    sl_barycentric_weights(view->clip, q, sl_pixel_centre((uint32_t)x, view->width),
+    sl_barycentric_weights(view->clip, q[0], q[1], q[2], sl_pixel_centre((uint32_t)x, view->width),
                            sl_pixel_centre((uint32_t)y, view->height), &w1, &w2);
     return sl_scene_is_opaque(raster->scene, triangle, w1, w2);
 }
@@ -26,13 +26,8 @@ void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_
                          uint32_t t, uint32_t *id, float *depth) {
     const sl_scene *scene = raster->scene;
     uint32_t me = b->id[t];
-    float q[9];
-    for (int k = 0; k < 3; k++) {
-        sl_vec3 p = sl_sub(sl_scene_position(scene, scene->vertex[k][me]), view->origin);
-        q[3 * k] = p.x;
-        q[3 * k + 1] = p.y;
-        q[3 * k + 2] = p.z;
-    }
+    sl_vec3 q[3];
+    for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_scene_position(scene, scene->vertex[k][me]), view->origin);
     for (int y = b->y0[t]; y <= b->y1[t]; y++) {
         for (int x = b->x0[t]; x <= b->x1[t]; x++) {
             if (!covers(b, t, x, y)) continue;
