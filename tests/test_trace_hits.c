@@ -121,9 +121,9 @@ static void every_instruction_set_and_packet_shape_gives_the_same_bits(void **un
 
 static void a_closed_mesh_is_never_missed_from_inside(void **unused) {
     (void)unused;
-    static const sl_vec3 centres[] = {{0, 0, 0}, {1000.0f, -3000.0f, 500.0f}, {0, 0, 0}, {0, 0, 0}};
-    static const float radii[] = {1.0f, 3.0f, 1e-6f, 1e12f};
-    for (int scale = 0; scale < 4; scale++) {
+    static const sl_vec3 centres[] = {{0, 0, 0}, {1000.0f, -3000.0f, 500.0f}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    static const float radii[] = {1.0f, 3.0f, 1e-6f, 1e12f, 1e-15f, 1e25f};
+    for (int scale = 0; scale < 6; scale++) {
         sl_scene *scene = bumpy_sphere(30, centres[scale], radii[scale]);
         ray *rays = aimed_rays(scene, centres[scale], radii[scale]);
         hit *hits = calloc(RAYS, sizeof *hits);

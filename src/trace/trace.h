@@ -1,5 +1,5 @@
-/* Rays. Embree (3 or 4, behind trace/embree.h) builds the hierarchy and walks it; our own packet test decides what is hit:
- * antisymmetric edge functions (watertight), a hit only inside the triangle's own box, lower triangle index on a tie. So hits
+/* Rays. Embree (3 or 4, behind trace/embree.h) builds the hierarchy and walks it; our own test decides what is hit: edge
+ * functions whose signs are exact (watertight), distances that stay inside the triangle, lower triangle index on a tie. So hits
  * are the same bits on every instruction set and in every packet shape. */
 #ifndef SL_TRACE_TRACE_H
 #define SL_TRACE_TRACE_H

@@ -26,6 +26,7 @@ struct sl_tracer {
     RTCScene hierarchy;
     sl_triangle_corners *corners;
     bool any_alpha;
+    float unit;      /* Embree's unit of length over ours, a power of two; 1 but for astronomical scenes */
     float inflation;
     sl_vec3d centre;
     double diagonal;
@@ -49,14 +50,14 @@ static float greatest(const float v[3]) { return fmaxf(v[0], fmaxf(v[1], v[2]));
 static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments) {
     const sl_tracer *tracer = arguments->geometryUserPtr;
     const sl_triangle_corners *c = &tracer->corners[arguments->primID];
-    float grow = tracer->inflation;
+    float grow = tracer->inflation, unit = tracer->unit;
     struct RTCBounds *box = arguments->bounds_o;
-    box->lower_x = least(c->p[0]) - grow;
-    box->lower_y = least(c->p[1]) - grow;
-    box->lower_z = least(c->p[2]) - grow;
-    box->upper_x = greatest(c->p[0]) + grow;
-    box->upper_y = greatest(c->p[1]) + grow;
-    box->upper_z = greatest(c->p[2]) + grow;
+    box->lower_x = (least(c->p[0]) - grow) * unit;
+    box->lower_y = (least(c->p[1]) - grow) * unit;
+    box->lower_z = (least(c->p[2]) - grow) * unit;
+    box->upper_x = (greatest(c->p[0]) + grow) * unit;
+    box->upper_y = (greatest(c->p[1]) + grow) * unit;
+    box->upper_z = (greatest(c->p[2]) + grow) * unit;
 }
 
 static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments);
@@ -87,6 +88,10 @@ static void copy_corners(sl_tracer *tracer) {
         }
         tracer->any_alpha |= sl_scene_has_alpha(s, (uint32_t)t);
     }
+    /* Embree drops boxes that reach beyond 1.8e18. */
+    int exponent;
+    frexpf(greatest_coordinate, &exponent);
+    tracer->unit = exponent > 40 ? ldexpf(1.0f, -exponent) : 1.0f;
     sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
     tracer->centre = sl_scaled(sl_addd(low, high), 0.5);
     tracer->diagonal = sl_lengthd(sl_subd(high, low));
@@ -198,9 +203,10 @@ static bool is_opaque(const sl_tracer *tracer, uint32_t triangle, float w1, floa
 }
 
 /* The far end that Embree is told for a ray whose best hit (or given end) is at t. */
-static float embree_far(const sl_ray_state *r, unsigned k, float t) {
-    double from_start = (double)t - r->start[k];
-    return (float)(from_start + FAR_SLACK * fabs(from_start) + 0x1p-22 * fabs((double)t));
+static float embree_far(const query_state *state, unsigned k, float t) {
+    double from_start = (double)t - state->rays.start[k];
+    double end = from_start + FAR_SLACK * fabs(from_start) + 0x1p-22 * fabs((double)t);
+    return (float)(end * (double)state->tracer->unit);
 }
 
 static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments) {
@@ -219,7 +225,7 @@ static void intersect_callback(const struct RTCIntersectFunctionNArguments *argu
         r->best_w1[k] = c.w1[i];
         r->best_w2[k] = c.w2[i];
         r->best_triangle[k] = triangle;
-        tfar[i] = embree_far(r, k, c.t[i]);
+        tfar[i] = embree_far(state, k, c.t[i]);
     }
 }
 
@@ -281,13 +287,14 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
         near /= scale;
         far /= scale;
     }
+    float unit = state->tracer->unit;
     sl_ray_state *r = &state->rays;
     sl_vec3 o = start_near(state->tracer, origin, sl_to_double(d), &r->start[i]);
     sl_ray_state_set(r, i, o, d);
     state->scale[i] = scale;
-    out->org_x[i] = o.x;
-    out->org_y[i] = o.y;
-    out->org_z[i] = o.z;
+    out->org_x[i] = o.x * unit;
+    out->org_y[i] = o.y * unit;
+    out->org_z[i] = o.z * unit;
     r->near[i] = near > 0.0f ? near : 0.0f;
     r->best_t[i] = far;
     r->best_triangle[i] = SL_NO_INDEX;
@@ -296,8 +303,8 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     out->dir_y[i] = d.y;
     out->dir_z[i] = d.z;
     double from_start = (double)r->near[i] - r->start[i];
-    out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - FAR_SLACK)) : 0.0f;
-    out->tfar[i] = isinf(far) ? INFINITY : embree_far(r, i, far);
+    out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - FAR_SLACK) * (double)unit) : 0.0f;
+    out->tfar[i] = isinf(far) ? INFINITY : embree_far(state, i, far);
     out->time[i] = 0.0f;
     out->mask[i] = UINT32_MAX;
     out->id[i] = i;
