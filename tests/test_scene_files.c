@@ -223,6 +223,34 @@ static void gltf_gives_camera_lights_and_materials(void **state) {
     sl_scene_destroy(s);
 }
 
+/* A triangle with uv (0,0) (1,0) (0,1) and a picture inside the file, top row red and transparent blue, bottom row green and white.
+ * glTF's v runs down from the picture's top. */
+static const char masked_gltf[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":"
+    "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0,\"roughnessFactor\":1}}],\"textures\":[{\"source\":0}],"
+    "\"images\":[{\"mimeType\":\"image/png\",\"uri\":\"data:image/png;base64,"
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAEUlEQVR4nGP4z8AAQUD8HwQAP9II+N0OsiwAAAAASUVORK5CYII="
+    "\"}],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+    "\"buffers\":[{\"byteLength\":68,\"uri\":\"data:application/octet-stream;base64,"
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8="
+    "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6},{\"buffer\":0,\"byteOffset\":44,\"byteLength\":24}],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]},"
+    "{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"},{\"bufferView\":2,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":2},\"indices\":1,\"material\":0}]}]}";
+
+static void gltf_pictures_inside_the_file_colour_and_mask(void **state) {
+    (void)state;
+    sl_scene *s = load(scene_file_text("masked.gltf", masked_gltf));
+    assert_int_equal(s->texture_count, 1);
+    const sl_material *leaf = material(s, "leaf");
+    assert_int_equal(leaf->texture, 0);
+    assert_int_equal(leaf->alpha_texture, 0);
+    sl_rgb red = sl_scene_diffuse(s, 0, 0.25f, 0.25f), green = sl_scene_diffuse(s, 0, 0.25f, 0.75f), blue = sl_scene_diffuse(s, 0, 0.75f, 0.25f);
+    assert_true(red.r > 0.9f && red.g == 0.0f && green.g > 0.9f && green.r == 0.0f && blue.b > 0.9f && blue.r == 0.0f);
+    assert_true(sl_scene_has_alpha(s, 0) && sl_scene_is_opaque(s, 0, 0.25f, 0.25f) && !sl_scene_is_opaque(s, 0, 0.75f, 0.25f));
+    sl_scene_destroy(s);
+}
+
 static void gltf_that_needs_what_is_not_read_is_refused(void **state) {
     (void)state;
     refuse(scene_file_text("draco.gltf", "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}"),
@@ -379,6 +407,7 @@ int main(void) {
         cmocka_unit_test(files_that_are_no_meshes_are_refused_by_name),
         cmocka_unit_test(headers_that_announce_too_much_are_refused),
         cmocka_unit_test(gltf_gives_camera_lights_and_materials),
+        cmocka_unit_test(gltf_pictures_inside_the_file_colour_and_mask),
         cmocka_unit_test(gltf_that_needs_what_is_not_read_is_refused),
         cmocka_unit_test(a_scene_file_places_and_overrides),
         cmocka_unit_test(z_up_is_turned_once),
