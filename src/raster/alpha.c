@@ -1,5 +1,6 @@
-/* Triangles with an alpha mask: pixel by pixel, with the same coverage and depth as the hot loop, and the mask's test before the
- * write. They are few, and the order of drawing does not matter, so they need no place in the hot loop. */
+/* Triangles with an alpha mask: pixel by pixel, with the same coverage and depth as the hot loop, and the mask's
+ * test before the write. They are few, and the order of drawing does not matter, so they need no place in the hot
+ * loop. */
 #include "raster/barycentrics.h"
 
 static bool covers(const sl_batch *b, uint32_t t, int x, int y) {

@@ -1,8 +1,9 @@
-/* Perspective-correct weights of one pixel by edge functions in 2D homogeneous coordinates (Olano and Greer 1997, "Triangle
- * scan conversion using 2D homogeneous coordinates"): with v_k = (x, y, w) of corner k in clip space and p = (x, y, 1) the
- * pixel's centre, p lies on the triangle at weights proportional to
+/* Perspective-correct weights of one pixel by edge functions in 2D homogeneous coordinates (Olano and Greer 1997,
+ * "Triangle scan conversion using 2D homogeneous coordinates"): with v_k = (x, y, w) of corner k in clip space and p
+ * = (x, y, 1) the pixel's centre, p lies on the triangle at weights proportional to
  *     e_0 = (v_1 x v_2) . p,   e_1 = (v_2 x v_0) . p,   e_2 = (v_0 x v_1) . p.
- * No vertex is divided by its w, so vertices behind the eye do not matter and clipped triangles need no other corners. */
+ * No vertex is divided by its w, so vertices behind the eye do not matter and clipped triangles need no other
+ * corners. */
 #ifndef SL_RASTER_BARYCENTRICS_H
 #define SL_RASTER_BARYCENTRICS_H
 
@@ -22,9 +23,9 @@ static inline sl_edge_line sl_edge_through(double x1, double y1, double w1, doub
 }
 static inline double sl_edge_at(sl_edge_line l, double x, double y) { return (l.a * x + l.b * y) + l.c; }
 
-/* q0, q1, q2: the corners relative to the eye. Since vertices are snapped, a pixel that was drawn may lie outside by a 512th of a pixel:
- * then the nearest point of the edge is taken (scaling the weights instead would slide far along a sliver), and what is still
- * negative is 0. A triangle seen edge-on has no weights: its middle. */
+/* q0, q1, q2: the corners relative to the eye. Since vertices are snapped, a pixel that was drawn may lie outside by
+ * a 512th of a pixel: then the nearest point of the edge is taken (scaling the weights instead would slide far along
+ * a sliver), and what is still negative is 0. A triangle seen edge-on has no weights: its middle. */
 static inline void sl_barycentric_weights(const float clip[4][4], sl_vec3 q0, sl_vec3 q1, sl_vec3 q2, double px, double py,
                                           float *weight1, float *weight2) {
     double w0 = sl_clip_coordinate(clip[3], q0), w1 = sl_clip_coordinate(clip[3], q1), w2 = sl_clip_coordinate(clip[3], q2);

@@ -1,8 +1,8 @@
-/* Clipping: Sutherland and Hodgman 1974, plane by plane in clip space, before the division by w, so that vertices behind the eye
- * need no special case. Arithmetic and order are llvmpipe's (Mesa's draw module).
+/* Clipping: Sutherland and Hodgman 1974, plane by plane in clip space, before the division by w, so that vertices
+ * behind the eye need no special case. Arithmetic and order are llvmpipe's (Mesa's draw module).
  *
- * A new vertex is found from the end of the edge that lies nearer to the plane, whichever way the edge is walked, so the two
- * triangles that share an edge get the same new vertex, and no pixel between them is lost or drawn twice. */
+ * A new vertex is found from the end of the edge that lies nearer to the plane, whichever way the edge is walked, so
+ * the two triangles that share an edge get the same new vertex, and no pixel between them is lost or drawn twice. */
 #include <math.h>
 
 #include "raster/internal.h"
@@ -30,8 +30,9 @@ static clip_vertex interpolate(const clip_vertex *from, const clip_vertex *to, f
                          from->z + t * (to->z - from->z), from->w + t * (to->w - from->w), -1};
 }
 
-/* Where the ends are thousands of times further out than the plane, rounding can leave the new vertex visibly off it; then its
- * coordinate is taken from the plane's equation. In all other cases the interpolated value stands, as in llvmpipe. */
+/* Where the ends are thousands of times further out than the plane, rounding can leave the new vertex visibly off
+ * it; then its coordinate is taken from the plane's equation. In all other cases the interpolated value stands, as
+ * in llvmpipe. */
 static void settle(const sl_pass_view *view, int plane, clip_vertex *p) {
     const float visible = 1e-4f;
     if (!(fabsf(plane_distance(view, plane, p)) > visible * fabsf(p->w))) return;
@@ -77,8 +78,8 @@ typedef struct {
     bool finite;
 } window_vertex;
 
-/* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a pixel's margin keeps
- * it representable. */
+/* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a pixel's
+ * margin keeps it representable. */
 static float keep_near(float u, int size) {
     float low = -384.0f, high = (float)size * 256.0f + 128.0f;
     return u < low ? low : u > high ? high : u;

@@ -1,9 +1,10 @@
-/* Clusters: at most 128 triangles that lie close together, with a box and a sphere around them, so that a view can reject
- * them whole.
+/* Clusters: at most 128 triangles that lie close together, with a box and a sphere around them, so that a view can
+ * reject them whole.
  *
- * Triangles are sorted by size class, then by the Morton code of their box's centre, then by index; the sorted list is cut
- * where Morton codes differ in their highest bit (Lauterbach et al. 2009, "Fast BVH construction on GPUs") until a piece fits.
- * Large triangles are kept apart: one wall among the books on a shelf would make the shelf's box as large as the room. */
+ * Triangles are sorted by size class, then by the Morton code of their box's centre, then by index; the sorted list
+ * is cut where Morton codes differ in their highest bit (Lauterbach et al. 2009, "Fast BVH construction on GPUs")
+ * until a piece fits. Large triangles are kept apart: one wall among the books on a shelf would make the shelf's box
+ * as large as the room. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

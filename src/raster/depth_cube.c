@@ -1,13 +1,15 @@
-/* A cube of depth maps around a light, and percentage-closer filtering (Reeves, Salesin and Cook 1987) of 2x2 texels.
+/* A cube of depth maps around a light, and percentage-closer filtering (Reeves, Salesin and Cook 1987) of 2x2
+ * texels.
  *
- * The comparison of a texel needs a bias, since the texel holds the depth at its own centre and not at p. For a plane with normal n
- * through p, w = n.q / n.d along the direction d = (s, t, 1) of a texel (q = p - eye). Moving d by the distance of the centres, at
- * most one texel (2 / size) in s and in t (and half a texel more where the filter reaches round an edge of the cube), changes
- * n.d by at most x n.d with
+ * The comparison of a texel needs a bias, since the texel holds the depth at its own centre and not at p. For a
+ * plane with normal n through p, w = n.q / n.d along the direction d = (s, t, 1) of a texel (q = p - eye). Moving d
+ * by the distance of the centres, at most one texel (2 / size) in s and in t (and half a texel more where the filter
+ * reaches round an edge of the cube), changes n.d by at most x n.d with
  *     x = 1.5 (2 / size) (|n_x| + |n_y| + |n_z|) / |n.d|,
- * so a texel of the same plane holds at least w / (1 + x), that is w - w x / (1 + x): that is the bias, exact for a plane.
- * Instead of jumping, a texel's share falls linearly from 1 to 0 over a second bias beyond the first, so the result is
- * continuous in p and n. The form is symmetric in the axes, so it is continuous over the edges of the cube also. */
+ * so a texel of the same plane holds at least w / (1 + x), that is w - w x / (1 + x): that is the bias, exact for a
+ * plane. Instead of jumping, a texel's share falls linearly from 1 to 0 over a second bias beyond the first, so the
+ * result is continuous in p and n. The form is symmetric in the axes, so it is continuous over the edges of the cube
+ * also. */
 #include <math.h>
 
 #include "base/error.h"

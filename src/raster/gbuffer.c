@@ -83,7 +83,8 @@ static void resolve_pixel(const resolution *r, size_t i, uint32_t triangle, floa
     const sl_scene *scene = r->raster->scene;
     sl_surface surface;
     float w0 = (1.0f - w1) - w2;
-    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][triangle]), b = sl_scene_position(scene, scene->vertex[1][triangle]);
+    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][triangle]);
+    sl_vec3 b = sl_scene_position(scene, scene->vertex[1][triangle]);
     sl_vec3 c = sl_scene_position(scene, scene->vertex[2][triangle]);
     sl_vec3 p = sl_add(sl_add(sl_scale(a, w0), sl_scale(b, w1)), sl_scale(c, w2));
     sl_scene_surface(scene, triangle, w1, w2, sl_sub(r->view->origin, p), &surface);

@@ -1,4 +1,5 @@
-/* Inside the simulated hardware: how the geometry is held, what one triangle looks like after set-up, and the table of kernels.
+/* Inside the simulated hardware: how the geometry is held, what one triangle looks like after set-up, and the table
+ * of kernels.
  *
  * One render (pass.c) runs, for every cluster that the view does not reject:
  *
@@ -8,8 +9,8 @@
  *     set up      edge functions and depth plane of the accepted                  (setup_kernels.c)
  *     rasterize   coverage, depth test, write                                     (rasterize_kernels.c)
  *
- * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters are drawn cannot be
- * seen in the picture: it is as if the triangles had been submitted in index order. */
+ * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters are
+ * drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order. */
 #ifndef SL_RASTER_INTERNAL_H
 #define SL_RASTER_INTERNAL_H
 
@@ -20,7 +21,7 @@ enum {
     SL_CLUSTER_TRIANGLES = 128,
     SL_CLUSTER_VERTICES = 3 * SL_CLUSTER_TRIANGLES,
     SL_CLIP_TRIANGLES = 7, /* a triangle cut by six planes has at most nine corners, so a fan of seven */
-    SL_BATCH = 176,        /* triangles set up together: a cluster and room for clipping; not a power of two, for the cache's sets */
+    SL_BATCH = 176,        /* set up together: a cluster and room for clipping; no power of two, for the cache's sets */
     SL_BLOCK = 64,         /* coverage is found in blocks of 64 x 64 pixels, within which edge functions fit 32 bits */
     SL_LANES = 16,         /* pixels (or vertices) done together */
     SL_RASTER_MAX_SIZE = 16384, /* so that snapped coordinates stay below 2^22 */
@@ -115,7 +116,7 @@ typedef struct sl_barycentric_block {
 } sl_barycentric_block;
 
 struct sl_raster_kernels {
-    /* Writes the indices of clusters [0, raster->cluster_count) that may be seen, in order; returns how many. visible has room for
+    /* Writes the indices of the clusters that may be seen, in order; returns how many. visible has room for
      * whole groups of SL_LANES. */
     uint32_t (*cull)(const sl_raster *raster, const sl_pass_view *view, uint32_t *visible);
     void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out);
@@ -144,15 +145,15 @@ struct sl_raster_scratch {
 
 /* The view's constants, region = whole target. */
 sl_pass_view sl_pass_view_make(const sl_view *view);
-/* Appends what is left of a triangle inside all planes, as a fan; corners are vertices of the buffer. At most SL_CLIP_TRIANGLES;
- * returns how many. */
+/* Appends what is left of a triangle inside all planes, as a fan; corners are vertices of the buffer. At most
+ * SL_CLIP_TRIANGLES; returns how many. */
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *vertices, const uint16_t corner[3],
                           sl_batch *batch);
 /* Draws triangle t of the batch, pixel by pixel, where its alpha mask is opaque (alpha.c). */
 void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_batch *batch,
                          uint32_t t, uint32_t *id, float *depth);
-/* The clusters to draw. Where a target is cut into regions, a cluster is drawn in regions [first_region, last_region] and counted in
- * the first; first_region NULL: one region. */
+/* The clusters to draw. Where a target is cut into regions, a cluster is drawn in regions [first_region,
+ * last_region] and counted in the first; first_region NULL: one region. */
 typedef struct sl_cluster_list {
     const uint32_t *cluster;
     uint32_t count;

@@ -133,8 +133,9 @@ void sl_pass_draw(const sl_raster *raster, const sl_view *view, const sl_pass_vi
     scratch->batch->count = 0;
     for (uint32_t n = 0; n < list->count; n++) {
         uint32_t cluster = list->cluster[n];
-        if (list->first_region && (list->first_region[cluster] > list->region || list->last_region[cluster] < list->region)) continue;
-        draw_cluster(&r, cluster, !list->first_region || list->first_region[cluster] == list->region, counters);
+        const uint16_t *first = list->first_region, *last = list->last_region;
+        if (first && (first[cluster] > list->region || last[cluster] < list->region)) continue;
+        draw_cluster(&r, cluster, !first || first[cluster] == list->region, counters);
     }
 }
 

@@ -1,9 +1,10 @@
 /* The one hot loop: coverage, depth test and write, sixteen pixels of a row at a time.
  *
- * A pixel is covered where all three edge functions are >= 0 (their fill rule is in the constants already). They are exact
- * integers, so shared edges are drawn exactly once. A pixel's depth is evaluated by itself, from the plane's origin, so it
- * does not depend on blocks, lanes or regions. Nearer wins; equal depths go to the lower triangle index. Indices are compared with
- * their signs: the background's, -1, is the lowest, so nothing is drawn at the cleared depth itself, as with GL_LESS. */
+ * A pixel is covered where all three edge functions are >= 0 (their fill rule is in the constants already). They are
+ * exact integers, so shared edges are drawn exactly once. A pixel's depth is evaluated by itself, from the plane's
+ * origin, so it does not depend on blocks, lanes or regions. Nearer wins; equal depths go to the lower triangle
+ * index. Indices are compared with their signs: the background's, -1, is the lowest, so nothing is drawn at the
+ * cleared depth itself, as with GL_LESS. */
 #include "raster/internal.h"
 
 typedef struct {

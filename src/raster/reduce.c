@@ -1,5 +1,5 @@
-/* Reduction of a pbuffer by repeated 2x2 sums (the papers' way to sum on graphics hardware), and the turn from the target's row
- * order into an image's. */
+/* Reduction of a pbuffer by repeated 2x2 sums (the papers' way to sum on graphics hardware), and the turn from the
+ * target's row order into an image's. */
 #include <string.h>
 
 #include "base/counters.h"

@@ -1,8 +1,8 @@
-/* From world positions to edge functions: culling of clusters, transform, classification, set-up. Every loop runs over independent
- * elements; every element is computed by the same sequence of roundings on all instruction sets.
+/* From world positions to edge functions: culling of clusters, transform, classification, set-up. Every loop runs
+ * over independent elements; every element is computed by the same sequence of roundings on all instruction sets.
  *
- * The sequence is llvmpipe's, so that coverage is OSMesa's bit by bit: clip = ((c0 x + c1 y) + c2 z) + c3 without fused
- * operations, window = fma(x * (1/w), W/2, W/2), snapped to 1/256 pixel by rounding to nearest even. */
+ * The sequence is llvmpipe's, so that coverage is OSMesa's bit by bit: clip = ((c0 x + c1 y) + c2 z) + c3 without
+ * fused operations, window = fma(x * (1/w), W/2, W/2), snapped to 1/256 pixel by rounding to nearest even. */
 #include <math.h>
 #include <string.h>
 
@@ -10,8 +10,9 @@
 
 /* ---- clusters ---- */
 
-/* A cluster is outside a plane when its centre lies further behind it than box and sphere both reach. The slack covers the
- * rounding of this test and of the transform: what is rejected here would have been culled triangle by triangle. */
+/* A cluster is outside a plane when its centre lies further behind it than box and sphere both reach. The slack
+ * covers the rounding of this test and of the transform: what is rejected here would have been culled triangle by
+ * triangle. */
 static void cull_group(const sl_raster *r, const sl_pass_view *view, size_t first, int32_t *restrict inside) {
     const float *restrict cx = r->centre_x + first, *restrict cy = r->centre_y + first, *restrict cz = r->centre_z + first;
     const float *restrict hx = r->half_x + first, *restrict hy = r->half_y + first, *restrict hz = r->half_z + first;
@@ -33,8 +34,8 @@ static void cull_group(const sl_raster *r, const sl_pass_view *view, size_t firs
     }
 }
 
-/* A cluster between pixel centres: its box seen on the screen, by interval arithmetic, holds no centre in x or in y. Only where
- * the whole box lies before the eye. The hundredth of a pixel covers the snapping and all rounding. */
+/* A cluster between pixel centres: its box seen on the screen, by interval arithmetic, holds no centre in x or in y.
+ * Only where the whole box lies before the eye. The hundredth of a pixel covers the snapping and all rounding. */
 static void cull_between_centres(const sl_raster *r, const sl_pass_view *view, size_t first, int32_t *restrict inside) {
     const float *restrict cx = r->centre_x + first, *restrict cy = r->centre_y + first, *restrict cz = r->centre_z + first;
     const float *restrict hx = r->half_x + first, *restrict hy = r->half_y + first, *restrict hz = r->half_z + first;
@@ -85,7 +86,8 @@ static uint32_t cull(const sl_raster *r, const sl_pass_view *view, uint32_t *vis
 
 /* ---- vertices ---- */
 
-/* Rounds to the nearest integer, to even on a tie, for |x| <= 2^22: adding 1.5 * 2^23 leaves the integer in the low bits. */
+/* Rounds to the nearest integer, to even on a tie, for |x| <= 2^22: adding 1.5 * 2^23 leaves the integer in the low
+ * bits. */
 static inline int32_t snap(float x) {
     float shifted = x + 12582912.0f;
     int32_t bits;
@@ -93,8 +95,9 @@ static inline int32_t snap(float x) {
     return bits - 0x4b400000;
 }
 
-/* A view without a far plane has its near plane's distance in z alone (near_w 0, else 1). The coordinates are valid where none is
- * NaN, infinite or huge. Selections of integers only, without truth values between: that is what compilers vectorise. */
+/* A view without a far plane has its near plane's distance in z alone (near_w 0, else 1). The coordinates are valid
+ * where none is NaN, infinite or huge. Selections of integers only, without truth values between: that is what
+ * compilers vectorise. */
 static void clip_codes(const float *restrict xs, const float *restrict ys, const float *restrict zs,
                        const float *restrict ws, float near_w, int32_t far_code, int32_t *restrict codes) {
     const float limit = 0x1p60f;
@@ -133,8 +136,8 @@ static void transform_clip(const sl_pass_view *view, const float *restrict px, c
     }
 }
 
-/* One coordinate to the window, in 1/256 pixel. Vertices with any code set get harmless zeros: they reach the screen through
- * clipping only. */
+/* One coordinate to the window, in 1/256 pixel. Vertices with any code set get harmless zeros: they reach the screen
+ * through clipping only. */
 static void transform_window(const float *restrict x, const float *restrict oow, const int32_t *restrict code, float half,
                              float *restrict out, int32_t *restrict snapped) {
 #pragma omp simd
@@ -197,10 +200,10 @@ static inline int32_t max3(int32_t a, int32_t b, int32_t c) {
 
 enum { CULLED, ACCEPTED, ELSEWHERE, CLIPPED, DROPPED }; /* ELSEWHERE: on the target, but not in this region */
 
-/* A vertex's cell is (i, j) = (ceil(u / 256), ceil(v / 256)): pixel centres lie at multiples of 256, the least u is inclusive and the
- * largest exclusive by the fill rule, so a triangle's box holds a centre only if its corners' cells differ in i and in j. Cells
- * of vertices on the screen fit 16 bits, so one gathered word says it for each corner. A whole group at a time: what lies beyond the
- * cluster's last triangle is not looked at. */
+/* A vertex's cell is (i, j) = (ceil(u / 256), ceil(v / 256)): pixel centres lie at multiples of 256, the least u is
+ * inclusive and the largest exclusive by the fill rule, so a triangle's box holds a centre only if its corners'
+ * cells differ in i and in j. Cells of vertices on the screen fit 16 bits, so one gathered word says it for each
+ * corner. A whole group at a time: what lies beyond the cluster's last triangle is not looked at. */
 static void classify_inside(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
                             const int32_t *restrict cell, int32_t y0, int32_t y1, uint8_t *restrict class) {
 #pragma omp simd
@@ -266,9 +269,9 @@ static sl_classes classify(const sl_raster *r, uint32_t cluster, const sl_pass_v
     return result;
 }
 
-/* Edge k runs from corner k+1 to corner k+2; E(u, v) = a (u - u_P) + b (v - v_P) is positive inside once the signs are turned by
- * the area's. At pixel centres E = 256 (a i + b j) + c, so E >= 0 is a i + b j + floor(c / 256) >= 0. Edges that do not own
- * their points (all but left edges and lowest horizontal ones) ask for E >= 1. */
+/* Edge k runs from corner k+1 to corner k+2; E(u, v) = a (u - u_P) + b (v - v_P) is positive inside once the signs
+ * are turned by the area's. At pixel centres E = 256 (a i + b j) + c, so E >= 0 is a i + b j + floor(c / 256) >= 0.
+ * Edges that do not own their points (all but left edges and lowest horizontal ones) ask for E >= 1. */
 static void set_up_edges(sl_batch *restrict batch, uint32_t n) {
     for (uint32_t t = 0; t < n; t++) {
         int32_t u0 = batch->snapped_u[0][t], u1 = batch->snapped_u[1][t], u2 = batch->snapped_u[2][t];
@@ -316,9 +319,9 @@ static void set_up_bounds(const sl_pass_view *view, sl_batch *restrict batch, ui
     }
 }
 
-/* The plane through the three unsnapped vertices, in double, told at the snapped position of the corner with the smallest depth: for
- * 1/w that is the far end, where absolute rounding errors would hurt. Slivers may have wild slopes: the rasterizer clamps to
- * the corners' range, and slopes that could overflow count as none. */
+/* The plane through the three unsnapped vertices, in double, told at the snapped position of the corner with the
+ * smallest depth: for 1/w that is the far end, where absolute rounding errors would hurt. Slivers may have wild
+ * slopes: the rasterizer clamps to the corners' range, and slopes that could overflow count as none. */
 static void set_up_depth(sl_batch *restrict batch, uint32_t n) {
     for (uint32_t t = 0; t < n; t++) {
         float z0 = batch->depth[0][t], z1 = batch->depth[1][t], z2 = batch->depth[2][t];

@@ -1,6 +1,6 @@
-/* Bounds of a sphere on the screen: one axis at a time, in the plane of that axis and the viewing direction, where the sphere
- * is seen between the two tangents of its circle; where the near plane cuts a tangent's point of contact away, the
- * bound is that of the circle's section with the near plane. */
+/* Bounds of a sphere on the screen: one axis at a time, in the plane of that axis and the viewing direction, where
+ * the sphere is seen between the two tangents of its circle; where the near plane cuts a tangent's point of contact
+ * away, the bound is that of the circle's section with the near plane. */
 #include <math.h>
 
 #include "base/math.h"

@@ -1,5 +1,6 @@
-/* Splatting: rectangles blended additively. A tile's pixels are touched by one thread only, which runs the tile's splats in index
- * order; so every pixel adds in index order, and float sums come out the same bits at any number of threads. */
+/* Splatting: rectangles blended additively. A tile's pixels are touched by one thread only, which runs the tile's
+ * splats in index order; so every pixel adds in index order, and float sums come out the same bits at any number of
+ * threads. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"

@@ -1,8 +1,10 @@
-/* Large targets: bands of whole rows of tiles, each owned by one thread, which draws every cluster that touches its band.
+/* Large targets: bands of whole rows of tiles, each owned by one thread, which draws every cluster that touches its
+ * band.
  *
- * A cluster that lies across a band's edge is transformed in both bands, but its triangles touch disjoint pixels there, so no
- * thread waits for another and there is nothing to merge. Coverage and depth of a pixel do not depend on the band, and a cluster is
- * counted in its first band only: pixels and counters are the same however the target is cut. */
+ * A cluster that lies across a band's edge is transformed in both bands, but its triangles touch disjoint pixels
+ * there, so no thread waits for another and there is nothing to merge. Coverage and depth of a pixel do not depend
+ * on the band, and a cluster is counted in its first band only: pixels and counters are the same however the target
+ * is cut. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -44,8 +46,8 @@ static void narrow_planes(sl_pass_view *pass) {
     }
 }
 
-/* Which bands a cluster is drawn in. Its bounds are convex, so the bands are neighbours; one that no band's planes keep (by a hair)
- * is counted and drawn in the first. */
+/* Which bands a cluster is drawn in. Its bounds are convex, so the bands are neighbours; one that no band's planes
+ * keep (by a hair) is counted and drawn in the first. */
 static void assign_bands(tiled_pass *p) {
     const uint16_t none = UINT16_MAX;
     for (size_t c = 0; c < p->raster->cluster_count; c++) p->first_band[c] = none;
