@@ -295,6 +295,15 @@ static void a_scene_file_places_and_overrides(void **state) {
     sl_scene_destroy(s);
 }
 
+static void a_scene_file_is_known_by_its_content_too(void **state) {
+    (void)state;
+    write_box();
+    sl_scene *s = load(scene_file_text("scene.softlux", "\n {\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}]}"));
+    assert_int_equal(sl_scene_triangle_count(s), 2);
+    sl_scene_destroy(s);
+    refuse(scene_file_text("other.txt", "{\"version\": 3}"), ":1: unknown key 'version' in the scene");
+}
+
 static void z_up_is_turned_once(void **state) {
     (void)state;
     sl_scene *s = load_json("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"box.obj\", \"transform\": {\"translate\": [0,0,7]}}],\n"
@@ -410,6 +419,7 @@ int main(void) {
         cmocka_unit_test(gltf_pictures_inside_the_file_colour_and_mask),
         cmocka_unit_test(gltf_that_needs_what_is_not_read_is_refused),
         cmocka_unit_test(a_scene_file_places_and_overrides),
+        cmocka_unit_test(a_scene_file_is_known_by_its_content_too),
         cmocka_unit_test(z_up_is_turned_once),
         cmocka_unit_test(an_environment_picture_keeps_its_top_row_up),
         cmocka_unit_test(reflectance_beyond_one_warns_in_a_scene_file_too),

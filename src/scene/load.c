@@ -1,4 +1,6 @@
 /* What kind of file a scene is: a scene file of ours, or a mesh file. */
+#include <stdio.h>
+
 #include "base/error.h"
 #include "scene/file.h"
 #include "scene/mesh_file.h"
@@ -18,9 +20,21 @@ static sl_status load_mesh_alone(const char *path, sl_scene **scene, sl_error *e
     return status;
 }
 
+/* JSON by name or by its first character; glTF, which is JSON too, by name. */
+static bool is_scene_file(const char *path) {
+    if (sl_file_has_extension(path, ".json")) return true;
+    if (sl_file_has_extension(path, ".gltf") || !sl_file_exists(path)) return false;
+    FILE *file = fopen(path, "rb");
+    if (!file) return false;
+    int first = fgetc(file);
+    while (first == ' ' || first == '\t' || first == '\r' || first == '\n') first = fgetc(file);
+    fclose(file);
+    return first == '{';
+}
+
 sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error) {
     *scene = NULL;
     if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
-    if (sl_file_has_extension(path, ".json")) return sl_scene_file_load(path, scene, error);
+    if (is_scene_file(path)) return sl_scene_file_load(path, scene, error);
     return load_mesh_alone(path, scene, error);
 }
