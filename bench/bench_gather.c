@@ -1,5 +1,5 @@
 /* What a gather costs, and what it is worth: milliseconds for one 64 x 64 gather by plane, hemicube and rays, visibility alone and
- * with shading, on one thread, beside the relative RMS error against jittered ray gathers of 256 x 256 at the same points.
+ * with shading, on one thread, beside the relative RMS error (and that of the translational gradient over E) against jittered ray gathers of 256 x 256 at the same points.
  *
  *     build/bench/bench_gather SCENE...
  *
@@ -114,6 +114,20 @@ static double relative_rms(const bench *b, double *excluded) {
     return used > 0 ? sqrt(sum / used) : 0.0;
 }
 
+/* rms of |grad_t E - reference| / E in 1/m, green channel; with NULL for the gathers, of the reference itself. */
+static double gradient_rms(const bench *b, const sl_irradiance *result) {
+    double sum = 0, used = 0;
+    for (size_t i = 0; i < b->count; i++) {
+        double e = (double)b->reference[i].value.g;
+        sl_vec3 d = b->reference[i].translational[1];
+        if (result) d = sl_sub(d, result[i].translational[1]);
+        if (!(e > 0.0)) continue;
+        sum += (double)sl_dot(d, d) / (e * e);
+        used++;
+    }
+    return used > 0 ? sqrt(sum / used) : 0.0;
+}
+
 static void measure(bench *b) {
     static const char *const names[4] = {"auto", "plane", "hemicube", "rays"};
     sl_gather_settings s = sl_gather_defaults();
@@ -121,7 +135,7 @@ static void measure(bench *b) {
     s.size = REFERENCE_SIZE;
     s.direct = SL_DIRECT_RAYS;
     run(b, &s, 1, b->reference);
-    printf("  %-9s %-12s %10s %10s %10s %10s %9s\n", "gather", "lit by", "create ms", "see ms", "ms", "rel. RMS", "excluded");
+    printf("  %-9s %-12s %10s %10s %10s %10s %9s %12s\n", "gather", "lit by", "create ms", "see ms", "ms", "rel. RMS", "excluded", "grad 1/m");
     for (int direct = 0; direct < 2; direct++) {
         for (int kind = 1; kind < 4; kind++) {
             double excluded;
@@ -132,10 +146,14 @@ static void measure(bench *b) {
             if (direct && (b->scene->emitter_count || b->scene->environment.present)) continue;
             figures f = run(b, &s, REPETITIONS, b->result);
             double rms = relative_rms(b, &excluded);
-            printf("  %-9s %-12s %10.2f %10.3f %10.3f %9.2f%% %8.1f%%\n", names[kind], direct ? "shadow maps" : "rays",
-                   f.create_ms, f.see_ms, f.gather_ms, 100 * rms, 100 * excluded);
+            printf("  %-9s %-12s %10.2f %10.3f %10.3f %9.2f%% %8.1f%% %12.4f\n", names[kind], direct ? "shadow maps" : "rays",
+                   f.create_ms, f.see_ms, f.gather_ms, 100 * rms, 100 * excluded,
+                   gradient_rms(b, b->result));
         }
     }
+    double mean = 0;
+    for (size_t i = 0; i < b->count; i++) mean += (double)b->reference[i].value.g / (double)b->count;
+    printf("  reference: mean irradiance %.6g, gradient %.4f 1/m\n", mean, gradient_rms(b, NULL));
     s = sl_gather_defaults();
     printf("  auto chooses %s\n", names[run(b, &s, 1, b->result).kind]);
 }

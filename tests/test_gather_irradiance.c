@@ -205,6 +205,37 @@ static void few_stratified_shadow_rays_agree_with_many(void **state) {
     world_free(w);
 }
 
+/* A lamp a hand's breadth above a table: sampled points of the lamp would make the hits under it outshine the rest. The table's own
+ * radiance has a closed form, which fixes what a gather looking down on it from beside sees at each point. */
+static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t table = world_material(w, sl_grey(0.5f), sl_grey(0)), lamp = world_material(w, sl_grey(0), sl_grey(7));
+    world_quad(w, sl_v3(-1, 0, 1), sl_v3(1, 0, 1), sl_v3(1, 0, -1), sl_v3(-1, 0, -1), table);
+    world_quad(w, sl_v3(-0.2f, 0.02f, -0.2f), sl_v3(0.2f, 0.02f, -0.2f), sl_v3(0.2f, 0.02f, 0.2f), sl_v3(-0.2f, 0.02f, 0.2f), lamp);
+    world_build(w);
+    sl_vec3d corners[4] = {{-0.2, 0.02, -0.2}, {0.2, 0.02, -0.2}, {0.2, 0.02, 0.2}, {-0.2, 0.02, 0.2}};
+    sl_gather_settings s = settings_of(SL_GATHER_RAYS, 64);
+    s.emission = false;
+    s.jitter = false;
+    gatherer g = gatherer_new(w, &s);
+    gather_at(&g, sl_v3(0.6f, 0.01f, 0), sl_v3(0, -1, 0), 3); /* close above the table, below the lamp's height */
+    sl_gather_picture p = sl_gather_last_picture(g.scratch);
+    double brightest = 0;
+    for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
+    assert_true(brightest > 0 && brightest <= 7.0 * 0.5 * 1.0001); /* no irradiance exceeds pi times the lamp's radiance */
+    sl_gather_settings up = s;
+    gatherer h = gatherer_new(w, &up);
+    gather_at(&h, sl_v3(0.201f, 0.0199f, 0), sl_v3(-1, 0, 0), 3); /* along the gap: every hit is lit from close by */
+    p = sl_gather_last_picture(h.scratch);
+    brightest = 0;
+    for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
+    double centre = 0.5 * 7 / SL_PI * sl_polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 1, 0), corners, 4, NULL);
+    assert_near(brightest, centre, 0.02 * centre);
+    gatherer_free(&g), gatherer_free(&h);
+    world_free(w);
+}
+
 static void shadow_maps_and_rays_light_alike(void **state) {
     (void)state;
     for (int quad = 0; quad < 2; quad++) {
@@ -331,6 +362,7 @@ int main(void) {
         cmocka_unit_test(emitters_that_do_not_count_still_have_a_distance),
         cmocka_unit_test(integrating_sphere_is_evenly_lit),
         cmocka_unit_test(few_stratified_shadow_rays_agree_with_many),
+        cmocka_unit_test(lamp_close_to_a_surface_makes_no_outliers),
         cmocka_unit_test(shadow_maps_and_rays_light_alike),
         cmocka_unit_test(directional_light_is_the_same_by_map_and_by_rays),
         cmocka_unit_test(tilted_normal_does_not_see_its_own_surface),

@@ -52,11 +52,29 @@ static sl_status make_sampler(sl_gather *gather, sl_error *error) {
     return sl_light_sampler_create(&gather->extended, &gather->sampler, error);
 }
 
+/* Spheres about the emitters, 1.2 times their longest edge. */
+static void make_near_spheres(sl_gather *gather) {
+    const sl_scene *s = gather->scene;
+    if (s->emitter_count > SL_NEAR_EMITTERS_MAX || s->environment.present || !gather->every_light) return;
+    gather->near_count = s->emitter_count;
+    for (size_t i = 0; i < s->emitter_count; i++) {
+        uint32_t t = s->emitters[i].triangle;
+        sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), b = sl_scene_position(s, s->vertex[1][t]), c = sl_scene_position(s, s->vertex[2][t]);
+        float edge = fmaxf(sl_length(sl_sub(b, a)), fmaxf(sl_length(sl_sub(c, b)), sl_length(sl_sub(a, c))));
+        gather->near[i].centre = sl_scale(sl_add(a, sl_add(b, c)), 1.0f / 3.0f);
+        gather->near[i].radius_squared = 1.44f * edge * edge;
+    }
+}
+
 static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
     const sl_gather_settings *s = &gather->settings;
     sl_status status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
     if (status != SL_OK) return status;
-    if (s->direct == SL_DIRECT_RAYS) return make_sampler(gather, error);
+    if (s->direct == SL_DIRECT_RAYS) {
+        status = make_sampler(gather, error);
+        make_near_spheres(gather);
+        return status;
+    }
     return sl_shadow_maps_create(gather->scene, gather->raster, SHADOW_MAP_SIZE, threads, &gather->maps, counters, error);
 }
 

@@ -11,6 +11,14 @@
 #include "cache/gather/gather_tables.h"
 #include "cache/gather/shadow_maps.h"
 
+/* About an emitter, where its light is not sampled but computed. */
+typedef struct sl_near_sphere {
+    sl_vec3 centre;
+    float radius_squared;
+} sl_near_sphere;
+
+enum { SL_NEAR_EMITTERS_MAX = 16 };
+
 struct sl_gather {
     const sl_scene *scene;
     const sl_raster *raster;
@@ -25,7 +33,8 @@ struct sl_gather {
     sl_scene extended;           /* the scene without its lights without extent: what `sampler` draws from */
     sl_light_sampler *sampler;   /* emitters and environment (and lights without extent where they are many), or NULL */
     bool every_light;            /* lights without extent are few: each lights every hit */
-    bool any_texture;
+    size_t near_count;           /* emitters, where they are few and no environment shines besides; else 0 */
+    sl_near_sphere near[SL_NEAR_EMITTERS_MAX];
 };
 
 /* What was seen in the cells, by slot: slot k is cell order[k]. */

@@ -1,7 +1,7 @@
 /* What the gather sees, lit by direct light alone: outgoing radiance L = kd / pi * E_direct of a Lambertian bounce.
  *
  * Shadow rays: every light without extent lights every hit (where there are more than eight, the sampler draws among them), and
- * emitters and environment together get one sample a hit. The numbers that choose these samples are one three-dimensional Kronecker
+ * emitters and environment together get one sample a hit (near emitters their closed form is used). The numbers that choose these samples are one three-dimensional Kronecker
  * sequence over the hits of the gather (Roberts' R3), rotated by the point's key, so that all hits together are spread evenly over the
  * lights. */
 #include "cache/gather/gather_internal.h"
@@ -9,6 +9,7 @@
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"
+#include "cache/gather/hemisphere_tables.h"
 
 /* Radiance below this is 0 (its products would be denormal), above that it is cut (radiance-cache-splatting 8). */
 #define RADIANCE_MIN 1e-30f
@@ -109,26 +110,34 @@ static void flush_queue(shadow_queue *q) {
     q->count = 0;
 }
 
-/* Light of irradiance `facing` on a facing plane arrives at slot k, unless something is in the way. */
-static void push_shadow_ray(shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb facing) {
+/* Irradiance arrives at slot k from a unit direction, unless something is in the way. */
+static void push_shadow_ray(shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance) {
     const sl_gather_hits *h = &q->view->scratch->hits;
-    float cosine = h->normal_x[k] * to_light.x + h->normal_y[k] * to_light.y + h->normal_z[k] * to_light.z;
-    float above = h->geometric_x[k] * to_light.x + h->geometric_y[k] * to_light.y + h->geometric_z[k] * to_light.z;
-    if (!(cosine > 0.0f) || !(above > 0.0f)) return;
+    bool far_away = isinf(distance);
     float offset = q->view->gather->offset;
+    sl_vec3 shift = sl_v3(offset * h->geometric_x[k], offset * h->geometric_y[k], offset * h->geometric_z[k]);
+    /* From the shifted origin to the same point of the light: beside it, the ray could end behind the light. */
+    sl_vec3 direction = far_away ? to_light : sl_sub(sl_scale(to_light, distance), shift);
     unsigned i = q->count++;
-    q->rays.origin_x[i] = h->position_x[k] + offset * h->geometric_x[k];
-    q->rays.origin_y[i] = h->position_y[k] + offset * h->geometric_y[k];
-    q->rays.origin_z[i] = h->position_z[k] + offset * h->geometric_z[k];
-    q->rays.direction_x[i] = to_light.x;
-    q->rays.direction_y[i] = to_light.y;
-    q->rays.direction_z[i] = to_light.z;
+    q->rays.origin_x[i] = h->position_x[k] + shift.x;
+    q->rays.origin_y[i] = h->position_y[k] + shift.y;
+    q->rays.origin_z[i] = h->position_z[k] + shift.z;
+    q->rays.direction_x[i] = direction.x;
+    q->rays.direction_y[i] = direction.y;
+    q->rays.direction_z[i] = direction.z;
     q->rays.near[i] = 0.0f;
-    q->rays.far[i] = isinf(distance) ? INFINITY : distance * (1.0f - 1e-4f); /* short of the light itself */
+    q->rays.far[i] = far_away ? INFINITY : 1.0f - 1e-4f; /* short of the light itself */
     q->rays.skip[i] = h->triangle[k];
     q->slot[i] = (uint32_t)k;
-    q->light[i] = sl_rgb_scale(facing, cosine);
+    q->light[i] = irradiance;
     if (q->count == SL_PACKET) flush_queue(q);
+}
+
+/* Of a unit direction at slot k with the shading normal; 0 if it is below either horizon. */
+static float lit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) {
+    float cosine = h->normal_x[k] * d.x + h->normal_y[k] * d.y + h->normal_z[k] * d.z;
+    float above = h->geometric_x[k] * d.x + h->geometric_y[k] * d.y + h->geometric_z[k] * d.z;
+    return cosine > 0.0f && above > 0.0f ? cosine : 0.0f;
 }
 
 static bool reflects(const sl_gather_hits *h, size_t k) {
@@ -148,13 +157,70 @@ static void light_by_each(const sl_gather_view *view, shadow_queue *q) {
             float distance;
             sl_rgb facing;
             if (!reflects(h, k) || !sl_light_illuminate(&scene->lights[i], position_of(h, k), &to_light, &distance, &facing)) continue;
-            push_shadow_ray(q, k, to_light, distance, facing);
+            float cosine = lit_cosine(h, k, to_light);
+            if (cosine > 0.0f) push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine));
         }
         flush_queue(q); /* packets hold rays to one light */
     }
 }
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
+
+/* ---- near emitters ---- */
+
+/* Within about an emitter's size of it, 1 / distance^2 of sampled points makes single hits outshine the gather. There every emitter
+ * gives its exact polygon irradiance (cache-math 8.1) times the visibility of one of its points. */
+static bool is_near_emitter(const sl_gather *gather, sl_vec3 p) {
+    for (size_t i = 0; i < gather->near_count; i++) {
+        sl_vec3 d = sl_sub(p, gather->near[i].centre);
+        if (sl_dot(d, d) < gather->near[i].radius_squared) return true;
+    }
+    return false;
+}
+
+static double exact_irradiance(const sl_gather_view *view, size_t k, const sl_vec3 corner[3], bool two_sided) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    sl_vec3d v[3] = {sl_to_double(corner[0]), sl_to_double(corner[1]), sl_to_double(corner[2])}, back[3] = {v[2], v[1], v[0]};
+    sl_vec3d p = sl_to_double(position_of(h, k));
+    sl_vec3d n = sl_v3d((double)h->normal_x[k], (double)h->normal_y[k], (double)h->normal_z[k]);
+    double irradiance = sl_polygon_irradiance(p, n, v, 3, NULL);
+    return two_sided && !(irradiance > 0.0) ? sl_polygon_irradiance(p, n, back, 3, NULL) : irradiance;
+}
+
+/* A uniform point of the triangle; the second try is its mirror image, for emitters that the horizon cuts. */
+static sl_vec3 emitter_point(const sl_vec3 corner[3], float u1, float u2, int attempt) {
+    float root = sqrtf(attempt ? 1.0f - u1 : u1), w1 = root * (1.0f - u2), w2 = root * u2;
+    return sl_mad(sl_mad(corner[0], w1, sl_sub(corner[1], corner[0])), w2, sl_sub(corner[2], corner[0]));
+}
+
+static void light_by_exact_emitters(const sl_gather_view *view, shadow_queue *q, size_t k, float u1, float u2) {
+    const sl_scene *scene = view->gather->scene;
+    const sl_gather_hits *h = &view->scratch->hits;
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        const sl_emitter *e = &scene->emitters[i];
+        sl_vec3 corner[3];
+        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
+        double irradiance = exact_irradiance(view, k, corner, e->two_sided);
+        for (int attempt = 0; attempt < 2 && irradiance > 0.0; attempt++) {
+            sl_vec3 offset = sl_sub(emitter_point(corner, u1, u2, attempt), position_of(h, k));
+            float distance = sl_length(offset);
+            if (!(distance > 0.0f)) continue;
+            sl_vec3 to_light = sl_scale(offset, 1.0f / distance);
+            if (!(lit_cosine(h, k, to_light) > 0.0f)) continue;
+            push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(e->radiance, (float)irradiance));
+            break;
+        }
+    }
+}
+
+/* ---- samples ---- */
+
+/* A sample stands for 1 / pdf of solid angle; very near to an emitter that grows beyond a hemisphere, which none fills, and single
+ * hits would outshine the gather. So it is cut there (where emitters are few, near ones are exact and not sampled at all). */
+static float bounded(const sl_light_sample *sample) {
+    float share = sample->pdf * (float)(2.0 * SL_PI);
+    return sample->triangle != SL_NO_INDEX && share < 1.0f ? share : 1.0f;
+}
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */
 static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
@@ -164,8 +230,14 @@ static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
     for (size_t k = 0; k < view->gather->tables->used; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
         sl_light_sample sample;
         if (!reflects(h, k)) continue;
+        if (is_near_emitter(view->gather, position_of(h, k))) {
+            light_by_exact_emitters(view, q, k, unit(u1), unit(u2));
+            continue;
+        }
         if (!sl_light_sampler_sample(view->gather->sampler, position_of(h, k), unit(select), unit(u1), unit(u2), &sample)) continue;
-        push_shadow_ray(q, k, sample.to_light, sample.distance, sample.radiance);
+        float cosine = lit_cosine(h, k, sample.to_light);
+        if (!(cosine > 0.0f)) continue;
+        push_shadow_ray(q, k, sample.to_light, sample.distance, sl_rgb_scale(sample.radiance, cosine * bounded(&sample)));
     }
     flush_queue(q);
 }
