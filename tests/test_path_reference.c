@@ -12,7 +12,13 @@
 #include "trace/trace.h"
 #include "trace_scenes.h"
 
-enum { SIZE = 512, SAMPLES = 64, PIXELS = SIZE * SIZE };
+/* Sanitizers slow this down tenfold; a few samples keep the means and the patches checked. */
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ || defined SL_THREADS_WITHOUT_OPENMP
+enum { SAMPLES = 4 };
+#else
+enum { SAMPLES = 64 };
+#endif
+enum { SIZE = 512, PIXELS = SIZE * SIZE };
 
 static const char mask_file[] = "../shared/refs/cornell512_mask.pfm";
 
@@ -201,7 +207,7 @@ static void check_picture(const picture *p, const char *first, const char *secon
             }
         }
         print_message("relMSE %.3e, of which our noise %.3e\n", error / weight, noise / weight);
-        assert_true(fabs(error - noise) / weight < 3e-5);
+        assert_true(fabs(error - noise) / weight < (SAMPLES < 64 ? 1e-3 : 3e-5));
     } else {
         print_message("skipped: the reference pictures are not there\n");
     }
