@@ -1,10 +1,12 @@
-/* What a gather costs, and what it is worth: milliseconds for one 64 x 64 gather by plane, hemicube and rays, visibility alone and
- * with shading, on one thread, beside the relative RMS error (and that of the translational gradient over E) against jittered ray gathers of 256 x 256 at the same points.
+/* What a gather costs, and what it is worth: milliseconds for one 64 x 64 gather by plane, hemicube and rays, visibility
+ * alone and with shading, on one thread, beside the relative RMS error (and that of the translational gradient over E)
+ * against jittered ray gathers of 256 x 256 at the same points.
  *
  *     build/bench/bench_gather SCENE...
  *
- * Times are the thread's processor time, medians of five repetitions over the same points; the points are what the scene's camera sees in
- * 200 random pixels. Shadow maps are measured where all lights are without extent, which is where they are meant to be used. */
+ * Times are the thread's processor time, medians of five repetitions over the same points; the points are what the scene's
+ * camera sees in 200 random pixels. Shadow maps are measured where all lights are without extent, which is where they are
+ * meant to be used. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -55,7 +57,8 @@ static void choose_points(bench *b) {
     uint64_t key = sl_random_key(1, 2);
     b->count = 0;
     for (uint64_t i = 0; i < 20 * POINTS && b->count < POINTS; i++) {
-        float x = (2.0f * sl_random_unit(key, 2 * i) - 1.0f) * tangent * aspect, y = (2.0f * sl_random_unit(key, 2 * i + 1) - 1.0f) * tangent;
+        float x = (2.0f * sl_random_unit(key, 2 * i) - 1.0f) * tangent * aspect;
+        float y = (2.0f * sl_random_unit(key, 2 * i + 1) - 1.0f) * tangent;
         sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, x), y, c->up), c->back);
         sl_ray16 rays = {.origin_x = {c->eye.x}, .origin_y = {c->eye.y}, .origin_z = {c->eye.z}, .direction_x = {d.x},
                          .direction_y = {d.y}, .direction_z = {d.z}, .far = {INFINITY}, .skip = {SL_NO_INDEX}};
@@ -79,7 +82,9 @@ static figures run(bench *b, const sl_gather_settings *settings, int repetitions
     sl_gather_scratch *scratch;
     sl_error error;
     double start = now_ms(), see[REPETITIONS], all[REPETITIONS];
-    if (sl_gather_create(b->scene, b->raster, b->tracer, settings, 1, &gather, &b->counters, &error) != SL_OK) stop("gather", &error);
+    if (sl_gather_create(b->scene, b->raster, b->tracer, settings, 1, &gather, &b->counters, &error) != SL_OK) {
+        stop("gather", &error);
+    }
     if (sl_gather_scratch_create(gather, &scratch, &error) != SL_OK) stop("scratch", &error);
     figures f = {.create_ms = now_ms() - start, .kind = sl_gather_kind_used(gather)};
     for (int r = 0; r < repetitions; r++) {

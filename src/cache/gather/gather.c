@@ -59,7 +59,8 @@ static void make_near_spheres(sl_gather *gather) {
     gather->near_count = s->emitter_count;
     for (size_t i = 0; i < s->emitter_count; i++) {
         uint32_t t = s->emitters[i].triangle;
-        sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), b = sl_scene_position(s, s->vertex[1][t]), c = sl_scene_position(s, s->vertex[2][t]);
+        sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), b = sl_scene_position(s, s->vertex[1][t]);
+        sl_vec3 c = sl_scene_position(s, s->vertex[2][t]);
         float edge = fmaxf(sl_length(sl_sub(b, a)), fmaxf(sl_length(sl_sub(c, b)), sl_length(sl_sub(a, c))));
         gather->near[i].centre = sl_scale(sl_add(a, sl_add(b, c)), 1.0f / 3.0f);
         gather->near[i].radius_squared = 1.44f * edge * edge;

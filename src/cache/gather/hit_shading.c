@@ -1,9 +1,9 @@
 /* What the gather sees, lit by direct light alone: outgoing radiance L = kd / pi * E_direct of a Lambertian bounce.
  *
- * Shadow rays: every light without extent lights every hit (where there are more than eight, the sampler draws among them), and
- * emitters and environment together get one sample a hit (near emitters their closed form is used). The numbers that choose these samples are one three-dimensional Kronecker
- * sequence over the hits of the gather (Roberts' R3), rotated by the point's key, so that all hits together are spread evenly over the
- * lights. */
+ * Shadow rays: every light without extent lights every hit (where there are more than eight, the sampler draws among
+ * them), and emitters and environment together get one sample a hit (near emitters their closed form is used). The numbers
+ * that choose these samples are one three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated
+ * by the point's key, so that all hits together are spread evenly over the lights. */
 #include "cache/gather/gather_internal.h"
 
 #include "base/counters.h"
@@ -156,7 +156,8 @@ static void light_by_each(const sl_gather_view *view, shadow_queue *q) {
             sl_vec3 to_light;
             float distance;
             sl_rgb facing;
-            if (!reflects(h, k) || !sl_light_illuminate(&scene->lights[i], position_of(h, k), &to_light, &distance, &facing)) continue;
+            if (!reflects(h, k)) continue;
+            if (!sl_light_illuminate(&scene->lights[i], position_of(h, k), &to_light, &distance, &facing)) continue;
             float cosine = lit_cosine(h, k, to_light);
             if (cosine > 0.0f) push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine));
         }
@@ -180,7 +181,8 @@ static bool is_near_emitter(const sl_gather *gather, sl_vec3 p) {
 
 static double exact_irradiance(const sl_gather_view *view, size_t k, const sl_vec3 corner[3], bool two_sided) {
     const sl_gather_hits *h = &view->scratch->hits;
-    sl_vec3d v[3] = {sl_to_double(corner[0]), sl_to_double(corner[1]), sl_to_double(corner[2])}, back[3] = {v[2], v[1], v[0]};
+    sl_vec3d v[3] = {sl_to_double(corner[0]), sl_to_double(corner[1]), sl_to_double(corner[2])};
+    sl_vec3d back[3] = {v[2], v[1], v[0]};
     sl_vec3d p = sl_to_double(position_of(h, k));
     sl_vec3d n = sl_v3d((double)h->normal_x[k], (double)h->normal_y[k], (double)h->normal_z[k]);
     double irradiance = sl_polygon_irradiance(p, n, v, 3, NULL);
@@ -234,7 +236,8 @@ static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
             light_by_exact_emitters(view, q, k, unit(u1), unit(u2));
             continue;
         }
-        if (!sl_light_sampler_sample(view->gather->sampler, position_of(h, k), unit(select), unit(u1), unit(u2), &sample)) continue;
+        sl_vec3 p = position_of(h, k);
+        if (!sl_light_sampler_sample(view->gather->sampler, p, unit(select), unit(u1), unit(u2), &sample)) continue;
         float cosine = lit_cosine(h, k, sample.to_light);
         if (!(cosine > 0.0f)) continue;
         push_shadow_ray(q, k, sample.to_light, sample.distance, sl_rgb_scale(sample.radiance, cosine * bounded(&sample)));
