@@ -171,3 +171,18 @@ sl_vec3 sl_environment_sample(const sl_environment *e, float u1, float u2, sl_rg
     double top = row_edge(e, row), bottom = row_edge(e, row + 1); /* uniform in the cosine is uniform in solid angle */
     return direction_at(((double)column + across) / (double)e->width, top + down * (bottom - top));
 }
+
+double sl_environment_contrast(const sl_environment *environment) {
+    double sum = 0.0, weights = 0.0, largest = 0.0;
+    for (int row = 0; row < environment->height && environment->width > 0; row++) {
+        double weight = sl_sin(SL_PI * (row + 0.5) / environment->height);
+        for (int column = 0; column < environment->width; column++) {
+            const float *t = environment->texels + 3 * ((size_t)row * (size_t)environment->width + (size_t)column);
+            double luminance = (double)sl_luminance((sl_rgb){t[0], t[1], t[2]});
+            sum += weight * luminance;
+            weights += weight;
+            if (luminance > largest) largest = luminance;
+        }
+    }
+    return sum > 0.0 ? largest * weights / sum : 1.0;
+}

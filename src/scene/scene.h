@@ -144,6 +144,8 @@ sl_rgb sl_environment_radiance(const sl_environment *environment, sl_vec3 direct
 /* A direction drawn proportional to luminance x solid angle from two numbers in [0,1); its radiance and pdf (1/sr). */
 sl_vec3 sl_environment_sample(const sl_environment *environment, float u1, float u2, sl_rgb *radiance, float *pdf);
 float sl_environment_pdf(const sl_environment *environment, sl_vec3 direction);
+/* Largest over mean luminance, the mean by solid angle: 1 for a constant sky, thousands for one with a sun in it; 1 where there is none. */
+double sl_environment_contrast(const sl_environment *environment);
 
 /* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for directional)
  * and the irradiance on a plane that faces it. Returns false where that is zero. */

@@ -19,6 +19,7 @@ typedef struct sl_gather_settings {
     sl_border border;         /* plane only; RADIAL by default */
     bool jitter;              /* rays: jittered inside their cells */
     bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
+    bool background;          /* the environment is seen even where emission is off: the cache carries its light */
     sl_direct_kind direct;    /* how what is seen is lit: shadow rays (one light sample a hit) or shadow cubes */
     uint64_t seed;
 } sl_gather_settings;

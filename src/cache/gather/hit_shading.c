@@ -281,10 +281,13 @@ static float sane(float radiance, uint64_t *nonfinite) {
 static sl_rgb emission_of(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_scene *scene = view->gather->scene;
+    const sl_gather_settings *settings = &view->gather->settings;
     if (h->triangle[k] == SL_NO_INDEX) {
+        if (!settings->emission && !settings->background) return sl_grey(0.0f);
         sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
         return sl_environment_radiance(&scene->environment, sl_normalize_or(d, view->frame.z));
     }
+    if (!settings->emission) return sl_grey(0.0f);
     const sl_material *material = &scene->materials[scene->material_index[h->triangle[k]]];
     return h->back[k] > 0.0f && !material->emission_two_sided ? sl_grey(0.0f) : material->emission;
 }
@@ -296,7 +299,7 @@ static void write_cell(const sl_gather_view *view, size_t k, float length, uint6
     const float inverse_pi = (float)(1.0 / SL_PI);
     sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k], h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
                        h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
-    if (view->gather->settings.emission) radiance = sl_rgb_add(radiance, emission_of(view, k));
+    radiance = sl_rgb_add(radiance, emission_of(view, k));
     p->r[cell] = sane(radiance.r, nonfinite);
     p->g[cell] = sane(radiance.g, nonfinite);
     p->b[cell] = sane(radiance.b, nonfinite);

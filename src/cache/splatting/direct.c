@@ -26,6 +26,7 @@ enum {
 
 struct sl_direct {
     const sl_scene *scene;
+    sl_scene extended;         /* the same with those lights alone that are sampled: none without extent, as these get a ray each */
     const sl_tracer *tracer;
     sl_light_sampler *sampler; /* NULL: no light with extent */
     sl_direct_settings settings;
@@ -40,10 +41,13 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->scene = scene;
     d->tracer = tracer;
     d->settings = *settings;
+    d->extended = *scene;
+    d->extended.light_count = 0;
+    if (!settings->environment) d->extended.environment.present = false;
     d->exact = !settings->maps && scene->emitter_count > 0 && scene->emitter_count <= EXACT_EMITTERS_MAX;
     sl_status status = SL_OK;
-    if (!settings->maps && (scene->emitter_count || scene->environment.present))
-        status = sl_light_sampler_create(scene, &d->sampler, error);
+    if (!settings->maps && (scene->emitter_count || d->extended.environment.present))
+        status = sl_light_sampler_create(&d->extended, &d->sampler, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);
         return status;
@@ -122,11 +126,15 @@ static void enqueue(shadow_queue *q, int pixel, const receiver *at, sl_vec3 to_l
     float cosine = sl_dot(at->normal, to_light);
     if (!(cosine > 0.0f) || !(sl_dot(at->geometric_normal, to_light) > 0.0f)) return;
     unsigned i = q->count++;
+    /* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface cannot come
+     * between; its end stops short of the light. */
     sl_vec3 origin = sl_mad(at->position, at->offset, at->geometric_normal);
+    bool far_away = isinf(distance);
+    sl_vec3 aim = far_away ? to_light : sl_sub(sl_mad(at->position, distance, to_light), origin);
     q->rays.origin_x[i] = origin.x, q->rays.origin_y[i] = origin.y, q->rays.origin_z[i] = origin.z;
-    q->rays.direction_x[i] = to_light.x, q->rays.direction_y[i] = to_light.y, q->rays.direction_z[i] = to_light.z;
+    q->rays.direction_x[i] = aim.x, q->rays.direction_y[i] = aim.y, q->rays.direction_z[i] = aim.z;
     q->rays.near[i] = 0.0f;
-    q->rays.far[i] = distance * 0.9999f;
+    q->rays.far[i] = far_away ? INFINITY : 0.9999f;
     q->rays.skip[i] = at->triangle;
     q->pixel[i] = pixel;
     q->irradiance[i] = sl_rgb_scale(light, cosine);
@@ -162,7 +170,7 @@ static void queue_extended_lights(shadow_queue *q, int pixel, const receiver *at
         }
         sl_light_sample light;
         if (!sl_light_sampler_sample(q->direct->sampler, at->position, u[0], u[1], u[2], &light)) continue;
-        if (!(light.pdf > 0.0f) || light.triangle == at->triangle) continue; /* delta lights have had their ray */
+        if (light.triangle != SL_NO_INDEX && light.triangle == at->triangle) continue;
         enqueue(q, pixel, at, light.to_light, light.distance, sl_rgb_scale(light.radiance, 1.0f / weight),
                 light.triangle != SL_NO_INDEX);
     }
@@ -297,7 +305,7 @@ static void refine_penumbrae(const rows_context *c, shadow_queue *q, int y) {
     const sl_direct *direct = c->direct;
     const sl_gbuffer *g = c->gbuffer;
     uint32_t samples = direct->settings.light_samples;
-    if (!direct->exact || direct->scene->environment.present) return;
+    if (!direct->exact || direct->extended.environment.present) return;
     q->refining = true;
     for (int x = 0; x < g->width; x++) {
         size_t i = (size_t)y * (size_t)g->width + (size_t)x;

@@ -82,13 +82,22 @@ static bool gives_light(const sl_scene *scene) {
     return scene->light_count || scene->emitter_count || scene->environment.present;
 }
 
-static sl_gather_settings chosen_gather(const sl_settings *settings) {
+/* A sky of even brightness is the gathers' background, so that the cache carries its light; one with a sun in it must be sampled for
+ * every pixel. So must one that shines on glossy surfaces, of which the cache knows nothing. Never both. */
+static bool cache_carries_environment(const sl_scene *scene, const sl_settings *settings, const sl_features *features) {
+    enum { CONTRAST_MAX = 10 };
+    return scene->environment.present && settings->direct != SL_DIRECT_SHADOW_MAPS && features->glossy_triangles == 0 &&
+           sl_environment_contrast(&scene->environment) <= CONTRAST_MAX;
+}
+
+static sl_gather_settings chosen_gather(const sl_settings *settings, bool background) {
     sl_gather_settings g = sl_gather_defaults();
     g.kind = settings->gather;
     g.size = chosen_quality(settings).gather_size;
     g.direct = settings->direct;
     g.seed = settings->seed;
-    g.emission = false; /* the direct pass samples every light: what emits is black in the gather */
+    g.emission = false; /* what the direct pass samples is black in the gather */
+    g.background = background;
     return g;
 }
 
@@ -128,7 +137,7 @@ static sl_status create_transport(splat_state *s, sl_error *error) {
     if (status == SL_OK && s->direct_needed && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
     if (status == SL_OK && s->direct_needed) {
-        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads, s->maps};
+        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads, s->maps, !s->gather_settings.background};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
     if (status != SL_OK || !s->indirect_needed) return status;
@@ -191,7 +200,7 @@ static sl_status splat_create(const sl_scene *scene, const sl_settings *settings
     s->scene = scene;
     s->settings = *settings;
     s->quality = chosen_quality(settings);
-    s->gather_settings = chosen_gather(settings);
+    s->gather_settings = chosen_gather(settings, cache_carries_environment(scene, settings, &features));
     s->indirect_needed = features.diffuse_triangles && gives_light(scene);
     s->direct_needed = (features.diffuse_triangles || features.glossy_triangles) && gives_light(scene);
     sl_status status = create_transport(s, error);
@@ -526,14 +535,18 @@ static void splat_transport(sl_transport *transport) {
 static void splat_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_features f = sl_scene_features(scene);
     quality_settings q = chosen_quality(settings);
+    bool background = cache_carries_environment(scene, settings, &f);
     bool light = gives_light(scene), receivers = f.diffuse_triangles || f.glossy_triangles;
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
     sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
     sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
-    sl_plan_pass(writer, light && receivers && (f.emitters || f.environment), "light samples",
+    bool samples_sky = f.environment && !background;
+    sl_plan_pass(writer, light && receivers && (f.emitters || samples_sky), "light samples",
                  "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
-                 f.environment ? " and the environment" : "");
+                 samples_sky ? " and the environment" : "");
+    sl_plan_pass(writer, background, "environment in the cache", "%s",
+                 background ? "its light is part of the irradiance records" : "none, or it is sampled for every pixel");
     sl_plan_pass(writer, receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
                  scene->light_count);
     sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, %d x %d gathers", q.accuracy,

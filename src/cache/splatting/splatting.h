@@ -22,6 +22,7 @@ typedef struct sl_direct_settings {
     uint64_t seed;
     unsigned threads;
     const sl_shadow_maps *maps; /* NULL: shadow rays */
+    bool environment;           /* the environment is sampled here; off where the gathers see it as their background */
 } sl_direct_settings;
 
 typedef struct sl_direct sl_direct;
