@@ -78,7 +78,7 @@ static void stage_open(stage *s) {
                       s->receives},
         .weights = {0.3f, 1.0f / 0.3f, 1e-5f * s->scene->diagonal},
         .covered_weight = 1.0f / (9.0f * 0.3f),
-        .radii = {0.3, 0.1 * (double)s->scene->diagonal, true, SL_GATHER_RAYS, 2.7},
+        .radii = {0.3, 1.5, 0.1 * (double)s->scene->diagonal, true, SL_GATHER_RAYS, 2.7},
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = c,
         .near_distance = 1e-5f * s->scene->diagonal,

@@ -148,6 +148,11 @@ static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, dou
     return true;
 }
 
+bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+    return sl_is_finite(p) && sample_emitter(scene, &scene->emitters[emitter], 1.0, p, u1, u2, sample) &&
+           sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
+}
+
 static bool sample_light(const sl_light *light, double chance, sl_vec3 p, sl_light_sample *sample) {
     *sample = (sl_light_sample){.pdf = 0.0f, .triangle = SL_NO_INDEX};
     if (!sl_light_illuminate(light, p, &sample->to_light, &sample->distance, &sample->radiance)) return false;

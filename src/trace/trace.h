@@ -63,6 +63,9 @@ bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, floa
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
                            float distance);
 
+/* One sample of a given emitter, for those who choose emitters in their own way: radiance and pdf are without the choice. */
+bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2, sl_light_sample *sample);
+
 /* ---- the reference path tracer ---- */
 
 typedef struct sl_path_tracer sl_path_tracer;

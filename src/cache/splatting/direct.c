@@ -18,20 +18,59 @@
 
 enum {
     EXACT_EMITTERS_MAX = 16, /* beyond, the closed form costs more than the noise that it saves */
+    CHOICES_MAX = 1024,      /* emitters that are weighed for every pixel */
     PENUMBRA_FACTOR = 4,
     /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the faint
      * edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
     PENUMBRA_MARGIN = 2
 };
 
+/* What the choice among emitters looks at, emitter by emitter. */
+typedef struct {
+    float *x, *y, *z;               /* centroid */
+    float *normal_x, *normal_y, *normal_z;
+    float *strength;                /* mean radiance times area */
+    float *extent_squared;          /* largest squared distance of a corner from the centroid */
+    float *two_sided;
+    float *block;
+    size_t count;
+} emitter_table;
+
 struct sl_direct {
     const sl_scene *scene;
-    sl_scene extended;         /* the same with those lights alone that are sampled: none without extent, as these get a ray each */
     const sl_tracer *tracer;
-    sl_light_sampler *sampler; /* NULL: no light with extent */
     sl_direct_settings settings;
+    emitter_table emitters;
+    sl_scene emitters_alone;        /* the scene without its other lights, for the sampler */
+    sl_light_sampler *sampler;      /* where there are too many emitters to weigh them for every pixel; else NULL */
     bool exact;
 };
+
+static sl_status make_emitter_table(const sl_scene *scene, emitter_table *t, sl_error *error) {
+    enum { COLUMNS = 9 };
+    size_t n = scene->emitter_count;
+    t->block = sl_allocate(COLUMNS * n, sizeof *t->block);
+    if (!t->block) return sl_fail_memory(error, "direct light");
+    float **columns[COLUMNS] = {&t->x, &t->y, &t->z, &t->normal_x, &t->normal_y, &t->normal_z, &t->strength,
+                                &t->extent_squared, &t->two_sided};
+    for (size_t c = 0; c < COLUMNS; c++) *columns[c] = t->block + c * n;
+    t->count = n;
+    for (size_t i = 0; i < n; i++) {
+        const sl_emitter *e = &scene->emitters[i];
+        sl_vec3 corner[3], normal = sl_scene_geometric_normal(scene, e->triangle);
+        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
+        sl_vec3 centre = sl_scale(sl_add(sl_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
+        t->x[i] = centre.x, t->y[i] = centre.y, t->z[i] = centre.z;
+        t->normal_x[i] = normal.x, t->normal_y[i] = normal.y, t->normal_z[i] = normal.z;
+        t->strength[i] = sl_rgb_mean(e->radiance) * e->area;
+        t->two_sided[i] = e->two_sided ? 1.0f : 0.0f;
+        for (int c = 0; c < 3; c++) {
+            sl_vec3 d = sl_sub(corner[c], centre);
+            t->extent_squared[i] = fmaxf(t->extent_squared[i], sl_dot(d, d));
+        }
+    }
+    return SL_OK;
+}
 
 sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
                            sl_direct **direct, sl_error *error) {
@@ -41,13 +80,13 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->scene = scene;
     d->tracer = tracer;
     d->settings = *settings;
-    d->extended = *scene;
-    d->extended.light_count = 0;
-    if (!settings->environment) d->extended.environment.present = false;
     d->exact = !settings->maps && scene->emitter_count > 0 && scene->emitter_count <= EXACT_EMITTERS_MAX;
-    sl_status status = SL_OK;
-    if (!settings->maps && (scene->emitter_count || d->extended.environment.present))
-        status = sl_light_sampler_create(&d->extended, &d->sampler, error);
+    d->emitters_alone = *scene;
+    d->emitters_alone.light_count = 0;
+    d->emitters_alone.environment.present = false;
+    sl_status status = make_emitter_table(scene, &d->emitters, error);
+    if (status == SL_OK && scene->emitter_count > CHOICES_MAX)
+        status = sl_light_sampler_create(&d->emitters_alone, &d->sampler, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);
         return status;
@@ -59,6 +98,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
 void sl_direct_destroy(sl_direct *direct) {
     if (!direct) return;
     sl_light_sampler_destroy(direct->sampler);
+    sl_free(direct->emitters.block);
     sl_free(direct);
 }
 
@@ -154,25 +194,93 @@ static void queue_delta_lights(shadow_queue *q, int pixel, const receiver *at) {
     }
 }
 
-/* Samples [first, end) of a pixel, each worth 1/weight: a Kronecker sequence (golden ratios of three dimensions) over the choice of
- * light and the light's surface, shifted by random numbers of the pixel (Cranley-Patterson rotation). */
-static void queue_extended_lights(shadow_queue *q, int pixel, const receiver *at, uint64_t key, uint32_t first, uint32_t end,
-                                  float weight) {
+/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from vanishing where some
+ * part of the emitter may still contribute; 0 where none can. */
+static float importance(const emitter_table *t, size_t i, const receiver *at) {
+    float dx = t->x[i] - at->position.x, dy = t->y[i] - at->position.y, dz = t->z[i] - at->position.z;
+    float squared = dx * dx + dy * dy + dz * dz, extent = t->extent_squared[i];
+    float bounded = squared > extent ? squared : extent;
+    float over = bounded > 0.0f ? 1.0f / sqrtf(bounded) : 0.0f;
+    float above = at->normal.x * dx + at->normal.y * dy + at->normal.z * dz;
+    float front = -(t->normal_x[i] * dx + t->normal_y[i] * dy + t->normal_z[i] * dz);
+    if (t->two_sided[i] > 0.0f) front = fabsf(front);
+    if (!(front > 0.0f) || above * fabsf(above) < -extent) return 0.0f;
+    float cosine = above * over, cosine_emitter = front * over;
+    cosine = cosine > 0.1f ? cosine : 0.1f;
+    cosine_emitter = cosine_emitter > 0.1f ? cosine_emitter : 0.1f;
+    return t->strength[i] * cosine * cosine_emitter * over * over;
+}
+
+typedef struct {
+    double sums[CHOICES_MAX]; /* cumulative importances */
+    size_t count;
+} emitter_choice;
+
+static void weigh_emitters(const sl_direct *direct, const receiver *at, emitter_choice *choice) {
+    double sum = 0.0;
+    choice->count = direct->emitters.count <= CHOICES_MAX ? direct->emitters.count : 0;
+    for (size_t i = 0; i < choice->count; i++) choice->sums[i] = sum += (double)importance(&direct->emitters, i, at);
+    if (!(sum > 0.0) || !isfinite(sum)) choice->count = 0;
+}
+
+/* The emitter that holds u of the sum, and its probability. */
+static size_t choose_emitter(const emitter_choice *choice, float u, float *chance) {
+    double total = choice->sums[choice->count - 1], target = (double)u * total;
+    size_t low = 0, high = choice->count - 1;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (target < choice->sums[middle]) high = middle;
+        else low = middle + 1;
+    }
+    *chance = (float)((choice->sums[low] - (low ? choice->sums[low - 1] : 0.0)) / total);
+    return low;
+}
+
+/* A Kronecker sequence (golden ratios of three dimensions), shifted by random numbers of the pixel (Cranley-Patterson rotation). */
+static void sample_point(uint64_t key, uint32_t index, float u[3]) {
     static const double golden[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-    double shift[3];
-    for (uint64_t d = 0; d < 3; d++) shift[d] = (double)sl_random_unit(key, d);
+    for (uint64_t d = 0; d < 3; d++) {
+        double p = (double)sl_random_unit(key, d) + (double)index * golden[d];
+        float fraction = (float)(p - floor(p));
+        u[d] = fraction < 1.0f ? fraction : 0x1.fffffep-1f; /* rounded up to the open end */
+    }
+}
+
+/* One emitter and a point of it; radiance is over the whole probability. */
+static bool sample_emitters(const sl_direct *direct, const emitter_choice *choice, sl_vec3 p, const float u[3],
+                            sl_light_sample *light) {
+    if (direct->sampler) return sl_light_sampler_sample(direct->sampler, p, u[0], u[1], u[2], light);
+    float chance;
+    if (choice->count == 0) return false;
+    uint32_t emitter = (uint32_t)choose_emitter(choice, u[0], &chance);
+    if (!(chance > 0.0f) || !sl_emitter_sample(direct->scene, emitter, p, u[1], u[2], light)) return false;
+    light->radiance = sl_rgb_scale(light->radiance, 1.0f / chance);
+    return true;
+}
+
+/* Samples [first, end) of a pixel towards emitters, each worth 1/weight. */
+static void queue_emitters(shadow_queue *q, int pixel, const receiver *at, uint64_t key, uint32_t first, uint32_t end,
+                           float weight) {
+    emitter_choice choice;
+    weigh_emitters(q->direct, at, &choice);
     for (uint32_t s = first; s < end; s++) {
         float u[3];
-        for (int d = 0; d < 3; d++) {
-            double p = shift[d] + (double)s * golden[d];
-            float fraction = (float)(p - floor(p));
-            u[d] = fraction < 1.0f ? fraction : 0x1.fffffep-1f; /* rounded up to the open end */
-        }
         sl_light_sample light;
-        if (!sl_light_sampler_sample(q->direct->sampler, at->position, u[0], u[1], u[2], &light)) continue;
-        if (light.triangle != SL_NO_INDEX && light.triangle == at->triangle) continue;
-        enqueue(q, pixel, at, light.to_light, light.distance, sl_rgb_scale(light.radiance, 1.0f / weight),
-                light.triangle != SL_NO_INDEX);
+        sample_point(key, s, u);
+        if (!sample_emitters(q->direct, &choice, at->position, u, &light) || light.triangle == at->triangle) continue;
+        enqueue(q, pixel, at, light.to_light, light.distance, sl_rgb_scale(light.radiance, 1.0f / weight), true);
+    }
+}
+
+static void queue_environment(shadow_queue *q, int pixel, const receiver *at, uint64_t key) {
+    uint32_t samples = q->direct->settings.light_samples;
+    for (uint32_t s = 0; s < samples; s++) {
+        float u[3], pdf;
+        sl_rgb radiance;
+        sample_point(key, s, u);
+        sl_vec3 direction = sl_environment_sample(&q->direct->scene->environment, u[1], u[2], &radiance, &pdf);
+        if (!(pdf > 0.0f)) continue;
+        enqueue(q, pixel, at, direction, INFINITY, sl_rgb_scale(radiance, 1.0f / (pdf * (float)samples)), false);
     }
 }
 
@@ -280,7 +388,8 @@ static void sample_row(void *context, size_t index, unsigned worker) {
             continue;
         }
         queue_delta_lights(&queue, x, &at);
-        if (direct->sampler) queue_extended_lights(&queue, x, &at, pixel_key(direct, i), 0, samples, (float)samples);
+        queue_emitters(&queue, x, &at, pixel_key(direct, i), 0, samples, (float)samples);
+        if (direct->settings.environment) queue_environment(&queue, x, &at, sl_hash64(pixel_key(direct, i)));
     }
     flush(&queue);
 }
@@ -299,20 +408,20 @@ static bool near_penumbra(const rows_context *c, int x, int y) {
     return false;
 }
 
-/* The diffuse lobe alone: of the glossy one and of the environment nothing is known of where their noise is. Both sums of the
- * ratio grow, so weights do not matter. */
+/* The diffuse lobe alone: of the glossy one nothing is known of where its noise is. Both sums of the ratio grow, so weights do not
+ * matter. */
 static void refine_penumbrae(const rows_context *c, shadow_queue *q, int y) {
     const sl_direct *direct = c->direct;
     const sl_gbuffer *g = c->gbuffer;
     uint32_t samples = direct->settings.light_samples;
-    if (!direct->exact || direct->extended.environment.present) return;
+    if (!direct->exact) return;
     q->refining = true;
     for (int x = 0; x < g->width; x++) {
         size_t i = (size_t)y * (size_t)g->width + (size_t)x;
         if (q->sums[x].pilot_count == 0 || !near_penumbra(c, x, y)) continue;
         if (sl_material_is_glossy(&direct->scene->materials[g->material[i]])) continue;
         receiver at = receiver_at(direct, g, i);
-        queue_extended_lights(q, x, &at, pixel_key(direct, i), samples, (1 + PENUMBRA_FACTOR) * samples, (float)samples);
+        queue_emitters(q, x, &at, pixel_key(direct, i), samples, (1 + PENUMBRA_FACTOR) * samples, (float)samples);
     }
     flush(q);
 }

@@ -21,6 +21,7 @@ typedef struct sl_record {
 
 typedef struct sl_radius_rules {
     double accuracy;           /* a */
+    double minimum_pixels;     /* aR_min in footprints of a pixel at the record */
     double maximum_radius;     /* aR_max = diagonal / 10 */
     bool guard;
     sl_gather_kind gather;

@@ -25,15 +25,16 @@ enum { DIRECT_ROWS = 64, SHADOW_MAP_SIZE = 1024 };
 typedef enum { PHASE_GBUFFER, PHASE_DIRECT, PHASE_RECORDS, PHASE_CLAMP, PHASE_SECOND, PHASE_DONE } phase;
 
 typedef struct {
-    double accuracy;
+    double accuracy;        /* a */
+    double minimum_pixels;  /* aR_min in footprints of a pixel: below, records cost more than they tell */
     int gather_size;
     uint32_t light_samples;
 } quality_settings;
 
 static const quality_settings by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.30, 32, 4},
-    [SL_QUALITY_NORMAL] = {0.15, 64, 16},
-    [SL_QUALITY_HIGH] = {0.10, 64, 64},
+    [SL_QUALITY_DRAFT] = {0.50, 6.0, 32, 4},
+    [SL_QUALITY_NORMAL] = {0.30, 4.0, 64, 16},
+    [SL_QUALITY_HIGH] = {0.15, 2.0, 96, 64},
 };
 
 typedef struct {
@@ -137,7 +138,8 @@ static sl_status create_transport(splat_state *s, sl_error *error) {
     if (status == SL_OK && s->direct_needed && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
     if (status == SL_OK && s->direct_needed) {
-        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads, s->maps, !s->gather_settings.background};
+        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads, s->maps,
+                                     s->scene->environment.present && !s->gather_settings.background};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
     if (status != SL_OK || !s->indirect_needed) return status;
@@ -176,7 +178,7 @@ static void prepare_pass(splat_state *s) {
         /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
         .weights = {a, 1.0f / a, 1e-5f * diagonal},
         .covered_weight = 1.0f / (9.0f * a),
-        .radii = {s->quality.accuracy, 0.1 * (double)diagonal, true, s->gather ? sl_gather_kind_used(s->gather) : SL_GATHER_RAYS,
+        .radii = {s->quality.accuracy, s->quality.minimum_pixels, 0.1 * (double)diagonal, true, s->gather ? sl_gather_kind_used(s->gather) : SL_GATHER_RAYS,
                   tangent},
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = &s->scene->camera,
