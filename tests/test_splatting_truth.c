@@ -41,10 +41,10 @@ static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
 }
 
 /* The same paths by the path tracer: a missing 1/pi, a wrong cosine or a lost factor 2 would show at once. */
-static void expect_near_reference(const char *path, double most_relative_error, double most_bias) {
+static void expect_near_reference(const char *path, sl_quality quality, double most_relative_error, double most_bias) {
     sl_scene *scene = load_scene(path);
     sl_settings settings = small_settings("splatting", 96, 96), reference = small_settings("path", 96, 96);
-    settings.quality = SL_QUALITY_NORMAL;
+    settings.quality = quality;
     reference.transport = "matched:splatting";
     reference.spp = 400;
     sl_image *ours = render(scene, &settings, NULL), *theirs = render(scene, &reference, NULL);
@@ -64,17 +64,17 @@ static void expect_near_reference(const char *path, double most_relative_error, 
 
 static void the_cornell_box_is_what_the_path_tracer_says(void **state) {
     (void)state;
-    expect_near_reference("scenes/cornell.json", 0.05, 0.005);
+    expect_near_reference("scenes/cornell.json", SL_QUALITY_NORMAL, 0.03, 0.005);
 }
 
 static void a_room_lit_only_indirectly_is_what_the_path_tracer_says(void **state) {
     (void)state;
-    expect_near_reference("scenes/two-rooms.json", 0.10, 0.02);
+    expect_near_reference("scenes/two-rooms.json", SL_QUALITY_HIGH, 0.07, 0.02);
 }
 
 static void direct_light_on_a_glossy_wall_is_what_the_path_tracer_says(void **state) {
     (void)state;
-    expect_near_reference("scenes/cornell-glossy.json", 0.10, 0.01);
+    expect_near_reference("scenes/cornell-glossy.json", SL_QUALITY_NORMAL, 0.05, 0.01);
 }
 
 static void the_layers_add_up_to_the_picture(void **state) {
