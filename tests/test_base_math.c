@@ -340,6 +340,29 @@ static void the_bits_are_the_same_everywhere(void **state) {
     if (hash != 0x59d885d6f2fefdd0u) fail_msg("hash is %016llx", (unsigned long long)hash);
 }
 
+/* Three components one after the other, as vectors are written everywhere. gcc 12 merges them into vector instructions and
+ * there takes double -> float -> double for nothing, unless told not to (EXACT in the Makefile). */
+static void __attribute__((noinline)) round_three(const double from[3], double scale, float rounded[3], double back[3]) {
+    double x = from[0] * scale, y = from[1] * scale, z = from[2] * scale;
+    rounded[0] = (float)x;
+    rounded[1] = (float)y;
+    rounded[2] = (float)z;
+    back[0] = (double)rounded[0];
+    back[1] = (double)rounded[1];
+    back[2] = (double)rounded[2];
+}
+
+static void a_double_made_float_and_double_again_is_rounded(void **state) {
+    (void)state;
+    volatile double scale = 1.3; /* unknown to the compiler, which would do the sum by itself */
+    const double from[3] = {1.1, 2.3, 3.7};
+    float rounded[3];
+    double back[3];
+    round_three(from, scale, rounded, back);
+    for (int i = 0; i < 3; i++) assert_true(sl_double_bits(back[i]) == sl_double_bits((double)rounded[i]));
+    for (int i = 0; i < 3; i++) assert_true(sl_double_bits(back[i]) != sl_double_bits(from[i] * 1.3));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sine_cosine_tangent_keep_their_bounds),
@@ -357,6 +380,7 @@ int main(void) {
         cmocka_unit_test(float_power_special_values),
         cmocka_unit_test(sine_and_cosine_of_turns),
         cmocka_unit_test(vectorised_loops_give_the_bits_of_single_calls),
+        cmocka_unit_test(a_double_made_float_and_double_again_is_rounded),
         cmocka_unit_test(the_bits_are_the_same_everywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
