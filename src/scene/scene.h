@@ -136,6 +136,8 @@ void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float 
                       sl_surface *surface);
 /* kd with texture alone; and whether the alpha mask is opaque there. */
 sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2);
+/* The same with the nearest texel alone: for gathers, which see a surface through thousands of samples, each far larger than a texel. */
+sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2);
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2);
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle); /* the triangle's material has an alpha mask */
 

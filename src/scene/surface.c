@@ -50,6 +50,15 @@ sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, floa
     return diffuse_at(scene, material_of(scene, triangle), corner, w1, w2);
 }
 
+sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
+    const sl_material *material = material_of(scene, triangle);
+    if (material->texture == SL_NO_INDEX) return material->diffuse;
+    uint32_t corner[3];
+    corners_of(scene, triangle, corner);
+    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    return sl_rgb_mul(material->diffuse, sl_texture_nearest(&scene->textures[material->texture], u, v));
+}
+
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle) {
     return material_of(scene, triangle)->alpha_texture != SL_NO_INDEX;
 }

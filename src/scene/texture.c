@@ -91,6 +91,18 @@ sl_rgb sl_texture_color(const sl_texture *texture, float u, float v) {
     return (sl_rgb){channel[0], channel[1], channel[2]};
 }
 
+/* The texel along one axis that a coordinate lies in, wrapped. */
+static int place_nearest(float coordinate, int size) {
+    if (!(fabsf(coordinate) < 0x1p24f)) return 0; /* beyond, floats have no fraction; also NaN */
+    float turn = coordinate - (float)(int)coordinate;
+    int index = (int)((turn < 0.0f ? turn + 1.0f : turn) * (float)size);
+    return index < size ? index : size - 1;
+}
+
+sl_rgb sl_texture_nearest(const sl_texture *texture, float u, float v) {
+    return sl_texture_texel(texture, place_nearest(u, texture->width), texture->height - 1 - place_nearest(v, texture->height));
+}
+
 float sl_texture_alpha(const sl_texture *texture, float u, float v) {
     footprint f = footprint_at(texture, u, v);
     float value[4];

@@ -6,6 +6,8 @@
 
 /* Linear colour: texels are decoded from sRGB before they are filtered. */
 sl_rgb sl_texture_color(const sl_texture *texture, float u, float v);
+/* The texel that a point lies in, linear. */
+sl_rgb sl_texture_nearest(const sl_texture *texture, float u, float v);
 /* One texel, linear; row 0 at the top. */
 sl_rgb sl_texture_texel(const sl_texture *texture, int column, int row);
 /* The alpha channel, or where there is none the luminance of the bytes as they stand (a mask is data, not a colour). */

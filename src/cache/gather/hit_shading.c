@@ -40,7 +40,7 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     h->geometric_y[k] = s->geometric_normal_y[triangle];
     h->geometric_z[k] = s->geometric_normal_z[triangle];
     const sl_material *material = &s->materials[s->material_index[triangle]];
-    sl_rgb diffuse = material->texture == SL_NO_INDEX ? material->diffuse : sl_scene_diffuse(s, triangle, w1, w2);
+    sl_rgb diffuse = material->texture == SL_NO_INDEX ? material->diffuse : sl_scene_diffuse_nearest(s, triangle, w1, w2);
     h->diffuse_r[k] = diffuse.r;
     h->diffuse_g[k] = diffuse.g;
     h->diffuse_b[k] = diffuse.b;
