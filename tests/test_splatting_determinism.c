@@ -73,7 +73,7 @@ static void stage_open(stage *s) {
     const sl_gbuffer *g = s->gbuffer;
     for (int i = 0; i < SIDE * SIDE; i++) s->receives[i] = g->material[i] != SL_NO_INDEX && g->diffuse_r[i] > 0.0f;
     s->pass = (sl_record_pass){
-        .gather = s->gather, .scratch = s->scratch, .gbuffer = g,
+        .gather = s->gather, .tracer = s->tracer, .scratch = s->scratch, .gbuffer = g,
         .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z,
                       s->receives},
         .weights = {0.3f, 1.0f / 0.3f, 1e-5f * s->scene->diagonal},

@@ -171,6 +171,7 @@ static void prepare_pass(splat_state *s) {
     double tangent = sl_tan(0.5 * (double)s->gather_settings.plane_fov);
     s->pass = (sl_record_pass){
         .gather = s->gather,
+        .tracer = s->tracer,
         .scratch = s->scratch,
         .gbuffer = g,
         .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
@@ -352,35 +353,17 @@ typedef struct {
     const sl_record *records;
 } splat_context;
 
-/* A record whose R_min reaches past the guard is tested by a ray to each of its few pixels: walls thinner than a pixel's
- * footprint do not leak. */
-static bool sees(const splat_state *s, const sl_record *record, size_t pixel) {
-    const sl_gbuffer *g = s->gbuffer;
-    sl_ray16 ray;
-    memset(&ray, 0, sizeof ray);
-    float offset = 1e-5f * s->scene->diagonal;
-    sl_vec3 from = sl_mad(sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]), offset,
-                          sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
-    sl_vec3 to = sl_sub(sl_mad(record->position, offset, record->normal), from);
-    ray.origin_x[0] = from.x, ray.origin_y[0] = from.y, ray.origin_z[0] = from.z;
-    ray.direction_x[0] = to.x, ray.direction_y[0] = to.y, ray.direction_z[0] = to.z;
-    ray.far[0] = 1.0f;
-    ray.skip[0] = g->id[pixel];
-    sl_counters unused = {{0}}; /* tiles run in parallel: their rays are not counted */
-    return !(sl_dot(to, to) > 0.0f) || !(sl_trace_occluded(s->tracer, &ray, 1, false, &unused) & 1u);
-}
-
 static uint64_t splat_run(void *context, size_t index, int x0, int x1, int y) {
     const splat_context *c = context;
     const splat_state *s = c->state;
     const sl_record *record = &c->records[index];
-    size_t row = (size_t)y * (size_t)s->settings.width, first = row + (size_t)x0, end = row + (size_t)x1;
     const sl_record_pass *pass = &s->pass;
-    if (!record->behind_a_wall || !s->tracer)
+    size_t row = (size_t)y * (size_t)s->settings.width, first = row + (size_t)x0, end = row + (size_t)x1;
+    if (!record->behind_a_wall)
         return pass->kernels->splat(record, &pass->weights, &pass->receivers, &s->splats, first, end);
     uint64_t blended = 0;
     for (size_t i = first; i < end; i++) {
-        if (pass->kernels->weight(record, &pass->weights, &pass->receivers, i) > 0.0f && sees(s, record, i))
+        if (sl_record_weight(pass, record, i) > 0.0f)
             blended += pass->kernels->splat(record, &pass->weights, &pass->receivers, &s->splats, i, i + 1);
     }
     return blended;

@@ -58,6 +58,7 @@ typedef struct sl_traversal {
 /* What a traversal works on. */
 typedef struct sl_record_pass {
     const sl_gather *gather;
+    const sl_tracer *tracer;  /* or NULL: records behind walls are not tested */
     sl_gather_scratch *const *scratch; /* one a thread */
     const sl_gbuffer *gbuffer;
     sl_receivers receivers;
@@ -85,6 +86,8 @@ sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pa
 /* Adds the weights of records [first, count) to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_counters *counters,
                    sl_error *error);
+/* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
+float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
 /* The rectangle of pixels that a record can reach. */
 sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record);
 

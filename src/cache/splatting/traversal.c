@@ -122,6 +122,31 @@ static void gather_one(void *context, size_t index, unsigned worker) {
     b->records[index] = sl_record_make(&point, &irradiance, &pass->radii, depth * pass->footprint_per_depth);
 }
 
+/* ---- records behind walls ---- */
+
+/* A record whose R_min reaches past the guard is tested by a ray to each of its few pixels: walls thinner than a pixel's
+ * footprint do not leak. Its rays are not counted, as pixels of many tiles ask at once. */
+static bool sees(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
+    sl_gather_point at = point_at(pass, pixel);
+    sl_ray16 ray;
+    memset(&ray, 0, sizeof ray);
+    float offset = 1e-5f * pass->diagonal;
+    sl_vec3 from = sl_mad(at.position, offset, at.geometric_normal);
+    sl_vec3 to = sl_sub(sl_mad(record->position, offset, record->normal), from);
+    if (!(sl_dot(to, to) > 0.0f)) return true;
+    ray.origin_x[0] = from.x, ray.origin_y[0] = from.y, ray.origin_z[0] = from.z;
+    ray.direction_x[0] = to.x, ray.direction_y[0] = to.y, ray.direction_z[0] = to.z;
+    ray.far[0] = 1.0f;
+    ray.skip[0] = at.triangle;
+    sl_counters unused = {{0}};
+    return !(sl_trace_occluded(pass->tracer, &ray, 1, false, &unused) & 1u);
+}
+
+float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
+    float w = pass->kernels->weight(record, &pass->weights, &pass->receivers, pixel);
+    return w > 0.0f && record->behind_a_wall && pass->tracer && !sees(pass, record, pixel) ? 0.0f : w;
+}
+
 /* ---- committing it ---- */
 
 static bool grow(void **array, size_t count, size_t capacity, size_t size) {
@@ -158,7 +183,7 @@ void sl_record_list_free(sl_record_list *list) {
 /* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the coverage buffer will. */
 static bool covered_by_batch(const sl_record_pass *pass, const sl_record *committed, size_t count, size_t pixel) {
     float sum = pass->coverage[pixel];
-    for (size_t i = 0; i < count; i++) sum += pass->kernels->weight(&committed[i], &pass->weights, &pass->receivers, pixel);
+    for (size_t i = 0; i < count; i++) sum += sl_record_weight(pass, &committed[i], pixel);
     return sum >= pass->covered_weight;
 }
 
@@ -213,9 +238,18 @@ typedef struct {
 
 static uint64_t cover_run(void *context, size_t index, int x0, int x1, int y) {
     const cover_context *c = context;
-    size_t row = (size_t)y * (size_t)c->pass->receivers.width;
-    return c->pass->kernels->cover(&c->records[index], &c->pass->weights, &c->pass->receivers, c->pass->coverage,
-                                   row + (size_t)x0, row + (size_t)x1);
+    const sl_record_pass *pass = c->pass;
+    const sl_record *record = &c->records[index];
+    size_t row = (size_t)y * (size_t)pass->receivers.width, first = row + (size_t)x0, end = row + (size_t)x1;
+    if (!record->behind_a_wall)
+        return pass->kernels->cover(record, &pass->weights, &pass->receivers, pass->coverage, first, end);
+    uint64_t blended = 0;
+    for (size_t i = first; i < end; i++) {
+        float w = sl_record_weight(pass, record, i);
+        pass->coverage[i] += w;
+        blended += w > 0.0f;
+    }
+    return blended;
 }
 
 sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record) {
