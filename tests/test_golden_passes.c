@@ -100,7 +100,7 @@ static void expect_golden(const char *name, const char *path, sl_gather_kind gat
     sl_image_destroy(image);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
-    assert_true(run.passes >= 6);
+    assert_true(run.passes >= 9);
     assert_int_equal(run.wrong, 0);
 }
 

@@ -32,7 +32,7 @@ typedef struct {
 } quality_settings;
 
 static const quality_settings by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.50, 6.0, 32, 4},
+    [SL_QUALITY_DRAFT] = {0.50, 6.0, 32, 8},
     [SL_QUALITY_NORMAL] = {0.30, 4.0, 64, 16},
     [SL_QUALITY_HIGH] = {0.15, 2.0, 96, 64},
 };
@@ -243,14 +243,37 @@ static void classify_receivers(splat_state *s) {
     }
 }
 
+/* Shows three planes of the G-buffer as one picture. */
+static void observe_planes(const splat_state *s, const char *name, const float *x, const float *y, const float *z,
+                           const sl_counters *cost) {
+    size_t pixels = pixel_count(s);
+    float *planes = sl_allocate(3 * pixels, sizeof *planes);
+    if (!planes) return;
+    memcpy(planes, x, pixels * sizeof *planes);
+    memcpy(planes + pixels, y, pixels * sizeof *planes);
+    memcpy(planes + 2 * pixels, z, pixels * sizeof *planes);
+    sl_observe(s->settings.observer, "splatting", name, "Algorithm 2, step 1", s->settings.width, s->settings.height, 3, planes,
+               true, cost);
+    sl_free(planes);
+}
+
+static void observe_gbuffer(const splat_state *s, const sl_counters *cost) {
+    const sl_gbuffer *g = s->gbuffer;
+    if (!s->settings.observer) return;
+    sl_observe(s->settings.observer, "splatting", "G-buffer: depth", "Algorithm 2, step 1", g->width, g->height, 1, g->depth, true,
+               cost);
+    observe_planes(s, "G-buffer: positions", g->position_x, g->position_y, g->position_z, cost);
+    observe_planes(s, "G-buffer: normals", g->normal_x, g->normal_y, g->normal_z, cost);
+    observe_planes(s, "G-buffer: albedo", g->diffuse_r, g->diffuse_g, g->diffuse_b, cost);
+}
+
 static sl_status draw_gbuffer(splat_state *s, sl_error *error) {
     sl_view view = camera_view(s);
     sl_counters cost = {{0}};
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &cost, error);
     if (status != SL_OK) return status;
     sl_counters_add(&s->counters, &cost);
-    sl_observe(s->settings.observer, "splatting", "G-buffer: depth", "Algorithm 2, step 1", view.width, view.height, 1,
-               s->gbuffer->depth, true, &cost);
+    observe_gbuffer(s, &cost);
     classify_receivers(s);
     s->direct_row = 0;
     s->phase = s->direct_needed ? PHASE_DIRECT : PHASE_DONE;
