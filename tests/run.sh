@@ -10,6 +10,7 @@ mkdir -p "$out"
 rm -f "$out"/*
 if [ $# -eq 0 ]; then set -- $(cd "$build/tests" && ls | grep '^test_' | grep -v '\.'); fi
 export SOFTLUX=${SOFTLUX:-$build/softlux} SOFTLUX_GENERATE=${SOFTLUX_GENERATE:-$build/generate}
+export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp ${TSAN_OPTIONS:-}"
 
 printf '%s\n' "$@" | xargs -P 2 -I{} sh -c '
     start=$(date +%s)
