@@ -1,0 +1,266 @@
+/* Scenes that break careless code: eyes in the surface, coplanar triangles, tiny, huge and far scenes, lights in walls, pictures
+ * of one pixel. Every method and every gather must give finite values, none below zero, and where the truth is known, that. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "rendering.h"
+
+/* ---- rendering with everything --------------------------------------------------------------------------------------- */
+
+typedef struct variant {
+    const char *name, *method;
+    sl_gather_kind gather;
+    sl_direct_kind direct;
+} variant;
+
+static const variant variants[] = {{"plane", "splatting", SL_GATHER_PLANE, SL_DIRECT_RAYS},
+                                   {"hemicube", "splatting", SL_GATHER_HEMICUBE, SL_DIRECT_RAYS},
+                                   {"rays", "splatting", SL_GATHER_RAYS, SL_DIRECT_RAYS},
+                                   {"shadow maps", "splatting", SL_GATHER_PLANE, SL_DIRECT_SHADOW_MAPS},
+                                   {"path", "path", SL_GATHER_AUTO, SL_DIRECT_AUTO}};
+enum { VARIANTS = sizeof variants / sizeof *variants, PATH = VARIANTS - 1 };
+
+static sl_image *render_variant(const sl_scene *scene, const variant *v, int width, int height) {
+    sl_settings settings = small_settings(v->method, width, height);
+    settings.gather = v->gather;
+    settings.direct = v->direct;
+    if (v == &variants[PATH]) {
+        settings.transport = "matched:splatting";
+        settings.spp = 16;
+    }
+    sl_image *image = render(scene, &settings, NULL);
+    size_t values = (size_t)width * (size_t)height * (size_t)image->channels;
+    for (size_t i = 0; i < values; i++) {
+        if (!isfinite(image->planes[i])) fail_msg("%s: value %zu is %g", v->name, i, (double)image->planes[i]);
+    }
+    for (size_t i = 0; i < 3 * (size_t)width * (size_t)height; i++) {
+        if (image->planes[i] < 0.0f) fail_msg("%s: value %zu is %g", v->name, i, (double)image->planes[i]);
+    }
+    return image;
+}
+
+static double mean(const sl_image *image) {
+    size_t values = 3 * (size_t)image->width * (size_t)image->height;
+    double sum = 0.0;
+    for (size_t i = 0; i < values; i++) sum += (double)image->planes[i];
+    return sum / (double)values;
+}
+
+/* Renders by every variant; means[] receives their mean radiances. */
+static void render_all(const char *json, const char *obj, int width, int height, double means[VARIANTS]) {
+    sl_scene *scene = scene_from_text(json, obj);
+    for (int i = 0; i < VARIANTS; i++) {
+        sl_image *image = render_variant(scene, &variants[i], width, height);
+        means[i] = mean(image);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void assert_near(const char *what, double value, double truth, double tolerance) {
+    if (!(fabs(value - truth) <= tolerance * fabs(truth))) fail_msg("%s: %g, expected %g", what, value, truth);
+}
+
+/* ---- a room of any size anywhere ------------------------------------------------------------------------------------- */
+
+/* Of half size 1 about the origin before it is scaled, then moved: six walls, a lamp below the ceiling, a box on the floor. */
+static sl_scene *room(double scale, double offset, double radiance, const char *wall) {
+    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+    static const double box_size = 0.3, lamp_size = 0.4;
+    char obj[4096], json[1024];
+    int n = 0;
+    for (int i = 0; i < 8; i++) {
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * corner[i][0],
+                      offset + scale * corner[i][1], offset + scale * corner[i][2]);
+    }
+    for (int i = 0; i < 8; i++) {
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * box_size * corner[i][0],
+                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size), offset + scale * box_size * corner[i][2]);
+    }
+    for (int i = 0; i < 4; i++) {
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * lamp_size * corner[i][0],
+                      offset + scale * 0.9, offset + scale * lamp_size * corner[i][2]);
+    }
+    snprintf(obj + n, sizeof obj - (size_t)n,
+             "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
+             "f 9 10 11 12\nf 13 14 15 16\nf 9 10 14 13\nf 11 12 16 15\nf 9 12 16 13\nf 10 11 15 14\n"
+             "usemtl lamp\nf 17 18 19 20\n");
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+             " \"materials\": {\"wall\": %s, \"lamp\": {\"diffuse\": 0, \"emission\": %.9g, \"two_sided\": true}},\n"
+             " \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": 70}}",
+             wall, radiance, offset, offset, offset + 0.9 * scale, offset, offset - 0.3 * scale, offset);
+    return scene_from_text(json, obj);
+}
+
+static void room_means(double scale, double offset, double radiance, const char *wall, double means[VARIANTS]) {
+    sl_scene *scene = room(scale, offset, radiance, wall);
+    for (int i = 0; i < VARIANTS; i++) {
+        sl_image *image = render_variant(scene, &variants[i], 24, 24);
+        means[i] = mean(image);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+static const char grey[] = "{\"diffuse\": 0.6}";
+
+static void a_room_looks_the_same_at_every_size(void **state) {
+    (void)state;
+    double truth[VARIANTS], means[VARIANTS];
+    room_means(1.0, 0.0, 5.0, grey, truth);
+    for (int i = 0; i < VARIANTS; i++) assert_true(truth[i] > 0.1);
+    const double scales[] = {0x1p-20, 1e-6, 1e6, 0x1p20};
+    for (int s = 0; s < 4; s++) {
+        room_means(scales[s], 0.0, 5.0, grey, means);
+        for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], truth[i], 0.01);
+    }
+}
+
+/* At 1e6 a float's step is 1/16: the room of half size 100 is no longer exact, but must stay a room. */
+static void a_room_far_from_the_origin_stays_a_room(void **state) {
+    (void)state;
+    double truth[VARIANTS], means[VARIANTS];
+    room_means(100.0, 0.0, 5.0, grey, truth);
+    room_means(100.0, 1e6, 5.0, grey, means);
+    for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], truth[i], 0.05);
+}
+
+static void radiance_of_any_size_is_carried(void **state) {
+    (void)state;
+    double truth[VARIANTS], means[VARIANTS];
+    room_means(1.0, 0.0, 1.0, grey, truth);
+    const double radiances[] = {1e-20, 1e20};
+    for (int r = 0; r < 2; r++) {
+        room_means(1.0, 0.0, radiances[r], grey, means);
+        for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], truth[i] * radiances[r], 0.02);
+    }
+}
+
+static void black_walls_and_mirrors_give_finite_pictures(void **state) {
+    (void)state;
+    double means[VARIANTS];
+    room_means(1.0, 0.0, 5.0, "{\"mirror\": 1}", means);
+    room_means(1.0, 0.0, 5.0, "{\"diffuse\": 0}", means); /* what is left is the lamp, at most at 5 */
+    for (int i = 0; i < PATH; i++) {
+        assert_near(variants[i].name, means[i], means[0], 1e-6);
+        assert_true(means[i] >= 0.0 && means[i] < 1.0);
+    }
+}
+
+static void only_emitters_show_their_radiance(void **state) {
+    (void)state;
+    double means[VARIANTS];
+    room_means(1.0, 0.0, 5.0, "{\"diffuse\": 0, \"emission\": 5, \"two_sided\": true}", means);
+    for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], 5.0, 1e-5);
+}
+
+/* ---- eyes where no eye should be ------------------------------------------------------------------------------------- */
+
+static const char corner_obj[] = "v 0 0 0\nv 4 0 0\nv 4 0 -4\nv 0 0 -4\nv 0 4 -4\nv 4 4 -4\nf 1 2 3\nf 1 3 4\nf 4 3 6 5\n";
+
+static void the_eye_may_be_anywhere(void **state) {
+    (void)state;
+    static const char *const eyes[] = {
+        "\"eye\": [1, 0, -2], \"target\": [2, 0, -4]",        /* in the floor, along it */
+        "\"eye\": [1, 0, -2], \"target\": [1, 1, -4]",        /* in the floor */
+        "\"eye\": [0, 0, -4], \"target\": [4, 2, -4]",        /* at a vertex, along a wall */
+        "\"eye\": [2, 0, -4], \"target\": [2, 1, 0]",         /* on an edge */
+        "\"eye\": [2, 1e-30, -2], \"target\": [2, 0, -4]",    /* above the floor by less than can be told */
+        "\"eye\": [2, 3, -2], \"target\": [2, 0, -2], \"up\": [0, 1, -0.001]", /* straight down, up nearly along the view */
+        "\"eye\": [2, 1, -1], \"target\": [2, 1, -1.000001]" /* at a target of no distance */
+    };
+    for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
+        char json[512];
+        double means[VARIANTS];
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {%s, \"fov_deg\": 60},\n"
+                 "\"lights\": [{\"type\": \"point\", \"position\": [2, 3, -2], \"intensity\": 10}]}", eyes[i]);
+        render_all(json, corner_obj, 16, 16, means);
+    }
+}
+
+static void a_triangle_seen_edge_on_is_not_seen(void **state) {
+    (void)state;
+    double means[VARIANTS];
+    render_all("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": 1},\n"
+               "\"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0]}}",
+               "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 1 2 3\n", 15, 15, means);
+    for (int i = 0; i < VARIANTS; i++) assert_near(variants[i].name, means[i], 1.0, 1e-5);
+}
+
+/* Under a sky of radiance 1 a convex body of diffuse reflectance 0.5 sends 0.5 everywhere. */
+static void one_triangle_under_an_even_sky_sends_its_reflectance(void **state) {
+    (void)state;
+    double means[VARIANTS];
+    render_all("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"half\"}],\n"
+               "\"materials\": {\"half\": {\"diffuse\": 0.5}}, \"environment\": {\"radiance\": 1},\n"
+               "\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0], \"fov_deg\": 20}}",
+               "v -2 -2 0\nv 2 -2 0\nv 0 4 0\nf 1 2 3\n", 16, 16, means);
+    /* Maps play the sky by 32 directional lights. */
+    for (int i = 0; i < VARIANTS; i++) {
+        assert_near(variants[i].name, means[i], 0.5, variants[i].direct == SL_DIRECT_SHADOW_MAPS ? 0.05 : 0.002);
+    }
+}
+
+/* ---- lights where no light should be --------------------------------------------------------------------------------- */
+
+static void lights_in_walls_give_finite_pictures(void **state) {
+    (void)state;
+    static const char *const lights[] = {
+        "{\"type\": \"point\", \"position\": [2, 2, -4], \"intensity\": 10}", /* in the wall */
+        "{\"type\": \"point\", \"position\": [0, 0, -4], \"intensity\": 10}", /* at a vertex */
+        "{\"type\": \"point\", \"position\": [2, 1, -1], \"intensity\": 10}", /* at the eye */
+        "{\"type\": \"spot\", \"position\": [2, 0, -2], \"direction\": [0, 1, 0], \"intensity\": 10, \"inner_deg\": 30, \"outer_deg\": 30}",
+        "{\"type\": \"directional\", \"direction\": [1, 0, 0], \"irradiance\": 1}", /* along floor and wall */
+        "{\"type\": \"quad\", \"corner\": [1, 0, -3], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 5}", /* in the floor */
+        "{\"type\": \"quad\", \"corner\": [1, -1, -3], \"edge1\": [1, 0, 0], \"edge2\": [0, 2, 0], \"radiance\": 5}" /* through it */
+    };
+    for (size_t i = 0; i < sizeof lights / sizeof *lights; i++) {
+        char json[768];
+        double means[VARIANTS];
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s],\n"
+                 "\"camera\": {\"eye\": [2, 1, -1], \"target\": [2, 1, -4], \"fov_deg\": 60}}", lights[i]);
+        render_all(json, corner_obj, 16, 16, means);
+    }
+}
+
+/* ---- films ----------------------------------------------------------------------------------------------------------- */
+
+static void pictures_of_one_pixel_a_row_and_a_column(void **state) {
+    (void)state;
+    sl_scene *scene = room(1.0, 0.0, 5.0, grey);
+    const int sizes[][2] = {{1, 1}, {1, 200}, {200, 1}, {2, 3}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        for (int i = 0; i < VARIANTS; i++) {
+            sl_image *image = render_variant(scene, &variants[i], sizes[s][0], sizes[s][1]);
+            assert_true(mean(image) > 0.0);
+            sl_image_destroy(image);
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_room_looks_the_same_at_every_size),
+        cmocka_unit_test(a_room_far_from_the_origin_stays_a_room),
+        cmocka_unit_test(radiance_of_any_size_is_carried),
+        cmocka_unit_test(black_walls_and_mirrors_give_finite_pictures),
+        cmocka_unit_test(only_emitters_show_their_radiance),
+        cmocka_unit_test(the_eye_may_be_anywhere),
+        cmocka_unit_test(a_triangle_seen_edge_on_is_not_seen),
+        cmocka_unit_test(one_triangle_under_an_even_sky_sends_its_reflectance),
+        cmocka_unit_test(lights_in_walls_give_finite_pictures),
+        cmocka_unit_test(pictures_of_one_pixel_a_row_and_a_column),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
