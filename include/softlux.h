@@ -248,7 +248,7 @@ typedef struct sl_method sl_method;
 typedef struct sl_progress {
     uint64_t batches;  /* done so far */
     double fraction;   /* an estimate in [0,1] */
-    bool done;         /* nothing left to refine; updating again changes nothing */
+    bool done;         /* nothing left to refine; until an edit, updating again changes nothing */
 } sl_progress;
 
 /* The scene must outlive the method and must not change but as told to sl_method_edit(). */

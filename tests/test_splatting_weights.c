@@ -273,6 +273,16 @@ static void where_the_minimum_radius_overrides_the_guard_the_record_says_so(void
     assert_true(r.translational[0].x * r.radius <= 1.0001f); /* and its gradient shrank with it */
 }
 
+/* A lone wall at distance 1 gives a harmonic mean of 3 pi / 2, which with a = 0.15 stays below the guard's limit of 1 / a; a
+ * footprint that asks for more than both still reaches through the wall. */
+static void a_footprint_beyond_the_wall_is_told_even_where_the_guard_did_not_limit(void **state) {
+    (void)state;
+    sl_radius_rules rules = rules_with(0.15, 100.0, true);
+    sl_irradiance e = seen(1.0f, 0.0f, 4.712f, 1.0f);
+    assert_false(sl_record_make(&at_origin, &e, &rules, 0.1f).behind_a_wall);
+    assert_true(sl_record_make(&at_origin, &e, &rules, 1.0f).behind_a_wall);
+}
+
 static void seeing_nothing_gives_the_maximum_radius(void **state) {
     (void)state;
     sl_radius_rules rules = rules_with(0.25, 2.0, true);
@@ -323,6 +333,7 @@ int main(void) {
         cmocka_unit_test(a_steep_gradient_limits_the_radius_to_where_the_extrapolation_stays_positive),
         cmocka_unit_test(the_guard_keeps_a_record_from_reaching_through_a_wall),
         cmocka_unit_test(where_the_minimum_radius_overrides_the_guard_the_record_says_so),
+        cmocka_unit_test(a_footprint_beyond_the_wall_is_told_even_where_the_guard_did_not_limit),
         cmocka_unit_test(seeing_nothing_gives_the_maximum_radius),
         cmocka_unit_test(clamped_radii_are_lipschitz_and_do_not_depend_on_the_order),
     };

@@ -38,10 +38,10 @@ static bool parse(int argc, char **argv, render_options *o, int *status) {
          "path: direct, one-bounce, full or matched:METHOD [full]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, o->size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
         {"quality", 'q', SL_OPTION_CHOICE, &o->quality, NULL, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
-        {"spp", 0, SL_OPTION_COUNT, &o->spp, NULL, "N", "samples a pixel; splatting: light samples [by quality]", 1, 1e9, NULL},
+        {"spp", 0, SL_OPTION_COUNT, &o->spp, NULL, "N", "samples a pixel; splatting: light samples [by quality]", 1, 1e8, NULL},
         {"accuracy", 'a', SL_OPTION_REAL, &s->accuracy, NULL, "A", "splatting: the records' a [by quality]", 1e-3, 2.0, NULL},
         {"gather", 0, SL_OPTION_CHOICE, &o->gather, NULL, "HOW", "auto, raster, hemicube or trace [auto]", 0, 0, gather_names},
-        {"gather-size", 0, SL_OPTION_COUNT, &o->gather_size, NULL, "N", "N x N samples a gather [by quality]", 2, 1024, NULL},
+        {"gather-size", 0, SL_OPTION_COUNT, &o->gather_size, NULL, "N", "N x N samples a gather, N even [by quality]", 4, 1024, NULL},
         {"direct", 0, SL_OPTION_CHOICE, &o->direct, NULL, "HOW", "auto, rays or shadow-maps [auto]", 0, 0, direct_names},
         {"filter", 0, SL_OPTION_CHOICE, &o->filter, NULL, "F", "path: box or centre of the pixel [method]", 0, 0, filter_names},
         {"order", 0, SL_OPTION_CHOICE, &o->order, NULL, "ORDER",
@@ -142,12 +142,14 @@ static bool ends_with(const char *text, const char *end) {
     return n >= m && strcmp(text + n - m, end) == 0;
 }
 
-static sl_status write_picture(const render_options *o, sl_method *method, double seconds, sl_error *error) {
+/* *seconds: from `start` until the picture was there, writing it not included. */
+static sl_status write_picture(const render_options *o, sl_method *method, double start, double *seconds, sl_error *error) {
     sl_image *image;
     sl_status status = sl_method_resolve(method, &image, error);
     if (status != SL_OK) return status;
     char text[32];
-    snprintf(text, sizeof text, "%.3f", seconds);
+    *seconds = now_seconds() - start;
+    snprintf(text, sizeof text, "%.3f", *seconds);
     status = sl_image_set_metadata(image, "softlux.seconds", text, error);
     sl_tone tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
     if (status == SL_OK)
@@ -197,17 +199,17 @@ static bool known_output(const char *path, sl_error *error) {
 }
 
 static sl_status render(const render_options *o, const sl_scene *scene, sl_error *error) {
-    double start = now_seconds();
+    double start = now_seconds(), seconds = 0.0;
     sl_method *method = NULL;
     sl_progress progress = {0};
     sl_status status = sl_method_create(scene, &o->settings, &method, error);
     if (status == SL_OK) status = run(o, method, &progress, start, error);
-    if (status == SL_OK) status = write_picture(o, method, now_seconds() - start, error);
+    if (status == SL_OK) status = write_picture(o, method, start, &seconds, error);
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
             fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
                     (unsigned long long)progress.batches, 100.0 * progress.fraction, o->output);
-        if (o->json) print_json(o, scene, method, &progress, now_seconds() - start);
+        if (o->json) print_json(o, scene, method, &progress, seconds);
     }
     sl_method_destroy(method);
     return status;

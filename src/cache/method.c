@@ -23,6 +23,7 @@ struct sl_method {
     sl_settings settings;
     char name[32], transport_name[64];
     uint64_t batches;
+    bool done; /* nothing left to refine since the last edit */
 };
 
 sl_settings sl_settings_default(void) { return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL}; }
@@ -30,6 +31,7 @@ sl_settings sl_settings_default(void) { return (sl_settings){.method = "splattin
 const char *sl_method_name(size_t index) { return index < CLASSES ? classes[index]->name : NULL; }
 
 static const sl_method_class *find_class(const char *name) {
+    if (!name) return NULL;
     for (size_t i = 0; i < CLASSES; i++) {
         if (strcmp(name, classes[i]->name) == 0) return classes[i];
     }
@@ -42,7 +44,7 @@ static sl_status unknown_method(const char *name, sl_error *error) {
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", classes[i]->name);
     }
-    return sl_fail(error, SL_ERROR_USAGE, "unknown method '%s'; expected one of %s", name, known);
+    return sl_fail(error, SL_ERROR_USAGE, "unknown method '%s'; expected one of %s", name ? name : "", known);
 }
 
 /* The paths to count: the class's own, a named set, or those that another method declares. */
@@ -67,16 +69,23 @@ static sl_status choose_transport(const sl_method_class *class, const char *name
     return SL_OK;
 }
 
-static sl_status complete_settings(const sl_scene *scene, sl_settings *settings, sl_error *error) {
+/* Checks what was asked for and fills in what was left to the scene, the machine or the quality. */
+static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, sl_error *error) {
+    enum { SAMPLES_MAX = 100000000 };
+    if ((unsigned)settings->quality > SL_QUALITY_HIGH) return sl_fail(error, SL_ERROR_USAGE, "unknown quality %d", (int)settings->quality);
+    if ((unsigned)settings->gather > SL_GATHER_RAYS) return sl_fail(error, SL_ERROR_USAGE, "unknown gather %d", (int)settings->gather);
+    if (settings->spp > SAMPLES_MAX)
+        return sl_fail(error, SL_ERROR_USAGE, "expected at most %d samples a pixel, got %u", SAMPLES_MAX, (unsigned)settings->spp);
     if (settings->width == 0 && settings->height == 0) sl_scene_film(scene, &settings->width, &settings->height);
     if (settings->width < 1 || settings->height < 1 || settings->width > 32768 || settings->height > 32768)
         return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to 32768 pixels each way, got %dx%d",
                        settings->width, settings->height);
-    if (settings->accuracy < 0.0 || settings->accuracy > 2.0 || settings->accuracy != settings->accuracy)
-        return sl_fail(error, SL_ERROR_USAGE, "expected an accuracy of 0 to 2, got %g", settings->accuracy);
-    if (settings->gather_size < 0 || settings->gather_size == 1 || settings->gather_size > 1024 || settings->gather_size % 2)
-        return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 2 to 1024, got %d", settings->gather_size);
+    if (settings->accuracy != 0.0 && !(settings->accuracy >= 1e-3 && settings->accuracy <= 2.0))
+        return sl_fail(error, SL_ERROR_USAGE, "expected an accuracy of 0.001 to 2, got %g", settings->accuracy);
+    if (settings->gather_size != 0 && (settings->gather_size < 4 || settings->gather_size > 1024 || settings->gather_size % 2))
+        return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 4 to 1024, got %d", settings->gather_size);
     settings->threads = sl_thread_count(settings->threads);
+    class->complete(settings);
     return SL_OK;
 }
 
@@ -103,7 +112,7 @@ sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, s
     if (!settings->transport) snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
     m->settings.method = m->name;
     m->settings.transport = m->transport_name;
-    status = complete_settings(scene, &m->settings, error);
+    status = complete_settings(class, scene, &m->settings, error);
     if (status == SL_OK) status = class->create(scene, &m->settings, &transport, &m->state, error);
     if (status != SL_OK) {
         sl_free(m);
@@ -120,14 +129,24 @@ void sl_method_destroy(sl_method *method) {
 }
 
 sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error) {
-    if (progress->done) return SL_OK;
-    sl_status status = method->class->update(method->state, progress, error);
-    if (status == SL_OK) progress->batches = ++method->batches;
+    sl_status status = SL_OK;
+    if (!method->done) {
+        progress->done = false;
+        status = method->class->update(method->state, progress, error);
+        if (status == SL_OK) method->batches++;
+        method->done = status == SL_OK && progress->done;
+    }
+    progress->batches = method->batches;
+    progress->done = method->done;
     return status;
 }
 
 static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error) {
     static const char *const qualities[] = {"draft", "normal", "high"};
+    static const char *const gathers[] = {"auto", "raster", "hemicube", "trace"};
+    static const char *const directs[] = {"auto", "rays", "shadow-maps"};
+    static const char *const orders[] = {"coarse-to-fine", "linear"};
+    static const char *const filters[] = {"method", "box", "centre"};
     const sl_settings *s = &method->settings;
     char text[8][64];
     snprintf(text[0], 64, "%" PRIu64, s->seed);
@@ -142,6 +161,8 @@ static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error
         {"softlux.seed", text[0]},         {"softlux.scene_hash", text[1]},
         {"softlux.batches", text[2]},      {"softlux.spp", text[3]},
         {"softlux.accuracy", text[4]},     {"softlux.gather_size", text[5]},
+        {"softlux.gather", gathers[s->gather]}, {"softlux.direct", directs[s->direct]},
+        {"softlux.order", orders[s->order]},    {"softlux.filter", filters[s->filter]},
     };
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         sl_status status = sl_image_set_metadata(image, pairs[i][0], pairs[i][1], error);
@@ -173,6 +194,7 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
 }
 
 sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
+    method->done = false;
     return method->class->edit(method->state, changes, error);
 }
 
@@ -221,7 +243,7 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     const sl_method_class *class = find_class(settings->method);
     if (!class) return unknown_method(settings->method, error);
     sl_settings completed = *settings;
-    sl_status status = complete_settings(scene, &completed, error);
+    sl_status status = complete_settings(class, scene, &completed, error);
     if (status != SL_OK) return status;
     sl_plan_writer writer = {0};
     plan_append(&writer, "");

@@ -12,7 +12,9 @@ __attribute__((format(printf, 4, 5))) void sl_plan_pass(sl_plan_writer *writer, 
 
 typedef struct sl_method_class {
     const char *name;
-    /* settings have no zero left where 0 means "by quality" or "by scene" for size and threads. */
+    /* Replaces what is 0, "by quality", by what will be used. */
+    void (*complete)(sl_settings *settings);
+    /* settings are complete: nothing is left to quality, scene or machine. */
     sl_status (*create)(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
                         sl_error *error);
     void (*destroy)(void *state);

@@ -144,7 +144,8 @@ static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, dou
     double pdf = chance * area_pdf(scene, emitter, sl_to_double(direction), distance);
     if (!(pdf > 0.0)) return false;
     if (sl_scene_has_alpha(scene, t) && !sl_scene_is_opaque(scene, t, (float)w1, (float)w2)) return false;
-    *sample = (sl_light_sample){direction, (float)distance, sl_rgb_scale(emitter->radiance, (float)(1.0 / pdf)), (float)pdf, t};
+    *sample = (sl_light_sample){direction, (float)distance, sl_rgb_scale(emitter->radiance, (float)(1.0 / pdf)), (float)pdf,
+                                (float)chance, t};
     return true;
 }
 
@@ -154,7 +155,7 @@ bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float
 }
 
 static bool sample_light(const sl_light *light, double chance, sl_vec3 p, sl_light_sample *sample) {
-    *sample = (sl_light_sample){.pdf = 0.0f, .triangle = SL_NO_INDEX};
+    *sample = (sl_light_sample){.pdf = 0.0f, .chance = (float)chance, .triangle = SL_NO_INDEX};
     if (!sl_light_illuminate(light, p, &sample->to_light, &sample->distance, &sample->radiance)) return false;
     sample->radiance = sl_rgb_scale(sample->radiance, (float)(1.0 / chance));
     return true;
@@ -166,7 +167,8 @@ static bool sample_environment(const sl_environment *environment, double chance,
     sl_vec3 direction = sl_environment_sample(environment, u1, u2, &radiance, &pdf);
     double whole_pdf = chance * (double)pdf;
     if (!(whole_pdf > 0.0)) return false;
-    *sample = (sl_light_sample){direction, INFINITY, sl_rgb_scale(radiance, (float)(1.0 / whole_pdf)), (float)whole_pdf, SL_NO_INDEX};
+    *sample = (sl_light_sample){direction, INFINITY, sl_rgb_scale(radiance, (float)(1.0 / whole_pdf)), (float)whole_pdf,
+                                (float)chance, SL_NO_INDEX};
     return true;
 }
 

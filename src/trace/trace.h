@@ -49,6 +49,7 @@ typedef struct sl_light_sample {
     sl_rgb radiance;     /* radiance over pdf-in-solid-angle for lights with extent; for delta lights irradiance on a facing
                             plane over the probability. So E += radiance * max(0, n . to_light) where unoccluded. */
     float pdf;           /* solid angle, selection included; 0: a delta light, not hit by chance */
+    float chance;        /* of the selection alone */
     uint32_t triangle;   /* the emitter's triangle, or SL_NO_INDEX */
 } sl_light_sample;
 

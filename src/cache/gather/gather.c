@@ -56,6 +56,9 @@ static sl_status make_sampler(sl_gather *gather, sl_error *error) {
 static void make_near_spheres(sl_gather *gather) {
     const sl_scene *s = gather->scene;
     if (s->emitter_count > SL_NEAR_EMITTERS_MAX || s->environment.present || !gather->every_light) return;
+    for (size_t i = 0; i < s->emitter_count; i++) {
+        if (sl_scene_has_alpha(s, s->emitters[i].triangle)) return; /* the closed form knows no masks */
+    }
     gather->near_count = s->emitter_count;
     for (size_t i = 0; i < s->emitter_count; i++) {
         uint32_t t = s->emitters[i].triangle;

@@ -130,7 +130,7 @@ sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b) {
     return sl_scaled(sl_crossd(e.along, e.foot), e.foot.z * e.j2 + e.along.z * e.j1);
 }
 
-/* ---- truth: Lambert's polygon ------------------------------------------------------------------------------------------ */
+/* ---- Lambert's polygon ------------------------------------------------------------------------------------------------- */
 
 enum { POLYGON_MAX = 16, CLIPPED_MAX = 2 * POLYGON_MAX };
 

@@ -25,7 +25,7 @@ sl_vec3d sl_border_vector(double t, double u0, double u1);
  * cell on its left. */
 sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b);
 
-/* ---- truth for tests (section 8.1) ---- */
+/* ---- light from polygons (section 8.1) ---- */
 
 /* Irradiance at p with unit normal n from a one-sided Lambertian polygon of radiance 1 (vertices counter-clockwise seen from its
  * shining side), clipped to the horizon, and its gradient with respect to p; gradient may be NULL. count <= 16. */

@@ -64,23 +64,18 @@ static void make_surfaces(const sl_gather_view *view) {
     gather->kernels.surfaces(&cells);
 }
 
-/* A shading normal may tilt the gather below the geometric horizon; what it meets there in the point's own plane is the surface
- * itself (neighbouring triangles of it), which it does not see. */
-static bool is_own_plane(const sl_gather_view *view, size_t k) {
+/* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from the surface itself nor
+ * from what lies behind it. */
+static bool is_below_horizon(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
-    sl_vec3 g = view->point->geometric_normal;
-    sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
-    float down = sl_dot(g, d);
-    if (!(down < 0.0f)) return false;
-    float height = view->gather->offset + h->depth[k] * down; /* above the plane through the point */
-    return fabsf(height) <= 2.0f * view->gather->offset + 1e-6f * h->depth[k];
+    return !(sl_dot(view->point->geometric_normal, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k])) > 0.0f);
 }
 
-static void drop_own_plane(const sl_gather_view *view) {
+static void drop_below_horizon(const sl_gather_view *view) {
     const sl_gather_hits *h = &view->scratch->hits;
     if (sl_dot(view->point->geometric_normal, view->frame.z) >= 1.0f - 1e-6f) return; /* not tilted */
     for (size_t k = 0; k < view->gather->tables->used; k++) {
-        if (h->triangle[k] != SL_NO_INDEX && is_own_plane(view, k)) h->triangle[k] = SL_NO_INDEX;
+        if (is_below_horizon(view, k)) h->triangle[k] = SL_NO_INDEX;
     }
 }
 
@@ -200,6 +195,7 @@ static void light_by_exact_emitters(const sl_gather_view *view, shadow_queue *q,
     const sl_gather_hits *h = &view->scratch->hits;
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
+        if (e->triangle == h->triangle[k]) continue;
         sl_vec3 corner[3];
         for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
         double irradiance = exact_irradiance(view, k, corner, e->two_sided);
@@ -217,11 +213,13 @@ static void light_by_exact_emitters(const sl_gather_view *view, shadow_queue *q,
 
 /* ---- samples ---- */
 
-/* A sample stands for 1 / pdf of solid angle; very near to an emitter that grows beyond a hemisphere, which none fills, and single
- * hits would outshine the gather. So it is cut there (where emitters are few, near ones are exact and not sampled at all). */
+/* Given its emitter, a sample stands for 1 / pdf of solid angle; very near to the emitter that grows beyond a hemisphere, which none
+ * fills, and single hits would outshine the gather. So it is cut there (where emitters are few, near ones are exact and not sampled
+ * at all). */
 static float bounded(const sl_light_sample *sample) {
-    float share = sample->pdf * (float)(2.0 * SL_PI);
-    return sample->triangle != SL_NO_INDEX && share < 1.0f ? share : 1.0f;
+    if (sample->triangle == SL_NO_INDEX || !(sample->chance > 0.0f)) return 1.0f;
+    float share = sample->pdf / sample->chance * (float)(2.0 * SL_PI);
+    return share < 1.0f ? share : 1.0f;
 }
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */
@@ -283,7 +281,7 @@ static sl_rgb emission_of(const sl_gather_view *view, size_t k) {
     const sl_scene *scene = view->gather->scene;
     const sl_gather_settings *settings = &view->gather->settings;
     if (h->triangle[k] == SL_NO_INDEX) {
-        if (!settings->emission && !settings->background) return sl_grey(0.0f);
+        if ((!settings->emission && !settings->background) || is_below_horizon(view, k)) return sl_grey(0.0f);
         sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
         return sl_environment_radiance(&scene->environment, sl_normalize_or(d, view->frame.z));
     }
@@ -316,7 +314,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     uint64_t nonfinite = 0;
     *nearest = INFINITY;
     *back_weight = 0.0;
-    drop_own_plane(view);
+    drop_below_horizon(view);
     make_surfaces(view);
     if (gather->maps) light_by_maps(view, counters);
     else light_by_rays(view, counters);

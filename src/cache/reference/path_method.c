@@ -36,6 +36,10 @@ static uint32_t samples_by_quality(sl_quality quality) {
     return samples[quality];
 }
 
+static void path_complete(sl_settings *settings) {
+    if (settings->spp == 0) settings->spp = samples_by_quality(settings->quality);
+}
+
 static sl_status path_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
                              void **state, sl_error *error) {
     path_state *s = sl_allocate(1, sizeof *s);
@@ -43,7 +47,7 @@ static sl_status path_create(const sl_scene *scene, const sl_settings *settings,
     s->scene = scene;
     s->settings = *settings;
     s->transport = *transport;
-    s->samples_wanted = settings->spp ? settings->spp : samples_by_quality(settings->quality);
+    s->samples_wanted = settings->spp;
     sl_status status = sl_tracer_create(scene, settings->threads, NULL, &s->tracer, error);
     if (status == SL_OK) status = start_tracer(s, error);
     if (status != SL_OK) {
@@ -56,6 +60,7 @@ static sl_status path_create(const sl_scene *scene, const sl_settings *settings,
 
 static sl_status path_update(void *state, sl_progress *progress, sl_error *error) {
     path_state *s = state;
+    if (!s->path) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     if (s->samples < s->samples_wanted) {
         sl_status status = sl_path_tracer_sample(s->path, s->samples, &s->counters, error);
         if (status != SL_OK) return status;
@@ -71,6 +76,7 @@ static sl_status path_resolve(void *state, sl_image **image, sl_error *error) {
     static const char *const names[] = {"R",        "G",        "B",       "even.R", "even.G",
                                         "even.B",   "odd.R",    "odd.G",   "odd.B"};
     path_state *s = state;
+    if (!s->path) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_image_create(s->settings.width, s->settings.height, 9, names, image, error);
     if (status != SL_OK) return status;
     size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
@@ -101,20 +107,20 @@ static const sl_counters *path_counters(const void *state) { return &((const pat
 static size_t path_memory_bytes(const void *state) {
     const path_state *s = state;
     size_t film = (size_t)s->settings.width * (size_t)s->settings.height * 6 * sizeof(double);
-    return sizeof *s + film + sl_tracer_memory_bytes(s->tracer);
+    return sizeof *s + film + (s->tracer ? sl_tracer_memory_bytes(s->tracer) : 0);
 }
 
 static void path_transport(sl_transport *transport) { sl_transport_named("full", transport); }
 
 static void path_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
-    uint32_t samples = settings->spp ? settings->spp : samples_by_quality(settings->quality);
     sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
-    sl_plan_pass(writer, true, "paths", "%u samples for each of %d x %d pixels", (unsigned)samples, settings->width,
+    sl_plan_pass(writer, true, "paths", "%u samples for each of %d x %d pixels", (unsigned)settings->spp, settings->width,
                  settings->height);
 }
 
 const sl_method_class sl_path_method = {
     .name = "path",
+    .complete = path_complete,
     .create = path_create,
     .destroy = path_destroy,
     .update = path_update,

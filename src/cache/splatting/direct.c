@@ -84,6 +84,8 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->emitters_alone = *scene;
     d->emitters_alone.light_count = 0;
     d->emitters_alone.environment.present = false;
+    for (size_t i = 0; i < scene->emitter_count; i++) /* the closed form knows no masks */
+        d->exact = d->exact && !sl_scene_has_alpha(scene, scene->emitters[i].triangle);
     sl_status status = make_emitter_table(scene, &d->emitters, error);
     if (status == SL_OK && scene->emitter_count > CHOICES_MAX)
         status = sl_light_sampler_create(&d->emitters_alone, &d->sampler, error);
@@ -160,11 +162,21 @@ static sl_rgb phong(const receiver *at, sl_vec3 to_light) {
     return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
 }
 
+/* An emitter sample that the closed form counts and nobody sees. */
+static void add_hidden(shadow_queue *q, int pixel, sl_rgb irradiance) {
+    add(&q->sums[pixel].all, irradiance);
+    if (!q->refining) q->sums[pixel].pilot_count++;
+}
+
 /* light: irradiance on a plane that faces the light. */
 static void enqueue(shadow_queue *q, int pixel, const receiver *at, sl_vec3 to_light, float distance, sl_rgb light,
                     bool from_emitter) {
     float cosine = sl_dot(at->normal, to_light);
-    if (!(cosine > 0.0f) || !(sl_dot(at->geometric_normal, to_light) > 0.0f)) return;
+    if (!(cosine > 0.0f)) return;
+    if (!(sl_dot(at->geometric_normal, to_light) > 0.0f)) { /* the surface itself is in the way, no ray needed */
+        if (from_emitter && q->direct->exact) add_hidden(q, pixel, sl_rgb_scale(light, cosine));
+        return;
+    }
     unsigned i = q->count++;
     /* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface cannot come
      * between; its end stops short of the light. */
@@ -261,6 +273,7 @@ static bool sample_emitters(const sl_direct *direct, const emitter_choice *choic
 /* Samples [first, end) of a pixel towards emitters, each worth 1/weight. */
 static void queue_emitters(shadow_queue *q, int pixel, const receiver *at, uint64_t key, uint32_t first, uint32_t end,
                            float weight) {
+    if (q->direct->emitters.count == 0) return;
     emitter_choice choice;
     weigh_emitters(q->direct, at, &choice);
     for (uint32_t s = first; s < end; s++) {

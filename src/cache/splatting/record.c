@@ -16,11 +16,10 @@ static double positive_radius(const sl_record *r, double radius) {
 /* Rule 2: aR does not reach past a wall that the record sees. r / cos theta' is the distance to the hit's plane divided by
  * cos^2, so concave surfaces are not punished. The lowest ray of a plane gather meets a wall at distance d with
  * r / cos theta' = d (1 + t^2) / t^2. */
-static double guarded_radius(const sl_irradiance *irradiance, const sl_radius_rules *rules, double radius) {
+static double guard_limit(const sl_irradiance *irradiance, const sl_radius_rules *rules) {
     double t_squared = rules->plane_tangent * rules->plane_tangent;
     double lowest = rules->gather == SL_GATHER_PLANE ? t_squared / (1.0 + t_squared) : 1.0;
-    double limit = lowest * (double)irradiance->nearest / rules->accuracy;
-    return radius < limit ? radius : limit;
+    return rules->guard ? lowest * (double)irradiance->nearest / rules->accuracy : INFINITY;
 }
 
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
@@ -38,9 +37,10 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
     double radius = (double)irradiance->harmonic_mean;
     if (!(radius <= maximum)) radius = maximum; /* sees nothing, or an infinite mean */
     radius = positive_radius(&r, radius);
-    double guarded = rules->guard ? guarded_radius(irradiance, rules, radius) : radius;
-    r.behind_a_wall = guarded < minimum && guarded < radius;
-    radius = guarded > minimum ? guarded : minimum;
+    double limit = guard_limit(irradiance, rules);
+    if (limit < radius) radius = limit;
+    if (!(radius > minimum)) radius = minimum;
+    r.behind_a_wall = radius > limit;
     r.minimum_radius = (float)minimum;
     r.own_radius = (float)radius;
     sl_record_set_radius(&r, r.own_radius);

@@ -32,9 +32,9 @@ typedef struct {
 } quality_settings;
 
 static const quality_settings by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.50, 6.0, 32, 8},
-    [SL_QUALITY_NORMAL] = {0.30, 4.0, 64, 16},
-    [SL_QUALITY_HIGH] = {0.15, 2.0, 96, 64},
+    [SL_QUALITY_DRAFT] = {0.50, 6.0, 24, 8},
+    [SL_QUALITY_NORMAL] = {0.30, 4.0, 40, 16},
+    [SL_QUALITY_HIGH] = {0.15, 2.0, 64, 64},
 };
 
 typedef struct {
@@ -62,7 +62,7 @@ typedef struct {
     sl_traversal traversal;
     phase phase;
     int direct_row;
-    sl_counters counters;
+    sl_counters counters, announced; /* all so far, and what observers have been told of */
 } splat_state;
 
 enum { PLANES = 9 };
@@ -77,6 +77,13 @@ static quality_settings chosen_quality(const sl_settings *settings) {
     if (settings->gather_size > 0) q.gather_size = settings->gather_size;
     if (settings->spp > 0) q.light_samples = settings->spp;
     return q;
+}
+
+static void splat_complete(sl_settings *settings) {
+    quality_settings q = chosen_quality(settings);
+    settings->accuracy = q.accuracy;
+    settings->gather_size = q.gather_size;
+    settings->spp = q.light_samples;
 }
 
 static bool gives_light(const sl_scene *scene) {
@@ -217,6 +224,17 @@ static sl_status splat_create(const sl_scene *scene, const sl_settings *settings
     return SL_OK;
 }
 
+/* ---- what observers are told ---- */
+
+/* A pass with the picture that it made; its cost is what the counters have grown by since the last one. */
+static void announce(splat_state *s, const char *name, const char *source, int channels, const float *planes) {
+    sl_counters cost;
+    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = s->counters.value[i] - s->announced.value[i];
+    s->announced = s->counters;
+    sl_observe(s->settings.observer, "splatting", name, source, s->settings.width, s->settings.height, channels, planes, true,
+               &cost);
+}
+
 /* ---- steps 1 and 1b ---- */
 
 static sl_view camera_view(const splat_state *s) {
@@ -243,42 +261,37 @@ static void classify_receivers(splat_state *s) {
     }
 }
 
-/* Shows three planes of the G-buffer as one picture. */
-static void observe_planes(const splat_state *s, const char *name, const float *x, const float *y, const float *z,
-                           const sl_counters *cost) {
+/* Three planes of the G-buffer as one picture; the pass is paid for by the first picture of it. */
+static void announce_triple(splat_state *s, const char *name, const float *x, const float *y, const float *z) {
     size_t pixels = pixel_count(s);
     float *planes = sl_allocate(3 * pixels, sizeof *planes);
     if (!planes) return;
     memcpy(planes, x, pixels * sizeof *planes);
     memcpy(planes + pixels, y, pixels * sizeof *planes);
     memcpy(planes + 2 * pixels, z, pixels * sizeof *planes);
-    sl_observe(s->settings.observer, "splatting", name, "Algorithm 2, step 1", s->settings.width, s->settings.height, 3, planes,
-               true, cost);
+    announce(s, name, "Algorithm 2, step 1", 3, planes);
     sl_free(planes);
 }
 
-static void observe_gbuffer(const splat_state *s, const sl_counters *cost) {
+static void announce_gbuffer(splat_state *s) {
     const sl_gbuffer *g = s->gbuffer;
     if (!s->settings.observer) return;
-    sl_observe(s->settings.observer, "splatting", "G-buffer: depth", "Algorithm 2, step 1", g->width, g->height, 1, g->depth, true,
-               cost);
-    observe_planes(s, "G-buffer: positions", g->position_x, g->position_y, g->position_z, cost);
-    observe_planes(s, "G-buffer: normals", g->normal_x, g->normal_y, g->normal_z, cost);
-    observe_planes(s, "G-buffer: albedo", g->diffuse_r, g->diffuse_g, g->diffuse_b, cost);
+    announce(s, "G-buffer: depth", "Algorithm 2, step 1", 1, g->depth);
+    announce_triple(s, "G-buffer: positions", g->position_x, g->position_y, g->position_z);
+    announce_triple(s, "G-buffer: normals", g->normal_x, g->normal_y, g->normal_z);
+    announce_triple(s, "G-buffer: albedo", g->diffuse_r, g->diffuse_g, g->diffuse_b);
 }
 
 static sl_status draw_gbuffer(splat_state *s, sl_error *error) {
     sl_view view = camera_view(s);
-    sl_counters cost = {{0}};
-    sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &cost, error);
+    sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status != SL_OK) return status;
-    sl_counters_add(&s->counters, &cost);
-    observe_gbuffer(s, &cost);
+    announce_gbuffer(s);
     classify_receivers(s);
     s->direct_row = 0;
     s->phase = s->direct_needed ? PHASE_DIRECT : PHASE_DONE;
     if (s->list.count == 0) return SL_OK;
-    return sl_cover(&s->pass, s->list.records, s->list.count, &s->counters, error); /* step 2: records of earlier views */
+    return sl_cover(&s->pass, s->list.records, s->list.count, error); /* step 2: records of earlier views */
 }
 
 static sl_status light_rows(splat_state *s, sl_error *error) {
@@ -288,8 +301,7 @@ static sl_status light_rows(splat_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     s->direct_row = end;
     if (end < s->settings.height) return SL_OK;
-    sl_observe(s->settings.observer, "splatting", "direct light", "section 4, direct lighting", s->settings.width,
-               s->settings.height, 3, s->planes, true, &s->counters);
+    announce(s, "direct light", "section 4, direct lighting", 3, s->planes);
     sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
     s->phase = s->indirect_needed ? PHASE_RECORDS : PHASE_DONE;
     return SL_OK;
@@ -299,8 +311,10 @@ static sl_status light_rows(splat_state *s, sl_error *error) {
 
 static sl_status new_records(splat_state *s, phase next, sl_error *error) {
     sl_status status = sl_traversal_advance(&s->traversal, &s->pass, &s->list, &s->counters, error);
-    if (status == SL_OK && s->traversal.stride == 0) s->phase = next;
-    return status;
+    if (status != SL_OK || s->traversal.stride) return status;
+    announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage);
+    s->phase = next;
+    return SL_OK;
 }
 
 typedef struct {
@@ -336,7 +350,7 @@ static sl_status clamp_to_neighbours(splat_state *s, sl_error *error) {
     s->splatted = 0;
     sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
     s->phase = PHASE_SECOND;
-    return sl_cover(&s->pass, s->list.records, s->list.count, &s->counters, error);
+    return sl_cover(&s->pass, s->list.records, s->list.count, error);
 }
 
 /* Shares of the whole that each phase takes, roughly, for the progress bar alone. */
@@ -355,6 +369,7 @@ static double fraction_done(const splat_state *s) {
 
 static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
     splat_state *s = state;
+    if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
     switch (s->phase) {
     case PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
@@ -395,23 +410,19 @@ static uint64_t splat_run(void *context, size_t index, int x0, int x1, int y) {
 /* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all, bit for bit. */
 static sl_status splat_new_records(splat_state *s, sl_error *error) {
     size_t count = s->list.count - s->splatted;
-    if (count == 0) return SL_OK;
+    if (count == 0 || s->phase == PHASE_GBUFFER) return SL_OK; /* before its G-buffer a new view has nothing to splat on */
     const sl_record *records = s->list.records + s->splatted;
     sl_splat_rect *rects = sl_allocate(count, sizeof *rects);
     if (!rects) return sl_fail_memory(error, "splat rectangles");
     for (size_t i = 0; i < count; i++) rects[i] = sl_record_bounds(&s->pass, &records[i]);
     splat_context context = {s, records};
-    sl_counters cost = {{0}};
     sl_status status = sl_raster_splats(s->settings.width, s->settings.height, count, rects, splat_run, &context,
-                                        s->settings.threads, &cost, error);
+                                        s->settings.threads, &s->counters, error);
     sl_free(rects);
     if (status != SL_OK) return status;
     s->splatted = s->list.count;
-    sl_counters_add(&s->counters, &cost);
-    sl_observe(s->settings.observer, "splatting", "splat: sum of w E", "Algorithm 1", s->settings.width, s->settings.height,
-               3, s->splats.r, true, &cost);
-    sl_observe(s->settings.observer, "splatting", "splat: sum of w", "Algorithm 1", s->settings.width, s->settings.height, 1,
-               s->splats.weight, true, &cost);
+    announce(s, "splat: sum of w E", "Algorithm 1", 3, s->splats.r);
+    announce(s, "splat: sum of w", "Algorithm 1", 1, s->splats.weight);
     return SL_OK;
 }
 
@@ -483,10 +494,8 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     for (size_t c = 0; status == SL_OK && c < LAYERS; c++)
         sl_raster_flip(layers + c * pixels, width, height, (*image)->planes + c * pixels);
     if (status == SL_OK) {
-        sl_observe(s->settings.observer, "splatting", "indirect light", "Algorithm 2, step 6", width, height, 3,
-                   layers + 9 * pixels, true, &s->counters);
-        sl_observe(s->settings.observer, "splatting", "sum of emission, direct and indirect light", "Algorithm 2, step 6",
-                   width, height, 3, layers, true, &s->counters);
+        announce(s, "indirect light", "Algorithm 2, step 6", 3, layers + 9 * pixels);
+        announce(s, "sum of emission, direct and indirect light", "Algorithm 2, step 6", 3, layers);
     }
     sl_free(layers);
     return status;
@@ -498,17 +507,19 @@ static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
     splat_state *s = state;
     size_t pixels = pixel_count(s);
     memset(s->planes, 0, PLANES * pixels * sizeof *s->planes);
+    memset(s->receives, 0, pixels * sizeof *s->receives);
     memset(s->owned, 0, pixels);
     s->splatted = 0;
     s->phase = PHASE_GBUFFER;
+    sl_status status = SL_OK;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
         s->list.count = 0;
         destroy_transport(s);
-        sl_status status = create_transport(s, error);
-        if (status != SL_OK) return status;
+        status = create_transport(s, error);
+        if (status != SL_OK) destroy_transport(s);
     }
     prepare_pass(s);
-    return SL_OK;
+    return status;
 }
 
 static const sl_counters *splat_counters(const void *state) { return &((const splat_state *)state)->counters; }
@@ -518,7 +529,8 @@ static size_t splat_memory_bytes(const void *state) {
     size_t pixels = pixel_count(s);
     size_t gbuffer = pixels * (14 * sizeof(float) + 2 * sizeof(uint32_t));
     size_t bytes = sizeof *s + pixels * (PLANES * sizeof(float) + sizeof(uint32_t) + 1) + gbuffer;
-    bytes += s->list.capacity * (sizeof(sl_record) + sizeof(sl_record_reach)) + sl_raster_memory_bytes(s->raster);
+    bytes += s->list.capacity * (sizeof(sl_record) + sizeof(sl_record_reach));
+    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);
@@ -549,16 +561,19 @@ static void splat_plan(const sl_scene *scene, const sl_settings *settings, sl_pl
                  scene->triangle_count);
     sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
     sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
-    bool samples_sky = f.environment && !background;
-    sl_plan_pass(writer, light && receivers && (f.emitters || samples_sky), "light samples",
+    bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS, samples_sky = f.environment && !background && !maps;
+    sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
+                 maps ? "for all lights; those with extent become points" : "direct light is found by shadow rays");
+    sl_plan_pass(writer, !maps && light && receivers && (f.emitters || samples_sky), "light samples",
                  "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
                  samples_sky ? " and the environment" : "");
     sl_plan_pass(writer, background, "environment in the cache", "%s",
                  background ? "its light is part of the irradiance records" : "none, or it is sampled for every pixel");
-    sl_plan_pass(writer, receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
+    sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
                  scene->light_count);
-    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, %d x %d gathers", q.accuracy,
-                 q.gather_size, q.gather_size);
+    static const char *const instruments[] = {"the cheaper instrument", "the raster plane", "the raster hemicube", "rays"};
+    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, gathers %d x %d by %s", q.accuracy,
+                 q.gather_size, q.gather_size, instruments[settings->gather]);
     sl_plan_pass(writer, false, "radiance records", "%zu glossy triangles; their indirect light is not computed",
                  f.glossy_triangles);
     sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
@@ -568,6 +583,7 @@ static void splat_plan(const sl_scene *scene, const sl_settings *settings, sl_pl
 
 const sl_method_class sl_splatting_method = {
     .name = "splatting",
+    .complete = splat_complete,
     .create = splat_create,
     .destroy = splat_destroy,
     .update = splat_update,

@@ -84,8 +84,7 @@ void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int w
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
                                sl_counters *counters, sl_error *error);
 /* Adds the weights of records [first, count) to the coverage. */
-sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_counters *counters,
-                   sl_error *error);
+sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
 /* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
 /* The rectangle of pixels that a record can reach. */

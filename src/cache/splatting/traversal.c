@@ -100,7 +100,7 @@ static sl_gather_point point_at(const sl_record_pass *pass, size_t pixel) {
 }
 
 /* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
- * if that does not help it speaks for no more than its own pixel. */
+ * if that does not help it reaches no further than R_min, and only what it sees. */
 static void gather_one(void *context, size_t index, unsigned worker) {
     const gather_batch *b = context;
     const sl_record_pass *pass = b->pass;
@@ -116,7 +116,7 @@ static void gather_one(void *context, size_t index, unsigned worker) {
         sl_gather_irradiance(pass->gather, &outer, pass->scratch[worker], &irradiance, counters);
         inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     }
-    if (inside) irradiance.harmonic_mean = 0.0f;
+    if (inside) irradiance.harmonic_mean = irradiance.nearest = 0.0f;
     sl_vec3 to_point = sl_sub(point.position, pass->camera->eye);
     float depth = -sl_dot(to_point, pass->camera->back);
     b->records[index] = sl_record_make(&point, &irradiance, &pass->radii, depth * pass->footprint_per_depth);
@@ -202,7 +202,7 @@ static sl_status commit(const sl_record_pass *pass, const size_t *pixels, sl_rec
         pass->owned[pixels[i]] = 1;
         sl_count(counters, SL_COUNT_RECORDS, 1);
     }
-    return sl_cover(pass, list->records + first, list->count - first, counters, error);
+    return sl_cover(pass, list->records + first, list->count - first, error);
 }
 
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
@@ -258,15 +258,15 @@ sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *reco
                             record->position, reach);
 }
 
-sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_counters *counters,
-                   sl_error *error) {
+sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error) {
     if (count == 0) return SL_OK;
     sl_splat_rect *rects = sl_allocate(count, sizeof *rects);
     if (!rects) return sl_fail_memory(error, "splat rectangles");
     for (size_t i = 0; i < count; i++) rects[i] = sl_record_bounds(pass, &records[i]);
     cover_context context = {pass, records};
+    sl_counters unbilled = {{0}}; /* the paper sums coverage on the CPU: these are no splats of the hardware */
     sl_status status = sl_raster_splats(pass->receivers.width, pass->receivers.height, count, rects, cover_run, &context,
-                                        pass->threads, counters, error);
+                                        pass->threads, &unbilled, error);
     sl_free(rects);
     return status;
 }
