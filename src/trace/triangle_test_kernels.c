@@ -1,98 +1,178 @@
+#include "trace/lanes.h"
 #include "trace/triangle_test.h"
 
-/* What the test finds for each ray: the exact-signed edge functions and the corners' distances along axis 3. */
-typedef struct edges {
-    _Alignas(64) double u[SL_PACKET], v[SL_PACKET], w[SL_PACKET];
-    float along[3][SL_PACKET];
-} edges;
+/* The triangle's corners in the rays' sheared frames: across the ray, and the distance along axis 3. */
+typedef struct sheared {
+    _Alignas(64) float x[3][SL_PACKET], y[3][SL_PACKET], z[3][SL_PACKET];
+} sheared;
 
-/* Rays [first, first + count), as if axis k were dominant for all: bits of those that see the origin inside. Element by
- * element; `count` is a constant where this is called, so that the loop becomes whole vectors. */
-static inline __attribute__((always_inline)) uint32_t inside(const sl_ray_state *restrict s,
-                                                             const sl_triangle_corners *restrict c, unsigned k,
-                                                             unsigned first, unsigned count, edges *restrict e) {
-    static const uint32_t bit[SL_PACKET] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
-    const float *p1 = c->p[k == 2 ? 0 : k + 1], *p2 = c->p[k == 0 ? 2 : k - 1], *p3 = c->p[k];
-    uint32_t mask = 0;
-#pragma omp simd reduction(| : mask)
-    for (unsigned i = 0; i < count; i++) {
-        unsigned r = first + i;
-        float x[3], y[3];
-        for (int v = 0; v < 3; v++) {
-            float z = p3[v] - s->origin_3[r];
-            x[v] = (p1[v] - s->origin_1[r]) + s->shear_1[r] * z;
-            y[v] = (p2[v] - s->origin_2[r]) + s->shear_2[r] * z;
-            e->along[v][i] = z;
-        }
-        /* Exact products: 24 + 24 bits fit into 53. So the sign of each difference is exact. */
-        double u = (double)x[2] * (double)y[1] - (double)y[2] * (double)x[1];
-        double v = (double)x[0] * (double)y[2] - (double)y[0] * (double)x[2];
-        double w = (double)x[1] * (double)y[0] - (double)y[1] * (double)x[0];
-        e->u[i] = u;
-        e->v[i] = v;
-        e->w[i] = w;
-        double low = u < v ? u : v, high = u > v ? u : v;
-        low = w < low ? w : low;
-        high = w > high ? w : high;
-        /* All of one sign, edges included, but not all 0 (a triangle seen edge-on, which its neighbours cover). */
-        uint32_t in = (uint32_t)(((low >= 0.0) | (high <= 0.0)) & ((low < 0.0) | (high > 0.0)));
-        mask |= in ? bit[i] : 0;
+/* Do the exact edge functions of entry i have one sign? Products of floats are exact in double (24 + 24 bits fit into 53), so
+ * the sign of each difference is. Edges included, but not all 0: a triangle seen edge-on, which its neighbours cover. */
+static bool is_inside_exactly(const sheared *e, unsigned i) {
+    double x[3], y[3];
+    for (int v = 0; v < 3; v++) {
+        x[v] = (double)e->x[v][i];
+        y[v] = (double)e->y[v][i];
     }
-    return mask;
+    double u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
+    double low = u < v ? u : v, high = u > v ? u : v;
+    low = w < low ? w : low;
+    high = w > high ? w : high;
+    return ((low >= 0.0) | (high <= 0.0)) & ((low < 0.0) | (high > 0.0));
 }
 
-static inline __attribute__((always_inline)) void locate(const sl_ray_state *s, const edges *e, unsigned i, unsigned ray,
-                                                         unsigned to, sl_candidates *out) {
-    double u = e->u[i], v = e->v[i], w = e->w[i], scale = 1.0 / ((u + v) + w);
-    double depth = ((u * (double)e->along[0][i] + v * (double)e->along[1][i]) + w * (double)e->along[2][i]) * scale;
+static inline uint32_t exactly_inside(const sheared *e, uint32_t doubtful) {
+    uint32_t in = 0;
+    for (; doubtful; doubtful &= doubtful - 1) {
+        unsigned i = (unsigned)__builtin_ctz(doubtful);
+        in |= is_inside_exactly(e, i) ? 1u << i : 0;
+    }
+    return in;
+}
+
+/* From the edge functions' signs, a bit for each ray: the rays inside for sure, and those that only the exact test can tell. */
+static inline uint32_t judge(const sheared *e, const uint32_t positive[3], const uint32_t negative[3], uint32_t active) {
+    uint32_t outside = (positive[0] | positive[1] | positive[2]) & (negative[0] | negative[1] | negative[2]);
+    uint32_t inside = (positive[0] & positive[1] & positive[2]) | (negative[0] & negative[1] & negative[2]);
+    uint32_t doubtful = active & ~(outside | inside);
+    return (inside & active) | (doubtful ? exactly_inside(e, doubtful) : 0);
+}
+
+/* The rays `first` to first + SL_LANES whose dominant axis is k: bits (of those in `active`) that meet the triangle.
+ *
+ * An edge function is the difference of two products. Rounding is monotonic: where the products still differ after rounding to
+ * float, they differ in the same sense before it. So floats decide, and doubles only where the rounded products are equal. */
+static inline uint32_t test_lanes(const sl_ray_state *s, const sl_triangle_corners *c, unsigned k, unsigned first,
+                                  uint32_t active, sheared *e) {
+    const float *p1 = c->p[k == 2 ? 0 : k + 1], *p2 = c->p[k == 0 ? 2 : k - 1], *p3 = c->p[k];
+    sl_lanes o1 = sl_lanes_load(&s->origin_1[first]), o2 = sl_lanes_load(&s->origin_2[first]);
+    sl_lanes o3 = sl_lanes_load(&s->origin_3[first]);
+    sl_lanes s1 = sl_lanes_load(&s->shear_1[first]), s2 = sl_lanes_load(&s->shear_2[first]);
+    sl_lanes x[3], y[3], z[3];
+    for (int v = 0; v < 3; v++) {
+        z[v] = p3[v] - o3;
+        x[v] = (p1[v] - o1) + s1 * z[v];
+        y[v] = (p2[v] - o2) + s2 * z[v];
+    }
+    uint32_t positive[3], negative[3];
+    for (int v = 0; v < 3; v++) {
+        int from = v == 0 ? 2 : v - 1, to = v == 2 ? 0 : v + 1;
+        sl_lanes a = x[from] * y[to], b = y[from] * x[to];
+        positive[v] = sl_lanes_greater(a, b);
+        negative[v] = sl_lanes_greater(b, a);
+    }
+    uint32_t outside = (positive[0] | positive[1] | positive[2]) & (negative[0] | negative[1] | negative[2]);
+    if (!(active & ~outside)) return 0;
+    for (int v = 0; v < 3; v++) {
+        sl_lanes_store(e->x[v], x[v]);
+        sl_lanes_store(e->y[v], y[v]);
+        sl_lanes_store(e->z[v], z[v]);
+    }
+    return judge(e, positive, negative, active);
+}
+
+/* Distance and weights of entry i, which is that of ray `ray`, into entry `to`. */
+static inline __attribute__((always_inline)) void locate(const sl_ray_state *restrict s, const sheared *restrict e,
+                                                         unsigned i, unsigned ray, unsigned to,
+                                                         sl_candidates *restrict out) {
+    double x0 = (double)e->x[0][i], x1 = (double)e->x[1][i], x2 = (double)e->x[2][i];
+    double y0 = (double)e->y[0][i], y1 = (double)e->y[1][i], y2 = (double)e->y[2][i];
+    double u = x2 * y1 - y2 * x1, v = x0 * y2 - y0 * x2, w = x1 * y0 - y1 * x0, scale = 1.0 / ((u + v) + w);
+    double depth = ((u * (double)e->z[0][i] + v * (double)e->z[1][i]) + w * (double)e->z[2][i]) * scale;
     out->t[to] = (float)(depth * s->per_distance[ray] + s->start[ray]);
     out->w1[to] = (float)(v * scale);
     out->w2[to] = (float)(w * scale);
 }
 
-/* Consecutive rays in one go, once for each dominant axis among them; mostly there is one. */
-static uint32_t test_many(const sl_ray_state *s, const sl_triangle_corners *c, uint32_t active, unsigned first,
-                          unsigned count, sl_candidates *out) {
-    uint32_t hits = 0;
-    for (unsigned k = 0; k < 3; k++) {
-        edges e;
-        uint32_t mask = active & (s->with_axis[k] >> first);
-        if (!mask) continue;
-        mask &= count == 16 ? inside(s, c, k, 0, 16, &e) : count == 8 ? inside(s, c, k, first, 8, &e)
-              : count == 4 ? inside(s, c, k, first, 4, &e) : inside(s, c, k, first, count, &e);
-        hits |= mask;
-        for (; mask; mask &= mask - 1) {
-            unsigned i = (unsigned)__builtin_ctz(mask);
-            locate(s, &e, i, first + i, i, out);
+enum { LOCATED = SL_LANES < 8 ? SL_LANES : 8, FEW = 2 };
+
+/* Entries `hits`, of consecutive rays; by whole vectors where that pays. */
+static inline void locate_all(const sl_ray_state *s, const sheared *e, uint32_t hits, unsigned ray, unsigned to,
+                              sl_candidates *out) {
+    for (unsigned first = 0; first < SL_LANES; first += LOCATED) {
+        uint32_t some = hits >> first & ((1u << LOCATED) - 1);
+        if (__builtin_popcount(some) > FEW) {
+#pragma omp simd
+            for (unsigned i = 0; i < LOCATED; i++) locate(s, e, first + i, ray + first + i, to + first + i, out);
+            continue;
+        }
+        for (; some; some &= some - 1) {
+            unsigned i = first + (unsigned)__builtin_ctz(some);
+            locate(s, e, i, ray + i, to + i, out);
         }
     }
-    return hits;
 }
 
-static uint32_t test_singly(const sl_ray_state *s, const sl_triangle_corners *c, uint32_t active, const unsigned *id,
-                            sl_candidates *out) {
-    uint32_t hits = 0;
-    for (; active; active &= active - 1) {
-        unsigned i = (unsigned)__builtin_ctz(active), ray = id[i];
-        unsigned k = s->with_axis[0] >> ray & 1 ? 0 : s->with_axis[1] >> ray & 1 ? 1 : 2;
-        edges e;
-        if (!inside(s, c, k, ray, 1, &e)) continue;
-        locate(s, &e, 0, ray, i, out);
-        hits |= 1u << i;
+/* Rays [first, first + SL_LANES), once for each dominant axis among them; mostly there is one. */
+static inline uint32_t test_consecutive(const sl_ray_state *s, const sl_triangle_corners *c, uint32_t active,
+                                        unsigned first, unsigned to, sl_candidates *out) {
+    uint32_t all = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        sheared e;
+        uint32_t with_axis = active & (s->with_axis[k] >> first);
+        if (!with_axis) continue;
+        uint32_t hits = test_lanes(s, c, k, first, with_axis, &e);
+        if (!hits) continue;
+        if (__builtin_expect(with_axis == active, 1)) {
+            locate_all(s, &e, hits, first, to, out);
+            return hits;
+        }
+        all |= hits;
+        for (; hits; hits &= hits - 1) {
+            unsigned i = (unsigned)__builtin_ctz(hits);
+            locate(s, &e, i, first + i, to + i, out);
+        }
     }
-    return hits;
+    return all;
 }
 
-/* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then one call tests them all. Few rays, or rays that were
- * sorted, are tested one by one: the same arithmetic, so the same bits. */
+static bool test_one(const sl_ray_state *s, const sl_triangle_corners *c, unsigned ray, unsigned to, sl_candidates *out) {
+    unsigned k = s->with_axis[0] >> ray & 1 ? 0 : s->with_axis[1] >> ray & 1 ? 1 : 2;
+    const float *p1 = c->p[k == 2 ? 0 : k + 1], *p2 = c->p[k == 0 ? 2 : k - 1], *p3 = c->p[k];
+    sheared e;
+    uint32_t positive[3], negative[3];
+    for (int v = 0; v < 3; v++) {
+        float z = p3[v] - s->origin_3[ray];
+        e.x[v][0] = (p1[v] - s->origin_1[ray]) + s->shear_1[ray] * z;
+        e.y[v][0] = (p2[v] - s->origin_2[ray]) + s->shear_2[ray] * z;
+        e.z[v][0] = z;
+    }
+    for (int v = 0; v < 3; v++) {
+        int from = v == 0 ? 2 : v - 1, to_corner = v == 2 ? 0 : v + 1;
+        float a = e.x[from][0] * e.y[to_corner][0], b = e.y[from][0] * e.x[to_corner][0];
+        positive[v] = a > b;
+        negative[v] = a < b;
+    }
+    if (!judge(&e, positive, negative, 1u)) return false;
+    locate(s, &e, 0, ray, to, out);
+    return true;
+}
+
+/* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then whole registers test them. Others are tested one by
+ * one: the same arithmetic, so the same bits. */
 uint32_t SL_KERNEL(sl_triangle_test)(const sl_ray_state *state, const sl_triangle_corners *corners, const int *valid,
                                      const unsigned *id, unsigned n, sl_candidates *candidates) {
-    uint32_t active = 0, astray = 0;
-    for (unsigned i = 0; i < n; i++) {
-        active |= valid[i] ? 1u << i : 0;
-        astray |= id[i] - id[0] - i;
+    static const int none[SL_LANES];
+    static const unsigned in_order[SL_PACKET] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    uint32_t hits = 0;
+    if (n % SL_LANES == 0) {
+        for (unsigned first = 0; first < n; first += SL_LANES) {
+            uint32_t active = sl_lanes_differ(&valid[first], none);
+            if (!active) continue;
+            unsigned ray = id[first];
+            if (ray + SL_LANES <= SL_PACKET && !sl_lanes_differ(&id[first], &in_order[ray])) {
+                hits |= test_consecutive(state, corners, active, ray, first, candidates) << first;
+                continue;
+            }
+            for (; active; active &= active - 1) {
+                unsigned i = first + (unsigned)__builtin_ctz(active);
+                hits |= test_one(state, corners, id[i], i, candidates) ? 1u << i : 0;
+            }
+        }
+        return hits;
     }
-    bool many = (active & (active - 1) & ((active & (active - 1)) - 1)) != 0; /* more than two bits */
-    if (many && !astray && id[0] + n <= SL_PACKET) return test_many(state, corners, active, id[0], n, candidates);
-    return test_singly(state, corners, active, id, candidates);
+    for (unsigned i = 0; i < n; i++) {
+        if (valid[i] && test_one(state, corners, id[i], i, candidates)) hits |= 1u << i;
+    }
+    return hits;
 }
