@@ -12,65 +12,28 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "cache/gather/hemisphere_tables.h"
+#include "cache/splatting/emitters.h"
 #include "cache/splatting/splatting.h"
 
 #include <string.h>
 
 enum {
     EXACT_EMITTERS_MAX = 16, /* beyond, the closed form costs more than the noise that it saves */
-    CHOICES_MAX = 1024,      /* emitters that are weighed for every pixel */
     PENUMBRA_FACTOR = 4,
     /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the faint
      * edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
     PENUMBRA_MARGIN = 2
 };
 
-/* What the choice among emitters looks at, emitter by emitter. */
-typedef struct {
-    float *x, *y, *z;               /* centroid */
-    float *normal_x, *normal_y, *normal_z;
-    float *strength;                /* mean radiance times area */
-    float *extent_squared;          /* largest squared distance of a corner from the centroid */
-    float *two_sided;
-    float *block;
-    size_t count;
-} emitter_table;
-
 struct sl_direct {
     const sl_scene *scene;
     const sl_tracer *tracer;
     sl_direct_settings settings;
-    emitter_table emitters;
+    sl_emitter_table emitters;
     sl_scene emitters_alone;        /* the scene without its other lights, for the sampler */
     sl_light_sampler *sampler;      /* where there are too many emitters to weigh them for every pixel; else NULL */
     bool exact;
 };
-
-static sl_status make_emitter_table(const sl_scene *scene, emitter_table *t, sl_error *error) {
-    enum { COLUMNS = 9 };
-    size_t n = scene->emitter_count;
-    t->block = sl_allocate(COLUMNS * n, sizeof *t->block);
-    if (!t->block) return sl_fail_memory(error, "direct light");
-    float **columns[COLUMNS] = {&t->x, &t->y, &t->z, &t->normal_x, &t->normal_y, &t->normal_z, &t->strength,
-                                &t->extent_squared, &t->two_sided};
-    for (size_t c = 0; c < COLUMNS; c++) *columns[c] = t->block + c * n;
-    t->count = n;
-    for (size_t i = 0; i < n; i++) {
-        const sl_emitter *e = &scene->emitters[i];
-        sl_vec3 corner[3], normal = sl_scene_geometric_normal(scene, e->triangle);
-        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
-        sl_vec3 centre = sl_scale(sl_add(sl_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
-        t->x[i] = centre.x, t->y[i] = centre.y, t->z[i] = centre.z;
-        t->normal_x[i] = normal.x, t->normal_y[i] = normal.y, t->normal_z[i] = normal.z;
-        t->strength[i] = sl_rgb_mean(e->radiance) * e->area;
-        t->two_sided[i] = e->two_sided ? 1.0f : 0.0f;
-        for (int c = 0; c < 3; c++) {
-            sl_vec3 d = sl_sub(corner[c], centre);
-            t->extent_squared[i] = fmaxf(t->extent_squared[i], sl_dot(d, d));
-        }
-    }
-    return SL_OK;
-}
 
 sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
                            sl_direct **direct, sl_error *error) {
@@ -86,8 +49,8 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->emitters_alone.environment.present = false;
     for (size_t i = 0; i < scene->emitter_count; i++) /* the closed form knows no masks */
         d->exact = d->exact && !sl_scene_has_alpha(scene, scene->emitters[i].triangle);
-    sl_status status = make_emitter_table(scene, &d->emitters, error);
-    if (status == SL_OK && scene->emitter_count > CHOICES_MAX)
+    sl_status status = sl_emitter_table_create(scene, &d->emitters, error);
+    if (status == SL_OK && scene->emitter_count > SL_EMITTER_CHOICES_MAX)
         status = sl_light_sampler_create(&d->emitters_alone, &d->sampler, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);
@@ -100,7 +63,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
 void sl_direct_destroy(sl_direct *direct) {
     if (!direct) return;
     sl_light_sampler_destroy(direct->sampler);
-    sl_free(direct->emitters.block);
+    sl_emitter_table_destroy(&direct->emitters);
     sl_free(direct);
 }
 
@@ -206,48 +169,6 @@ static void queue_delta_lights(shadow_queue *q, int pixel, const receiver *at) {
     }
 }
 
-/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from vanishing where some
- * part of the emitter may still contribute; 0 where none can. */
-static float importance(const emitter_table *t, size_t i, const receiver *at) {
-    float dx = t->x[i] - at->position.x, dy = t->y[i] - at->position.y, dz = t->z[i] - at->position.z;
-    float squared = dx * dx + dy * dy + dz * dz, extent = t->extent_squared[i];
-    float bounded = squared > extent ? squared : extent;
-    float over = bounded > 0.0f ? 1.0f / sqrtf(bounded) : 0.0f;
-    float above = at->normal.x * dx + at->normal.y * dy + at->normal.z * dz;
-    float front = -(t->normal_x[i] * dx + t->normal_y[i] * dy + t->normal_z[i] * dz);
-    if (t->two_sided[i] > 0.0f) front = fabsf(front);
-    if (!(front > 0.0f) || above * fabsf(above) < -extent) return 0.0f;
-    float cosine = above * over, cosine_emitter = front * over;
-    cosine = cosine > 0.1f ? cosine : 0.1f;
-    cosine_emitter = cosine_emitter > 0.1f ? cosine_emitter : 0.1f;
-    return t->strength[i] * cosine * cosine_emitter * over * over;
-}
-
-typedef struct {
-    double sums[CHOICES_MAX]; /* cumulative importances */
-    size_t count;
-} emitter_choice;
-
-static void weigh_emitters(const sl_direct *direct, const receiver *at, emitter_choice *choice) {
-    double sum = 0.0;
-    choice->count = direct->emitters.count <= CHOICES_MAX ? direct->emitters.count : 0;
-    for (size_t i = 0; i < choice->count; i++) choice->sums[i] = sum += (double)importance(&direct->emitters, i, at);
-    if (!(sum > 0.0) || !isfinite(sum)) choice->count = 0;
-}
-
-/* The emitter that holds u of the sum, and its probability. */
-static size_t choose_emitter(const emitter_choice *choice, float u, float *chance) {
-    double total = choice->sums[choice->count - 1], target = (double)u * total;
-    size_t low = 0, high = choice->count - 1;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (target < choice->sums[middle]) high = middle;
-        else low = middle + 1;
-    }
-    *chance = (float)((choice->sums[low] - (low ? choice->sums[low - 1] : 0.0)) / total);
-    return low;
-}
-
 /* A Kronecker sequence (golden ratios of three dimensions), shifted by random numbers of the pixel (Cranley-Patterson rotation). */
 static void sample_point(uint64_t key, uint32_t index, float u[3]) {
     static const double golden[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
@@ -259,12 +180,12 @@ static void sample_point(uint64_t key, uint32_t index, float u[3]) {
 }
 
 /* One emitter and a point of it; radiance is over the whole probability. */
-static bool sample_emitters(const sl_direct *direct, const emitter_choice *choice, sl_vec3 p, const float u[3],
+static bool sample_emitters(const sl_direct *direct, const sl_emitter_choice *choice, sl_vec3 p, const float u[3],
                             sl_light_sample *light) {
     if (direct->sampler) return sl_light_sampler_sample(direct->sampler, p, u[0], u[1], u[2], light);
     float chance;
     if (choice->count == 0) return false;
-    uint32_t emitter = (uint32_t)choose_emitter(choice, u[0], &chance);
+    uint32_t emitter = (uint32_t)sl_emitters_choose(choice, u[0], &chance);
     if (!(chance > 0.0f) || !sl_emitter_sample(direct->scene, emitter, p, u[1], u[2], light)) return false;
     light->radiance = sl_rgb_scale(light->radiance, 1.0f / chance);
     return true;
@@ -274,8 +195,8 @@ static bool sample_emitters(const sl_direct *direct, const emitter_choice *choic
 static void queue_emitters(shadow_queue *q, int pixel, const receiver *at, uint64_t key, uint32_t first, uint32_t end,
                            float weight) {
     if (q->direct->emitters.count == 0) return;
-    emitter_choice choice;
-    weigh_emitters(q->direct, at, &choice);
+    sl_emitter_choice choice;
+    sl_emitters_weigh(&q->direct->emitters, at->position, at->normal, &choice);
     for (uint32_t s = first; s < end; s++) {
         float u[3];
         sl_light_sample light;

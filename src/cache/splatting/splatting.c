@@ -16,7 +16,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "scene/features.h"
+#include "cache/splatting/plan.h"
 
 #include <string.h>
 
@@ -25,24 +25,9 @@ enum { DIRECT_ROWS = 64, SHADOW_MAP_SIZE = 1024 };
 typedef enum { PHASE_GBUFFER, PHASE_DIRECT, PHASE_RECORDS, PHASE_CLAMP, PHASE_SECOND, PHASE_DONE } phase;
 
 typedef struct {
-    double accuracy;        /* a */
-    double minimum_pixels;  /* aR_min in footprints of a pixel: below, records cost more than they tell */
-    int gather_size;
-    uint32_t light_samples;
-} quality_settings;
-
-static const quality_settings by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.50, 6.0, 24, 8},
-    [SL_QUALITY_NORMAL] = {0.30, 4.0, 40, 16},
-    [SL_QUALITY_HIGH] = {0.15, 2.0, 64, 64},
-};
-
-typedef struct {
     const sl_scene *scene;
     sl_settings settings;
-    quality_settings quality;
-    sl_gather_settings gather_settings;
-    bool indirect_needed, direct_needed;
+    sl_splat_plan plan;
 
     sl_raster *raster;
     sl_tracer *tracer;
@@ -70,44 +55,6 @@ enum { PLANES = 9 };
 static size_t pixel_count(const splat_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
 
 /* ---- creation ---- */
-
-static quality_settings chosen_quality(const sl_settings *settings) {
-    quality_settings q = by_quality[settings->quality];
-    if (settings->accuracy > 0.0) q.accuracy = settings->accuracy;
-    if (settings->gather_size > 0) q.gather_size = settings->gather_size;
-    if (settings->spp > 0) q.light_samples = settings->spp;
-    return q;
-}
-
-static void splat_complete(sl_settings *settings) {
-    quality_settings q = chosen_quality(settings);
-    settings->accuracy = q.accuracy;
-    settings->gather_size = q.gather_size;
-    settings->spp = q.light_samples;
-}
-
-static bool gives_light(const sl_scene *scene) {
-    return scene->light_count || scene->emitter_count || scene->environment.present;
-}
-
-/* A sky of even brightness is the gathers' background, so that the cache carries its light; one with a sun in it must be sampled for
- * every pixel. So must one that shines on glossy surfaces, of which the cache knows nothing. Never both. */
-static bool cache_carries_environment(const sl_scene *scene, const sl_settings *settings, const sl_features *features) {
-    enum { CONTRAST_MAX = 10 };
-    return scene->environment.present && settings->direct != SL_DIRECT_SHADOW_MAPS && features->glossy_triangles == 0 &&
-           sl_environment_contrast(&scene->environment) <= CONTRAST_MAX;
-}
-
-static sl_gather_settings chosen_gather(const sl_settings *settings, bool background) {
-    sl_gather_settings g = sl_gather_defaults();
-    g.kind = settings->gather;
-    g.size = chosen_quality(settings).gather_size;
-    g.direct = settings->direct;
-    g.seed = settings->seed;
-    g.emission = false; /* what the direct pass samples is black in the gather */
-    g.background = background;
-    return g;
-}
 
 static void destroy_transport(splat_state *s) {
     for (unsigned i = 0; s->scratch && i < s->settings.threads; i++) sl_gather_scratch_destroy(s->scratch[i]);
@@ -141,16 +88,16 @@ static void splat_destroy(void *state) {
 static sl_status create_transport(splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
-    if (status == SL_OK && s->direct_needed) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
-    if (status == SL_OK && s->direct_needed && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
+    if (status == SL_OK && s->plan.direct) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
-    if (status == SL_OK && s->direct_needed) {
-        sl_direct_settings direct = {s->quality.light_samples, s->settings.seed, threads, s->maps,
-                                     s->scene->environment.present && !s->gather_settings.background};
+    if (status == SL_OK && s->plan.direct) {
+        sl_direct_settings direct = {s->plan.quality.light_samples, s->settings.seed, threads, s->maps,
+                                     s->scene->environment.present && !s->plan.gather.background};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
-    if (status != SL_OK || !s->indirect_needed) return status;
-    status = sl_gather_create(s->scene, s->raster, s->tracer, &s->gather_settings, threads, &s->gather, &s->counters, error);
+    if (status != SL_OK || !s->plan.indirect) return status;
+    status = sl_gather_create(s->scene, s->raster, s->tracer, &s->plan.gather, threads, &s->gather, &s->counters, error);
     if (status == SL_OK) {
         s->scratch = sl_allocate(threads, sizeof *s->scratch);
         if (!s->scratch) status = sl_fail_memory(error, "gathers");
@@ -174,8 +121,8 @@ static sl_status create_buffers(splat_state *s, sl_error *error) {
 
 static void prepare_pass(splat_state *s) {
     const sl_gbuffer *g = s->gbuffer;
-    float a = (float)s->quality.accuracy, diagonal = s->scene->diagonal;
-    double tangent = sl_tan(0.5 * (double)s->gather_settings.plane_fov);
+    float a = (float)s->plan.quality.accuracy, diagonal = s->scene->diagonal;
+    double tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov);
     s->pass = (sl_record_pass){
         .gather = s->gather,
         .tracer = s->tracer,
@@ -186,7 +133,7 @@ static void prepare_pass(splat_state *s) {
         /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
         .weights = {a, 1.0f / a, 1e-5f * diagonal},
         .covered_weight = 1.0f / (9.0f * a),
-        .radii = {s->quality.accuracy, s->quality.minimum_pixels, 0.1 * (double)diagonal, true, s->gather ? sl_gather_kind_used(s->gather) : SL_GATHER_RAYS,
+        .radii = {s->plan.quality.accuracy, s->plan.quality.minimum_pixels, 0.1 * (double)diagonal, true, s->gather ? sl_gather_kind_used(s->gather) : SL_GATHER_RAYS,
                   tangent},
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = &s->scene->camera,
@@ -203,16 +150,12 @@ static void prepare_pass(splat_state *s) {
 
 static sl_status splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
                               void **state, sl_error *error) {
-    (void)transport; /* its own: splat_transport() */
+    (void)transport; /* its own: sl_splat_transport() */
     splat_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "radiance cache splatting");
-    sl_features features = sl_scene_features(scene);
     s->scene = scene;
     s->settings = *settings;
-    s->quality = chosen_quality(settings);
-    s->gather_settings = chosen_gather(settings, cache_carries_environment(scene, settings, &features));
-    s->indirect_needed = features.diffuse_triangles && gives_light(scene);
-    s->direct_needed = (features.diffuse_triangles || features.glossy_triangles) && gives_light(scene);
+    s->plan = sl_splat_plan_make(scene, settings);
     sl_status status = create_transport(s, error);
     if (status == SL_OK) status = create_buffers(s, error);
     if (status != SL_OK) {
@@ -289,7 +232,7 @@ static sl_status draw_gbuffer(splat_state *s, sl_error *error) {
     announce_gbuffer(s);
     classify_receivers(s);
     s->direct_row = 0;
-    s->phase = s->direct_needed ? PHASE_DIRECT : PHASE_DONE;
+    s->phase = s->plan.direct ? PHASE_DIRECT : PHASE_DONE;
     if (s->list.count == 0) return SL_OK;
     return sl_cover(&s->pass, s->list.records, s->list.count, error); /* step 2: records of earlier views */
 }
@@ -303,7 +246,7 @@ static sl_status light_rows(splat_state *s, sl_error *error) {
     if (end < s->settings.height) return SL_OK;
     announce(s, "direct light", "section 4, direct lighting", 3, s->planes);
     sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
-    s->phase = s->indirect_needed ? PHASE_RECORDS : PHASE_DONE;
+    s->phase = s->plan.indirect ? PHASE_RECORDS : PHASE_DONE;
     return SL_OK;
 }
 
@@ -426,72 +369,18 @@ static sl_status splat_new_records(splat_state *s, sl_error *error) {
     return SL_OK;
 }
 
-static sl_rgb emission_at(const splat_state *s, size_t pixel) {
-    const sl_gbuffer *g = s->gbuffer;
-    const sl_scene *scene = s->scene;
-    int x = (int)(pixel % (size_t)g->width), y = (int)(pixel / (size_t)g->width);
-    if (g->material[pixel] == SL_NO_INDEX) {
-        const sl_camera *camera = &scene->camera;
-        if (!scene->environment.present) return sl_grey(0.0f);
-        float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
-        float right = top * (float)g->width / (float)g->height;
-        float u = (2.0f * ((float)x + 0.5f) / (float)g->width - 1.0f) * right;
-        float v = (2.0f * ((float)y + 0.5f) / (float)g->height - 1.0f) * top;
-        sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), u, camera->right), v, camera->up);
-        return sl_environment_radiance(&scene->environment, sl_normalize_or(direction, sl_neg(camera->back)));
-    }
-    const sl_material *m = &scene->materials[g->material[pixel]];
-    if (!sl_material_is_emitter(m)) return sl_grey(0.0f);
-    sl_vec3 geometric = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
-    bool front = sl_dot(geometric, sl_scene_geometric_normal(scene, g->id[pixel])) > 0.0f;
-    return front || m->emission_two_sided ? m->emission : sl_grey(0.0f);
-}
-
-enum { LAYERS = 14 };
-static const char *const layer_names[LAYERS] = {"R",          "G",          "B",          "emission.R", "emission.G",
-                                                "emission.B", "direct.R",   "direct.G",   "direct.B",   "indirect.R",
-                                                "indirect.G", "indirect.B", "weight.Y",   "records.Y"};
-
-/* Step 6: means of E', filled where nothing reached, times albedo / pi; the sum of the layers is the picture. */
-static sl_status compose(const splat_state *s, float *layers, sl_error *error) {
-    size_t pixels = pixel_count(s);
-    const sl_gbuffer *g = s->gbuffer;
-    float *picture = layers, *emission = layers + 3 * pixels, *direct = layers + 6 * pixels, *indirect = layers + 9 * pixels;
-    const float *sums[3] = {s->splats.r, s->splats.g, s->splats.b};
-    const float *albedo[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
-    for (size_t i = 0; i < pixels; i++) {
-        float w = s->splats.weight[i];
-        for (int c = 0; c < 3; c++) indirect[(size_t)c * pixels + i] = w > 0.0f ? sums[c][i] / w : 0.0f;
-    }
-    sl_status status = sl_fill_uncovered(g->width, g->height, s->splats.weight, s->receives, indirect, indirect + pixels,
-                                         indirect + 2 * pixels, error);
-    if (status != SL_OK) return status;
-    for (size_t i = 0; i < pixels; i++) {
-        sl_rgb e = s->phase == PHASE_GBUFFER ? sl_grey(0.0f) : emission_at(s, i);
-        const float emitted[3] = {e.r, e.g, e.b};
-        for (size_t c = 0; c < 3; c++) {
-            size_t at = c * pixels + i;
-            indirect[at] *= s->receives[i] ? albedo[c][i] * (float)(1.0 / SL_PI) : 0.0f;
-            emission[at] = emitted[c];
-            direct[at] = s->direct_light[c][i];
-            picture[at] = emission[at] + direct[at] + indirect[at];
-        }
-    }
-    memcpy(layers + 12 * pixels, s->splats.weight, pixels * sizeof *layers);
-    memcpy(layers + 13 * pixels, s->splats.count, pixels * sizeof *layers);
-    return SL_OK;
-}
-
 static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     splat_state *s = state;
     sl_status status = splat_new_records(s, error);
     if (status != SL_OK) return status;
     int width = s->settings.width, height = s->settings.height;
     size_t pixels = pixel_count(s);
-    float *layers = sl_allocate(LAYERS * pixels, sizeof *layers);
-    status = layers ? compose(s, layers, error) : sl_fail_memory(error, "the picture");
-    if (status == SL_OK) status = sl_image_create(width, height, LAYERS, layer_names, image, error);
-    for (size_t c = 0; status == SL_OK && c < LAYERS; c++)
+    float *layers = sl_allocate(SL_LAYERS * pixels, sizeof *layers);
+    sl_composition parts = {s->scene, s->gbuffer, s->receives, s->splats, {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
+                            s->phase != PHASE_GBUFFER};
+    status = layers ? sl_compose(&parts, layers, error) : sl_fail_memory(error, "the picture");
+    if (status == SL_OK) status = sl_image_create(width, height, SL_LAYERS, sl_layer_names, image, error);
+    for (size_t c = 0; status == SL_OK && c < SL_LAYERS; c++)
         sl_raster_flip(layers + c * pixels, width, height, (*image)->planes + c * pixels);
     if (status == SL_OK) {
         announce(s, "indirect light", "Algorithm 2, step 6", 3, layers + 9 * pixels);
@@ -537,53 +426,9 @@ static size_t splat_memory_bytes(const void *state) {
     return bytes;
 }
 
-/* L E, L (D|G) E, L D D E: one diffuse bounce, no mirrors. */
-static void splat_transport(sl_transport *transport) {
-    *transport = (sl_transport){
-        .emission = true,
-        .eye_mirrors = false,
-        .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
-        .receiver_lobes = SL_LOBE_DIFFUSE,
-        .bounce_lobes = SL_LOBE_DIFFUSE,
-        .bounces = 1,
-        .direct_visibility = true,
-        .bounce_visibility = true,
-        .filter = SL_FILTER_CENTRE,
-    };
-}
-
-static void splat_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
-    sl_features f = sl_scene_features(scene);
-    quality_settings q = chosen_quality(settings);
-    bool background = cache_carries_environment(scene, settings, &f);
-    bool light = gives_light(scene), receivers = f.diffuse_triangles || f.glossy_triangles;
-    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
-                 scene->triangle_count);
-    sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
-    sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
-    bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS, samples_sky = f.environment && !background && !maps;
-    sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
-                 maps ? "for all lights; those with extent become points" : "direct light is found by shadow rays");
-    sl_plan_pass(writer, !maps && light && receivers && (f.emitters || samples_sky), "light samples",
-                 "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
-                 samples_sky ? " and the environment" : "");
-    sl_plan_pass(writer, background, "environment in the cache", "%s",
-                 background ? "its light is part of the irradiance records" : "none, or it is sampled for every pixel");
-    sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
-                 scene->light_count);
-    static const char *const instruments[] = {"the cheaper instrument", "the raster plane", "the raster hemicube", "rays"};
-    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, gathers %d x %d by %s", q.accuracy,
-                 q.gather_size, q.gather_size, instruments[settings->gather]);
-    sl_plan_pass(writer, false, "radiance records", "%zu glossy triangles; their indirect light is not computed",
-                 f.glossy_triangles);
-    sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
-    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
-                 f.environment ? ", environment" : "");
-}
-
 const sl_method_class sl_splatting_method = {
     .name = "splatting",
-    .complete = splat_complete,
+    .complete = sl_splat_complete,
     .create = splat_create,
     .destroy = splat_destroy,
     .update = splat_update,
@@ -591,7 +436,7 @@ const sl_method_class sl_splatting_method = {
     .edit = splat_edit,
     .counters = splat_counters,
     .memory_bytes = splat_memory_bytes,
-    .transport = splat_transport,
-    .plan = splat_plan,
+    .transport = sl_splat_transport,
+    .plan = sl_splat_plan_write,
     .any_transport = false,
 };

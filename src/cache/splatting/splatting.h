@@ -1,10 +1,13 @@
 /* Radiance cache splatting, diffuse part (Gautron, Krivanek, Bouatouch, Pattanaik 2005). Read in this order:
  *
+ *   plan.c           which passes a scene needs, and the qualities
  *   splatting.c      Algorithm 2: the passes of one picture
- *   direct.c         step 1b: emission and direct light of every pixel
+ *   direct.c         step 1b: direct light of every pixel
+ *   emitters.c       which emitter a light sample goes to
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
  *   record.c         a record and how far it reaches
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel
+ *   compose.c        step 6: the picture and its layers
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
  */
 #ifndef SL_CACHE_SPLATTING_H
@@ -89,6 +92,23 @@ sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t 
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
 /* The rectangle of pixels that a record can reach. */
 sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record);
+
+/* ---- the picture ---- */
+
+enum { SL_LAYERS = 14 };
+extern const char *const sl_layer_names[SL_LAYERS]; /* R, G, B and the layers that they are the sum of; weight, records */
+
+typedef struct sl_composition {
+    const sl_scene *scene;
+    const sl_gbuffer *gbuffer;
+    const uint32_t *receives;
+    sl_splat_buffer splats;
+    const float *direct[3];
+    bool drawn;               /* the G-buffer holds this view */
+} sl_composition;
+
+/* layers: SL_LAYERS planes, bottom row first. */
+sl_status sl_compose(const sl_composition *parts, float *layers, sl_error *error);
 
 /* ---- fallback of an unfinished picture ---- */
 

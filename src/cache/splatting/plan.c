@@ -1,0 +1,103 @@
+/* What will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks for is made. */
+#include "cache/splatting/plan.h"
+
+#include "scene/features.h"
+
+static const sl_splat_quality by_quality[] = {
+    [SL_QUALITY_DRAFT] = {0.50, 6.0, 24, 8},
+    [SL_QUALITY_NORMAL] = {0.30, 4.0, 40, 16},
+    [SL_QUALITY_HIGH] = {0.15, 2.0, 64, 64},
+};
+
+static sl_splat_quality chosen_quality(const sl_settings *settings) {
+    sl_splat_quality q = by_quality[settings->quality];
+    if (settings->accuracy > 0.0) q.accuracy = settings->accuracy;
+    if (settings->gather_size > 0) q.gather_size = settings->gather_size;
+    if (settings->spp > 0) q.light_samples = settings->spp;
+    return q;
+}
+
+void sl_splat_complete(sl_settings *settings) {
+    sl_splat_quality q = chosen_quality(settings);
+    settings->accuracy = q.accuracy;
+    settings->gather_size = q.gather_size;
+    settings->spp = q.light_samples;
+}
+
+static bool gives_light(const sl_scene *scene) {
+    return scene->light_count || scene->emitter_count || scene->environment.present;
+}
+
+/* A sky of even brightness is the gathers' background, so that the cache carries its light; one with a sun in it must be sampled for
+ * every pixel. So must one that shines on glossy surfaces, of which the cache knows nothing. Never both. */
+static bool cache_carries_environment(const sl_scene *scene, const sl_settings *settings, const sl_features *features) {
+    enum { CONTRAST_MAX = 10 };
+    return scene->environment.present && settings->direct != SL_DIRECT_SHADOW_MAPS && features->glossy_triangles == 0 &&
+           sl_environment_contrast(&scene->environment) <= CONTRAST_MAX;
+}
+
+static sl_gather_settings chosen_gather(const sl_settings *settings, bool background) {
+    sl_gather_settings g = sl_gather_defaults();
+    g.kind = settings->gather;
+    g.size = chosen_quality(settings).gather_size;
+    g.direct = settings->direct;
+    g.seed = settings->seed;
+    g.emission = false; /* what the direct pass samples is black in the gather */
+    g.background = background;
+    return g;
+}
+
+sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *settings) {
+    sl_features features = sl_scene_features(scene);
+    bool light = gives_light(scene);
+    return (sl_splat_plan){
+        .quality = chosen_quality(settings),
+        .gather = chosen_gather(settings, cache_carries_environment(scene, settings, &features)),
+        .indirect = features.diffuse_triangles && light,
+        .direct = (features.diffuse_triangles || features.glossy_triangles) && light,
+    };
+}
+
+/* L E, L (D|G) E, L D D E: one diffuse bounce, no mirrors. */
+void sl_splat_transport(sl_transport *transport) {
+    *transport = (sl_transport){
+        .emission = true,
+        .eye_mirrors = false,
+        .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = SL_LOBE_DIFFUSE,
+        .bounce_lobes = SL_LOBE_DIFFUSE,
+        .bounces = 1,
+        .direct_visibility = true,
+        .bounce_visibility = true,
+        .filter = SL_FILTER_CENTRE,
+    };
+}
+
+void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    sl_features f = sl_scene_features(scene);
+    sl_splat_quality q = chosen_quality(settings);
+    bool background = cache_carries_environment(scene, settings, &f);
+    bool light = gives_light(scene), receivers = f.diffuse_triangles || f.glossy_triangles;
+    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
+                 scene->triangle_count);
+    sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
+    sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
+    bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS, samples_sky = f.environment && !background && !maps;
+    sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
+                 maps ? "for all lights; those with extent become points" : "direct light is found by shadow rays");
+    sl_plan_pass(writer, !maps && light && receivers && (f.emitters || samples_sky), "light samples",
+                 "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
+                 samples_sky ? " and the environment" : "");
+    sl_plan_pass(writer, background, "environment in the cache", "%s",
+                 background ? "its light is part of the irradiance records" : "none, or it is sampled for every pixel");
+    sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
+                 scene->light_count);
+    static const char *const instruments[] = {"the cheaper instrument", "the raster plane", "the raster hemicube", "rays"};
+    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, gathers %d x %d by %s", q.accuracy,
+                 q.gather_size, q.gather_size, instruments[settings->gather]);
+    sl_plan_pass(writer, false, "radiance records", "%zu glossy triangles; their indirect light is not computed",
+                 f.glossy_triangles);
+    sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
+    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
+                 f.environment ? ", environment" : "");
+}

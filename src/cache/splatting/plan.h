@@ -1,0 +1,27 @@
+/* What radiance cache splatting will do with a scene. */
+#ifndef SL_CACHE_SPLATTING_PLAN_H
+#define SL_CACHE_SPLATTING_PLAN_H
+
+#include "cache/gather/gather.h"
+#include "cache/method.h"
+
+typedef struct sl_splat_quality {
+    double accuracy;        /* a */
+    double minimum_pixels;  /* aR_min in footprints of a pixel: below, records cost more than they tell */
+    int gather_size;        /* N x N */
+    uint32_t light_samples; /* a pixel */
+} sl_splat_quality;
+
+typedef struct sl_splat_plan {
+    sl_splat_quality quality;
+    sl_gather_settings gather;
+    bool direct, indirect;  /* is there anything to compute? */
+} sl_splat_plan;
+
+sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *settings);
+/* The entries of sl_method_class of the same names. */
+void sl_splat_complete(sl_settings *settings);
+void sl_splat_transport(sl_transport *transport);
+void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+
+#endif
