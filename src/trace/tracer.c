@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "trace/embree.h"
+#include "trace/triangle_order.h"
 #include "trace/triangle_test.h"
 
 /* Across the ray a hit is decided within about 3 * 2^-24 of its distance, which start_near() bounds by 2.5 diagonals; boxes
@@ -20,11 +21,17 @@
 
 enum { FEW_RAYS = 2 }; /* not worth a packet */
 
+/* A cache line, so that meeting a triangle costs one miss at most. */
+typedef struct placed_triangle {
+    _Alignas(64) sl_triangle_corners corners;
+    uint32_t index; /* in the scene */
+} placed_triangle;
+
 struct sl_tracer {
     const sl_scene *scene;
     RTCDevice device;
     RTCScene hierarchy;
-    sl_triangle_corners *corners;
+    placed_triangle *triangles; /* a user primitive each */
     bool any_alpha;
     float unit;      /* Embree's unit of length over ours, a power of two; 1 but for astronomical scenes */
     float inflation;
@@ -49,7 +56,7 @@ static float greatest(const float v[3]) { return fmaxf(v[0], fmaxf(v[1], v[2]));
 
 static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments) {
     const sl_tracer *tracer = arguments->geometryUserPtr;
-    const sl_triangle_corners *c = &tracer->corners[arguments->primID];
+    const sl_triangle_corners *c = &tracer->triangles[arguments->primID].corners;
     float grow = tracer->inflation, unit = tracer->unit;
     struct RTCBounds *box = arguments->bounds_o;
     box->lower_x = (least(c->p[0]) - grow) * unit;
@@ -74,11 +81,13 @@ static sl_status fail_embree(const sl_tracer *tracer, const char *what, sl_error
     return sl_fail(error, SL_ERROR_RESOURCES, "Embree could not %s (error %d)", what, (int)code);
 }
 
-static void copy_corners(sl_tracer *tracer) {
+static void copy_triangles(sl_tracer *tracer, const uint32_t *order) {
     const sl_scene *s = tracer->scene;
     float greatest_coordinate = 0.0f;
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        sl_triangle_corners *c = &tracer->corners[t];
+    for (size_t i = 0; i < s->triangle_count; i++) {
+        uint32_t t = order[i];
+        sl_triangle_corners *c = &tracer->triangles[i].corners;
+        tracer->triangles[i].index = t;
         for (int k = 0; k < 3; k++) {
             sl_vec3 p = sl_scene_position(s, s->vertex[k][t]);
             c->p[0][k] = p.x;
@@ -86,7 +95,7 @@ static void copy_corners(sl_tracer *tracer) {
             c->p[2][k] = p.z;
             greatest_coordinate = fmaxf(greatest_coordinate, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
         }
-        tracer->any_alpha |= sl_scene_has_alpha(s, (uint32_t)t);
+        tracer->any_alpha |= sl_scene_has_alpha(s, t);
     }
     /* Embree drops boxes that reach beyond 1.8e18. */
     int exponent;
@@ -97,6 +106,17 @@ static void copy_corners(sl_tracer *tracer) {
     tracer->diagonal = sl_lengthd(sl_subd(high, low));
     /* The second term: far from the origin a box must grow by some units in the last place to grow at all. */
     tracer->inflation = (float)(INFLATION * tracer->diagonal + 0x1p-22 * (double)greatest_coordinate);
+}
+
+static sl_status place_triangles(sl_tracer *tracer, sl_error *error) {
+    size_t count = tracer->scene->triangle_count;
+    uint32_t *order = sl_allocate(count, sizeof *order);
+    tracer->triangles = sl_allocate(count, sizeof *tracer->triangles);
+    sl_status status = order && tracer->triangles ? sl_triangle_order(tracer->scene, order, error)
+                                                  : sl_fail_memory(error, "the tracer's triangles");
+    if (status == SL_OK) copy_triangles(tracer, order);
+    sl_free(order);
+    return status;
 }
 
 static sl_status build_hierarchy(sl_tracer *tracer, sl_error *error) {
@@ -148,19 +168,17 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     if (!tracer) return sl_fail_memory(error, "the tracer");
     tracer->scene = scene;
     tracer->test = triangle_test_for(sl_isa_best());
-    tracer->corners = sl_allocate(scene->triangle_count, sizeof *tracer->corners);
-    if (!tracer->corners) {
+    sl_status status = place_triangles(tracer, error);
+    if (status != SL_OK) {
         sl_tracer_destroy(tracer);
-        return sl_fail_memory(error, "the tracer's triangles");
+        return status;
     }
-    copy_corners(tracer);
 
     char config[256];
     /* Embree's default, a leaf for each triangle, makes it test boxes longer than we would test triangles. */
     snprintf(config, sizeof config, "threads=%u,object_accel_max_leaf_size=4%s%s", sl_thread_count(threads), embree_config ? "," : "",
              embree_config ? embree_config : "");
     tracer->device = rtcNewDevice(config);
-    sl_status status = SL_OK;
     if (!tracer->device) {
         status = sl_fail(error, SL_ERROR_RESOURCES, "Embree could not make a device with \"%s\" (error %d)", config,
                          (int)rtcGetDeviceError(NULL));
@@ -180,13 +198,13 @@ void sl_tracer_destroy(sl_tracer *tracer) {
     if (!tracer) return;
     if (tracer->hierarchy) rtcReleaseScene(tracer->hierarchy);
     if (tracer->device) rtcReleaseDevice(tracer->device);
-    sl_free(tracer->corners);
+    sl_free(tracer->triangles);
     sl_free(tracer);
 }
 
 size_t sl_tracer_memory_bytes(const sl_tracer *tracer) {
     long long embree = atomic_load(&((sl_tracer *)tracer)->embree_bytes);
-    return sizeof *tracer + tracer->scene->triangle_count * sizeof *tracer->corners + (size_t)(embree > 0 ? embree : 0);
+    return sizeof *tracer + tracer->scene->triangle_count * sizeof *tracer->triangles + (size_t)(embree > 0 ? embree : 0);
 }
 
 /* ---- callbacks: a triangle is proposed for some of the rays ---------------------------------------------------------- */
@@ -215,9 +233,11 @@ static void intersect_callback(const struct RTCIntersectFunctionNArguments *argu
     unsigned n = arguments->N;
     const unsigned *id = sl_embree_id(arguments->rayhit, n);
     float *tfar = sl_embree_tfar(arguments->rayhit, n);
-    uint32_t triangle = arguments->primID;
+    const placed_triangle *placed = &state->tracer->triangles[arguments->primID];
+    __builtin_prefetch(placed + 1); /* mostly the leaf's next triangle */
+    uint32_t triangle = placed->index;
     sl_candidates c;
-    uint32_t hits = state->tracer->test(&state->rays, &state->tracer->corners[triangle], arguments->valid, id, n, &c);
+    uint32_t hits = state->tracer->test(&state->rays, &placed->corners, arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         sl_ray_state *r = &state->rays;
@@ -235,9 +255,11 @@ static void occluded_callback(const struct RTCOccludedFunctionNArguments *argume
     unsigned n = arguments->N;
     const unsigned *id = sl_embree_id(arguments->ray, n);
     float *tfar = sl_embree_tfar(arguments->ray, n);
-    uint32_t triangle = arguments->primID;
+    const placed_triangle *placed = &state->tracer->triangles[arguments->primID];
+    __builtin_prefetch(placed + 1); /* mostly the leaf's next triangle */
+    uint32_t triangle = placed->index;
     sl_candidates c;
-    uint32_t hits = state->tracer->test(&state->rays, &state->tracer->corners[triangle], arguments->valid, id, n, &c);
+    uint32_t hits = state->tracer->test(&state->rays, &placed->corners, arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         if (!is_better(&state->rays, k, c.t[i], triangle)) continue;

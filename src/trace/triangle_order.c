@@ -1,0 +1,56 @@
+/* Along the Morton curve through the triangles' centres: the bits of the three coordinates interleaved. */
+#include "trace/triangle_order.h"
+
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+enum { AXIS_BITS = 20 };
+
+typedef struct place {
+    uint64_t code;
+    uint32_t triangle;
+} place;
+
+/* The low 20 bits of v, two zeros after each. */
+static uint64_t spread(uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+/* Along one axis, from the scene's low end in units of its largest extent. */
+static uint64_t cell(float a, float b, float c, float low, double extent) {
+    double middle = ((double)a + (double)b + (double)c) / 3.0 - (double)low;
+    double last = (double)((1 << AXIS_BITS) - 1), x = extent > 0.0 ? middle / extent * last : 0.0;
+    return x > 0.0 ? (uint64_t)(x < last ? x : last) : 0; /* also where it is not a number */
+}
+
+static uint64_t morton_code(const sl_scene *s, size_t triangle, double extent) {
+    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]), b = sl_scene_position(s, s->vertex[1][triangle]);
+    sl_vec3 c = sl_scene_position(s, s->vertex[2][triangle]);
+    return spread(cell(a.x, b.x, c.x, s->box_min.x, extent)) | spread(cell(a.y, b.y, c.y, s->box_min.y, extent)) << 1 |
+           spread(cell(a.z, b.z, c.z, s->box_min.z, extent)) << 2;
+}
+
+static int by_code(const void *a, const void *b) {
+    const place *p = a, *q = b;
+    if (p->code != q->code) return p->code < q->code ? -1 : 1;
+    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
+}
+
+sl_status sl_triangle_order(const sl_scene *scene, uint32_t *order, sl_error *error) {
+    size_t count = scene->triangle_count;
+    place *places = sl_allocate(count, sizeof *places);
+    if (!places) return sl_fail_memory(error, "the order of the tracer's triangles");
+    sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min));
+    double extent = fmax(size.x, fmax(size.y, size.z));
+    for (size_t t = 0; t < count; t++) places[t] = (place){morton_code(scene, t, extent), (uint32_t)t};
+    qsort(places, count, sizeof *places, by_code);
+    for (size_t i = 0; i < count; i++) order[i] = places[i].triangle;
+    sl_free(places);
+    return SL_OK;
+}
