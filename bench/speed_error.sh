@@ -31,9 +31,10 @@ row() { # row NAME ARGUMENTS...: RUNS renders, median seconds, error of the last
     done
     seconds=$(median <"$store/seconds")
     "$build/softlux" compare "$store/picture.exr" "$reference" --json >"$store/error.json"
-    printf '%-22s %9.2f %9s %12s %12s %10.4f %10.2e %10.2e %9.4f\n' "$name" "$seconds" "$(value records "$store/run.json")" \
+    printf '%-22s %9.2f %9s %12s %12s %10.4f %10.2e %10.2e %10.2e %9.4f\n' "$name" "$seconds" "$(value records "$store/run.json")" \
         "$(value rays "$store/run.json")" "$(value shadow_rays "$store/run.json")" "$(value rel_rmse "$store/error.json")" \
         "$(value rel_mse "$store/error.json")" "$(value rel_mse_less_noise "$store/error.json")" \
+        "$(value rel_mse_trimmed "$store/error.json")" \
         "$(value bias "$store/error.json")"
 }
 
@@ -45,7 +46,7 @@ for scene in "$@"; do
         --spp "$samples" --seed 4711 -o "$reference"
     echo
     echo "$scene, $size, against $samples samples a pixel of the same paths"
-    printf '%-22s %9s %9s %12s %12s %10s %10s %10s %9s\n' method seconds records rays 'shadow rays' relRMSE relMSE 'less noise' bias
+    printf '%-22s %9s %9s %12s %12s %10s %10s %10s %10s %9s\n' method seconds records rays 'shadow rays' relRMSE relMSE 'less noise' trimmed bias
     for quality in draft normal high; do
         row "splatting $quality" -q $quality
         row "path, same time" -m path --transport matched:splatting --spp 1000000 --time "$seconds"
