@@ -38,6 +38,7 @@ struct sl_tracer {
     sl_vec3d centre;
     double diagonal;
     sl_triangle_test *test;
+    sl_ray_frames *frames;
     atomic_llong embree_bytes;
 };
 
@@ -46,6 +47,7 @@ typedef struct query_state {
     const sl_tracer *tracer;
     sl_ray_state rays;
     float scale[SL_PACKET]; /* of the direction, see direction_scale() */
+    _Alignas(64) float origin[3][SL_PACKET], direction[3][SL_PACKET];
     uint32_t occluded; /* occlusion queries: bit per ray */
 } query_state;
 
@@ -157,6 +159,16 @@ static sl_triangle_test *triangle_test_for(sl_isa isa) {
 #endif
 }
 
+static sl_ray_frames *ray_frames_for(sl_isa isa) {
+#ifdef SL_BASELINE_ONLY
+    (void)isa;
+    return sl_ray_frames_baseline;
+#else
+    static sl_ray_frames *const frames[SL_ISAS] = {sl_ray_frames_baseline, sl_ray_frames_avx2, sl_ray_frames_avx512};
+    return frames[isa];
+#endif
+}
+
 sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config, sl_tracer **out,
                            sl_error *error) {
     *out = NULL;
@@ -168,6 +180,7 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     if (!tracer) return sl_fail_memory(error, "the tracer");
     tracer->scene = scene;
     tracer->test = triangle_test_for(sl_isa_best());
+    tracer->frames = ray_frames_for(sl_isa_best());
     sl_status status = place_triangles(tracer, error);
     if (status != SL_OK) {
         sl_tracer_destroy(tracer);
@@ -295,6 +308,15 @@ static float direction_scale(float largest_component) {
     return ldexpf(1.0f, -exponent);
 }
 
+static void set_frame(query_state *state, unsigned i, sl_vec3 origin, sl_vec3 direction) {
+    state->origin[0][i] = origin.x;
+    state->origin[1][i] = origin.y;
+    state->origin[2][i] = origin.z;
+    state->direction[0][i] = direction.x;
+    state->direction[1][i] = direction.y;
+    state->direction[2][i] = direction.z;
+}
+
 /* Makes ray i ready: false if it has no direction, is not finite or is empty. */
 static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, struct RTCRay16 *out) {
     sl_vec3 origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
@@ -313,7 +335,7 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     float unit = state->tracer->unit;
     sl_ray_state *r = &state->rays;
     sl_vec3 o = start_near(state->tracer, origin, sl_to_double(d), &r->start[i]);
-    sl_ray_state_set(r, i, o, d);
+    set_frame(state, i, o, d);
     state->scale[i] = scale;
     out->org_x[i] = o.x * unit;
     out->org_y[i] = o.y * unit;
@@ -341,14 +363,13 @@ static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ra
     unsigned valids = 0;
     state->tracer = tracer;
     state->occluded = 0;
-    state->rays.with_axis[0] = state->rays.with_axis[1] = state->rays.with_axis[2] = 0;
     for (unsigned i = 0; i < SL_PACKET; i++) {
         valid[i] = i < count && prepare_ray(state, rays, i, out) ? -1 : 0;
         if (valid[i]) {
             valids++;
             continue;
         }
-        sl_ray_state_set(&state->rays, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f));
+        set_frame(state, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f));
         state->rays.near[i] = state->rays.best_t[i] = 0.0f;
         state->rays.start[i] = 0.0;
         state->rays.best_triangle[i] = state->rays.skip[i] = SL_NO_INDEX;
@@ -359,6 +380,7 @@ static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ra
         out->mask[i] = out->flags[i] = 0;
         out->id[i] = i;
     }
+    tracer->frames(&state->rays, (const float(*)[SL_PACKET])state->origin, (const float(*)[SL_PACKET])state->direction);
     return valids;
 }
 

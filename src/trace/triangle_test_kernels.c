@@ -176,3 +176,28 @@ uint32_t SL_KERNEL(sl_triangle_test)(const sl_ray_state *state, const sl_triangl
     }
     return hits;
 }
+
+void SL_KERNEL(sl_ray_frames)(sl_ray_state *restrict s, const float origin[3][SL_PACKET],
+                              const float direction[3][SL_PACKET]) {
+    _Alignas(64) uint32_t axis[SL_PACKET];
+    _Alignas(64) float dominant[SL_PACKET];
+#pragma omp simd
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        float dx = direction[0][i], dy = direction[1][i], dz = direction[2][i];
+        float ox = origin[0][i], oy = origin[1][i], oz = origin[2][i];
+        float ax = fabsf(dx), ay = fabsf(dy), az = fabsf(dz);
+        bool along_z = (az >= ax) & (az >= ay), along_x = (ax > az) & (ax >= ay);
+        float d3 = along_z ? dz : along_x ? dx : dy;
+        s->origin_1[i] = along_z ? ox : along_x ? oy : oz;
+        s->origin_2[i] = along_z ? oy : along_x ? oz : ox;
+        s->origin_3[i] = along_z ? oz : along_x ? ox : oy;
+        s->shear_1[i] = -((along_z ? dx : along_x ? dy : dz) / d3);
+        s->shear_2[i] = -((along_z ? dy : along_x ? dz : dx) / d3);
+        dominant[i] = d3;
+        axis[i] = along_z ? 2 : along_x ? 0 : 1;
+    }
+#pragma omp simd
+    for (unsigned i = 0; i < SL_PACKET; i++) s->per_distance[i] = 1.0 / (double)dominant[i];
+    s->with_axis[0] = s->with_axis[1] = s->with_axis[2] = 0;
+    for (unsigned i = 0; i < SL_PACKET; i++) s->with_axis[axis[i]] |= 1u << i;
+}
