@@ -33,7 +33,7 @@ static sl_image *render_variant(const sl_scene *scene, const variant *v, int wid
     settings.direct = v->direct;
     if (v == &variants[PATH]) {
         settings.transport = "matched:splatting";
-        settings.spp = 16;
+        settings.spp = 64;
     }
     sl_image *image = render(scene, &settings, NULL);
     size_t values = (size_t)width * (size_t)height * (size_t)image->channels;
@@ -233,6 +233,23 @@ static void lights_in_walls_give_finite_pictures(void **state) {
     }
 }
 
+/* A lamp 20 long behind a wall with a window of 1: the window's reveal is lit by the little of the lamp that it sees, which is near. */
+static void a_long_lamp_behind_a_small_window_lights_the_reveal(void **state) {
+    (void)state;
+    double means[VARIANTS];
+    render_all("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+               "\"materials\": {\"grey\": {\"diffuse\": 0.7}, \"lamp\": {\"diffuse\": 0, \"emission\": 5}},\n"
+               "\"camera\": {\"eye\": [1.8, 0.5, 2.8], \"target\": [1.5, 0.5, 0], \"fov_deg\": 40}}",
+               "v -10 0 -0.5\nv 10 0 -0.5\nv 10 1 -0.5\nv -10 1 -0.5\n"
+               "v -2 0 0\nv -0.5 0 0\nv -0.5 1 0\nv -2 1 0\nv 0.5 0 0\nv 2 0 0\nv 2 1 0\nv 0.5 1 0\n"
+               "v -2 0 3\nv 2 0 3\nv 2 1 3\nv -2 1 3\nv -0.5 0 -0.49\nv 0.5 0 -0.49\nv 0.5 1 -0.49\nv -0.5 1 -0.49\n"
+               "usemtl lamp\nf 1 2 3 4\nusemtl grey\nf 5 6 7 8\nf 9 10 11 12\nf 5 10 14 13\nf 8 11 15 16\nf 13 14 15 16\n"
+               "f 5 8 16 13\nf 10 11 15 14\nf 17 18 9 6\nf 20 19 12 7\nf 17 6 7 20\nf 18 9 12 19\n", 32, 24, means);
+    for (int i = 0; i < VARIANTS; i++) {
+        if (variants[i].direct == SL_DIRECT_RAYS) assert_near(variants[i].name, means[i], means[PATH], 0.04);
+    }
+}
+
 /* ---- films ----------------------------------------------------------------------------------------------------------- */
 
 static void pictures_of_one_pixel_a_row_and_a_column(void **state) {
@@ -260,6 +277,7 @@ int main(void) {
         cmocka_unit_test(a_triangle_seen_edge_on_is_not_seen),
         cmocka_unit_test(one_triangle_under_an_even_sky_sends_its_reflectance),
         cmocka_unit_test(lights_in_walls_give_finite_pictures),
+        cmocka_unit_test(a_long_lamp_behind_a_small_window_lights_the_reveal),
         cmocka_unit_test(pictures_of_one_pixel_a_row_and_a_column),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

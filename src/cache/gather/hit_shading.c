@@ -184,9 +184,50 @@ static double exact_irradiance(const sl_gather_view *view, size_t k, const sl_ve
     return two_sided && !(irradiance > 0.0) ? sl_polygon_irradiance(p, n, back, 3, NULL) : irradiance;
 }
 
-/* A uniform point of the triangle; the second try is its mirror image, for emitters that the horizon cuts. */
-static sl_vec3 emitter_point(const sl_vec3 corner[3], float u1, float u2, int attempt) {
-    float root = sqrtf(attempt ? 1.0f - u1 : u1), w1 = root * (1.0f - u2), w2 = root * u2;
+static sl_vec3d unit_towards(sl_vec3 corner, sl_vec3 p) {
+    sl_vec3d d = sl_subd(sl_to_double(corner), sl_to_double(p));
+    double length = sl_lengthd(d);
+    return length > 0.0 ? sl_scaled(d, 1.0 / length) : d;
+}
+
+/* cosine * axis + sine * (the unit vector towards v, square to the axis) */
+static sl_vec3d arc(sl_vec3d axis, sl_vec3d v, double cosine) {
+    sl_vec3d across = sl_subd(v, sl_scaled(axis, sl_dotd(v, axis)));
+    double length = sl_lengthd(across), sine = sqrt(fmax(0.0, 1.0 - cosine * cosine));
+    return length > 0.0 ? sl_addd(sl_scaled(axis, cosine), sl_scaled(across, sine / length)) : axis;
+}
+
+/* Uniform in the solid angle of the spherical triangle ABC (Arvo 1995): u1 cuts off a triangle of that share of its area, whose
+ * corner C' moves along the side AC; u2 walks from B towards C'. False where the triangle is too small to tell its area. */
+static bool spherical_point(const sl_vec3d v[3], double u1, double u2, sl_vec3d *direction) {
+    sl_vec3d a = v[0], b = v[1], c = v[2];
+    double volume = fabs(sl_dotd(a, sl_crossd(b, c)));
+    double cos_c = sl_dotd(a, b), cos_b = sl_dotd(a, c);
+    double area = 2.0 * sl_atan2(volume, 1.0 + cos_c + cos_b + sl_dotd(b, c));
+    if (!(area > 1e-6)) return false;
+    double alpha = sl_atan2(volume, sl_dotd(b, c) - cos_c * cos_b), part = u1 * area - alpha;
+    double sin_alpha = sl_sin(alpha), cos_alpha = sl_cos(alpha), s = sl_sin(part), t = sl_cos(part);
+    double u = t - cos_alpha, w = s + sin_alpha * cos_c;
+    double denominator = (w * s + u * t) * sin_alpha;
+    double q = denominator != 0.0 ? ((w * t - u * s) * cos_alpha - w) / denominator : 1.0;
+    sl_vec3d moved = arc(a, c, fmin(fmax(q, -1.0), 1.0));
+    *direction = arc(b, moved, 1.0 - u2 * (1.0 - sl_dotd(moved, b)));
+    return true;
+}
+
+/* A point of the triangle, uniform in solid angle: what is seen of a near emitter is where it shines from, however large its
+ * hidden rest. Uniform in area where it is seen as small. The second try is for emitters that the horizon cuts. */
+static sl_vec3 emitter_point(const sl_vec3 corner[3], sl_vec3 p, float u1, float u2, int attempt) {
+    if (attempt) u1 = 1.0f - u1;
+    sl_vec3d v[3] = {unit_towards(corner[0], p), unit_towards(corner[1], p), unit_towards(corner[2], p)}, direction;
+    sl_vec3d first = sl_to_double(corner[0]), from = sl_to_double(p);
+    sl_vec3d normal = sl_crossd(sl_subd(sl_to_double(corner[1]), first), sl_subd(sl_to_double(corner[2]), first));
+    if (spherical_point(v, (double)u1, (double)u2, &direction)) {
+        double distance = sl_dotd(normal, sl_subd(first, from)) / sl_dotd(normal, direction);
+        sl_vec3 point = sl_to_float(sl_addd(from, sl_scaled(direction, distance)));
+        if (distance > 0.0 && sl_is_finite(point)) return point;
+    }
+    float root = sqrtf(u1), w1 = root * (1.0f - u2), w2 = root * u2;
     return sl_mad(sl_mad(corner[0], w1, sl_sub(corner[1], corner[0])), w2, sl_sub(corner[2], corner[0]));
 }
 
@@ -200,7 +241,7 @@ static void light_by_exact_emitters(const sl_gather_view *view, shadow_queue *q,
         for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
         double irradiance = exact_irradiance(view, k, corner, e->two_sided);
         for (int attempt = 0; attempt < 2 && irradiance > 0.0; attempt++) {
-            sl_vec3 offset = sl_sub(emitter_point(corner, u1, u2, attempt), position_of(h, k));
+            sl_vec3 offset = sl_sub(emitter_point(corner, position_of(h, k), u1, u2, attempt), position_of(h, k));
             float distance = sl_length(offset);
             if (!(distance > 0.0f)) continue;
             sl_vec3 to_light = sl_scale(offset, 1.0f / distance);
