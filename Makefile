@@ -136,7 +136,7 @@ check: setup
 	@./tests/check.sh
 
 # The tests of this configuration alone.
-test: $(TESTS) $(BUILD)/softlux $(BUILD)/generate
+test: all $(TESTS) $(BUILD)/generate
 	@./tests/run.sh $(BUILD)
 
 # Writes the golden images of the tests anew; look at them before committing.

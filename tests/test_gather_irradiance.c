@@ -205,8 +205,8 @@ static void few_stratified_shadow_rays_agree_with_many(void **state) {
     world_free(w);
 }
 
-/* A lamp a hand's breadth above a table: sampled points of the lamp would make the hits under it outshine the rest. The table's own
- * radiance has a closed form, which fixes what a gather looking down on it from beside sees at each point. */
+/* A lamp a hand's breadth above a table: points of the lamp sampled by area would make the hits under it outshine the rest a
+ * thousandfold; by solid angle none exceeds twice the radiance that the table has in closed form under the lamp's centre. */
 static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
     (void)state;
     world *w = world_new();
@@ -223,7 +223,7 @@ static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
     sl_gather_picture p = sl_gather_last_picture(g.scratch);
     double brightest = 0;
     for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
-    assert_true(brightest > 0 && brightest <= 7.0 * 0.5 * 1.0001); /* no irradiance exceeds pi times the lamp's radiance */
+    assert_true(brightest > 0 && brightest <= 2 * 7.0 * 0.5 * 1.0001); /* a sample stands for a hemisphere of the lamp at most */
     sl_gather_settings up = s;
     gatherer h = gatherer_new(w, &up);
     gather_at(&h, sl_v3(0.201f, 0.0199f, 0), sl_v3(-1, 0, 0), 3); /* along the gap: every hit is lit from close by */
@@ -231,7 +231,7 @@ static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
     brightest = 0;
     for (int i = 0; i < p.width * p.height; i++) brightest = fmax(brightest, (double)p.r[i]);
     double centre = 0.5 * 7 / SL_PI * sl_polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 1, 0), corners, 4, NULL);
-    assert_near(brightest, centre, 0.02 * centre);
+    assert_true(brightest > centre && brightest <= 2 * centre * 1.01);
     gatherer_free(&g), gatherer_free(&h);
     world_free(w);
 }

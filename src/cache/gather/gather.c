@@ -57,7 +57,7 @@ static void make_near_spheres(sl_gather *gather) {
     const sl_scene *s = gather->scene;
     if (s->emitter_count > SL_NEAR_EMITTERS_MAX || s->environment.present || !gather->every_light) return;
     for (size_t i = 0; i < s->emitter_count; i++) {
-        if (sl_scene_has_alpha(s, s->emitters[i].triangle)) return; /* the closed form knows no masks */
+        if (sl_scene_has_alpha(s, s->emitters[i].triangle)) return; /* solid angles know no masks */
     }
     gather->near_count = s->emitter_count;
     for (size_t i = 0; i < s->emitter_count; i++) {

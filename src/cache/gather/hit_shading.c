@@ -9,7 +9,6 @@
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/gather/hemisphere_tables.h"
 
 /* Radiance below this is 0 (its products would be denormal), above that it is cut (radiance-cache-splatting 8). */
 #define RADIANCE_MIN 1e-30f
@@ -164,24 +163,14 @@ static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
 /* ---- near emitters ---- */
 
-/* Within about an emitter's size of it, 1 / distance^2 of sampled points makes single hits outshine the gather. There every emitter
- * gives its exact polygon irradiance (cache-math 8.1) times the visibility of one of its points. */
+/* Within about an emitter's size of it, 1 / distance^2 of points sampled by area makes single hits outshine the gather. There every
+ * emitter is sampled uniformly in solid angle: L Omega cos theta V is unbiased and never beyond 2 pi L. */
 static bool is_near_emitter(const sl_gather *gather, sl_vec3 p) {
     for (size_t i = 0; i < gather->near_count; i++) {
         sl_vec3 d = sl_sub(p, gather->near[i].centre);
         if (sl_dot(d, d) < gather->near[i].radius_squared) return true;
     }
     return false;
-}
-
-static double exact_irradiance(const sl_gather_view *view, size_t k, const sl_vec3 corner[3], bool two_sided) {
-    const sl_gather_hits *h = &view->scratch->hits;
-    sl_vec3d v[3] = {sl_to_double(corner[0]), sl_to_double(corner[1]), sl_to_double(corner[2])};
-    sl_vec3d back[3] = {v[2], v[1], v[0]};
-    sl_vec3d p = sl_to_double(position_of(h, k));
-    sl_vec3d n = sl_v3d((double)h->normal_x[k], (double)h->normal_y[k], (double)h->normal_z[k]);
-    double irradiance = sl_polygon_irradiance(p, n, v, 3, NULL);
-    return two_sided && !(irradiance > 0.0) ? sl_polygon_irradiance(p, n, back, 3, NULL) : irradiance;
 }
 
 static sl_vec3d unit_towards(sl_vec3 corner, sl_vec3 p) {
@@ -199,11 +188,12 @@ static sl_vec3d arc(sl_vec3d axis, sl_vec3d v, double cosine) {
 
 /* Uniform in the solid angle of the spherical triangle ABC (Arvo 1995): u1 cuts off a triangle of that share of its area, whose
  * corner C' moves along the side AC; u2 walks from B towards C'. False where the triangle is too small to tell its area. */
-static bool spherical_point(const sl_vec3d v[3], double u1, double u2, sl_vec3d *direction) {
+static bool spherical_point(const sl_vec3d v[3], double u1, double u2, sl_vec3d *direction, double *solid_angle) {
     sl_vec3d a = v[0], b = v[1], c = v[2];
     double volume = fabs(sl_dotd(a, sl_crossd(b, c)));
     double cos_c = sl_dotd(a, b), cos_b = sl_dotd(a, c);
     double area = 2.0 * sl_atan2(volume, 1.0 + cos_c + cos_b + sl_dotd(b, c));
+    *solid_angle = area;
     if (!(area > 1e-6)) return false;
     double alpha = sl_atan2(volume, sl_dotd(b, c) - cos_c * cos_b), part = u1 * area - alpha;
     double sin_alpha = sl_sin(alpha), cos_alpha = sl_cos(alpha), s = sl_sin(part), t = sl_cos(part);
@@ -215,48 +205,35 @@ static bool spherical_point(const sl_vec3d v[3], double u1, double u2, sl_vec3d 
     return true;
 }
 
-/* A point of the triangle, uniform in solid angle: what is seen of a near emitter is where it shines from, however large its
- * hidden rest. Uniform in area where it is seen as small. The second try is for emitters that the horizon cuts. */
-static sl_vec3 emitter_point(const sl_vec3 corner[3], sl_vec3 p, float u1, float u2, int attempt) {
-    if (attempt) u1 = 1.0f - u1;
-    sl_vec3d v[3] = {unit_towards(corner[0], p), unit_towards(corner[1], p), unit_towards(corner[2], p)}, direction;
-    sl_vec3d first = sl_to_double(corner[0]), from = sl_to_double(p);
-    sl_vec3d normal = sl_crossd(sl_subd(sl_to_double(corner[1]), first), sl_subd(sl_to_double(corner[2]), first));
-    if (spherical_point(v, (double)u1, (double)u2, &direction)) {
-        double distance = sl_dotd(normal, sl_subd(first, from)) / sl_dotd(normal, direction);
-        sl_vec3 point = sl_to_float(sl_addd(from, sl_scaled(direction, distance)));
-        if (distance > 0.0 && sl_is_finite(point)) return point;
-    }
-    float root = sqrtf(u1), w1 = root * (1.0f - u2), w2 = root * u2;
-    return sl_mad(sl_mad(corner[0], w1, sl_sub(corner[1], corner[0])), w2, sl_sub(corner[2], corner[0]));
-}
-
-static void light_by_exact_emitters(const sl_gather_view *view, shadow_queue *q, size_t k, float u1, float u2) {
+/* A near emitter that spans less than a millionth of a steradian is seen edge-on or is very small: it is left out. */
+static void light_by_near_emitters(const sl_gather_view *view, shadow_queue *q, size_t k, float u1, float u2) {
     const sl_scene *scene = view->gather->scene;
     const sl_gather_hits *h = &view->scratch->hits;
+    sl_vec3 p = position_of(h, k);
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
+        sl_vec3d v[3], direction;
+        double solid_angle;
         if (e->triangle == h->triangle[k]) continue;
-        sl_vec3 corner[3];
-        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
-        double irradiance = exact_irradiance(view, k, corner, e->two_sided);
-        for (int attempt = 0; attempt < 2 && irradiance > 0.0; attempt++) {
-            sl_vec3 offset = sl_sub(emitter_point(corner, position_of(h, k), u1, u2, attempt), position_of(h, k));
-            float distance = sl_length(offset);
-            if (!(distance > 0.0f)) continue;
-            sl_vec3 to_light = sl_scale(offset, 1.0f / distance);
-            if (!(lit_cosine(h, k, to_light) > 0.0f)) continue;
-            push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(e->radiance, (float)irradiance));
-            break;
-        }
+        for (int c = 0; c < 3; c++) v[c] = unit_towards(sl_scene_position(scene, scene->vertex[c][e->triangle]), p);
+        if (!spherical_point(v, (double)u1, (double)u2, &direction, &solid_angle)) continue;
+        sl_vec3d normal = sl_to_double(sl_scene_geometric_normal(scene, e->triangle));
+        sl_vec3d first = sl_to_double(sl_scene_position(scene, scene->vertex[0][e->triangle]));
+        double facing = -sl_dotd(normal, direction);
+        if (!(facing > 0.0) && !e->two_sided) continue;
+        double distance = sl_dotd(normal, sl_subd(sl_to_double(p), first)) / facing;
+        sl_vec3 to_light = sl_to_float(direction);
+        float cosine = lit_cosine(h, k, to_light);
+        if (!(cosine > 0.0f) || !(distance > 0.0) || !isfinite(distance)) continue;
+        push_shadow_ray(q, k, to_light, (float)distance, sl_rgb_scale(e->radiance, (float)solid_angle * cosine));
     }
 }
 
 /* ---- samples ---- */
 
 /* Given its emitter, a sample stands for 1 / pdf of solid angle; very near to the emitter that grows beyond a hemisphere, which none
- * fills, and single hits would outshine the gather. So it is cut there (where emitters are few, near ones are exact and not sampled
- * at all). */
+ * fills, and single hits would outshine the gather. So it is cut there (where emitters are few, near ones are sampled by solid
+ * angle instead). */
 static float bounded(const sl_light_sample *sample) {
     if (sample->triangle == SL_NO_INDEX || !(sample->chance > 0.0f)) return 1.0f;
     float share = sample->pdf / sample->chance * (float)(2.0 * SL_PI);
@@ -272,7 +249,7 @@ static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
         sl_light_sample sample;
         if (!reflects(h, k)) continue;
         if (is_near_emitter(view->gather, position_of(h, k))) {
-            light_by_exact_emitters(view, q, k, unit(u1), unit(u2));
+            light_by_near_emitters(view, q, k, unit(u1), unit(u2));
             continue;
         }
         sl_vec3 p = position_of(h, k);
