@@ -19,8 +19,7 @@ allow cache/gather '(base|image|scene|raster|trace|cache/gather)/'
 allow app '(app|scene/features)'
 # Every symbol that the library shows begins with sl_.
 library=../build/libsoftlux.so
-if [ -f $library ]; then
-    foreign=$(nm -D --defined-only $library | awk '$2 ~ /[TDRB]/ {print $3}' | grep -v '^sl_\|^_init$\|^_fini$\|^__' || true)
-    [ -z "$foreign" ] || { echo "exported: $foreign"; bad=1; }
-fi
+[ -f $library ] || { echo "no $library: make it first"; exit 1; }
+foreign=$(nm -D --defined-only $library | awk '$2 ~ /[TDRB]/ {print $3}' | grep -v '^sl_\|^_init$\|^_fini$\|^__' || true)
+[ -z "$foreign" ] || { echo "exported: $foreign"; bad=1; }
 exit $bad

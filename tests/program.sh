@@ -83,7 +83,7 @@ expect 0 '' render scenes/cornell.json -s 48x48 -q draft --batches 5 --quiet -t 
 cmp -s "$folder/c.pfm" "$folder/d.pfm" || { echo '--batches 5 twice gives other bits'; bad=1; }
 
 # Ctrl-C writes what is done and says so.
-"$program" render scenes/cornell.json -s 512x512 -m path --spp 100000 -o "$folder/i.exr" 2>"$folder/err" &
+"$program" render scenes/cornell.json -s 512x512 -m path --spp 100000 --time 60 -o "$folder/i.exr" 2>"$folder/err" &
 pid=$!
 sleep 2
 kill -INT $pid

@@ -28,4 +28,4 @@ cases=$(cat "$out"/*.log | grep -c '^\[ *OK *\]')
 skipped=$(cat "$out"/*.log | grep -c '^\[ *SKIPPED *\] [a-z]')
 echo "$build: $passed programs passed, $failed failed ($cases cases, $skipped skipped)"
 cat "$out"/*.log | grep '^skip' | sort -u
-[ "$failed" -eq 0 ]
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
