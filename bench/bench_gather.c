@@ -9,7 +9,8 @@
  * meant to be used. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
+
+#include "timing.h"
 
 #include "base/math.h"
 #include "base/memory.h"
@@ -27,22 +28,6 @@ typedef struct bench {
     sl_irradiance reference[POINTS], result[POINTS];
     sl_counters counters;
 } bench;
-
-static double now_ms(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int count) {
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return values[count / 2];
-}
 
 static void stop(const char *what, const sl_error *error) {
     fprintf(stderr, "bench_gather: %s: %s\n", what, error->message);
