@@ -76,7 +76,13 @@ LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/o/%.o) \
 APP_OBJECTS := $(APP_SOURCES:%.c=$(BUILD)/o/%.o)
 TESTS := $(TEST_SOURCES:tests/%.c=$(BUILD)/tests/%)
 BENCHES := $(BENCH_SOURCES:bench/%.c=$(BUILD)/bench/%)
-HELPERS := $(patsubst tests/%.c,$(BUILD)/o/tests/%.o,$(filter-out tests/test_%.c,$(wildcard tests/*.c)))
+HELPERS := $(patsubst tests/%.c,$(BUILD)/o/tests/%.o,$(filter-out tests/test_%.c tests/osmesa.c,$(wildcard tests/*.c)))
+# Mesa's software OpenGL, which only tests/test_osmesa_* and bench/bench_raster* load: OSMesa, or EGL, or NONE (they skip).
+OSMESA := $(if $(wildcard /usr/include/GL/osmesa.h),OSMESA,$(if $(wildcard /usr/include/EGL/eglext.h),EGL,NONE))
+OSMESA_LIBS_OSMESA := -lOSMesa
+OSMESA_LIBS_EGL := -lEGL -lGL
+OSMESA_LIBS := $(OSMESA_LIBS_$(OSMESA))
+OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 
 .PHONY: all demo check test golden scenes bench install uninstall clean help setup
 .DELETE_ON_ERROR:
@@ -102,6 +108,10 @@ $(BUILD)/o/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
 
+$(OSMESA_HARNESS): tests/osmesa.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -DSL_HAVE_$(OSMESA) -c $< -o $@
+
 define kernel_rule
 $(BUILD)/o/%.$(1).o: %.c
 	@mkdir -p $$(@D)
@@ -112,6 +122,14 @@ $(foreach isa,$(ISAS),$(eval $(call kernel_rule,$(isa))))
 $(BUILD)/tests/%: $(BUILD)/o/tests/%.o $(HELPERS) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
+
+$(BUILD)/tests/test_osmesa_%: $(BUILD)/o/tests/test_osmesa_%.o $(OSMESA_HARNESS) $(HELPERS) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS) $(OSMESA_LIBS)
+
+$(BUILD)/bench/bench_raster%: $(BUILD)/o/bench/bench_raster%.o $(OSMESA_HARNESS) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS) $(OSMESA_LIBS)
 
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)

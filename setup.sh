@@ -4,8 +4,8 @@
 set -eu
 
 wanted='gcc make pkg-config libembree-dev libopenexr-dev libassimp-dev libcjson-dev libstb-dev libpng-dev libcmocka-dev'
-# The tests compare compilers, and sanitize with clang.
-tests='clang libomp-dev libclang-rt-dev'
+# The tests compare compilers, sanitize with clang, and compare the rasterizer with Mesa's.
+tests='clang libomp-dev libclang-rt-dev libosmesa6-dev'
 [ "${1:-}" = --build-only ] || wanted="$wanted $tests"
 
 # What a package is recognised by where dpkg does not know it.
@@ -20,6 +20,7 @@ proof() {
     libstb-dev) ls /usr/include/stb/stb_image.h ;;
     libpng-dev) ls /usr/include/png.h ;;
     libcmocka-dev) ls /usr/include/cmocka.h ;;
+    libosmesa6-dev) ls /usr/include/GL/osmesa.h /usr/include/EGL/eglext.h 2>/dev/null | grep . ;;
     libomp-dev) echo 'int main(void){return 0;}' | clang -fopenmp -x c - -o /dev/null ;;
     libclang-rt-dev) echo 'int main(void){return 0;}' | clang -fsanitize=thread -x c - -o /dev/null ;;
     esac
@@ -31,20 +32,30 @@ for package in $wanted; do
 done
 [ -n "$missing" ] || exit 0
 
-if ! command -v apt-get >/dev/null 2>&1; then
-    echo "softlux: missing (Debian's names):$missing. There is no apt-get here; please install them and try again." >&2
+# Without Mesa's rasterizer those tests skip.
+cannot() {
+    [ "$missing" = ' libosmesa6-dev' ] && exit 0
+    echo "softlux: $1" >&2
     exit 5
+}
+if ! command -v apt-get >/dev/null 2>&1; then
+    cannot "missing (Debian's names):$missing. There is no apt-get here; please install them and try again."
 fi
 as_root=
 if [ "$(id -u)" -ne 0 ]; then
-    if command -v sudo >/dev/null 2>&1; then as_root=sudo; else
-        echo "softlux: missing packages:$missing. Please install them as root: apt-get install$missing" >&2
-        exit 5
-    fi
+    command -v sudo >/dev/null 2>&1 || cannot "missing packages:$missing. Please install them as root: apt-get install$missing"
+    as_root=sudo
 fi
 echo "softlux: installing$missing"
 log=$(mktemp)
-if ! { $as_root apt-get update && DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y --no-install-recommends $missing; } >"$log" 2>&1; then
+# Mesa has dropped OSMesa with release 25.1; the same rasterizer is then reached through EGL.
+without_osmesa() {
+    apt-cache show libosmesa6-dev >/dev/null 2>&1 || missing=$(echo "$missing" | sed 's/libosmesa6-dev/libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri/')
+}
+install_missing() {
+    $as_root apt-get update && without_osmesa && DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y --no-install-recommends $missing
+}
+if ! install_missing >"$log" 2>&1; then
     tail -n 20 "$log" >&2
     echo "softlux: apt-get could not install$missing" >&2
     exit 5

@@ -11,6 +11,7 @@ rm -f "$out"/*
 if [ $# -eq 0 ]; then set -- $(cd "$build/tests" && ls | grep '^test_' | grep -v '\.'); fi
 export SOFTLUX=${SOFTLUX:-$build/softlux} SOFTLUX_GENERATE=${SOFTLUX_GENERATE:-$build/generate}
 export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp ${TSAN_OPTIONS:-}"
+export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp print_suppressions=0 ${LSAN_OPTIONS:-}"
 
 printf '%s\n' "$@" | xargs -P 2 -I{} sh -c '
     start=$(date +%s)
