@@ -134,8 +134,8 @@ static void no_triangle_that_a_ray_in_the_cone_hits_is_missing(void **state) {
     (void)state;
     check_scene(furnished_room(10, 4), 0, sl_random_key(51, 0), 200, 3000);
     check_scene(random_triangles(sl_random_key(51, 1), 1000, 1.0f), 0, sl_random_key(51, 2), 200, 2000);
-    check_scene(random_triangles(sl_random_key(51, 3), 300, 1.0f), 40, sl_random_key(51, 4), 100, 500);
-    check_scene(random_triangles(sl_random_key(51, 5), 300, 1.0f), 1, sl_random_key(51, 6), 50, 200);
+    check_scene(random_triangles(sl_random_key(51, 3), 300, 1.0f), 40, sl_random_key(51, 4), 100, 300);
+    check_scene(random_triangles(sl_random_key(51, 5), 300, 1.0f), 1, sl_random_key(51, 6), 50, 100);
 }
 
 static void scales_and_flat_scenes_lose_nothing(void **state) {
