@@ -1,6 +1,8 @@
 /* Splats: bounds of spheres, order of blending, reduction. */
 #include "raster_support.h"
 
+#include <math.h>
+
 /* ---- bounds ---- */
 
 /* Whether a ray through a point of the screen meets the part of the sphere beyond the near plane. */
@@ -89,19 +91,23 @@ enum { WIDTH = 333, HEIGHT = 217, SPLATS = 3000 };
 
 typedef struct canvas {
     float plane[WIDTH * HEIGHT];
-    const sl_splat_rect *rects;
 } canvas;
 
-static uint64_t add_values(void *context, size_t index, int x0, int x1, int y) {
+static uint64_t add_values(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
+    (void)tile;
     canvas *c = context;
     uint64_t blended = 0;
-    for (int x = x0; x < x1; x++) {
-        if ((x + y + (int)index) % 5 == 0) continue;
-        c->plane[y * WIDTH + x] += 1.0f / (1.0f + (float)index) + 1e-3f * (float)((x * 7 + y * 3) % 11);
-        blended++;
+    for (int y = rect.y0; y < rect.y1; y++) {
+        for (int x = rect.x0; x < rect.x1; x++) {
+            if ((x + y + (int)index) % 5 == 0) continue;
+            c->plane[y * WIDTH + x] += 1.0f / (1.0f + (float)index) + 1e-3f * (float)((x * 7 + y * 3) % 11);
+            blended++;
+        }
     }
     return blended;
 }
+
+static const sl_splat_program add_program = {.shade = add_values};
 
 static void make_rects(sl_splat_rect *rects) {
     uint64_t key = sl_random_key(13, 0);
@@ -113,6 +119,10 @@ static void make_rects(sl_splat_rect *rects) {
     rects[7] = (sl_splat_rect){-1000000, -1000000, 1000000, 1000000};
 }
 
+static sl_splat_rect on_target(sl_splat_rect r) {
+    return (sl_splat_rect){r.x0 > 0 ? r.x0 : 0, r.y0 > 0 ? r.y0 : 0, r.x1 < WIDTH ? r.x1 : WIDTH, r.y1 < HEIGHT ? r.y1 : HEIGHT};
+}
+
 static void tiles_blend_in_index_order_bit_for_bit(void **state) {
     (void)state;
     static sl_splat_rect rects[SPLATS];
@@ -120,18 +130,12 @@ static void tiles_blend_in_index_order_bit_for_bit(void **state) {
     make_rects(rects);
     uint64_t blended = 0;
     memset(&expected, 0, sizeof expected);
-    for (size_t i = 0; i < SPLATS; i++) {
-        for (int y = 0; y < HEIGHT; y++) {
-            if (y < rects[i].y0 || y >= rects[i].y1) continue;
-            int x0 = rects[i].x0 > 0 ? rects[i].x0 : 0, x1 = rects[i].x1 < WIDTH ? rects[i].x1 : WIDTH;
-            blended += add_values(&expected, i, x0, x1 > x0 ? x1 : x0, y);
-        }
-    }
+    for (size_t i = 0; i < SPLATS; i++) blended += add_values(&expected, NULL, i, on_target(rects[i]));
     const unsigned threads[5] = {1, 2, 3, 7, 0};
     for (int k = 0; k < 5; k++) {
         sl_counters counters = {{0}};
         memset(&got, 0, sizeof got);
-        assert_int_equal(sl_raster_splats(WIDTH, HEIGHT, SPLATS, rects, add_values, &got, threads[k], &counters, NULL), SL_OK);
+        assert_int_equal(sl_raster_splats(WIDTH, HEIGHT, SPLATS, rects, &add_program, &got, threads[k], &counters, NULL), SL_OK);
         assert_memory_equal(got.plane, expected.plane, sizeof got.plane);
         assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_BLENDED], blended);
         assert_int_equal(counters.value[SL_COUNT_SPLATS], SPLATS);
@@ -141,8 +145,111 @@ static void tiles_blend_in_index_order_bit_for_bit(void **state) {
 static void no_splats_are_allowed(void **state) {
     (void)state;
     sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_splats(10, 10, 0, NULL, add_values, NULL, 2, &counters, NULL), SL_OK);
+    assert_int_equal(sl_raster_splats(10, 10, 0, NULL, &add_program, NULL, 2, &counters, NULL), SL_OK);
     assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_BLENDED], 0);
+}
+
+/* ---- tiles ---- */
+
+/* A program that works in tile memory alone: each tile must come once, go once, and hold what its splats need. */
+typedef struct tile_log {
+    canvas screen;
+    int begun[16 * 16], ended[16 * 16]; /* by tile */
+} tile_log;
+
+static int tile_number(const sl_splat_tile *tile) { return tile->y / SL_SPLAT_TILE * 16 + tile->x / SL_SPLAT_TILE; }
+
+static void begin_tile(void *context, const sl_splat_tile *tile) {
+    tile_log *log = context;
+    const sl_splat_rect r = tile->region;
+    assert_true((uintptr_t)tile->memory % 64 == 0);
+    assert_true(tile->x % SL_SPLAT_TILE == 0 && tile->y % SL_SPLAT_TILE == 0);
+    assert_true(r.x0 >= tile->x && r.y0 >= tile->y && r.x0 < r.x1 && r.y0 < r.y1);
+    assert_true(r.x1 <= tile->x + SL_SPLAT_TILE && r.y1 <= tile->y + SL_SPLAT_TILE && r.x1 <= WIDTH && r.y1 <= HEIGHT);
+    log->begun[tile_number(tile)]++;
+}
+
+static uint64_t shade_tile(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect r) {
+    const sl_splat_rect region = tile->region;
+    assert_true(r.x0 < r.x1 && r.y0 < r.y1);
+    assert_true(r.x0 >= region.x0 && r.y0 >= region.y0 && r.x1 <= region.x1 && r.y1 <= region.y1);
+    return add_values(context, tile, index, r); /* the canvas is the log's first member */
+}
+
+static void end_tile(void *context, const sl_splat_tile *tile) {
+    tile_log *log = context;
+    int n = tile_number(tile);
+    assert_true(log->ended[n] + 1 == log->begun[n]);
+    log->ended[n]++;
+}
+
+static void a_tile_comes_and_goes_once_and_only_where_splats_are(void **state) {
+    (void)state;
+    static tile_log log;
+    const sl_splat_program program = {64, begin_tile, shade_tile, end_tile};
+    const sl_splat_rect rects[] = {
+        {70, 70, 71, 71},       /* one pixel in tile 1, 1 */
+        {127, 127, 129, 129},   /* the corner of four tiles */
+        {64, 64, 128, 128},     /* a tile exactly */
+        {-9, -9, 0, 40},        /* just off the left */
+        {WIDTH, 0, WIDTH + 5, 9}, {10, HEIGHT, 20, HEIGHT + 1}, {30, 10, 30, 20}, {30, 20, 40, 10},
+        {WIDTH - 1, HEIGHT - 1, WIDTH + 9, HEIGHT + 9}, /* the last pixel */
+    };
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_raster_splats(WIDTH, HEIGHT, sizeof rects / sizeof rects[0], rects, &program, &log, 1, &counters, NULL), SL_OK);
+    for (int n = 0; n < 16 * 16; n++) {
+        int x = n % 16, y = n / 16;
+        bool touched = ((x == 1 || x == 2) && (y == 1 || y == 2)) || (x == (WIDTH - 1) / SL_SPLAT_TILE && y == (HEIGHT - 1) / SL_SPLAT_TILE);
+        assert_int_equal(log.begun[n], touched);
+        assert_int_equal(log.ended[n], touched);
+    }
+}
+
+/* ---- constant colours ---- */
+
+enum { CHANNELS = 4 };
+
+static void fill_planes(float *planes) { /* what must keep its bits where no splat falls */
+    const float special[5] = {NAN, INFINITY, -INFINITY, -0.0f, 1e-42f};
+    for (int i = 0; i < CHANNELS * WIDTH * HEIGHT; i++) planes[i] = i % 7 < 5 ? special[i % 7] : 0.5f * (float)(i % 3);
+}
+
+static bool same_floats(const float *a, const float *b, size_t count) { /* all NaNs alike */
+    for (size_t i = 0; i < count; i++) {
+        if (memcmp(&a[i], &b[i], sizeof *a) != 0 && !(isnan(a[i]) && isnan(b[i]))) return false;
+    }
+    return true;
+}
+
+static void constant_colours_have_the_bits_of_the_plain_loop(void **state) {
+    (void)state;
+    static sl_splat_rect rects[SPLATS];
+    static float values[SPLATS * CHANNELS], expected[CHANNELS * WIDTH * HEIGHT], got[CHANNELS * WIDTH * HEIGHT];
+    make_rects(rects);
+    uint64_t key = sl_random_key(14, 0), blended = 0;
+    for (uint64_t i = 0; i < SPLATS * CHANNELS; i++) values[i] = random_between(key, i, -1, 1);
+    for (int i = 100; i < 140; i++) rects[i] = (sl_splat_rect){64 * (i % 4), 5 * i - 490, 64 * (i % 4) + 1 + i % 3, 5 * i - 488};
+    rects[7] = (sl_splat_rect){0, 0, 0, 0}; /* so that some pixels are left alone */
+    fill_planes(expected);
+    for (size_t i = 0; i < SPLATS / 30; i++) {
+        sl_splat_rect r = on_target(rects[i]);
+        for (int y = r.y0; y < r.y1; y++) {
+            for (int x = r.x0; x < r.x1; x++) {
+                for (int c = 0; c < CHANNELS; c++) expected[(c * HEIGHT + y) * WIDTH + x] += values[i * CHANNELS + (size_t)c];
+                blended++;
+            }
+        }
+    }
+    float *planes[CHANNELS];
+    for (int c = 0; c < CHANNELS; c++) planes[c] = got + c * WIDTH * HEIGHT;
+    const unsigned threads[5] = {1, 2, 3, 7, 0};
+    for (int k = 0; k < 5; k++) {
+        sl_counters counters = {{0}};
+        fill_planes(got);
+        assert_int_equal(sl_raster_blend(WIDTH, HEIGHT, SPLATS / 30, rects, values, CHANNELS, planes, threads[k], &counters, NULL), SL_OK);
+        assert_true(same_floats(got, expected, CHANNELS * WIDTH * HEIGHT));
+        assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_BLENDED], blended);
+    }
 }
 
 /* ---- reduction ---- */
@@ -154,7 +261,7 @@ static void reduction_sums_squares_of_the_plane(void **state) {
     for (int i = 0; i < SIZE * SIZE; i++) plane[i] = (float)(i % 13) - 4.0f; /* sums of small integers are exact */
     for (int final = 1; final <= SIZE; final *= 2) {
         sl_counters counters = {{0}};
-        sl_raster_reduce(plane, SIZE, final, scratch, out, &counters);
+        sl_raster_reduce(plane, SIZE, 1, final, scratch, out, &counters);
         int square = SIZE / final;
         for (int y = 0; y < final; y++) {
             for (int x = 0; x < final; x++) {
@@ -170,6 +277,48 @@ static void reduction_sums_squares_of_the_plane(void **state) {
     }
 }
 
+/* The hardware's way: the whole picture halved, then the half, and so on, between two pbuffers. */
+static void ping_pong(const float *plane, int size, int final, float *out) {
+    static float pbuffer[2][256 * 256];
+    memcpy(pbuffer[0], plane, (size_t)(size * size) * sizeof *plane);
+    int now = 0;
+    for (; size > final; size /= 2, now = 1 - now) {
+        for (int y = 0; y < size / 2; y++) {
+            for (int x = 0; x < size / 2; x++) {
+                const float *low = &pbuffer[now][2 * y * size + 2 * x], *high = low + size;
+                pbuffer[1 - now][y * (size / 2) + x] = (low[0] + low[1]) + (high[0] + high[1]);
+            }
+        }
+    }
+    memcpy(out, pbuffer[now], (size_t)(final * final) * sizeof *out);
+}
+
+static void reduction_has_the_bits_of_ping_pong_halving(void **state) {
+    (void)state;
+    enum { SIZE = 256 };
+    static float planes[CHANNELS * SIZE * SIZE], scratch[SIZE * SIZE / 2 + 1], out[CHANNELS * SIZE * SIZE], expected[SIZE * SIZE];
+    uint64_t key = sl_random_key(15, 0);
+    for (uint64_t i = 0; i < CHANNELS * SIZE * SIZE; i++) planes[i] = random_between(key, i, -1, 1) * (i % 5 ? 1.0f : 1e6f);
+    const float special[4] = {INFINITY, -INFINITY, NAN, 3e38f};
+    for (size_t i = 0; i < 4; i++) planes[3 * SIZE * SIZE + 1000 * i] = special[i]; /* in the last plane of the full size alone */
+    for (int size = 1; size <= SIZE; size *= 2) {
+        for (int final = 1; final <= size; final *= 2) {
+            for (int channels = 1; channels <= CHANNELS; channels++) {
+                sl_counters counters = {{0}};
+                scratch[size * size / 2] = 42.0f;
+                sl_raster_reduce(planes, size, channels, final, scratch, out, &counters);
+                assert_true(scratch[size * size / 2] == 42.0f || size == 1);
+                for (int c = 0; c < channels; c++) {
+                    ping_pong(planes + c * size * size, size, final, expected);
+                    assert_true(same_floats(out + c * final * final, expected, (size_t)(final * final)));
+                }
+                assert_int_equal(counters.value[SL_COUNT_BYTES_READ_BACK], channels * final * final * 4);
+                assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_SHADED], (size * size - final * final) / 3);
+            }
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bounds_are_never_smaller_than_the_sphere),
@@ -177,7 +326,10 @@ int main(void) {
         cmocka_unit_test(camera_inside_or_sphere_behind),
         cmocka_unit_test(tiles_blend_in_index_order_bit_for_bit),
         cmocka_unit_test(no_splats_are_allowed),
+        cmocka_unit_test(a_tile_comes_and_goes_once_and_only_where_splats_are),
+        cmocka_unit_test(constant_colours_have_the_bits_of_the_plain_loop),
         cmocka_unit_test(reduction_sums_squares_of_the_plane),
+        cmocka_unit_test(reduction_has_the_bits_of_ping_pong_halving),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

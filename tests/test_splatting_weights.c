@@ -15,20 +15,41 @@
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
 
+static const sl_splat_kernels *kernels(void) { return sl_splat_kernels_for(sl_isa_best()); }
+
 /* A patch of receivers that a test fills in. */
 typedef struct {
     float px[PIXELS], py[PIXELS], pz[PIXELS], nx[PIXELS], ny[PIXELS], nz[PIXELS];
     uint32_t receives[PIXELS];
     float r[PIXELS], g[PIXELS], b[PIXELS], weight[PIXELS], count[PIXELS], coverage[PIXELS];
     sl_receivers receivers;
-    sl_splat_buffer buffer;
 } patch;
+
+/* The patch as a tile of the screen; the sums of earlier splats come and go with it. */
+static sl_tile_planes tile;
+
+static void into_tile(const patch *p) {
+    memset(&tile, 0x7f, sizeof tile); /* what an earlier tile may have left */
+    kernels()->fetch(&p->receivers, 0, 0, (sl_splat_rect){0, 0, SIDE, SIDE}, &tile);
+    for (int i = 0; i < PIXELS; i++) {
+        int at = i / SIDE * SL_SPLAT_TILE + i % SIDE;
+        tile.r[at] = p->r[i], tile.g[at] = p->g[i], tile.b[at] = p->b[i];
+        tile.weight[at] = p->weight[i], tile.count[at] = p->count[i];
+    }
+}
+
+static void out_of_tile(patch *p) {
+    for (int i = 0; i < PIXELS; i++) {
+        int at = i / SIDE * SL_SPLAT_TILE + i % SIDE;
+        p->r[i] = tile.r[at], p->g[i] = tile.g[at], p->b[i] = tile.b[at];
+        p->weight[i] = tile.weight[at], p->count[i] = tile.count[at];
+    }
+}
 
 static void patch_clear(patch *p) {
     memset(p, 0, sizeof *p);
     for (int i = 0; i < PIXELS; i++) p->nz[i] = 1.0f, p->receives[i] = 1;
     p->receivers = (sl_receivers){SIDE, SIDE, p->px, p->py, p->pz, p->nx, p->ny, p->nz, p->receives};
-    p->buffer = (sl_splat_buffer){p->r, p->g, p->b, p->weight, p->count};
 }
 
 /* The plane z = 0, one unit square. */
@@ -45,12 +66,12 @@ static sl_record record_at(float x, float y, float radius, float irradiance) {
                        .irradiance = {irradiance, irradiance, irradiance}};
 }
 
-static const sl_splat_kernels *kernels(void) { return sl_splat_kernels_for(sl_isa_best()); }
-
 static const sl_weight_rules wards = {0.5f, 0.0f, 1e-6f}, smooth = {0.5f, 2.0f, 1e-6f};
 
 static void splat(patch *p, const sl_record *records, size_t count, const sl_weight_rules *rules) {
-    for (size_t k = 0; k < count; k++) kernels()->splat(&records[k], rules, &p->receivers, &p->buffer, 0, PIXELS);
+    into_tile(p);
+    for (size_t k = 0; k < count; k++) kernels()->splat(&records[k], rules, (sl_splat_rect){0, 0, SIDE, SIDE}, &tile);
+    out_of_tile(p);
 }
 
 static void two_records_mix_as_computed_by_hand(void **state) {
@@ -208,16 +229,27 @@ static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_se
         patch_plane(&p);
         for (int i = 0; i < PIXELS; i++) p.pz[i] = 0.01f * sl_random_unit(key, 1000 + (uint64_t)i), p.receives[i] = i % 7 != 0;
         const sl_splat_kernels *k = sl_splat_kernels_for((sl_isa)isa);
-        for (int n = 0; n < 20; n++) {
-            k->splat(&records[n], &smooth, &p.receivers, &p.buffer, 3, PIXELS - 5); /* runs that fill no vector */
-            k->cover(&records[n], &smooth, &p.receivers, p.coverage, 3, PIXELS - 5);
-        }
-        assert_memory_equal(p.coverage, p.weight, sizeof p.weight);
+        const sl_splat_rect some = {3, 1, SIDE - 5, SIDE - 2}; /* runs that fill no vector */
+        uint64_t splatted = 0, covered = 0, expected = 0;
+        into_tile(&p);
+        for (int n = 0; n < 20; n++) splatted += k->splat(&records[n], &smooth, some, &tile);
+        out_of_tile(&p);
+        memset(tile.weight, 0, sizeof tile.weight);
+        for (int n = 0; n < 20; n++) covered += k->cover(&records[n], &smooth, some, &tile);
         for (size_t i = 0; i < PIXELS; i++) { /* and those of adding single pixels in record order */
             float sum = 0.0f;
-            for (int n = 0; n < 20 && i >= 3 && i < PIXELS - 5; n++) sum += k->weight(&records[n], &smooth, &p.receivers, i);
+            int x = (int)i % SIDE, y = (int)i / SIDE;
+            bool inside = x >= some.x0 && x < some.x1 && y >= some.y0 && y < some.y1;
+            for (int n = 0; n < 20 && inside; n++) {
+                float w = k->weight(&records[n], &smooth, &p.receivers, i);
+                sum += w;
+                expected += w > 0.0f;
+            }
             assert_true(sum == p.weight[i]);
+            assert_true(tile.weight[y * SL_SPLAT_TILE + x] == sum);
         }
+        assert_int_equal(splatted, expected);
+        assert_int_equal(covered, expected);
         if (isa == 0) reference = p;
         assert_memory_equal(p.r, reference.r, sizeof p.r);
         assert_memory_equal(p.g, reference.g, sizeof p.g);

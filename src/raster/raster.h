@@ -109,24 +109,47 @@ void sl_depth_cube_destroy(sl_depth_cube *cube);
 /* Share of light in [0,1] at p with unit normal n (towards the light's side): percentage-closer filtering of 2x2 texels, bilinear; bias from the texel's footprint and slope. */
 float sl_depth_cube_lit(const sl_depth_cube *cube, sl_vec3 p, sl_vec3 n);
 
-/* Additive float blending of screen rectangles. The fragment program computes (and adds) for a run of pixels of one row. */
+/* Additive float blending of screen rectangles. */
 typedef struct sl_splat_rect {
     int x0, y0, x1, y1; /* half-open, in target pixels; empty is allowed */
 } sl_splat_rect;
-/* Shades pixels [x0,x1) of row y of splat `index` and adds to the target; called in index order for every pixel. Returns how many
- * fragments it blended. */
-typedef uint64_t sl_splat_program(void *context, size_t index, int x0, int x1, int y);
-/* Tiles of 32x32, each owned by one thread; within a tile splats run in index order, so every pixel adds in index order at any
- * number of threads. */
-sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_rect *rects, sl_splat_program *program,
+
+enum { SL_SPLAT_TILE = 64, SL_SPLAT_TILE_PIXELS = SL_SPLAT_TILE * SL_SPLAT_TILE };
+
+/* A tile of the target, which one thread owns while it draws all of the tile's splats. */
+typedef struct sl_splat_tile {
+    int x, y;             /* its first pixel in the target */
+    sl_splat_rect region; /* holds all pixels that its splats touch; within the tile and the target */
+    void *memory;         /* tile_bytes of the worker's own, aligned to 64 bytes; what an earlier tile left is still in it */
+} sl_splat_tile;
+
+/* The fragment program. begin and end (NULL: nothing to do) fetch a tile's pixels into its memory and bring them back, as
+ * tile-based hardware does: rows of a target lie thousands of bytes apart, at power-of-two widths all in the same
+ * lines of the cache, and a tile's pixels are blended to many times. */
+typedef struct sl_splat_program {
+    size_t tile_bytes;
+    void (*begin)(void *context, const sl_splat_tile *tile);
+    /* Shades and adds splat `index` in the rectangle, which is never empty and lies within the region. Returns how many fragments
+     * it blended. */
+    uint64_t (*shade)(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect);
+    void (*end)(void *context, const sl_splat_tile *tile);
+} sl_splat_program;
+
+/* Within a tile splats run in index order, so every pixel adds in index order at any number of threads. Tiles without splats are
+ * not touched. */
+sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_rect *rects, const sl_splat_program *program,
                            void *context, unsigned threads, sl_counters *counters, sl_error *error);
+/* The same with a constant colour per splat (blending alone): adds values[i*channels + c] to plane c in rectangle i. */
+sl_status sl_raster_blend(int width, int height, size_t count, const sl_splat_rect *rects, const float *values, int channels,
+                          float *const *planes, unsigned threads, sl_counters *counters, sl_error *error);
 /* Bounds on the screen of a sphere (centre, radius) in a camera view, rounded outwards by a pixel and cut to the
  * target (cache-math section 7); empty if nothing can show. */
 sl_splat_rect sl_sphere_bounds(const sl_camera *camera, int width, int height, float near, sl_vec3 centre, float radius);
 
-/* Reduction: repeated 2x2 sums, ping-pong between two pbuffers, of a size x size plane (size a power of two) down to
- * final x final; `scratch` holds size*size/2 floats; the sums are left in out (final*final). */
-void sl_raster_reduce(const float *plane, int size, int final, float *scratch, float *out, sl_counters *counters);
+/* Reduction: repeated 2x2 sums, (a + b) + (c + d) with a, b in the lower row, of `channels` planes of size x size that lie one
+ * after the other (size and final powers of two), down to final x final each; the sums are left in out, plane after plane.
+ * `scratch` holds size*size/2 floats. The bits are those of halving plane by plane between two pbuffers. */
+void sl_raster_reduce(const float *planes, int size, int channels, int final, float *scratch, float *out, sl_counters *counters);
 
 /* Copies a bottom-first plane into top-first order. */
 void sl_raster_flip(const float *plane, int width, int height, float *image_plane);

@@ -65,13 +65,23 @@ typedef struct sl_splat_buffer {
     float *count;             /* records that contributed */
 } sl_splat_buffer;
 
+/* One tile of all these planes, as the fragment program works on it; SL_SPLAT_TILE pixels a row. A pixel that does not receive is
+ * nowhere: its position is NaN, which no test of a distance accepts. */
+typedef struct sl_tile_planes {
+    _Alignas(64) float position_x[SL_SPLAT_TILE_PIXELS];
+    float position_y[SL_SPLAT_TILE_PIXELS], position_z[SL_SPLAT_TILE_PIXELS];
+    float normal_x[SL_SPLAT_TILE_PIXELS], normal_y[SL_SPLAT_TILE_PIXELS], normal_z[SL_SPLAT_TILE_PIXELS];
+    float weight[SL_SPLAT_TILE_PIXELS], r[SL_SPLAT_TILE_PIXELS], g[SL_SPLAT_TILE_PIXELS], b[SL_SPLAT_TILE_PIXELS],
+        count[SL_SPLAT_TILE_PIXELS];
+} sl_tile_planes;
+
 typedef struct sl_splat_kernels {
-    /* Algorithm 1, steps 2 to 6, for pixels [first, end). Returns how many contributed. */
-    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers,
-                      const sl_splat_buffer *buffer, size_t first, size_t end);
+    /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile. */
+    void (*fetch)(const sl_receivers *receivers, int x, int y, sl_splat_rect region, sl_tile_planes *tile);
+    /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile. Returns how many contributed. */
+    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
     /* The same sum of weights alone, with the same bits. */
-    uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers,
-                      float *coverage, size_t first, size_t end);
+    uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
     /* w at one pixel; 0 where the record does not contribute. */
     float (*weight)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers, size_t pixel);
 } sl_splat_kernels;

@@ -329,39 +329,11 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
 
 /* ---- steps 5 and 6 ---- */
 
-typedef struct {
-    const splat_state *state;
-    const sl_record *records;
-} splat_context;
-
-static uint64_t splat_run(void *context, size_t index, int x0, int x1, int y) {
-    const splat_context *c = context;
-    const splat_state *s = c->state;
-    const sl_record *record = &c->records[index];
-    const sl_record_pass *pass = &s->pass;
-    size_t row = (size_t)y * (size_t)s->settings.width, first = row + (size_t)x0, end = row + (size_t)x1;
-    if (!record->behind_a_wall)
-        return pass->kernels->splat(record, &pass->weights, &pass->receivers, &s->splats, first, end);
-    uint64_t blended = 0;
-    for (size_t i = first; i < end; i++) {
-        if (sl_record_weight(pass, record, i) > 0.0f)
-            blended += pass->kernels->splat(record, &pass->weights, &pass->receivers, &s->splats, i, i + 1);
-    }
-    return blended;
-}
-
 /* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all, bit for bit. */
 static sl_status splat_new_records(splat_state *s, sl_error *error) {
     size_t count = s->list.count - s->splatted;
     if (count == 0 || s->phase == PHASE_GBUFFER) return SL_OK; /* before its G-buffer a new view has nothing to splat on */
-    const sl_record *records = s->list.records + s->splatted;
-    sl_splat_rect *rects = sl_allocate(count, sizeof *rects);
-    if (!rects) return sl_fail_memory(error, "splat rectangles");
-    for (size_t i = 0; i < count; i++) rects[i] = sl_record_bounds(&s->pass, &records[i]);
-    splat_context context = {s, records};
-    sl_status status = sl_raster_splats(s->settings.width, s->settings.height, count, rects, splat_run, &context,
-                                        s->settings.threads, &s->counters, error);
-    sl_free(rects);
+    sl_status status = sl_splat_records(&s->pass, s->list.records + s->splatted, count, &s->splats, &s->counters, error);
     if (status != SL_OK) return status;
     s->splatted = s->list.count;
     announce(s, "splat: sum of w E", "Algorithm 1", 3, s->splats.r);

@@ -6,6 +6,7 @@
  *   emitters.c       which emitter a light sample goes to
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
  *   record.c         a record and how far it reaches
+ *   splat.c          steps 4 and 5: records onto the screen
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel
  *   compose.c        step 6: the picture and its layers
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
@@ -86,8 +87,11 @@ void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int w
  * becomes 0. */
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
                                sl_counters *counters, sl_error *error);
-/* Adds the weights of records [first, count) to the coverage. */
+/* Adds the records' weights to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
+/* Step 5: adds (w E', w, 1). */
+sl_status sl_splat_records(const sl_record_pass *pass, const sl_record *records, size_t count, const sl_splat_buffer *buffer,
+                           sl_counters *counters, sl_error *error);
 /* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
 /* The rectangle of pixels that a record can reach. */

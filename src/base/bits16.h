@@ -1,0 +1,66 @@
+/* What plain C cannot say well about sixteen floats: which of them are greater than a limit, or at most a limit, as bits. A NaN is
+ * neither. (A loop that collects bits costs more than the arithmetic that it may save.) For *_kernels.c files. */
+#ifndef SL_BASE_BITS16_H
+#define SL_BASE_BITS16_H
+
+#include <stdint.h>
+
+#if defined __AVX2__
+#include <immintrin.h>
+#elif defined __SSE2__
+#include <emmintrin.h>
+#endif
+
+/* Bit l: a[l] > limit. */
+static inline uint32_t sl_bits16_greater(const float *a, float limit) {
+#if defined __AVX512F__
+    return (uint32_t)_mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_set1_ps(limit), _CMP_GT_OQ);
+#elif defined __AVX2__
+    __m256 b = _mm256_set1_ps(limit);
+    int low = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a), b, _CMP_GT_OQ));
+    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_GT_OQ)) << 8;
+#elif defined __SSE2__
+    uint32_t bits = 0;
+    __m128 b = _mm_set1_ps(limit);
+    for (int l = 0; l < 4; l++) bits |= (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
+    return bits;
+#else
+    uint32_t bits = 0;
+    for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] > limit) << l;
+    return bits;
+#endif
+}
+
+/* Bit l: a[l] <= limit. */
+static inline uint32_t sl_bits16_at_most(const float *a, float limit) {
+#if defined __AVX512F__
+    return (uint32_t)_mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_set1_ps(limit), _CMP_LE_OQ);
+#elif defined __AVX2__
+    __m256 b = _mm256_set1_ps(limit);
+    int low = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a), b, _CMP_LE_OQ));
+    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_LE_OQ)) << 8;
+#elif defined __SSE2__
+    uint32_t bits = 0;
+    __m128 b = _mm_set1_ps(limit);
+    for (int l = 0; l < 4; l++) bits |= (uint32_t)_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
+    return bits;
+#else
+    uint32_t bits = 0;
+    for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] <= limit) << l;
+    return bits;
+#endif
+}
+
+/* How many are set. */
+static inline uint32_t sl_bits16_count(uint32_t bits) {
+#if defined __POPCNT__
+    return (uint32_t)__builtin_popcount(bits);
+#else /* else a library call */
+    bits = bits - (bits >> 1 & 0x5555u);
+    bits = (bits & 0x3333u) + (bits >> 2 & 0x3333u);
+    bits = (bits + (bits >> 4)) & 0x0f0fu;
+    return (bits + (bits >> 8)) & 0x1fu;
+#endif
+}
+
+#endif

@@ -1,0 +1,120 @@
+/* Records onto the screen: Algorithm 1's weights alone, for coverage (step 4 of Algorithm 2), or the whole program (step 5). Both
+ * go tile by tile through the same hardware, in record order. */
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/splatting/splatting.h"
+
+typedef struct {
+    const sl_record_pass *pass;
+    const sl_record *records;
+    const sl_splat_buffer *buffer; /* planes that are wanted; NULL ones are not */
+    uint64_t (*kernel)(const sl_record *, const sl_weight_rules *, sl_splat_rect, sl_tile_planes *);
+} splat_context;
+
+/* ---- a tile comes and goes ---- */
+
+enum { SUMS = 5 };
+
+static void planes_of(const splat_context *c, sl_tile_planes *tile, float *screen[SUMS], float *in_tile[SUMS]) {
+    const sl_splat_buffer *b = c->buffer;
+    float *const from[SUMS] = {b->weight, b->r, b->g, b->b, b->count};
+    float *const to[SUMS] = {tile->weight, tile->r, tile->g, tile->b, tile->count};
+    memcpy(screen, from, sizeof from);
+    memcpy(in_tile, to, sizeof to);
+}
+
+static void copy_sums(const splat_context *c, const sl_splat_tile *tile, bool back) {
+    float *screen[SUMS], *in_tile[SUMS];
+    planes_of(c, tile->memory, screen, in_tile);
+    const sl_splat_rect r = tile->region;
+    size_t bytes = (size_t)(r.x1 - r.x0) * sizeof(float);
+    for (int k = 0; k < SUMS; k++) {
+        for (int y = r.y0; screen[k] && y < r.y1; y++) {
+            float *there = screen[k] + (size_t)y * (size_t)c->pass->receivers.width + (size_t)r.x0;
+            float *here = in_tile[k] + (y - tile->y) * SL_SPLAT_TILE + (r.x0 - tile->x);
+            if (back) memcpy(there, here, bytes);
+            else memcpy(here, there, bytes);
+        }
+    }
+}
+
+static void begin_tile(void *context, const sl_splat_tile *tile) {
+    const splat_context *c = context;
+    c->pass->kernels->fetch(&c->pass->receivers, tile->x, tile->y, tile->region, tile->memory);
+    copy_sums(c, tile, false);
+}
+
+static void end_tile(void *context, const sl_splat_tile *tile) { copy_sums(context, tile, true); }
+
+/* ---- one record in one tile ---- */
+
+static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
+    const splat_context *c = context;
+    const sl_record_pass *pass = c->pass;
+    const sl_record *record = &c->records[index];
+    sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
+    if (!record->behind_a_wall) return c->kernel(record, &pass->weights, r, tile->memory);
+    uint64_t blended = 0;
+    for (int y = r.y0; y < r.y1; y++) {
+        for (int x = r.x0; x < r.x1; x++) {
+            size_t pixel = (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x);
+            if (!(sl_record_weight(pass, record, pixel) > 0.0f)) continue;
+            blended += c->kernel(record, &pass->weights, (sl_splat_rect){x, y, x + 1, y + 1}, tile->memory);
+        }
+    }
+    return blended;
+}
+
+/* ---- all records ---- */
+
+sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *record) {
+    float reach = (float)pass->radii.accuracy * record->radius * 1.0001f; /* never less than the kernel's own test accepts */
+    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance,
+                            record->position, reach);
+}
+
+enum { BOUNDS_AT_ONCE = 256 };
+
+typedef struct {
+    const splat_context *splats;
+    size_t count;
+    sl_splat_rect *rects;
+} bounds_context;
+
+static void bound_some(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const bounds_context *b = context;
+    size_t first = index * BOUNDS_AT_ONCE, end = b->count - first < BOUNDS_AT_ONCE ? b->count : first + BOUNDS_AT_ONCE;
+    for (size_t i = first; i < end; i++) b->rects[i] = sl_record_bounds(b->splats->pass, &b->splats->records[i]);
+}
+
+static sl_status draw(splat_context *context, size_t count, sl_counters *counters, sl_error *error) {
+    const sl_record_pass *pass = context->pass;
+    const sl_splat_program program = {sizeof(sl_tile_planes), begin_tile, shade, end_tile};
+    sl_splat_rect *rects = sl_allocate(count, sizeof *rects);
+    if (!rects) return sl_fail_memory(error, "splat rectangles");
+    bounds_context bounds = {context, count, rects};
+    sl_parallel_for(sl_thread_count(pass->threads), (count + BOUNDS_AT_ONCE - 1) / BOUNDS_AT_ONCE, bound_some, &bounds);
+    sl_status status = sl_raster_splats(pass->receivers.width, pass->receivers.height, count, rects, &program, context,
+                                        pass->threads, counters, error);
+    sl_free(rects);
+    return status;
+}
+
+sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error) {
+    if (count == 0) return SL_OK;
+    const sl_splat_buffer weights_alone = {.weight = pass->coverage};
+    splat_context context = {pass, records, &weights_alone, pass->kernels->cover};
+    sl_counters unbilled = {{0}}; /* the paper sums coverage on the CPU: these are no splats of the hardware */
+    return draw(&context, count, &unbilled, error);
+}
+
+sl_status sl_splat_records(const sl_record_pass *pass, const sl_record *records, size_t count, const sl_splat_buffer *buffer,
+                           sl_counters *counters, sl_error *error) {
+    splat_context context = {pass, records, buffer, pass->kernels->splat};
+    return count == 0 ? SL_OK : draw(&context, count, counters, error);
+}
