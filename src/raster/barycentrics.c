@@ -4,9 +4,9 @@
 #include "raster/barycentrics.h"
 
 static void fetch_corners(const sl_raster *raster, const sl_view *view, uint32_t triangle, float q[9]) {
-    const sl_scene *scene = raster->scene;
+    const sl_raster_mesh *mesh = &raster->mesh;
     for (int k = 0; k < 3; k++) {
-        sl_vec3 p = sl_sub(sl_scene_position(scene, scene->vertex[k][triangle]), view->origin);
+        sl_vec3 p = sl_sub(sl_mesh_position(mesh, mesh->vertex[k][triangle]), view->origin);
         q[3 * k] = p.x;
         q[3 * k + 1] = p.y;
         q[3 * k + 2] = p.z;
@@ -28,7 +28,7 @@ static void fill_block(const sl_raster *raster, const sl_view *view, size_t coun
 
 void sl_raster_barycentrics(const sl_raster *raster, const sl_view *view, size_t count, const uint32_t *pixel,
                             const uint32_t *id, float *w1, float *w2) {
-    sl_pass_view pass = sl_pass_view_make(view);
+    sl_pass_view pass = sl_pass_view_make(view, view->width, view->height);
     sl_barycentric_block block;
     memset(&block, 0, sizeof block);
     float b1[SL_BARYCENTRIC_BLOCK], b2[SL_BARYCENTRIC_BLOCK];

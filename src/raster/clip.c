@@ -73,36 +73,36 @@ static int clip_by_plane(const sl_pass_view *view, int plane, const clip_vertex 
 /* ---- viewport of clipped polygons ---- */
 
 typedef struct {
-    float u, v, depth;
+    float x, y, depth;
     int32_t snapped_u, snapped_v;
     bool finite;
 } window_vertex;
 
 /* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a pixel's
  * margin keeps it representable. */
-static float keep_near(float u, int size) {
-    float low = -384.0f, high = (float)size * 256.0f + 128.0f;
-    return u < low ? low : u > high ? high : u;
+static float keep_near(float x, int first, int end) {
+    float low = (float)first - 1.0f, high = (float)end + 1.0f;
+    return x < low ? low : x > high ? high : x;
 }
 
 static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer *buffer, const clip_vertex *p) {
     window_vertex q = {.finite = p->w > 0.0f};
     if (p->original >= 0 && buffer->code[p->original] == 0) {
         int32_t i = p->original;
-        return (window_vertex){buffer->u[i], buffer->v[i], buffer->depth[i], buffer->snapped_u[i], buffer->snapped_v[i],
-                               true};
+        return (window_vertex){buffer->window_x[i], buffer->window_y[i], buffer->depth[i], buffer->snapped_u[i],
+                               buffer->snapped_v[i], true};
     }
     if (!q.finite) return q;
     float oow = 1.0f / p->w;
-    float u = (p->x * oow) * view->half_width + view->half_width, v = (p->y * oow) * view->half_height + view->half_height;
+    float x = (p->x * oow) * view->half_width + view->offset_x, y = (p->y * oow) * view->half_height + view->offset_y;
     float depth = (p->z * oow) * 0.5f + 0.5f;
-    q.u = keep_near((u - 0.5f) * 256.0f, view->width);
-    q.v = keep_near((v - 0.5f) * 256.0f, view->height);
+    q.x = keep_near(x, view->x0, view->x1);
+    q.y = keep_near(y, view->y0, view->y1);
     q.depth = view->inverse_w ? oow : depth < 0.0f ? 0.0f : depth > 1.0f ? 1.0f : depth;
-    q.finite = isfinite(q.u) && isfinite(q.v) && isfinite(q.depth);
+    q.finite = isfinite(q.x) && isfinite(q.y) && isfinite(q.depth);
     if (q.finite) {
-        q.snapped_u = (int32_t)lrintf(q.u);
-        q.snapped_v = (int32_t)lrintf(q.v);
+        q.snapped_u = (int32_t)lrintf((q.x - 0.5f) * 256.0f);
+        q.snapped_v = (int32_t)lrintf((q.y - 0.5f) * 256.0f);
     }
     return q;
 }
@@ -114,8 +114,8 @@ static bool append(sl_batch *batch, const window_vertex *a, const window_vertex 
     }
     uint32_t t = batch->count++;
     for (int k = 0; k < 3; k++) {
-        batch->u[k][t] = corner[k]->u;
-        batch->v[k][t] = corner[k]->v;
+        batch->x[k][t] = corner[k]->x;
+        batch->y[k][t] = corner[k]->y;
         batch->depth[k][t] = corner[k]->depth;
         batch->snapped_u[k][t] = corner[k]->snapped_u;
         batch->snapped_v[k][t] = corner[k]->snapped_v;

@@ -22,6 +22,28 @@ enum { MORTON_BITS = 20, CODE_BYTES = 8, HASH_SLOTS = 1024 };
 
 /* ---- order ---- */
 
+/* Around all vertices of triangles that are finite. */
+typedef struct {
+    double low[3], diagonal;
+} box;
+
+static box box_of(const sl_raster_mesh *m) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, squared = 0.0;
+    const float *axis[3] = {m->x, m->y, m->z};
+    for (int c = 0; c < 3; c++) {
+        for (size_t t = 0; t < m->triangle_count; t++) {
+            for (int k = 0; k < 3; k++) {
+                double p = (double)axis[k][m->vertex[c][t]];
+                if (!(fabs(p) < 1e30)) continue;
+                low[k] = p < low[k] ? p : low[k];
+                high[k] = p > high[k] ? p : high[k];
+            }
+        }
+    }
+    for (int k = 0; k < 3; k++) squared += high[k] > low[k] ? (high[k] - low[k]) * (high[k] - low[k]) : 0.0;
+    return (box){{low[0], low[1], low[2]}, squared > 0.0 ? sqrt(squared) : 1.0};
+}
+
 static uint64_t spread_bits(uint64_t x) { /* 21 bits, two zeros between each */
     x &= 0x1fffff;
     x = (x | x << 32) & 0x1f00000000ffffu;
@@ -39,25 +61,23 @@ static uint64_t quantize(double value, double low, double scale) {
     return (uint64_t)(q < last ? q : last);
 }
 
-static uint64_t triangle_code(const sl_scene *s, uint32_t t) {
+static uint64_t triangle_code(const sl_raster_mesh *m, const box *b, uint32_t t) {
     double low[3], high[3];
     for (int c = 0; c < 3; c++) {
-        uint32_t i = s->vertex[c][t];
-        double p[3] = {(double)s->position_x[i], (double)s->position_y[i], (double)s->position_z[i]};
+        uint32_t i = m->vertex[c][t];
+        double p[3] = {(double)m->x[i], (double)m->y[i], (double)m->z[i]};
         for (int k = 0; k < 3; k++) {
             low[k] = c == 0 || p[k] < low[k] ? p[k] : low[k];
             high[k] = c == 0 || p[k] > high[k] ? p[k] : high[k];
         }
     }
-    double origin[3] = {(double)s->box_min.x, (double)s->box_min.y, (double)s->box_min.z};
-    double diagonal = s->diagonal > 0.0f ? (double)s->diagonal : 1.0;
-    double scale = (double)(1 << MORTON_BITS) / diagonal, extent = 0.0;
+    double scale = (double)(1 << MORTON_BITS) / b->diagonal, extent = 0.0;
     uint64_t code = 0;
     for (int k = 0; k < 3; k++) {
-        code |= spread_bits(quantize(0.5 * (low[k] + high[k]), origin[k], scale)) << k;
+        code |= spread_bits(quantize(0.5 * (low[k] + high[k]), b->low[k], scale)) << k;
         if (high[k] - low[k] > extent) extent = high[k] - low[k];
     }
-    uint64_t class = extent > diagonal / 6.0 ? 0 : extent > diagonal / 24.0 ? 1 : 2;
+    uint64_t class = extent > b->diagonal / 6.0 ? 0 : extent > b->diagonal / 24.0 ? 1 : 2;
     return class << 60 | code;
 }
 
@@ -146,21 +166,21 @@ static void bound_cluster(sl_raster *r, size_t cluster, size_t first, size_t cou
 
 static void fill_cluster(builder *b, size_t first, size_t count, welder *w) {
     sl_raster *r = b->raster;
-    const sl_scene *s = r->scene;
+    const sl_raster_mesh *m = &r->mesh;
     for (size_t i = first; i < first + count; i++) {
         uint32_t t = b->sorted[i].triangle;
         for (int c = 0; c < 3; c++) {
-            uint32_t v = s->vertex[c][t];
-            uint16_t local = weld(w, (const float[3]){s->position_x[v], s->position_y[v], s->position_z[v]});
+            uint32_t v = m->vertex[c][t];
+            uint16_t local = weld(w, (const float[3]){m->x[v], m->y[v], m->z[v]});
             if (!b->fill) continue;
             r->corner[c][i] = local;
-            r->vertex_x[b->vertices + local] = s->position_x[v];
-            r->vertex_y[b->vertices + local] = s->position_y[v];
-            r->vertex_z[b->vertices + local] = s->position_z[v];
+            r->vertex_x[b->vertices + local] = m->x[v];
+            r->vertex_y[b->vertices + local] = m->y[v];
+            r->vertex_z[b->vertices + local] = m->z[v];
         }
         if (!b->fill) continue;
         r->triangle[i] = t;
-        r->triangle_masked[i] = sl_scene_has_alpha(s, t);
+        r->triangle_masked[i] = r->scene && sl_scene_has_alpha(r->scene, t);
         r->masked |= r->triangle_masked[i];
     }
 }
@@ -201,7 +221,7 @@ static void *claim(sl_raster *r, bool *ok, size_t count, size_t size) {
 
 static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
     bool ok = true;
-    size_t padded = (clusters + SL_LANES - 1) / SL_LANES * SL_LANES, triangles = r->scene->triangle_count;
+    size_t padded = (clusters + SL_LANES - 1) / SL_LANES * SL_LANES, triangles = r->mesh.triangle_count;
     float **bounds[7] = {&r->centre_x, &r->centre_y, &r->centre_z, &r->half_x, &r->half_y, &r->half_z, &r->radius};
     for (int k = 0; k < 7; k++) *bounds[k] = claim(r, &ok, padded, sizeof(float));
     uint32_t **ranges[4] = {&r->first_triangle, &r->triangles, &r->first_vertex, &r->vertices};
@@ -214,10 +234,20 @@ static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
     return ok;
 }
 
-static bool build(sl_raster *r, sorted_triangle *a, sorted_triangle *b) {
-    size_t count = r->scene->triangle_count;
-    for (size_t t = 0; t < count; t++) a[t] = (sorted_triangle){triangle_code(r->scene, (uint32_t)t), (uint32_t)t};
-    const sorted_triangle *sorted = sort_by_code(a, b, count);
+/* In index order, only cut into clusters: for passes that blend. */
+static void keep_order(sorted_triangle *sorted, size_t count) {
+    for (size_t t = 0; t < count; t++) sorted[t] = (sorted_triangle){t / SL_CLUSTER_TRIANGLES, (uint32_t)t};
+}
+
+static sorted_triangle *order_of(const sl_raster *r, sorted_triangle *a, sorted_triangle *b) {
+    size_t count = r->mesh.triangle_count;
+    box around = box_of(&r->mesh);
+    for (size_t t = 0; t < count; t++) a[t] = (sorted_triangle){triangle_code(&r->mesh, &around, (uint32_t)t), (uint32_t)t};
+    return sort_by_code(a, b, count);
+}
+
+static bool build(sl_raster *r, const sorted_triangle *sorted) {
+    size_t count = r->mesh.triangle_count;
     builder counting = {.raster = r, .sorted = sorted, .fill = false};
     if (count) split(&counting, 0, count);
     if (!allocate_clusters(r, counting.clusters, counting.vertices)) return false;
@@ -227,18 +257,17 @@ static bool build(sl_raster *r, sorted_triangle *a, sorted_triangle *b) {
     return true;
 }
 
-sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error) {
-    (void)threads; /* the build is a few linear passes */
+static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, bool in_order, sl_raster **raster,
+                        sl_error *error) {
     *raster = NULL;
     sl_raster *r = sl_allocate(1, sizeof *r);
-    sorted_triangle *a = sl_allocate(scene->triangle_count, sizeof *a);
-    sorted_triangle *b = sl_allocate(scene->triangle_count, sizeof *b);
+    sorted_triangle *a = sl_allocate(mesh->triangle_count, sizeof *a);
+    sorted_triangle *b = sl_allocate(mesh->triangle_count, sizeof *b);
     bool ok = r && a && b;
     if (ok) {
-        r->scene = scene;
-        r->kernels = sl_raster_kernels_best();
-        r->memory_bytes = sizeof *r;
-        ok = build(r, a, b);
+        *r = (sl_raster){.scene = scene, .mesh = *mesh, .kernels = sl_raster_kernels_best(), .memory_bytes = sizeof *r};
+        if (in_order) keep_order(a, mesh->triangle_count);
+        ok = build(r, in_order ? a : order_of(r, a, b));
     }
     sl_free(a);
     sl_free(b);
@@ -248,6 +277,22 @@ sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **
     }
     *raster = r;
     return SL_OK;
+}
+
+sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error) {
+    (void)threads; /* the build is a few linear passes */
+    sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y, scene->position_z,
+                           {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
+    return create(scene, &mesh, false, raster, error);
+}
+
+sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster, sl_error *error) {
+    (void)threads;
+    return create(NULL, mesh, false, raster, error);
+}
+
+sl_status sl_raster_create_in_order(const sl_raster_mesh *mesh, sl_raster **raster, sl_error *error) {
+    return create(NULL, mesh, true, raster, error);
 }
 
 void sl_raster_destroy(sl_raster *r) {

@@ -17,11 +17,11 @@ typedef struct {
 } gouraud;
 
 static void interpolate_pixel(const gouraud *g, size_t i, uint32_t triangle, float w1, float w2) {
-    const sl_scene *scene = g->raster->scene;
+    const sl_raster_mesh *mesh = &g->raster->mesh;
     size_t channels = (size_t)g->channels;
-    const float *a = g->attributes + scene->vertex[0][triangle] * channels;
-    const float *b = g->attributes + scene->vertex[1][triangle] * channels;
-    const float *c = g->attributes + scene->vertex[2][triangle] * channels;
+    const float *a = g->attributes + mesh->vertex[0][triangle] * channels;
+    const float *b = g->attributes + mesh->vertex[1][triangle] * channels;
+    const float *c = g->attributes + mesh->vertex[2][triangle] * channels;
     float w0 = (1.0f - w1) - w2;
     for (size_t k = 0; k < channels; k++) g->out[k * g->pixels + i] = (w0 * a[k] + w1 * b[k]) + w2 * c[k];
 }

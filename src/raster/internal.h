@@ -1,18 +1,33 @@
 /* Inside the simulated hardware: how the geometry is held, what one triangle looks like after set-up, and the table
  * of kernels.
  *
- * One render (pass.c) runs, for every cluster that the view does not reject:
+ * One render of a tile (pass.c) runs, front to back, for every cluster that the view does not reject:
  *
- *     transform   vertices -> clip space, clip codes, viewport, snapping          (setup_kernels.c)
- *     classify    triangles: outside | not finite | to be clipped | no pixel centre | accepted
- *     clip        Sutherland-Hodgman, scalar, for the few that cross a plane      (clip.c)
- *     set up      edge functions and depth plane of the accepted                  (setup_kernels.c)
- *     rasterize   coverage, depth test, write                                     (rasterize_kernels.c)
+ *     cull        clusters: outside | between pixel centres | their rectangle on the screen   (cull_kernels.c)
+ *     occlusion   clusters behind what is drawn already                                       (occlusion_kernels.c)
+ *     transform   vertices -> clip space, clip codes, viewport, snapping                      (transform_kernels.c)
+ *     classify    triangles: outside | not finite | to be clipped | no centre | tiny | others (classify_kernels.c)
+ *     clip        Sutherland-Hodgman, scalar, for the few that cross a plane                  (clip.c)
+ *     set up      edge functions and depth plane of what is left                              (setup_kernels.c)
+ *     rasterize   coverage, depth test, write                                                 (rasterize_kernels.c)
  *
  * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters are
- * drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order. */
+ * drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order.
+ *
+ * A tile's planes are kept in blocks of 4 x 4 pixels, a block being sixteen lanes side by side in memory:
+ *
+ *      y                                    12 13 14 15 | 28 29 30 31 | ...
+ *      |     +--+--+--+                      8  9 10 11 | 24 25 26 27 |
+ *      |     |b3|b4|b5|       each block:    4  5  6  7 | 20 21 22 23 |
+ *      |     +--+--+--+                      0  1  2  3 | 16 17 18 19 |
+ *      |     |b0|b1|b2|
+ *      +---- +--+--+--+ ---- x              block 0       block 1
+ *
+ * Small triangles touch few blocks, where they would touch many rows. */
 #ifndef SL_RASTER_INTERNAL_H
 #define SL_RASTER_INTERNAL_H
+
+#include <math.h>
 
 #include "base/counters.h"
 #include "raster/raster.h"
@@ -22,8 +37,13 @@ enum {
     SL_CLUSTER_VERTICES = 3 * SL_CLUSTER_TRIANGLES,
     SL_CLIP_TRIANGLES = 7, /* a triangle cut by six planes has at most nine corners, so a fan of seven */
     SL_BATCH = 176,        /* set up together: a cluster and room for clipping; no power of two, for the cache's sets */
-    SL_BLOCK = 64,         /* coverage is found in blocks of 64 x 64 pixels, within which edge functions fit 32 bits */
-    SL_LANES = 16,         /* pixels (or vertices) done together */
+    SL_BLOCK = 4,          /* pixels along a block's side; also the most along a tiny triangle's */
+    SL_LANES = 16,         /* pixels (or vertices, triangles, clusters) done together: a block */
+    SL_CELL = 8,           /* pixels along a side of the coarse depth's cells */
+    SL_SPAN = 64,          /* larger triangles are drawn in pieces of 64 x 64, within which edge functions fit 32 bits */
+    SL_TILE = 256,         /* pixels along a tile's side */
+    SL_TILE_PIXELS = SL_TILE * SL_TILE,
+    SL_TILE_CELLS = (SL_TILE / SL_CELL) * (SL_TILE / SL_CELL),
     SL_RASTER_MAX_SIZE = 16384, /* so that snapped coordinates stay below 2^22 */
     SL_SUBPIXEL = 256      /* 8 bits */
 };
@@ -43,7 +63,8 @@ enum {
 typedef struct sl_raster_kernels sl_raster_kernels;
 
 struct sl_raster {
-    const sl_scene *scene;
+    const sl_scene *scene; /* NULL for a mesh alone */
+    sl_raster_mesh mesh;
     const sl_raster_kernels *kernels;
     bool masked; /* some triangle has an alpha mask */
 
@@ -60,53 +81,156 @@ struct sl_raster {
     size_t memory_bytes;
 };
 
+/* How depth is found between a triangle's corners, and which depth is nearer. */
+typedef enum sl_depth_rule {
+    SL_NEARER_IS_SMALLER, /* window depth */
+    SL_NEARER_IS_LARGER,  /* 1/w */
+    SL_OPENGL_PLANE       /* window depth from the plane at the target's corner */
+} sl_depth_rule;
+
 /* Constants of one view, worked out once a render. */
 typedef struct sl_pass_view {
     float clip[4][4];
     float origin[3];
     float half_width, half_height;
-    int width, height;
-    int x0, y0, x1, y1;    /* the region to draw, half-open, in pixels */
+    float offset_x, offset_y; /* window = ndc * half + offset: half the viewport's size plus its corner */
+    int width, height;        /* of the target */
+    int x0, y0, x1, y1;       /* the viewport, half-open, in pixels of the target */
     bool inverse_w;
+    sl_depth_rule rule;
     uint32_t skip;
     int planes;            /* for culling: 5 without a far plane, 6 with one */
     float plane[6][4];     /* inside: n . (p - origin) + d >= 0 */
     float plane_length[6]; /* |n| */
 } sl_pass_view;
 
+/* The clusters that may be seen, with room for whole groups of SL_LANES beyond the raster's cluster count. */
+typedef struct sl_visible {
+    uint32_t count;
+    uint32_t *cluster;
+    int32_t *x0, *y0, *x1, *y1; /* the pixels whose centres it may cover, inclusive */
+    float *nearest;             /* no pixel of it is nearer than this depth */
+    float *distance;            /* for the order, front to back */
+    uint32_t *order;            /* positions in the arrays above, near ones first */
+} sl_visible;
+
 /* One cluster's vertices after the transform. */
 typedef struct sl_vertex_buffer {
     float x[SL_CLUSTER_VERTICES]; /* clip space */
     float y[SL_CLUSTER_VERTICES], z[SL_CLUSTER_VERTICES], w[SL_CLUSTER_VERTICES];
-    float u[SL_CLUSTER_VERTICES], v[SL_CLUSTER_VERTICES]; /* window position in 1/256 pixel from the first pixel's centre */
-    float depth[SL_CLUSTER_VERTICES];
-    int32_t snapped_u[SL_CLUSTER_VERTICES], snapped_v[SL_CLUSTER_VERTICES];
+    float window_x[SL_CLUSTER_VERTICES], window_y[SL_CLUSTER_VERTICES], depth[SL_CLUSTER_VERTICES];
+    float oow[SL_CLUSTER_VERTICES];
+    int32_t snapped_u[SL_CLUSTER_VERTICES], snapped_v[SL_CLUSTER_VERTICES]; /* 1/256 pixel from the first pixel's centre */
     int32_t cell[SL_CLUSTER_VERTICES]; /* the first pixel centre at or beyond it: j << 16 | i */
     int32_t code[SL_CLUSTER_VERTICES];
 } sl_vertex_buffer;
 
-/* What the rasterizer needs of a triangle. Pixel centres lie at multiples of 256 in (u, v). */
+/* What becomes of a cluster's triangles. Lists hold cluster-local numbers. */
+typedef struct sl_classes {
+    uint32_t tiny, other, clipped, culled, dropped;
+    uint8_t tiny_list[SL_CLUSTER_TRIANGLES + SL_LANES];    /* their pixels lie in a square of SL_BLOCK, anywhere; no mask */
+    uint8_t other_list[SL_CLUSTER_TRIANGLES + SL_LANES];
+    uint8_t clipped_list[SL_CLUSTER_TRIANGLES + SL_LANES];
+} sl_classes;
+
+/* The tiny triangles of a cluster that do cover pixels. */
+typedef struct sl_tiny {
+    uint32_t count;
+    uint8_t triangle[SL_CLUSTER_TRIANGLES];
+    int32_t x[SL_CLUSTER_TRIANGLES], y[SL_CLUSTER_TRIANGLES]; /* first pixel of the square */
+    uint16_t covered[SL_CLUSTER_TRIANGLES];                   /* bit 4 j + i: pixel (x + i, y + j) */
+} sl_tiny;
+
+/* Triangles in window coordinates; pixel centres lie at multiples of 256 in (u, v). */
 typedef struct sl_batch {
     uint32_t count;
     uint32_t id[SL_BATCH];
     uint8_t masked[SL_BATCH];
     /* in */
-    int32_t snapped_u[3][SL_BATCH];
-    int32_t snapped_v[3][SL_BATCH];
-    float u[3][SL_BATCH], v[3][SL_BATCH], depth[3][SL_BATCH];
-    /* out: edge functions a i + b j + c at pixel (i, j), inside where all three are >= 0 */
-    int32_t a[3][SL_BATCH], b[3][SL_BATCH];
-    int64_t c[3][SL_BATCH];
-    int32_t x0[SL_BATCH], y0[SL_BATCH], x1[SL_BATCH], y1[SL_BATCH]; /* pixels, inclusive; empty: x0 > x1 */
-    /* out: depth = (depth_origin + depth_dv (256 j - origin_v)) + depth_du (256 i - origin_u), clamped to [min, max] */
+    int32_t snapped_u[3][SL_BATCH], snapped_v[3][SL_BATCH];
+    float x[3][SL_BATCH], y[3][SL_BATCH], depth[3][SL_BATCH]; /* window, not snapped */
+    /* out: pixels that may be covered, inclusive; empty: x0 > x1 */
+    int32_t x0[SL_BATCH], y0[SL_BATCH], x1[SL_BATCH], y1[SL_BATCH];
+    /* out, where at most SL_SPAN pixels wide and high: edge functions a i + b j + e, (i, j) from the first pixel of the
+     * first block; inside where all three are >= 0 */
+    int32_t a[3][SL_BATCH], b[3][SL_BATCH], e[3][SL_BATCH];
+    /* out: depth = (origin + dv (256 j - origin_v)) + du (256 i - origin_u), clamped to [min, max]; by SL_OPENGL_PLANE
+     * fma(dv, j, fma(du, i, origin)) */
     float depth_du[SL_BATCH], depth_dv[SL_BATCH], depth_origin[SL_BATCH], depth_min[SL_BATCH], depth_max[SL_BATCH];
     int32_t origin_u[SL_BATCH], origin_v[SL_BATCH];
 } sl_batch;
 
-/* Outcome of classification, for the counters. */
-typedef struct sl_classes {
-    uint32_t accepted, clipped, culled, dropped;
-} sl_classes;
+/* Depth of triangle t at pixel (x, y), by itself, so that it does not depend on blocks, lanes or tiles. All that is turned to
+ * float is whole and below 2^23, exact. */
+static inline float sl_depth_at(sl_depth_rule rule, const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+    float z = b->depth_origin[t];
+    if (rule == SL_OPENGL_PLANE) {
+        z = fmaf(b->depth_dv[t], (float)y, fmaf(b->depth_du[t], (float)x, z));
+    } else {
+        z = (z + b->depth_dv[t] * (float)(y * SL_SUBPIXEL - b->origin_v[t])) +
+            b->depth_du[t] * (float)(x * SL_SUBPIXEL - b->origin_u[t]);
+    }
+    z = z < b->depth_min[t] ? b->depth_min[t] : z;
+    return z > b->depth_max[t] ? b->depth_max[t] : z;
+}
+
+/* The picture in the making: at most SL_TILE x SL_TILE pixels, block by block. */
+typedef struct sl_tile {
+    int left, low;         /* the first block's first pixel, in the target; multiples of SL_TILE */
+    int x0, y0, x1, y1;    /* the pixels to draw, half-open */
+    int blocks_x, blocks_y, cells_x, cells_y;
+    uint32_t *id;
+    float *depth;
+    float *farthest;       /* by cell: the farthest depth in it, where not stale */
+    uint8_t *stale;
+} sl_tile;
+
+/* Edge functions of a triangle of any size: a i + b j + c at pixel (i, j) of the target, inside where all three are >= 0. */
+typedef struct sl_wide_edges {
+    int64_t a[3], b[3], c[3];
+} sl_wide_edges;
+
+/* Edge k runs from corner k+1 to corner k+2; E(u, v) = a (u - u_P) + b (v - v_P) is positive inside once the signs are
+ * turned by the area's. At pixel centres E = 256 (a i + b j) + c, so E >= 0 is a i + b j + floor(c / 256) >= 0. Edges that do
+ * not own their points (all but left edges and lowest horizontal ones) ask for E >= 1. Returns false if there is no area. */
+static inline bool sl_widen_edges(const sl_batch *batch, uint32_t t, sl_wide_edges *w) {
+    int64_t u[3], v[3];
+    for (int k = 0; k < 3; k++) {
+        u[k] = batch->snapped_u[k][t];
+        v[k] = batch->snapped_v[k][t];
+    }
+    int64_t area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
+    int64_t sign = area < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) {
+        int p = (k + 1) % 3, q = (k + 2) % 3;
+        int64_t a = (v[p] - v[q]) * sign, b = (u[q] - u[p]) * sign;
+        bool owns = a > 0 || (a == 0 && b > 0);
+        w->a[k] = a;
+        w->b[k] = b;
+        w->c[k] = (-(a * u[p] + b * v[p]) - !owns) >> 8;
+    }
+    return area != 0;
+}
+
+/* To 32 bits, where only the sign matters beyond: within a span an edge function changes by less than 2^30. */
+static inline int32_t sl_clamp_edge(int64_t e) {
+    const int64_t limit = (int64_t)1 << 30;
+    return (int32_t)(e < -limit ? -limit : e > limit ? limit : e);
+}
+
+/* What add.c blends: planes of numerators, (c + b dy) + a dx at pixel (x + dx, y + dy), over that of the denominator. */
+typedef struct sl_value_plane {
+    float a, b, c;
+} sl_value_plane;
+typedef struct sl_add_channel {
+    sl_value_plane value;
+    float least, most; /* of the corners */
+} sl_add_channel;
+typedef struct sl_add_triangle {
+    int x, y;
+    sl_value_plane denominator;
+    sl_add_channel channel[];
+} sl_add_triangle;
 
 /* Pixels whose weights are computed together: corners relative to the eye, centres in [-1,1]. */
 enum { SL_BARYCENTRIC_BLOCK = 64 };
@@ -116,17 +240,29 @@ typedef struct sl_barycentric_block {
 } sl_barycentric_block;
 
 struct sl_raster_kernels {
-    /* Writes the indices of the clusters that may be seen, in order; returns how many. visible has room for
-     * whole groups of SL_LANES. */
-    uint32_t (*cull)(const sl_raster *raster, const sl_pass_view *view, uint32_t *visible);
+    void (*cull)(const sl_raster *raster, const sl_pass_view *view, sl_visible *visible);
     void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out);
-    /* accepted, clipped: cluster-local triangle numbers, room for SL_CLUSTER_TRIANGLES. */
-    sl_classes (*classify)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view,
-                           const sl_vertex_buffer *vertices, uint8_t *accepted, uint8_t *clipped);
-    /* Makes the "out" of triangles [0, batch->count). */
-    void (*set_up)(const sl_pass_view *view, sl_batch *batch);
-    /* Draws the batch's triangles that have no mask into planes of the view's whole target. */
-    void (*rasterize)(const sl_pass_view *view, const sl_batch *batch, uint32_t *id, float *depth);
+    void (*classify)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
+                     const sl_vertex_buffer *vertices, sl_classes *classes);
+    void (*cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile, const sl_vertex_buffer *vertices,
+                       const sl_classes *classes, sl_tiny *tiny);
+    /* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
+    void (*set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
+    void (*set_up_depth)(const sl_pass_view *view, sl_batch *batch);
+    /* Draws the tiny triangles, the first of the batch. */
+    void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny);
+    /* Draws triangles [first, count) that have no mask. */
+    void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
+    /* Whether everything within the pixels [x0, x1] x [y0, y1] of the tile is nearer than `nearest`. */
+    bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, int x0, int y0, int x1, int y1, float nearest);
+    /* What was drawn within these pixels makes their cells' coarse depth out of date. */
+    void (*make_stale)(const sl_tile *tile, int x0, int y0, int x1, int y1);
+    void (*clear)(const sl_pass_view *view, const sl_tile *tile);
+    /* Copies the tile's pixels into planes of the whole target (either may be NULL). */
+    void (*copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
+    /* Adds triangle t of the batch to planes of the whole target; returns how many pixels. */
+    uint64_t (*add)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *values, int channels,
+                    float *planes);
     /* Weights of SL_BARYCENTRIC_BLOCK pixels, see barycentrics.h. */
     void (*barycentrics)(const sl_barycentric_block *block, const sl_pass_view *view, float *w1, float *w2);
 };
@@ -135,36 +271,79 @@ const sl_raster_kernels *sl_raster_kernels_best(void);
 
 /* A worker's buffers. */
 struct sl_raster_scratch {
-    size_t max_pixels;
-    uint32_t *visible;
-    sl_vertex_buffer *vertices;
-    sl_batch *batch;
-    uint32_t *id;  /* for targets that want no ids, or no depth */
-    float *depth;
+    sl_tile tile;
+    sl_visible visible; /* of a small render; a large one's workers share one elsewhere */
+    _Atomic uint32_t *fate;
+    sl_vertex_buffer vertices;
+    sl_classes classes;
+    sl_tiny tiny;
+    sl_batch batch;
 };
 
-/* The view's constants, region = whole target. */
-sl_pass_view sl_pass_view_make(const sl_view *view);
+static inline sl_vec3 sl_mesh_position(const sl_raster_mesh *m, uint32_t vertex) {
+    return sl_v3(m->x[vertex], m->y[vertex], m->z[vertex]);
+}
+
+/* The view's constants for a target of this size. */
+sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height);
+/* A tile's place in the target and the viewport's part of it. */
+void sl_tile_place(sl_tile *tile, const sl_pass_view *view, int column, int row);
+/* Number and first of the tiles that the viewport touches. */
+typedef struct sl_tiles {
+    int first_column, first_row, columns, rows;
+} sl_tiles;
+sl_tiles sl_tiles_of(const sl_pass_view *view);
+
+bool sl_visible_allocate(sl_visible *visible, const sl_raster *raster);
+void sl_visible_free(sl_visible *visible);
+bool sl_scratch_allocate(sl_raster_scratch *scratch); /* the tile's planes alone */
+void sl_scratch_free(sl_raster_scratch *scratch);
+/* Sorts the visible clusters by distance into `order` (order.c). */
+void sl_visible_sort(sl_visible *visible);
+
+/* SL_OK if the viewport lies within the target. */
+sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error);
+/* Clusters cut from the triangles as they are ordered. */
+sl_status sl_raster_create_in_order(const sl_raster_mesh *mesh, sl_raster **raster, sl_error *error);
+
+/* Appends a triangle that needs no clipping. */
+static inline void sl_batch_append(const sl_raster *raster, const sl_vertex_buffer *from, uint32_t triangle, sl_batch *batch) {
+    uint32_t t = batch->count++;
+    for (int k = 0; k < 3; k++) {
+        uint16_t v = raster->corner[k][triangle];
+        batch->snapped_u[k][t] = from->snapped_u[v];
+        batch->snapped_v[k][t] = from->snapped_v[v];
+        batch->x[k][t] = from->window_x[v];
+        batch->y[k][t] = from->window_y[v];
+        batch->depth[k][t] = from->depth[v];
+    }
+}
+
 /* Appends what is left of a triangle inside all planes, as a fan; corners are vertices of the buffer. At most
  * SL_CLIP_TRIANGLES; returns how many. */
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *vertices, const uint16_t corner[3],
                           sl_batch *batch);
 /* Draws triangle t of the batch, pixel by pixel, where its alpha mask is opaque (alpha.c). */
-void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_batch *batch,
-                         uint32_t t, uint32_t *id, float *depth);
-/* The clusters to draw. Where a target is cut into regions, a cluster is drawn in regions [first_region,
- * last_region] and counted in the first; first_region NULL: one region. */
-typedef struct sl_cluster_list {
-    const uint32_t *cluster;
-    uint32_t count;
-    const uint16_t *first_region, *last_region; /* by cluster */
-    uint16_t region;
-} sl_cluster_list;
+void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_tile *tile,
+                         const sl_batch *batch, uint32_t t);
 
-/* Clears and draws the pass's region of the whole target's planes. */
-void sl_pass_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, uint32_t *id, float *depth,
-                  sl_raster_scratch *scratch, const sl_cluster_list *list, sl_counters *counters);
-/* Counts a render of which `visible` clusters were left. */
-void sl_pass_count(const sl_raster *raster, uint32_t visible, sl_counters *counters);
+/* What happened to a visible cluster in one render: 0 if no tile drew it, else how many of its triangles fell into each
+ * class (sl_fate_of), which is the same whatever tile drew it. */
+typedef _Atomic uint32_t sl_cluster_fate;
+static inline uint32_t sl_fate_of(const sl_classes *c) {
+    return UINT32_C(1) << 31 | c->culled << 16 | c->dropped << 8 | c->clipped; /* each at most 128, and culled + clipped too */
+}
+
+/* Clears and draws a tile; fate: by position in `visible`, what this tile drew is filled in. */
+void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_visible *visible,
+                  sl_raster_scratch *scratch, sl_cluster_fate *fate);
+/* Counts a render. */
+void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate, sl_counters *counters);
+
+/* Index of a pixel in the tile's planes. */
+static inline size_t sl_tile_index(const sl_tile *tile, int x, int y) {
+    int i = x - tile->left, j = y - tile->low;
+    return (size_t)(((j >> 2) * tile->blocks_x + (i >> 2)) * SL_LANES + (j & 3) * SL_BLOCK + (i & 3));
+}
 
 #endif

@@ -1,11 +1,39 @@
-/* One render: cluster by cluster through the pipeline of internal.h. */
+/* One render of one tile: cluster by cluster through the pipeline of internal.h. */
 #include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/internal.h"
 
-/* ---- scratch ---- */
+/* ---- buffers ---- */
+
+bool sl_visible_allocate(sl_visible *v, const sl_raster *raster) {
+    size_t count = raster->cluster_count + SL_LANES;
+    *v = (sl_visible){.cluster = sl_allocate(count, 4), .x0 = sl_allocate(count, 4), .y0 = sl_allocate(count, 4),
+                      .x1 = sl_allocate(count, 4), .y1 = sl_allocate(count, 4), .nearest = sl_allocate(count, 4),
+                      .distance = sl_allocate(count, 4), .order = sl_allocate(count, 4)};
+    return v->cluster && v->x0 && v->y0 && v->x1 && v->y1 && v->nearest && v->distance && v->order;
+}
+
+void sl_visible_free(sl_visible *v) {
+    void *arrays[8] = {v->cluster, v->x0, v->y0, v->x1, v->y1, v->nearest, v->distance, v->order};
+    for (int k = 0; k < 8; k++) sl_free(arrays[k]);
+}
+
+bool sl_scratch_allocate(sl_raster_scratch *s) {
+    s->tile.id = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.id);
+    s->tile.depth = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.depth);
+    s->tile.farthest = sl_allocate(SL_TILE_CELLS, sizeof *s->tile.farthest);
+    s->tile.stale = sl_allocate(SL_TILE_CELLS, 1);
+    return s->tile.id && s->tile.depth && s->tile.farthest && s->tile.stale;
+}
+
+void sl_scratch_free(sl_raster_scratch *s) {
+    sl_free(s->tile.id);
+    sl_free(s->tile.depth);
+    sl_free(s->tile.farthest);
+    sl_free(s->tile.stale);
+}
 
 sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch,
                                    sl_error *error) {
@@ -15,15 +43,12 @@ sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int m
                        (int)SL_RASTER_MAX_SIZE);
     }
     sl_raster_scratch *s = sl_allocate(1, sizeof *s);
-    if (s) {
-        s->max_pixels = (size_t)max_width * (size_t)max_height;
-        s->visible = sl_allocate(raster->cluster_count + SL_LANES, sizeof *s->visible);
-        s->vertices = sl_allocate(1, sizeof *s->vertices);
-        s->batch = sl_allocate(1, sizeof *s->batch);
-        s->id = sl_allocate(s->max_pixels, sizeof *s->id);
-        s->depth = sl_allocate(s->max_pixels, sizeof *s->depth);
+    bool ok = s != NULL;
+    if (ok) {
+        s->fate = sl_allocate(raster->cluster_count, sizeof *s->fate);
+        ok = sl_visible_allocate(&s->visible, raster) && sl_scratch_allocate(s) && s->fate;
     }
-    if (!s || !s->visible || !s->vertices || !s->batch || !s->id || !s->depth) {
+    if (!ok) {
         sl_raster_scratch_destroy(s);
         return sl_fail_memory(error, "a render's scratch");
     }
@@ -33,12 +58,33 @@ sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int m
 
 void sl_raster_scratch_destroy(sl_raster_scratch *s) {
     if (!s) return;
-    sl_free(s->visible);
-    sl_free(s->vertices);
-    sl_free(s->batch);
-    sl_free(s->id);
-    sl_free(s->depth);
+    sl_visible_free(&s->visible);
+    sl_scratch_free(s);
+    sl_free(s->fate);
     sl_free(s);
+}
+
+/* ---- tiles ---- */
+
+sl_tiles sl_tiles_of(const sl_pass_view *view) {
+    int column = view->x0 / SL_TILE, row = view->y0 / SL_TILE;
+    return (sl_tiles){column, row, (view->x1 - 1) / SL_TILE + 1 - column, (view->y1 - 1) / SL_TILE + 1 - row};
+}
+
+/* The part of a tile's width (or height) that the viewport needs, from its first pixel, in whole cells. */
+static int cells_until(int end, int first) { return (end - first + SL_CELL - 1) / SL_CELL; }
+
+void sl_tile_place(sl_tile *tile, const sl_pass_view *view, int column, int row) {
+    tile->left = column * SL_TILE;
+    tile->low = row * SL_TILE;
+    tile->x0 = view->x0 > tile->left ? view->x0 : tile->left;
+    tile->y0 = view->y0 > tile->low ? view->y0 : tile->low;
+    tile->x1 = view->x1 < tile->left + SL_TILE ? view->x1 : tile->left + SL_TILE;
+    tile->y1 = view->y1 < tile->low + SL_TILE ? view->y1 : tile->low + SL_TILE;
+    tile->cells_x = cells_until(tile->x1, tile->left);
+    tile->cells_y = cells_until(tile->y1, tile->low);
+    tile->blocks_x = tile->cells_x * (SL_CELL / SL_BLOCK);
+    tile->blocks_y = tile->cells_y * (SL_CELL / SL_BLOCK);
 }
 
 /* ---- drawing ---- */
@@ -48,108 +94,119 @@ typedef struct {
     const sl_view *view;
     const sl_pass_view *pass;
     sl_raster_scratch *scratch;
-    uint32_t *id;
-    float *depth;
 } render;
 
-static void flush(const render *r) {
-    sl_batch *batch = r->scratch->batch;
-    if (!batch->count) return;
-    r->raster->kernels->set_up(r->pass, batch);
-    r->raster->kernels->rasterize(r->pass, batch, r->id, r->depth);
-    for (uint32_t t = 0; r->raster->masked && t < batch->count; t++) {
-        if (batch->masked[t]) sl_rasterize_masked(r->raster, r->view, r->pass, batch, t, r->id, r->depth);
-    }
-    batch->count = 0;
-}
-
-static void gather_accepted(const render *r, uint32_t first, const uint8_t *accepted, uint32_t count) {
+static void append_triangles(const render *r, uint32_t first, const uint8_t *list, uint32_t count) {
     const sl_raster *raster = r->raster;
-    const sl_vertex_buffer *from = r->scratch->vertices;
-    sl_batch *batch = r->scratch->batch;
-    uint32_t base = batch->count;
-    for (uint32_t k = 0; k < 3; k++) {
-        for (uint32_t n = 0; n < count; n++) {
-            uint16_t v = raster->corner[k][first + accepted[n]];
-            batch->snapped_u[k][base + n] = from->snapped_u[v];
-            batch->snapped_v[k][base + n] = from->snapped_v[v];
-            batch->u[k][base + n] = from->u[v];
-            batch->v[k][base + n] = from->v[v];
-            batch->depth[k][base + n] = from->depth[v];
-        }
-    }
-    for (uint32_t n = 0; n < count; n++) batch->id[base + n] = raster->triangle[first + accepted[n]];
+    sl_batch *batch = &r->scratch->batch;
     for (uint32_t n = 0; n < count; n++) {
-        batch->masked[base + n] = raster->masked && raster->triangle_masked[first + accepted[n]];
+        batch->id[batch->count] = raster->triangle[first + list[n]];
+        batch->masked[batch->count] = raster->masked && raster->triangle_masked[first + list[n]];
+        sl_batch_append(raster, &r->scratch->vertices, first + list[n], batch);
     }
-    batch->count += count;
 }
 
-static void clip_and_append(const render *r, uint32_t triangle) {
+/* Draws the batch; its first `tiny` triangles are the tiny ones. */
+static void flush(const render *r, uint32_t tiny) {
+    sl_raster_scratch *s = r->scratch;
+    const sl_raster_kernels *kernels = r->raster->kernels;
+    if (!s->batch.count) return;
+    kernels->set_up_depth(r->pass, &s->batch);
+    if (tiny) kernels->rasterize_tiny(r->pass, &s->tile, &s->batch, &s->tiny);
+    if (s->batch.count > tiny) {
+        kernels->set_up_edges(&s->tile, &s->batch, tiny);
+        kernels->rasterize(r->pass, &s->tile, &s->batch, tiny);
+    }
+    for (uint32_t t = tiny; r->raster->masked && t < s->batch.count; t++) {
+        if (s->batch.masked[t]) sl_rasterize_masked(r->raster, r->view, r->pass, &s->tile, &s->batch, t);
+    }
+    s->batch.count = 0;
+}
+
+static void clip_and_append(const render *r, uint32_t triangle, uint32_t *tiny) {
     const sl_raster *raster = r->raster;
-    sl_batch *batch = r->scratch->batch;
-    if (batch->count + SL_CLIP_TRIANGLES > SL_BATCH) flush(r);
+    sl_batch *batch = &r->scratch->batch;
+    if (batch->count + SL_CLIP_TRIANGLES > SL_BATCH) {
+        flush(r, *tiny);
+        *tiny = 0;
+    }
     uint16_t corner[3] = {raster->corner[0][triangle], raster->corner[1][triangle], raster->corner[2][triangle]};
-    uint32_t base = batch->count, made = sl_clip_triangle(r->pass, r->scratch->vertices, corner, batch);
+    uint32_t base = batch->count, made = sl_clip_triangle(r->pass, &r->scratch->vertices, corner, batch);
     for (uint32_t n = 0; n < made; n++) {
         batch->id[base + n] = raster->triangle[triangle];
         batch->masked[base + n] = raster->triangle_masked[triangle];
     }
 }
 
-/* Counts are of the whole target, whatever the region, so that they do not depend on how the target was cut. */
-static void draw_cluster(const render *r, uint32_t cluster, bool counted, sl_counters *counters) {
+static uint32_t draw_cluster(const render *r, uint32_t cluster) {
     const sl_raster *raster = r->raster;
-    uint8_t accepted[SL_CLUSTER_TRIANGLES], clipped[SL_CLUSTER_TRIANGLES];
-    raster->kernels->transform(raster, cluster, r->pass, r->scratch->vertices);
-    sl_classes classes = raster->kernels->classify(raster, cluster, r->pass, r->scratch->vertices, accepted, clipped);
-    if (counted) {
-        uint32_t all = raster->triangles[cluster];
-        sl_count(counters, SL_COUNT_TRIANGLES_SUBMITTED, all);
-        sl_count(counters, SL_COUNT_TRIANGLES_CULLED, classes.culled);
-        sl_count(counters, SL_COUNT_TRIANGLES_DROPPED, classes.dropped);
-        sl_count(counters, SL_COUNT_TRIANGLES_CLIPPED, classes.clipped);
-        sl_count(counters, SL_COUNT_TRIANGLES_RASTERIZED, all - classes.culled - classes.dropped);
+    sl_raster_scratch *s = r->scratch;
+    uint32_t first = raster->first_triangle[cluster], tiny = 0;
+    raster->kernels->transform(raster, cluster, r->pass, &s->vertices);
+    raster->kernels->classify(raster, cluster, r->pass, &s->tile, &s->vertices, &s->classes);
+    if (s->classes.tiny) {
+        raster->kernels->cover_tiny(raster, cluster, &s->tile, &s->vertices, &s->classes, &s->tiny);
+        tiny = s->tiny.count;
+        append_triangles(r, first, s->tiny.triangle, tiny);
     }
-    uint32_t first = raster->first_triangle[cluster];
-    gather_accepted(r, first, accepted, classes.accepted);
-    for (uint32_t n = 0; n < classes.clipped; n++) clip_and_append(r, first + clipped[n]);
-    flush(r);
+    append_triangles(r, first, s->classes.other_list, s->classes.other);
+    for (uint32_t n = 0; n < s->classes.clipped; n++) clip_and_append(r, first + s->classes.clipped_list[n], &tiny);
+    flush(r, tiny);
+    return sl_fate_of(&s->classes);
 }
 
-static void clear_rows(const sl_pass_view *pass, uint32_t *id, float *depth) {
-    size_t first = (size_t)pass->y0 * (size_t)pass->width, last = (size_t)pass->y1 * (size_t)pass->width;
-    float far = pass->inverse_w ? 0.0f : 1.0f;
-    for (size_t i = first; i < last; i++) {
-        id[i] = SL_NO_INDEX;
-        depth[i] = far;
-    }
-}
+static int larger(int a, int b) { return a > b ? a : b; }
+static int smaller(int a, int b) { return a < b ? a : b; }
 
-void sl_pass_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, uint32_t *id, float *depth,
-                  sl_raster_scratch *scratch, const sl_cluster_list *list, sl_counters *counters) {
-    render r = {raster, view, pass, scratch, id, depth};
-    clear_rows(pass, id, depth);
-    scratch->batch->count = 0;
-    for (uint32_t n = 0; n < list->count; n++) {
-        uint32_t cluster = list->cluster[n];
-        const uint16_t *first = list->first_region, *last = list->last_region;
-        if (first && (first[cluster] > list->region || last[cluster] < list->region)) continue;
-        draw_cluster(&r, cluster, !first || first[cluster] == list->region, counters);
+void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_visible *visible,
+                  sl_raster_scratch *scratch, sl_cluster_fate *fate) {
+    const sl_raster_kernels *kernels = raster->kernels;
+    const sl_tile *tile = &scratch->tile;
+    render r = {raster, view, pass, scratch};
+    kernels->clear(pass, tile);
+    scratch->batch.count = 0;
+    for (uint32_t i = 0; i < visible->count; i++) {
+        uint32_t n = visible->order[i];
+        int x0 = larger(visible->x0[n], tile->x0), x1 = smaller(visible->x1[n], tile->x1 - 1);
+        int y0 = larger(visible->y0[n], tile->y0), y1 = smaller(visible->y1[n], tile->y1 - 1);
+        if (x0 > x1 || y0 > y1 || kernels->occluded(pass, tile, x0, y0, x1, y1, visible->nearest[n])) continue;
+        fate[n] = draw_cluster(&r, visible->cluster[n]);
+        kernels->make_stale(tile, x0, y0, x1, y1);
     }
 }
 
-void sl_pass_count(const sl_raster *raster, uint32_t visible, sl_counters *counters) {
+void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate, sl_counters *counters) {
+    uint64_t drawn = 0, submitted = 0, culled = 0, dropped = 0, clipped = 0;
+    for (uint32_t n = 0; n < visible->count; n++) {
+        uint32_t f = fate[n];
+        if (!f) continue;
+        drawn++;
+        submitted += raster->triangles[visible->cluster[n]];
+        culled += f >> 16 & 255;
+        dropped += f >> 8 & 255;
+        clipped += f & 255;
+    }
     sl_count(counters, SL_COUNT_RASTER_PASSES, 1);
     sl_count(counters, SL_COUNT_CLUSTERS_TESTED, raster->cluster_count);
-    sl_count(counters, SL_COUNT_CLUSTERS_CULLED, raster->cluster_count - visible);
+    sl_count(counters, SL_COUNT_CLUSTERS_CULLED, raster->cluster_count - drawn);
+    sl_count(counters, SL_COUNT_TRIANGLES_SUBMITTED, submitted);
+    sl_count(counters, SL_COUNT_TRIANGLES_CULLED, culled);
+    sl_count(counters, SL_COUNT_TRIANGLES_DROPPED, dropped);
+    sl_count(counters, SL_COUNT_TRIANGLES_CLIPPED, clipped);
+    sl_count(counters, SL_COUNT_TRIANGLES_RASTERIZED, submitted - culled - dropped);
 }
 
 void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target, sl_raster_scratch *scratch,
                         sl_counters *counters) {
-    sl_pass_view pass = sl_pass_view_make(view);
-    sl_cluster_list list = {.cluster = scratch->visible, .count = raster->kernels->cull(raster, &pass, scratch->visible)};
-    sl_pass_count(raster, list.count, counters);
-    sl_pass_draw(raster, view, &pass, target->id ? target->id : scratch->id, target->depth ? target->depth : scratch->depth,
-                 scratch, &list, counters);
+    sl_pass_view pass = sl_pass_view_make(view, target->width, target->height);
+    const sl_tiles tiles = sl_tiles_of(&pass);
+    raster->kernels->cull(raster, &pass, &scratch->visible);
+    sl_visible_sort(&scratch->visible);
+    for (uint32_t n = 0; n < scratch->visible.count; n++) scratch->fate[n] = 0;
+    for (int t = 0; t < tiles.columns * tiles.rows; t++) {
+        sl_tile_place(&scratch->tile, &pass, tiles.first_column + t % tiles.columns, tiles.first_row + t / tiles.columns);
+        sl_tile_draw(raster, view, &pass, &scratch->visible, scratch, scratch->fate);
+        raster->kernels->copy_out(&pass, &scratch->tile, target->id, target->depth);
+    }
+    sl_pass_count(raster, &scratch->visible, scratch->fate, counters);
 }

@@ -28,13 +28,27 @@ typedef enum sl_depth_kind {
     SL_DEPTH_INVERSE_W  /* 1/w, linear on the screen, larger is nearer, no far plane; cleared to 0 */
 } sl_depth_kind;
 
+/* Triangles as they stand: corners are indices of vertices. Nothing is welded or dropped beforehand; coordinates may be NaN, triangles
+ * without area. */
+typedef struct sl_raster_mesh {
+    size_t vertex_count, triangle_count;
+    const float *x, *y, *z;
+    const uint32_t *vertex[3];
+} sl_raster_mesh;
+/* A rasterizer of triangles that are no scene (refined meshes, tests): ids are triangle numbers; no G-buffer, no alpha masks. The arrays
+ * must outlive it. */
+sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster, sl_error *error);
+
 /* A view: clip = matrix * (p - origin, 1), rows first: clip_i = sum_j m[i][j] q_j. The origin (the eye) is subtracted first, in float,
  * so that tiny near distances keep their precision. */
 typedef struct sl_view {
     float clip[4][4];
     sl_vec3 origin;
-    int width, height;
+    int width, height;      /* of the viewport */
+    int x, y;               /* its lower left corner in the target */
     sl_depth_kind depth;
+    bool corner_planes;     /* window depth from plane equations at the target's corner, OSMesa's way bit by bit: for comparing with it; less
+                             * accurate on slivers and small triangles than the default */
     uint32_t skip_triangle; /* not drawn (a gather's own triangle), or SL_NO_INDEX */
 } sl_view;
 
@@ -61,8 +75,8 @@ typedef struct sl_raster_scratch sl_raster_scratch;
 sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch, sl_error *error);
 void sl_raster_scratch_destroy(sl_raster_scratch *scratch);
 
-/* Clears and draws the whole scene into id and depth; alpha masks are tested. Large targets: parallel over tiles. Both forms give the same bits.
- * id NULL: depth only. */
+/* Clears the viewport and draws the whole scene into id and depth; alpha masks are tested. Large targets: parallel over tiles. Both forms
+ * give the same bits. id or depth may be NULL. What the coarse depth shows to be hidden is not drawn, and counted as culled clusters. */
 sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads, const sl_target *target,
                        sl_counters *counters, sl_error *error);
 /* The same on the calling thread alone, without allocating. */
@@ -96,6 +110,12 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
  * out holds `channels` planes; background 0. */
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
                        const float *attributes, int channels, float *out, sl_counters *counters);
+
+/* Additive float blending of triangles: every fragment of every triangle, hidden or not, in index order, adds perspective-correct
+ * attributes (vertex v's at attributes[v*channels]) to `channels` planes of the target's size. Values stay between those of the corners,
+ * so equal ones are added exactly. Masks are not tested. The triangles are put in order first, which costs time linear in their number. */
+sl_status sl_raster_add(const sl_raster *raster, const sl_view *view, unsigned threads, const float *attributes, int channels,
+                        const sl_target *size, float *planes, sl_counters *counters, sl_error *error);
 
 /* Depth cube: six faces of distance information around a light (shadow map), inverse-w depth, size x size each. */
 typedef struct sl_depth_cube {

@@ -77,11 +77,15 @@ static void make_planes(const sl_view *view, sl_pass_view *pass) {
     }
 }
 
-sl_pass_view sl_pass_view_make(const sl_view *view) {
+sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height) {
+    float half_width = 0.5f * (float)view->width, half_height = 0.5f * (float)view->height;
     sl_pass_view pass = {.origin = {view->origin.x, view->origin.y, view->origin.z},
-                         .half_width = 0.5f * (float)view->width, .half_height = 0.5f * (float)view->height,
-                         .width = view->width, .height = view->height, .x1 = view->width, .y1 = view->height,
+                         .half_width = half_width, .half_height = half_height,
+                         .offset_x = half_width + (float)view->x, .offset_y = half_height + (float)view->y,
+                         .width = width, .height = height,
+                         .x0 = view->x, .y0 = view->y, .x1 = view->x + view->width, .y1 = view->y + view->height,
                          .inverse_w = view->depth == SL_DEPTH_INVERSE_W, .skip = view->skip_triangle};
+    pass.rule = pass.inverse_w ? SL_NEARER_IS_LARGER : view->corner_planes ? SL_OPENGL_PLANE : SL_NEARER_IS_SMALLER;
     memcpy(pass.clip, view->clip, sizeof pass.clip);
     make_planes(view, &pass);
     return pass;
