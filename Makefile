@@ -83,8 +83,10 @@ OSMESA_LIBS_OSMESA := -lOSMesa
 OSMESA_LIBS_EGL := -lEGL -lGL
 OSMESA_LIBS := $(OSMESA_LIBS_$(OSMESA))
 OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
+RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
+                $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench bench-raster install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -127,9 +129,9 @@ $(BUILD)/tests/test_osmesa_%: $(BUILD)/o/tests/test_osmesa_%.o $(OSMESA_HARNESS)
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS) $(OSMESA_LIBS)
 
-$(BUILD)/bench/bench_raster%: $(BUILD)/o/bench/bench_raster%.o $(OSMESA_HARNESS) $(BUILD)/libsoftlux.a
+$(BUILD)/bench/bench_raster: $(BUILD)/o/bench/bench_raster.o $(RASTER_BENCH) $(OSMESA_HARNESS) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
-	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS) $(OSMESA_LIBS)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS) $(OSMESA_LIBS)
 
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
@@ -168,6 +170,10 @@ scenes: $(BUILD)/generate
 bench: all $(BENCHES)
 	@./bench/run.sh $(BUILD)
 
+bench-raster: $(BUILD)/bench/bench_raster
+	@[ -f scenes/generated/figure.json ] || $(MAKE) --no-print-directory scenes
+	@$(BUILD)/bench/bench_raster
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
@@ -192,7 +198,7 @@ help:
 	@echo 'make test       build and run the tests of one configuration'
 	@echo 'make golden     write the golden images of the tests anew'
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
-	@echo 'make bench      speed against error'
+	@echo 'make bench      speed against error; make bench-raster: the rasterizer beside OSMesa and rays'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
 	@echo 'make clean      remove what was built and generated'
 	@echo

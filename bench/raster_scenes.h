@@ -1,0 +1,41 @@
+/* What the rasterizer's benchmark draws: rooms and scene files, with vertices shared as graphics hardware likes them, a view through
+ * a camera, and points on surfaces to gather at. */
+#ifndef SL_BENCH_RASTER_SCENES_H
+#define SL_BENCH_RASTER_SCENES_H
+
+#include "raster/raster.h"
+#include "raster_osmesa.h"
+
+enum { BENCH_POINTS = 24 };
+
+typedef struct bench_scene {
+    char name[64];
+    sl_scene *scene;
+    sl_raster *raster;
+    peer_mesh mesh; /* the scene's triangles in the scene's order */
+    size_t points;
+    sl_vec3 point[BENCH_POINTS], normal[BENCH_POINTS];
+} bench_scene;
+
+/* Ends the program with a message: a benchmark has nothing to clean up. */
+_Noreturn void bench_stop(const char *what, const char *why);
+void *bench_allocate(size_t count, size_t size);
+
+/* A room of 4 x 3 x 5 with 110 balls of 12 n^2 triangles each, smooth normals; points on its walls. */
+bench_scene *bench_room(int n);
+/* A scene file; points on what its camera sees. */
+bench_scene *bench_load(const char *path);
+/* Triangles as nine floats each, clip coordinates, and three colours each (NULL: none); nothing shared. */
+bench_scene *bench_triangles(const char *name, const float *xyz, const float *colours, size_t count);
+void bench_scene_destroy(bench_scene *scene);
+
+/* The scene's camera, window depth. */
+sl_view bench_camera_view(const bench_scene *scene, int width, int height);
+/* Clip coordinates as they are. */
+sl_view bench_flat_view(int width, int height);
+/* The plane over point i, field of view in degrees. */
+sl_view bench_plane_view(const bench_scene *scene, size_t i, int size, double degrees);
+/* Five faces over point i: the top, then four halves. */
+void bench_hemicube_views(const bench_scene *scene, size_t i, int size, sl_view views[5]);
+
+#endif
