@@ -80,8 +80,8 @@ typedef struct {
 
 /* Where coordinates differ by many orders of magnitude, rounding may leave a cut vertex a little outside; a pixel's
  * margin keeps it representable. */
-static float keep_near(float x, int first, int end) {
-    float low = (float)first - 1.0f, high = (float)end + 1.0f;
+static float keep_near(float x, float middle, float half) {
+    float low = middle - half - 1.0f, high = middle + half + 1.0f;
     return x < low ? low : x > high ? high : x;
 }
 
@@ -96,8 +96,8 @@ static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer 
     float oow = 1.0f / p->w;
     float x = (p->x * oow) * view->half_width + view->offset_x, y = (p->y * oow) * view->half_height + view->offset_y;
     float depth = (p->z * oow) * 0.5f + 0.5f;
-    q.x = keep_near(x, view->x0, view->x1);
-    q.y = keep_near(y, view->y0, view->y1);
+    q.x = keep_near(x, view->offset_x, view->half_width);
+    q.y = keep_near(y, view->offset_y, view->half_height);
     q.depth = view->inverse_w ? oow : depth < 0.0f ? 0.0f : depth > 1.0f ? 1.0f : depth;
     q.finite = isfinite(q.x) && isfinite(q.y) && isfinite(q.depth);
     if (q.finite) {

@@ -39,6 +39,11 @@ typedef struct sl_raster_mesh {
  * must outlive it. */
 sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster, sl_error *error);
 
+/* Half-open, in pixels of the target; x0 = x1 = 0: no scissor. */
+typedef struct sl_scissor {
+    int x0, y0, x1, y1;
+} sl_scissor;
+
 /* A view: clip = matrix * (p - origin, 1), rows first: clip_i = sum_j m[i][j] q_j. The origin (the eye) is subtracted first, in float,
  * so that tiny near distances keep their precision. */
 typedef struct sl_view {
@@ -46,6 +51,7 @@ typedef struct sl_view {
     sl_vec3 origin;
     int width, height;      /* of the viewport */
     int x, y;               /* its lower left corner in the target */
+    sl_scissor scissor;     /* only these pixels of the viewport are cleared and drawn, with the same bits as without it */
     sl_depth_kind depth;
     bool corner_planes;     /* window depth from plane equations at the target's corner, OSMesa's way bit by bit: for comparing with it; less
                              * accurate on slivers and small triangles than the default */

@@ -77,6 +77,20 @@ static void make_planes(const sl_view *view, sl_pass_view *pass) {
     }
 }
 
+static int at_least(int a, int low) { return a > low ? a : low; }
+static int at_most(int a, int high) { return a < high ? a : high; }
+
+/* What lies outside the viewport leaves an empty region at its corner. */
+static void cut_by_scissor(const sl_scissor *s, sl_pass_view *pass) {
+    if (s->x0 == 0 && s->x1 == 0) return;
+    sl_scissor cut = {at_least(s->x0, pass->x0), at_least(s->y0, pass->y0), at_most(s->x1, pass->x1), at_most(s->y1, pass->y1)};
+    bool empty = cut.x0 >= cut.x1 || cut.y0 >= cut.y1;
+    pass->x1 = empty ? pass->x0 : cut.x1;
+    pass->y1 = empty ? pass->y0 : cut.y1;
+    pass->x0 = empty ? pass->x0 : cut.x0;
+    pass->y0 = empty ? pass->y0 : cut.y0;
+}
+
 sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height) {
     float half_width = 0.5f * (float)view->width, half_height = 0.5f * (float)view->height;
     sl_pass_view pass = {.origin = {view->origin.x, view->origin.y, view->origin.z},
@@ -86,6 +100,7 @@ sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height) {
                          .x0 = view->x, .y0 = view->y, .x1 = view->x + view->width, .y1 = view->y + view->height,
                          .inverse_w = view->depth == SL_DEPTH_INVERSE_W, .skip = view->skip_triangle};
     pass.rule = pass.inverse_w ? SL_NEARER_IS_LARGER : view->corner_planes ? SL_OPENGL_PLANE : SL_NEARER_IS_SMALLER;
+    cut_by_scissor(&view->scissor, &pass);
     memcpy(pass.clip, view->clip, sizeof pass.clip);
     make_planes(view, &pass);
     return pass;
