@@ -243,7 +243,7 @@ static void a_lights_window_is_the_same_with_and_without_culling(void **state) {
     static uint32_t all[64 * 64], few[64 * 64];
     static float all_depth[64 * 64], few_depth[64 * 64];
     for (uint64_t n = 0; n < 40; n++) {
-        sl_vec3 eye = sl_v3(random_between(9, 2 * n, 0.1f, 3.9f), 0.01f, random_between(9, 2 * n + 1, 0.1f, 4.9f));
+        sl_vec3 eye = sl_v3(random_between(sl_random_key(9, 0), 2 * n, 0.1f, 3.9f), 0.01f, random_between(sl_random_key(9, 0), 2 * n + 1, 0.1f, 4.9f));
         sl_light_view view;
         assert_int_equal(sl_view_light(eye, sl_v3(0, 1, 0), &shape, 64, 64, 1e-4f, &view), SL_LIGHT_IN_VIEW);
         sl_cone cone = sl_cone_around(eye, lamp, 6); /* the pyramid is square: its corners reach a little further */
@@ -291,7 +291,7 @@ static void clusters_in_a_cone_are_conservative_and_few(void **state) {
     sl_cone everything = {sl_v3(0, 0, 0), sl_v3(0, 0, 0), 1, 1};
     assert_int_equal(sl_raster_clusters_in_cone(raster, &everything, clusters), all);
     for (uint64_t n = 0; n < 30; n++) {
-        sl_cone cone = {sl_v3(2, 1.5f, 2.5f), random_direction(55, n), 0.98f, INFINITY};
+        sl_cone cone = {sl_v3(2, 1.5f, 2.5f), random_direction(sl_random_key(55, 0), n), 0.98f, INFINITY};
         size_t count = sl_raster_clusters_in_cone(raster, &cone, clusters);
         bool *listed = calloc(scene->triangle_count, sizeof *listed);
         assert_non_null(listed);

@@ -68,6 +68,9 @@ sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float ri
 sl_view sl_view_cube_face(sl_vec3 eye, int face, int size, float near);
 /* The frame (s axis, t axis, outward axis) of a cube face. */
 sl_frame sl_cube_face_frame(int face);
+/* Face 0..4 of a hemicube around frame z: the top, size x size pixels, and the upper halves of its four sides, +x -x +y -y of the frame,
+ * each turned so that it folds out from the top's edge: a cross in which neighbouring pixels see neighbouring directions. */
+sl_view sl_view_hemicube_face(const sl_frame *frame, sl_vec3 eye, int face, int size, float near);
 
 /* A pbuffer's planes; all caller-owned arrays of width*height (NULL: not wanted), row 0 at the bottom. */
 typedef struct sl_target {

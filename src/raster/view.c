@@ -60,6 +60,26 @@ sl_view sl_view_cube_face(sl_vec3 eye, int face, int size, float near) {
     return sl_view_pyramid(&frame, eye, -1.0f, 1.0f, -1.0f, 1.0f, size, size, near);
 }
 
+/* A face's axes in the hemicube's frame (x, y of the picture, and the way it looks), and the part of [-1,1]^2 that it shows. */
+typedef struct {
+    sl_vec3 x, y, outward;
+    float left, right, bottom, top;
+} hemicube_face;
+
+sl_view sl_view_hemicube_face(const sl_frame *frame, sl_vec3 eye, int face, int size, float near) {
+    static const hemicube_face faces[5] = {
+        {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, -1, 1, -1, 1},  /* top */
+        {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, -1, 0, -1, 1}, /* +x: its left edge is the top's right one */
+        {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, 0, 1, -1, 1},  /* -x */
+        {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, -1, 1, -1, 0}, /* +y: its lower edge is the top's upper one */
+        {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, -1, 1, 0, 1},  /* -y */
+    };
+    const hemicube_face *f = &faces[face];
+    int half = size / 2, width = f->right - f->left > 1.0f ? 2 * half : half, height = f->top - f->bottom > 1.0f ? 2 * half : half;
+    sl_frame axes = {sl_frame_to_world(frame, f->x), sl_frame_to_world(frame, f->y), sl_frame_to_world(frame, f->outward)};
+    return sl_view_pyramid(&axes, eye, f->left, f->right, f->bottom, f->top, width, height, near);
+}
+
 /* Planes in the order of the clip codes: w -+ x, w -+ y, then near and far. */
 static void make_planes(const sl_view *view, sl_pass_view *pass) {
     const float(*m)[4] = view->clip;

@@ -3,31 +3,20 @@
 
 #include "base/counters.h"
 
-/* A face: its axes in the local frame (x, y of the picture, and the way it looks), the part of [-1,1]^2 that it shows, and where
- * its lower left pixel lies in the picture, in half sizes. */
-typedef struct face {
-    sl_vec3 x, y, outward;
-    float left, right, bottom, top;
+/* Where a face's lower left pixel lies in the picture, in half sizes. */
+typedef struct place {
     int column, row;
-} face;
+} place;
 
-static const face faces[5] = {
-    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, -1, 1, -1, 1, 1, 1},
-    {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, -1, 0, -1, 1, 3, 1},
-    {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, 0, 1, -1, 1, 0, 1},
-    {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, -1, 1, -1, 0, 1, 3},
-    {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, -1, 1, 0, 1, 1, 0},
-};
+static const place places[5] = {{1, 1}, {3, 1}, {0, 1}, {1, 3}, {1, 0}};
 
-static void render_face(const sl_gather_view *view, const face *f, sl_counters *counters) {
+static void render_face(const sl_gather_view *view, int face, sl_counters *counters) {
     const sl_gather *gather = view->gather;
     sl_gather_scratch *s = view->scratch;
+    const place *f = &places[face];
     int half = gather->tables->size / 2;
-    int width = f->right - f->left > 1.0f ? 2 * half : half, height = f->top - f->bottom > 1.0f ? 2 * half : half;
-    sl_frame frame = {sl_frame_to_world(&view->frame, f->x), sl_frame_to_world(&view->frame, f->y),
-                      sl_frame_to_world(&view->frame, f->outward)};
-    sl_view pyramid = sl_view_pyramid(&frame, view->eye, f->left, f->right, f->bottom, f->top, width, height,
-                                      2.0f * gather->offset);
+    sl_view pyramid = sl_view_hemicube_face(&view->frame, view->eye, face, gather->tables->size, 2.0f * gather->offset);
+    int width = pyramid.width, height = pyramid.height;
     pyramid.skip_triangle = view->point->triangle;
     sl_target target = {.width = width, .height = height, .id = s->target_id, .depth = s->target_depth};
     sl_raster_id_small(gather->raster, &pyramid, &target, s->raster, counters);
@@ -47,6 +36,6 @@ static void render_face(const sl_gather_view *view, const face *f, sl_counters *
 }
 
 void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters) {
-    for (int i = 0; i < 5; i++) render_face(view, &faces[i], counters);
+    for (int i = 0; i < 5; i++) render_face(view, i, counters);
     sl_gather_hits_of_cells(view);
 }
