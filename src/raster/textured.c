@@ -17,16 +17,17 @@ typedef struct {
     size_t pixels;
 } textured;
 
+/* NULL: a mesh alone has none. */
 static const sl_material *material_of(const textured *c, uint32_t triangle) {
     const sl_scene *scene = c->raster->scene;
-    return &scene->materials[scene->material_index[triangle]];
+    return scene ? &scene->materials[scene->material_index[triangle]] : NULL;
 }
 
 /* NULL: without texture. */
 static const sl_texture_image *image_of(const textured *c, uint32_t triangle) {
     if (c->pass->single) return c->pass->single;
-    uint32_t texture = material_of(c, triangle)->texture;
-    return texture == SL_NO_INDEX || !c->pass->set ? NULL : sl_texture_set_image(c->pass->set, texture);
+    const sl_material *m = material_of(c, triangle);
+    return m && m->texture != SL_NO_INDEX && c->pass->set ? sl_texture_set_image(c->pass->set, m->texture) : NULL;
 }
 
 static void write_if(float *plane, size_t pixel, float value) {
@@ -43,14 +44,14 @@ static void write_background(const textured *c, size_t pixel) {
 
 static void write_material(const textured *c, size_t pixel, const float rgba[4]) {
     const sl_material *m = material_of(c, c->id[pixel]);
-    sl_rgb kd = c->pass->single ? sl_grey(1.0f) : m->diffuse;
+    sl_rgb kd = c->pass->single || !m ? sl_grey(1.0f) : m->diffuse, ks = m ? m->specular : sl_grey(0.0f);
     write_if(c->out->color[0], pixel, kd.r * rgba[0]);
     write_if(c->out->color[1], pixel, kd.g * rgba[1]);
     write_if(c->out->color[2], pixel, kd.b * rgba[2]);
     write_if(c->out->color[3], pixel, rgba[3]);
-    write_if(c->out->specular[0], pixel, m->specular.r);
-    write_if(c->out->specular[1], pixel, m->specular.g);
-    write_if(c->out->specular[2], pixel, m->specular.b);
+    write_if(c->out->specular[0], pixel, ks.r);
+    write_if(c->out->specular[1], pixel, ks.g);
+    write_if(c->out->specular[2], pixel, ks.b);
 }
 
 /* What the kernel needs of a triangle. */
@@ -60,17 +61,19 @@ typedef struct {
 } corners;
 
 static void fetch_corners(const textured *c, uint32_t triangle, corners *out) {
+    const sl_raster_mesh *mesh = &c->raster->mesh;
     const sl_scene *scene = c->raster->scene;
+    const float *own = c->pass->coordinates;
     out->triangle = triangle;
     for (int k = 0; k < 3; k++) {
-        uint32_t vertex = scene->vertex[k][triangle];
-        sl_vec3 q = sl_sub(sl_scene_position(scene, vertex), c->view->origin);
+        uint32_t vertex = mesh->vertex[k][triangle];
+        sl_vec3 q = sl_sub(sl_v3(mesh->x[vertex], mesh->y[vertex], mesh->z[vertex]), c->view->origin);
         out->corner[3 * k] = q.x;
         out->corner[3 * k + 1] = q.y;
         out->corner[3 * k + 2] = q.z;
-        const float *own = c->pass->coordinates;
-        out->s[k] = own ? own[6 * (size_t)triangle + 2 * (size_t)k] : scene->texture_u[vertex];
-        out->t[k] = own ? own[6 * (size_t)triangle + 2 * (size_t)k + 1] : scene->texture_v[vertex];
+        const float *corner = own ? own + 6 * (size_t)triangle + 2 * (size_t)k : NULL;
+        out->s[k] = corner ? corner[0] : scene ? scene->texture_u[vertex] : 0.0f;
+        out->t[k] = corner ? corner[1] : scene ? scene->texture_v[vertex] : 0.0f;
     }
 }
 

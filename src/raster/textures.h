@@ -167,7 +167,8 @@ typedef struct sl_textured_planes {
     float *s, *t, *lod; /* perspective-correct coordinates, and level of detail before clamping to the levels there are */
 } sl_textured_planes;
 
-/* Shades the pixels of an id plane of that view; background is 0. For a raster of a scene (not of a plain mesh). */
+/* Shades the pixels of an id plane of that view; background is 0. A mesh without scene has neither materials nor coordinates of its
+ * own: then `single` and `coordinates` are wanted. */
 void sl_raster_textured(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
                         const sl_textured_pass *pass, const sl_textured_planes *out, sl_counters *counters);
 

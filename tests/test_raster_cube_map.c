@@ -1,0 +1,263 @@
+/* Cube maps: faces, seams, MIP chains, lookups by direction. */
+#include "raster_support.h"
+#include "raster/textures.h"
+
+static const sl_sampler BILINEAR = {.linear = true, .mip = SL_MIP_NONE};
+static const sl_sampler TRILINEAR = {.linear = true, .mip = SL_MIP_LINEAR};
+
+static sl_cube_map *new_cube(int size, bool mip) {
+    sl_cube_map *cube = NULL;
+    assert_int_equal(sl_cube_map_create(size, mip, &cube, NULL), SL_OK);
+    return cube;
+}
+
+static sl_cube_map *random_cube(int size, uint64_t seed) {
+    sl_cube_map *cube = new_cube(size, true);
+    uint64_t key = sl_random_key(seed, 1), n = 0;
+    for (int face = 0; face < 6; face++) {
+        for (int i = 0; i < size * size; i++) {
+            float *texel = sl_cube_map_texel(cube, 0, face, i % size, i / size);
+            for (int c = 0; c < 4; c++) texel[c] = sl_random_unit(key, n++);
+        }
+    }
+    sl_cube_map_build(cube, 1);
+    return cube;
+}
+
+/* The direction of place (s, t), both in [-1,1], of a face. */
+static sl_vec3 on_face(int face, float s, float t) {
+    sl_frame f = sl_cube_face_frame(face);
+    return sl_add(sl_add(sl_scale(f.x, s), sl_scale(f.y, t)), f.z);
+}
+
+static void assert_near(double a, double b, double tolerance) {
+    if (!(fabs(a - b) <= tolerance)) fail_msg("%.9g is not %.9g within %.3g", a, b, tolerance);
+}
+
+static void a_texels_own_direction_gives_that_texel_on_every_face(void **state) {
+    (void)state;
+    sl_cube_map *cube = random_cube(8, 1);
+    const sl_sampler nearest = {.linear = false};
+    for (int face = 0; face < 6; face++) {
+        for (int i = 0; i < 64; i++) {
+            float rgba[4];
+            sl_vec3 d = sl_scale(on_face(face, ((float)(i % 8) + 0.5f) / 4 - 1, ((float)(i / 8) + 0.5f) / 4 - 1), 3.0f);
+            sl_cube_map_sample(cube, nearest, d, 0.0f, rgba);
+            assert_memory_equal(rgba, sl_cube_map_texel(cube, 0, face, i % 8, i / 8), sizeof rgba);
+            sl_cube_map_sample(cube, BILINEAR, d, 0.0f, rgba);
+            assert_memory_equal(rgba, sl_cube_map_texel(cube, 0, face, i % 8, i / 8), sizeof rgba);
+        }
+    }
+    sl_cube_map_destroy(cube);
+}
+
+/* What a cube of views sees (sl_view_cube_face) is found again by direction: both have the same axes. */
+static void a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn(void **state) {
+    (void)state;
+    enum { SIZE = 32, PIXELS = SIZE * SIZE };
+    sl_scene *scene = furnished_room(0, 1);
+    sl_raster *raster = raster_of(scene);
+    sl_cube_map *cube = new_cube(SIZE, false);
+    sl_vec3 eye = sl_v3(1, 1, 2);
+    static uint32_t id[6][PIXELS];
+    for (int face = 0; face < 6; face++) {
+        sl_pbuffer *pbuffer = NULL;
+        assert_int_equal(sl_pbuffer_create(SIZE, SIZE, SL_PBUFFER_R32F, &pbuffer, NULL), SL_OK);
+        sl_view view = sl_view_cube_face(eye, face, SIZE, 1e-3f);
+        render(raster, &view, 1, id[face], NULL);
+        for (int i = 0; i < PIXELS; i++) pbuffer->channel[0][i] = (float)id[face][i];
+        sl_cube_map_set_face(cube, face, pbuffer);
+        sl_pbuffer_destroy(pbuffer);
+    }
+    sl_cube_map_build(cube, 1);
+    for (uint64_t i = 0; i < 500; i++) {
+        sl_vec3 d = random_direction(sl_random_key(3, 3), i);
+        float rgba[4];
+        sl_cube_map_sample(cube, (sl_sampler){.linear = false}, d, 0.0f, rgba);
+        /* The triangle that was seen lies in that direction, up to the width of a texel. */
+        uint32_t triangle = (uint32_t)rgba[0];
+        sl_vec3 n = sl_scene_geometric_normal(scene, triangle), p = sl_scene_position(scene, scene->vertex[0][triangle]);
+        float distance = sl_dot(sl_sub(p, eye), n) / sl_dot(d, n);
+        sl_vec3 hit = sl_mad(eye, distance, d), middle = sl_scale(sl_add(sl_add(p, sl_scene_position(scene, scene->vertex[1][triangle])),
+                                                                        sl_scene_position(scene, scene->vertex[2][triangle])), 1.0f / 3.0f);
+        assert_true(distance > 0.0f && sl_length(sl_sub(hit, middle)) < 1.1f);
+        assert_true(rgba[3] == 1.0f && rgba[1] == 0.0f);
+    }
+    sl_cube_map_destroy(cube);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* Walks across all twelve edges and around all eight corners: a step of length e may change the result by no more than its slope
+ * (texels differ by at most 1, so 3 size e), and on the edge itself both faces agree. */
+static void lookups_are_continuous_over_edges_and_corners(void **state) {
+    (void)state;
+    for (int size = 1; size <= 9; size += 4) {
+        sl_cube_map *cube = random_cube(size, (uint64_t)size);
+        uint64_t key = sl_random_key(21, (uint64_t)size);
+        for (uint64_t i = 0; i < 60000; i++) {
+            const float e = 1e-6f;
+            int face = (int)(i % 6);
+            /* Near an edge; one in three near a corner, where three faces meet. */
+            float along = random_between(key, 2 * i, -1, 1), sign = i & 8 ? 1.0f : -1.0f;
+            float across = sign * (1.0f + (i % 3 ? 0.0f : random_between(key, 2 * i + 1, -e, e)));
+            if (i % 3 == 2) along = i & 16 ? 1.0f - e / 2 : -1.0f + e / 2;
+            float inner[4], outer[4], lod = i & 32 ? 0.5f * (float)(cube->levels - 1) : 0.0f;
+            sl_vec3 d1 = i & 4 ? on_face(face, across * (1 - e), along) : on_face(face, along, across * (1 - e));
+            sl_vec3 d2 = i & 4 ? on_face(face, across * (1 + e), along) : on_face(face, along, across * (1 + e));
+            sl_cube_map_sample(cube, TRILINEAR, d1, lod, inner);
+            sl_cube_map_sample(cube, TRILINEAR, d2, lod, outer);
+            for (int c = 0; c < 4; c++) assert_near((double)inner[c], (double)outer[c], 6.0 * (double)e * size + 2e-7);
+        }
+        sl_cube_map_destroy(cube);
+    }
+}
+
+static void borders_are_the_neighbours_texels_and_corners_the_mean_of_three(void **state) {
+    (void)state;
+    enum { N = 4 };
+    sl_cube_map *cube = random_cube(N, 5);
+    for (int face = 0; face < 6; face++) {
+        for (int i = 0; i < N; i++) {
+            /* Half a texel over the edge, seen from the cube's middle, is the neighbour's first texel. */
+            float a = ((float)i + 0.5f) * 2 / N - 1, inwards = 1.0f - 1.0f / N;
+            sl_frame f = sl_cube_face_frame(face);
+            sl_vec3 d = sl_add(sl_add(sl_scale(f.x, 1.0f), sl_scale(f.y, a)), sl_scale(f.z, inwards));
+            float rgba[4];
+            sl_cube_map_sample(cube, (sl_sampler){.linear = false}, d, 0.0f, rgba);
+            assert_memory_equal(rgba, sl_cube_map_texel(cube, 0, face, N, i), sizeof rgba);
+        }
+    }
+    /* The corner (+,+,+): on face +x at s = 0, t = 0 (its s runs against z, its t against y), and so on by table 8.19. */
+    const float *x = sl_cube_map_texel(cube, 0, 0, 0, 0), *y = sl_cube_map_texel(cube, 0, 2, N - 1, N - 1),
+                *z = sl_cube_map_texel(cube, 0, 4, N - 1, 0);
+    for (int c = 0; c < 4; c++) {
+        float mean = (float)((((double)x[c] + (double)y[c]) + (double)z[c]) / 3.0);
+        assert_true(sl_cube_map_texel(cube, 0, 0, -1, -1)[c] == mean);
+        assert_true(sl_cube_map_texel(cube, 0, 2, N, N)[c] == mean);
+        assert_true(sl_cube_map_texel(cube, 0, 4, N, -1)[c] == mean);
+    }
+    sl_cube_map_destroy(cube);
+}
+
+static void a_constant_cube_is_constant_everywhere_at_any_level(void **state) {
+    (void)state;
+    sl_cube_map *cube = new_cube(12, true);
+    const float color[4] = {0.1f, 3.7e5f, 1e-20f, 1.0f};
+    for (int i = 0; i < 6 * 144; i++) memcpy(sl_cube_map_texel(cube, 0, i / 144, i % 12, i / 12 % 12), color, sizeof color);
+    sl_cube_map_build(cube, 2);
+    uint64_t key = sl_random_key(6, 0);
+    for (uint64_t i = 0; i < 5000; i++) {
+        float rgba[4];
+        sl_cube_map_sample(cube, TRILINEAR, random_direction(key, i), random_between(key, 9999999 + i, -1, 5), rgba);
+        assert_memory_equal(rgba, color, sizeof rgba);
+    }
+    sl_cube_map_destroy(cube);
+}
+
+static void each_faces_mean_is_kept_along_the_chain(void **state) {
+    (void)state;
+    sl_cube_map *cube = random_cube(37, 2);
+    assert_int_equal(cube->levels, 6);
+    for (int face = 0; face < 6; face++) {
+        double mean = 0.0;
+        for (int i = 0; i < 37 * 37; i++) mean += (double)sl_cube_map_texel(cube, 0, face, i % 37, i / 37)[2] / (37 * 37);
+        assert_near((double)sl_cube_map_texel(cube, 5, face, 0, 0)[2], mean, 3e-7);
+    }
+    sl_cube_map_destroy(cube);
+}
+
+static void any_direction_gives_a_defined_colour(void **state) {
+    (void)state;
+    sl_cube_map *cube = random_cube(5, 8);
+    const float values[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-45f, -1e-45f, 1e30f, -3.4e38f, 3.4e38f, INFINITY, -INFINITY, NAN};
+    for (int i = 0; i < 12 * 12 * 12 * 4; i++) {
+        float rgba[4];
+        sl_cube_map_sample(cube, (sl_sampler){.linear = i % 4 > 1, .mip = i & 1 ? SL_MIP_LINEAR : SL_MIP_NONE},
+                           sl_v3(values[i / 4 % 12], values[i / 48 % 12], values[i / 576]), 0.7f, rgba);
+        for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
+    }
+    float zero[4], middle[4], infinite[4], diagonal[4];
+    sl_cube_map_sample(cube, BILINEAR, sl_v3(0, 0, 0), 0.0f, zero);
+    sl_cube_map_sample(cube, BILINEAR, sl_v3(1, 0, NAN), 0.0f, middle);
+    assert_memory_equal(zero, middle, sizeof zero);
+    sl_cube_map_sample(cube, BILINEAR, sl_v3(-INFINITY, INFINITY, 1), 0.0f, infinite);
+    sl_cube_map_sample(cube, BILINEAR, sl_v3(-1, 1, 0), 0.0f, diagonal);
+    for (int c = 0; c < 4; c++) assert_near((double)infinite[c], (double)diagonal[c], 1e-6);
+    sl_cube_map_destroy(cube);
+}
+
+static void the_level_of_detail_is_that_of_the_faces_plane(void **state) {
+    (void)state;
+    sl_cube_map *cube = new_cube(64, true);
+    uint64_t key = sl_random_key(17, 0);
+    for (uint64_t i = 0; i < 2000; i++) {
+        int face = (int)(i % 6);
+        float s = random_between(key, 8 * i, -0.9f, 0.9f), t = random_between(key, 8 * i + 1, -0.9f, 0.9f);
+        float scale = random_between(key, 8 * i + 2, 0.1f, 7.0f), ds = random_between(key, 8 * i + 3, -0.1f, 0.1f);
+        float dt = random_between(key, 8 * i + 4, -0.1f, 0.1f), stretch = random_between(key, 8 * i + 5, -1, 1);
+        sl_frame f = sl_cube_face_frame(face);
+        sl_vec3 d = sl_scale(on_face(face, s, t), scale);
+        /* Moving along d itself changes nothing. */
+        sl_vec3 d_dx = sl_mad(sl_scale(sl_add(sl_scale(f.x, ds), sl_scale(f.y, dt)), scale), stretch, d);
+        double expected = log2(32.0 * hypot((double)ds, (double)dt));
+        assert_near((double)sl_cube_map_lod(cube, d, d_dx, sl_scale(d, 2.0f)), expected, 3e-4);
+    }
+    sl_cube_map_destroy(cube);
+}
+
+static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set(void **state) {
+    (void)state;
+    enum { COUNT = 1500 };
+    static float x[COUNT], y[COUNT], z[COUNT], lod[COUNT], out[4][COUNT];
+    const float values[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-45f, 1e30f, -3.4e38f, INFINITY, -INFINITY, NAN};
+    uint64_t key = sl_random_key(19, 0);
+    for (uint64_t i = 0; i < COUNT; i++) {
+        x[i] = i % 5 ? random_between(key, 4 * i, -1, 1) : values[i / 5 % 10];
+        y[i] = i % 7 ? random_between(key, 4 * i + 1, -1, 1) : values[i / 7 % 10];
+        z[i] = i % 11 ? random_between(key, 4 * i + 2, -1, 1) : i % 2 ? x[i] : values[i / 11 % 10];
+        lod[i] = i % 13 ? random_between(key, 4 * i + 3, -3, 6) : values[i / 13 % 10];
+    }
+    const char *isas[] = {"baseline", "avx2", "avx512"};
+    for (int k = 0; k < 18; k++) {
+        sl_sampler sampler = {.linear = k % 6 < 3, .mip = (sl_mip)(k % 3)};
+        assert_int_equal(setenv("SOFTLUX_ISA", isas[k / 6], 1), 0);
+        sl_cube_map *cube = random_cube(21, 4);
+        unsetenv("SOFTLUX_ISA");
+        float *const plane[4] = {out[0], NULL, out[2], out[3]};
+        size_t count = COUNT - (size_t)k;
+        sl_cube_map_sample_many(cube, sampler, count, x, y, z, lod, plane);
+        for (size_t i = 0; i < count; i++) {
+            float rgba[4];
+            sl_cube_map_sample(cube, sampler, sl_v3(x[i], y[i], z[i]), lod[i], rgba);
+            for (int c = 0; c < 4; c++) {
+                if (plane[c]) assert_memory_equal(&rgba[c], &plane[c][i], sizeof(float));
+            }
+        }
+        sl_cube_map_destroy(cube);
+    }
+}
+
+static void impossible_sizes_are_refused(void **state) {
+    (void)state;
+    sl_cube_map *cube;
+    assert_int_equal(sl_cube_map_create(0, true, &cube, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_cube_map_create(8193, true, &cube, NULL), SL_ERROR_USAGE);
+    assert_null(cube);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_texels_own_direction_gives_that_texel_on_every_face),
+        cmocka_unit_test(a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn),
+        cmocka_unit_test(lookups_are_continuous_over_edges_and_corners),
+        cmocka_unit_test(borders_are_the_neighbours_texels_and_corners_the_mean_of_three),
+        cmocka_unit_test(a_constant_cube_is_constant_everywhere_at_any_level),
+        cmocka_unit_test(each_faces_mean_is_kept_along_the_chain),
+        cmocka_unit_test(any_direction_gives_a_defined_colour),
+        cmocka_unit_test(the_level_of_detail_is_that_of_the_faces_plane),
+        cmocka_unit_test(many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set),
+        cmocka_unit_test(impossible_sizes_are_refused),
+    };
+    return cmocka_run_group_tests_name("cube maps", tests, NULL, NULL);
+}
