@@ -5,7 +5,7 @@
  * Every workload runs on ours and on OSMesa in turn: same triangles, matrices, resolution and number of threads. OSMesa gets indexed
  * triangles with shared vertices in static buffers, in one draw call a view. Its time includes reading the picture into memory
  * (glReadPixels), which ours is drawn into; the time of drawing alone stands beside it. On one thread the clock is processor time,
- * on more it is wall time. Medians; +-% is half the distance of the quartiles. Shaders are compiled and memory is touched before.
+ * on two it is wall time (raster_measure.c says how). Shaders are compiled and memory is touched before.
  *
  * Work that does not show is not done by ours, where OSMesa is free to leave it out too: attributes are computed once a visible
  * pixel, after the ID map. "differing" is the share of pixels in which the two pictures differ: of ID maps in any bit, of others by more
@@ -68,7 +68,7 @@ static void run_all(const options *o) {
         seen_rows(&m, file[k]);
         gather_rows(&m, file[k]);
     }
-    if (!m.csv && !missing) printf("%d of %d rows miss what is wanted\n", m.missed, m.rows);
+    if (!m.csv) printf("%d of %d rows miss what is wanted\n", m.missed, m.rows);
     roofline_print(&m);
     for (int k = 0; k < 3; k++) bench_rays(&m, room[k]);
     for (int k = 0; k < 3; k++) {

@@ -1,16 +1,5 @@
 #include "raster_bench_kernels.h"
 
-static void SL_KERNEL(blend)(float *const plane[4], size_t first, size_t end) {
-    float *restrict r = plane[0], *restrict g = plane[1], *restrict b = plane[2], *restrict a = plane[3];
-#pragma omp simd
-    for (size_t i = first; i < end; i++) {
-        r[i] += 1.0f;
-        g[i] += 1.0f;
-        b[i] += 1.0f;
-        a[i] += 1.0f;
-    }
-}
-
 static void SL_KERNEL(triad)(float *restrict out, const float *restrict a, const float *restrict b, float s, size_t count) {
 #pragma omp simd
     for (size_t i = 0; i < count; i++) out[i] = a[i] + s * b[i];
@@ -33,4 +22,4 @@ static void SL_KERNEL(transform)(const float *restrict x, const float *restrict 
 }
 
 extern const bench_kernels SL_KERNEL(bench_kernel_table);
-const bench_kernels SL_KERNEL(bench_kernel_table) = {SL_KERNEL(blend), SL_KERNEL(triad), SL_KERNEL(transform)};
+const bench_kernels SL_KERNEL(bench_kernel_table) = {SL_KERNEL(triad), SL_KERNEL(transform)};

@@ -1,4 +1,4 @@
-/* The benchmark's own loops, compiled once for each instruction set like the library's (base/isa.h). */
+/* The roofline's loops, compiled once for each instruction set like the library's (base/isa.h). */
 #ifndef SL_BENCH_RASTER_KERNELS_H
 #define SL_BENCH_RASTER_KERNELS_H
 
@@ -8,8 +8,6 @@
 #include "base/isa.h"
 
 typedef struct bench_kernels {
-    /* Adds 1 to values [first, end) of four planes. */
-    void (*blend)(float *const plane[4], size_t first, size_t end);
     /* out = a + s b */
     void (*triad)(float *out, const float *a, const float *b, float s, size_t count);
     /* Vertices to window coordinates and 1/w: 4x4 matrix, division, viewport. out: x, y, 1/w one after another. */

@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "raster_bench_kernels.h"
+#include "cache/splatting/splatting.h"
 
 enum { SIDE = 1000, PIXELS = SIDE * SIDE };
 
@@ -19,8 +19,7 @@ static void expect_ok(sl_status status, const sl_error *error) {
 
 /* ---- splats: 4000 records of radiance cache splatting on a G-buffer of the room ---------------------------------------- */
 
-enum { SPLATS = 4000 };
-static const float accuracy = 0.3f;
+enum { SPLATS = 4000, SUMS = 5 };
 
 typedef struct splat_pass {
     const bench_scene *scene;
@@ -28,49 +27,36 @@ typedef struct splat_pass {
     uint32_t *receives;
     sl_record record[SPLATS];
     sl_splat_rect rect[SPLATS];
-    sl_weight_rules rules;
-    sl_receivers receivers;
+    sl_record_pass rules;
+    float *plane[SUMS], *ones;
     sl_splat_buffer sums;
-    float *plane[5];
-    const sl_splat_kernels *kernels;
-    const bench_kernels *own;
     double fragments; /* area of the rectangles */
 } splat_pass;
 
-static uint64_t run_splat(void *context, size_t index, int x0, int x1, int y) {
-    const splat_pass *p = context;
-    size_t row = (size_t)y * SIDE;
-    return p->kernels->splat(&p->record[index], &p->rules, &p->receivers, &p->sums, row + (size_t)x0, row + (size_t)x1);
-}
-
-static uint64_t run_blend(void *context, size_t index, int x0, int x1, int y) {
-    (void)index;
-    const splat_pass *p = context;
-    size_t row = (size_t)y * SIDE;
-    p->own->blend(p->plane, row + (size_t)x0, row + (size_t)x1);
-    return (uint64_t)(x1 - x0);
-}
-
-static void splat_all(splat_pass *p, sl_splat_program *program, unsigned threads, sl_counters *counters) {
+static void draw_splats(void *context, unsigned threads, sl_counters *counters) {
+    splat_pass *p = context;
     sl_error error;
-    expect_ok(sl_raster_splats(SIDE, SIDE, SPLATS, p->rect, program, p, threads, counters, &error), &error);
+    p->rules.threads = threads;
+    expect_ok(sl_splat_records(&p->rules, p->record, SPLATS, &p->sums, counters, &error), &error);
 }
 
-static void draw_splats(void *context, unsigned threads, sl_counters *counters) { splat_all(context, run_splat, threads, counters); }
-static void draw_blend(void *context, unsigned threads, sl_counters *counters) { splat_all(context, run_blend, threads, counters); }
+static void draw_blend(void *context, unsigned threads, sl_counters *counters) {
+    splat_pass *p = context;
+    sl_error error;
+    expect_ok(sl_raster_blend(SIDE, SIDE, SPLATS, p->rect, p->ones, 4, p->plane, threads, counters, &error), &error);
+}
 
-/* A record at a random pixel, so large that it is seen about 32 pixels to each side. */
+/* A record at a random pixel, so large that it is seen some 32 pixels to each side. */
 static void make_record(splat_pass *p, size_t i, uint64_t key) {
     const sl_gbuffer *g = p->gbuffer;
-    const sl_camera *camera = &p->scene->scene->camera;
+    const sl_camera *camera = p->rules.camera;
     size_t pixel = sl_random_bits(key, 16 * i) % PIXELS;
     sl_record *r = &p->record[i];
     r->position = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     r->normal = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
     float depth = -sl_dot(camera->back, sl_sub(r->position, camera->eye));
-    float footprint = 2.0f * (float)sl_tan(0.5 * (double)camera->vertical_fov) / SIDE * depth;
     float pixels = 24.0f + 16.0f * sl_random_unit(key, 16 * i + 1);
-    r->radius = pixels * footprint / accuracy;
+    r->radius = pixels * p->rules.footprint_per_depth * depth / p->rules.weights.accuracy;
     float *e = &r->irradiance.r;
     for (size_t c = 0; c < 3; c++) {
         e[c] = 0.5f + sl_random_unit(key, 16 * i + 2 + c);
@@ -78,36 +64,49 @@ static void make_record(splat_pass *p, size_t i, uint64_t key) {
         r->rotational_length[c] = sl_length(r->rotational[c]);
         r->translational[c] = sl_scale(sl_v3(-0.2f, 0.1f, 0.3f), e[c]);
     }
-    p->rect[i] = sl_sphere_bounds(camera, SIDE, SIDE, 1e-3f * p->scene->scene->diagonal, r->position, accuracy * r->radius);
+    p->rect[i] = sl_record_bounds(&p->rules, r);
     p->fragments += (double)(p->rect[i].x1 - p->rect[i].x0) * (double)(p->rect[i].y1 - p->rect[i].y0);
 }
 
-static void make_splats(splat_pass *p) {
+static void make_gbuffer(splat_pass *p) {
     sl_view view = bench_camera_view(p->scene, SIDE, SIDE);
     sl_counters counters = {{0}};
     sl_error error;
     expect_ok(sl_gbuffer_create(SIDE, SIDE, &p->gbuffer, &error), &error);
     expect_ok(sl_raster_gbuffer(p->scene->raster, &view, 1, p->gbuffer, &counters, &error), &error);
-    const sl_gbuffer *g = p->gbuffer;
     p->receives = bench_allocate(PIXELS, sizeof *p->receives);
-    for (size_t i = 0; i < PIXELS; i++) p->receives[i] = g->material[i] != SL_NO_INDEX;
-    p->receivers = (sl_receivers){SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z,
-                                  p->receives};
-    p->rules = (sl_weight_rules){accuracy, 1.0f / accuracy, 1e-5f * p->scene->scene->diagonal};
+    for (size_t i = 0; i < PIXELS; i++) p->receives[i] = p->gbuffer->material[i] != SL_NO_INDEX;
+}
+
+static void make_splats(splat_pass *p) {
+    const sl_camera *camera = &p->scene->scene->camera;
+    const float accuracy = 0.3f, diagonal = p->scene->scene->diagonal;
+    make_gbuffer(p);
+    const sl_gbuffer *g = p->gbuffer;
+    p->rules = (sl_record_pass){
+        .gbuffer = g,
+        .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, p->receives},
+        .weights = {accuracy, 1.0f / accuracy, 1e-5f * diagonal},
+        .radii = {.accuracy = (double)accuracy},
+        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .camera = camera,
+        .near_distance = 1e-5f * diagonal,
+        .footprint_per_depth = 2.0f * (float)sl_tan(0.5 * (double)camera->vertical_fov) / SIDE,
+        .diagonal = diagonal,
+    };
     for (size_t i = 0; i < SPLATS; i++) make_record(p, i, sl_random_key(3, 1));
-    for (int k = 0; k < 5; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));
+    for (int k = 0; k < SUMS; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));
     p->sums = (sl_splat_buffer){p->plane[0], p->plane[1], p->plane[2], p->plane[3], p->plane[4]};
-    p->kernels = sl_splat_kernels_for(sl_isa_best());
-    p->own = bench_kernels_best();
+    p->ones = bench_allocate(4 * SPLATS, sizeof *p->ones);
+    for (size_t i = 0; i < 4 * SPLATS; i++) p->ones[i] = 1.0f;
 }
 
 /* Share of the pixels where the sums of weights are apart by more than a thousandth and the change of a record at its edge. */
-static double differing_sums(void *context, peer_pass *peer, sl_splat_program *program) {
-    splat_pass *p = context;
+static double differing_sums(splat_pass *p, peer_pass *peer, void (*draw)(void *, unsigned, sl_counters *)) {
     sl_counters counters = {{0}};
     size_t differ = 0;
-    for (int k = 0; k < 5; k++) memset(p->plane[k], 0, PIXELS * sizeof(float));
-    splat_all(p, program, 1, &counters);
+    for (int k = 0; k < SUMS; k++) memset(p->plane[k], 0, PIXELS * sizeof(float));
+    draw(p, 1, &counters);
     peer_clear(peer);
     peer_run(peer, true);
     const float *sums = peer_plane(peer, 0);
@@ -119,8 +118,16 @@ static double differing_sums(void *context, peer_pass *peer, sl_splat_program *p
     return (double)differ / PIXELS;
 }
 
-static double differing_splats(void *context, peer_pass *peer) { return differing_sums(context, peer, run_splat); }
-static double differing_blend(void *context, peer_pass *peer) { return differing_sums(context, peer, run_blend); }
+static double differing_splats(void *context, peer_pass *peer) { return differing_sums(context, peer, draw_splats); }
+static double differing_blend(void *context, peer_pass *peer) { return differing_sums(context, peer, draw_blend); }
+
+static void free_splats(splat_pass *p) {
+    for (int k = 0; k < SUMS; k++) sl_free(p->plane[k]);
+    sl_free(p->ones);
+    sl_gbuffer_destroy(p->gbuffer);
+    sl_free(p->receives);
+    sl_free(p);
+}
 
 void bench_splats(measurer *m, const bench_scene *scene) {
     workload w[2] = {{.name = "splats, 4000 records", .wanted = wanted_splats, .ours = draw_splats, .differing = differing_splats},
@@ -133,18 +140,15 @@ void bench_splats(measurer *m, const bench_scene *scene) {
     for (int k = 0; k < 2; k++) {
         if (!measure_wants(m, w[k].name)) continue;
         for (size_t i = 0; i < SPLATS; i++) splats[i] = (peer_splat){p->rect[i], k ? NULL : &p->record[i]};
-        w[k].peer = peer_splats(SIDE, SIDE, splats, SPLATS, &p->rules, k ? NULL : &p->receivers);
+        w[k].peer = peer_splats(SIDE, SIDE, splats, SPLATS, &p->rules.weights, k ? NULL : &p->rules.receivers);
         w[k].renders = 1;
         w[k].units = p->fragments;
         w[k].unit = "pixels";
         w[k].context = p;
         measure_row(m, &w[k]);
     }
-    for (int k = 0; k < 5; k++) sl_free(p->plane[k]);
-    sl_gbuffer_destroy(p->gbuffer);
-    sl_free(p->receives);
     sl_free(splats);
-    sl_free(p);
+    free_splats(p);
 }
 
 /* ---- Gouraud: interpolated colours behind a depth test, or added up ---------------------------------------------------- */
@@ -154,6 +158,7 @@ typedef struct gouraud_pass {
     sl_view view;
     uint32_t *id;
     float *depth, *colour, *attributes;
+    bool additive;
 } gouraud_pass;
 
 static void draw_gouraud(void *context, unsigned threads, sl_counters *counters) {
@@ -164,9 +169,21 @@ static void draw_gouraud(void *context, unsigned threads, sl_counters *counters)
     sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id, p->attributes, 3, p->colour, counters);
 }
 
+static void add_gouraud(void *context, unsigned threads, sl_counters *counters) {
+    gouraud_pass *p = context;
+    sl_target size = {SIDE, SIDE, NULL, NULL};
+    sl_error error;
+    expect_ok(sl_raster_add(p->scene->raster, &p->view, threads, p->attributes, 3, &size, p->colour, counters, &error), &error);
+}
+
 static double differing_colours(void *context, peer_pass *peer) {
-    const gouraud_pass *p = context;
+    gouraud_pass *p = context;
+    sl_counters counters = {{0}};
     size_t differ = 0;
+    memset(p->colour, 0, 3 * PIXELS * sizeof *p->colour);
+    if (p->additive) add_gouraud(p, 1, &counters);
+    else draw_gouraud(p, 1, &counters);
+    peer_clear(peer);
     peer_run_view(peer, 0);
     const float *rgba = peer_plane(peer, 0);
     for (size_t i = 0; i < PIXELS; i++) {
@@ -177,16 +194,16 @@ static double differing_colours(void *context, peer_pass *peer) {
     return (double)differ / PIXELS;
 }
 
-static void measure_gouraud(measurer *m, workload *w, const float *xyz, const float *colours, size_t count) {
+static void measure_gouraud(measurer *m, workload *w, const float *xyz, const float *colours, size_t count, bool additive) {
     bench_scene *scene = bench_triangles(w->name, xyz, colours, count);
     gouraud_pass p = {scene, bench_flat_view(SIDE, SIDE), bench_allocate(PIXELS, sizeof(uint32_t)), bench_allocate(PIXELS, sizeof(float)),
-                      bench_allocate(3 * PIXELS, sizeof(float)), bench_allocate(9 * count, sizeof(float))};
+                      bench_allocate(3 * PIXELS, sizeof(float)), bench_allocate(9 * count, sizeof(float)), additive};
     memcpy(p.attributes, colours, 9 * count * sizeof(float));
     w->context = &p;
     w->renders = 1;
-    w->ours = draw_gouraud;
+    w->ours = additive ? add_gouraud : draw_gouraud;
     w->differing = differing_colours;
-    w->peer = peer_gouraud(&scene->mesh, &p.view, false);
+    w->peer = peer_gouraud(&scene->mesh, &p.view, additive);
     measure_row(m, w);
     sl_free(p.id);
     sl_free(p.depth);
@@ -199,10 +216,11 @@ static void random_colours(float *colours, size_t count, uint64_t key) {
     for (size_t i = 0; i < 9 * count; i++) colours[i] = sl_random_unit(key, i);
 }
 
-/* Each triangle covers one half of the screen, cut along a diagonal. Either each is nearer than the one before, so that a depth test alone
- * leaves nothing out and order has to be found; or depths are random at the corners, triangles go through each other, and no order is
- * right. */
-static void fill(measurer *m, const char *name, bool nearer) {
+/* Each triangle covers one half of the screen, cut along a diagonal. Every one is nearer than the one before, so that a depth test alone
+ * leaves nothing out; or depths are random at the corners, triangles go through each other, and no order is right; or all are added. */
+typedef enum { NEARING, MIXED, ADDED } fill_kind;
+
+static void fill(measurer *m, const char *name, fill_kind kind) {
     enum { LAYERS = 100 };
     static const float corner[4][3][2] = {{{-1, -1}, {1, -1}, {1, 1}}, {{-1, -1}, {1, 1}, {-1, 1}}, {{-1, -1}, {1, -1}, {-1, 1}},
                                           {{1, -1}, {1, 1}, {-1, 1}}};
@@ -215,15 +233,16 @@ static void fill(measurer *m, const char *name, bool nearer) {
         size_t t = i / 3;
         xyz[3 * i] = corner[t % 4][i % 3][0];
         xyz[3 * i + 1] = corner[t % 4][i % 3][1];
-        xyz[3 * i + 2] = nearer ? 0.9f - 1.8f * (float)t / LAYERS : 1.8f * sl_random_unit(key, i) - 0.9f;
+        xyz[3 * i + 2] = kind == NEARING ? 0.9f - 1.8f * (float)t / LAYERS : 1.8f * sl_random_unit(key, i) - 0.9f;
     }
     random_colours(colours, LAYERS, sl_random_key(8, 9));
-    measure_gouraud(m, &w, xyz, colours, LAYERS);
+    measure_gouraud(m, &w, xyz, colours, LAYERS, kind == ADDED);
 }
 
 void bench_fill(measurer *m) {
-    fill(m, "Gouraud and depth, 100 x 500K pixels, nearing", true);
-    fill(m, "Gouraud and depth, 100 x 500K pixels, mixed", false);
+    fill(m, "Gouraud, 100 x 500K pixels, nearing", NEARING);
+    fill(m, "Gouraud, 100 x 500K pixels, mixed", MIXED);
+    fill(m, "Gouraud, 100 x 500K pixels, added", ADDED);
 }
 
 /* The bits of n at even places. */
@@ -238,7 +257,7 @@ static uint32_t every_second_bit(uint32_t n) {
 /* Right triangles of eight pixels, one near each pixel, in Morton order as a well prepared mesh would have them. */
 void bench_small_triangles(measurer *m) {
     enum { COUNT = 1 << 20 };
-    workload w = {.name = "Gouraud and depth, 1M triangles of 8 pixels", .wanted = wanted_small, .units = COUNT, .unit = "triangles"};
+    workload w = {.name = "Gouraud, 1M triangles of 8 pixels", .wanted = wanted_small, .units = COUNT, .unit = "triangles"};
     if (!measure_wants(m, w.name)) return;
     float *xyz = bench_allocate(9 * (size_t)COUNT, sizeof *xyz), *colours = bench_allocate(9 * (size_t)COUNT, sizeof *colours);
     uint64_t key = sl_random_key(8, 10);
@@ -255,7 +274,7 @@ void bench_small_triangles(measurer *m) {
         }
     }
     random_colours(colours, COUNT, sl_random_key(8, 11));
-    measure_gouraud(m, &w, xyz, colours, COUNT);
+    measure_gouraud(m, &w, xyz, colours, COUNT, false);
     sl_free(xyz);
     sl_free(colours);
 }
@@ -265,15 +284,14 @@ void bench_small_triangles(measurer *m) {
 enum { REDUCED = 256 };
 
 typedef struct reduction_pass {
-    float *plane[4], *scratch, *sums;
+    float *planes, *scratch, *sums;
     int final;
 } reduction_pass;
 
 static void reduce(void *context, unsigned threads, sl_counters *counters) {
     (void)threads;
     reduction_pass *p = context;
-    size_t left = (size_t)p->final * (size_t)p->final;
-    for (size_t c = 0; c < 4; c++) sl_raster_reduce(p->plane[c], REDUCED, p->final, p->scratch, p->sums + c * left, counters);
+    sl_raster_reduce(p->planes, REDUCED, 4, p->final, p->scratch, p->sums, counters);
 }
 
 static double differing_totals(void *context, peer_pass *peer) {
@@ -288,18 +306,19 @@ static double differing_totals(void *context, peer_pass *peer) {
 void bench_reduction(measurer *m) {
     size_t pixels = (size_t)REDUCED * REDUCED;
     float *rgba = bench_allocate(4 * pixels, sizeof *rgba);
-    reduction_pass p = {.scratch = bench_allocate(pixels / 2, sizeof(float)), .sums = bench_allocate(4 * 16 * 16, sizeof(float))};
+    reduction_pass p = {bench_allocate(4 * pixels, sizeof(float)), bench_allocate(pixels / 2, sizeof(float)),
+                        bench_allocate(4 * 16 * 16, sizeof(float)), 16};
     uint64_t key = sl_random_key(8, 12);
-    for (size_t c = 0; c < 4; c++) p.plane[c] = bench_allocate(pixels, sizeof(float));
-    for (size_t i = 0; i < 4 * pixels; i++) rgba[i] = p.plane[i % 4][i / 4] = sl_random_unit(key, i);
-    for (p.final = 16; p.final > 0; p.final = p.final > 1 ? 1 : 0) {
-        workload w = {.wanted = wanted_reduction, .renders = 1, .context = &p, .ours = reduce, .differing = differing_totals};
+    for (size_t i = 0; i < 4 * pixels; i++) rgba[i] = p.planes[i % 4 * pixels + i / 4] = sl_random_unit(key, i);
+    for (; p.final > 0; p.final = p.final > 1 ? 1 : 0) {
+        workload w = {.wanted = wanted_reduction, .renders = 1, .context = &p, .ours = reduce, .alone = true,
+                      .differing = differing_totals};
         snprintf(w.name, sizeof w.name, "reduction of 256x256 RGBA32F to %dx%d", p.final, p.final);
         if (!measure_wants(m, w.name)) continue;
         w.peer = peer_reduction(rgba, REDUCED, p.final);
         measure_row(m, &w);
     }
-    for (size_t c = 0; c < 4; c++) sl_free(p.plane[c]);
+    sl_free(p.planes);
     sl_free(p.scratch);
     sl_free(p.sums);
     sl_free(rgba);

@@ -6,10 +6,11 @@
 
 typedef struct workload {
     char name[128];
-    double wanted;       /* OSMesa's time over ours; 0: nothing is */
+    double wanted;       /* OSMesa's time over ours on one thread; 0: nothing is */
     double renders;      /* in one run; times are told of one */
     double units;        /* what one render gets through (pixels, triangles), told in millions a second; 0: not told */
     const char *unit;
+    bool alone;          /* too small for two threads */
     void *context;
     void (*ours)(void *context, unsigned threads, sl_counters *counters);
     peer_pass *peer;     /* NULL: OSMesa is not here */
@@ -17,7 +18,7 @@ typedef struct workload {
 } workload;
 
 typedef struct figures {
-    double ours, ours_spread;       /* ms a render; half the distance of the quartiles over the median */
+    double ours, ours_spread;       /* ms a render; see raster_measure.c */
     double ours_one_thread;         /* where more were asked for */
     double peer, peer_spread, peer_drawing; /* with reading back, and without */
     double differing;
