@@ -3,6 +3,7 @@
 #ifndef SL_BASE_VEC_H
 #define SL_BASE_VEC_H
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -47,12 +48,13 @@ static inline sl_vec3d sl_crossd(sl_vec3d a, sl_vec3d b) {
 static inline double sl_lengthd(sl_vec3d a) { return sqrt(sl_dotd(a, a)); }
 
 /* The unit vector along a, computed in double so that tiny and huge vectors keep their direction; `fallback` where a has
- * no direction (zero, NaN, infinite). */
+ * no direction (zero, NaN, infinite). Without branches, for loops over lanes. */
 static inline sl_vec3 sl_normalize_or(sl_vec3 a, sl_vec3 fallback) {
     sl_vec3d d = sl_to_double(a);
     double length_squared = sl_dotd(d, d);
-    if (!(length_squared > 0.0) || !isfinite(length_squared)) return fallback;
-    return sl_to_float(sl_scaled(d, 1.0 / sqrt(length_squared)));
+    bool good = (length_squared > 0.0) & (length_squared <= DBL_MAX);
+    sl_vec3 unit = sl_to_float(sl_scaled(d, 1.0 / sqrt(good ? length_squared : 1.0)));
+    return sl_v3(good ? unit.x : fallback.x, good ? unit.y : fallback.y, good ? unit.z : fallback.z);
 }
 
 /* Orthonormal frame with z along a unit normal: branch-free, continuous but for n.z = 0 (Duff et al. 2017). */

@@ -27,13 +27,10 @@ typedef struct {
 
 /* ---- planes of one triangle ---- */
 
-static sl_value_plane plane_of(const sl_edge_line e[3], const double value[3], double scale) {
-    double a = 0, b = 0, c = 0;
-    for (int k = 0; k < 3; k++) {
-        a += e[k].a * value[k];
-        b += e[k].b * value[k];
-        c += e[k].c * value[k];
-    }
+static sl_value_plane plane_of(const sl_edge_lines *e, const double value[3], double scale) {
+    double a = (e->a0 * value[0] + e->a1 * value[1]) + e->a2 * value[2];
+    double b = (e->b0 * value[0] + e->b1 * value[1]) + e->b2 * value[2];
+    double c = (e->c0 * value[0] + e->c1 * value[1]) + e->c2 * value[2];
     return (sl_value_plane){(float)(a * scale), (float)(b * scale), (float)(c * scale)};
 }
 
@@ -41,32 +38,21 @@ static sl_value_plane plane_of(const sl_edge_line e[3], const double value[3], d
  * nearby, which keeps floats in range. */
 static void find_values(const adding *p, uint32_t triangle, int x, int y, sl_add_triangle *out) {
     const sl_raster_mesh *mesh = &p->raster->mesh;
-    const float(*clip)[4] = p->view->clip;
-    double step_x = 2.0 / (double)p->view->width, step_y = 2.0 / (double)p->view->height;
-    double px = sl_pixel_centre((uint32_t)(x - p->view->x), p->view->width);
-    double py = sl_pixel_centre((uint32_t)(y - p->view->y), p->view->height);
-    double cx[3], cy[3], cw[3];
+    sl_window_corner v[3];
     for (int k = 0; k < 3; k++) {
-        sl_vec3 q = sl_sub(sl_mesh_position(mesh, mesh->vertex[k][triangle]), p->view->origin);
-        cw[k] = sl_clip_coordinate(clip[3], q);
-        cx[k] = (sl_clip_coordinate(clip[0], q) - px * cw[k]) / step_x; /* the pixel becomes the origin, and the unit */
-        cy[k] = (sl_clip_coordinate(clip[1], q) - py * cw[k]) / step_y;
+        v[k] = sl_window_corner_of(&p->pass, sl_sub(sl_mesh_position(mesh, mesh->vertex[k][triangle]), p->view->origin));
     }
-    sl_edge_line e[3];
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3, j = (k + 2) % 3;
-        e[k] = sl_edge_through(cx[i], cy[i], cw[i], cx[j], cy[j], cw[j], 1.0);
-    }
-    double at = (e[0].c + e[1].c) + e[2].c, largest = fabs(e[0].c) + fabs(e[1].c) + fabs(e[2].c);
+    sl_edge_lines e = sl_edge_lines_about(&p->pass, v[0], v[1], v[2], (double)(x - p->view->x), (double)(y - p->view->y));
+    double at = (e.c0 + e.c1) + e.c2, largest = fabs(e.c0) + fabs(e.c1) + fabs(e.c2);
     double scale = fabs(at) > 1e-9 * largest ? 1.0 / at : largest > 0.0 ? 1.0 / largest : 1.0;
-    out->denominator = plane_of(e, (const double[3]){1, 1, 1}, scale);
+    out->denominator = plane_of(&e, (const double[3]){1, 1, 1}, scale);
     for (int c = 0; c < p->channels; c++) {
         double value[3];
         for (int k = 0; k < 3; k++) {
             value[k] = (double)p->attributes[(size_t)mesh->vertex[k][triangle] * (size_t)p->channels + (size_t)c];
         }
         sl_add_channel *channel = &out->channel[c];
-        channel->value = plane_of(e, value, scale);
+        channel->value = plane_of(&e, value, scale);
         channel->least = (float)fmin(fmin(value[0], value[1]), value[2]);
         channel->most = (float)fmax(fmax(value[0], value[1]), value[2]);
     }

@@ -1,10 +1,12 @@
 /* G-buffer: visibility first, then every visible pixel is resolved once from its triangle's index. */
+#include <string.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "raster/internal.h"
+#include "raster/resolve.h"
 
-enum { STRIP = 1024 }; /* pixels resolved together */
+enum { STRIP = 8192 }; /* pixels of a task */
 
 /* ---- the buffer ---- */
 
@@ -52,69 +54,138 @@ void sl_gbuffer_destroy(sl_gbuffer *g) {
 
 typedef struct {
     const sl_raster *raster;
-    const sl_view *view;
+    sl_pass_view view;
     const uint32_t *id;
     sl_gbuffer *out;
     size_t pixels;
+    bool positions, normals; /* wanted */
     uint64_t *shaded; /* by strip */
 } resolution;
 
-static inline void put(float *plane, size_t i, float value) {
-    if (plane) plane[i] = value;
+typedef struct {
+    sl_resolve_block pixels;
+    sl_surface_block surface;
+    float plane[SL_RESOLVE_ROOM];
+    uint32_t index[SL_RESOLVE_ROOM];
+} workspace;
+
+static void fetch_normals(const sl_scene *scene, workspace *w) {
+    sl_surface_block *s = &w->surface;
+    bool facets = true;
+    for (uint32_t r = 0; r < w->pixels.runs; r++) {
+        uint32_t triangle = sl_run_triangle(&w->pixels, r);
+        sl_vec3 face = {0}, n[3] = {{0}};
+        if (triangle != SL_NO_INDEX) {
+            face = sl_scene_geometric_normal(scene, triangle);
+            for (int k = 0; k < 3; k++) n[k] = sl_scene_normal(scene, scene->vertex[k][triangle]);
+        }
+        for (int k = 0; k < 3; k++) {
+            s->corner_nx[k][r] = n[k].x;
+            s->corner_ny[k][r] = n[k].y;
+            s->corner_nz[k][r] = n[k].z;
+            facets &= (n[k].x == n[0].x) & (n[k].y == n[0].y) & (n[k].z == n[0].z);
+        }
+        s->face_x[r] = face.x;
+        s->face_y[r] = face.y;
+        s->face_z[r] = face.z;
+    }
+    s->facets = facets;
 }
 
-static void put_surface(sl_gbuffer *g, size_t i, const sl_surface *s, uint32_t material) {
-    put(g->position_x, i, s->position.x);
-    put(g->position_y, i, s->position.y);
-    put(g->position_z, i, s->position.z);
-    put(g->normal_x, i, s->normal.x);
-    put(g->normal_y, i, s->normal.y);
-    put(g->normal_z, i, s->normal.z);
-    put(g->geometric_x, i, s->geometric_normal.x);
-    put(g->geometric_y, i, s->geometric_normal.y);
-    put(g->geometric_z, i, s->geometric_normal.z);
-    put(g->diffuse_r, i, s->diffuse.r);
-    put(g->diffuse_g, i, s->diffuse.g);
-    put(g->diffuse_b, i, s->diffuse.b);
-    if (g->material) g->material[i] = material;
+static inline void put(float *plane, size_t first, const float *values, uint32_t count) {
+    if (plane) memcpy(plane + first, values, count * sizeof *values);
 }
 
-static void resolve_pixel(const resolution *r, size_t i, uint32_t triangle, float w1, float w2) {
-    const sl_scene *scene = r->raster->scene;
-    sl_surface surface;
-    float w0 = (1.0f - w1) - w2;
-    sl_vec3 a = sl_scene_position(scene, scene->vertex[0][triangle]);
-    sl_vec3 b = sl_scene_position(scene, scene->vertex[1][triangle]);
-    sl_vec3 c = sl_scene_position(scene, scene->vertex[2][triangle]);
-    sl_vec3 p = sl_add(sl_add(sl_scale(a, w0), sl_scale(b, w1)), sl_scale(c, w2));
-    sl_scene_surface(scene, triangle, w1, w2, sl_sub(r->view->origin, p), &surface);
-    put_surface(r->out, i, &surface, scene->material_index[triangle]);
+static void resolve_surfaces(const resolution *r, size_t first, workspace *w) {
+    sl_surface_block *s = &w->surface;
+    s->normals = r->normals;
+    if (s->normals) fetch_normals(r->raster->scene, w);
+    r->raster->kernels->surfaces(&w->pixels, &r->view, s);
+    uint32_t count = w->pixels.count;
+    put(r->out->position_x, first, s->position_x, count);
+    put(r->out->position_y, first, s->position_y, count);
+    put(r->out->position_z, first, s->position_z, count);
+    put(r->out->normal_x, first, s->normal_x, count);
+    put(r->out->normal_y, first, s->normal_y, count);
+    put(r->out->normal_z, first, s->normal_z, count);
+    put(r->out->geometric_x, first, s->geometric_x, count);
+    put(r->out->geometric_y, first, s->geometric_y, count);
+    put(r->out->geometric_z, first, s->geometric_z, count);
+}
+
+/* ---- what the material says ---- */
+
+static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) {
+    return triangle == SL_NO_INDEX ? NULL : &scene->materials[scene->material_index[triangle]];
+}
+
+static void look_up_textures(const resolution *r, size_t first, const workspace *w) {
+    const sl_resolve_block *b = &w->pixels;
+    for (uint32_t run = 0; run < b->runs; run++) {
+        uint32_t triangle = sl_run_triangle(b, run);
+        const sl_material *material = material_of(r->raster->scene, triangle);
+        if (!material || material->texture == SL_NO_INDEX) continue;
+        for (uint32_t n = b->start[run]; n < b->start[run + 1]; n++) {
+            sl_rgb diffuse = sl_scene_diffuse(r->raster->scene, triangle, b->w1[n], b->w2[n]);
+            if (r->out->diffuse_r) r->out->diffuse_r[first + n] = diffuse.r;
+            if (r->out->diffuse_g) r->out->diffuse_g[first + n] = diffuse.g;
+            if (r->out->diffuse_b) r->out->diffuse_b[first + n] = diffuse.b;
+        }
+    }
+}
+
+/* Albedo: one for a run, but where there is a texture. */
+static void resolve_diffuse(const resolution *r, size_t first, workspace *w) {
+    float *const plane[3] = {r->out->diffuse_r, r->out->diffuse_g, r->out->diffuse_b};
+    float value[3][SL_RESOLVE_RUNS] = {{0}};
+    bool textured = false;
+    for (uint32_t run = 0; run < w->pixels.runs; run++) {
+        const sl_material *material = material_of(r->raster->scene, sl_run_triangle(&w->pixels, run));
+        if (!material) continue;
+        value[0][run] = material->diffuse.r;
+        value[1][run] = material->diffuse.g;
+        value[2][run] = material->diffuse.b;
+        textured |= material->texture != SL_NO_INDEX;
+    }
+    for (int c = 0; c < 3; c++) {
+        if (!plane[c]) continue;
+        r->raster->kernels->spread(&w->pixels, value[c], w->plane);
+        put(plane[c], first, w->plane, w->pixels.count);
+    }
+    if (textured) look_up_textures(r, first, w);
+}
+
+static void resolve_material(const resolution *r, size_t first, workspace *w) {
+    uint32_t value[SL_RESOLVE_RUNS];
+    for (uint32_t run = 0; run < w->pixels.runs; run++) {
+        uint32_t triangle = sl_run_triangle(&w->pixels, run);
+        value[run] = triangle == SL_NO_INDEX ? SL_NO_INDEX : r->raster->scene->material_index[triangle];
+    }
+    r->raster->kernels->spread_index(&w->pixels, value, w->index);
+    memcpy(r->out->material + first, w->index, w->pixels.count * sizeof *w->index);
 }
 
 static void resolve_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const resolution *r = context;
-    static const sl_surface nothing;
-    size_t first = index * STRIP, count = r->pixels - first < STRIP ? r->pixels - first : STRIP;
-    uint32_t pixel[STRIP] = {0};
-    float w1[STRIP], w2[STRIP];
-    for (size_t n = 0; n < count; n++) pixel[n] = (uint32_t)(first + n);
-    sl_raster_barycentrics(r->raster, r->view, count, pixel, r->id + first, w1, w2);
-    uint64_t shaded = 0;
-    for (size_t n = 0; n < count; n++) {
-        uint32_t triangle = r->id[first + n];
-        if (triangle == SL_NO_INDEX) {
-            put_surface(r->out, first + n, &nothing, SL_NO_INDEX);
-        } else {
-            resolve_pixel(r, first + n, triangle, w1[n], w2[n]);
-            shaded++;
-        }
+    const sl_gbuffer *g = r->out;
+    size_t first = index * STRIP, end = r->pixels - first < STRIP ? r->pixels : first + STRIP;
+    workspace w;
+    memset(&w, 0, sizeof w);
+    r->shaded[index] = 0;
+    while (first < end) {
+        size_t count = sl_resolve_next(r->raster, &r->view, end - first, first, NULL, r->id + first, &w.pixels);
+        if (r->positions || r->normals) resolve_surfaces(r, first, &w);
+        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, first, &w);
+        if (g->material) resolve_material(r, first, &w);
+        r->shaded[index] += sl_resolve_shaded(&w.pixels);
+        first += count;
     }
-    r->shaded[index] = shaded;
 }
 
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
                             sl_counters *counters, sl_error *error) {
+    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
     size_t pixels = (size_t)view->width * (size_t)view->height, strips = (pixels + STRIP - 1) / STRIP;
     uint32_t *id = gbuffer->id ? gbuffer->id : sl_allocate(pixels, sizeof *id);
     uint64_t *shaded = sl_allocate(strips, sizeof *shaded);
@@ -126,7 +197,10 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
         status = sl_raster_id(raster, view, threads, &target, counters, error);
     }
     if (status == SL_OK) {
-        resolution r = {raster, view, id, gbuffer, pixels, shaded};
+        const sl_gbuffer *g = gbuffer;
+        resolution r = {raster, sl_pass_view_make(view, view->width, view->height), id, gbuffer, pixels,
+                        g->position_x || g->position_y || g->position_z,
+                        g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y || g->geometric_z, shaded};
         sl_parallel_for(sl_thread_count(threads), strips, resolve_strip, &r);
         for (size_t s = 0; s < strips; s++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[s]);
     }

@@ -2,51 +2,53 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "raster/internal.h"
+#include "raster/resolve.h"
 
-enum { STRIP = 1024 };
+enum { STRIP = 8192 }; /* pixels of a task */
 
 typedef struct {
     const sl_raster *raster;
-    const sl_view *view;
+    sl_pass_view view;
     const uint32_t *id;
     const float *attributes;
-    int channels;
+    size_t channels;
     float *out;
     size_t pixels;
 } gouraud;
 
-static void interpolate_pixel(const gouraud *g, size_t i, uint32_t triangle, float w1, float w2) {
+static void fetch_channel(const gouraud *g, const sl_resolve_block *block, size_t channel, sl_run_corners value) {
     const sl_raster_mesh *mesh = &g->raster->mesh;
-    size_t channels = (size_t)g->channels;
-    const float *a = g->attributes + mesh->vertex[0][triangle] * channels;
-    const float *b = g->attributes + mesh->vertex[1][triangle] * channels;
-    const float *c = g->attributes + mesh->vertex[2][triangle] * channels;
-    float w0 = (1.0f - w1) - w2;
-    for (size_t k = 0; k < channels; k++) g->out[k * g->pixels + i] = (w0 * a[k] + w1 * b[k]) + w2 * c[k];
+    for (uint32_t r = 0; r < block->runs; r++) {
+        uint32_t triangle = sl_run_triangle(block, r);
+        for (int k = 0; k < 3; k++) {
+            bool hit = triangle != SL_NO_INDEX;
+            value[k][r] = hit ? g->attributes[mesh->vertex[k][triangle] * g->channels + channel] : 0.0f;
+        }
+    }
 }
 
 static void interpolate_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const gouraud *g = context;
-    size_t first = index * STRIP, count = g->pixels - first < STRIP ? g->pixels - first : STRIP;
-    uint32_t pixel[STRIP] = {0};
-    float w1[STRIP], w2[STRIP];
-    for (size_t n = 0; n < count; n++) pixel[n] = (uint32_t)(first + n);
-    sl_raster_barycentrics(g->raster, g->view, count, pixel, g->id + first, w1, w2);
-    for (size_t n = 0; n < count; n++) {
-        uint32_t triangle = g->id[first + n];
-        if (triangle != SL_NO_INDEX) {
-            interpolate_pixel(g, first + n, triangle, w1[n], w2[n]);
-        } else {
-            for (size_t k = 0; k < (size_t)g->channels; k++) g->out[k * g->pixels + first + n] = 0.0f;
+    size_t first = index * STRIP, end = g->pixels - first < STRIP ? g->pixels : first + STRIP;
+    sl_resolve_block block;
+    sl_run_corners value;
+    float plane[SL_RESOLVE_ROOM];
+    memset(&block, 0, sizeof block);
+    for (; first < end; first += block.count) {
+        sl_resolve_next(g->raster, &g->view, end - first, first, NULL, g->id + first, &block);
+        for (size_t c = 0; c < g->channels; c++) {
+            fetch_channel(g, &block, c, value);
+            g->raster->kernels->interpolate(&block, value, plane);
+            memcpy(g->out + c * g->pixels + first, plane, block.count * sizeof *plane);
         }
     }
 }
 
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
                        const float *attributes, int channels, float *out, sl_counters *counters) {
-    gouraud g = {raster, view, id, attributes, channels, out, (size_t)view->width * (size_t)view->height};
+    gouraud g = {raster, sl_pass_view_make(view, view->width, view->height), id, attributes, (size_t)channels, out,
+                 (size_t)view->width * (size_t)view->height};
     sl_parallel_for(sl_thread_count(threads), (g.pixels + STRIP - 1) / STRIP, interpolate_strip, &g);
     uint64_t shaded = 0;
     for (size_t i = 0; i < g.pixels; i++) shaded += id[i] != SL_NO_INDEX;

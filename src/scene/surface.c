@@ -1,10 +1,10 @@
-/* What a surface point is made of. Here alone it is decided which side is seen and which way normals point. */
+/* What a surface point is made of. Which side is seen and which way normals point is decided in surface_rules.h alone. */
+#include "scene/surface_rules.h"
 #include "scene/texture.h"
 
-/* Perspective plays no part: the weights are those of the point on the triangle itself. */
 static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
     float first = values[corner[0]];
-    return first + w1 * (values[corner[1]] - first) + w2 * (values[corner[2]] - first);
+    return sl_interpolate(first, values[corner[1]] - first, values[corner[2]] - first, w1, w2);
 }
 
 static void corners_of(const sl_scene *scene, uint32_t triangle, uint32_t corner[3]) {
@@ -32,16 +32,12 @@ void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float 
                               interpolate(scene->position_z, corner, w1, w2));
 
     sl_vec3 geometric = sl_scene_geometric_normal(scene, triangle);
-    surface->front = !(sl_dot(geometric, to_viewer) < 0.0f); /* edge on counts as front */
-    if (!surface->front) geometric = sl_neg(geometric);
-    surface->geometric_normal = geometric;
-
-    sl_vec3 normal = sl_normalize_or(sl_v3(interpolate(scene->normal_x, corner, w1, w2),
-                                           interpolate(scene->normal_y, corner, w1, w2),
-                                           interpolate(scene->normal_z, corner, w1, w2)), geometric);
-    float agreement = sl_dot(normal, geometric);
-    if (agreement < 0.0f) normal = sl_neg(normal);
-    surface->normal = agreement != 0.0f ? normal : geometric; /* at right angles neither side is right */
+    float side = sl_side_seen(geometric, to_viewer);
+    surface->front = side > 0.0f;
+    surface->geometric_normal = sl_scale(geometric, side);
+    surface->normal = sl_shading_normal(sl_v3(interpolate(scene->normal_x, corner, w1, w2),
+                                              interpolate(scene->normal_y, corner, w1, w2),
+                                              interpolate(scene->normal_z, corner, w1, w2)), surface->geometric_normal);
 }
 
 sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2) {

@@ -1,0 +1,67 @@
+/* Resolution: from the triangle that a pixel shows to what it shows there.
+ *
+ * A list of pixels is worked through in blocks. Neighbours mostly show the same triangle, so a block is cut into runs
+ * of pixels with the same one:
+ *
+ *     runs         where the index changes                                       (resolve_kernels.c)
+ *     fetch        each run's corners                                            (resolve.c)
+ *     weights      edge lines, a run in each lane; then e_0, e_1, e_2 of a run's pixels, a pixel in each lane;
+ *                  then weights, a pixel in each lane again, whatever the runs   (resolve_kernels.c)
+ *     interpolate  any attribute of the corners, by those weights                (resolve_kernels.c)
+ *     surfaces     positions, sides and normals, as surface_rules.h decides      (resolve_kernels.c)
+ *
+ * A run's lanes are written whole, over the first pixels of the next run, which is written after it; so short runs
+ * need no masks and no scalar ends. Blocks and runs only say what is computed together: a pixel's values depend on
+ * the view, the pixel and the triangle alone. */
+#ifndef SL_RASTER_RESOLVE_H
+#define SL_RASTER_RESOLVE_H
+
+#include "raster/internal.h"
+
+enum {
+    SL_RESOLVE_PIXELS = 512,
+    SL_RESOLVE_ROOM = SL_RESOLVE_PIXELS + SL_LANES /* a run's lanes may reach beyond the block's end */
+};
+
+/* A number at each of the corners of each run's triangle. */
+typedef float sl_run_corners[3][SL_RESOLVE_RUNS];
+
+typedef struct sl_resolve_block {
+    uint32_t count, runs;
+    uint32_t first;        /* the pixels are first, first + 1, ..., or those of the list */
+    const uint32_t *pixel, *id;
+    uint32_t start[SL_RESOLVE_RUNS + 2]; /* run r is [start[r], start[r + 1]) */
+    sl_run_corners x, y, z;              /* positions */
+    float w1[SL_RESOLVE_ROOM], w2[SL_RESOLVE_ROOM]; /* out: weights of corners 1 and 2; 0 on the background */
+    /* within the kernel, by run: edge lines (barycentrics.h) */
+    double a0[SL_RESOLVE_RUNS], b0[SL_RESOLVE_RUNS], c0[SL_RESOLVE_RUNS], a1[SL_RESOLVE_RUNS], b1[SL_RESOLVE_RUNS];
+    double c1[SL_RESOLVE_RUNS], a2[SL_RESOLVE_RUNS], b2[SL_RESOLVE_RUNS], c2[SL_RESOLVE_RUNS];
+    double origin_x[SL_RESOLVE_RUNS], origin_y[SL_RESOLVE_RUNS];
+    /* by pixel */
+    double column[SL_RESOLVE_ROOM], row[SL_RESOLVE_ROOM];
+    double e0[SL_RESOLVE_ROOM], e1[SL_RESOLVE_ROOM], e2[SL_RESOLVE_ROOM];
+    uint8_t outside[SL_RESOLVE_ROOM]; /* 1: the pixel lies outside its triangle */
+} sl_resolve_block;
+
+/* Surface points of a block. */
+typedef struct sl_surface_block {
+    bool normals;   /* wanted: else positions alone */
+    bool facets;    /* every triangle of the block has one normal at all its corners */
+    sl_run_corners corner_nx, corner_ny, corner_nz;
+    float face_x[SL_RESOLVE_RUNS], face_y[SL_RESOLVE_RUNS], face_z[SL_RESOLVE_RUNS]; /* geometric normals */
+    /* out */
+    float position_x[SL_RESOLVE_ROOM], position_y[SL_RESOLVE_ROOM], position_z[SL_RESOLVE_ROOM];
+    float normal_x[SL_RESOLVE_ROOM], normal_y[SL_RESOLVE_ROOM], normal_z[SL_RESOLVE_ROOM];
+    float geometric_x[SL_RESOLVE_ROOM], geometric_y[SL_RESOLVE_ROOM], geometric_z[SL_RESOLVE_ROOM];
+} sl_surface_block;
+
+/* Takes the next block from `count` pixels (pixel NULL: first, first + 1, ...) with their ids, and finds their weights.
+ * Returns how many pixels it took: 0 when count is 0. The block must have been cleared once. */
+size_t sl_resolve_next(const sl_raster *raster, const sl_pass_view *view, size_t count, size_t first,
+                       const uint32_t *pixel, const uint32_t *id, sl_resolve_block *block);
+/* A run's triangle. */
+static inline uint32_t sl_run_triangle(const sl_resolve_block *block, uint32_t run) { return block->id[block->start[run]]; }
+/* Pixels of a block that show a triangle. */
+uint64_t sl_resolve_shaded(const sl_resolve_block *block);
+
+#endif
