@@ -4,9 +4,13 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/stream.h"
 #include "raster/resolve.h"
 
-enum { STRIP = 8192 }; /* pixels of a task */
+enum {
+    STRIP = 16384,    /* pixels of a task */
+    STREAMED = 131072 /* as many pixels' planes are some megabytes */
+};
 
 /* ---- the buffer ---- */
 
@@ -59,13 +63,14 @@ typedef struct {
     sl_gbuffer *out;
     size_t pixels;
     bool positions, normals; /* wanted */
+    bool streamed;           /* the planes are larger than the caches */
     uint64_t *shaded; /* by strip */
 } resolution;
 
 typedef struct {
     sl_resolve_block pixels;
     sl_surface_block surface;
-    float plane[SL_RESOLVE_ROOM];
+    sl_vector_planes diffuse;
     uint32_t index[SL_RESOLVE_ROOM];
 } workspace;
 
@@ -80,9 +85,9 @@ static void fetch_normals(const sl_scene *scene, workspace *w) {
             for (int k = 0; k < 3; k++) n[k] = sl_scene_normal(scene, scene->vertex[k][triangle]);
         }
         for (int k = 0; k < 3; k++) {
-            s->corner_nx[k][r] = n[k].x;
-            s->corner_ny[k][r] = n[k].y;
-            s->corner_nz[k][r] = n[k].z;
+            s->corner_normal.x[k][r] = n[k].x;
+            s->corner_normal.y[k][r] = n[k].y;
+            s->corner_normal.z[k][r] = n[k].z;
             facets &= (n[k].x == n[0].x) & (n[k].y == n[0].y) & (n[k].z == n[0].z);
         }
         s->face_x[r] = face.x;
@@ -92,25 +97,28 @@ static void fetch_normals(const sl_scene *scene, workspace *w) {
     s->facets = facets;
 }
 
-static inline void put(float *plane, size_t first, const float *values, uint32_t count) {
-    if (plane) memcpy(plane + first, values, count * sizeof *values);
+static inline void put(const resolution *r, void *plane, size_t first, const void *values, uint32_t count) {
+    if (!plane) return;
+    char *to = (char *)plane + 4 * first;
+    if (r->streamed) sl_stream_copy(to, values, 4 * (size_t)count);
+    else memcpy(to, values, 4 * (size_t)count);
 }
 
 static void resolve_surfaces(const resolution *r, size_t first, workspace *w) {
     sl_surface_block *s = &w->surface;
     s->normals = r->normals;
     if (s->normals) fetch_normals(r->raster->scene, w);
-    r->raster->kernels->surfaces(&w->pixels, &r->view, s);
+    r->raster->kernels->resolve->surfaces(&w->pixels, &r->view, s);
     uint32_t count = w->pixels.count;
-    put(r->out->position_x, first, s->position_x, count);
-    put(r->out->position_y, first, s->position_y, count);
-    put(r->out->position_z, first, s->position_z, count);
-    put(r->out->normal_x, first, s->normal_x, count);
-    put(r->out->normal_y, first, s->normal_y, count);
-    put(r->out->normal_z, first, s->normal_z, count);
-    put(r->out->geometric_x, first, s->geometric_x, count);
-    put(r->out->geometric_y, first, s->geometric_y, count);
-    put(r->out->geometric_z, first, s->geometric_z, count);
+    put(r, r->out->position_x, first, s->position.x, count);
+    put(r, r->out->position_y, first, s->position.y, count);
+    put(r, r->out->position_z, first, s->position.z, count);
+    put(r, r->out->normal_x, first, s->normal.x, count);
+    put(r, r->out->normal_y, first, s->normal.y, count);
+    put(r, r->out->normal_z, first, s->normal.z, count);
+    put(r, r->out->geometric_x, first, s->geometric.x, count);
+    put(r, r->out->geometric_y, first, s->geometric.y, count);
+    put(r, r->out->geometric_z, first, s->geometric.z, count);
 }
 
 /* ---- what the material says ---- */
@@ -119,7 +127,7 @@ static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) 
     return triangle == SL_NO_INDEX ? NULL : &scene->materials[scene->material_index[triangle]];
 }
 
-static void look_up_textures(const resolution *r, size_t first, const workspace *w) {
+static void look_up_textures(const resolution *r, workspace *w) {
     const sl_resolve_block *b = &w->pixels;
     for (uint32_t run = 0; run < b->runs; run++) {
         uint32_t triangle = sl_run_triangle(b, run);
@@ -127,32 +135,30 @@ static void look_up_textures(const resolution *r, size_t first, const workspace 
         if (!material || material->texture == SL_NO_INDEX) continue;
         for (uint32_t n = b->start[run]; n < b->start[run + 1]; n++) {
             sl_rgb diffuse = sl_scene_diffuse(r->raster->scene, triangle, b->w1[n], b->w2[n]);
-            if (r->out->diffuse_r) r->out->diffuse_r[first + n] = diffuse.r;
-            if (r->out->diffuse_g) r->out->diffuse_g[first + n] = diffuse.g;
-            if (r->out->diffuse_b) r->out->diffuse_b[first + n] = diffuse.b;
+            w->diffuse.x[n] = diffuse.r;
+            w->diffuse.y[n] = diffuse.g;
+            w->diffuse.z[n] = diffuse.b;
         }
     }
 }
 
 /* Albedo: one for a run, but where there is a texture. */
 static void resolve_diffuse(const resolution *r, size_t first, workspace *w) {
-    float *const plane[3] = {r->out->diffuse_r, r->out->diffuse_g, r->out->diffuse_b};
-    float value[3][SL_RESOLVE_RUNS] = {{0}};
+    float red[SL_RESOLVE_RUNS] = {0}, green[SL_RESOLVE_RUNS] = {0}, blue[SL_RESOLVE_RUNS] = {0};
     bool textured = false;
     for (uint32_t run = 0; run < w->pixels.runs; run++) {
         const sl_material *material = material_of(r->raster->scene, sl_run_triangle(&w->pixels, run));
         if (!material) continue;
-        value[0][run] = material->diffuse.r;
-        value[1][run] = material->diffuse.g;
-        value[2][run] = material->diffuse.b;
+        red[run] = material->diffuse.r;
+        green[run] = material->diffuse.g;
+        blue[run] = material->diffuse.b;
         textured |= material->texture != SL_NO_INDEX;
     }
-    for (int c = 0; c < 3; c++) {
-        if (!plane[c]) continue;
-        r->raster->kernels->spread(&w->pixels, value[c], w->plane);
-        put(plane[c], first, w->plane, w->pixels.count);
-    }
-    if (textured) look_up_textures(r, first, w);
+    r->raster->kernels->resolve->spread(&w->pixels, red, green, blue, &w->diffuse);
+    if (textured) look_up_textures(r, w);
+    put(r, r->out->diffuse_r, first, w->diffuse.x, w->pixels.count);
+    put(r, r->out->diffuse_g, first, w->diffuse.y, w->pixels.count);
+    put(r, r->out->diffuse_b, first, w->diffuse.z, w->pixels.count);
 }
 
 static void resolve_material(const resolution *r, size_t first, workspace *w) {
@@ -161,8 +167,8 @@ static void resolve_material(const resolution *r, size_t first, workspace *w) {
         uint32_t triangle = sl_run_triangle(&w->pixels, run);
         value[run] = triangle == SL_NO_INDEX ? SL_NO_INDEX : r->raster->scene->material_index[triangle];
     }
-    r->raster->kernels->spread_index(&w->pixels, value, w->index);
-    memcpy(r->out->material + first, w->index, w->pixels.count * sizeof *w->index);
+    r->raster->kernels->resolve->spread_index(&w->pixels, value, w->index);
+    put(r, r->out->material, first, w->index, w->pixels.count);
 }
 
 static void resolve_strip(void *context, size_t index, unsigned worker) {
@@ -181,6 +187,7 @@ static void resolve_strip(void *context, size_t index, unsigned worker) {
         r->shaded[index] += sl_resolve_shaded(&w.pixels);
         first += count;
     }
+    sl_stream_end();
 }
 
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
@@ -198,9 +205,11 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
     }
     if (status == SL_OK) {
         const sl_gbuffer *g = gbuffer;
-        resolution r = {raster, sl_pass_view_make(view, view->width, view->height), id, gbuffer, pixels,
-                        g->position_x || g->position_y || g->position_z,
-                        g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y || g->geometric_z, shaded};
+        resolution r = {.raster = raster, .view = sl_pass_view_make(view, view->width, view->height), .id = id, .out = gbuffer,
+                        .pixels = pixels, .shaded = shaded, .streamed = pixels >= STREAMED,
+                        .positions = g->position_x || g->position_y || g->position_z,
+                        .normals = g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y ||
+                                   g->geometric_z};
         sl_parallel_for(sl_thread_count(threads), strips, resolve_strip, &r);
         for (size_t s = 0; s < strips; s++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[s]);
     }

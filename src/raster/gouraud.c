@@ -39,7 +39,7 @@ static void interpolate_strip(void *context, size_t index, unsigned worker) {
         sl_resolve_next(g->raster, &g->view, end - first, first, NULL, g->id + first, &block);
         for (size_t c = 0; c < g->channels; c++) {
             fetch_channel(g, &block, c, value);
-            g->raster->kernels->interpolate(&block, value, plane);
+            g->raster->kernels->resolve->interpolate(&block, value, plane);
             memcpy(g->out + c * g->pixels + first, plane, block.count * sizeof *plane);
         }
     }

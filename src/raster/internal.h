@@ -45,8 +45,7 @@ enum {
     SL_TILE_PIXELS = SL_TILE * SL_TILE,
     SL_TILE_CELLS = (SL_TILE / SL_CELL) * (SL_TILE / SL_CELL),
     SL_RASTER_MAX_SIZE = 16384, /* so that snapped coordinates stay below 2^22 */
-    SL_SUBPIXEL = 256,     /* 8 bits */
-    SL_RESOLVE_RUNS = 64   /* runs of pixels with the same triangle that are resolved together */
+    SL_SUBPIXEL = 256      /* 8 bits */
 };
 
 /* Clip codes. The four sides, then near and far; the planes' order is that of clipping. */
@@ -233,9 +232,6 @@ typedef struct sl_add_triangle {
     sl_add_channel channel[];
 } sl_add_triangle;
 
-struct sl_resolve_block; /* resolve.h */
-struct sl_surface_block;
-
 struct sl_raster_kernels {
     void (*cull)(const sl_raster *raster, const sl_pass_view *view, sl_visible *visible);
     void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out);
@@ -260,15 +256,7 @@ struct sl_raster_kernels {
     /* Adds triangle t of the batch to planes of the whole target; returns how many pixels. */
     uint64_t (*add)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *values, int channels,
                     float *planes);
-    /* Resolution (resolve.h). Finds the runs of the next block of at most `count` pixels. */
-    void (*runs)(struct sl_resolve_block *block, size_t count);
-    /* Weights of a block of pixels; values given at its corners, interpolated, and values given for each run, at every
-     * pixel; its surface points. */
-    void (*weights)(struct sl_resolve_block *block, const sl_pass_view *view);
-    void (*interpolate)(const struct sl_resolve_block *block, const float (*value)[SL_RESOLVE_RUNS], float *out);
-    void (*spread)(const struct sl_resolve_block *block, const float *value, float *out);
-    void (*spread_index)(const struct sl_resolve_block *block, const uint32_t *value, uint32_t *out);
-    void (*surfaces)(const struct sl_resolve_block *block, const sl_pass_view *view, struct sl_surface_block *surfaces);
+    const struct sl_resolve_kernels *resolve; /* resolve.h */
 };
 
 const sl_raster_kernels *sl_raster_kernels_best(void);

@@ -2,9 +2,9 @@
 #include "raster/resolve.h"
 
 static inline void put_corner(sl_resolve_block *block, uint32_t run, int corner, sl_vec3 p) {
-    block->x[corner][run] = p.x;
-    block->y[corner][run] = p.y;
-    block->z[corner][run] = p.z;
+    block->corner.x[corner][run] = p.x;
+    block->corner.y[corner][run] = p.y;
+    block->corner.z[corner][run] = p.z;
 }
 
 static void fetch_corners(const sl_raster *raster, sl_resolve_block *block) {
@@ -25,9 +25,9 @@ size_t sl_resolve_next(const sl_raster *raster, const sl_pass_view *view, size_t
     block->id = id;
     block->pixel = pixel;
     block->first = (uint32_t)first;
-    raster->kernels->runs(block, count);
+    raster->kernels->resolve->runs(block, count);
     fetch_corners(raster, block);
-    raster->kernels->weights(block, view);
+    raster->kernels->resolve->weights(block, view);
     return block->count;
 }
 

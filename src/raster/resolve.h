@@ -20,24 +20,32 @@
 
 enum {
     SL_RESOLVE_PIXELS = 512,
+    SL_RESOLVE_RUNS = 64,
     SL_RESOLVE_ROOM = SL_RESOLVE_PIXELS + SL_LANES /* a run's lanes may reach beyond the block's end */
 };
 
-/* A number at each of the corners of each run's triangle. */
+/* A number, or a vector, at each of the corners of each run's triangle. */
 typedef float sl_run_corners[3][SL_RESOLVE_RUNS];
+typedef struct sl_run_vectors {
+    sl_run_corners x, y, z;
+} sl_run_vectors;
+/* A vector at each pixel. */
+typedef struct sl_vector_planes {
+    float x[SL_RESOLVE_ROOM], y[SL_RESOLVE_ROOM], z[SL_RESOLVE_ROOM];
+} sl_vector_planes;
 
 typedef struct sl_resolve_block {
     uint32_t count, runs;
     uint32_t first;        /* the pixels are first, first + 1, ..., or those of the list */
     const uint32_t *pixel, *id;
     uint32_t start[SL_RESOLVE_RUNS + 2]; /* run r is [start[r], start[r + 1]) */
-    sl_run_corners x, y, z;              /* positions */
+    sl_run_vectors corner; /* positions */
     float w1[SL_RESOLVE_ROOM], w2[SL_RESOLVE_ROOM]; /* out: weights of corners 1 and 2; 0 on the background */
-    /* within the kernel, by run: edge lines (barycentrics.h) */
+    /* Within the kernel, by run: edge lines (barycentrics.h). */
     double a0[SL_RESOLVE_RUNS], b0[SL_RESOLVE_RUNS], c0[SL_RESOLVE_RUNS], a1[SL_RESOLVE_RUNS], b1[SL_RESOLVE_RUNS];
     double c1[SL_RESOLVE_RUNS], a2[SL_RESOLVE_RUNS], b2[SL_RESOLVE_RUNS], c2[SL_RESOLVE_RUNS];
     double origin_x[SL_RESOLVE_RUNS], origin_y[SL_RESOLVE_RUNS];
-    /* by pixel */
+    /* By pixel. */
     double column[SL_RESOLVE_ROOM], row[SL_RESOLVE_ROOM];
     double e0[SL_RESOLVE_ROOM], e1[SL_RESOLVE_ROOM], e2[SL_RESOLVE_ROOM];
     uint8_t outside[SL_RESOLVE_ROOM]; /* 1: the pixel lies outside its triangle */
@@ -45,15 +53,24 @@ typedef struct sl_resolve_block {
 
 /* Surface points of a block. */
 typedef struct sl_surface_block {
-    bool normals;   /* wanted: else positions alone */
-    bool facets;    /* every triangle of the block has one normal at all its corners */
-    sl_run_corners corner_nx, corner_ny, corner_nz;
+    bool normals; /* wanted: else positions alone */
+    bool facets;  /* every triangle of the block has one normal at all its corners */
+    sl_run_vectors corner_normal;
     float face_x[SL_RESOLVE_RUNS], face_y[SL_RESOLVE_RUNS], face_z[SL_RESOLVE_RUNS]; /* geometric normals */
-    /* out */
-    float position_x[SL_RESOLVE_ROOM], position_y[SL_RESOLVE_ROOM], position_z[SL_RESOLVE_ROOM];
-    float normal_x[SL_RESOLVE_ROOM], normal_y[SL_RESOLVE_ROOM], normal_z[SL_RESOLVE_ROOM];
-    float geometric_x[SL_RESOLVE_ROOM], geometric_y[SL_RESOLVE_ROOM], geometric_z[SL_RESOLVE_ROOM];
+    sl_vector_planes position, normal, geometric; /* out */
 } sl_surface_block;
+
+/* The kernels, in the order in which they are called; all variants give the same bits. */
+typedef struct sl_resolve_kernels {
+    /* Finds the runs of a block of at most `count` pixels. */
+    void (*runs)(sl_resolve_block *block, size_t count);
+    void (*weights)(sl_resolve_block *block, const sl_pass_view *view);
+    /* Values given at the corners, at every pixel; and values given for each run, three floats or one index. */
+    void (*interpolate)(const sl_resolve_block *block, const sl_run_corners value, float *out);
+    void (*spread)(const sl_resolve_block *block, const float *x, const float *y, const float *z, sl_vector_planes *out);
+    void (*spread_index)(const sl_resolve_block *block, const uint32_t *value, uint32_t *out);
+    void (*surfaces)(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *surfaces);
+} sl_resolve_kernels;
 
 /* Takes the next block from `count` pixels (pixel NULL: first, first + 1, ...) with their ids, and finds their weights.
  * Returns how many pixels it took: 0 when count is 0. The block must have been cleared once. */

@@ -28,8 +28,7 @@ static inline uint32_t lowest_byte(uint64_t set) { return (uint32_t)__builtin_ct
 /* ---- runs ---- */
 
 /* Where the index changes, as bytes, 64 pixels at a time; then only at the changes. */
-void SL_KERNEL(sl_resolve_runs)(sl_resolve_block *block, size_t count);
-void SL_KERNEL(sl_resolve_runs)(sl_resolve_block *block, size_t count) {
+static void find_runs(sl_resolve_block *block, size_t count) {
     const uint32_t most = count < SL_RESOLVE_PIXELS ? (uint32_t)count : SL_RESOLVE_PIXELS;
     uint32_t runs = 1;
     block->start[0] = 0;
@@ -79,8 +78,8 @@ static void locate_pixels(sl_resolve_block *block, const sl_pass_view *view) {
 
 static void make_lines(sl_resolve_block *block, const sl_pass_view *view) {
     const float eye_x = view->origin[0], eye_y = view->origin[1], eye_z = view->origin[2];
-    const float(*restrict x)[SL_RESOLVE_RUNS] = block->x, (*restrict y)[SL_RESOLVE_RUNS] = block->y,
-          (*restrict z)[SL_RESOLVE_RUNS] = block->z;
+    const float(*restrict x)[SL_RESOLVE_RUNS] = block->corner.x, (*restrict y)[SL_RESOLVE_RUNS] = block->corner.y,
+          (*restrict z)[SL_RESOLVE_RUNS] = block->corner.z;
     double *restrict a0 = block->a0, *restrict b0 = block->b0, *restrict c0 = block->c0, *restrict a1 = block->a1;
     double *restrict b1 = block->b1, *restrict c1 = block->c1, *restrict a2 = block->a2, *restrict b2 = block->b2;
     double *restrict c2 = block->c2, *restrict origin_x = block->origin_x, *restrict origin_y = block->origin_y;
@@ -156,8 +155,7 @@ static void move_inside(sl_resolve_block *block) {
     }
 }
 
-void SL_KERNEL(sl_resolve_weights)(sl_resolve_block *block, const sl_pass_view *view);
-void SL_KERNEL(sl_resolve_weights)(sl_resolve_block *block, const sl_pass_view *view) {
+static void find_weights(sl_resolve_block *block, const sl_pass_view *view) {
     locate_pixels(block, view);
     make_lines(block, view);
     make_background(block);
@@ -168,7 +166,7 @@ void SL_KERNEL(sl_resolve_weights)(sl_resolve_block *block, const sl_pass_view *
 
 /* ---- attributes ---- */
 
-static inline void interpolate(const sl_resolve_block *block, const float (*value)[SL_RESOLVE_RUNS], float *plane) {
+static void interpolate(const sl_resolve_block *block, const sl_run_corners value, float *plane) {
     for (uint32_t r = 0; r < block->runs; r++) {
         const float first = value[0][r], to_1 = value[1][r] - first, to_2 = value[2][r] - first;
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
@@ -180,27 +178,43 @@ static inline void interpolate(const sl_resolve_block *block, const float (*valu
     }
 }
 
-static inline void spread(const sl_resolve_block *block, const float *value, float *plane) {
+/* Three at once: the loops over runs cost as much as what is in them. */
+static void interpolate_vectors(const sl_resolve_block *block, const sl_run_vectors *value, sl_vector_planes *plane) {
     for (uint32_t r = 0; r < block->runs; r++) {
-        const float v = value[r];
+        const float x0 = value->x[0][r], x1 = value->x[1][r] - x0, x2 = value->x[2][r] - x0;
+        const float y0 = value->y[0][r], y1 = value->y[1][r] - y0, y2 = value->y[2][r] - y0;
+        const float z0 = value->z[0][r], z1 = value->z[1][r] - z0, z2 = value->z[2][r] - z0;
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
-            float *restrict out = plane + n;
+            const float *restrict w1 = block->w1 + n, *restrict w2 = block->w2 + n;
+            float *restrict x = plane->x + n, *restrict y = plane->y + n, *restrict z = plane->z + n;
 #pragma omp simd
-            for (int l = 0; l < LANES; l++) out[l] = v;
+            for (int l = 0; l < LANES; l++) {
+                x[l] = sl_interpolate(x0, x1, x2, w1[l], w2[l]);
+                y[l] = sl_interpolate(y0, y1, y2, w1[l], w2[l]);
+                z[l] = sl_interpolate(z0, z1, z2, w1[l], w2[l]);
+            }
         }
     }
 }
 
-void SL_KERNEL(sl_resolve_interpolate)(const sl_resolve_block *block, const float (*value)[SL_RESOLVE_RUNS], float *out);
-void SL_KERNEL(sl_resolve_interpolate)(const sl_resolve_block *block, const float (*value)[SL_RESOLVE_RUNS], float *out) {
-    interpolate(block, value, out);
+/* The same at all of a run's pixels. */
+static void spread(const sl_resolve_block *block, const float *x, const float *y, const float *z,
+                                  sl_vector_planes *plane) {
+    for (uint32_t r = 0; r < block->runs; r++) {
+        const float vx = x[r], vy = y[r], vz = z[r];
+        for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
+            float *restrict px = plane->x + n, *restrict py = plane->y + n, *restrict pz = plane->z + n;
+#pragma omp simd
+            for (int l = 0; l < LANES; l++) {
+                px[l] = vx;
+                py[l] = vy;
+                pz[l] = vz;
+            }
+        }
+    }
 }
 
-void SL_KERNEL(sl_resolve_spread)(const sl_resolve_block *block, const float *value, float *out);
-void SL_KERNEL(sl_resolve_spread)(const sl_resolve_block *block, const float *value, float *out) { spread(block, value, out); }
-
-void SL_KERNEL(sl_resolve_spread_index)(const sl_resolve_block *block, const uint32_t *value, uint32_t *plane);
-void SL_KERNEL(sl_resolve_spread_index)(const sl_resolve_block *block, const uint32_t *value, uint32_t *plane) {
+static void spread_index(const sl_resolve_block *block, const uint32_t *value, uint32_t *plane) {
     for (uint32_t r = 0; r < block->runs; r++) {
         const uint32_t v = value[r];
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
@@ -215,7 +229,7 @@ void SL_KERNEL(sl_resolve_spread_index)(const sl_resolve_block *block, const uin
 
 /* The normals of facets, once for each run. What interpolation makes of equal values is value + 0, which turns -0 into 0. */
 static void normals_of_facets(sl_surface_block *s, uint32_t runs) {
-    float *restrict nx = s->corner_nx[0], *restrict ny = s->corner_ny[0], *restrict nz = s->corner_nz[0];
+    float *restrict nx = s->corner_normal.x[0], *restrict ny = s->corner_normal.y[0], *restrict nz = s->corner_normal.z[0];
     const float *restrict gx = s->face_x, *restrict gy = s->face_y, *restrict gz = s->face_z;
 #pragma omp simd
     for (uint32_t r = 0; r < runs; r++) {
@@ -228,9 +242,9 @@ static void normals_of_facets(sl_surface_block *s, uint32_t runs) {
 
 /* Turns both normals of facets to the viewer's side. */
 static void turn_facets(sl_surface_block *s, uint32_t count, sl_vec3 eye) {
-    const float *restrict x = s->position_x, *restrict y = s->position_y, *restrict z = s->position_z;
-    float *restrict nx = s->normal_x, *restrict ny = s->normal_y, *restrict nz = s->normal_z;
-    float *restrict gx = s->geometric_x, *restrict gy = s->geometric_y, *restrict gz = s->geometric_z;
+    const float *restrict x = s->position.x, *restrict y = s->position.y, *restrict z = s->position.z;
+    float *restrict nx = s->normal.x, *restrict ny = s->normal.y, *restrict nz = s->normal.z;
+    float *restrict gx = s->geometric.x, *restrict gy = s->geometric.y, *restrict gz = s->geometric.z;
 #pragma omp simd
     for (uint32_t n = 0; n < count; n++) {
         float side = sl_side_seen(sl_v3(gx[n], gy[n], gz[n]), sl_sub(eye, sl_v3(x[n], y[n], z[n])));
@@ -244,9 +258,9 @@ static void turn_facets(sl_surface_block *s, uint32_t count, sl_vec3 eye) {
 }
 
 static void turn_normals(sl_surface_block *s, uint32_t count, sl_vec3 eye) {
-    const float *restrict x = s->position_x, *restrict y = s->position_y, *restrict z = s->position_z;
-    float *restrict nx = s->normal_x, *restrict ny = s->normal_y, *restrict nz = s->normal_z;
-    float *restrict gx = s->geometric_x, *restrict gy = s->geometric_y, *restrict gz = s->geometric_z;
+    const float *restrict x = s->position.x, *restrict y = s->position.y, *restrict z = s->position.z;
+    float *restrict nx = s->normal.x, *restrict ny = s->normal.y, *restrict nz = s->normal.z;
+    float *restrict gx = s->geometric.x, *restrict gy = s->geometric.y, *restrict gz = s->geometric.z;
 #pragma omp simd
     for (uint32_t n = 0; n < count; n++) {
         sl_vec3 g = sl_v3(gx[n], gy[n], gz[n]);
@@ -261,27 +275,31 @@ static void turn_normals(sl_surface_block *s, uint32_t count, sl_vec3 eye) {
     }
 }
 
-void SL_KERNEL(sl_resolve_surfaces)(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *s);
-void SL_KERNEL(sl_resolve_surfaces)(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *s) {
+static void find_surfaces(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *s) {
     const uint32_t count = whole_lanes(block->count);
-    sl_vec3 eye = sl_v3(view->origin[0], view->origin[1], view->origin[2]);
-    interpolate(block, block->x, s->position_x);
-    interpolate(block, block->y, s->position_y);
-    interpolate(block, block->z, s->position_z);
+    const sl_vec3 eye = sl_v3(view->origin[0], view->origin[1], view->origin[2]);
+    interpolate_vectors(block, &block->corner, &s->position);
     if (!s->normals) return;
-    spread(block, s->face_x, s->geometric_x);
-    spread(block, s->face_y, s->geometric_y);
-    spread(block, s->face_z, s->geometric_z);
+    spread(block, s->face_x, s->face_y, s->face_z, &s->geometric);
     if (s->facets) {
+        const sl_run_vectors *n = &s->corner_normal;
         normals_of_facets(s, whole_lanes(block->runs));
-        spread(block, s->corner_nx[0], s->normal_x);
-        spread(block, s->corner_ny[0], s->normal_y);
-        spread(block, s->corner_nz[0], s->normal_z);
+        spread(block, n->x[0], n->y[0], n->z[0], &s->normal);
         turn_facets(s, count, eye);
     } else {
-        interpolate(block, s->corner_nx, s->normal_x);
-        interpolate(block, s->corner_ny, s->normal_y);
-        interpolate(block, s->corner_nz, s->normal_z);
+        interpolate_vectors(block, &s->corner_normal, &s->normal);
         turn_normals(s, count, eye);
     }
 }
+
+/* ---- the table ---- */
+
+extern const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels);
+const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels) = {
+    .runs = find_runs,
+    .weights = find_weights,
+    .interpolate = interpolate,
+    .spread = spread,
+    .spread_index = spread_index,
+    .surfaces = find_surfaces,
+};

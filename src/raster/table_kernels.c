@@ -19,13 +19,7 @@ void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile);
 void SL_KERNEL(sl_raster_copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
 uint64_t SL_KERNEL(sl_raster_add_triangle)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *v,
                                            int channels, float *planes);
-void SL_KERNEL(sl_resolve_runs)(struct sl_resolve_block *block, size_t count);
-void SL_KERNEL(sl_resolve_weights)(struct sl_resolve_block *block, const sl_pass_view *view);
-void SL_KERNEL(sl_resolve_interpolate)(const struct sl_resolve_block *block, const float (*value)[SL_RESOLVE_RUNS], float *out);
-void SL_KERNEL(sl_resolve_spread)(const struct sl_resolve_block *block, const float *value, float *out);
-void SL_KERNEL(sl_resolve_spread_index)(const struct sl_resolve_block *block, const uint32_t *value, uint32_t *out);
-void SL_KERNEL(sl_resolve_surfaces)(const struct sl_resolve_block *block, const sl_pass_view *view,
-                                    struct sl_surface_block *surfaces);
+extern const struct sl_resolve_kernels SL_KERNEL(sl_resolve_kernels);
 
 extern const sl_raster_kernels SL_KERNEL(sl_raster_kernels);
 const sl_raster_kernels SL_KERNEL(sl_raster_kernels) = {
@@ -42,10 +36,5 @@ const sl_raster_kernels SL_KERNEL(sl_raster_kernels) = {
     .clear = SL_KERNEL(sl_raster_clear),
     .copy_out = SL_KERNEL(sl_raster_copy_out),
     .add = SL_KERNEL(sl_raster_add_triangle),
-    .runs = SL_KERNEL(sl_resolve_runs),
-    .weights = SL_KERNEL(sl_resolve_weights),
-    .interpolate = SL_KERNEL(sl_resolve_interpolate),
-    .spread = SL_KERNEL(sl_resolve_spread),
-    .spread_index = SL_KERNEL(sl_resolve_spread_index),
-    .surfaces = SL_KERNEL(sl_resolve_surfaces),
+    .resolve = &SL_KERNEL(sl_resolve_kernels),
 };
