@@ -100,7 +100,7 @@ static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
     (void)state;
     sl_texture_image *image = random_image(5, 3, 9);
     for (int mode = 0; mode < 24; mode++) {
-        sl_sampler sampler = {mode & 1, mode >> 1 & 1, 0, mode & 4, mode / 8};
+        sl_sampler sampler = {mode & 1, mode >> 1 & 1, 0, mode & 4, (sl_mip)(mode / 8)};
         for (int i = 0; i < ODD * ODD * ODD; i++) {
             float rgba[4];
             sl_texture_sample(image, sampler, odd_values[i % ODD], odd_values[i / ODD % ODD], odd_values[i / ODD / ODD], rgba);
@@ -309,7 +309,7 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
     const char *isas[] = {"baseline", "avx2", "avx512"};
     for (int k = 0; k < 3 * 24; k++) {
         int mode = k % 24;
-        sl_sampler sampler = {mode & 1, mode >> 1 & 1, 0, mode & 4, mode / 8};
+        sl_sampler sampler = {mode & 1, mode >> 1 & 1, 0, mode & 4, (sl_mip)(mode / 8)};
         assert_int_equal(setenv("SOFTLUX_ISA", isas[k / 24], 1), 0);
         sl_texture_image *image = random_image(k % 5 ? 61 : 64, 23, 12);
         unsetenv("SOFTLUX_ISA");
