@@ -5,7 +5,12 @@
  *
  *     s(x, y) = sum s_k e_k / sum e_k,     ds/dx = (sum s_k a_k - s sum a_k) / sum e_k,
  *
- * whose derivative is therefore known exactly at the pixel, without a neighbour. */
+ * whose derivative is therefore known exactly at the pixel, without a neighbour.
+ *
+ * Since vertices are snapped, a pixel that was drawn may lie outside its triangle by a 512th of a pixel. The quotient is then that of
+ * the triangle's plane beyond the edge, as in OpenGL; the same small part of the pixel's footprint away. Only where the plane
+ * is seen so obliquely that a 512th of a pixel leads an eighth of the triangle away, or beyond the horizon, the weights of
+ * sl_raster_barycentrics() are taken, which stay on the triangle. */
 #include "raster/lookup_kernels.h"
 #include "raster/texel_place.h"
 
@@ -73,12 +78,15 @@ __attribute__((always_inline)) static inline void coordinates(const sl_textured_
     for (int n = 0; n < N; n++) {
         double s0 = (double)s_0[n], s1 = (double)s_1[n] - s0, s2 = (double)s_2[n] - s0;
         double t0 = (double)t_0[n], t1 = (double)t_1[n] - t0, t2 = (double)t_2[n] - t0;
-        double w1 = (double)weight1[n], w2 = (double)weight2[n];
-        s[n] = (float)(s0 + (w1 * s1 + w2 * s2));
-        t[n] = (float)(t0 + (w1 * t1 + w2 * t2));
         double px = ((double)x[n] + 0.5) * pixel_x - 1.0, py = ((double)y[n] + 0.5) * pixel_y - 1.0;
         edges e = edges_at(view->clip, sl_v3(c0[n], c1[n], c2[n]), sl_v3(c3[n], c4[n], c5[n]), sl_v3(c6[n], c7[n], c8[n]), px, py,
                            pixel_x, pixel_y);
+        double over = 1.0 / ((e.c0 + e.c1) + e.c2), e0 = e.c0 * over, e1 = e.c1 * over, e2 = e.c2 * over;
+        double least = e0 < e1 ? e0 : e1;
+        bool near = least > -0.125 && e2 > -0.125; /* not for NaN */
+        double w1 = near ? e1 : (double)weight1[n], w2 = near ? e2 : (double)weight2[n];
+        s[n] = (float)(s0 + (w1 * s1 + w2 * s2));
+        t[n] = (float)(t0 + (w1 * t1 + w2 * t2));
         double odd_x = (double)(x[n] & 1), odd_y = (double)(y[n] & 1);
         gradient ds = exact ? gradient_of(&e, s1, s2) : differences_of(&e, s1, s2, odd_x, odd_y);
         gradient dt = exact ? gradient_of(&e, t1, t2) : differences_of(&e, t1, t2, odd_x, odd_y);
