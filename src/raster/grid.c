@@ -18,11 +18,17 @@ struct sl_grid {
     int n[3];
     uint64_t *start;        /* of every cell's run, and the end */
     uint32_t *triangles;
+    uint32_t *filled;       /* summed over the cells below (x, y, z): how many hold a triangle; (n + 1)^3 values */
 };
 
 static size_t cell_index(const sl_grid *g, int x, int y, int z) {
     return ((size_t)z * (size_t)g->n[1] + (size_t)y) * (size_t)g->n[0] + (size_t)x;
 }
+
+static size_t sum_index(const sl_grid *g, int x, int y, int z) {
+    return ((size_t)z * (size_t)(g->n[1] + 1) + (size_t)y) * (size_t)(g->n[0] + 1) + (size_t)x;
+}
+static size_t sum_count(const sl_grid *g) { return sum_index(g, g->n[0], g->n[1], g->n[2]) + 1; }
 
 /* ---- triangle against cell ---- */
 
@@ -156,12 +162,40 @@ static void choose_cells(sl_grid *g, int cells_per_axis) {
     }
 }
 
+/* Summed-volume table (Crow's summed-area table of 1984, one dimension up): the filled cells of any range from eight of its
+ * values. Differences of unsigned numbers, so the order of signs does not matter. */
+static uint32_t filled_in(const sl_grid *g, const int low[3], const int high[3]) {
+    uint32_t sum = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        int x = corner & 1 ? high[0] : low[0], y = corner & 2 ? high[1] : low[1], z = corner & 4 ? high[2] : low[2];
+        int lows = !(corner & 1) + !(corner & 2) + !(corner & 4);
+        uint32_t value = g->filled[sum_index(g, x, y, z)];
+        sum += lows & 1 ? 0u - value : value;
+    }
+    return sum;
+}
+
+/* Every value from the seven others of its cell's corners. */
+static void sum_filled(sl_grid *g) {
+    for (int z = 0; z < g->n[2]; z++) {
+        for (int y = 0; y < g->n[1]; y++) {
+            for (int x = 0; x < g->n[0]; x++) {
+                size_t cell = cell_index(g, x, y, z);
+                const int low[3] = {x, y, z}, high[3] = {x + 1, y + 1, z + 1};
+                uint32_t others = filled_in(g, low, high); /* its own value is still 0 */
+                g->filled[sum_index(g, x + 1, y + 1, z + 1)] = (g->start[cell + 1] > g->start[cell]) - others;
+            }
+        }
+    }
+}
+
 static sl_status fill(sl_grid *g, unsigned threads, sl_error *error) {
     size_t cells = sl_grid_cell_count(g);
     filling f = {.grid = g, .slabs = g->n[2] < SLABS_MAX ? g->n[2] : SLABS_MAX};
     g->start = sl_allocate(cells + 1, sizeof *g->start);
+    g->filled = sl_allocate(sum_count(g), sizeof *g->filled);
     f.cursor = sl_allocate(cells, sizeof *f.cursor);
-    if (!g->start || !f.cursor) {
+    if (!g->start || !g->filled || !f.cursor) {
         sl_free(f.cursor);
         return sl_fail_memory(error, "a grid of triangles");
     }
@@ -171,6 +205,7 @@ static sl_status fill(sl_grid *g, unsigned threads, sl_error *error) {
         f.cursor[c] = g->start[c];
     }
     g->triangles = sl_allocate(g->start[cells], sizeof *g->triangles);
+    sum_filled(g);
     f.writing = true;
     if (g->triangles) sl_parallel_for(threads, (size_t)f.slabs, fill_slab, &f);
     sl_free(f.cursor);
@@ -192,6 +227,7 @@ sl_status sl_grid_create(const sl_scene *scene, int cells_per_axis, unsigned thr
 void sl_grid_destroy(sl_grid *g) {
     if (!g) return;
     sl_free(g->start);
+    sl_free(g->filled);
     sl_free(g->triangles);
     sl_free(g);
 }
@@ -200,7 +236,8 @@ size_t sl_grid_cell_count(const sl_grid *g) { return (size_t)g->n[0] * (size_t)g
 double sl_grid_cell_size(const sl_grid *g) { return g->cell; }
 size_t sl_grid_memory_bytes(const sl_grid *g) {
     size_t cells = sl_grid_cell_count(g);
-    return sizeof *g + (cells + 1) * sizeof *g->start + (size_t)g->start[cells] * sizeof *g->triangles;
+    return sizeof *g + (cells + 1) * sizeof *g->start + sum_count(g) * sizeof *g->filled +
+           (size_t)g->start[cells] * sizeof *g->triangles;
 }
 
 /* ---- query ---- */
@@ -266,7 +303,7 @@ static void mark_cell(query *q, size_t cell) {
     }
 }
 
-/* Ranges outside the cone are left whole; others are halved across their longest side, down to cells. At most one range
+/* Ranges that are empty or outside the cone are left whole; others are halved across their longest side, down to cells. At most one range
  * of each halving waits on the way down, so the depth is the sum of the axes' bits. */
 static void visit_range(query *q, cell_range r) {
     const sl_grid *g = q->grid;
@@ -274,12 +311,7 @@ static void visit_range(query *q, cell_range r) {
     for (int k = 1; k < 3; k++) {
         if (r.high[k] - r.low[k] > r.high[longest] - r.low[longest]) longest = k;
     }
-    bool row = r.high[1] - r.low[1] == 1 && r.high[2] - r.low[2] == 1;
-    if (row) {
-        size_t first = cell_index(g, r.low[0], r.low[1], r.low[2]), end = first + (size_t)(r.high[0] - r.low[0]);
-        if (g->start[first] == g->start[end]) return; /* nothing in it */
-    }
-    if (!meets_range(q, &r)) return;
+    if (filled_in(g, r.low, r.high) == 0 || !meets_range(q, &r)) return;
     if (r.high[longest] - r.low[longest] == 1) {
         mark_cell(q, cell_index(g, r.low[0], r.low[1], r.low[2]));
         return;
