@@ -201,13 +201,13 @@ static float depth_at(const depth_plane *p, bool opengl, int i, int j) {
 }
 
 /* A triangle's alpha mask, looked up at the pixel's perspective-correct weights. */
-static bool opaque_at(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, uint32_t t, int i, int j) {
+static bool opaque_at(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, const sl_pass_view *pass,
+                      uint32_t t, int i, int j) {
     sl_vec3 q[3];
     float w1, w2;
     if (!masks || !sl_scene_has_alpha(masks, t)) return true;
     for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_mesh_position(mesh, mesh->vertex[k][t]), view->origin);
-    sl_barycentric_weights(view->clip, q[0], q[1], q[2], sl_pixel_centre((uint32_t)(i - view->x), view->width),
-                           sl_pixel_centre((uint32_t)(j - view->y), view->height), &w1, &w2);
+    sl_barycentric_weights(pass, q, (double)(i - view->x), (double)(j - view->y), &w1, &w2);
     return sl_scene_is_opaque(masks, t, w1, w2);
 }
 
@@ -240,7 +240,7 @@ static void draw_pixels(const picture *p, uint32_t t, const corner c[3]) {
             size_t pixel = (size_t)j * (size_t)p->target->width + (size_t)i;
             float z = depth_at(&plane, opengl, i, j), old = p->target->depth[pixel];
             bool nearer = p->pass.inverse_w ? z > old : z < old;
-            if (!nearer || !opaque_at(p->mesh, p->masks, p->view, t, i, j)) continue;
+            if (!nearer || !opaque_at(p->mesh, p->masks, p->view, &p->pass, t, i, j)) continue;
             p->target->id[pixel] = t;
             p->target->depth[pixel] = z;
         }
