@@ -12,6 +12,7 @@ enum { POLYGON_MAX = 3 + SL_CLIP_PLANES };
 typedef struct {
     float x, y, z, w;
     int32_t original; /* index of the vertex in the buffer, or -1 for a new one */
+    int plane;        /* a new one's, on which it lies */
 } clip_vertex;
 
 static float plane_distance(const sl_pass_view *view, int plane, const clip_vertex *p) {
@@ -25,18 +26,18 @@ static float plane_distance(const sl_pass_view *view, int plane, const clip_vert
     }
 }
 
-static clip_vertex interpolate(const clip_vertex *from, const clip_vertex *to, float t) {
+static clip_vertex interpolate(const clip_vertex *from, const clip_vertex *to, float t, int plane) {
     return (clip_vertex){from->x + t * (to->x - from->x), from->y + t * (to->y - from->y),
-                         from->z + t * (to->z - from->z), from->w + t * (to->w - from->w), -1};
+                         from->z + t * (to->z - from->z), from->w + t * (to->w - from->w), -1, plane};
 }
 
 /* Where the ends are thousands of times further out than the plane, rounding can leave the new vertex visibly off
  * it; then its coordinate is taken from the plane's equation. In all other cases the interpolated value stands, as
  * in llvmpipe. */
-static void settle(const sl_pass_view *view, int plane, clip_vertex *p) {
+static void settle(const sl_pass_view *view, clip_vertex *p) {
     const float visible = 1e-4f;
-    if (!(fabsf(plane_distance(view, plane, p)) > visible * fabsf(p->w))) return;
-    switch (plane) {
+    if (p->original >= 0 || !(fabsf(plane_distance(view, p->plane, p)) > visible * fabsf(p->w))) return;
+    switch (p->plane) {
     case 0: p->x = p->w; break;
     case 1: p->x = -p->w; break;
     case 2: p->y = p->w; break;
@@ -46,11 +47,13 @@ static void settle(const sl_pass_view *view, int plane, clip_vertex *p) {
     }
 }
 
+/* Beside the eye, where w is almost 0 between ends before and behind, nothing is visible: later planes cut the new vertex off, and
+ * what they cut from its edges shall have llvmpipe's bits. */
 static clip_vertex cut_edge(const sl_pass_view *view, int plane, const clip_vertex *outside, float d_outside,
                             const clip_vertex *inside, float d_inside) {
-    clip_vertex p = -d_outside < d_inside ? interpolate(outside, inside, d_outside / (d_outside - d_inside))
-                                          : interpolate(inside, outside, d_inside / (d_inside - d_outside));
-    settle(view, plane, &p);
+    clip_vertex p = -d_outside < d_inside ? interpolate(outside, inside, d_outside / (d_outside - d_inside), plane)
+                                          : interpolate(inside, outside, d_inside / (d_inside - d_outside), plane);
+    if (fabsf(p.w) > 1e-3f * (fabsf(outside->w) + fabsf(inside->w))) settle(view, &p);
     return p;
 }
 
@@ -98,7 +101,9 @@ static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer 
     float depth = (p->z * oow) * 0.5f + 0.5f;
     q.x = keep_near(x, view->offset_x, view->half_width);
     q.y = keep_near(y, view->offset_y, view->half_height);
-    q.depth = view->inverse_w ? oow : depth < 0.0f ? 0.0f : depth > 1.0f ? 1.0f : depth;
+    /* OSMesa bounds the depths of pixels only; its plane goes through the corners as they come. */
+    if (view->rule != SL_OPENGL_PLANE) depth = depth < 0.0f ? 0.0f : depth > 1.0f ? 1.0f : depth;
+    q.depth = view->inverse_w ? oow : depth;
     q.finite = isfinite(q.x) && isfinite(q.y) && isfinite(q.depth);
     if (q.finite) {
         q.snapped_u = (int32_t)lrintf((q.x - 0.5f) * 256.0f);
@@ -129,7 +134,7 @@ uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buff
     int32_t codes = 0;
     for (int k = 0; k < 3; k++) {
         uint16_t i = corner[k];
-        polygon[0][k] = (clip_vertex){buffer->x[i], buffer->y[i], buffer->z[i], buffer->w[i], i};
+        polygon[0][k] = (clip_vertex){buffer->x[i], buffer->y[i], buffer->z[i], buffer->w[i], i, -1};
         codes |= buffer->code[i];
     }
     int count = 3, now = 0;
@@ -140,7 +145,10 @@ uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buff
     }
     if (count < 3) return 0;
     window_vertex window[POLYGON_MAX];
-    for (int i = 0; i < count; i++) window[i] = to_window(view, buffer, &polygon[now][i]);
+    for (int i = 0; i < count; i++) {
+        settle(view, &polygon[now][i]);
+        window[i] = to_window(view, buffer, &polygon[now][i]);
+    }
     uint32_t made = 0;
     for (int i = 2; i < count; i++) made += append(batch, &window[i - 1], &window[i], &window[0]);
     return made;

@@ -117,7 +117,7 @@ static void find_opengl_planes(sl_batch *restrict batch, uint32_t end) {
     for (uint32_t t = 0; t < end; t++) {
         int64_t du1 = batch->snapped_u[1][t] - batch->snapped_u[0][t], du2 = batch->snapped_u[2][t] - batch->snapped_u[0][t];
         int64_t dv1 = batch->snapped_v[1][t] - batch->snapped_v[0][t], dv2 = batch->snapped_v[2][t] - batch->snapped_v[0][t];
-        int first = du1 * dv2 - du2 * dv1 < 0 ? 1 : 0, second = 1 - first;
+        int first = du1 * dv2 - du2 * dv1 > 0 ? 1 : 0, second = 1 - first;
         float x0 = batch->x[first][t], y0 = batch->y[first][t], z0 = batch->depth[first][t];
         float dx01 = x0 - batch->x[second][t], dy01 = y0 - batch->y[second][t], dz01 = z0 - batch->depth[second][t];
         float dx20 = batch->x[2][t] - x0, dy20 = batch->y[2][t] - y0, dz20 = batch->depth[2][t] - z0;

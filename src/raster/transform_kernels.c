@@ -70,12 +70,15 @@ static void transform_window(const float *restrict x, const float *restrict oow,
     }
 }
 
-static void transform_depth(const float *restrict z, const float *restrict oow, bool inverse_w, float *restrict depth) {
+/* Depths of vertices inside the view leave [0,1] by rounding at most; OSMesa lets them (and bounds those of pixels). */
+static void transform_depth(const float *restrict z, const float *restrict oow, sl_depth_rule rule, float *restrict depth) {
+    const bool inverse_w = rule == SL_NEARER_IS_LARGER;
+    const float slack = rule == SL_OPENGL_PLANE ? 1.0f : 0.0f, least = 0.0f - slack, most = 1.0f + slack;
 #pragma omp simd
     for (int l = 0; l < SL_LANES; l++) {
         float window = fmaf(z[l] * oow[l], 0.5f, 0.5f);
-        window = window > 0.0f ? window : 0.0f;
-        window = window < 1.0f ? window : 1.0f;
+        window = window > least ? window : least;
+        window = window < most ? window : most;
         depth[l] = inverse_w ? oow[l] : window;
     }
 }
@@ -101,7 +104,7 @@ static void transform_group(const sl_raster *r, size_t from, const sl_pass_view 
                      out->snapped_u + to);
     transform_window(out->y + to, out->oow + to, out->code + to, view->half_height, view->offset_y, out->window_y + to,
                      out->snapped_v + to);
-    transform_depth(out->z + to, out->oow + to, view->inverse_w, out->depth + to);
+    transform_depth(out->z + to, out->oow + to, view->rule, out->depth + to);
     find_cells(out->snapped_u + to, out->snapped_v + to, out->cell + to);
 }
 
