@@ -1,5 +1,5 @@
-/* What plain C cannot say well about sixteen floats: which of them are greater than a limit, or at most a limit, as bits. A NaN is
- * neither. (A loop that collects bits costs more than the arithmetic that it may save.) For *_kernels.c files. */
+/* What plain C cannot say well about sixteen numbers: which of them are greater than a limit, at most a limit, or negative, as bits.
+ * A NaN is neither. (A loop that collects bits costs more than the arithmetic that it may save.) For *_kernels.c files. */
 #ifndef SL_BASE_BITS16_H
 #define SL_BASE_BITS16_H
 
@@ -47,6 +47,27 @@ static inline uint32_t sl_bits16_at_most(const float *a, float limit) {
 #else
     uint32_t bits = 0;
     for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] <= limit) << l;
+    return bits;
+#endif
+}
+
+/* Bit l: a[l] < 0. */
+static inline uint32_t sl_bits16_negative(const int32_t *a) {
+#if defined __AVX512DQ__
+    return (uint32_t)_mm512_movepi32_mask(_mm512_loadu_si512(a));
+#elif defined __AVX2__
+    int low = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_loadu_si256((const __m256i *)(const void *)a)));
+    return (uint32_t)low |
+           (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_loadu_si256((const __m256i *)(const void *)(a + 8)))) << 8;
+#elif defined __SSE2__
+    uint32_t bits = 0;
+    for (int l = 0; l < 4; l++) {
+        bits |= (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(_mm_loadu_si128((const __m128i *)(const void *)(a + 4 * l)))) << (4 * l);
+    }
+    return bits;
+#else
+    uint32_t bits = 0;
+    for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] < 0) << l;
     return bits;
 #endif
 }

@@ -1,6 +1,7 @@
 /* Classification: what becomes of each triangle of a cluster, told from its vertices' clip codes and from the pixel
  * centres next to them, before any edge is set up. Most triangles of a small picture lie between pixel centres; most of
  * the rest cover one or two. The tiny ones among these get their coverage at once, sixteen triangles together. */
+#include "base/bits16.h"
 #include "raster/internal.h"
 
 static inline int32_t min3(int32_t a, int32_t b, int32_t c) {
@@ -12,56 +13,75 @@ static inline int32_t max3(int32_t a, int32_t b, int32_t c) {
     return m > c ? m : c;
 }
 
-enum { CULLED, TINY, OTHER, ELSEWHERE, CLIPPED, DROPPED }; /* ELSEWHERE: on the target, but not in this tile */
+/* The lower half, below 2^15. A mask of 16 bits would say the same, but sets compilers to work with short lanes. */
+static inline int32_t cell_x(int32_t cell) { return (int32_t)((uint32_t)cell << 16) >> 16; }
+
+/* Sixteen triangles by kind, a bit each. What is on none of the lists lies elsewhere on the target. */
+typedef struct {
+    uint32_t culled, tiny, other, clipped, dropped;
+} group_bits;
 
 /* A vertex's cell is (i, j) = (ceil(u / 256), ceil(v / 256)): pixel centres lie at multiples of 256, the least u is
  * inclusive and the largest exclusive by the fill rule, so a triangle's box holds a centre only if its corners'
  * cells differ in i and in j: its pixels are [least i, most i) x [least j, most j). Cells of vertices on the screen fit
  * 16 bits, so one gathered word says it for each corner. A whole group at a time: what lies beyond the cluster's last
  * triangle is not looked at. */
-static void classify_inside(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
-                            const int32_t *restrict cell, const sl_tile *tile, uint8_t *restrict class) {
+static group_bits classify_inside(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
+                                  const int32_t *restrict cell, const sl_tile *tile) {
     const int32_t x0 = tile->x0, y0 = tile->y0, x1 = tile->x1, y1 = tile->y1;
+    int32_t culled[SL_LANES], elsewhere[SL_LANES], large[SL_LANES]; /* negative where it is so */
 #pragma omp simd
     for (int t = 0; t < SL_LANES; t++) {
         int32_t p = cell[c0[t]], q = cell[c1[t]], r = cell[c2[t]];
-        int32_t px = p & 0xffff, qx = q & 0xffff, rx = r & 0xffff, py = p >> 16, qy = q >> 16, ry = r >> 16;
+        int32_t px = cell_x(p), qx = cell_x(q), rx = cell_x(r), py = p >> 16, qy = q >> 16, ry = r >> 16;
         int32_t low_x = min3(px, qx, rx), high_x = max3(px, qx, rx), low_y = min3(py, qy, ry), high_y = max3(py, qy, ry);
-        int32_t here = high_x - low_x <= SL_BLOCK ? TINY : OTHER;
-        here = high_y - low_y <= SL_BLOCK ? here : OTHER;
-        here = high_y > y0 ? here : ELSEWHERE;
-        here = low_y < y1 ? here : ELSEWHERE;
-        here = high_x > x0 ? here : ELSEWHERE;
-        here = low_x < x1 ? here : ELSEWHERE;
-        here = low_y < high_y ? here : CULLED;
-        here = low_x < high_x ? here : CULLED;
-        class[t] = (uint8_t)here;
+        culled[t] = (high_x - low_x - 1) | (high_y - low_y - 1);
+        elsewhere[t] = (high_x - 1 - x0) | (high_y - 1 - y0) | (x1 - 1 - low_x) | (y1 - 1 - low_y);
+        large[t] = (SL_BLOCK - (high_x - low_x)) | (SL_BLOCK - (high_y - low_y));
     }
+    group_bits g = {.culled = sl_bits16_negative(culled)};
+    uint32_t here = ~(g.culled | sl_bits16_negative(elsewhere)) & 0xffffu, wide = sl_bits16_negative(large);
+    g.tiny = here & ~wide;
+    g.other = here & wide;
+    return g;
 }
 
-/* Where some vertex of the cluster is outside a plane or not valid. */
+/* Where some vertex of the cluster is outside a plane or not valid, that decides. */
 static void classify_crossing(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
-                              uint32_t count, const int32_t *restrict code, uint8_t *restrict class) {
-    for (uint32_t t = 0; t < count; t++) {
+                              const int32_t *restrict code, group_bits *g) {
+    uint32_t crossing = 0;
+    for (uint32_t t = 0; t < SL_LANES; t++) {
         int32_t p = code[c0[t]], q = code[c1[t]], r = code[c2[t]];
         int32_t any = p | q | r, all = p & q & r;
-        uint8_t kind = any ? (all ? CULLED : CLIPPED) : class[t];
-        class[t] = any & SL_CLIP_INVALID ? DROPPED : kind;
+        if (!any) continue;
+        crossing |= 1u << t;
+        if (any & SL_CLIP_INVALID) g->dropped |= 1u << t;
+        else if (!all) g->clipped |= 1u << t;
+    }
+    g->tiny &= ~crossing;
+    g->other &= ~crossing;
+    g->culled = (g->culled & ~crossing) | (crossing & ~(g->dropped | g->clipped));
+}
+
+/* A gather's own triangle counts as culled; a tiny one with a mask has its pixels looked at one by one. */
+static void classify_special(const sl_raster *r, const sl_pass_view *view, uint32_t first, group_bits *g) {
+    for (uint32_t t = 0; t < SL_LANES && first + t < r->mesh.triangle_count; t++) {
+        const uint32_t bit = 1u << t;
+        if (r->triangle_masked[first + t] && (g->tiny & bit)) {
+            g->tiny &= ~bit;
+            g->other |= bit;
+        }
+        if (r->triangle[first + t] == view->skip) {
+            g->tiny &= ~bit;
+            g->other &= ~bit;
+            g->clipped &= ~bit;
+            g->culled |= g->dropped & bit ? 0 : bit;
+        }
     }
 }
 
-static uint32_t count_class(const uint8_t *restrict class, uint32_t count, uint8_t which) {
-    uint8_t found = 0; /* at most SL_CLUSTER_TRIANGLES */
-    for (uint32_t t = 0; t < count; t++) found = (uint8_t)(found + (class[t] == which));
-    return found;
-}
-
-static uint32_t list_class(const uint8_t *restrict class, uint32_t count, uint8_t which, uint8_t *restrict list) {
-    uint32_t found = 0;
-    for (uint32_t t = 0; t < count; t++) {
-        list[found] = (uint8_t)t;
-        found += class[t] == which;
-    }
+static uint32_t list_bits(uint32_t bits, uint32_t first, uint8_t *restrict list, uint32_t found) {
+    for (; bits; bits &= bits - 1) list[found++] = (uint8_t)(first + (uint32_t)__builtin_ctz(bits));
     return found;
 }
 
@@ -69,29 +89,24 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const s
                                    const sl_vertex_buffer *b, sl_classes *classes);
 void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
                                    const sl_vertex_buffer *b, sl_classes *classes) {
-    uint32_t first = r->first_triangle[cluster], count = r->triangles[cluster];
-    const uint16_t *corner[3] = {r->corner[0] + first, r->corner[1] + first, r->corner[2] + first};
-    uint8_t class[SL_CLUSTER_TRIANGLES];
-    for (uint32_t t = 0; t < count; t += SL_LANES) {
-        classify_inside(corner[0] + t, corner[1] + t, corner[2] + t, b->cell, tile, class + t);
-    }
+    const uint32_t first = r->first_triangle[cluster], count = r->triangles[cluster];
+    const bool special = r->masked || (view->skip != SL_NO_INDEX && r->cluster_of_triangle[view->skip] == cluster);
     int32_t codes = 0;
     for (uint32_t i = 0; i < r->vertices[cluster]; i++) codes |= b->code[i];
-    if (codes) classify_crossing(corner[0], corner[1], corner[2], count, b->code, class);
-    if (view->skip != SL_NO_INDEX) {
-        for (uint32_t t = 0; t < count; t++) class[t] = r->triangle[first + t] == view->skip ? CULLED : class[t];
+    classes->culled = classes->tiny = classes->other = classes->clipped = classes->dropped = 0;
+    for (uint32_t t = 0; t < count; t += SL_LANES) {
+        const uint16_t *c0 = r->corner[0] + first + t, *c1 = r->corner[1] + first + t, *c2 = r->corner[2] + first + t;
+        const uint32_t group = count - t < SL_LANES ? (1u << (count - t)) - 1u : 0xffffu;
+        group_bits g = classify_inside(c0, c1, c2, b->cell, tile);
+        if (codes) classify_crossing(c0, c1, c2, b->code, &g);
+        if (special) classify_special(r, view, first + t, &g);
+        classes->culled += sl_bits16_count(g.culled & group);
+        classes->tiny = list_bits(g.tiny & group, t, classes->tiny_list, classes->tiny);
+        classes->other = list_bits(g.other & group, t, classes->other_list, classes->other);
+        if (!codes) continue;
+        classes->dropped += sl_bits16_count(g.dropped & group);
+        classes->clipped = list_bits(g.clipped & group, t, classes->clipped_list, classes->clipped);
     }
-    if (r->masked) {
-        for (uint32_t t = 0; t < count; t++) class[t] = r->triangle_masked[first + t] && class[t] == TINY ? OTHER : class[t];
-    }
-    classes->culled = count_class(class, count, CULLED);
-    classes->tiny = classes->other = classes->clipped = classes->dropped = 0;
-    if (classes->culled == count) return;
-    classes->tiny = list_class(class, count, TINY, classes->tiny_list);
-    classes->other = list_class(class, count, OTHER, classes->other_list);
-    if (!codes) return;
-    classes->dropped = count_class(class, count, DROPPED);
-    classes->clipped = list_class(class, count, CLIPPED, classes->clipped_list);
 }
 
 /* ---- tiny triangles ---- */
@@ -100,38 +115,30 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const s
 static inline int32_t cover_row(int32_t e0, int32_t e1, int32_t e2, int32_t a0, int32_t a1, int32_t a2) {
     int32_t p0 = e0 | e1 | e2, p1 = (e0 + a0) | (e1 + a1) | (e2 + a2);
     int32_t p2 = (e0 + 2 * a0) | (e1 + 2 * a1) | (e2 + 2 * a2), p3 = (e0 + 3 * a0) | (e1 + 3 * a1) | (e2 + 3 * a2);
-    return (p0 >= 0 ? 1 : 0) | (p1 >= 0 ? 2 : 0) | (p2 >= 0 ? 4 : 0) | (p3 >= 0 ? 8 : 0);
+    return (~sl_if_negative(p0) & 1) | (~sl_if_negative(p1) & 2) | (~sl_if_negative(p2) & 4) | (~sl_if_negative(p3) & 8);
 }
 
-/* The constant of edge function a i + b j + e, seen from a pixel centre: P is a corner on the edge, relative to that
- * centre. See set_up_edges(). */
-static inline int32_t edge_constant(int32_t a, int32_t b, int32_t u, int32_t v) {
-    int32_t owns = a > 0 ? 1 : 0;
-    owns = a == 0 ? (b > 0 ? 1 : 0) : owns;
-    return (-(a * u + b * v) - (1 - owns)) >> 8;
-}
-
-static void cover_group(const uint16_t *restrict c0, const uint16_t *restrict c1, const uint16_t *restrict c2,
-                        const uint8_t *restrict list, const int32_t *restrict snapped_u, const int32_t *restrict snapped_v,
-                        const int32_t *restrict cell, int32_t *restrict x, int32_t *restrict y, int32_t *restrict covered) {
+static void cover_group(const int32_t *restrict c0, const int32_t *restrict c1, const int32_t *restrict c2,
+                        const int32_t *restrict snapped_u, const int32_t *restrict snapped_v, const int32_t *restrict cell,
+                        int32_t *restrict x, int32_t *restrict y, int32_t *restrict covered) {
 #pragma omp simd
     for (int l = 0; l < SL_LANES; l++) {
-        int32_t p = c0[list[l]], q = c1[list[l]], r = c2[list[l]];
+        int32_t p = c0[l], q = c1[l], r = c2[l];
         int32_t cp = cell[p], cq = cell[q], cr = cell[r];
-        int32_t low_x = min3(cp & 0xffff, cq & 0xffff, cr & 0xffff), low_y = min3(cp >> 16, cq >> 16, cr >> 16);
+        int32_t low_x = min3(cell_x(cp), cell_x(cq), cell_x(cr)), low_y = min3(cp >> 16, cq >> 16, cr >> 16);
         int32_t u0 = snapped_u[p] - low_x * 256, u1 = snapped_u[q] - low_x * 256, u2 = snapped_u[r] - low_x * 256;
         int32_t v0 = snapped_v[p] - low_y * 256, v1 = snapped_v[q] - low_y * 256, v2 = snapped_v[r] - low_y * 256;
         int32_t area = (u1 - u0) * (v2 - v0) - (u2 - u0) * (v1 - v0);
-        int32_t sign = area < 0 ? -1 : 1;
-        int32_t a0 = (v1 - v2) * sign, a1 = (v2 - v0) * sign, a2 = (v0 - v1) * sign;
-        int32_t b0 = (u2 - u1) * sign, b1 = (u0 - u2) * sign, b2 = (u1 - u0) * sign;
-        int32_t e0 = edge_constant(a0, b0, u1, v1), e1 = edge_constant(a1, b1, u2, v2), e2 = edge_constant(a2, b2, u0, v0);
+        int32_t turned = sl_if_negative(area);
+        int32_t a0 = sl_turn_if(turned, v1 - v2), a1 = sl_turn_if(turned, v2 - v0), a2 = sl_turn_if(turned, v0 - v1);
+        int32_t b0 = sl_turn_if(turned, u2 - u1), b1 = sl_turn_if(turned, u0 - u2), b2 = sl_turn_if(turned, u1 - u0);
+        int32_t e0 = sl_edge_constant(a0, b0, u1, v1), e1 = sl_edge_constant(a1, b1, u2, v2), e2 = sl_edge_constant(a2, b2, u0, v0);
         int32_t bits = cover_row(e0, e1, e2, a0, a1, a2) | cover_row(e0 + b0, e1 + b1, e2 + b2, a0, a1, a2) << 4 |
                        cover_row(e0 + 2 * b0, e1 + 2 * b1, e2 + 2 * b2, a0, a1, a2) << 8 |
                        cover_row(e0 + 3 * b0, e1 + 3 * b1, e2 + 3 * b2, a0, a1, a2) << 12;
         x[l] = low_x;
         y[l] = low_y;
-        covered[l] = area ? bits : 0;
+        covered[l] = bits & sl_if_nonzero(area);
     }
 }
 
@@ -152,11 +159,13 @@ void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *r, uint32_t cluster, const
     uint32_t first = r->first_triangle[cluster], found = 0;
     for (uint32_t n = 0; n < classes->tiny; n += SL_LANES) {
         int32_t x[SL_LANES], y[SL_LANES], covered[SL_LANES];
-        uint8_t list[SL_LANES]; /* the last one again where the group is not full */
+        int32_t corner[3][SL_LANES];
         uint32_t here = classes->tiny - n < SL_LANES ? classes->tiny - n : SL_LANES;
-        for (uint32_t l = 0; l < SL_LANES; l++) list[l] = classes->tiny_list[n + (l < here ? l : here - 1)];
-        cover_group(r->corner[0] + first, r->corner[1] + first, r->corner[2] + first, list, b->snapped_u, b->snapped_v, b->cell,
-                    x, y, covered);
+        for (uint32_t l = 0; l < SL_LANES; l++) {
+            uint32_t t = first + classes->tiny_list[n + (l < here ? l : here - 1)]; /* the last one again where the group is not full */
+            for (int k = 0; k < 3; k++) corner[k][l] = r->corner[k][t];
+        }
+        cover_group(corner[0], corner[1], corner[2], b->snapped_u, b->snapped_v, b->cell, x, y, covered);
         for (uint32_t l = 0; l < here; l++) {
             int32_t left = covered[l] ? within_tile(tile, x[l], y[l], covered[l]) : 0;
             tiny->triangle[found] = classes->tiny_list[n + l];

@@ -180,6 +180,7 @@ static void fill_cluster(builder *b, size_t first, size_t count, welder *w) {
         }
         if (!b->fill) continue;
         r->triangle[i] = t;
+        r->cluster_of_triangle[t] = (uint32_t)b->clusters;
         r->triangle_masked[i] = r->scene && sl_scene_has_alpha(r->scene, t);
         r->masked |= r->triangle_masked[i];
     }
@@ -231,6 +232,7 @@ static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
     for (int k = 0; k < 3; k++) r->corner[k] = claim(r, &ok, triangles + SL_LANES, sizeof(uint16_t));
     r->triangle = claim(r, &ok, triangles, sizeof(uint32_t));
     r->triangle_masked = claim(r, &ok, triangles, 1);
+    r->cluster_of_triangle = claim(r, &ok, triangles, sizeof(uint32_t));
     return ok;
 }
 
@@ -304,6 +306,7 @@ void sl_raster_destroy(sl_raster *r) {
     for (int k = 0; k < 5; k++) sl_free(ranges[k]);
     for (int k = 0; k < 3; k++) sl_free(r->corner[k]);
     sl_free(r->triangle_masked);
+    sl_free(r->cluster_of_triangle);
     sl_free(r);
 }
 

@@ -73,10 +73,8 @@ typedef struct {
     float x_low[SL_LANES], x_high[SL_LANES], y_low[SL_LANES], y_high[SL_LANES], z_low[SL_LANES], w_low[SL_LANES];
 } projection;
 
-static inline float corner_value(const clip_range *r, int corner, int l) {
-    float x = corner & 1 ? r->along_x[l] : -r->along_x[l], y = corner & 2 ? r->along_y[l] : -r->along_y[l];
-    float z = corner & 4 ? r->along_z[l] : -r->along_z[l];
-    return r->centre[l] + ((x + y) + z);
+static inline float corner_value(const clip_range *r, const float sign[3], int l) {
+    return r->centre[l] + ((sign[0] * r->along_x[l] + sign[1] * r->along_y[l]) + sign[2] * r->along_z[l]);
 }
 
 static inline float least(float a, float b) { return a < b ? a : b; }
@@ -90,16 +88,17 @@ static void project(const clip_range *restrict x, const clip_range *restrict y, 
         p->x_high[l] = p->y_high[l] = -INFINITY;
     }
     for (int corner = 0; corner < 8; corner++) {
+        const float sign[3] = {corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f};
 #pragma omp simd
         for (int l = 0; l < SL_LANES; l++) {
-            float cw = corner_value(w, corner, l), over = 1.0f / cw;
-            float cx = corner_value(x, corner, l) * over, cy = corner_value(y, corner, l) * over;
+            float cw = corner_value(w, sign, l), over = 1.0f / cw;
+            float cx = corner_value(x, sign, l) * over, cy = corner_value(y, sign, l) * over;
             p->w_low[l] = least(p->w_low[l], cw);
             p->x_low[l] = least(p->x_low[l], cx);
             p->x_high[l] = most(p->x_high[l], cx);
             p->y_low[l] = least(p->y_low[l], cy);
             p->y_high[l] = most(p->y_high[l], cy);
-            p->z_low[l] = least(p->z_low[l], corner_value(z, corner, l) * over);
+            p->z_low[l] = least(p->z_low[l], corner_value(z, sign, l) * over);
         }
     }
 }
@@ -119,9 +118,8 @@ static void place(const projection *restrict p, const clip_range *restrict x, co
                   footprint *restrict f) {
     const float hx = view->half_width, hy = view->half_height, ox = view->offset_x, oy = view->offset_y, snapping = 0.01f;
     const float left = (float)view->x0, right = (float)(view->x1 - 1), low = (float)view->y0, high = (float)(view->y1 - 1);
-    const float no_bound = view->inverse_w ? INFINITY : -1.0f;
-    const bool inverse_w = view->inverse_w;
-    const int32_t bounded = view->rule != SL_OPENGL_PLANE ? 1 : 0;
+    float z_bound[SL_LANES], w_bound[SL_LANES];
+    int32_t known[SL_LANES];
 #pragma omp simd
     for (int l = 0; l < SL_LANES; l++) {
         float w_low = p->w_low[l] - w->slack[l];
@@ -132,17 +130,22 @@ static void place(const projection *restrict p, const clip_range *restrict x, co
         float i0 = ceilf(pixel_of(p->x_low[l], hx, ox) - margin_x), i1 = floorf(pixel_of(p->x_high[l], hx, ox) + margin_x);
         float j0 = ceilf(pixel_of(p->y_low[l], hy, oy) - margin_y), j1 = floorf(pixel_of(p->y_high[l], hy, oy) + margin_y);
         float z_low = p->z_low[l] - (z->slack[l] * over + around * fabsf(p->z_low[l]));
-        float nearest = inverse_w ? over * 1.000001f : z_low * 0.5f + (0.5f - 1e-6f);
+        z_bound[l] = z_low * 0.5f + (0.5f - 1e-6f);
+        w_bound[l] = over * 1.000001f;
         /* Sums of finite numbers: a NaN or an infinity anywhere shows here. */
-        float all = (fabsf(i0) + fabsf(i1)) + (fabsf(j0) + fabsf(j1)) + fabsf(nearest);
-        int32_t before = w_low > 0.0f ? 1 : 0, finite = all < 1e30f ? 1 : 0, known = before & finite;
-        f->x0[l] = (int32_t)(known ? within(i0, left, right + 1.0f) : left);
-        f->x1[l] = (int32_t)(known ? within(i1, left - 1.0f, right) : right);
-        f->y0[l] = (int32_t)(known ? within(j0, low, high + 1.0f) : low);
-        f->y1[l] = (int32_t)(known ? within(j1, low - 1.0f, high) : high);
-        f->nearest[l] = (known & bounded) ? nearest : no_bound;
-        f->distance[l] = known ? w_low : 0.0f;
+        float all = (fabsf(i0) + fabsf(i1)) + (fabsf(j0) + fabsf(j1)) + fabsf(z_low) + fabsf(over);
+        int32_t here = w_low > 0.0f ? 1 : 0;
+        here = all < 1e30f ? here : 0;
+        known[l] = here;
+        f->x0[l] = (int32_t)(here ? within(i0, left, right + 1.0f) : left);
+        f->x1[l] = (int32_t)(here ? within(i1, left - 1.0f, right) : right);
+        f->y0[l] = (int32_t)(here ? within(j0, low, high + 1.0f) : low);
+        f->y1[l] = (int32_t)(here ? within(j1, low - 1.0f, high) : high);
+        f->distance[l] = here ? w_low : 0.0f;
     }
+    const float *restrict bound = view->inverse_w ? w_bound : z_bound;
+    const float no_bound = view->inverse_w ? INFINITY : -1.0f;
+    for (int l = 0; l < SL_LANES; l++) f->nearest[l] = known[l] && view->rule != SL_OPENGL_PLANE ? bound[l] : no_bound;
 }
 
 static void append_group(const footprint *restrict f, const int32_t *restrict inside, size_t first, size_t here,

@@ -39,11 +39,9 @@ enum {
     SL_BATCH = 176,        /* set up together: a cluster and room for clipping; no power of two, for the cache's sets */
     SL_BLOCK = 4,          /* pixels along a block's side; also the most along a tiny triangle's */
     SL_LANES = 16,         /* pixels (or vertices, triangles, clusters) done together: a block */
-    SL_CELL = 8,           /* pixels along a side of the coarse depth's cells */
     SL_SPAN = 64,          /* larger triangles are drawn in pieces of 64 x 64, within which edge functions fit 32 bits */
     SL_TILE = 256,         /* pixels along a tile's side */
     SL_TILE_PIXELS = SL_TILE * SL_TILE,
-    SL_TILE_CELLS = (SL_TILE / SL_CELL) * (SL_TILE / SL_CELL),
     SL_RASTER_MAX_SIZE = 16384, /* so that snapped coordinates stay below 2^22 */
     SL_SUBPIXEL = 256      /* 8 bits */
 };
@@ -78,6 +76,7 @@ struct sl_raster {
     uint16_t *corner[3];     /* cluster-local vertex of each corner, in cluster order; a group of padding at the end */
     uint32_t *triangle;      /* the scene's index of each */
     uint8_t *triangle_masked;
+    uint32_t *cluster_of_triangle; /* by the scene's index */
     size_t memory_bytes;
 };
 
@@ -178,12 +177,15 @@ static inline float sl_depth_at(sl_depth_rule rule, const sl_batch *b, uint32_t 
 typedef struct sl_tile {
     int left, low;         /* the first block's first pixel, in the target; multiples of SL_TILE */
     int x0, y0, x1, y1;    /* the pixels to draw, half-open */
-    int blocks_x, blocks_y, cells_x, cells_y;
+    int blocks_x, blocks_y;
     uint32_t *id;
     float *depth;
-    float *farthest;       /* by cell: the farthest depth in it, where not stale */
-    uint8_t *stale;
 } sl_tile;
+
+/* Pixels, inclusive. */
+typedef struct sl_rectangle {
+    int x0, y0, x1, y1;
+} sl_rectangle;
 
 /* Edge functions of a triangle of any size: a i + b j + c at pixel (i, j) of the target, inside where all three are >= 0. */
 typedef struct sl_wide_edges {
@@ -210,6 +212,19 @@ static inline bool sl_widen_edges(const sl_batch *batch, uint32_t t, sl_wide_edg
         w->c[k] = (-(a * u[p] + b * v[p]) - !owns) >> 8;
     }
     return area != 0;
+}
+
+/* Choices by bits instead of by truth values, which keep compilers from vectorizing: all ones where x < 0 (or x is not 0),
+ * else 0; x turned where the mask is set. */
+static inline int32_t sl_if_negative(int32_t x) { return x >> 31; }
+static inline int32_t sl_if_nonzero(int32_t x) { return (x | -x) >> 31; }
+static inline int32_t sl_turn_if(int32_t mask, int32_t x) { return (x ^ mask) - mask; }
+
+/* The constant of edge function a i + b j + e at a pixel from which a corner on the edge is seen at (u, v): as above, but in
+ * 32 bits, for differences below 2^15. */
+static inline int32_t sl_edge_constant(int32_t a, int32_t b, int32_t u, int32_t v) {
+    int32_t owns = sl_if_negative(-a) | (~sl_if_nonzero(a) & sl_if_negative(-b));
+    return (-(a * u + b * v) - (1 + owns)) >> 8;
 }
 
 /* To 32 bits, where only the sign matters beyond: within a span an edge function changes by less than 2^30. */
@@ -246,10 +261,8 @@ struct sl_raster_kernels {
     void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny);
     /* Draws triangles [first, count) that have no mask. */
     void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
-    /* Whether everything within the pixels [x0, x1] x [y0, y1] of the tile is nearer than `nearest`. */
-    bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, int x0, int y0, int x1, int y1, float nearest);
-    /* What was drawn within these pixels makes their cells' coarse depth out of date. */
-    void (*make_stale)(const sl_tile *tile, int x0, int y0, int x1, int y1);
+    /* Whether all pixels of the rectangle, which lies within the tile, show something nearer than `nearest`. */
+    bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
     void (*clear)(const sl_pass_view *view, const sl_tile *tile);
     /* Copies the tile's pixels into planes of the whole target (either may be NULL). */
     void (*copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);

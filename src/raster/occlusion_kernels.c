@@ -1,70 +1,43 @@
-/* Occlusion: the coarse depth of a tile, the farthest depth in every cell of 8 x 8 pixels (Greene, Kass and Miller 1993,
- * "Hierarchical Z-buffer visibility", with one level). What lies behind it cannot be seen.
- *
- * A cell's value is made again only when it is asked for and something was drawn over it since; an old one is farther, so
- * it is safe to use. */
+/* Occlusion: whether all that a rectangle of pixels shows already is nearer than a bound, so that nothing behind the bound
+ * can be seen (Greene, Kass and Miller 1993, "Hierarchical Z-buffer visibility", without the hierarchy: a cluster covers few
+ * blocks, and the first of them that has a gap ends the search). */
 #include <math.h>
 #include <string.h>
 
 #include "raster/internal.h"
 
-/* The cell is 2 x 2 blocks, the rows of blocks apart in memory. */
-static float farthest_in(const sl_tile *tile, int cell_x, int cell_y, bool larger_is_nearer) {
-    const float *restrict low = tile->depth + (size_t)((2 * cell_y) * tile->blocks_x + 2 * cell_x) * SL_LANES;
-    const float *restrict high = low + (size_t)tile->blocks_x * SL_LANES;
-    float lane[SL_LANES];
-    if (larger_is_nearer) {
+/* Blocks [bx0, bx1] of one row, depth at the first. Pixels are numbered from the tile's first, as in the rectangle; y: of the
+ * blocks' first row. Hidden means strictly behind: at equal depth the lower triangle index wins. */
+static inline bool row_shows(const float *restrict depth, int bx0, int bx1, int y, const sl_rectangle *r, float nearest,
+                             bool larger_is_nearer) {
+    const int x0 = r->x0, x1 = r->x1, y0 = r->y0, y1 = r->y1;
+    int32_t shows[SL_LANES] = {0}, any = 0;
+    for (int bx = bx0; bx <= bx1; bx++, depth += SL_LANES) {
 #pragma omp simd
         for (int l = 0; l < SL_LANES; l++) {
-            float a = low[l] < low[l + SL_LANES] ? low[l] : low[l + SL_LANES];
-            float b = high[l] < high[l + SL_LANES] ? high[l] : high[l + SL_LANES];
-            lane[l] = a < b ? a : b;
-        }
-        for (int n = SL_LANES / 2; n; n /= 2) {
-            for (int l = 0; l < n; l++) lane[l] = lane[l] < lane[l + n] ? lane[l] : lane[l + n];
-        }
-    } else {
-#pragma omp simd
-        for (int l = 0; l < SL_LANES; l++) {
-            float a = low[l] > low[l + SL_LANES] ? low[l] : low[l + SL_LANES];
-            float b = high[l] > high[l + SL_LANES] ? high[l] : high[l + SL_LANES];
-            lane[l] = a > b ? a : b;
-        }
-        for (int n = SL_LANES / 2; n; n /= 2) {
-            for (int l = 0; l < n; l++) lane[l] = lane[l] > lane[l + n] ? lane[l] : lane[l + n];
+            int i = bx * SL_BLOCK + (l & 3), j = y + (l >> 2);
+            int32_t outside = sl_if_negative((i - x0) | (x1 - i) | (j - y0) | (y1 - j));
+            int32_t open = larger_is_nearer ? (nearest >= depth[l] ? -1 : 0) : (nearest <= depth[l] ? -1 : 0);
+            shows[l] |= open & ~outside;
         }
     }
-    return lane[0];
+    for (int l = 0; l < SL_LANES; l++) any |= shows[l];
+    return any != 0;
 }
 
-bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, int x0, int y0, int x1, int y1,
-                                   float nearest);
-bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, int x0, int y0, int x1, int y1,
-                                   float nearest) {
-    const bool larger_is_nearer = view->inverse_w;
-    int cell_x0 = (x0 - tile->left) / SL_CELL, cell_x1 = (x1 - tile->left) / SL_CELL;
-    int cell_y0 = (y0 - tile->low) / SL_CELL, cell_y1 = (y1 - tile->low) / SL_CELL;
-    for (int y = cell_y0; y <= cell_y1; y++) {
-        for (int x = cell_x0; x <= cell_x1; x++) {
-            int cell = y * tile->cells_x + x;
-            if (tile->stale[cell]) {
-                tile->farthest[cell] = farthest_in(tile, x, y, larger_is_nearer);
-                tile->stale[cell] = 0;
-            }
-            bool hidden = larger_is_nearer ? nearest < tile->farthest[cell] : nearest > tile->farthest[cell];
-            if (!hidden) return false;
-        }
+static inline bool shows(const sl_tile *tile, const sl_rectangle *r, float nearest, bool larger_is_nearer) {
+    const int bx0 = r->x0 / SL_BLOCK, bx1 = r->x1 / SL_BLOCK;
+    for (int by = r->y0 / SL_BLOCK; by <= r->y1 / SL_BLOCK; by++) {
+        const float *depth = tile->depth + (size_t)(by * tile->blocks_x + bx0) * SL_LANES;
+        if (row_shows(depth, bx0, bx1, by * SL_BLOCK, r, nearest, larger_is_nearer)) return true;
     }
-    return true;
+    return false;
 }
 
-void SL_KERNEL(sl_raster_make_stale)(const sl_tile *tile, int x0, int y0, int x1, int y1);
-void SL_KERNEL(sl_raster_make_stale)(const sl_tile *tile, int x0, int y0, int x1, int y1) {
-    int cell_x0 = (x0 - tile->left) / SL_CELL, cell_x1 = (x1 - tile->left) / SL_CELL;
-    int cell_y0 = (y0 - tile->low) / SL_CELL, cell_y1 = (y1 - tile->low) / SL_CELL;
-    for (int y = cell_y0; y <= cell_y1; y++) {
-        memset(tile->stale + y * tile->cells_x + cell_x0, 1, (size_t)(cell_x1 - cell_x0 + 1));
-    }
+bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
+bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest) {
+    sl_rectangle r = {pixels.x0 - tile->left, pixels.y0 - tile->low, pixels.x1 - tile->left, pixels.y1 - tile->low};
+    return view->inverse_w ? !shows(tile, &r, nearest, true) : !shows(tile, &r, nearest, false);
 }
 
 /* ---- the tile's planes ---- */
@@ -80,9 +53,6 @@ void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile) {
         id[i] = SL_NO_INDEX;
         depth[i] = far;
     }
-    const int cells = tile->cells_x * tile->cells_y;
-    for (int c = 0; c < cells; c++) tile->farthest[c] = far;
-    memset(tile->stale, 0, (size_t)cells);
 }
 
 static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint32_t *restrict plane, uint32_t *restrict out) {

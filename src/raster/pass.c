@@ -23,16 +23,12 @@ void sl_visible_free(sl_visible *v) {
 bool sl_scratch_allocate(sl_raster_scratch *s) {
     s->tile.id = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.id);
     s->tile.depth = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.depth);
-    s->tile.farthest = sl_allocate(SL_TILE_CELLS, sizeof *s->tile.farthest);
-    s->tile.stale = sl_allocate(SL_TILE_CELLS, 1);
-    return s->tile.id && s->tile.depth && s->tile.farthest && s->tile.stale;
+    return s->tile.id && s->tile.depth;
 }
 
 void sl_scratch_free(sl_raster_scratch *s) {
     sl_free(s->tile.id);
     sl_free(s->tile.depth);
-    sl_free(s->tile.farthest);
-    sl_free(s->tile.stale);
 }
 
 sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch,
@@ -71,9 +67,6 @@ sl_tiles sl_tiles_of(const sl_pass_view *view) {
     return (sl_tiles){column, row, (view->x1 - 1) / SL_TILE + 1 - column, (view->y1 - 1) / SL_TILE + 1 - row};
 }
 
-/* The part of a tile's width (or height) that the viewport needs, from its first pixel, in whole cells. */
-static int cells_until(int end, int first) { return (end - first + SL_CELL - 1) / SL_CELL; }
-
 void sl_tile_place(sl_tile *tile, const sl_pass_view *view, int column, int row) {
     tile->left = column * SL_TILE;
     tile->low = row * SL_TILE;
@@ -81,10 +74,8 @@ void sl_tile_place(sl_tile *tile, const sl_pass_view *view, int column, int row)
     tile->y0 = view->y0 > tile->low ? view->y0 : tile->low;
     tile->x1 = view->x1 < tile->left + SL_TILE ? view->x1 : tile->left + SL_TILE;
     tile->y1 = view->y1 < tile->low + SL_TILE ? view->y1 : tile->low + SL_TILE;
-    tile->cells_x = cells_until(tile->x1, tile->left);
-    tile->cells_y = cells_until(tile->y1, tile->low);
-    tile->blocks_x = tile->cells_x * (SL_CELL / SL_BLOCK);
-    tile->blocks_y = tile->cells_y * (SL_CELL / SL_BLOCK);
+    tile->blocks_x = (tile->x1 - tile->left + SL_BLOCK - 1) / SL_BLOCK;
+    tile->blocks_y = (tile->y1 - tile->low + SL_BLOCK - 1) / SL_BLOCK;
 }
 
 /* ---- drawing ---- */
@@ -167,11 +158,11 @@ void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_vi
     scratch->batch.count = 0;
     for (uint32_t i = 0; i < visible->count; i++) {
         uint32_t n = visible->order[i];
-        int x0 = larger(visible->x0[n], tile->x0), x1 = smaller(visible->x1[n], tile->x1 - 1);
-        int y0 = larger(visible->y0[n], tile->y0), y1 = smaller(visible->y1[n], tile->y1 - 1);
-        if (x0 > x1 || y0 > y1 || kernels->occluded(pass, tile, x0, y0, x1, y1, visible->nearest[n])) continue;
+        sl_rectangle seen = {larger(visible->x0[n], tile->x0), larger(visible->y0[n], tile->y0),
+                             smaller(visible->x1[n], tile->x1 - 1), smaller(visible->y1[n], tile->y1 - 1)};
+        if (seen.x0 > seen.x1 || seen.y0 > seen.y1) continue;
+        if (kernels->occluded(pass, tile, seen, visible->nearest[n])) continue;
         fate[n] = draw_cluster(&r, visible->cluster[n]);
-        kernels->make_stale(tile, x0, y0, x1, y1);
     }
 }
 

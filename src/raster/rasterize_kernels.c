@@ -13,57 +13,94 @@
  *      |  ___/\ |        |          missed      (an edge function negative all over it)
  *      | /     \|__      |          hidden      (all that is drawn there already is nearer)
  *      |/       |  \__   |          or drawn block by block */
+#include "raster/block.h"
 #include "raster/internal.h"
 
 static inline bool nearer_than(sl_depth_rule rule, float z, float old) {
     return rule == SL_NEARER_IS_LARGER ? z > old : z < old;
 }
 
-/* ---- a block ---- */
+/* ---- blocks ---- */
 
-/* e: the edge functions at the block's first pixel. step: their change to each of the block's pixels. */
-static inline void draw_block(const sl_batch *batch, uint32_t t, sl_depth_rule rule, int32_t e0, int32_t e1, int32_t e2,
-                              const int32_t *restrict step0, const int32_t *restrict step1, const int32_t *restrict step2,
-                              int32_t x, int32_t y, uint32_t *restrict id, float *restrict depth) {
-    const int32_t me = (int32_t)batch->id[t];
-#pragma omp simd
-    for (int l = 0; l < SL_LANES; l++) {
-        int32_t outside = (e0 + step0[l]) | (e1 + step1[l]) | (e2 + step2[l]);
-        float z = sl_depth_at(rule, batch, t, x + (l & 3), y + (l >> 2));
-        float old = depth[l];
-        int32_t old_id = (int32_t)id[l];
-        bool wins = (outside >= 0) & (nearer_than(rule, z, old) | ((z == old) & (me < old_id)));
-        depth[l] = wins ? z : old;
-        id[l] = (uint32_t)(wins ? me : old_id);
-    }
+/* What of a triangle its blocks need, fetched once. */
+typedef struct {
+    sl_block_floats origin, du, dv, least, most;
+    sl_block_ints origin_u, origin_v, id;
+} block_plane;
+
+static inline block_plane block_plane_of(const sl_batch *b, uint32_t t) {
+    return (block_plane){sl_block_float(b->depth_origin[t]), sl_block_float(b->depth_du[t]), sl_block_float(b->depth_dv[t]),
+                         sl_block_float(b->depth_min[t]), sl_block_float(b->depth_max[t]), sl_block_int(b->origin_u[t]),
+                         sl_block_int(b->origin_v[t]), sl_block_int((int32_t)b->id[t])};
 }
 
-/* The changes of edge function k over a block. */
-static inline void find_steps(int32_t a, int32_t b, int32_t *restrict step) {
-#pragma omp simd
-    for (int l = 0; l < SL_LANES; l++) step[l] = a * (l & 3) + b * (l >> 2);
+/* Depth as sl_depth_at() has it, bit by bit: a row's part, and the distance of the block's columns from the plane's origin. */
+static inline sl_block_floats row_depth(const block_plane *p, int32_t y) {
+    sl_block_ints v = (y + SL_BLOCK_Y) * SL_SUBPIXEL - p->origin_v;
+    return p->origin + p->dv * __builtin_convertvector(v, sl_block_floats);
 }
 
-/* The largest of these changes, at one of the corners. */
-static inline int32_t reach_of(int32_t a, int32_t b) { return (a > 0 ? 3 * a : 0) + (b > 0 ? 3 * b : 0); }
+static inline sl_block_floats column_distance(const block_plane *p, int32_t x) {
+    sl_block_ints u = (x + SL_BLOCK_X) * SL_SUBPIXEL - p->origin_u;
+    return __builtin_convertvector(u, sl_block_floats);
+}
 
-/* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e at the first pixel of the first of them. */
+static inline sl_block_floats block_depth(const block_plane *p, sl_block_floats row, sl_block_floats column) {
+    sl_block_floats z = row + p->du * column;
+    z = sl_block_select_floats(z < p->least, z, p->least);
+    return sl_block_select_floats(z > p->most, z, p->most);
+}
+
+static inline sl_block_floats opengl_depth(const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+    sl_block_floats z;
+    for (int l = 0; l < SL_LANES; l++) z[l] = sl_depth_at(SL_OPENGL_PLANE, b, t, x + (l & 3), y + (l >> 2));
+    return z;
+}
+
+/* outside: negative where a pixel is not covered. */
+static inline void draw_block(sl_block_ints me, sl_depth_rule rule, sl_block_ints outside, sl_block_floats z, uint32_t *id,
+                              float *depth) {
+    const sl_block_ints old_id = sl_block_load_ints(id);
+    const sl_block_floats old = sl_block_load_floats(depth);
+    sl_block_ints nearer = rule == SL_NEARER_IS_LARGER ? z > old : z < old;
+    sl_block_ints wins = (outside >= 0) & (nearer | ((z == old) & (me < old_id)));
+    sl_block_store(depth, sl_block_select(wins, (sl_block_ints)old, (sl_block_ints)z));
+    sl_block_store(id, sl_block_select(wins, old_id, me));
+}
+
+/* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the first. */
 static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule, const int32_t a[3],
                                const int32_t b[3], const int32_t e[3], int x0, int y0, int x1, int y1) {
-    int32_t step0[SL_LANES], step1[SL_LANES], step2[SL_LANES];
-    find_steps(a[0], b[0], step0);
-    find_steps(a[1], b[1], step1);
-    find_steps(a[2], b[2], step2);
-    const int32_t reach0 = reach_of(a[0], b[0]), reach1 = reach_of(a[1], b[1]), reach2 = reach_of(a[2], b[2]);
-    int32_t row0 = e[0], row1 = e[1], row2 = e[2];
-    for (int y = y0; y <= y1; y++, row0 += 4 * b[0], row1 += 4 * b[1], row2 += 4 * b[2]) {
-        int32_t e0 = row0, e1 = row1, e2 = row2;
-        size_t at = (size_t)(y * tile->blocks_x + x0) * SL_LANES;
-        for (int x = x0; x <= x1; x++, e0 += 4 * a[0], e1 += 4 * a[1], e2 += 4 * a[2], at += SL_LANES) {
-            if (((e0 + reach0) | (e1 + reach1) | (e2 + reach2)) < 0) continue;
-            draw_block(batch, t, rule, e0, e1, e2, step0, step1, step2, tile->left + x * SL_BLOCK, tile->low + y * SL_BLOCK,
-                       tile->id + at, tile->depth + at);
+    const sl_block_ints right0 = sl_block_int(SL_BLOCK * a[0]), right1 = sl_block_int(SL_BLOCK * a[1]),
+                        right2 = sl_block_int(SL_BLOCK * a[2]);
+    sl_block_ints row0 = e[0] + a[0] * SL_BLOCK_X + b[0] * SL_BLOCK_Y, row1 = e[1] + a[1] * SL_BLOCK_X + b[1] * SL_BLOCK_Y;
+    sl_block_ints row2 = e[2] + a[2] * SL_BLOCK_X + b[2] * SL_BLOCK_Y;
+    const int left = tile->left, low = tile->low;
+    const size_t stride = (size_t)tile->blocks_x * SL_LANES, first = (size_t)(y0 * tile->blocks_x + x0) * SL_LANES;
+    uint32_t *id_row = tile->id + first;
+    float *depth_row = tile->depth + first;
+    const block_plane plane = block_plane_of(batch, t);
+    const sl_block_floats first_column = column_distance(&plane, left + x0 * SL_BLOCK);
+    for (int y = y0; y <= y1; y++, id_row += stride, depth_row += stride) {
+        sl_block_ints e0 = row0, e1 = row1, e2 = row2;
+        sl_block_floats row = row_depth(&plane, low + y * SL_BLOCK), column = first_column;
+        uint32_t *id = id_row;
+        float *depth = depth_row;
+        for (int x = x0; x <= x1; x++, id += SL_LANES, depth += SL_LANES) {
+            sl_block_ints outside = e0 | e1 | e2;
+            if (sl_block_any_positive(outside)) {
+                sl_block_floats z = rule == SL_OPENGL_PLANE ? opengl_depth(batch, t, left + x * SL_BLOCK, low + y * SL_BLOCK)
+                                                            : block_depth(&plane, row, column);
+                draw_block(plane.id, rule, outside, z, id, depth);
+            }
+            e0 += right0;
+            e1 += right1;
+            e2 += right2;
+            column += (float)(SL_BLOCK * SL_SUBPIXEL); /* whole numbers: exact */
         }
+        row0 += SL_BLOCK * b[0];
+        row1 += SL_BLOCK * b[1];
+        row2 += SL_BLOCK * b[2];
     }
 }
 
@@ -79,14 +116,11 @@ static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32
 
 /* ---- larger triangles ---- */
 
-bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, int x0, int y0, int x1, int y1,
-                                   float nearest);
-void SL_KERNEL(sl_raster_make_stale)(const sl_tile *tile, int x0, int y0, int x1, int y1);
+bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
 
-/* Pixels [x0, x1] x [y0, y1] of one span. */
 static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_wide_edges *w, sl_depth_rule rule,
-                             int x0, int y0, int x1, int y1) {
-    int bx = (x0 - tile->left) / SL_BLOCK, by = (y0 - tile->low) / SL_BLOCK;
+                             sl_rectangle span) {
+    int bx = (span.x0 - tile->left) / SL_BLOCK, by = (span.y0 - tile->low) / SL_BLOCK;
     int x = tile->left + bx * SL_BLOCK, y = tile->low + by * SL_BLOCK;
     int32_t a[3], b[3], e[3];
     for (int k = 0; k < 3; k++) {
@@ -99,7 +133,8 @@ static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_
         b[k] = crosses ? (int32_t)w->b[k] : 0;
         e[k] = crosses ? sl_clamp_edge(at_first) : 0;
     }
-    draw_blocks(tile, batch, t, rule, a, b, e, bx, by, (x1 - tile->left) / SL_BLOCK, (y1 - tile->low) / SL_BLOCK);
+    draw_blocks(tile, batch, t, rule, a, b, e, bx, by, (span.x1 - tile->left) / SL_BLOCK,
+                (span.y1 - tile->low) / SL_BLOCK);
 }
 
 static void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule) {
@@ -109,11 +144,10 @@ static void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_b
     const float nearest = rule == SL_NEARER_IS_LARGER ? batch->depth_max[t] : batch->depth_min[t];
     for (int y = tile->low + ((y0 - tile->low) & -SL_SPAN); y <= y1; y += SL_SPAN) {
         for (int x = tile->left + ((x0 - tile->left) & -SL_SPAN); x <= x1; x += SL_SPAN) {
-            int left = x > x0 ? x : x0, right = x + SL_SPAN - 1 < x1 ? x + SL_SPAN - 1 : x1;
-            int low = y > y0 ? y : y0, high = y + SL_SPAN - 1 < y1 ? y + SL_SPAN - 1 : y1;
-            if (SL_KERNEL(sl_raster_occluded)(view, tile, left, low, right, high, nearest)) continue;
-            draw_span(tile, batch, t, &w, rule, left, low, right, high);
-            SL_KERNEL(sl_raster_make_stale)(tile, left, low, right, high);
+            sl_rectangle span = {x > x0 ? x : x0, y > y0 ? y : y0, x + SL_SPAN - 1 < x1 ? x + SL_SPAN - 1 : x1,
+                                 y + SL_SPAN - 1 < y1 ? y + SL_SPAN - 1 : y1};
+            if (SL_KERNEL(sl_raster_occluded)(view, tile, span, nearest)) continue;
+            draw_span(tile, batch, t, &w, rule, span);
         }
     }
 }

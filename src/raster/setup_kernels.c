@@ -31,17 +31,8 @@ static void find_pixels(const sl_tile *tile, sl_batch *restrict batch, uint32_t 
 }
 
 
-/* E at pixel (i, j) is 256 (a i + b j) + c, so E >= 0 is a i + b j + floor(c / 256) >= 0. Edges that do not own their points
- * (all but left edges and lowest horizontal ones) ask for E >= 1. (u, v): a corner on the edge, seen from the pixel. */
-static inline int32_t edge_constant(int32_t a, int32_t b, int32_t u, int32_t v) {
-    int32_t owns = a > 0 ? 1 : 0;
-    owns = a == 0 ? (b > 0 ? 1 : 0) : owns;
-    return (-(a * u + b * v) - (1 - owns)) >> 8;
-}
-
-/* Edge k runs from corner k+1 to corner k+2; E(u, v) = a (u - u_P) + b (v - v_P) is positive inside once the signs
- * are turned by the area's. All differences are below 2^15 here, so the products fit 32 bits; larger triangles, drawn span
- * by span, are given zeros, and never look at these. */
+/* As sl_widen_edges(). All differences are below 2^15 here, so the products fit 32 bits; larger triangles, drawn span by span,
+ * are given zeros, and never look at these. */
 static void find_edges(const sl_tile *tile, sl_batch *restrict batch, uint32_t first, uint32_t end) {
     const int32_t left = tile->left, low = tile->low;
 #pragma omp simd
@@ -49,25 +40,24 @@ static void find_edges(const sl_tile *tile, sl_batch *restrict batch, uint32_t f
         int32_t u0 = batch->snapped_u[0][t], u1 = batch->snapped_u[1][t], u2 = batch->snapped_u[2][t];
         int32_t v0 = batch->snapped_v[0][t], v1 = batch->snapped_v[1][t], v2 = batch->snapped_v[2][t];
         int32_t wide = max3(u0, u1, u2) - min3(u0, u1, u2), high = max3(v0, v1, v2) - min3(v0, v1, v2);
-        int32_t fits = (wide > high ? wide : high) <= SL_SPAN * SL_SUBPIXEL ? -1 : 0;
-        int32_t empty = (batch->x0[t] > batch->x1[t] ? -1 : 0) | (batch->y0[t] > batch->y1[t] ? -1 : 0);
-        fits &= ~empty;
+        int32_t fits = sl_if_negative((wide > high ? wide : high) - (SL_SPAN * SL_SUBPIXEL + 1));
+        fits &= ~(sl_if_negative(batch->x1[t] - batch->x0[t]) | sl_if_negative(batch->y1[t] - batch->y0[t]));
         /* The first block's first pixel; the tile starts at a multiple of the blocks. */
         int32_t u = (left + ((batch->x0[t] - left) & -SL_BLOCK)) * SL_SUBPIXEL;
         int32_t v = (low + ((batch->y0[t] - low) & -SL_BLOCK)) * SL_SUBPIXEL;
         u0 = (u0 - u) & fits, u1 = (u1 - u) & fits, u2 = (u2 - u) & fits;
         v0 = (v0 - v) & fits, v1 = (v1 - v) & fits, v2 = (v2 - v) & fits;
         int32_t area = (u1 - u0) * (v2 - v0) - (u2 - u0) * (v1 - v0);
-        int32_t sign = area < 0 ? -1 : 1;
-        int32_t a0 = (v1 - v2) * sign, a1 = (v2 - v0) * sign, a2 = (v0 - v1) * sign;
-        int32_t b0 = (u2 - u1) * sign, b1 = (u0 - u2) * sign, b2 = (u1 - u0) * sign;
+        int32_t turned = sl_if_negative(area);
+        int32_t a0 = sl_turn_if(turned, v1 - v2), a1 = sl_turn_if(turned, v2 - v0), a2 = sl_turn_if(turned, v0 - v1);
+        int32_t b0 = sl_turn_if(turned, u2 - u1), b1 = sl_turn_if(turned, u0 - u2), b2 = sl_turn_if(turned, u1 - u0);
         batch->a[0][t] = a0, batch->a[1][t] = a1, batch->a[2][t] = a2;
         batch->b[0][t] = b0, batch->b[1][t] = b1, batch->b[2][t] = b2;
-        batch->e[0][t] = edge_constant(a0, b0, u1, v1);
-        batch->e[1][t] = edge_constant(a1, b1, u2, v2);
-        batch->e[2][t] = edge_constant(a2, b2, u0, v0);
-        int32_t flat = (area == 0 ? -1 : 0) & fits;
-        batch->x1[t] = flat ? batch->x0[t] - 1 : batch->x1[t];
+        batch->e[0][t] = sl_edge_constant(a0, b0, u1, v1);
+        batch->e[1][t] = sl_edge_constant(a1, b1, u2, v2);
+        batch->e[2][t] = sl_edge_constant(a2, b2, u0, v0);
+        int32_t flat = ~sl_if_nonzero(area) & fits;
+        batch->x1[t] = (batch->x1[t] & ~flat) | ((batch->x0[t] - 1) & flat);
     }
 }
 

@@ -12,9 +12,7 @@ void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch
 void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
                                          const sl_tiny *tiny);
 void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
-bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, int x0, int y0, int x1, int y1,
-                                   float nearest);
-void SL_KERNEL(sl_raster_make_stale)(const sl_tile *tile, int x0, int y0, int x1, int y1);
+bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
 void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile);
 void SL_KERNEL(sl_raster_copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
 uint64_t SL_KERNEL(sl_raster_add_triangle)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *v,
@@ -32,7 +30,6 @@ const sl_raster_kernels SL_KERNEL(sl_raster_kernels) = {
     .rasterize_tiny = SL_KERNEL(sl_raster_rasterize_tiny),
     .rasterize = SL_KERNEL(sl_raster_rasterize),
     .occluded = SL_KERNEL(sl_raster_occluded),
-    .make_stale = SL_KERNEL(sl_raster_make_stale),
     .clear = SL_KERNEL(sl_raster_clear),
     .copy_out = SL_KERNEL(sl_raster_copy_out),
     .add = SL_KERNEL(sl_raster_add_triangle),

@@ -1,0 +1,70 @@
+/* A block's sixteen pixels as vectors, and the one thing that plain C cannot say about them: whether any lane is set. (With
+ * arrays and loops instead, compilers keep the edge functions in memory and the rasterizer takes half as long again.) The
+ * operators + - * & | and comparisons work on vectors lane by lane, a comparison giving all ones or 0; compilers cut them to
+ * the instruction set's width. */
+#ifndef SL_RASTER_BLOCK_H
+#define SL_RASTER_BLOCK_H
+
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+/* All of it is inlined, so that how such vectors are passed on narrower machines does not matter. */
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
+typedef int32_t sl_block_ints __attribute__((vector_size(64)));
+typedef float sl_block_floats __attribute__((vector_size(64)));
+
+/* Of each pixel within the block, row by row from the lowest. */
+#define SL_BLOCK_X ((sl_block_ints){0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3})
+#define SL_BLOCK_Y ((sl_block_ints){0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3})
+
+static inline sl_block_ints sl_block_int(int32_t value) { return value - (sl_block_ints){0}; }
+static inline sl_block_floats sl_block_float(float value) { return value - (sl_block_floats){0}; } /* -0 as it is */
+
+static inline sl_block_ints sl_block_load_ints(const void *from) {
+    sl_block_ints a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+static inline sl_block_floats sl_block_load_floats(const float *from) {
+    sl_block_floats a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+static inline void sl_block_store(void *to, sl_block_ints a) { memcpy(to, &a, sizeof a); }
+
+/* b where the mask is set, else a. */
+static inline sl_block_ints sl_block_select(sl_block_ints mask, sl_block_ints a, sl_block_ints b) {
+    return (a & ~mask) | (b & mask);
+}
+static inline sl_block_floats sl_block_select_floats(sl_block_ints mask, sl_block_floats a, sl_block_floats b) {
+    return (sl_block_floats)sl_block_select(mask, (sl_block_ints)a, (sl_block_ints)b);
+}
+
+/* Whether some lane is >= 0. */
+static inline int sl_block_any_positive(sl_block_ints a) {
+#if defined __AVX512DQ__
+    return _mm512_movepi32_mask((__m512i)a) != 0xffff;
+#elif defined __AVX2__
+    __m256i half[2];
+    memcpy(half, &a, sizeof a);
+    return _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(half[0], half[1]))) != 0xff;
+#elif defined __SSE2__
+    __m128i part[4];
+    memcpy(part, &a, sizeof a);
+    __m128i all = _mm_and_si128(_mm_and_si128(part[0], part[1]), _mm_and_si128(part[2], part[3]));
+    return _mm_movemask_ps(_mm_castsi128_ps(all)) != 0xf;
+#else
+    int32_t all = -1;
+    for (int l = 0; l < 16; l++) all &= a[l];
+    return all >= 0;
+#endif
+}
+
+#endif
