@@ -13,9 +13,7 @@
 #endif
 
 /* All of it is inlined, so that how such vectors are passed on narrower machines does not matter. */
-#if defined __GNUC__ && !defined __clang__
 #pragma GCC diagnostic ignored "-Wpsabi"
-#endif
 
 typedef int32_t sl_block_ints __attribute__((vector_size(64)));
 typedef float sl_block_floats __attribute__((vector_size(64)));

@@ -90,8 +90,10 @@ static void to_window(const sl_pass_view *view, corner *c) {
     c->u = (int32_t)lrintf((c->window_x - 0.5f) * 256.0f);
     c->v = (int32_t)lrintf((c->window_y - 0.5f) * 256.0f);
     float z = fmaf(c->z * oow, 0.5f, 0.5f); /* -1 (near) .. 1 (far) to 0 .. 1 */
-    z = z > 0.0f ? z : 0.0f;
-    z = z < 1.0f ? z : 1.0f;
+    if (view->rule != SL_OPENGL_PLANE) { /* OSMesa bounds the pixels' depths only */
+        z = z > 0.0f ? z : 0.0f;
+        z = z < 1.0f ? z : 1.0f;
+    }
     c->depth = view->inverse_w ? oow : z;
 }
 
@@ -159,7 +161,7 @@ static depth_plane depth_through(const corner c[3]) {
 
 /* OSMesa's way, for comparing with it bit by bit: in float, told at the target's corner, which may lie far from the triangle. */
 static depth_plane opengl_depth_through(const corner c[3]) {
-    const corner *p0 = area_of(c) < 0 ? &c[1] : &c[0], *p1 = area_of(c) < 0 ? &c[0] : &c[1], *p2 = &c[2];
+    const corner *p0 = area_of(c) > 0 ? &c[1] : &c[0], *p1 = area_of(c) > 0 ? &c[0] : &c[1], *p2 = &c[2];
     float dx01 = p0->window_x - p1->window_x, dy01 = p0->window_y - p1->window_y, dz01 = p0->depth - p1->depth;
     float dx20 = p2->window_x - p0->window_x, dy20 = p2->window_y - p0->window_y, dz20 = p2->depth - p0->depth;
     float ooa = 1.0f / (dx01 * dy20 - dy01 * dx20);
