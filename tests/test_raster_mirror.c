@@ -213,6 +213,11 @@ static void the_stencil_keeps_the_rest_untouched_and_draws_the_same_bits(void **
             assert_true(other_depth[i] == (stencil[i] == 7 ? depth[i] : -3.0f));
         }
     }
+    sl_target depth_alone = {W, H, NULL, other_depth};
+    sl_counters unused = {{0}};
+    for (int i = 0; i < PIXELS; i++) other_depth[i] = -3.0f;
+    assert_int_equal(sl_raster_id_stencilled(raster, &view, stencil, 7, 2, &depth_alone, &unused, NULL), SL_OK);
+    for (int i = 0; i < PIXELS; i++) assert_true(other_depth[i] == (stencil[i] == 7 ? depth[i] : -3.0f));
     /* A small patch costs less than the whole; none costs nothing. */
     memset(stencil, 0, sizeof stencil);
     sl_target target = {W, H, other_id, other_depth};

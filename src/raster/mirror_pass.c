@@ -1,5 +1,7 @@
 /* The stencilled pass, and the picture of a scene with planar mirrors (mirror.h): path by path, each drawn where the
  * stencil holds its number. */
+#include <string.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/mirror.h"
@@ -22,30 +24,14 @@ static void include(rectangle *r, int x, int y) {
 static rectangle bounds_of(const uint8_t *stencil, uint8_t reference, int width, int height) {
     rectangle r = nothing;
     for (int y = 0; y < height; y++) {
-        const uint8_t *row = stencil + (size_t)y * (size_t)width;
-        for (int x = 0; x < width; x++) {
-            if (row[x] == reference) include(&r, x, y);
-        }
+        const uint8_t *row = stencil + (size_t)y * (size_t)width, *first = memchr(row, reference, (size_t)width);
+        if (!first) continue;
+        int last = width - 1;
+        while (row[last] != reference) last--;
+        include(&r, (int)(first - row), y);
+        include(&r, last, y);
     }
     return r;
-}
-
-/* Draws the rectangle into planes of the target's size, and takes over what the stencil lets through. */
-static sl_status draw_stencilled(const sl_raster *raster, const sl_view *view, const uint8_t *stencil, uint8_t reference,
-                                 const rectangle *r, unsigned threads, const sl_target *drawn, const sl_target *target,
-                                 sl_counters *counters, sl_error *error) {
-    sl_view part = *view;
-    part.scissor = (sl_scissor){r->x0, r->y0, r->x1, r->y1};
-    sl_status status = sl_raster_id(raster, &part, threads, drawn, counters, error);
-    for (int y = r->y0; status == SL_OK && y < r->y1; y++) {
-        size_t row = (size_t)y * (size_t)target->width;
-        for (size_t i = row + (size_t)r->x0; i < row + (size_t)r->x1; i++) {
-            if (stencil[i] != reference) continue;
-            if (target->id) target->id[i] = drawn->id[i];
-            if (target->depth) target->depth[i] = drawn->depth[i];
-        }
-    }
-    return status;
 }
 
 static bool allocate_planes(sl_target *t, int width, int height) {
@@ -59,16 +45,46 @@ static void free_planes(sl_target *t) {
     sl_free(t->depth);
 }
 
+static size_t pixel_at(const sl_target *t, int x, int y) { return (size_t)y * (size_t)t->width + (size_t)x; }
+
+/* Copies a row of the rectangle aside, or brings back what the stencil keeps. Planes that are not wanted are NULL. */
+static void set_aside(const sl_target *target, const rectangle *r, int y, const sl_target *aside) {
+    size_t from = pixel_at(target, r->x0, y), to = pixel_at(aside, 0, y - r->y0), count = (size_t)(r->x1 - r->x0);
+    if (target->id) memcpy(aside->id + to, target->id + from, count * sizeof *aside->id);
+    if (target->depth) memcpy(aside->depth + to, target->depth + from, count * sizeof *aside->depth);
+}
+
+static void bring_back(const sl_target *aside, const rectangle *r, int y, const uint8_t *stencil, uint8_t reference,
+                       const sl_target *target) {
+    for (int x = r->x0; x < r->x1; x++) {
+        size_t to = pixel_at(target, x, y), from = pixel_at(aside, x - r->x0, y - r->y0);
+        if (stencil[to] == reference) continue;
+        if (target->id) target->id[to] = aside->id[from];
+        if (target->depth) target->depth[to] = aside->depth[from];
+    }
+}
+
+/* Draws the rectangle and then brings back the pixels that the stencil keeps: the hot loop knows no stencil, and the
+ * price is that of the rectangle. */
+static sl_status draw_stencilled(const sl_raster *raster, const sl_view *view, const uint8_t *stencil, uint8_t reference,
+                                 const rectangle *r, unsigned threads, const sl_target *target, sl_counters *counters,
+                                 sl_error *error) {
+    sl_view part = *view;
+    sl_target aside;
+    part.scissor = (sl_scissor){r->x0, r->y0, r->x1, r->y1};
+    sl_status status = allocate_planes(&aside, r->x1 - r->x0, r->y1 - r->y0) ? SL_OK : sl_fail_memory(error, "a stencilled pass");
+    for (int y = r->y0; status == SL_OK && y < r->y1; y++) set_aside(target, r, y, &aside);
+    if (status == SL_OK) status = sl_raster_id(raster, &part, threads, target, counters, error);
+    for (int y = r->y0; status == SL_OK && y < r->y1; y++) bring_back(&aside, r, y, stencil, reference, target);
+    free_planes(&aside);
+    return status;
+}
+
 sl_status sl_raster_id_stencilled(const sl_raster *raster, const sl_view *view, const uint8_t *stencil, uint8_t reference,
                                   unsigned threads, const sl_target *target, sl_counters *counters, sl_error *error) {
     rectangle r = bounds_of(stencil, reference, target->width, target->height);
     if (r.x0 >= r.x1) return SL_OK;
-    sl_target drawn;
-    sl_status status = allocate_planes(&drawn, target->width, target->height)
-                           ? draw_stencilled(raster, view, stencil, reference, &r, threads, &drawn, target, counters, error)
-                           : sl_fail_memory(error, "a stencilled pass");
-    free_planes(&drawn);
-    return status;
+    return draw_stencilled(raster, view, stencil, reference, &r, threads, target, counters, error);
 }
 
 /* ---- paths ---- */
@@ -78,7 +94,6 @@ typedef struct {
     const sl_mirrors *mirrors;
     unsigned threads;
     sl_mirrored_image *image;
-    sl_target drawn; /* what a path draws before the stencil */
     rectangle *seen; /* by mirror: where one path sees it */
     sl_counters *counters;
 } mirrored_pass;
@@ -120,7 +135,7 @@ static sl_status follow(const mirrored_pass *p, size_t path, uint32_t mirror, sl
         }
     }
     sl_target target = {.width = image->width, .height = image->height, .id = image->id, .depth = image->depth};
-    return draw_stencilled(p->raster, &view, image->path, number, r, p->threads, &p->drawn, &target, p->counters, error);
+    return draw_stencilled(p->raster, &view, image->path, number, r, p->threads, &target, p->counters, error);
 }
 
 /* Paths are followed in the order in which they were found, so those of fewer reflections come first. */
@@ -159,12 +174,11 @@ sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const
         return sl_fail(error, SL_ERROR_USAGE, "a picture with mirrors of %d x %d pixels at (%d, %d): at least 1 each way, at (0, 0)",
                        view->width, view->height, view->x, view->y);
     }
-    mirrored_pass p = {raster, mirrors, threads, allocate_image(view->width, view->height), {0},
+    mirrored_pass p = {raster, mirrors, threads, allocate_image(view->width, view->height),
                        sl_allocate(mirrors->count, sizeof(rectangle)), counters};
-    bool ok = allocate_planes(&p.drawn, view->width, view->height) && p.image && p.seen;
-    sl_status status = ok ? follow_all(&p, view, reflections, error) : sl_fail_memory(error, "a picture with mirrors");
+    sl_status status = p.image && p.seen ? follow_all(&p, view, reflections, error)
+                                         : sl_fail_memory(error, "a picture with mirrors");
     sl_free(p.seen);
-    free_planes(&p.drawn);
     if (status != SL_OK) sl_mirrored_image_destroy(p.image);
     else *image = p.image;
     return status;
