@@ -1,6 +1,6 @@
 /* The simulated raster hardware beside OSMesa (Mesa's llvmpipe), and beside rays.
  *
- *     build/bench/bench_raster [--threads N] [--only TEXT] [--csv] [--brief]
+ *     build/bench/bench_raster [--threads N] [--only TEXT] [--ours] [--csv] [--brief]
  *
  * Every workload runs on ours and on OSMesa in turn: same triangles, matrices, resolution and number of threads. OSMesa gets indexed
  * triangles with shared vertices in static buffers, in one draw call a view. Its time includes reading the picture into memory
@@ -11,6 +11,7 @@
  * pixel, after the ID map. "differing" is the share of pixels in which the two pictures differ: of ID maps in any bit, of others by more
  * than rounding.
  *
+ * --only keeps the rows whose names hold the text, --brief leaves the scene files out, --ours leaves OSMesa out (for a profiler).
  * Without --threads it runs for one thread, then for two in a process of its own, because OSMesa learns their number once. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
@@ -23,63 +24,66 @@
 
 typedef struct options {
     measurer measurer;
-    bool both, brief;
+    bool both, brief, ours;
 } options;
 
-static const int room_sizes[3] = {2, 7, 27}; /* n: 6,048, 65,448 and 963,048 triangles */
-
-static void seen_rows(measurer *m, const bench_scene *s) {
+static void seen_rows(measurer *m, bench_scene *s) {
     bench_id_map(m, s, 1000, 1000);
     bench_id_map(m, s, 640, 480);
     bench_depth_cube(m, s);
 }
 
-/* OSMesa takes a second for some of these at a million triangles. */
-static void gather_rows(measurer *m, const bench_scene *s) {
-    if (s->scene->triangle_count > 300000) return;
+static void gather_rows(measurer *m, bench_scene *s) {
+    if (!s->gathers) return;
     for (int size = 64; size <= 256; size *= 2) bench_hemisphere(m, s, size);
     for (int size = 64; size <= 256; size *= 2) bench_hemicube(m, s, size);
 }
 
-static void run_all(const options *o) {
-    static const char *const files[] = {"scenes/generated/room.json", "scenes/generated/atrium.json", "scenes/generated/figure.json"};
+static void all_rows(measurer *m, bench_scene *room, bench_scene *file, int files) {
+    for (int k = 0; k < 3; k++) {
+        seen_rows(m, &room[k]);
+        bench_gbuffer(m, &room[k]);
+        gather_rows(m, &room[k]);
+    }
+    bench_splats(m, &room[1]);
+    bench_fill(m);
+    bench_small_triangles(m);
+    bench_reduction(m);
+    for (int k = 0; k < files; k++) {
+        if (access(file[k].path, R_OK)) continue;
+        seen_rows(m, &file[k]);
+        gather_rows(m, &file[k]);
+    }
+}
+
+static void all_tables(const options *o) {
+    bench_scene room[3] = {{.name = "balls 6K", .n = 2, .gathers = true}, {.name = "balls 65K", .n = 7, .gathers = true},
+                           {.name = "balls 963K", .n = 27}};
+    bench_scene file[3] = {{.name = "room 7K", .path = "scenes/generated/room.json", .gathers = true},
+                           {.name = "atrium 67K", .path = "scenes/generated/atrium.json", .gathers = true},
+                           {.name = "figure 878K", .path = "scenes/generated/figure.json"}};
+    int files = o->brief ? 0 : 3;
     measurer m = o->measurer;
-    char title[160];
-    const char *missing = peer_start(m.threads);
-    if (missing && !m.csv) printf("OSMesa is not here: %s\n", missing);
+    char title[512];
+    const char *missing = o->ours ? "not asked for" : peer_start(m.threads);
     snprintf(title, sizeof title, "%u thread%s, %s; OSMesa: %s", m.threads, m.threads > 1 ? "s" : "",
-             m.threads > 1 ? "wall time" : "processor time", peer_name());
+             m.threads > 1 ? "wall time" : "processor time", missing ? missing : peer_name());
     measure_head(&m, title);
-    bench_scene *room[3];
-    for (int k = 0; k < 3; k++) {
-        room[k] = bench_room(room_sizes[k]);
-        seen_rows(&m, room[k]);
-        bench_gbuffer(&m, room[k]);
-        gather_rows(&m, room[k]);
-    }
-    bench_splats(&m, room[1]);
-    bench_fill(&m);
-    bench_small_triangles(&m);
-    bench_reduction(&m);
-    bench_scene *file[3] = {0};
-    for (int k = 0; k < 3 && !o->brief; k++) {
-        if (access(files[k], R_OK)) continue;
-        file[k] = bench_load(files[k]);
-        seen_rows(&m, file[k]);
-        gather_rows(&m, file[k]);
-    }
+    all_rows(&m, room, file, files);
     if (!m.csv) printf("%d of %d rows miss what is wanted\n", m.missed, m.rows);
-    roofline_print(&m);
-    for (int k = 0; k < 3; k++) bench_rays(&m, room[k]);
+    if (!o->ours) roofline_print(&m);
+    for (int k = 0; k < 3; k++) bench_rays(&m, &room[k]);
+    for (int k = 0; k < files; k++) {
+        if (!access(file[k].path, R_OK)) bench_rays(&m, &file[k]);
+    }
     for (int k = 0; k < 3; k++) {
-        if (file[k]) bench_rays(&m, file[k]);
-        bench_scene_destroy(file[k]);
-        bench_scene_destroy(room[k]);
+        bench_scene_close(&file[k]);
+        bench_scene_close(&room[k]);
     }
 }
 
 static void usage(void) {
-    fprintf(stderr, "usage: bench_raster [--threads N] [--only TEXT] [--csv] [--brief]\n");
+    fprintf(stderr, "usage: bench_raster [--threads N] [--only TEXT] [--ours] [--csv] [--brief]\n");
     exit(2);
 }
 
@@ -93,6 +97,8 @@ static options parse(int argc, char **argv) {
             o.measurer.only = argv[++i];
         } else if (!strcmp(argv[i], "--csv")) {
             o.measurer.csv = true;
+        } else if (!strcmp(argv[i], "--ours")) {
+            o.ours = true;
         } else if (!strcmp(argv[i], "--brief")) {
             o.brief = true;
         } else {
@@ -123,6 +129,6 @@ static int run_on_two_threads(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     options o = parse(argc, argv);
-    run_all(&o);
+    all_tables(&o);
     return o.both ? run_on_two_threads(argc, argv) : 0;
 }

@@ -129,10 +129,11 @@ static void free_splats(splat_pass *p) {
     sl_free(p);
 }
 
-void bench_splats(measurer *m, const bench_scene *scene) {
+void bench_splats(measurer *m, bench_scene *scene) {
     workload w[2] = {{.name = "splats, 4000 records", .wanted = wanted_splats, .ours = draw_splats, .differing = differing_splats},
                      {.name = "splats, blending alone", .wanted = wanted_blend, .ours = draw_blend, .differing = differing_blend}};
     if (!measure_wants(m, w[0].name) && !measure_wants(m, w[1].name)) return;
+    bench_scene_open(scene);
     splat_pass *p = bench_allocate(1, sizeof *p);
     peer_splat *splats = bench_allocate(SPLATS, sizeof *splats);
     p->scene = scene;
@@ -195,21 +196,22 @@ static double differing_colours(void *context, peer_pass *peer) {
 }
 
 static void measure_gouraud(measurer *m, workload *w, const float *xyz, const float *colours, size_t count, bool additive) {
-    bench_scene *scene = bench_triangles(w->name, xyz, colours, count);
-    gouraud_pass p = {scene, bench_flat_view(SIDE, SIDE), bench_allocate(PIXELS, sizeof(uint32_t)), bench_allocate(PIXELS, sizeof(float)),
+    bench_scene scene = {.name = w->name};
+    bench_scene_of_triangles(&scene, xyz, colours, count);
+    gouraud_pass p = {&scene, bench_flat_view(SIDE, SIDE), bench_allocate(PIXELS, sizeof(uint32_t)), bench_allocate(PIXELS, sizeof(float)),
                       bench_allocate(3 * PIXELS, sizeof(float)), bench_allocate(9 * count, sizeof(float)), additive};
     memcpy(p.attributes, colours, 9 * count * sizeof(float));
     w->context = &p;
     w->renders = 1;
     w->ours = additive ? add_gouraud : draw_gouraud;
     w->differing = differing_colours;
-    w->peer = peer_gouraud(&scene->mesh, &p.view, additive);
+    w->peer = peer_gouraud(&scene.mesh, &p.view, additive);
     measure_row(m, w);
     sl_free(p.id);
     sl_free(p.depth);
     sl_free(p.colour);
     sl_free(p.attributes);
-    bench_scene_destroy(scene);
+    bench_scene_close(&scene);
 }
 
 static void random_colours(float *colours, size_t count, uint64_t key) {

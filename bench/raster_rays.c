@@ -200,10 +200,13 @@ static void print_head(const measurer *m) {
            "", "fov", "pixels", "raster", "our rays", "Embree", "of ours", "of E.", "wanted", "", "differing");
 }
 
-void bench_rays(measurer *m, const bench_scene *scene) {
+void bench_rays(measurer *m, bench_scene *scene) {
     size_t pixels = (size_t)LARGEST * LARGEST;
     sl_error error;
-    if (m->threads > 1 || !measure_wants(m, "rays")) return;
+    char name[64];
+    snprintf(name, sizeof name, "rays, %s", scene->name);
+    if (m->threads > 1 || !measure_wants(m, name)) return;
+    bench_scene_open(scene);
     rivals r = {.scene = scene, .id = bench_allocate(pixels, 4), .traced = bench_allocate(pixels, 4), .embree = bench_allocate(pixels, 4),
                 .depth = bench_allocate(pixels, 4), .rays = bench_allocate(pixels / SL_PACKET, sizeof(sl_ray16))};
     if (sl_tracer_create(scene->scene, 1, NULL, &r.tracer, &error) != SL_OK) bench_stop(scene->name, error.message);

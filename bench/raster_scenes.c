@@ -118,12 +118,9 @@ static void free_mesh(peer_mesh *m) {
 
 /* ---- scenes ---------------------------------------------------------------------------------------------------------- */
 
-static bench_scene *with_raster(sl_scene *scene) {
-    bench_scene *s = bench_allocate(1, sizeof *s);
+static void make_raster(bench_scene *s) {
     sl_error error;
-    s->scene = scene;
-    if (sl_raster_create(scene, 1, &s->raster, &error) != SL_OK) bench_stop("raster", error.message);
-    return s;
+    if (sl_raster_create(s->scene, 1, &s->raster, &error) != SL_OK) bench_stop("raster", error.message);
 }
 
 /* The tests' room has vertices of its own for every triangle; here it is built anew from shared ones. each: triangles of a ball. */
@@ -162,14 +159,6 @@ static void put_points_on_walls(bench_scene *s) {
     }
 }
 
-bench_scene *bench_room(int n) {
-    bench_scene *s = with_raster(smooth_scene(furnished_room(BALLS, n), 12 * (size_t)n * (size_t)n));
-    s->mesh = shared_vertices(s->scene);
-    snprintf(s->name, sizeof s->name, "balls %zuK", (s->scene->triangle_count + 500) / 1000);
-    put_points_on_walls(s);
-    return s;
-}
-
 /* Random directions through the film; every hit is a point, with the normal turned to the camera. */
 static void put_points_in_sight(bench_scene *s) {
     const sl_camera *c = &s->scene->camera;
@@ -196,38 +185,44 @@ static void put_points_in_sight(bench_scene *s) {
     sl_tracer_destroy(tracer);
 }
 
-bench_scene *bench_load(const char *path) {
-    sl_scene *scene;
-    sl_error error;
-    if (sl_scene_load(path, &scene, &error) != SL_OK) bench_stop(path, error.message);
-    bench_scene *s = with_raster(scene);
-    const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    snprintf(s->name, sizeof s->name, "%.*s %zuK", (int)strcspn(file, "."), file, (scene->triangle_count + 500) / 1000);
-    s->mesh = shared_vertices(scene);
-    put_points_in_sight(s);
-    return s;
+static void open_room(bench_scene *s) {
+    s->scene = smooth_scene(furnished_room(BALLS, s->n), 12 * (size_t)s->n * (size_t)s->n);
+    put_points_on_walls(s);
 }
 
-bench_scene *bench_triangles(const char *name, const float *xyz, const float *colours, size_t count) {
-    bench_scene *s = with_raster(scene_of_triangles(xyz, count));
+static void open_file(bench_scene *s) {
+    sl_error error;
+    if (sl_scene_load(s->path, &s->scene, &error) != SL_OK) bench_stop(s->path, error.message);
+    put_points_in_sight(s);
+}
+
+void bench_scene_open(bench_scene *s) {
+    if (s->scene) return;
+    if (s->path) open_file(s);
+    else open_room(s);
+    make_raster(s);
+    s->mesh = shared_vertices(s->scene);
+}
+
+void bench_scene_of_triangles(bench_scene *s, const float *xyz, const float *colours, size_t count) {
     size_t floats = 9 * count;
-    if (s->scene->triangle_count != count) bench_stop(name, "a triangle without area");
+    s->scene = scene_of_triangles(xyz, count);
+    if (s->scene->triangle_count != count) bench_stop(s->name, "a triangle without area");
+    make_raster(s);
     float *position = bench_allocate(floats, sizeof(float)), *colour = bench_allocate(floats, sizeof(float));
     uint32_t *index = bench_allocate(3 * count, sizeof *index);
-    snprintf(s->name, sizeof s->name, "%s", name);
     memcpy(position, xyz, floats * sizeof *xyz);
-    if (colours) memcpy(colour, colours, floats * sizeof *colours);
+    memcpy(colour, colours, floats * sizeof *colours);
     for (uint32_t i = 0; i < 3 * count; i++) index[i] = i;
     s->mesh = (peer_mesh){3 * count, count, position, NULL, colour, index};
-    return s;
 }
 
-void bench_scene_destroy(bench_scene *s) {
-    if (!s) return;
+void bench_scene_close(bench_scene *s) {
+    if (!s->scene) return;
     sl_raster_destroy(s->raster);
     sl_scene_destroy(s->scene);
     free_mesh(&s->mesh);
-    sl_free(s);
+    s->scene = NULL;
 }
 
 /* ---- views ----------------------------------------------------------------------------------------------------------- */

@@ -8,8 +8,11 @@
 
 enum { BENCH_POINTS = 24 };
 
+/* name, and path or n, are set by who makes one; bench_scene_open() makes the rest. */
 typedef struct bench_scene {
-    char name[64];
+    const char *name, *path;
+    int n;             /* a room of 4 x 3 x 5 with 110 balls of 12 n^2 triangles each, smooth normals; points on its walls */
+    bool gathers;      /* few enough triangles for OSMesa to draw hundreds of views */
     sl_scene *scene;
     sl_raster *raster;
     peer_mesh mesh; /* the scene's triangles in the scene's order */
@@ -21,13 +24,11 @@ typedef struct bench_scene {
 _Noreturn void bench_stop(const char *what, const char *why);
 void *bench_allocate(size_t count, size_t size);
 
-/* A room of 4 x 3 x 5 with 110 balls of 12 n^2 triangles each, smooth normals; points on its walls. */
-bench_scene *bench_room(int n);
-/* A scene file; points on what its camera sees. */
-bench_scene *bench_load(const char *path);
-/* Triangles as nine floats each, clip coordinates, and three colours each (NULL: none); nothing shared. */
-bench_scene *bench_triangles(const char *name, const float *xyz, const float *colours, size_t count);
-void bench_scene_destroy(bench_scene *scene);
+/* Does nothing where it has been opened. A file's points are what its camera sees. */
+void bench_scene_open(bench_scene *scene);
+/* Triangles as nine floats each, clip coordinates, and three colours each; nothing shared. */
+void bench_scene_of_triangles(bench_scene *scene, const float *xyz, const float *colours, size_t count);
+void bench_scene_close(bench_scene *scene);
 
 /* The scene's camera, window depth. */
 sl_view bench_camera_view(const bench_scene *scene, int width, int height);

@@ -42,11 +42,12 @@ static double differing_ids(void *context, peer_pass *peer) {
     return (double)differ / (double)pixels;
 }
 
-void bench_id_map(measurer *m, const bench_scene *scene, int width, int height) {
+void bench_id_map(measurer *m, bench_scene *scene, int width, int height) {
     size_t pixels = (size_t)width * (size_t)height;
     workload w = {.wanted = wanted_id, .renders = 1, .ours = draw_large, .differing = differing_ids};
     snprintf(w.name, sizeof w.name, "ID map and depth %dx%d, %s", width, height, scene->name);
     if (!measure_wants(m, w.name)) return;
+    bench_scene_open(scene);
     large_pass p = {scene, {bench_camera_view(scene, width, height)}, 1, bench_allocate(pixels, 4), bench_allocate(pixels, 4)};
     w.context = &p;
     w.peer = peer_ids(&scene->mesh, p.view, 1, true);
@@ -56,12 +57,13 @@ void bench_id_map(measurer *m, const bench_scene *scene, int width, int height) 
     sl_free(p.depth);
 }
 
-void bench_depth_cube(measurer *m, const bench_scene *scene) {
+void bench_depth_cube(measurer *m, bench_scene *scene) {
     enum { SIZE = 512 };
     size_t pixels = (size_t)SIZE * SIZE;
     workload w = {.wanted = wanted_cube, .renders = 1, .ours = draw_large};
     snprintf(w.name, sizeof w.name, "depth cube 6 x %dx%d, %s", SIZE, SIZE, scene->name);
     if (!measure_wants(m, w.name)) return;
+    bench_scene_open(scene);
     large_pass p = {.scene = scene, .views = 6, .depth = bench_allocate(6 * pixels, sizeof(float))};
     const sl_scene *s = scene->scene;
     sl_vec3 middle = sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min));
@@ -103,11 +105,12 @@ static double differing_surfaces(void *context, peer_pass *peer) {
     return (double)differ / (double)pixels;
 }
 
-void bench_gbuffer(measurer *m, const bench_scene *scene) {
+void bench_gbuffer(measurer *m, bench_scene *scene) {
     enum { SIZE = 1000 };
     workload w = {.wanted = wanted_gbuffer, .renders = 1, .ours = draw_gbuffer, .differing = differing_surfaces};
     snprintf(w.name, sizeof w.name, "G-buffer %dx%d, %s", SIZE, SIZE, scene->name);
     if (!measure_wants(m, w.name)) return;
+    bench_scene_open(scene);
     sl_gbuffer *g;
     sl_error error;
     expect_ok(sl_gbuffer_create(SIZE, SIZE, &g, &error), &error);
@@ -190,20 +193,22 @@ static void run_gathers(measurer *m, workload *w, gather_pass *p, int size) {
     }
 }
 
-void bench_hemisphere(measurer *m, const bench_scene *scene, int size) {
+void bench_hemisphere(measurer *m, bench_scene *scene, int size) {
     workload w = {0};
     gather_pass p = {.scene = scene, .each = 1};
     snprintf(w.name, sizeof w.name, "plane of 160 degrees %dx%d, %s", size, size, scene->name);
     if (!measure_wants(m, w.name)) return;
+    bench_scene_open(scene);
     for (size_t i = 0; i < scene->points; i++) p.view[i] = bench_plane_view(scene, i, size, 160.0);
     run_gathers(m, &w, &p, size);
 }
 
-void bench_hemicube(measurer *m, const bench_scene *scene, int size) {
+void bench_hemicube(measurer *m, bench_scene *scene, int size) {
     workload w = {0};
     gather_pass p = {.scene = scene, .each = FACES};
     snprintf(w.name, sizeof w.name, "hemicube %dx%d, %s", size, size, scene->name);
     if (!measure_wants(m, w.name)) return;
+    bench_scene_open(scene);
     for (size_t i = 0; i < scene->points; i++) bench_hemicube_views(scene, i, size, &p.view[FACES * i]);
     run_gathers(m, &w, &p, size);
 }

@@ -7,15 +7,15 @@
 
 /* ---- raster_workloads.c: what is seen -------------------------------------------------------------------------------- */
 
-void bench_id_map(measurer *m, const bench_scene *scene, int width, int height);
-void bench_gbuffer(measurer *m, const bench_scene *scene);
-void bench_hemisphere(measurer *m, const bench_scene *scene, int size);
-void bench_hemicube(measurer *m, const bench_scene *scene, int size);
-void bench_depth_cube(measurer *m, const bench_scene *scene);
+void bench_id_map(measurer *m, bench_scene *scene, int width, int height);
+void bench_gbuffer(measurer *m, bench_scene *scene);
+void bench_hemisphere(measurer *m, bench_scene *scene, int size);
+void bench_hemicube(measurer *m, bench_scene *scene, int size);
+void bench_depth_cube(measurer *m, bench_scene *scene);
 
 /* ---- raster_fragments.c: filling, blending, summing ------------------------------------------------------------------ */
 
-void bench_splats(measurer *m, const bench_scene *scene);
+void bench_splats(measurer *m, bench_scene *scene);
 void bench_fill(measurer *m);
 void bench_small_triangles(measurer *m);
 void bench_reduction(measurer *m);
@@ -29,6 +29,6 @@ void roofline_print(const measurer *m);
 
 /* ---- raster_rays.c --------------------------------------------------------------------------------------------------- */
 
-void bench_rays(measurer *m, const bench_scene *scene);
+void bench_rays(measurer *m, bench_scene *scene);
 
 #endif
