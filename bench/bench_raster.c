@@ -9,8 +9,8 @@
  *
  * Work that does not show is not done by ours, where OSMesa is free to leave it out too: attributes are computed once a visible
  * pixel, after the ID map. "differing" is the share of pixels in which the two pictures differ: of ID maps in any bit, of others by more
- * than rounding. Gathers have a near plane so close to the eye that OSMesa's window depth, z/w in float, no longer tells far surfaces apart;
- * ours keeps 1/w there.
+ * than rounding. Gathers differ mostly because their near plane is so close to the eye that OSMesa's window depth, z/w in float, cannot
+ * tell far surfaces apart; ours keeps 1/w there.
  *
  * --only keeps the rows whose names hold the text, --brief leaves the scene files out, --ours leaves OSMesa out (for a profiler).
  * Without --threads it runs for one thread, then for two in a process of its own, because OSMesa learns their number once. */
