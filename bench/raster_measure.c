@@ -96,13 +96,13 @@ void measure_head(const measurer *m, const char *title) {
     printf(" %10s %5s %10s %7s %7s  %-6s %9s\n", "OSMesa", "+-%", "drawing", "ratio", "wanted", "", "differing");
 }
 
-static void print_csv(const measurer *m, const workload *w, const figures *f) {
-    printf("%s,%u,%.5g,%.3f,%.5g,%.5g,%.3f,%.5g,%.3g,%.3g,%.3g,%.4g\n", w->name, m->threads, f->ours, f->ours_spread, f->ours_one_thread,
-           f->peer, f->peer_spread, f->peer_drawing, f->peer / f->ours, w->wanted, f->differing, 1e3 * w->units / f->ours);
-}
-
 static double wanted_of(const measurer *m, const workload *w) {
     return m->threads == 1 ? w->wanted : w->alone ? 0.0 : wanted_speed_up;
+}
+
+static void print_csv(const measurer *m, const workload *w, const figures *f) {
+    printf("\"%s\",%u,%.5g,%.3f,%.5g,%.5g,%.3f,%.5g,%.3g,%.3g,%.3g,%.4g\n", w->name, m->threads, f->ours, f->ours_spread, f->ours_one_thread,
+           f->peer, f->peer_spread, f->peer_drawing, f->peer / f->ours, wanted_of(m, w), f->differing, 1e3 * w->units / f->ours);
 }
 
 static void print_row(const measurer *m, const workload *w, const figures *f, bool missed) {

@@ -14,7 +14,7 @@ struct peer_pass {
     int targets;
     osmesa_mesh mesh;
     unsigned program, texture[3];
-    bool depth, add, reduction;
+    bool depth, add, reduction, added_up;
     sl_view *views; /* NULL: a pass without a matrix */
     size_t view_count;
     void *memory[MAX_PLANES];
@@ -211,18 +211,6 @@ peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t c
 
 /* ---- reduction ------------------------------------------------------------------------------------------------------- */
 
-peer_pass *peer_reduction(const float *rgba, int size, int final) {
-    if (!running) return NULL;
-    const osmesa_format format = PLANE_RGBA32F;
-    peer_pass *pass = make_pass(size / 2, size / 2, 1, &format, false, false);
-    for (int s = size / 4; s >= final; s /= 2) add_target(pass, s, s, 1, &format);
-    pass->mesh = osmesa_mesh_create(0, NULL, 3, NULL);
-    pass->program = osmesa_program(screen_vertex, halve_fragment);
-    pass->texture[0] = osmesa_texture(size, size, rgba);
-    pass->reduction = true;
-    return pass;
-}
-
 static void read_back(const peer_pass *pass, const osmesa_target *target) {
     for (int k = 0; k < target->planes; k++) osmesa_read(target, k, pass->memory[k]);
     if (pass->depth) osmesa_read_depth(target, pass->memory[target->planes]);
@@ -236,6 +224,39 @@ static void reduce(const peer_pass *pass, bool read) {
         osmesa_draw_all(pass->program, &pass->mesh);
     }
     if (read) read_back(pass, &pass->target[pass->targets - 1]);
+}
+
+peer_pass *peer_reduction(const float *rgba, int size, int final) {
+    if (!running) return NULL;
+    const osmesa_format format = PLANE_RGBA32F;
+    int first = final ? size / 2 : size;
+    peer_pass *pass = make_pass(first, first, 1, &format, false, false);
+    for (int s = first / 2; final && s >= final; s /= 2) add_target(pass, s, s, 1, &format);
+    pass->mesh = osmesa_mesh_create(0, NULL, 3, NULL);
+    pass->program = osmesa_program(screen_vertex, final ? halve_fragment : copy_fragment);
+    pass->texture[0] = osmesa_texture(size, size, rgba);
+    pass->reduction = true;
+    pass->added_up = !final;
+    if (!final) {
+        reduce(pass, false); /* the copy, once */
+        pass->memory[1] = allocated(4, sizeof(float));
+    }
+    return pass;
+}
+
+/* Sixteen sums at a time, four pixels. */
+static void add_up(const float *rgba, size_t floats, float total[4]) {
+    float sum[16] = {0};
+    for (size_t i = 0; i < floats; i += 16) {
+        for (size_t k = 0; k < 16; k++) sum[k] += rgba[i + k];
+    }
+    for (size_t c = 0; c < 4; c++) total[c] = (sum[c] + sum[c + 4]) + (sum[c + 8] + sum[c + 12]);
+}
+
+static void read_and_add(const peer_pass *pass, bool read) {
+    if (!read) return;
+    read_back(pass, &pass->target[0]);
+    add_up(pass->memory[0], plane_bytes(&pass->target[0], 0) / sizeof(float), pass->memory[1]);
 }
 
 /* ---- drawing --------------------------------------------------------------------------------------------------------- */
@@ -265,7 +286,9 @@ static void draw(const peer_pass *pass, size_t view, bool read) {
 }
 
 void peer_run(peer_pass *pass, bool read) {
-    if (pass->reduction) {
+    if (pass->added_up) {
+        read_and_add(pass, read);
+    } else if (pass->reduction) {
         reduce(pass, read);
     } else {
         begin(pass);

@@ -179,7 +179,7 @@ static void measure_size(const measurer *m, rivals *r, int size, double degrees)
     for (int k = 0; k < RIVALS; k++) ms[k] /= points;
     double ratio = ms[RASTER] / ms[TRACE];
     if (m->csv) {
-        printf("rays %.0f %dx%d %s,%.5g,%.5g,%.5g,%.4g,%.3g,%.3g\n", degrees, size, size, r->scene->name, ms[RASTER], ms[TRACE], ms[EMBREE],
+        printf("\"rays, %.0f degrees %dx%d, %s\",%.5g,%.5g,%.5g,%.4g,%.3g,%.3g\n", degrees, size, size, r->scene->name, ms[RASTER], ms[TRACE], ms[EMBREE],
                ratio, wanted, differ);
     } else {
         printf("%-16s %3.0f  %3dx%-3d %9.4f %9.4f %9.4f %8.2f %8.2f", r->scene->name, degrees, size, size, ms[RASTER], ms[TRACE], ms[EMBREE],
@@ -193,8 +193,12 @@ static void measure_size(const measurer *m, rivals *r, int size, double degrees)
 
 static void print_head(const measurer *m) {
     static bool printed;
-    if (printed || m->csv) return;
+    if (printed) return;
     printed = true;
+    if (m->csv) {
+        printf("workload,raster ms,our rays ms,Embree ms,ratio,wanted,differing\n");
+        return;
+    }
     printf("\nagainst rays: ms of processor time for one plane over a point, one thread, and the same directions traced\n%-16s %3s  %7s %9s %9s %9s %8s"
            " %8s %7s  %-6s %9s\n",
            "", "fov", "pixels", "raster", "our rays", "Embree", "of ours", "of E.", "wanted", "", "differing");

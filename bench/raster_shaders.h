@@ -104,6 +104,10 @@ static const char blend_fragment[] =
 /* One triangle over the whole target. */
 static const char screen_vertex[] =
     "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+static const char copy_fragment[] =
+    "uniform sampler2D from;\n"
+    "layout(location = 0) out vec4 same;\n"
+    "void main() { same = texelFetch(from, ivec2(gl_FragCoord.xy), 0); }\n";
 static const char halve_fragment[] =
     "uniform sampler2D from;\n"
     "layout(location = 0) out vec4 sum;\n"
