@@ -113,7 +113,7 @@ typedef struct sl_gbuffer {
 
 sl_status sl_gbuffer_create(int width, int height, sl_gbuffer **gbuffer, sl_error *error); /* all planes */
 void sl_gbuffer_destroy(sl_gbuffer *gbuffer);
-/* ID pass and its resolution through sl_scene_surface(). */
+/* ID pass and its resolution, equal to sl_scene_surface() bit by bit. Needs a scene. */
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
                             sl_counters *counters, sl_error *error);
 
