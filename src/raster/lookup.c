@@ -123,11 +123,11 @@ uint32_t sl_volume_nearest(const sl_volume *volume, sl_sampler sampler, float s,
     return sl_volume_fetch(volume, c.column.low, c.row.low, c.slice.low);
 }
 
+/* Bytes as whole numbers, which are divided by 255 after filtering. */
 static void texel_values(const sl_volume *volume, int x, int y, int z, float value[4]) {
     size_t texel = volume_texel(volume, x, y, z);
     for (size_t c = 0; c < 4; c++) {
-        value[c] = volume->format == SL_VOLUME_RGBA8 ? (float)volume->bytes[4 * texel + c] / 255.0f
-                                                     : volume->texels[4 * texel + c];
+        value[c] = volume->format == SL_VOLUME_RGBA8 ? (float)volume->bytes[4 * texel + c] : volume->texels[4 * texel + c];
     }
 }
 
@@ -144,5 +144,12 @@ void sl_volume_sample(const sl_volume *volume, sl_sampler sampler, float s, floa
         slice[k].right = at.column.weight;
         slice[k].up = at.row.weight;
     }
-    sl_filter_two(&slice[0], &slice[1], at.slice.weight, sampler.linear, rgba);
+    if (volume->format == SL_VOLUME_RGBA32F) {
+        sl_filter_two(&slice[0], &slice[1], at.slice.weight, sampler.linear, rgba);
+        return;
+    }
+    for (int c = 0; c < 4; c++) {
+        double low = sl_filter_channel(&slice[0], c), high = sl_filter_channel(&slice[1], c);
+        rgba[c] = (float)(sl_mix(low, high, at.slice.weight) / 255.0);
+    }
 }

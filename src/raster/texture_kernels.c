@@ -251,7 +251,8 @@ static void place_in_volume(const sl_volume *volume, sl_sampler sampler, size_t 
     sl_axis along_s = sl_axis_of(sampler.wrap_s), along_t = sl_axis_of(sampler.wrap_t), along_r = sl_axis_of(sampler.wrap_r);
     int32_t *restrict a = p->texel[0], *restrict b = p->texel[1], *restrict c = p->texel[2], *restrict d = p->texel[3];
     int32_t *restrict e = p->texel[4], *restrict f = p->texel[5], *restrict g = p->texel[6], *restrict h = p->texel[7];
-    double *restrict right = p->right[0], *restrict up = p->up[0], *restrict blend = p->blend;
+    double *restrict right = p->right[0], *restrict up = p->up[0], *restrict right2 = p->right[1], *restrict up2 = p->up[1];
+    double *restrict blend = p->blend;
 #pragma omp simd
     for (size_t n = 0; n < count; n++) {
         sl_texel_pair column = sl_texels_around(sl_wrapped(s[n], along_s), width, along_s);
@@ -268,12 +269,10 @@ static void place_in_volume(const sl_volume *volume, sl_sampler sampler, size_t 
         f[n] = row2 + column.high;
         g[n] = row3 + column.low;
         h[n] = row3 + column.high;
-        right[n] = column.weight;
-        up[n] = row.weight;
+        right[n] = right2[n] = column.weight;
+        up[n] = up2[n] = row.weight;
         blend[n] = slice.weight;
     }
-    memcpy(p->right[1], right, sizeof p->right[1]);
-    memcpy(p->up[1], up, sizeof p->up[1]);
 }
 
 static void place_nearest_in_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *restrict s,
@@ -289,48 +288,61 @@ static void place_nearest_in_volume(const sl_volume *volume, sl_sampler sampler,
     }
 }
 
-/* Byte b is the float nearest to b / 255. */
-static void unpack(const uint8_t *restrict bytes, const int32_t *restrict texel, size_t count, float (*restrict value)[4]) {
-    for (size_t n = 0; n < count; n++) {
-        const uint8_t *restrict b = bytes + 4 * (size_t)texel[n];
-#pragma omp simd
-        for (int c = 0; c < 4; c++) value[n][c] = (float)b[c] / 255.0f;
-    }
-}
-
-/* Unpacks what a block needs, then filters it like floats. */
-static void filter_bytes(const sl_volume *volume, taps *p, size_t count, float (*restrict rgba)[4]) {
-    float value[8 * N][4];
-    for (int k = 0; k < 8; k++) {
-        unpack(volume->bytes, p->texel[k], count, value + k * N);
-        for (int n = 0; n < N; n++) p->texel[k][n] = k * N + n;
-    }
-    filter(value[0], p, true, count, rgba);
-}
-
-static void sample_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *s, const float *t,
-                          const float *r, float *const plane[4]) {
-    float rgba[N][4];
-    if (sampler.linear) {
-        taps p;
-        place_in_volume(volume, sampler, count, s, t, r, &p);
-        if (volume->format == SL_VOLUME_RGBA8) filter_bytes(volume, &p, count, rgba);
-        else filter(volume->texels, &p, true, count, rgba);
-    } else {
-        int32_t texel[N];
-        place_nearest_in_volume(volume, sampler, count, s, t, r, texel);
-        if (volume->format == SL_VOLUME_RGBA8) unpack(volume->bytes, texel, count, rgba);
-        else copy(volume->texels, texel, count, rgba);
-    }
-    spread(rgba, count, plane);
-}
-
 /* The stored bytes as one number, red lowest whatever the machine's byte order. */
 static void pack(const uint8_t *restrict bytes, const int32_t *restrict texel, size_t count, uint32_t *restrict out) {
     for (size_t n = 0; n < count; n++) {
         const uint8_t *restrict b = bytes + 4 * (size_t)texel[n];
         out[n] = (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
     }
+}
+
+static inline double byte_of(uint32_t word, int shift) { return (double)(int32_t)(word >> shift & 255u); }
+
+/* Bytes are small enough that lanes are lookups here too: eight words of four bytes each, channel after channel. */
+static void filter_bytes(const sl_volume *volume, const taps *p, size_t count, float *const plane[4]) {
+    uint32_t word[8][N];
+    for (int k = 0; k < 8; k++) pack(volume->bytes, p->texel[k], count, word[k]);
+    const uint32_t *restrict w0 = word[0], *restrict w1 = word[1], *restrict w2 = word[2], *restrict w3 = word[3];
+    const uint32_t *restrict w4 = word[4], *restrict w5 = word[5], *restrict w6 = word[6], *restrict w7 = word[7];
+    const double *restrict right = p->right[0], *restrict up = p->up[0], *restrict blend = p->blend;
+    for (int c = 0; c < 4; c++) {
+        float *restrict out = plane[c];
+        int shift = 8 * c;
+        if (!out) continue;
+#pragma omp simd
+        for (size_t n = 0; n < count; n++) {
+            double low = sl_mix(byte_of(w0[n], shift), byte_of(w1[n], shift), right[n]);
+            double high = sl_mix(byte_of(w2[n], shift), byte_of(w3[n], shift), right[n]);
+            double low2 = sl_mix(byte_of(w4[n], shift), byte_of(w5[n], shift), right[n]);
+            double high2 = sl_mix(byte_of(w6[n], shift), byte_of(w7[n], shift), right[n]);
+            out[n] = (float)(sl_mix(sl_mix(low, high, up[n]), sl_mix(low2, high2, up[n]), blend[n]) / 255.0);
+        }
+    }
+}
+
+static void nearest_bytes(const sl_volume *volume, const int32_t *texel, size_t count, float *const plane[4]) {
+    uint32_t word[N];
+    pack(volume->bytes, texel, count, word);
+    for (int c = 0; c < 4; c++) {
+        float *restrict out = plane[c];
+        for (size_t n = 0; out && n < count; n++) out[n] = (float)(byte_of(word[n], 8 * c) / 255.0);
+    }
+}
+
+static void sample_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *s, const float *t,
+                          const float *r, float *const plane[4]) {
+    float rgba[N][4];
+    taps p;
+    if (sampler.linear) place_in_volume(volume, sampler, count, s, t, r, &p);
+    else place_nearest_in_volume(volume, sampler, count, s, t, r, p.texel[0]);
+    if (volume->format == SL_VOLUME_RGBA8) {
+        if (sampler.linear) filter_bytes(volume, &p, count, plane);
+        else nearest_bytes(volume, p.texel[0], count, plane);
+        return;
+    }
+    if (sampler.linear) filter(volume->texels, &p, true, count, rgba);
+    else copy(volume->texels, p.texel[0], count, rgba);
+    spread(rgba, count, plane);
 }
 
 static void nearest_in_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *s, const float *t,
