@@ -2,15 +2,16 @@
 #ifndef SL_RASTER_LOOKUP_KERNELS_H
 #define SL_RASTER_LOOKUP_KERNELS_H
 
-#include "raster/internal.h"
+#include "raster/resolve.h"
 #include "raster/textures.h"
 
-/* Pixels that show one texture, each with its triangle. */
+/* What the textured pass adds to a block of resolved pixels: of each run the texture (NULL: none) and its coordinates at the corners;
+ * of each pixel the coordinates, level of detail and colour. */
 typedef struct sl_textured_block {
-    float corner[9][SL_TEXTURE_BLOCK];    /* x y z of corners 0, 1, 2 relative to the eye */
-    float s[3][SL_TEXTURE_BLOCK], t[3][SL_TEXTURE_BLOCK];
-    float w1[SL_TEXTURE_BLOCK], w2[SL_TEXTURE_BLOCK];
-    int32_t x[SL_TEXTURE_BLOCK], y[SL_TEXTURE_BLOCK]; /* pixel */
+    const sl_texture_image *image[SL_RESOLVE_RUNS];
+    sl_run_corners corner_s, corner_t;
+    float s[SL_RESOLVE_ROOM], t[SL_RESOLVE_ROOM], lod[SL_RESOLVE_ROOM];
+    float color[4][SL_RESOLVE_ROOM];
 } sl_textured_block;
 
 struct sl_texture_kernels {
@@ -24,9 +25,8 @@ struct sl_texture_kernels {
                            const float *r, uint32_t *bytes);
     void (*volume_fetch)(const sl_volume *volume, size_t count, const int32_t *x, const int32_t *y, const int32_t *z,
                          uint32_t *bytes);
-    /* Coordinates and level of detail of a whole block. */
-    void (*textured)(const sl_textured_block *block, const sl_view *view, int width, int height, sl_lod_rule rule, float *s,
-                     float *t, float *lod);
+    /* Coordinates and level of detail of a block's textured runs. */
+    void (*textured)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, sl_textured_block *textured);
 };
 
 const sl_texture_kernels *sl_texture_kernels_best(void);

@@ -369,8 +369,8 @@ static void fetch_in_volume(const sl_volume *volume, size_t count, const int32_t
 
 /* ---- the table ---- */
 
-void SL_KERNEL(sl_textured_coordinates)(const sl_textured_block *block, const sl_view *view, int width, int height,
-                                        sl_lod_rule rule, float *s, float *t, float *lod);
+void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule,
+                                        sl_textured_block *textured);
 
 extern const sl_texture_kernels SL_KERNEL(sl_texture_kernels);
 const sl_texture_kernels SL_KERNEL(sl_texture_kernels) = {sample_texture, sample_cube, sample_volume, nearest_in_volume,

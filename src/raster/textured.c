@@ -1,15 +1,21 @@
 /* The textured pass: perspective-correct texture coordinates, level of detail and filtered colour, once for each visible pixel.
- * strip of pixels is cut into runs that show one texture; corners are fetched pixel by pixel, the rest runs in vector lanes. */
+ *
+ *     resolve        a block's runs of pixels with one triangle, their edge functions     (resolve.h)
+ *     fetch          each run's texture and corners' coordinates
+ *     coordinates    s, t and level of detail, a pixel in each lane                       (textured_kernels.c)
+ *     look up        neighbouring runs with one texture together                          (texture_kernels.c)
+ *     shade          a run's material times the colours */
 #include <string.h>
 
 #include "base/parallel.h"
 #include "raster/lookup_kernels.h"
 
-enum { STRIP = 1024 };
+enum { STRIP = 8192 }; /* pixels of a task */
 
 typedef struct {
     const sl_raster *raster;
     const sl_view *view;
+    sl_pass_view pass_view;
     const uint32_t *id;
     const sl_textured_pass *pass;
     const sl_textured_planes *out;
@@ -30,122 +36,86 @@ static const sl_texture_image *image_of(const textured *c, uint32_t triangle) {
     return m && m->texture != SL_NO_INDEX && c->pass->set ? sl_texture_set_image(c->pass->set, m->texture) : NULL;
 }
 
-static void write_if(float *plane, size_t pixel, float value) {
-    if (plane) plane[pixel] = value;
-}
-
-static void write_background(const textured *c, size_t pixel) {
-    for (int k = 0; k < 4; k++) write_if(c->out->color[k], pixel, 0.0f);
-    for (int k = 0; k < 3; k++) write_if(c->out->specular[k], pixel, 0.0f);
-    write_if(c->out->s, pixel, 0.0f);
-    write_if(c->out->t, pixel, 0.0f);
-    write_if(c->out->lod, pixel, 0.0f);
-}
-
-static void write_material(const textured *c, size_t pixel, const float rgba[4]) {
-    const sl_material *m = material_of(c, c->id[pixel]);
-    sl_rgb kd = c->pass->single || !m ? sl_grey(1.0f) : m->diffuse, ks = m ? m->specular : sl_grey(0.0f);
-    write_if(c->out->color[0], pixel, kd.r * rgba[0]);
-    write_if(c->out->color[1], pixel, kd.g * rgba[1]);
-    write_if(c->out->color[2], pixel, kd.b * rgba[2]);
-    write_if(c->out->color[3], pixel, rgba[3]);
-    write_if(c->out->specular[0], pixel, ks.r);
-    write_if(c->out->specular[1], pixel, ks.g);
-    write_if(c->out->specular[2], pixel, ks.b);
-}
-
-/* What the kernel needs of a triangle. */
-typedef struct {
-    uint32_t triangle;
-    float corner[9], s[3], t[3];
-} corners;
-
-static void fetch_corners(const textured *c, uint32_t triangle, corners *out) {
-    const sl_raster_mesh *mesh = &c->raster->mesh;
+static void fetch_run(const textured *c, uint32_t triangle, uint32_t run, sl_textured_block *out) {
     const sl_scene *scene = c->raster->scene;
     const float *own = c->pass->coordinates;
-    out->triangle = triangle;
-    for (int k = 0; k < 3; k++) {
-        uint32_t vertex = mesh->vertex[k][triangle];
-        sl_vec3 q = sl_sub(sl_v3(mesh->x[vertex], mesh->y[vertex], mesh->z[vertex]), c->view->origin);
-        out->corner[3 * k] = q.x;
-        out->corner[3 * k + 1] = q.y;
-        out->corner[3 * k + 2] = q.z;
+    out->image[run] = triangle == SL_NO_INDEX ? NULL : image_of(c, triangle);
+    for (int k = 0; k < 3 && out->image[run]; k++) {
+        uint32_t vertex = c->raster->mesh.vertex[k][triangle];
         const float *corner = own ? own + 6 * (size_t)triangle + 2 * (size_t)k : NULL;
-        out->s[k] = corner ? corner[0] : scene ? scene->texture_u[vertex] : 0.0f;
-        out->t[k] = corner ? corner[1] : scene ? scene->texture_v[vertex] : 0.0f;
+        out->corner_s[k][run] = corner ? corner[0] : scene ? scene->texture_u[vertex] : 0.0f;
+        out->corner_t[k][run] = corner ? corner[1] : scene ? scene->texture_v[vertex] : 0.0f;
     }
 }
 
-static void fill_block(const textured *c, size_t first, size_t count, const float *w1, const float *w2, sl_textured_block *block) {
-    corners at = {.triangle = SL_NO_INDEX};
-    for (size_t n = 0; n < count; n++) {
-        if (c->id[first + n] != at.triangle) fetch_corners(c, c->id[first + n], &at);
-        for (int k = 0; k < 9; k++) block->corner[k][n] = at.corner[k];
-        for (int k = 0; k < 3; k++) {
-            block->s[k][n] = at.s[k];
-            block->t[k][n] = at.t[k];
+/* Runs that show one image are looked up together. */
+static void look_up(const textured *c, const sl_resolve_block *block, sl_textured_block *t) {
+    float *const color = t->color[0];
+    for (uint32_t r = 0, end; r < block->runs; r = end) {
+        end = r + 1;
+        while (end < block->runs && t->image[end] == t->image[r]) end++;
+        const uint32_t first = block->start[r], count = block->start[end] - first;
+        if (!t->image[r]) continue;
+        float *const plane[4] = {color + first, color + SL_RESOLVE_ROOM + first, color + 2 * SL_RESOLVE_ROOM + first,
+                                 color + 3 * SL_RESOLVE_ROOM + first};
+        if (c->pass->lod_bias != 0.0f) {
+            for (uint32_t n = first; n < first + count; n++) t->lod[n] += c->pass->lod_bias;
         }
-        block->w1[n] = w1[n];
-        block->w2[n] = w2[n];
-        block->x[n] = (int32_t)((first + n) % (size_t)c->view->width);
-        block->y[n] = (int32_t)((first + n) / (size_t)c->view->width);
+        for (uint32_t n = 0; n < count; n += SL_TEXTURE_BLOCK) {
+            float *const part[4] = {plane[0] + n, plane[1] + n, plane[2] + n, plane[3] + n};
+            c->kernels->texture(t->image[r], c->pass->sampler, count - n < SL_TEXTURE_BLOCK ? count - n : SL_TEXTURE_BLOCK,
+                                t->s + first + n, t->t + first + n, t->lod + first + n, part);
+        }
     }
 }
 
-/* Pixels [first, first + count), which all show `image`. */
-static void shade_run(const textured *c, const sl_texture_image *image, size_t first, size_t count, const float *w1,
-                      const float *w2, sl_textured_block *block) {
-    float s[SL_TEXTURE_BLOCK], t[SL_TEXTURE_BLOCK], lod[SL_TEXTURE_BLOCK], r[SL_TEXTURE_BLOCK], g[SL_TEXTURE_BLOCK],
-        b[SL_TEXTURE_BLOCK], a[SL_TEXTURE_BLOCK];
-    float *const plane[4] = {r, g, b, a};
-    fill_block(c, first, count, w1, w2, block);
-    c->kernels->textured(block, c->view, image->width[0], image->height[0], c->pass->lod_rule, s, t, lod);
-    for (size_t n = 0; n < count; n++) lod[n] += c->pass->lod_bias;
-    c->kernels->texture(image, c->pass->sampler, count, s, t, lod, plane);
-    for (size_t n = 0; n < count; n++) {
-        const float rgba[4] = {r[n], g[n], b[n], a[n]};
-        write_material(c, first + n, rgba);
-        write_if(c->out->s, first + n, s[n]);
-        write_if(c->out->t, first + n, t[n]);
-        write_if(c->out->lod, first + n, lod[n]);
-    }
+/* values NULL: a constant. */
+static void write_run(float *plane, size_t first, size_t count, float factor, const float *values) {
+    for (size_t n = 0; plane && n < count; n++) plane[first + n] = values ? factor * values[n] : factor;
 }
 
-static void shade_plain(const textured *c, size_t pixel) {
-    static const float white[4] = {1.0f, 1.0f, 1.0f, 1.0f};
-    write_background(c, pixel);
-    if (c->id[pixel] != SL_NO_INDEX) write_material(c, pixel, white);
+/* Run r, whose pixels begin at `first` of the view. */
+static void shade_run(const textured *c, const sl_resolve_block *block, const sl_textured_block *t, uint32_t r, size_t first) {
+    const sl_textured_planes *out = c->out;
+    const uint32_t triangle = sl_run_triangle(block, r), start = block->start[r];
+    const size_t count = block->start[r + 1] - start;
+    const sl_material *m = triangle == SL_NO_INDEX ? NULL : material_of(c, triangle);
+    const bool drawn = triangle != SL_NO_INDEX, lit = t->image[r] != NULL;
+    const sl_rgb white = sl_grey(drawn ? 1.0f : 0.0f), kd = m && !c->pass->single ? m->diffuse : white;
+    const sl_rgb ks = m ? m->specular : sl_grey(0.0f);
+    write_run(out->color[0], first, count, kd.r, lit ? t->color[0] + start : NULL);
+    write_run(out->color[1], first, count, kd.g, lit ? t->color[1] + start : NULL);
+    write_run(out->color[2], first, count, kd.b, lit ? t->color[2] + start : NULL);
+    write_run(out->color[3], first, count, white.r, lit ? t->color[3] + start : NULL);
+    write_run(out->specular[0], first, count, ks.r, NULL);
+    write_run(out->specular[1], first, count, ks.g, NULL);
+    write_run(out->specular[2], first, count, ks.b, NULL);
+    write_run(out->s, first, count, lit ? 1.0f : 0.0f, lit ? t->s + start : NULL);
+    write_run(out->t, first, count, lit ? 1.0f : 0.0f, lit ? t->t + start : NULL);
+    write_run(out->lod, first, count, lit ? 1.0f : 0.0f, lit ? t->lod + start : NULL);
 }
 
 static void shade_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const textured *c = context;
-    size_t first = index * STRIP, count = c->pixels - first < STRIP ? c->pixels - first : STRIP;
-    uint32_t pixel[STRIP] = {0};
-    float w1[STRIP], w2[STRIP];
-    sl_textured_block block;
+    size_t first = index * STRIP, end = c->pixels - first < STRIP ? c->pixels : first + STRIP;
+    sl_resolve_block block;
+    sl_textured_block t;
     memset(&block, 0, sizeof block);
-    for (size_t n = 0; n < count; n++) pixel[n] = (uint32_t)(first + n);
-    sl_raster_barycentrics(c->raster, c->view, count, pixel, c->id + first, w1, w2);
-    for (size_t n = 0; n < count;) {
-        uint32_t id = c->id[first + n];
-        const sl_texture_image *image = id == SL_NO_INDEX ? NULL : image_of(c, id);
-        if (!image) {
-            shade_plain(c, first + n++);
-            continue;
-        }
-        size_t end = n + 1;
-        while (end < count && end - n < SL_TEXTURE_BLOCK && c->id[first + end] != SL_NO_INDEX &&
-               image_of(c, c->id[first + end]) == image) end++;
-        shade_run(c, image, first + n, end - n, w1 + n, w2 + n, &block);
-        n = end;
+    memset(&t, 0, sizeof t);
+    for (; first < end; first += block.count) {
+        sl_resolve_next(c->raster, &c->pass_view, end - first, first, NULL, c->id + first, &block);
+        for (uint32_t r = 0; r < block.runs; r++) fetch_run(c, sl_run_triangle(&block, r), r, &t);
+        c->kernels->textured(&block, c->view, c->pass->lod_rule, &t);
+        look_up(c, &block, &t);
+        for (uint32_t r = 0; r < block.runs; r++) shade_run(c, &block, &t, r, first + block.start[r]);
     }
 }
 
 void sl_raster_textured(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
                         const sl_textured_pass *pass, const sl_textured_planes *out, sl_counters *counters) {
-    textured c = {raster, view, id, pass, out, sl_texture_kernels_best(), (size_t)view->width * (size_t)view->height};
+    textured c = {raster, view, sl_pass_view_make(view, view->width, view->height), id, pass, out, sl_texture_kernels_best(),
+                  (size_t)view->width * (size_t)view->height};
     sl_parallel_for(sl_thread_count(threads), (c.pixels + STRIP - 1) / STRIP, shade_strip, &c);
     uint64_t shaded = 0;
     for (size_t i = 0; i < c.pixels; i++) shaded += id[i] != SL_NO_INDEX;
