@@ -504,6 +504,30 @@ static void an_atlas_replaces_textures_and_coordinates(void **state) {
     sl_texture_image_destroy(atlas);
 }
 
+static void without_levels_of_detail_the_colours_are_those_of_the_finest_level(void **state) {
+    const sl_scene *scene = *state;
+    shaded *p = shade(scene, NULL, 1, SL_LOD_EXACT, NULL, NULL);
+    static float red[PIXELS];
+    sl_raster *raster = raster_of(scene);
+    sl_texture_set *set = NULL;
+    assert_int_equal(sl_texture_set_create(scene, 1, &set, NULL), SL_OK);
+    sl_view view = floor_view();
+    sl_textured_pass pass = {.set = set, .sampler = BILINEAR};
+    sl_textured_planes out = {.color = {red}};
+    sl_raster_textured(raster, &view, 1, p->id, &pass, &out, &p->counters);
+    for (int i = 0; i < PIXELS; i++) {
+        if (p->id[i] > 1) continue;
+        float rgba[4];
+        sl_texture_sample(sl_texture_set_image(set, 0), BILINEAR, p->plane[7][i], p->plane[8][i], 0.0f, rgba);
+        assert_true(red[i] == 0.5f * rgba[0]);
+    }
+    assert_null(sl_texture_set_image(set, 1));
+    assert_true(sl_texture_set_memory_bytes(set) == (64 * 64 * 4 - 1) / 3 * 16);
+    sl_texture_set_destroy(set);
+    sl_raster_destroy(raster);
+    free(p);
+}
+
 static void the_textured_pass_has_the_same_bits_on_any_number_of_threads_and_instruction_set(void **state) {
     for (int rule = 0; rule < 2; rule++) {
         shaded *expected = shade(*state, NULL, 1, (sl_lod_rule)rule, NULL, NULL);
@@ -542,6 +566,7 @@ int main(void) {
         cmocka_unit_test(coordinates_and_level_of_detail_of_a_floor_in_perspective_are_those_of_geometry),
         cmocka_unit_test(differences_are_near_the_derivatives_and_one_for_each_quad),
         cmocka_unit_test(colours_are_the_materials_times_the_filtered_texture),
+        cmocka_unit_test(without_levels_of_detail_the_colours_are_those_of_the_finest_level),
         cmocka_unit_test(an_atlas_replaces_textures_and_coordinates),
         cmocka_unit_test(the_textured_pass_has_the_same_bits_on_any_number_of_threads_and_instruction_set),
     };

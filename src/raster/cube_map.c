@@ -4,9 +4,9 @@
  *
  *     s (2x + 1 - n) + t (2y + 1 - n) + m n          (s, t, m: the face's axes)
  *
- * on a cube of half-size n: whole numbers, so it is exact which texels are neighbours. A border texel, one beyond the edge, is
- * folded over it: its coordinate along the edge stays, the one across becomes +-n (the neighbour's plane), and its depth becomes
- * n - 1 (half a texel down the neighbour). */
+ * on a cube of half-size n: whole numbers, so it is exact which texels are neighbours. A border texel, one beyond the
+ * edge, is folded over it: its coordinate along the edge stays, the one across becomes +-n (the neighbour's plane),
+ * and its depth becomes n - 1 (half a texel down the neighbour). */
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/lookup_kernels.h"
@@ -101,8 +101,8 @@ static void border_edges(const sl_cube_map *cube, int level, int face) {
     }
 }
 
-/* No fourth texel exists beyond a corner: the mean of the three that meet there, as OpenGL recommends. It is summed in the faces'
- * order, so that all three faces hold the same bits. */
+/* No fourth texel exists beyond a corner: the mean of the three that meet there, as OpenGL recommends. It is summed
+ * in the faces' order, so that all three faces hold the same bits. */
 static void border_corner(const sl_cube_map *cube, int level, int face, int x_end, int y_end) {
     int n = cube->level_size[level];
     sl_frame f = sl_cube_face_frame(face);

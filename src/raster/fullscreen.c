@@ -1,11 +1,12 @@
-/* Full-screen passes. Every pixel is one thread's, and a run of pixels is cut at the same places at any number of threads, so even a
- * program that sums along its run gives the same bits. */
+/* Full-screen passes. Every pixel is one thread's, and a run of pixels is cut at the same places at any number of
+ * threads, so even a program that sums along its run gives the same bits. */
 #include "raster/fullscreen.h"
 
 #include "base/counters.h"
 #include "base/parallel.h"
 
-/* Wide, so that rows are long enough for vector loops; low, so that a two-megapixel target still gives each thread many. */
+/* Wide, so that rows are long enough for vector loops; low, so that a two-megapixel target still gives each thread
+ * many. */
 enum { TILE_WIDTH = 512, TILE_HEIGHT = 8, WORKERS_MAX = 256 };
 
 typedef struct {

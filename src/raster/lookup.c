@@ -1,5 +1,5 @@
-/* Texture lookups one by one: the plain form, which says what a lookup is. The vectorised form (texture_kernels.c) gives the same
- * bits, and is what passes call. */
+/* Texture lookups one by one: the plain form, which says what a lookup is. The vectorised form (texture_kernels.c)
+ * gives the same bits, and is what passes call. */
 #include "raster/lookup.h"
 
 #include "raster/lookup_kernels.h"
@@ -28,9 +28,11 @@ static sl_footprint footprint_in_level(const sl_texture_image *image, sl_sampler
     }
     sl_texel_pair column = sl_texels_around(x, width, along_s);
     sl_texel_pair row = sl_texels_around(y, height, along_t);
-    return (sl_footprint){{sl_texture_fetch(image, level, column.low, row.low), sl_texture_fetch(image, level, column.high, row.low),
-                           sl_texture_fetch(image, level, column.low, row.high), sl_texture_fetch(image, level, column.high, row.high)},
-                          column.weight, row.weight};
+    sl_footprint f = {.right = column.weight, .up = row.weight};
+    for (int k = 0; k < 4; k++) {
+        f.texel[k] = sl_texture_fetch(image, level, k & 1 ? column.high : column.low, k & 2 ? row.high : row.low);
+    }
+    return f;
 }
 
 void sl_texture_sample(const sl_texture_image *image, sl_sampler sampler, float s, float t, float lod, float rgba[4]) {
@@ -54,11 +56,12 @@ static sl_footprint footprint_in_face(const sl_cube_map *cube, bool linear, int 
         const float *texel = sl_cube_map_texel(cube, level, p.face, sl_nearest_texel(p.s, size), sl_nearest_texel(p.t, size));
         return (sl_footprint){{texel, texel, texel, texel}, 0.0, 0.0};
     }
-    double x = p.s * (double)size + 0.5, y = p.t * (double)size + 0.5; /* half a texel up, as in sl_texels_around() */
-    int column = (int)x, row = (int)y;                                 /* the second texel of each pair; the first may be the border's */
-    return (sl_footprint){{sl_cube_map_texel(cube, level, p.face, column - 1, row - 1), sl_cube_map_texel(cube, level, p.face, column, row - 1),
-                           sl_cube_map_texel(cube, level, p.face, column - 1, row), sl_cube_map_texel(cube, level, p.face, column, row)},
-                          x - (double)column, y - (double)row};
+    /* Half a texel up, as in sl_texels_around(); the first texel of a pair, or the second, may be the border's. */
+    double x = p.s * (double)size + 0.5, y = p.t * (double)size + 0.5;
+    int column = (int)x, row = (int)y;
+    sl_footprint f = {.right = x - (double)column, .up = y - (double)row};
+    for (int k = 0; k < 4; k++) f.texel[k] = sl_cube_map_texel(cube, level, p.face, column - 1 + (k & 1), row - 1 + (k >> 1));
+    return f;
 }
 
 void sl_cube_map_sample(const sl_cube_map *cube, sl_sampler sampler, sl_vec3 direction, float lod, float rgba[4]) {

@@ -4,8 +4,8 @@
 
 #include "raster/texel_place.h"
 
-/* The four texels around a point, lower left, lower right, upper left, upper right, and the weights between them. For a nearest
- * lookup all four are the same. */
+/* The four texels around a point, lower left, lower right, upper left, upper right, and the weights between them. For
+ * a nearest lookup all four are the same. */
 typedef struct sl_footprint {
     const float *texel[4];
     double right, up;
@@ -17,8 +17,8 @@ static inline double sl_filter_channel(const sl_footprint *f, int c) {
     return sl_mix(low, high, f->up);
 }
 
-/* Blends two levels (of a MIP map) or two slices (of a volume), and rounds once. One texel alone comes out as it stands, also
- * where it is infinite or -0. */
+/* Blends two levels (of a MIP map) or two slices (of a volume), and rounds once. One texel alone comes out as it
+ * stands, also where it is infinite or -0. */
 static inline void sl_filter_two(const sl_footprint *first, const sl_footprint *second, double weight, bool linear,
                                  float rgba[4]) {
     for (int c = 0; c < 4; c++) {

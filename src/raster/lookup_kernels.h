@@ -5,8 +5,8 @@
 #include "raster/resolve.h"
 #include "raster/textures.h"
 
-/* What the textured pass adds to a block of resolved pixels: of each run the texture (NULL: none) and its coordinates at the corners;
- * of each pixel the coordinates, level of detail and colour. */
+/* What the textured pass adds to a block of resolved pixels: of each run the texture (NULL: none) and its coordinates
+ * at the corners; of each pixel the coordinates, level of detail and colour. */
 typedef struct sl_textured_block {
     const sl_texture_image *image[SL_RESOLVE_RUNS];
     sl_run_corners corner_s, corner_t;
@@ -25,8 +25,9 @@ struct sl_texture_kernels {
                            const float *r, uint32_t *bytes);
     void (*volume_fetch)(const sl_volume *volume, size_t count, const int32_t *x, const int32_t *y, const int32_t *z,
                          uint32_t *bytes);
-    /* Coordinates and level of detail of a block's textured runs. */
-    void (*textured)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, sl_textured_block *textured);
+    /* Coordinates and, if wanted, level of detail of a block's textured runs. */
+    void (*textured)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, bool lod,
+                     sl_textured_block *textured);
 };
 
 const sl_texture_kernels *sl_texture_kernels_best(void);

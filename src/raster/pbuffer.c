@@ -6,7 +6,8 @@
 #include "raster/internal.h"
 
 int sl_pbuffer_channels(sl_pbuffer_format format) {
-    static const int channels[] = {[SL_PBUFFER_R32UI] = 0, [SL_PBUFFER_R32F] = 1, [SL_PBUFFER_RGB32F] = 3, [SL_PBUFFER_RGBA32F] = 4};
+    static const int channels[] = {
+        [SL_PBUFFER_R32UI] = 0, [SL_PBUFFER_R32F] = 1, [SL_PBUFFER_RGB32F] = 3, [SL_PBUFFER_RGBA32F] = 4};
     return channels[format];
 }
 

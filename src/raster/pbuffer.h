@@ -1,10 +1,10 @@
 /* Pbuffers: what passes draw into and other passes read. Row 0 is at the bottom.
  *
- * A pbuffer keeps one plane (array of width x height) for each channel, not texels of several channels: a pass works along
- * rows, and with planes sixteen neighbouring pixels of one channel are one vector load, channels that a pass does not read cost
- * no bandwidth, and a single plane can be handed to whoever wants one float a pixel. (Textures are the other way round, since
- * they are read at scattered places: textures.h.) Several render targets at once (MRT) are several pbuffers of one size; the depth
- * buffer is one of R32F. */
+ * A pbuffer keeps one plane (array of width x height) for each channel, not texels of several channels: a pass works
+ * along rows, and with planes sixteen neighbouring pixels of one channel are one vector load, channels that a pass
+ * does not read cost no bandwidth, and a single plane can be handed to whoever wants one float a pixel. (Textures are
+ * the other way round, since they are read at scattered places: textures.h.) Several render targets at once (MRT) are
+ * several pbuffers of one size; the depth buffer is one of R32F. */
 #ifndef SL_RASTER_PBUFFER_H
 #define SL_RASTER_PBUFFER_H
 

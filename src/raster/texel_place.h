@@ -1,6 +1,6 @@
-/* Where a coordinate falls on a texture: the arithmetic that single lookups and vectorised ones share. Free of branches and
- * library calls, so that loops over it vectorise; every step in double is exact for textures of up to 16384 texels, but for the
- * fraction of a negative coordinate. */
+/* Where a coordinate falls on a texture: the arithmetic that single lookups and vectorised ones share. Free of
+ * branches and library calls, so that loops over it vectorise; every step in double is exact for textures of up to
+ * 16384 texels, but for the fraction of a negative coordinate. */
 #ifndef SL_RASTER_TEXEL_PLACE_H
 #define SL_RASTER_TEXEL_PLACE_H
 
@@ -34,8 +34,8 @@ static inline int32_t sl_nearest_texel(double x, int32_t n) {
     return i < n ? i : n - 1;
 }
 
-/* The two texels around x in [0,1], and the weight of the second. x n - 1/2 is the position in texel centres; half a texel is
- * added instead of taken away, so that truncation rounds down. */
+/* The two texels around x in [0,1], and the weight of the second. x n - 1/2 is the position in texel centres; half a
+ * texel is added instead of taken away, so that truncation rounds down. */
 typedef struct sl_texel_pair {
     int32_t low, high;
     double weight;

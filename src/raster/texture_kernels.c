@@ -3,9 +3,10 @@
  *     place    sixteen lookups together: wrapping, texel numbers, weights      (lanes are lookups)
  *     filter   one lookup after the other: 4 or 8 texels of 4 channels each    (lanes are channels)
  *
- * The second step needs no gather instructions, which on some processors are slower than loads: a texel of RGBA is one load.
- * A lookup between two MIP levels and one between two slices of a 3D texture have the same form: two footprints of four texels
- * and the weight of the second. Same arithmetic in the same order as lookup.c, so the same bits. */
+ * The second step needs no gather instructions, which on some processors are slower than loads: a texel of RGBA is
+ * one load. A lookup between two MIP levels and one between two slices of a 3D texture have the same form: two
+ * footprints of four texels and the weight of the second. Same arithmetic in the same order as lookup.c, so the same
+ * bits. */
 #include "raster/lookup_kernels.h"
 #include "raster/texel_place.h"
 
@@ -20,42 +21,64 @@ typedef struct {
 
 /* ---- filter ---- */
 
-static inline void filter_four(const float *restrict a, const float *restrict b, const float *restrict c,
-                               const float *restrict d, double right, double up, float *restrict out) {
-#pragma omp simd
-    for (int k = 0; k < 4; k++) {
-        double low = sl_mix((double)a[k], (double)b[k], right), high = sl_mix((double)c[k], (double)d[k], right);
-        out[k] = (float)sl_mix(low, high, up);
-    }
+#ifdef __AVX2__
+/* A texel, and its channels as doubles in one register, by the compiler's own vectors: its loops over four floats
+ * would convert them in halves. */
+typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
+typedef double four_doubles __attribute__((vector_size(32)));
+#define TEXEL(number) __builtin_convertvector(*(const four_floats *)(texels + 4 * (size_t)(number)), four_doubles)
+#define MIX(a, b, t) ((a) + (t) * ((b) - (a))) /* sl_mix(), channel by channel */
+
+/* Four texels of one footprint. */
+static inline void filter_four(const float *texels, const taps *p, size_t n, float *rgba) {
+    const double right = p->right[0][n], up = p->up[0][n];
+    four_doubles a = TEXEL(p->texel[0][n]), b = TEXEL(p->texel[1][n]), c = TEXEL(p->texel[2][n]), d = TEXEL(p->texel[3][n]);
+    four_doubles low = MIX(a, b, right), high = MIX(c, d, right);
+    *(four_floats *)rgba = __builtin_convertvector(MIX(low, high, up), four_floats);
 }
 
-static inline void filter_eight(const float *const t[8], const double right[2], const double up[2], double blend,
-                                float *restrict out) {
-    const float *restrict a = t[0], *restrict b = t[1], *restrict c = t[2], *restrict d = t[3], *restrict e = t[4],
-                *restrict f = t[5], *restrict g = t[6], *restrict h = t[7];
-    double right0 = right[0], right1 = right[1], up0 = up[0], up1 = up[1];
+static inline void filter_eight(const float *texels, const taps *p, size_t n, float *rgba) {
+    const double right = p->right[0][n], up = p->up[0][n], right2 = p->right[1][n], up2 = p->up[1][n], blend = p->blend[n];
+    four_doubles a = TEXEL(p->texel[0][n]), b = TEXEL(p->texel[1][n]), c = TEXEL(p->texel[2][n]), d = TEXEL(p->texel[3][n]);
+    four_doubles e = TEXEL(p->texel[4][n]), f = TEXEL(p->texel[5][n]), g = TEXEL(p->texel[6][n]), h = TEXEL(p->texel[7][n]);
+    four_doubles low = MIX(a, b, right), high = MIX(c, d, right), low2 = MIX(e, f, right2), high2 = MIX(g, h, right2);
+    four_doubles first = MIX(low, high, up), second = MIX(low2, high2, up2);
+    *(four_floats *)rgba = __builtin_convertvector(MIX(first, second, blend), four_floats);
+}
+#else
+/* The same with what vectors there are. */
+static inline double filter_channel(const float *texels, const taps *p, size_t n, int which, int channel) {
+    const float *t = texels + channel;
+    int k = 4 * which;
+    double a = (double)t[4 * (size_t)p->texel[k][n]], b = (double)t[4 * (size_t)p->texel[k + 1][n]];
+    double c = (double)t[4 * (size_t)p->texel[k + 2][n]], d = (double)t[4 * (size_t)p->texel[k + 3][n]];
+    return sl_mix(sl_mix(a, b, p->right[which][n]), sl_mix(c, d, p->right[which][n]), p->up[which][n]);
+}
+
+static inline void filter_four(const float *restrict texels, const taps *restrict p, size_t n, float *restrict rgba) {
+#pragma omp simd
+    for (int k = 0; k < 4; k++) rgba[k] = (float)filter_channel(texels, p, n, 0, k);
+}
+
+static inline void filter_eight(const float *restrict texels, const taps *restrict p, size_t n, float *restrict rgba) {
 #pragma omp simd
     for (int k = 0; k < 4; k++) {
-        double low = sl_mix((double)a[k], (double)b[k], right0), high = sl_mix((double)c[k], (double)d[k], right0);
-        double low2 = sl_mix((double)e[k], (double)f[k], right1), high2 = sl_mix((double)g[k], (double)h[k], right1);
-        out[k] = (float)sl_mix(sl_mix(low, high, up0), sl_mix(low2, high2, up1), blend);
+        rgba[k] = (float)sl_mix(filter_channel(texels, p, n, 0, k), filter_channel(texels, p, n, 1, k), p->blend[n]);
     }
 }
+#endif
 
 static void filter(const float *texels, const taps *p, bool linear, size_t count, float (*restrict rgba)[4]) {
     for (size_t n = 0; n < count; n++) {
-        const float *t[8];
-        for (int k = 0; k < 4; k++) t[k] = texels + 4 * (size_t)p->texel[k][n];
-        if (p->blend[n] > 0.0) {
-            for (int k = 4; k < 8; k++) t[k] = texels + 4 * (size_t)p->texel[k][n];
-            const double right[2] = {p->right[0][n], p->right[1][n]}, up[2] = {p->up[0][n], p->up[1][n]};
-            filter_eight(t, right, up, p->blend[n], rgba[n]);
-        } else if (!linear) {
-            memcpy(rgba[n], t[0], sizeof rgba[n]); /* as it stands, also where it is infinite or -0 */
-        } else {
-            filter_four(t[0], t[1], t[2], t[3], p->right[0][n], p->up[0][n], rgba[n]);
-        }
+        if (p->blend[n] > 0.0) filter_eight(texels, p, n, rgba[n]);
+        else if (linear) filter_four(texels, p, n, rgba[n]);
+        else memcpy(rgba[n], texels + 4 * (size_t)p->texel[0][n], sizeof rgba[n]); /* as it stands, also where infinite or -0 */
     }
+}
+
+/* Where no lookup of the block blends. */
+static void filter_fours(const float *texels, const taps *p, size_t count, float (*restrict rgba)[4]) {
+    for (size_t n = 0; n < count; n++) filter_four(texels, p, n, rgba[n]);
 }
 
 /* Nearest lookups, one texel each. */
@@ -161,7 +184,8 @@ static void sample_texture(const sl_texture_image *image, sl_sampler sampler, si
             spread_nearest(k, count, &p);
         }
     }
-    if (sampler.linear || sets == 2) filter(image->texels, &p, sampler.linear, count, rgba);
+    if (sets == 2) filter(image->texels, &p, sampler.linear, count, rgba);
+    else if (sampler.linear) filter_fours(image->texels, &p, count, rgba);
     else copy(image->texels, p.texel[0], count, rgba);
     spread(rgba, count, plane);
 }
@@ -239,7 +263,9 @@ static void sample_cube(const sl_cube_map *cube, sl_sampler sampler, size_t coun
             spread_nearest(k, count, &p);
         }
     }
-    filter(cube->texels, &p, sampler.linear, count, rgba);
+    if (sets == 2) filter(cube->texels, &p, sampler.linear, count, rgba);
+    else if (sampler.linear) filter_fours(cube->texels, &p, count, rgba);
+    else copy(cube->texels, p.texel[0], count, rgba);
     spread(rgba, count, plane);
 }
 
@@ -369,7 +395,7 @@ static void fetch_in_volume(const sl_volume *volume, size_t count, const int32_t
 
 /* ---- the table ---- */
 
-void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule,
+void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, bool lod,
                                         sl_textured_block *textured);
 
 extern const sl_texture_kernels SL_KERNEL(sl_texture_kernels);

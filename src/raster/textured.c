@@ -1,4 +1,5 @@
-/* The textured pass: perspective-correct texture coordinates, level of detail and filtered colour, once for each visible pixel.
+/* The textured pass: perspective-correct texture coordinates, level of detail and filtered colour, once for each
+ * visible pixel.
  *
  *     resolve        a block's runs of pixels with one triangle, their edge functions     (resolve.h)
  *     fetch          each run's texture and corners' coordinates
@@ -70,8 +71,15 @@ static void look_up(const textured *c, const sl_resolve_block *block, sl_texture
 }
 
 /* values NULL: a constant. */
-static void write_run(float *plane, size_t first, size_t count, float factor, const float *values) {
-    for (size_t n = 0; plane && n < count; n++) plane[first + n] = values ? factor * values[n] : factor;
+static void write_run(float *plane, size_t first, size_t count, float factor, const float *restrict values) {
+    if (!plane) return;
+    float *restrict to = plane + first;
+    if (values) {
+#pragma omp simd
+        for (size_t n = 0; n < count; n++) to[n] = factor * values[n];
+    } else {
+        for (size_t n = 0; n < count; n++) to[n] = factor;
+    }
 }
 
 /* Run r, whose pixels begin at `first` of the view. */
@@ -99,6 +107,7 @@ static void shade_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const textured *c = context;
     size_t first = index * STRIP, end = c->pixels - first < STRIP ? c->pixels : first + STRIP;
+    const bool lod = c->pass->sampler.mip != SL_MIP_NONE || c->out->lod;
     sl_resolve_block block;
     sl_textured_block t;
     memset(&block, 0, sizeof block);
@@ -106,7 +115,7 @@ static void shade_strip(void *context, size_t index, unsigned worker) {
     for (; first < end; first += block.count) {
         sl_resolve_next(c->raster, &c->pass_view, end - first, first, NULL, c->id + first, &block);
         for (uint32_t r = 0; r < block.runs; r++) fetch_run(c, sl_run_triangle(&block, r), r, &t);
-        c->kernels->textured(&block, c->view, c->pass->lod_rule, &t);
+        c->kernels->textured(&block, c->view, c->pass->lod_rule, lod, &t);
         look_up(c, &block, &t);
         for (uint32_t r = 0; r < block.runs; r++) shade_run(c, &block, &t, r, first + block.start[r]);
     }

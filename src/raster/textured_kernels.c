@@ -1,14 +1,14 @@
 /* Texture coordinates and level of detail of a block of pixels.
  *
- * With the edge functions e_k(x, y), linear on the screen (barycentrics.h), an attribute s is a quotient, and so its derivative is
- * known exactly at the pixel, without a neighbour:
+ * With the edge functions e_k(x, y), linear on the screen (barycentrics.h), an attribute s is a quotient, and so its
+ * derivative is known exactly at the pixel, without a neighbour:
  *
  *     s(x, y) = sum s_k e_k / sum e_k,     ds/dx = (sum s_k a_k - s sum a_k) / sum e_k      (e_k = a_k x + b_k y + c_k)
  *
- * Since vertices are snapped, a pixel that was drawn may lie outside its triangle by a 512th of a pixel. The quotient is then that of
- * the triangle's plane beyond the edge, as in OpenGL: the same small part of the pixel's footprint away. Only where the plane
- * is seen so obliquely that a 512th of a pixel leads an eighth of the triangle away, or beyond the horizon, the block's weights
- * are taken, which stay on the triangle. */
+ * Since vertices are snapped, a pixel that was drawn may lie outside its triangle by a 512th of a pixel. The quotient
+ * is then that of the triangle's plane beyond the edge, as in OpenGL: the same small part of the pixel's footprint
+ * away. Only where the plane is seen so obliquely that a 512th of a pixel leads an eighth of the triangle away, or
+ * beyond the horizon, the block's weights are taken, which stay on the triangle. */
 #include "raster/lookup_kernels.h"
 #include "raster/texel_place.h"
 
@@ -61,9 +61,11 @@ static inline gradient differences_of(slopes e, attribute s, double e0, double e
     return (gradient){value_beside(e, s, e0, e1, e2, 1.0 - x, -y) - first, value_beside(e, s, e0, e1, e2, -x, 1.0 - y) - first};
 }
 
-/* Inlined twice, with a constant rule. Pixels n to n + LANES of a run. */
+typedef enum { NO_LOD, EXACT, DIFFERENCES } kind;
+
+/* Inlined with a constant kind. Pixels n to n + LANES of a run. */
 __attribute__((always_inline)) static inline void coordinates(const sl_resolve_block *block, slopes e, attribute s, attribute t,
-                                                              double width, double height, bool exact, const int corner[2],
+                                                              double width, double height, kind lod, const int corner[2],
                                                               sl_textured_block *out, uint32_t n) {
     const double *restrict e_0 = block->e0 + n, *restrict e_1 = block->e1 + n, *restrict e_2 = block->e2 + n;
     const double *restrict column = block->column + n, *restrict row = block->row + n;
@@ -78,18 +80,25 @@ __attribute__((always_inline)) static inline void coordinates(const sl_resolve_b
         double w1 = near > 0.0 ? b1 : (double)weight1[l], w2 = near > 0.0 ? b2 : (double)weight2[l];
         out_s[l] = (float)(s.first + (w1 * s.to_1 + w2 * s.to_2));
         out_t[l] = (float)(t.first + (w1 * t.to_1 + w2 * t.to_2));
+        if (lod == NO_LOD) continue;
         double odd_x = (double)(((int32_t)column[l] + corner_x) & 1), odd_y = (double)(((int32_t)row[l] + corner_y) & 1);
-        gradient ds = exact ? gradient_of(e, s, e1, e2, over) : differences_of(e, s, e0, e1, e2, odd_x, odd_y);
-        gradient dt = exact ? gradient_of(e, t, e1, e2, over) : differences_of(e, t, e0, e1, e2, odd_x, odd_y);
+        gradient ds = lod == EXACT ? gradient_of(e, s, e1, e2, over) : differences_of(e, s, e0, e1, e2, odd_x, odd_y);
+        gradient dt = lod == EXACT ? gradient_of(e, t, e1, e2, over) : differences_of(e, t, e0, e1, e2, odd_x, odd_y);
         double u_x = ds.dx * width, v_x = dt.dx * height, u_y = ds.dy * width, v_y = dt.dy * height;
         double along_x = u_x * u_x + v_x * v_x, along_y = u_y * u_y + v_y * v_y;
-        out_lod[l] = 0.5f * sl_log2f((float)(along_x > along_y ? along_x : along_y)); /* as sl_texture_lod() */
+        out_lod[l] = (float)(along_x > along_y ? along_x : along_y);
     }
 }
 
-void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule,
+/* Squared axes to levels of detail, as sl_texture_lod(): the whole block's, in lanes of float. */
+static void take_logarithms(uint32_t count, float *restrict lod) {
+#pragma omp simd
+    for (uint32_t n = 0; n < count; n++) lod[n] = 0.5f * sl_log2f(lod[n]);
+}
+
+void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, bool lod,
                                         sl_textured_block *textured);
-void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule,
+void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, bool lod,
                                         sl_textured_block *textured) {
     const int corner[2] = {view->x & 1, view->y & 1}; /* quads are told from the target's corner */
     for (uint32_t r = 0; r < block->runs; r++) {
@@ -98,8 +107,10 @@ void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_
         attribute s = attribute_of(&e, textured->corner_s, r), t = attribute_of(&e, textured->corner_t, r);
         double width = (double)textured->image[r]->width[0], height = (double)textured->image[r]->height[0];
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
-            if (rule == SL_LOD_EXACT) coordinates(block, e, s, t, width, height, true, corner, textured, n);
-            else coordinates(block, e, s, t, width, height, false, corner, textured, n);
+            if (!lod) coordinates(block, e, s, t, width, height, NO_LOD, corner, textured, n);
+            else if (rule == SL_LOD_EXACT) coordinates(block, e, s, t, width, height, EXACT, corner, textured, n);
+            else coordinates(block, e, s, t, width, height, DIFFERENCES, corner, textured, n);
         }
     }
+    if (lod) take_logarithms(block->count, textured->lod);
 }
