@@ -1,5 +1,6 @@
 /* 2D textures: filtering, MIP chains, levels of detail, and the pass that applies a scene's textures. */
 #include "raster_support.h"
+#include "base/math.h"
 #include "raster/textures.h"
 
 static const sl_sampler BILINEAR = {SL_WRAP_REPEAT, SL_WRAP_REPEAT, SL_WRAP_REPEAT, true, SL_MIP_NONE};
@@ -329,6 +330,24 @@ static void many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_s
     }
 }
 
+/* The same bits by every compiler: found once, never to change. */
+static void lookups_have_their_golden_hash(void **state) {
+    (void)state;
+    const uint64_t golden = 0x24cb09d820ae9d87u;
+    uint64_t hash = 0xcbf29ce484222325u, key = sl_random_key(40, 4);
+    sl_texture_image *image = random_image(61, 23, 12);
+    for (uint64_t i = 0; i < 20000; i++) {
+        float rgba[4];
+        sl_texture_sample(image, TRILINEAR, random_between(key, 3 * i, -3, 3), random_between(key, 3 * i + 1, -3, 3),
+                          sl_texture_lod(61, 23, 0.1 * (double)sl_random_unit(key, 3 * i + 2), 0.01, 0.02, 0.03), rgba);
+        for (int c = 0; c < 4; c++) {
+            for (int bit = 0; bit < 32; bit += 8) hash = (hash ^ (sl_float_bits(rgba[c]) >> bit & 255)) * 0x100000001b3u;
+        }
+    }
+    if (hash != golden) fail_msg("the hash is 0x%016llx", (unsigned long long)hash);
+    sl_texture_image_destroy(image);
+}
+
 /* ---- the textured pass ---- */
 
 /* A floor of two triangles seen in perspective, with a checkerboard of bytes repeated over it, and a wall without texture. */
@@ -563,6 +582,7 @@ int main(void) {
         cmocka_unit_test(a_pbuffer_and_its_levels_hold_the_means_of_its_pixels),
         cmocka_unit_test(impossible_sizes_are_refused),
         cmocka_unit_test(many_lookups_are_the_same_bits_as_single_ones_on_every_instruction_set),
+        cmocka_unit_test(lookups_have_their_golden_hash),
         cmocka_unit_test(coordinates_and_level_of_detail_of_a_floor_in_perspective_are_those_of_geometry),
         cmocka_unit_test(differences_are_near_the_derivatives_and_one_for_each_quad),
         cmocka_unit_test(colours_are_the_materials_times_the_filtered_texture),

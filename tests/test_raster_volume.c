@@ -63,7 +63,7 @@ static void an_octree_in_a_byte_texture_is_descended_to_the_right_leaf(void **st
             if (level_of[b] + 1 < LEVELS && random % 4) { /* a brick */
                 int brick[3] = {bricks % 16, bricks / 16 % 16, bricks / 256};
                 for (int d = 0; d < 3; d++) {
-                    texel[d] = (uint8_t)brick[d];
+                    texel[d] = (uint8_t)(brick[d] & 255);
                     at[d][queue] = brick[d];
                     base[d][queue] = low[d];
                 }
@@ -72,7 +72,7 @@ static void an_octree_in_a_byte_texture_is_descended_to_the_right_leaf(void **st
                 bricks++;
             } else { /* a leaf, or nothing */
                 bool empty = random % 3 == 0;
-                for (int d = 0; d < 3; d++) texel[d] = empty ? 0 : (uint8_t)(random >> 8 * d);
+                for (int d = 0; d < 3; d++) texel[d] = (uint8_t)(empty ? 0u : random >> 8 * d & 255u);
                 texel[3] = empty ? 0 : 255;
                 for (int i = 0; i < size * size * size; i++) {
                     leaf[low[2] + i / size / size][low[1] + i / size % size][low[0] + i % size] = empty ? 0 : random;
