@@ -4,13 +4,9 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "base/stream.h"
 #include "raster/resolve.h"
 
-enum {
-    STRIP = 16384,    /* pixels of a task */
-    STREAMED = 131072 /* as many pixels' planes are some megabytes */
-};
+enum { STRIP = 16384 }; /* pixels of a task */
 
 /* ---- the buffer ---- */
 
@@ -63,7 +59,6 @@ typedef struct {
     sl_gbuffer *out;
     size_t pixels;
     bool positions, normals; /* wanted */
-    bool streamed;           /* the planes are larger than the caches */
     uint64_t *shaded; /* by strip */
 } resolution;
 
@@ -98,10 +93,7 @@ static void fetch_normals(const sl_scene *scene, workspace *w) {
 }
 
 static inline void put(const resolution *r, void *plane, size_t first, const void *values, uint32_t count) {
-    if (!plane) return;
-    char *to = (char *)plane + 4 * first;
-    if (r->streamed) sl_stream_copy(to, values, 4 * (size_t)count);
-    else memcpy(to, values, 4 * (size_t)count);
+    if (plane) sl_resolve_put(plane, r->pixels, first, values, count);
 }
 
 static void resolve_surfaces(const resolution *r, size_t first, workspace *w) {
@@ -206,7 +198,7 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
     if (status == SL_OK) {
         const sl_gbuffer *g = gbuffer;
         resolution r = {.raster = raster, .view = sl_pass_view_make(view, view->width, view->height), .id = id, .out = gbuffer,
-                        .pixels = pixels, .shaded = shaded, .streamed = pixels >= STREAMED,
+                        .pixels = pixels, .shaded = shaded,
                         .positions = g->position_x || g->position_y || g->position_z,
                         .normals = g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y ||
                                    g->geometric_z};

@@ -4,7 +4,7 @@
 #include "base/parallel.h"
 #include "raster/resolve.h"
 
-enum { STRIP = 8192 }; /* pixels of a task */
+enum { STRIP = 16384 }; /* pixels of a task */
 
 typedef struct {
     const sl_raster *raster;
@@ -40,9 +40,10 @@ static void interpolate_strip(void *context, size_t index, unsigned worker) {
         for (size_t c = 0; c < g->channels; c++) {
             fetch_channel(g, &block, c, value);
             g->raster->kernels->resolve->interpolate(&block, value, plane);
-            memcpy(g->out + c * g->pixels + first, plane, block.count * sizeof *plane);
+            sl_resolve_put(g->out + c * g->pixels, g->pixels, first, plane, block.count);
         }
     }
+    sl_stream_end();
 }
 
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,

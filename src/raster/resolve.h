@@ -16,11 +16,13 @@
 #ifndef SL_RASTER_RESOLVE_H
 #define SL_RASTER_RESOLVE_H
 
+#include "base/stream.h"
 #include "raster/internal.h"
 
 enum {
     SL_RESOLVE_PIXELS = 512,
     SL_RESOLVE_RUNS = 64,
+    SL_RESOLVE_STREAMED = 131072, /* so many pixels' planes are some megabytes */
     SL_RESOLVE_ROOM = SL_RESOLVE_PIXELS + SL_LANES /* a run's lanes may reach beyond the block's end */
 };
 
@@ -78,6 +80,13 @@ size_t sl_resolve_next(const sl_raster *raster, const sl_pass_view *view, size_t
                        const uint32_t *pixel, const uint32_t *id, sl_resolve_block *block);
 /* A run's triangle. */
 static inline uint32_t sl_run_triangle(const sl_resolve_block *block, uint32_t run) { return block->id[block->start[run]]; }
+/* Copies a block's values (floats or indices) into a plane of `pixels` pixels; large ones past the caches. A task that has put
+ * its last ends with sl_stream_end(). */
+static inline void sl_resolve_put(void *plane, size_t pixels, size_t first, const void *values, uint32_t count) {
+    char *to = (char *)plane + 4 * first;
+    if (pixels >= SL_RESOLVE_STREAMED) sl_stream_copy(to, values, 4 * (size_t)count);
+    else memcpy(to, values, 4 * (size_t)count);
+}
 /* Pixels of a block that show a triangle. */
 uint64_t sl_resolve_shaded(const sl_resolve_block *block);
 
