@@ -280,7 +280,7 @@ static sl_scene *dressed_room(look l) {
             sl_vec3 p = sl_scene_position(room, room->vertex[k][t]);
             memcpy(positions + 9 * t + 3 * k, &p, sizeof p);
             indices[3 * t + k] = 3 * t + k;
-            uv[6 * t + 2 * k] = sl_random_unit(3, 6 * t + 2 * k);
+            uv[6 * t + 2 * k] = random_between(3, 6 * t + 2 * k, -3.0f, 3.0f);
             uv[6 * t + 2 * k + 1] = sl_random_unit(3, 6 * t + 2 * k + 1);
         }
     }
@@ -290,6 +290,8 @@ static sl_scene *dressed_room(look l) {
     sl_scene *scene = NULL;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
+        const float odd[4] = {1e30f, NAN, -1e-9f, INFINITY};
+        if (t % 30 == 0) scene->texture_u[scene->vertex[t / 30 % 3][t]] = odd[t / 90 % 4];
         if (l == FACETS || (l == MIXED && t % 4 == 0)) continue;
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t v = scene->vertex[k][t], n = 3 * t + k;

@@ -65,6 +65,7 @@ typedef struct {
 typedef struct {
     sl_resolve_block pixels;
     sl_surface_block surface;
+    sl_albedo_block albedo;
     sl_vector_planes diffuse;
     uint32_t index[SL_RESOLVE_ROOM];
 } workspace;
@@ -119,35 +120,26 @@ static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) 
     return triangle == SL_NO_INDEX ? NULL : &scene->materials[scene->material_index[triangle]];
 }
 
-static void look_up_textures(const resolution *r, workspace *w) {
-    const sl_resolve_block *b = &w->pixels;
-    for (uint32_t run = 0; run < b->runs; run++) {
-        uint32_t triangle = sl_run_triangle(b, run);
-        const sl_material *material = material_of(r->raster->scene, triangle);
-        if (!material || material->texture == SL_NO_INDEX) continue;
-        for (uint32_t n = b->start[run]; n < b->start[run + 1]; n++) {
-            sl_rgb diffuse = sl_scene_diffuse(r->raster->scene, triangle, b->w1[n], b->w2[n]);
-            w->diffuse.x[n] = diffuse.r;
-            w->diffuse.y[n] = diffuse.g;
-            w->diffuse.z[n] = diffuse.b;
+static void fetch_albedo(const sl_scene *scene, workspace *w) {
+    sl_albedo_block *a = &w->albedo;
+    for (uint32_t run = 0; run < w->pixels.runs; run++) {
+        uint32_t triangle = sl_run_triangle(&w->pixels, run);
+        const sl_material *material = material_of(scene, triangle);
+        bool textured = material && material->texture != SL_NO_INDEX;
+        a->red[run] = material ? material->diffuse.r : 0.0f;
+        a->green[run] = material ? material->diffuse.g : 0.0f;
+        a->blue[run] = material ? material->diffuse.b : 0.0f;
+        a->texture[run] = textured ? &scene->textures[material->texture] : NULL;
+        for (int k = 0; k < 3 && textured; k++) {
+            a->u[k][run] = scene->texture_u[scene->vertex[k][triangle]];
+            a->v[k][run] = scene->texture_v[scene->vertex[k][triangle]];
         }
     }
 }
 
-/* Albedo: one for a run, but where there is a texture. */
 static void resolve_diffuse(const resolution *r, size_t first, workspace *w) {
-    float red[SL_RESOLVE_RUNS] = {0}, green[SL_RESOLVE_RUNS] = {0}, blue[SL_RESOLVE_RUNS] = {0};
-    bool textured = false;
-    for (uint32_t run = 0; run < w->pixels.runs; run++) {
-        const sl_material *material = material_of(r->raster->scene, sl_run_triangle(&w->pixels, run));
-        if (!material) continue;
-        red[run] = material->diffuse.r;
-        green[run] = material->diffuse.g;
-        blue[run] = material->diffuse.b;
-        textured |= material->texture != SL_NO_INDEX;
-    }
-    r->raster->kernels->resolve->spread(&w->pixels, red, green, blue, &w->diffuse);
-    if (textured) look_up_textures(r, w);
+    fetch_albedo(r->raster->scene, w);
+    r->raster->kernels->resolve->albedo(&w->pixels, &w->albedo, &w->diffuse);
     put(r, r->out->diffuse_r, first, w->diffuse.x, w->pixels.count);
     put(r, r->out->diffuse_g, first, w->diffuse.y, w->pixels.count);
     put(r, r->out->diffuse_b, first, w->diffuse.z, w->pixels.count);

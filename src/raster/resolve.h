@@ -9,6 +9,7 @@
  *                  then weights, a pixel in each lane again, whatever the runs   (resolve_kernels.c)
  *     interpolate  any attribute of the corners, by those weights                (resolve_kernels.c)
  *     surfaces     positions, sides and normals, as surface_rules.h decides      (resolve_kernels.c)
+ *     albedo       materials and their textures                                  (albedo_kernels.c)
  *
  * A run's lanes are written whole, over the first pixels of the next run, which is written after it; so short runs
  * need no masks and no scalar ends. Blocks and runs only say what is computed together: a pixel's values depend on
@@ -62,16 +63,23 @@ typedef struct sl_surface_block {
     sl_vector_planes position, normal, geometric; /* out */
 } sl_surface_block;
 
+/* What the materials of a block say: kd, black on the background, and the texture that it is multiplied by, or NULL. */
+typedef struct sl_albedo_block {
+    float red[SL_RESOLVE_RUNS], green[SL_RESOLVE_RUNS], blue[SL_RESOLVE_RUNS];
+    const sl_texture *texture[SL_RESOLVE_RUNS];
+    sl_run_corners u, v; /* where there is a texture */
+} sl_albedo_block;
+
 /* The kernels, in the order in which they are called; all variants give the same bits. */
 typedef struct sl_resolve_kernels {
     /* Finds the runs of a block of at most `count` pixels. */
     void (*runs)(sl_resolve_block *block, size_t count);
     void (*weights)(sl_resolve_block *block, const sl_pass_view *view);
-    /* Values given at the corners, at every pixel; and values given for each run, three floats or one index. */
+    /* Values given at the corners, at every pixel; and indices given for each run. */
     void (*interpolate)(const sl_resolve_block *block, const sl_run_corners value, float *out);
-    void (*spread)(const sl_resolve_block *block, const float *x, const float *y, const float *z, sl_vector_planes *out);
     void (*spread_index)(const sl_resolve_block *block, const uint32_t *value, uint32_t *out);
     void (*surfaces)(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *surfaces);
+    void (*albedo)(const sl_resolve_block *block, const sl_albedo_block *materials, sl_vector_planes *out);
 } sl_resolve_kernels;
 
 /* Takes the next block from `count` pixels (pixel NULL: first, first + 1, ...) with their ids, and finds their weights.

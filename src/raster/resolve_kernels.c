@@ -294,12 +294,14 @@ static void find_surfaces(const sl_resolve_block *block, const sl_pass_view *vie
 
 /* ---- the table ---- */
 
+void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a, sl_vector_planes *out);
+
 extern const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels);
 const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels) = {
     .runs = find_runs,
     .weights = find_weights,
     .interpolate = interpolate,
-    .spread = spread,
     .spread_index = spread_index,
     .surfaces = find_surfaces,
+    .albedo = SL_KERNEL(sl_resolve_albedo),
 };

@@ -2,9 +2,11 @@
 
 #include <math.h>
 
+#include "scene/texture_rules.h"
+
 /* IEC 61966-2-1: x/12.92 up to 0.04045, ((x + 0.055)/1.055)^2.4 above, for x = byte/255, rounded to nearest. Written out, so
  * that no power function is needed and the bits are the same everywhere. */
-static const float srgb_to_linear[256] = {
+const float sl_srgb_to_linear[256] = {
     0.0f, 0.000303526991f, 0.000607053982f, 0.000910580973f, 0.00121410796f, 0.00151763496f, 0.00182116195f, 0.00212468882f,
     0.00242821593f, 0.0027317428f, 0.00303526991f, 0.00334653584f, 0.00367650739f, 0.00402471703f, 0.00439144205f, 0.00477695325f,
     0.00518151652f, 0.00560539169f, 0.00604883302f, 0.00651209056f, 0.00699541019f, 0.00749903219f, 0.00802319311f, 0.00856812578f,
@@ -45,39 +47,25 @@ typedef struct footprint {
     float right, up;
 } footprint;
 
-/* Position along one axis in texels, its texel and the next, wrapped. */
-static float place(float coordinate, int size, int *texel, int *next) {
-    float turn = coordinate - floorf(coordinate); /* may round to 1; NaN for what is not finite */
-    if (!(turn >= 0.0f && turn <= 1.0f)) turn = 0.0f;
-    float position = turn * (float)size - 0.5f;
-    float low = floorf(position);
-    int index = (int)low; /* -1 ... size - 1 */
-    *texel = index < 0 ? size - 1 : index;
-    *next = *texel + 1 == size ? 0 : *texel + 1;
-    return position - low;
-}
-
 static footprint footprint_at(const sl_texture *texture, float u, float v) {
     footprint f;
-    int column[2], row[2];
-    f.right = place(u, texture->width, &column[0], &column[1]);
-    f.up = place(v, texture->height, &row[0], &row[1]);
+    sl_texel_pair column = sl_texel_pair_at(u, texture->width), row = sl_texel_pair_at(v, texture->height);
+    f.right = column.beyond;
+    f.up = row.beyond;
     for (int i = 0; i < 4; i++) {
-        size_t from_top = (size_t)(texture->height - 1 - row[i / 2]);
-        f.texel[i] = texture->texels + 4 * (from_top * (size_t)texture->width + (size_t)column[i % 2]);
+        size_t from_top = (size_t)(texture->height - 1 - (i < 2 ? row.texel : row.next));
+        f.texel[i] = texture->texels + 4 * (from_top * (size_t)texture->width + (size_t)(i % 2 ? column.next : column.texel));
     }
     return f;
 }
 
-static float mix(float a, float b, float t) { return a + t * (b - a); }
-
 static float filter(const footprint *f, const float value[4]) {
-    return mix(mix(value[0], value[1], f->right), mix(value[2], value[3], f->right), f->up);
+    return sl_texel_bilinear(value[0], value[1], value[2], value[3], f->right, f->up);
 }
 
 sl_rgb sl_texture_texel(const sl_texture *texture, int column, int row) {
     const uint8_t *t = texture->texels + 4 * ((size_t)row * (size_t)texture->width + (size_t)column);
-    return (sl_rgb){srgb_to_linear[t[0]], srgb_to_linear[t[1]], srgb_to_linear[t[2]]};
+    return (sl_rgb){sl_srgb_to_linear[t[0]], sl_srgb_to_linear[t[1]], sl_srgb_to_linear[t[2]]};
 }
 
 sl_rgb sl_texture_color(const sl_texture *texture, float u, float v) {
@@ -85,7 +73,7 @@ sl_rgb sl_texture_color(const sl_texture *texture, float u, float v) {
     float channel[3];
     for (int c = 0; c < 3; c++) {
         float value[4];
-        for (int i = 0; i < 4; i++) value[i] = srgb_to_linear[f.texel[i][c]];
+        for (int i = 0; i < 4; i++) value[i] = sl_srgb_to_linear[f.texel[i][c]];
         channel[c] = filter(&f, value);
     }
     return (sl_rgb){channel[0], channel[1], channel[2]};
