@@ -3,7 +3,7 @@
 
 enum { WIDTH = 203, HEIGHT = 331, PIXELS = WIDTH * HEIGHT, VIEWS = 6 };
 #define GOLDEN_ID 0x6f7074199c02db56u
-#define GOLDEN_DEPTH 0x32ed1ed86e860adcu
+#define GOLDEN_DEPTH 0x220432cd65a0a89eu
 
 static sl_view view_number(int n) {
     uint64_t key = sl_random_key(8, (uint64_t)n);

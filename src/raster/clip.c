@@ -112,16 +112,42 @@ static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer 
     return q;
 }
 
-static bool append(sl_batch *batch, const window_vertex *a, const window_vertex *b, const window_vertex *c) {
+static double largest3(double a, double b, double c) { return fmax(fmax(a, b), c); }
+
+/* Of a triangle less than a pixel thin the pieces' own corners, rounded on the way and close together, span no plane worth the
+ * name. The triangle's three do, if all are before the eye and not so much nearer than what is left of it that their rounding
+ * errors would show there. OSMesa takes the pieces' own. */
+static bool find_span(const sl_pass_view *view, const clip_vertex triangle[3], const window_vertex *left, int count,
+                      window_vertex span[3]) {
+    float largest = 0.0f;
+    if (view->rule == SL_OPENGL_PLANE) return false;
+    for (int i = 0; i < count; i++) largest = left[i].finite && left[i].depth > largest ? left[i].depth : largest;
+    for (int k = 0; k < 3; k++) {
+        const clip_vertex *p = &triangle[k];
+        if (!(p->w > 0.0f)) return false;
+        float oow = 1.0f / p->w;
+        span[k].x = (p->x * oow) * view->half_width + view->offset_x;
+        span[k].y = (p->y * oow) * view->half_height + view->offset_y;
+        span[k].depth = view->inverse_w ? oow : (p->z * oow) * 0.5f + 0.5f;
+        if (!(fabsf(span[k].x) + fabsf(span[k].y) < 1e9f && fabsf(span[k].depth) <= 4.0f * largest)) return false;
+    }
+    double x1 = (double)span[1].x - (double)span[0].x, x2 = (double)span[2].x - (double)span[0].x;
+    double y1 = (double)span[1].y - (double)span[0].y, y2 = (double)span[2].y - (double)span[0].y;
+    return fabs(x1 * y2 - x2 * y1) < fmax(largest3(fabs(x1), fabs(x2), fabs(x2 - x1)), largest3(fabs(y1), fabs(y2), fabs(y2 - y1)));
+}
+
+/* span: NULL, or what the depth plane goes through. */
+static bool append(sl_batch *batch, const window_vertex *a, const window_vertex *b, const window_vertex *c, const window_vertex *span) {
     const window_vertex *corner[3] = {a, b, c};
     for (int k = 0; k < 3; k++) {
         if (!corner[k]->finite) return false;
     }
     uint32_t t = batch->count++;
     for (int k = 0; k < 3; k++) {
-        batch->x[k][t] = corner[k]->x;
-        batch->y[k][t] = corner[k]->y;
-        batch->depth[k][t] = corner[k]->depth;
+        const window_vertex *plane = span ? &span[k] : corner[k];
+        batch->x[k][t] = plane->x;
+        batch->y[k][t] = plane->y;
+        batch->depth[k][t] = plane->depth;
         batch->snapped_u[k][t] = corner[k]->snapped_u;
         batch->snapped_v[k][t] = corner[k]->snapped_v;
     }
@@ -130,11 +156,12 @@ static bool append(sl_batch *batch, const window_vertex *a, const window_vertex 
 
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buffer, const uint16_t corner[3],
                           sl_batch *batch) {
-    clip_vertex polygon[2][POLYGON_MAX];
+    clip_vertex polygon[2][POLYGON_MAX], triangle[3];
     int32_t codes = 0;
     for (int k = 0; k < 3; k++) {
         uint16_t i = corner[k];
         polygon[0][k] = (clip_vertex){buffer->x[i], buffer->y[i], buffer->z[i], buffer->w[i], i, -1};
+        triangle[k] = polygon[0][k];
         codes |= buffer->code[i];
     }
     int count = 3, now = 0;
@@ -149,7 +176,9 @@ uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buff
         settle(view, &polygon[now][i]);
         window[i] = to_window(view, buffer, &polygon[now][i]);
     }
+    window_vertex span[3];
+    const bool spanned = find_span(view, triangle, window, count, span);
     uint32_t made = 0;
-    for (int i = 2; i < count; i++) made += append(batch, &window[i - 1], &window[i], &window[0]);
+    for (int i = 2; i < count; i++) made += append(batch, &window[i - 1], &window[i], &window[0], spanned ? span : NULL);
     return made;
 }

@@ -154,10 +154,22 @@ typedef struct sl_batch {
      * first block; inside where all three are >= 0 */
     int32_t a[3][SL_BATCH], b[3][SL_BATCH], e[3][SL_BATCH];
     /* out: depth = (origin + dv (256 j - origin_v)) + du (256 i - origin_u), clamped to [min, max]; by SL_OPENGL_PLANE
-     * fma(dv, j, fma(du, i, origin)) */
+     * fma(dv, j, fma(du, i, origin)); where steep, in double from the corners */
+    int32_t steep[SL_BATCH];
     float depth_du[SL_BATCH], depth_dv[SL_BATCH], depth_origin[SL_BATCH], depth_min[SL_BATCH], depth_max[SL_BATCH];
     int32_t origin_u[SL_BATCH], origin_v[SL_BATCH];
 } sl_batch;
+
+/* Thin slivers may have so steep a plane that its terms, each many times the depth itself, would leave little of it in float. They
+ * are few, and cover few pixels: their plane is found anew at every one, in double. */
+static inline float sl_steep_depth_at(const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+    double u0 = (double)((b->x[0][t] - 0.5f) * 256.0f), v0 = (double)((b->y[0][t] - 0.5f) * 256.0f), z0 = (double)b->depth[0][t];
+    double du1 = (double)((b->x[1][t] - 0.5f) * 256.0f) - u0, dv1 = (double)((b->y[1][t] - 0.5f) * 256.0f) - v0;
+    double du2 = (double)((b->x[2][t] - 0.5f) * 256.0f) - u0, dv2 = (double)((b->y[2][t] - 0.5f) * 256.0f) - v0;
+    double dz1 = (double)b->depth[1][t] - z0, dz2 = (double)b->depth[2][t] - z0, over = 1.0 / (du1 * dv2 - dv1 * du2);
+    double du = (dz1 * dv2 - dz2 * dv1) * over, dv = (dz2 * du1 - dz1 * du2) * over;
+    return (float)(z0 + (du * ((double)(x * SL_SUBPIXEL) - u0) + dv * ((double)(y * SL_SUBPIXEL) - v0)));
+}
 
 /* Depth of triangle t at pixel (x, y), by itself, so that it does not depend on blocks, lanes or tiles. All that is turned to
  * float is whole and below 2^23, exact. */
@@ -165,6 +177,8 @@ static inline float sl_depth_at(sl_depth_rule rule, const sl_batch *b, uint32_t 
     float z = b->depth_origin[t];
     if (rule == SL_OPENGL_PLANE) {
         z = fmaf(b->depth_dv[t], (float)y, fmaf(b->depth_du[t], (float)x, z));
+    } else if (b->steep[t]) {
+        z = sl_steep_depth_at(b, t, x, y);
     } else {
         z = (z + b->depth_dv[t] * (float)(y * SL_SUBPIXEL - b->origin_v[t])) +
             b->depth_du[t] * (float)(x * SL_SUBPIXEL - b->origin_u[t]);

@@ -134,11 +134,13 @@ typedef struct {
     float origin;               /* at (origin_u, origin_v); at the target's first pixel in OpenGL's form */
     int32_t origin_u, origin_v;
     float least, most;          /* of the corners: the slope of a sliver may be wild, its depth is not */
+    bool steep;                 /* float is not enough: in double, from the first corner */
+    double steep_du, steep_dv, u, v, z;
 } depth_plane;
 
 /* Through the three corners before snapping, in double, told at the corner of the least depth: for 1/w that is the far end,
  * where an error would hurt most. */
-static depth_plane depth_through(const corner c[3]) {
+static depth_plane depth_through(const corner c[3], bool inverse_w) {
     double u[3], v[3];
     for (int k = 0; k < 3; k++) {
         u[k] = (double)((c[k].window_x - 0.5f) * 256.0f);
@@ -153,9 +155,12 @@ static depth_plane depth_through(const corner c[3]) {
     if (c[2].depth < c[lowest].depth) lowest = 2;
     depth_plane p = {.du = (float)du, .dv = (float)dv, .origin_u = c[lowest].u, .origin_v = c[lowest].v};
     p.origin = (float)((double)c[0].depth + (du * ((double)p.origin_u - u[0]) + dv * ((double)p.origin_v - v[0])));
-    p.least = c[lowest].depth;
+    p.least = c[lowest].depth > 0.0f ? c[lowest].depth : 0.0f; /* of what was clipped, corners may lie outside the view */
     p.most = c[0].depth > c[1].depth ? c[0].depth : c[1].depth;
     if (c[2].depth > p.most) p.most = c[2].depth;
+    if (!inverse_w && p.most > 1.0f) p.most = 1.0f;
+    p.steep = fabs(du) * (fabs(du1) + fabs(du2)) + fabs(dv) * (fabs(dv1) + fabs(dv2)) > 8.0 * (double)p.most;
+    p.steep_du = du, p.steep_dv = dv, p.u = u[0], p.v = v[0], p.z = (double)c[0].depth;
     return p;
 }
 
@@ -198,6 +203,7 @@ static bool covers(const corner c[3], int64_t area, int64_t u, int64_t v) {
 static float depth_at(const depth_plane *p, bool opengl, int i, int j) {
     float z = opengl ? fmaf(p->dv, (float)j, fmaf(p->du, (float)i, p->origin))
                      : (p->origin + p->dv * (float)(256 * j - p->origin_v)) + p->du * (float)(256 * i - p->origin_u);
+    if (p->steep) z = (float)(p->z + (p->steep_du * ((double)(256 * i) - p->u) + p->steep_dv * ((double)(256 * j) - p->v)));
     z = z < p->least ? p->least : z;
     return z > p->most ? p->most : z;
 }
@@ -231,7 +237,7 @@ static void draw_pixels(const picture *p, uint32_t t, const corner c[3]) {
     int64_t area = area_of(c);
     if (area == 0) return;
     bool opengl = p->pass.rule == SL_OPENGL_PLANE;
-    depth_plane plane = opengl ? opengl_depth_through(c) : depth_through(c);
+    depth_plane plane = opengl ? opengl_depth_through(c) : depth_through(c, p->pass.inverse_w);
     int x0 = larger(floor_of(least_of(c[0].u, c[1].u, c[2].u)), p->pass.x0);
     int y0 = larger(floor_of(least_of(c[0].v, c[1].v, c[2].v)), p->pass.y0);
     int x1 = smaller(floor_of(-least_of(-c[0].u, -c[1].u, -c[2].u)) + 1, p->pass.x1);

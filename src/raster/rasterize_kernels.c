@@ -51,9 +51,10 @@ static inline sl_block_floats block_depth(const block_plane *p, sl_block_floats 
     return sl_block_select_floats(z > p->most, z, p->most);
 }
 
-static inline sl_block_floats opengl_depth(const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+/* Planes in OpenGL's form and steep ones. */
+static inline sl_block_floats other_depth(sl_depth_rule rule, const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
     sl_block_floats z;
-    for (int l = 0; l < SL_LANES; l++) z[l] = sl_depth_at(SL_OPENGL_PLANE, b, t, x + (l & 3), y + (l >> 2));
+    for (int l = 0; l < SL_LANES; l++) z[l] = sl_depth_at(rule, b, t, x + (l & 3), y + (l >> 2));
     return z;
 }
 
@@ -69,8 +70,8 @@ static inline void draw_block(sl_block_ints me, sl_depth_rule rule, sl_block_int
 }
 
 /* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the first. */
-static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule, const int32_t a[3],
-                               const int32_t b[3], const int32_t e[3], int x0, int y0, int x1, int y1) {
+static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule, bool steep,
+                               const int32_t a[3], const int32_t b[3], const int32_t e[3], int x0, int y0, int x1, int y1) {
     const sl_block_ints right0 = sl_block_int(SL_BLOCK * a[0]), right1 = sl_block_int(SL_BLOCK * a[1]),
                         right2 = sl_block_int(SL_BLOCK * a[2]);
     sl_block_ints row0 = e[0] + a[0] * SL_BLOCK_X + b[0] * SL_BLOCK_Y, row1 = e[1] + a[1] * SL_BLOCK_X + b[1] * SL_BLOCK_Y;
@@ -80,6 +81,7 @@ static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint3
     uint32_t *id_row = tile->id + first;
     float *depth_row = tile->depth + first;
     const block_plane plane = block_plane_of(batch, t);
+    const bool other = rule == SL_OPENGL_PLANE || steep;
     const sl_block_floats first_column = column_distance(&plane, left + x0 * SL_BLOCK);
     for (int y = y0; y <= y1; y++, id_row += stride, depth_row += stride) {
         sl_block_ints e0 = row0, e1 = row1, e2 = row2;
@@ -89,8 +91,8 @@ static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint3
         for (int x = x0; x <= x1; x++, id += SL_LANES, depth += SL_LANES) {
             sl_block_ints outside = e0 | e1 | e2;
             if (sl_block_any_positive(outside)) {
-                sl_block_floats z = rule == SL_OPENGL_PLANE ? opengl_depth(batch, t, left + x * SL_BLOCK, low + y * SL_BLOCK)
-                                                            : block_depth(&plane, row, column);
+                sl_block_floats z = other ? other_depth(rule, batch, t, left + x * SL_BLOCK, low + y * SL_BLOCK)
+                                          : block_depth(&plane, row, column);
                 draw_block(plane.id, rule, outside, z, id, depth);
             }
             e0 += right0;
@@ -106,11 +108,11 @@ static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint3
 
 /* ---- triangles of at most a span ---- */
 
-static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule) {
+static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule, bool steep) {
     const int32_t a[3] = {batch->a[0][t], batch->a[1][t], batch->a[2][t]};
     const int32_t b[3] = {batch->b[0][t], batch->b[1][t], batch->b[2][t]};
     const int32_t e[3] = {batch->e[0][t], batch->e[1][t], batch->e[2][t]};
-    draw_blocks(tile, batch, t, rule, a, b, e, (batch->x0[t] - tile->left) / SL_BLOCK, (batch->y0[t] - tile->low) / SL_BLOCK,
+    draw_blocks(tile, batch, t, rule, steep, a, b, e, (batch->x0[t] - tile->left) / SL_BLOCK, (batch->y0[t] - tile->low) / SL_BLOCK,
                 (batch->x1[t] - tile->left) / SL_BLOCK, (batch->y1[t] - tile->low) / SL_BLOCK);
 }
 
@@ -119,7 +121,7 @@ static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32
 bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
 
 static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_wide_edges *w, sl_depth_rule rule,
-                             sl_rectangle span) {
+                             bool steep, sl_rectangle span) {
     int bx = (span.x0 - tile->left) / SL_BLOCK, by = (span.y0 - tile->low) / SL_BLOCK;
     int x = tile->left + bx * SL_BLOCK, y = tile->low + by * SL_BLOCK;
     int32_t a[3], b[3], e[3];
@@ -133,11 +135,12 @@ static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_
         b[k] = crosses ? (int32_t)w->b[k] : 0;
         e[k] = crosses ? sl_clamp_edge(at_first) : 0;
     }
-    draw_blocks(tile, batch, t, rule, a, b, e, bx, by, (span.x1 - tile->left) / SL_BLOCK,
+    draw_blocks(tile, batch, t, rule, steep, a, b, e, bx, by, (span.x1 - tile->left) / SL_BLOCK,
                 (span.y1 - tile->low) / SL_BLOCK);
 }
 
-static void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule) {
+static inline void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule,
+                              bool steep) {
     sl_wide_edges w;
     if (!sl_widen_edges(batch, t, &w)) return;
     const int x0 = batch->x0[t], y0 = batch->y0[t], x1 = batch->x1[t], y1 = batch->y1[t];
@@ -147,7 +150,7 @@ static void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_b
             sl_rectangle span = {x > x0 ? x : x0, y > y0 ? y : y0, x + SL_SPAN - 1 < x1 ? x + SL_SPAN - 1 : x1,
                                  y + SL_SPAN - 1 < y1 ? y + SL_SPAN - 1 : y1};
             if (SL_KERNEL(sl_raster_occluded)(view, tile, span, nearest)) continue;
-            draw_span(tile, batch, t, &w, rule, span);
+            draw_span(tile, batch, t, &w, rule, steep, span);
         }
     }
 }
@@ -164,12 +167,19 @@ static inline bool fits_span(const sl_batch *batch, uint32_t t) {
     return high_u - low_u <= SL_SPAN * SL_SUBPIXEL && high_v - low_v <= SL_SPAN * SL_SUBPIXEL;
 }
 
+/* By themselves, so that the others' loops do not carry their burden. */
+__attribute__((noinline)) static void draw_steep(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t) {
+    if (fits_span(batch, t)) draw_small(tile, batch, t, view->rule, true);
+    else draw_large(view, tile, batch, t, view->rule, true);
+}
+
 static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first,
                             sl_depth_rule rule) {
     for (uint32_t t = first; t < batch->count; t++) {
         if (batch->x0[t] > batch->x1[t] || batch->y0[t] > batch->y1[t] || batch->masked[t]) continue;
-        if (fits_span(batch, t)) draw_small(tile, batch, t, rule);
-        else draw_large(view, tile, batch, t, rule);
+        if (rule != SL_OPENGL_PLANE && batch->steep[t]) draw_steep(view, tile, batch, t);
+        else if (fits_span(batch, t)) draw_small(tile, batch, t, rule, false);
+        else draw_large(view, tile, batch, t, rule, false);
     }
 }
 

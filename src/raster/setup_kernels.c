@@ -71,8 +71,10 @@ void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uin
 
 /* The plane through the three unsnapped vertices, in double, told at the snapped position of the corner with the
  * smallest depth: for 1/w that is the far end, where absolute rounding errors would hurt. Slivers may have wild
- * slopes: the rasterizer clamps to the corners' range, and slopes that could overflow count as none. */
-static void find_planes(sl_batch *restrict batch, uint32_t end) {
+ * slopes: the rasterizer clamps to the corners' range, slopes that could overflow count as none, and where the terms along u and v are
+ * many times the depth that they add up to, float is not enough (sl_steep_depth_at()). */
+static void find_planes(sl_depth_rule rule, sl_batch *restrict batch, uint32_t end) {
+    const float limit = rule == SL_NEARER_IS_SMALLER ? 1.0f : INFINITY;
 #pragma omp simd
     for (uint32_t t = 0; t < end; t++) {
         float z0 = batch->depth[0][t], z1 = batch->depth[1][t], z2 = batch->depth[2][t];
@@ -83,19 +85,24 @@ static void find_planes(sl_batch *restrict batch, uint32_t end) {
         double area = du1 * dv2 - dv1 * du2;
         double over = 1.0 / (area != 0.0 ? area : 1.0);
         double du = (dz1 * dv2 - dz2 * dv1) * over, dv = (dz2 * du1 - dz1 * du2) * over;
-        bool steep = !((fabs(du) < 1e20) & (fabs(dv) < 1e20)) | (area == 0.0);
-        du = steep ? 0.0 : du;
-        dv = steep ? 0.0 : dv;
+        bool wild = !((fabs(du) < 1e20) & (fabs(dv) < 1e20)) | (area == 0.0);
+        du = wild ? 0.0 : du;
+        dv = wild ? 0.0 : dv;
         bool use1 = z1 < z0, use2 = z2 < (use1 ? z1 : z0);
         int32_t origin_u = use2 ? batch->snapped_u[2][t] : use1 ? batch->snapped_u[1][t] : batch->snapped_u[0][t];
         int32_t origin_v = use2 ? batch->snapped_v[2][t] : use1 ? batch->snapped_v[1][t] : batch->snapped_v[0][t];
-        float least = use2 ? z2 : use1 ? z1 : z0;
+        float least = use2 ? z2 : use1 ? z1 : z0; /* of what was clipped, they may lie before or beyond the view */
+        least = least > 0.0f ? least : 0.0f;
         float most = z0 > z1 ? z0 : z1;
+        most = most > z2 ? most : z2;
+        most = most < limit ? most : limit;
+        double terms = fabs(du) * (fabs(du1) + fabs(du2)) + fabs(dv) * (fabs(dv1) + fabs(dv2));
+        batch->steep[t] = terms > 8.0 * (double)most ? 1 : 0;
         batch->depth_du[t] = (float)du;
         batch->depth_dv[t] = (float)dv;
         batch->depth_origin[t] = (float)((double)z0 + (du * ((double)origin_u - u0) + dv * ((double)origin_v - v0)));
         batch->depth_min[t] = least;
-        batch->depth_max[t] = most > z2 ? most : z2;
+        batch->depth_max[t] = most;
         batch->origin_u[t] = origin_u;
         batch->origin_v[t] = origin_v;
     }
@@ -124,5 +131,5 @@ static void find_opengl_planes(sl_batch *restrict batch, uint32_t end) {
 void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch);
 void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch) {
     if (view->rule == SL_OPENGL_PLANE) find_opengl_planes(batch, batch->count);
-    else find_planes(batch, batch->count);
+    else find_planes(view->rule, batch, batch->count);
 }
