@@ -45,6 +45,38 @@ static inline sl_block_floats sl_block_select_floats(sl_block_ints mask, sl_bloc
     return (sl_block_floats)sl_block_select(mask, (sl_block_ints)a, (sl_block_ints)b);
 }
 
+/* Four blocks side by side, as their four rows of sixteen pixels. */
+static inline void sl_block_rows(const sl_block_ints block[4], sl_block_ints row[4]) {
+    for (int k = 0; k < 2; k++) { /* rows 2k and 2k + 1 */
+        const sl_block_ints *b = block;
+        sl_block_ints left, right;
+        if (k == 0) {
+            left = __builtin_shufflevector(b[0], b[1], 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+            right = __builtin_shufflevector(b[2], b[3], 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+        } else {
+            left = __builtin_shufflevector(b[0], b[1], 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+            right = __builtin_shufflevector(b[2], b[3], 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+        }
+        row[2 * k] = __builtin_shufflevector(left, right, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23);
+        row[2 * k + 1] = __builtin_shufflevector(left, right, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+    }
+}
+
+/* Whether some lane is set, of a comparison's result. */
+static inline int sl_block_any(sl_block_ints mask) {
+#if defined __AVX512DQ__
+    return _mm512_movepi32_mask((__m512i)mask) != 0;
+#elif defined __AVX2__
+    __m256i half[2];
+    memcpy(half, &mask, sizeof mask);
+    return !_mm256_testz_si256(_mm256_or_si256(half[0], half[1]), _mm256_or_si256(half[0], half[1]));
+#else
+    int32_t any = 0;
+    for (int l = 0; l < 16; l++) any |= mask[l];
+    return any != 0;
+#endif
+}
+
 /* Whether some lane is >= 0. */
 static inline int sl_block_any_positive(sl_block_ints a) {
 #if defined __AVX512DQ__

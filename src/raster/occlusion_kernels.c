@@ -4,32 +4,33 @@
 #include <math.h>
 #include <string.h>
 
+#include "raster/block.h"
 #include "raster/internal.h"
 
-/* Blocks [bx0, bx1] of one row, depth at the first. Pixels are numbered from the tile's first, as in the rectangle; y: of the
- * blocks' first row. Hidden means strictly behind: at equal depth the lower triangle index wins. */
-static inline bool row_shows(const float *restrict depth, int bx0, int bx1, int y, const sl_rectangle *r, float nearest,
-                             bool larger_is_nearer) {
-    const int x0 = r->x0, x1 = r->x1, y0 = r->y0, y1 = r->y1;
-    int32_t shows[SL_LANES] = {0}, any = 0;
-    for (int bx = bx0; bx <= bx1; bx++, depth += SL_LANES) {
-#pragma omp simd
-        for (int l = 0; l < SL_LANES; l++) {
-            int i = bx * SL_BLOCK + (l & 3), j = y + (l >> 2);
-            int32_t outside = sl_if_negative((i - x0) | (x1 - i) | (j - y0) | (y1 - j));
-            int32_t open = larger_is_nearer ? (nearest >= depth[l] ? -1 : 0) : (nearest <= depth[l] ? -1 : 0);
-            shows[l] |= open & ~outside;
-        }
-    }
-    for (int l = 0; l < SL_LANES; l++) any |= shows[l];
-    return any != 0;
+/* Pixels of a block, numbered from the tile's first, within [first, last] in one direction. */
+static inline sl_block_ints within(sl_block_ints i, int first, int last) { return (i >= first) & (i <= last); }
+
+/* Hidden means strictly behind: at equal depth the lower triangle index wins. */
+static inline sl_block_ints open_pixels(const float *depth, sl_block_floats nearest, bool larger_is_nearer) {
+    const sl_block_floats drawn = sl_block_load_floats(depth);
+    return larger_is_nearer ? nearest >= drawn : nearest <= drawn;
 }
 
-static inline bool shows(const sl_tile *tile, const sl_rectangle *r, float nearest, bool larger_is_nearer) {
+/* Pixels are numbered from the tile's first. Row by row of blocks; only the outer blocks need masks. */
+static inline bool shows(const sl_tile *tile, const sl_rectangle *r, float bound, bool larger_is_nearer) {
     const int bx0 = r->x0 / SL_BLOCK, bx1 = r->x1 / SL_BLOCK;
+    const sl_block_floats nearest = sl_block_float(bound);
+    const sl_block_ints left = within(bx0 * SL_BLOCK + SL_BLOCK_X, r->x0, r->x1);
+    const sl_block_ints right = within(bx1 * SL_BLOCK + SL_BLOCK_X, r->x0, r->x1);
     for (int by = r->y0 / SL_BLOCK; by <= r->y1 / SL_BLOCK; by++) {
         const float *depth = tile->depth + (size_t)(by * tile->blocks_x + bx0) * SL_LANES;
-        if (row_shows(depth, bx0, bx1, by * SL_BLOCK, r, nearest, larger_is_nearer)) return true;
+        sl_block_ints shown = open_pixels(depth, nearest, larger_is_nearer) & left;
+        for (int bx = bx0 + 1; bx < bx1; bx++) {
+            depth += SL_LANES;
+            shown |= open_pixels(depth, nearest, larger_is_nearer);
+        }
+        if (bx1 > bx0) shown |= open_pixels(depth + SL_LANES, nearest, larger_is_nearer) & right;
+        if (sl_block_any(shown & within(by * SL_BLOCK + SL_BLOCK_Y, r->y0, r->y1))) return true;
     }
     return false;
 }
@@ -55,14 +56,36 @@ void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile) {
     }
 }
 
-static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint32_t *restrict plane, uint32_t *restrict out) {
-    for (int y = tile->y0; y < tile->y1; y++) {
-        const uint32_t *restrict row = plane + sl_tile_index(tile, tile->left, y);
-        uint32_t *restrict to = out + (size_t)y * (size_t)view->width;
-        int x = tile->x0;
-        for (; x < tile->x1 && (x & 3); x++) to[x] = row[((x - tile->left) >> 2) * SL_LANES + (x & 3)];
-        for (; x + SL_BLOCK <= tile->x1; x += SL_BLOCK) memcpy(to + x, row + ((x - tile->left) >> 2) * SL_LANES, 16);
-        for (; x < tile->x1; x++) to[x] = row[((x - tile->left) >> 2) * SL_LANES + (x & 3)];
+/* One row's pixels [x0, x1) of the tile. */
+static void copy_pixels(const sl_tile *tile, const uint32_t *plane, int y, int x0, int x1, uint32_t *row) {
+    for (int x = x0; x < x1; x++) row[x] = plane[sl_tile_index(tile, x, y)];
+}
+
+/* Four rows' pixels [x, x + 16) of the tile, x at a block's left side. */
+static inline void copy_four_blocks(const uint32_t *from, uint32_t *to, size_t width) {
+    sl_block_ints block[4], row[4];
+    for (int k = 0; k < 4; k++) block[k] = sl_block_load_ints(from + k * SL_LANES);
+    sl_block_rows(block, row);
+    for (size_t k = 0; k < 4; k++) sl_block_store(to + k * width, row[k]);
+}
+
+static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint32_t *plane, uint32_t *out) {
+    const size_t width = (size_t)view->width;
+    const int first = tile->left + (tile->x0 - tile->left + SL_BLOCK - 1) / SL_BLOCK * SL_BLOCK;
+    for (int y = tile->y0; y < tile->y1;) {
+        uint32_t *to = out + (size_t)y * width;
+        if ((y & (SL_BLOCK - 1)) == 0 && y + SL_BLOCK <= tile->y1 && first + SL_LANES <= tile->x1) {
+            int x = first;
+            for (; x + SL_LANES <= tile->x1; x += SL_LANES) copy_four_blocks(plane + sl_tile_index(tile, x, y), to + x, width);
+            for (int k = 0; k < SL_BLOCK; k++) {
+                copy_pixels(tile, plane, y + k, tile->x0, first, to + (size_t)k * width);
+                copy_pixels(tile, plane, y + k, x, tile->x1, to + (size_t)k * width);
+            }
+            y += SL_BLOCK;
+        } else {
+            copy_pixels(tile, plane, y, tile->x0, tile->x1, to);
+            y++;
+        }
     }
 }
 
