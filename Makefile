@@ -50,7 +50,7 @@ endif
 FLAGS_baseline := -DSL_ISA_SUFFIX=baseline
 FLAGS_avx2 := -DSL_ISA_SUFFIX=avx2 -march=x86-64-v3
 FLAGS_avx512 := -DSL_ISA_SUFFIX=avx512 -march=x86-64-v4 -mprefer-vector-width=512
-KERNEL_OPTIMISE := $(if $(filter release baseline,$(CONFIG)),-O3)
+KERNEL_OPTIMISE := $(if $(filter release baseline,$(CONFIG)),-O3) -Wno-psabi # vectors are passed to inlined functions alone
 
 PACKAGES := OpenEXR assimp libcjson libpng
 PACKAGE_CFLAGS = $(shell pkg-config --cflags $(PACKAGES) 2>/dev/null)

@@ -12,9 +12,6 @@
 #include <immintrin.h>
 #endif
 
-/* All of it is inlined, so that how such vectors are passed on narrower machines does not matter. */
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 typedef int32_t sl_block_ints __attribute__((vector_size(64)));
 typedef float sl_block_floats __attribute__((vector_size(64)));
 
@@ -94,6 +91,29 @@ static inline int sl_block_any_positive(sl_block_ints a) {
     int32_t all = -1;
     for (int l = 0; l < 16; l++) all &= a[l];
     return all >= 0;
+#endif
+}
+
+/* Writes depth and id of the pixels where z wins: covered (outside >= 0) and nearer, or as near with the lower id. */
+static inline void sl_block_write(sl_block_ints outside, sl_block_floats z, sl_block_ints id, int larger_is_nearer,
+                                  uint32_t *ids, float *depths) {
+#if defined __AVX512DQ__
+    /* The ids are looked at only where depths are equal, and nothing is written where nothing wins. */
+    const __m512 old = _mm512_loadu_ps(depths);
+    const __mmask16 inside = (__mmask16)~_mm512_movepi32_mask((__m512i)outside);
+    const __mmask16 equal = _mm512_mask_cmp_ps_mask(inside, (__m512)z, old, _CMP_EQ_OQ);
+    __mmask16 wins = larger_is_nearer ? _mm512_mask_cmp_ps_mask(inside, (__m512)z, old, _CMP_GT_OQ)
+                                      : _mm512_mask_cmp_ps_mask(inside, (__m512)z, old, _CMP_LT_OQ);
+    if (equal) wins |= _mm512_mask_cmplt_epi32_mask(equal, (__m512i)id, _mm512_loadu_si512(ids));
+    _mm512_mask_storeu_ps(depths, wins, (__m512)z);
+    _mm512_mask_storeu_epi32(ids, wins, (__m512i)id);
+#else
+    const sl_block_ints old_id = sl_block_load_ints(ids);
+    const sl_block_floats old = sl_block_load_floats(depths);
+    const sl_block_ints nearer = larger_is_nearer ? z > old : z < old;
+    const sl_block_ints wins = (outside >= 0) & (nearer | ((z == old) & (id < old_id)));
+    sl_block_store(depths, sl_block_select(wins, (sl_block_ints)old, (sl_block_ints)z));
+    sl_block_store(ids, sl_block_select(wins, old_id, id));
 #endif
 }
 

@@ -58,15 +58,39 @@ static inline sl_block_floats other_depth(sl_depth_rule rule, const sl_batch *b,
     return z;
 }
 
-/* outside: negative where a pixel is not covered. */
-static inline void draw_block(sl_block_ints me, sl_depth_rule rule, sl_block_ints outside, sl_block_floats z, uint32_t *id,
-                              float *depth) {
-    const sl_block_ints old_id = sl_block_load_ints(id);
-    const sl_block_floats old = sl_block_load_floats(depth);
-    sl_block_ints nearer = rule == SL_NEARER_IS_LARGER ? z > old : z < old;
-    sl_block_ints wins = (outside >= 0) & (nearer | ((z == old) & (me < old_id)));
-    sl_block_store(depth, sl_block_select(wins, (sl_block_ints)old, (sl_block_ints)z));
-    sl_block_store(id, sl_block_select(wins, old_id, me));
+/* The largest change of an edge function within a block, at one of its corners. */
+static inline int32_t reach_of(int32_t a, int32_t b) { return (a > 0 ? 3 * a : 0) + (b > 0 ? 3 * b : 0); }
+
+/* In each row of blocks the columns [low, high] that the triangle can touch: where every edge function reaches 0 somewhere
+ * in the block. With e its value in the row's first block, a block to the right adds 4 a, so that is from -e / (4 a) on for
+ * a > 0, and up to e / (4 |a|) for a < 0. Sixteen rows, a lane each; a hundredth of a block covers the rounding. Most of the
+ * blocks in the box of a triangle that lies across it are left out so. */
+enum { EXTENT_ROWS = SL_SPAN / SL_BLOCK };
+static inline void find_extents(const int32_t a[3], const int32_t b[3], const int32_t e[3], int last, int32_t *low, int32_t *high) {
+    const sl_block_ints row = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    const float slack = 0.01f, end = (float)EXTENT_ROWS + 1.0f;
+    sl_block_ints from = sl_block_int(0), to = sl_block_int(last);
+    for (int k = 0; k < 3; k++) {
+        sl_block_ints at = (e[k] + reach_of(a[k], b[k])) + (SL_BLOCK * b[k]) * row;
+        sl_block_floats reach = __builtin_convertvector(at, sl_block_floats) * (1.0f / (float)(SL_BLOCK * (a[k] ? a[k] : 1)));
+        if (a[k] > 0) { /* -reach, rounded up */
+            reach = -reach;
+            reach = sl_block_select_floats(reach < 0.0f, reach, sl_block_float(0.0f));
+            reach = sl_block_select_floats(reach > end, reach, sl_block_float(end));
+            sl_block_ints first = __builtin_convertvector(reach + (1.0f - slack), sl_block_ints);
+            from = sl_block_select(first > from, from, first);
+        } else if (a[k] < 0) { /* |reach|, rounded down; -1 and less: none */
+            reach = -reach;
+            reach = sl_block_select_floats(reach < -1.0f, reach, sl_block_float(-1.0f));
+            reach = sl_block_select_floats(reach > end, reach, sl_block_float(end));
+            sl_block_ints final = __builtin_convertvector(reach + (1.0f + slack), sl_block_ints) - 1;
+            to = sl_block_select(final < to, to, final);
+        } else {
+            to = sl_block_select(at < 0, to, sl_block_int(-1));
+        }
+    }
+    sl_block_store(low, from);
+    sl_block_store(high, to);
 }
 
 /* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the first. */
@@ -76,29 +100,35 @@ static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint3
                         right2 = sl_block_int(SL_BLOCK * a[2]);
     sl_block_ints row0 = e[0] + a[0] * SL_BLOCK_X + b[0] * SL_BLOCK_Y, row1 = e[1] + a[1] * SL_BLOCK_X + b[1] * SL_BLOCK_Y;
     sl_block_ints row2 = e[2] + a[2] * SL_BLOCK_X + b[2] * SL_BLOCK_Y;
-    const int left = tile->left, low = tile->low;
+    const int left = tile->left, low = tile->low, rows = y1 - y0 + 1;
     const size_t stride = (size_t)tile->blocks_x * SL_LANES, first = (size_t)(y0 * tile->blocks_x + x0) * SL_LANES;
     uint32_t *id_row = tile->id + first;
     float *depth_row = tile->depth + first;
     const block_plane plane = block_plane_of(batch, t);
     const bool other = rule == SL_OPENGL_PLANE || steep;
     const sl_block_floats first_column = column_distance(&plane, left + x0 * SL_BLOCK);
-    for (int y = y0; y <= y1; y++, id_row += stride, depth_row += stride) {
-        sl_block_ints e0 = row0, e1 = row1, e2 = row2;
-        sl_block_floats row = row_depth(&plane, low + y * SL_BLOCK), column = first_column;
-        uint32_t *id = id_row;
-        float *depth = depth_row;
-        for (int x = x0; x <= x1; x++, id += SL_LANES, depth += SL_LANES) {
+    const bool narrow = (x1 - x0) * rows < 20; /* then the extents cost more than they save */
+    int32_t from[EXTENT_ROWS], to[EXTENT_ROWS];
+    if (!narrow) find_extents(a, b, e, x1 - x0, from, to);
+    for (int y = 0; y < rows; y++, id_row += stride, depth_row += stride) {
+        const bool whole = narrow || y >= EXTENT_ROWS; /* unaligned, a span's height touches one row more */
+        const int begin = whole ? 0 : from[y], end = whole ? x1 - x0 : to[y];
+        sl_block_ints e0 = row0 + begin * right0, e1 = row1 + begin * right1, e2 = row2 + begin * right2;
+        sl_block_floats row = row_depth(&plane, low + (y0 + y) * SL_BLOCK);
+        sl_block_floats column = first_column + (float)(begin * SL_BLOCK * SL_SUBPIXEL); /* whole numbers: exact */
+        uint32_t *id = id_row + begin * SL_LANES;
+        float *depth = depth_row + begin * SL_LANES;
+        for (int x = begin; x <= end; x++, id += SL_LANES, depth += SL_LANES) {
             sl_block_ints outside = e0 | e1 | e2;
             if (sl_block_any_positive(outside)) {
-                sl_block_floats z = other ? other_depth(rule, batch, t, left + x * SL_BLOCK, low + y * SL_BLOCK)
+                sl_block_floats z = other ? other_depth(rule, batch, t, left + (x0 + x) * SL_BLOCK, low + (y0 + y) * SL_BLOCK)
                                           : block_depth(&plane, row, column);
-                draw_block(plane.id, rule, outside, z, id, depth);
+                sl_block_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, id, depth);
             }
             e0 += right0;
             e1 += right1;
             e2 += right2;
-            column += (float)(SL_BLOCK * SL_SUBPIXEL); /* whole numbers: exact */
+            column += (float)(SL_BLOCK * SL_SUBPIXEL);
         }
         row0 += SL_BLOCK * b[0];
         row1 += SL_BLOCK * b[1];
