@@ -1,102 +1,87 @@
-/* A block's sixteen pixels as vectors, and the one thing that plain C cannot say about them: whether any lane is set. (With
- * arrays and loops instead, compilers keep the edge functions in memory and the rasterizer takes half as long again.) The
- * operators + - * & | and comparisons work on vectors lane by lane, a comparison giving all ones or 0; compilers cut them to
- * the instruction set's width. */
+/* A block's sixteen pixels as vectors of the instruction set's own width: one part with AVX-512, two (of two rows each) with
+ * AVX2, four (of a row each) with SSE2, and the few things that plain C cannot say about them. (With arrays and loops instead,
+ * compilers keep the edge functions in memory and the rasterizer takes half as long again; vectors wider than the machine's
+ * are compared lane by lane, ten times slower.) The operators + - * & | and comparisons work on vectors lane by lane, a
+ * comparison giving all ones or 0.
+ *
+ *      12 13 14 15     part 3          8 .. 15     part 1
+ *       8  9 10 11     part 2          0 ..  7     part 0        0 .. 15   part 0
+ *       4  5  6  7     part 1
+ *       0  1  2  3     part 0
+ *         SSE2                           AVX2                     AVX-512                    */
 #ifndef SL_RASTER_BLOCK_H
 #define SL_RASTER_BLOCK_H
 
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __SSE2__
+#if defined __AVX512DQ__
 #include <immintrin.h>
+enum { SL_PART = 16 };
+#elif defined __AVX2__
+#include <immintrin.h>
+enum { SL_PART = 8 };
+#else
+#ifdef __SSE2__
+#include <emmintrin.h>
 #endif
+enum { SL_PART = 4 };
+#endif
+enum { SL_PARTS = 16 / SL_PART, SL_PART_ROWS = SL_PART / 4 };
 
-typedef int32_t sl_block_ints __attribute__((vector_size(64)));
-typedef float sl_block_floats __attribute__((vector_size(64)));
+typedef int32_t sl_part_ints __attribute__((vector_size(4 * SL_PART)));
+typedef float sl_part_floats __attribute__((vector_size(4 * SL_PART)));
 
-/* Of each pixel within the block, row by row from the lowest. */
-#define SL_BLOCK_X ((sl_block_ints){0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3})
-#define SL_BLOCK_Y ((sl_block_ints){0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3})
-
-static inline sl_block_ints sl_block_int(int32_t value) { return value - (sl_block_ints){0}; }
-static inline sl_block_floats sl_block_float(float value) { return value - (sl_block_floats){0}; } /* -0 as it is */
-
-static inline sl_block_ints sl_block_load_ints(const void *from) {
-    sl_block_ints a;
+static inline sl_part_ints sl_part_load_ints(const void *from) {
+    sl_part_ints a;
     memcpy(&a, from, sizeof a);
     return a;
 }
-static inline sl_block_floats sl_block_load_floats(const float *from) {
-    sl_block_floats a;
+static inline sl_part_floats sl_part_load_floats(const float *from) {
+    sl_part_floats a;
     memcpy(&a, from, sizeof a);
     return a;
 }
-static inline void sl_block_store(void *to, sl_block_ints a) { memcpy(to, &a, sizeof a); }
+static inline void sl_part_store(void *to, sl_part_ints a) { memcpy(to, &a, sizeof a); }
+
+/* The lanes' numbers; of each pixel within part 0, row by row from the lowest. */
+static inline sl_part_ints sl_part_lane(void) {
+    static const int32_t lane[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    return sl_part_load_ints(lane);
+}
+static inline sl_part_ints sl_part_x(void) { return sl_part_lane() & 3; }
+static inline sl_part_ints sl_part_y(void) { return sl_part_lane() >> 2; }
+
+static inline sl_part_ints sl_part_int(int32_t value) { return value - (sl_part_ints){0}; }
+static inline sl_part_floats sl_part_float(float value) { return value - (sl_part_floats){0}; } /* -0 as it is */
 
 /* b where the mask is set, else a. */
-static inline sl_block_ints sl_block_select(sl_block_ints mask, sl_block_ints a, sl_block_ints b) {
+static inline sl_part_ints sl_part_select(sl_part_ints mask, sl_part_ints a, sl_part_ints b) {
     return (a & ~mask) | (b & mask);
 }
-static inline sl_block_floats sl_block_select_floats(sl_block_ints mask, sl_block_floats a, sl_block_floats b) {
-    return (sl_block_floats)sl_block_select(mask, (sl_block_ints)a, (sl_block_ints)b);
+static inline sl_part_floats sl_part_select_floats(sl_part_ints mask, sl_part_floats a, sl_part_floats b) {
+    return (sl_part_floats)sl_part_select(mask, (sl_part_ints)a, (sl_part_ints)b);
 }
 
-/* Four blocks side by side, as their four rows of sixteen pixels. */
-static inline void sl_block_rows(const sl_block_ints block[4], sl_block_ints row[4]) {
-    for (int k = 0; k < 2; k++) { /* rows 2k and 2k + 1 */
-        const sl_block_ints *b = block;
-        sl_block_ints left, right;
-        if (k == 0) {
-            left = __builtin_shufflevector(b[0], b[1], 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
-            right = __builtin_shufflevector(b[2], b[3], 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
-        } else {
-            left = __builtin_shufflevector(b[0], b[1], 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
-            right = __builtin_shufflevector(b[2], b[3], 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
-        }
-        row[2 * k] = __builtin_shufflevector(left, right, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23);
-        row[2 * k + 1] = __builtin_shufflevector(left, right, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
-    }
-}
-
-/* Whether some lane is set, of a comparison's result. */
-static inline int sl_block_any(sl_block_ints mask) {
+/* The lanes that are negative, as bits; also the lanes that a comparison has set. */
+static inline uint32_t sl_part_negative(sl_part_ints a) {
 #if defined __AVX512DQ__
-    return _mm512_movepi32_mask((__m512i)mask) != 0;
+    return (uint32_t)_mm512_movepi32_mask((__m512i)a);
 #elif defined __AVX2__
-    __m256i half[2];
-    memcpy(half, &mask, sizeof mask);
-    return !_mm256_testz_si256(_mm256_or_si256(half[0], half[1]), _mm256_or_si256(half[0], half[1]));
-#else
-    int32_t any = 0;
-    for (int l = 0; l < 16; l++) any |= mask[l];
-    return any != 0;
-#endif
-}
-
-/* Whether some lane is >= 0. */
-static inline int sl_block_any_positive(sl_block_ints a) {
-#if defined __AVX512DQ__
-    return _mm512_movepi32_mask((__m512i)a) != 0xffff;
-#elif defined __AVX2__
-    __m256i half[2];
-    memcpy(half, &a, sizeof a);
-    return _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(half[0], half[1]))) != 0xff;
+    return (uint32_t)_mm256_movemask_ps((__m256)a);
 #elif defined __SSE2__
-    __m128i part[4];
-    memcpy(part, &a, sizeof a);
-    __m128i all = _mm_and_si128(_mm_and_si128(part[0], part[1]), _mm_and_si128(part[2], part[3]));
-    return _mm_movemask_ps(_mm_castsi128_ps(all)) != 0xf;
+    return (uint32_t)_mm_movemask_ps((__m128)a);
 #else
-    int32_t all = -1;
-    for (int l = 0; l < 16; l++) all &= a[l];
-    return all >= 0;
+    uint32_t bits = 0;
+    for (int l = 0; l < SL_PART; l++) bits |= (uint32_t)(a[l] < 0) << l;
+    return bits;
 #endif
 }
+enum { SL_PART_ALL = (1 << SL_PART) - 1 };
 
 /* Writes depth and id of the pixels where z wins: covered (outside >= 0) and nearer, or as near with the lower id. */
-static inline void sl_block_write(sl_block_ints outside, sl_block_floats z, sl_block_ints id, int larger_is_nearer,
-                                  uint32_t *ids, float *depths) {
+static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part_ints id, int larger_is_nearer, uint32_t *ids,
+                                 float *depths) {
 #if defined __AVX512DQ__
     /* The ids are looked at only where depths are equal, and nothing is written where nothing wins. */
     const __m512 old = _mm512_loadu_ps(depths);
@@ -108,12 +93,33 @@ static inline void sl_block_write(sl_block_ints outside, sl_block_floats z, sl_b
     _mm512_mask_storeu_ps(depths, wins, (__m512)z);
     _mm512_mask_storeu_epi32(ids, wins, (__m512i)id);
 #else
-    const sl_block_ints old_id = sl_block_load_ints(ids);
-    const sl_block_floats old = sl_block_load_floats(depths);
-    const sl_block_ints nearer = larger_is_nearer ? z > old : z < old;
-    const sl_block_ints wins = (outside >= 0) & (nearer | ((z == old) & (id < old_id)));
-    sl_block_store(depths, sl_block_select(wins, (sl_block_ints)old, (sl_block_ints)z));
-    sl_block_store(ids, sl_block_select(wins, old_id, id));
+    const sl_part_ints old_id = sl_part_load_ints(ids);
+    const sl_part_floats old = sl_part_load_floats(depths);
+    const sl_part_ints nearer = larger_is_nearer ? z > old : z < old;
+    const sl_part_ints wins = (outside >= 0) & (nearer | ((z == old) & (id < old_id)));
+    sl_part_store(depths, sl_part_select(wins, (sl_part_ints)old, (sl_part_ints)z));
+    sl_part_store(ids, sl_part_select(wins, old_id, id));
+#endif
+}
+
+/* Four blocks side by side, as four rows of sixteen pixels. */
+static inline void sl_block_rows(const uint32_t *blocks, uint32_t *to, size_t stride) {
+#if defined __AVX512DQ__
+    sl_part_ints b0 = sl_part_load_ints(blocks), b1 = sl_part_load_ints(blocks + 16), b2 = sl_part_load_ints(blocks + 32),
+                 b3 = sl_part_load_ints(blocks + 48);
+    sl_part_ints low01 = __builtin_shufflevector(b0, b1, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+    sl_part_ints low23 = __builtin_shufflevector(b2, b3, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+    sl_part_ints high01 = __builtin_shufflevector(b0, b1, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+    sl_part_ints high23 = __builtin_shufflevector(b2, b3, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+    sl_part_store(to, __builtin_shufflevector(low01, low23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23));
+    sl_part_store(to + stride, __builtin_shufflevector(low01, low23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31));
+    sl_part_store(to + 2 * stride, __builtin_shufflevector(high01, high23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23));
+    sl_part_store(to + 3 * stride,
+                  __builtin_shufflevector(high01, high23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31));
+#else
+    for (size_t row = 0; row < 4; row++) {
+        for (size_t k = 0; k < 4; k++) memcpy(to + row * stride + 4 * k, blocks + 16 * k + 4 * row, 16);
+    }
 #endif
 }
 

@@ -62,7 +62,7 @@ static int clip_by_plane(const sl_pass_view *view, int plane, const clip_vertex 
     const clip_vertex *p = &in[0];
     float d = plane_distance(view, plane, p);
     for (int i = 1; i <= count; i++) {
-        const clip_vertex *next = &in[i % count];
+        const clip_vertex *next = &in[i < count ? i : 0];
         float d_next = plane_distance(view, plane, next);
         if (d >= 0.0f && made < POLYGON_MAX) out[made++] = *p;
         if (d >= 0.0f && d_next < 0.0f && made < POLYGON_MAX) out[made++] = cut_edge(view, plane, next, d_next, p, d);
@@ -154,6 +154,20 @@ static bool append(sl_batch *batch, const window_vertex *a, const window_vertex 
     return true;
 }
 
+/* Whether the box around what is left holds a pixel centre. */
+static bool holds_centre(const window_vertex *window, int count) {
+    int32_t low_u = INT32_MAX, high_u = INT32_MIN, low_v = INT32_MAX, high_v = INT32_MIN;
+    for (int i = 0; i < count; i++) {
+        const window_vertex *p = &window[i];
+        if (!p->finite) continue;
+        low_u = p->snapped_u < low_u ? p->snapped_u : low_u;
+        high_u = p->snapped_u > high_u ? p->snapped_u : high_u;
+        low_v = p->snapped_v < low_v ? p->snapped_v : low_v;
+        high_v = p->snapped_v > high_v ? p->snapped_v : high_v;
+    }
+    return low_u <= high_u && (low_u + 255) >> 8 <= (high_u - 1) >> 8 && (low_v + 255) >> 8 <= (high_v - 1) >> 8;
+}
+
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buffer, const uint16_t corner[3],
                           sl_batch *batch) {
     clip_vertex polygon[2][POLYGON_MAX], triangle[3];
@@ -176,6 +190,7 @@ uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buff
         settle(view, &polygon[now][i]);
         window[i] = to_window(view, buffer, &polygon[now][i]);
     }
+    if (!holds_centre(window, count)) return 0;
     window_vertex span[3];
     const bool spanned = find_span(view, triangle, window, count, span);
     uint32_t made = 0;

@@ -338,7 +338,7 @@ static inline void sl_batch_append(const sl_raster *raster, const sl_vertex_buff
     }
 }
 
-/* Appends what is left of a triangle inside all planes, as a fan; corners are vertices of the buffer. At most
+/* Appends what is left of a triangle inside all planes, as a fan, if its box holds a pixel centre; corners are vertices of the buffer. At most
  * SL_CLIP_TRIANGLES; returns how many. */
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *vertices, const uint16_t corner[3],
                           sl_batch *batch);

@@ -7,30 +7,32 @@
 #include "raster/block.h"
 #include "raster/internal.h"
 
-/* Pixels of a block, numbered from the tile's first, within [first, last] in one direction. */
-static inline sl_block_ints within(sl_block_ints i, int first, int last) { return (i >= first) & (i <= last); }
+/* Pixels, numbered from the tile's first, within [first, last] in one direction. */
+static inline sl_part_ints within(sl_part_ints i, int first, int last) { return (i >= first) & (i <= last); }
 
 /* Hidden means strictly behind: at equal depth the lower triangle index wins. */
-static inline sl_block_ints open_pixels(const float *depth, sl_block_floats nearest, bool larger_is_nearer) {
-    const sl_block_floats drawn = sl_block_load_floats(depth);
+static inline sl_part_ints open_pixels(const float *depth, sl_part_floats nearest, bool larger_is_nearer) {
+    const sl_part_floats drawn = sl_part_load_floats(depth);
     return larger_is_nearer ? nearest >= drawn : nearest <= drawn;
 }
 
 /* Pixels are numbered from the tile's first. Row by row of blocks; only the outer blocks need masks. */
 static inline bool shows(const sl_tile *tile, const sl_rectangle *r, float bound, bool larger_is_nearer) {
     const int bx0 = r->x0 / SL_BLOCK, bx1 = r->x1 / SL_BLOCK;
-    const sl_block_floats nearest = sl_block_float(bound);
-    const sl_block_ints left = within(bx0 * SL_BLOCK + SL_BLOCK_X, r->x0, r->x1);
-    const sl_block_ints right = within(bx1 * SL_BLOCK + SL_BLOCK_X, r->x0, r->x1);
+    const sl_part_floats nearest = sl_part_float(bound);
+    const sl_part_ints left = within(bx0 * SL_BLOCK + sl_part_x(), r->x0, r->x1);
+    const sl_part_ints right = within(bx1 * SL_BLOCK + sl_part_x(), r->x0, r->x1);
     for (int by = r->y0 / SL_BLOCK; by <= r->y1 / SL_BLOCK; by++) {
-        const float *depth = tile->depth + (size_t)(by * tile->blocks_x + bx0) * SL_LANES;
-        sl_block_ints shown = open_pixels(depth, nearest, larger_is_nearer) & left;
-        for (int bx = bx0 + 1; bx < bx1; bx++) {
-            depth += SL_LANES;
-            shown |= open_pixels(depth, nearest, larger_is_nearer);
+        for (int part = 0; part < SL_PARTS; part++) {
+            const float *depth = tile->depth + (size_t)(by * tile->blocks_x + bx0) * SL_LANES + part * SL_PART;
+            sl_part_ints shown = open_pixels(depth, nearest, larger_is_nearer) & left;
+            for (int bx = bx0 + 1; bx < bx1; bx++) {
+                depth += SL_LANES;
+                shown |= open_pixels(depth, nearest, larger_is_nearer);
+            }
+            if (bx1 > bx0) shown |= open_pixels(depth + SL_LANES, nearest, larger_is_nearer) & right;
+            if (sl_part_negative(shown & within(by * SL_BLOCK + part * SL_PART_ROWS + sl_part_y(), r->y0, r->y1))) return true;
         }
-        if (bx1 > bx0) shown |= open_pixels(depth + SL_LANES, nearest, larger_is_nearer) & right;
-        if (sl_block_any(shown & within(by * SL_BLOCK + SL_BLOCK_Y, r->y0, r->y1))) return true;
     }
     return false;
 }
@@ -61,14 +63,6 @@ static void copy_pixels(const sl_tile *tile, const uint32_t *plane, int y, int x
     for (int x = x0; x < x1; x++) row[x] = plane[sl_tile_index(tile, x, y)];
 }
 
-/* Four rows' pixels [x, x + 16) of the tile, x at a block's left side. */
-static inline void copy_four_blocks(const uint32_t *from, uint32_t *to, size_t width) {
-    sl_block_ints block[4], row[4];
-    for (int k = 0; k < 4; k++) block[k] = sl_block_load_ints(from + k * SL_LANES);
-    sl_block_rows(block, row);
-    for (size_t k = 0; k < 4; k++) sl_block_store(to + k * width, row[k]);
-}
-
 static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint32_t *plane, uint32_t *out) {
     const size_t width = (size_t)view->width;
     const int first = tile->left + (tile->x0 - tile->left + SL_BLOCK - 1) / SL_BLOCK * SL_BLOCK;
@@ -76,7 +70,7 @@ static void copy_plane(const sl_pass_view *view, const sl_tile *tile, const uint
         uint32_t *to = out + (size_t)y * width;
         if ((y & (SL_BLOCK - 1)) == 0 && y + SL_BLOCK <= tile->y1 && first + SL_LANES <= tile->x1) {
             int x = first;
-            for (; x + SL_LANES <= tile->x1; x += SL_LANES) copy_four_blocks(plane + sl_tile_index(tile, x, y), to + x, width);
+            for (; x + SL_LANES <= tile->x1; x += SL_LANES) sl_block_rows(plane + sl_tile_index(tile, x, y), to + x, width);
             for (int k = 0; k < SL_BLOCK; k++) {
                 copy_pixels(tile, plane, y + k, tile->x0, first, to + (size_t)k * width);
                 copy_pixels(tile, plane, y + k, x, tile->x1, to + (size_t)k * width);

@@ -22,117 +22,120 @@ static inline bool nearer_than(sl_depth_rule rule, float z, float old) {
 
 /* ---- blocks ---- */
 
-/* What of a triangle its blocks need, fetched once. */
+/* What of a triangle's plane its blocks need, in all lanes. */
 typedef struct {
-    sl_block_floats origin, du, dv, least, most;
-    sl_block_ints origin_u, origin_v, id;
+    sl_part_floats origin, du, dv, least, most;
+    sl_part_ints origin_u, origin_v, id;
 } block_plane;
 
 static inline block_plane block_plane_of(const sl_batch *b, uint32_t t) {
-    return (block_plane){sl_block_float(b->depth_origin[t]), sl_block_float(b->depth_du[t]), sl_block_float(b->depth_dv[t]),
-                         sl_block_float(b->depth_min[t]), sl_block_float(b->depth_max[t]), sl_block_int(b->origin_u[t]),
-                         sl_block_int(b->origin_v[t]), sl_block_int((int32_t)b->id[t])};
+    return (block_plane){sl_part_float(b->depth_origin[t]), sl_part_float(b->depth_du[t]), sl_part_float(b->depth_dv[t]),
+                         sl_part_float(b->depth_min[t]), sl_part_float(b->depth_max[t]), sl_part_int(b->origin_u[t]),
+                         sl_part_int(b->origin_v[t]), sl_part_int((int32_t)b->id[t])};
 }
 
-/* Depth as sl_depth_at() has it, bit by bit: a row's part, and the distance of the block's columns from the plane's origin. */
-static inline sl_block_floats row_depth(const block_plane *p, int32_t y) {
-    sl_block_ints v = (y + SL_BLOCK_Y) * SL_SUBPIXEL - p->origin_v;
-    return p->origin + p->dv * __builtin_convertvector(v, sl_block_floats);
+/* Depth as sl_depth_at() has it, bit by bit: a row's part, and the distance of the columns from the plane's origin. */
+static inline sl_part_floats row_depth(const block_plane *p, int32_t y) {
+    sl_part_ints v = (y + sl_part_y()) * SL_SUBPIXEL - p->origin_v;
+    return p->origin + p->dv * __builtin_convertvector(v, sl_part_floats);
 }
 
-static inline sl_block_floats column_distance(const block_plane *p, int32_t x) {
-    sl_block_ints u = (x + SL_BLOCK_X) * SL_SUBPIXEL - p->origin_u;
-    return __builtin_convertvector(u, sl_block_floats);
+static inline sl_part_floats column_distance(const block_plane *p, int32_t x) {
+    sl_part_ints u = (x + sl_part_x()) * SL_SUBPIXEL - p->origin_u;
+    return __builtin_convertvector(u, sl_part_floats);
 }
 
-static inline sl_block_floats block_depth(const block_plane *p, sl_block_floats row, sl_block_floats column) {
-    sl_block_floats z = row + p->du * column;
-    z = sl_block_select_floats(z < p->least, z, p->least);
-    return sl_block_select_floats(z > p->most, z, p->most);
+static inline sl_part_floats block_depth(const block_plane *p, sl_part_floats row, sl_part_floats column) {
+    sl_part_floats z = row + p->du * column;
+    z = sl_part_select_floats(z < p->least, z, p->least);
+    return sl_part_select_floats(z > p->most, z, p->most);
 }
 
-/* Planes in OpenGL's form and steep ones. */
-static inline sl_block_floats other_depth(sl_depth_rule rule, const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
-    sl_block_floats z;
-    for (int l = 0; l < SL_LANES; l++) z[l] = sl_depth_at(rule, b, t, x + (l & 3), y + (l >> 2));
+/* Planes in OpenGL's form and steep ones: pixel by pixel. */
+static inline sl_part_floats other_depth(sl_depth_rule rule, const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+    sl_part_floats z;
+    for (int l = 0; l < SL_PART; l++) z[l] = sl_depth_at(rule, b, t, x + (l & 3), y + (l >> 2));
     return z;
 }
 
 /* The largest change of an edge function within a block, at one of its corners. */
 static inline int32_t reach_of(int32_t a, int32_t b) { return (a > 0 ? 3 * a : 0) + (b > 0 ? 3 * b : 0); }
 
-/* In each row of blocks the columns [low, high] that the triangle can touch: where every edge function reaches 0 somewhere
+/* In each row of blocks the columns [from, to] that the triangle can touch: where every edge function reaches 0 somewhere
  * in the block. With e its value in the row's first block, a block to the right adds 4 a, so that is from -e / (4 a) on for
- * a > 0, and up to e / (4 |a|) for a < 0. Sixteen rows, a lane each; a hundredth of a block covers the rounding. Most of the
- * blocks in the box of a triangle that lies across it are left out so. */
+ * a > 0, and up to e / (4 |a|) for a < 0. Rows are lanes; a hundredth of a block covers the rounding. Most of the blocks in
+ * the box of a triangle that lies across it are left out so. */
 enum { EXTENT_ROWS = SL_SPAN / SL_BLOCK };
-static inline void find_extents(const int32_t a[3], const int32_t b[3], const int32_t e[3], int last, int32_t *low, int32_t *high) {
-    const sl_block_ints row = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static inline void find_extents(const int32_t a[3], const int32_t b[3], const int32_t e[3], int last, int32_t *from, int32_t *to) {
     const float slack = 0.01f, end = (float)EXTENT_ROWS + 1.0f;
-    sl_block_ints from = sl_block_int(0), to = sl_block_int(last);
-    for (int k = 0; k < 3; k++) {
-        sl_block_ints at = (e[k] + reach_of(a[k], b[k])) + (SL_BLOCK * b[k]) * row;
-        sl_block_floats reach = __builtin_convertvector(at, sl_block_floats) * (1.0f / (float)(SL_BLOCK * (a[k] ? a[k] : 1)));
-        if (a[k] > 0) { /* -reach, rounded up */
-            reach = -reach;
-            reach = sl_block_select_floats(reach < 0.0f, reach, sl_block_float(0.0f));
-            reach = sl_block_select_floats(reach > end, reach, sl_block_float(end));
-            sl_block_ints first = __builtin_convertvector(reach + (1.0f - slack), sl_block_ints);
-            from = sl_block_select(first > from, from, first);
-        } else if (a[k] < 0) { /* |reach|, rounded down; -1 and less: none */
-            reach = -reach;
-            reach = sl_block_select_floats(reach < -1.0f, reach, sl_block_float(-1.0f));
-            reach = sl_block_select_floats(reach > end, reach, sl_block_float(end));
-            sl_block_ints final = __builtin_convertvector(reach + (1.0f + slack), sl_block_ints) - 1;
-            to = sl_block_select(final < to, to, final);
-        } else {
-            to = sl_block_select(at < 0, to, sl_block_int(-1));
+    for (int first = 0; first < EXTENT_ROWS; first += SL_PART) {
+        const sl_part_ints row = first + sl_part_lane();
+        sl_part_ints low = sl_part_int(0), high = sl_part_int(last);
+        for (int k = 0; k < 3; k++) {
+            sl_part_ints at = (e[k] + reach_of(a[k], b[k])) + (SL_BLOCK * b[k]) * row;
+            if (a[k] == 0) {
+                high = sl_part_select(at < 0, high, sl_part_int(-1));
+                continue;
+            }
+            sl_part_floats zero = __builtin_convertvector(at, sl_part_floats) * (-1.0f / (float)(SL_BLOCK * a[k]));
+            zero = sl_part_select_floats(zero < -1.0f, zero, sl_part_float(-1.0f));
+            zero = sl_part_select_floats(zero > end, zero, sl_part_float(end));
+            if (a[k] > 0) { /* rounded up; conversion cuts towards 0 */
+                sl_part_ints up = __builtin_convertvector(zero + (2.0f - slack), sl_part_ints) - 1;
+                low = sl_part_select(up > low, low, up);
+            } else {
+                sl_part_ints down = __builtin_convertvector(zero + (1.0f + slack), sl_part_ints) - 1;
+                high = sl_part_select(down < high, high, down);
+            }
         }
+        sl_part_store(from + first, low);
+        sl_part_store(to + first, high);
     }
-    sl_block_store(low, from);
-    sl_block_store(high, to);
 }
 
 /* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the first. */
-static inline void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule, bool steep,
-                               const int32_t a[3], const int32_t b[3], const int32_t e[3], int x0, int y0, int x1, int y1) {
-    const sl_block_ints right0 = sl_block_int(SL_BLOCK * a[0]), right1 = sl_block_int(SL_BLOCK * a[1]),
-                        right2 = sl_block_int(SL_BLOCK * a[2]);
-    sl_block_ints row0 = e[0] + a[0] * SL_BLOCK_X + b[0] * SL_BLOCK_Y, row1 = e[1] + a[1] * SL_BLOCK_X + b[1] * SL_BLOCK_Y;
-    sl_block_ints row2 = e[2] + a[2] * SL_BLOCK_X + b[2] * SL_BLOCK_Y;
-    const int left = tile->left, low = tile->low, rows = y1 - y0 + 1;
+static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *tile, const sl_batch *batch, uint32_t t,
+                                                              sl_depth_rule rule, bool steep, const int32_t a[3],
+                                                              const int32_t b[3], const int32_t e[3], int x0, int y0, int x1,
+                                                              int y1) {
+    const int left = tile->left + x0 * SL_BLOCK, low = tile->low + y0 * SL_BLOCK, columns = x1 - x0 + 1, rows = y1 - y0 + 1;
     const size_t stride = (size_t)tile->blocks_x * SL_LANES, first = (size_t)(y0 * tile->blocks_x + x0) * SL_LANES;
-    uint32_t *id_row = tile->id + first;
-    float *depth_row = tile->depth + first;
     const block_plane plane = block_plane_of(batch, t);
     const bool other = rule == SL_OPENGL_PLANE || steep;
-    const sl_block_floats first_column = column_distance(&plane, left + x0 * SL_BLOCK);
-    const bool narrow = (x1 - x0) * rows < 20; /* then the extents cost more than they save */
+    const sl_part_ints right0 = sl_part_int(SL_BLOCK * a[0]), right1 = sl_part_int(SL_BLOCK * a[1]),
+                       right2 = sl_part_int(SL_BLOCK * a[2]);
+    const sl_part_floats first_column = column_distance(&plane, left), right = sl_part_float((float)(SL_BLOCK * SL_SUBPIXEL));
+    sl_part_ints row0 = e[0] + a[0] * sl_part_x() + b[0] * sl_part_y(), row1 = e[1] + a[1] * sl_part_x() + b[1] * sl_part_y();
+    sl_part_ints row2 = e[2] + a[2] * sl_part_x() + b[2] * sl_part_y();
     int32_t from[EXTENT_ROWS], to[EXTENT_ROWS];
-    if (!narrow) find_extents(a, b, e, x1 - x0, from, to);
-    for (int y = 0; y < rows; y++, id_row += stride, depth_row += stride) {
+    const bool narrow = columns * rows < 24; /* then the extents cost more than they save */
+    if (!narrow) find_extents(a, b, e, columns - 1, from, to);
+    for (int y = 0; y < rows; y++) {
         const bool whole = narrow || y >= EXTENT_ROWS; /* unaligned, a span's height touches one row more */
-        const int begin = whole ? 0 : from[y], end = whole ? x1 - x0 : to[y];
-        sl_block_ints e0 = row0 + begin * right0, e1 = row1 + begin * right1, e2 = row2 + begin * right2;
-        sl_block_floats row = row_depth(&plane, low + (y0 + y) * SL_BLOCK);
-        sl_block_floats column = first_column + (float)(begin * SL_BLOCK * SL_SUBPIXEL); /* whole numbers: exact */
-        uint32_t *id = id_row + begin * SL_LANES;
-        float *depth = depth_row + begin * SL_LANES;
-        for (int x = begin; x <= end; x++, id += SL_LANES, depth += SL_LANES) {
-            sl_block_ints outside = e0 | e1 | e2;
-            if (sl_block_any_positive(outside)) {
-                sl_block_floats z = other ? other_depth(rule, batch, t, left + (x0 + x) * SL_BLOCK, low + (y0 + y) * SL_BLOCK)
-                                          : block_depth(&plane, row, column);
-                sl_block_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, id, depth);
+        const int begin = whole ? 0 : from[y], end = whole ? columns - 1 : to[y];
+        for (int part = 0; part < SL_PARTS; part++) {
+            sl_part_ints e0 = row0 + begin * right0, e1 = row1 + begin * right1, e2 = row2 + begin * right2;
+            const sl_part_floats row = row_depth(&plane, low + y * SL_BLOCK + part * SL_PART_ROWS);
+            sl_part_floats column = first_column + (float)begin * right; /* whole numbers: exact */
+            size_t at = first + (size_t)y * stride + (size_t)begin * SL_LANES + (size_t)part * SL_PART;
+            uint32_t *id = tile->id + at;
+            float *depth = tile->depth + at;
+            for (int x = begin; x <= end; x++, id += SL_LANES, depth += SL_LANES) {
+                const sl_part_ints outside = e0 | e1 | e2;
+                if (sl_part_negative(outside) != SL_PART_ALL) {
+                    const int i = left + x * SL_BLOCK, j = low + y * SL_BLOCK + part * SL_PART_ROWS;
+                    sl_part_floats z = other ? other_depth(rule, batch, t, i, j) : block_depth(&plane, row, column);
+                    sl_part_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, id, depth);
+                }
+                e0 += right0;
+                e1 += right1;
+                e2 += right2;
+                column += right;
             }
-            e0 += right0;
-            e1 += right1;
-            e2 += right2;
-            column += (float)(SL_BLOCK * SL_SUBPIXEL);
+            row0 += SL_PART_ROWS * b[0];
+            row1 += SL_PART_ROWS * b[1];
+            row2 += SL_PART_ROWS * b[2];
         }
-        row0 += SL_BLOCK * b[0];
-        row1 += SL_BLOCK * b[1];
-        row2 += SL_BLOCK * b[2];
     }
 }
 
@@ -199,8 +202,7 @@ static inline bool fits_span(const sl_batch *batch, uint32_t t) {
 
 /* By themselves, so that the others' loops do not carry their burden. */
 __attribute__((noinline)) static void draw_steep(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t t) {
-    if (fits_span(batch, t)) draw_small(tile, batch, t, view->rule, true);
-    else draw_large(view, tile, batch, t, view->rule, true);
+    draw_large(view, tile, batch, t, view->rule, true);
 }
 
 static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first,
