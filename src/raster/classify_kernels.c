@@ -30,9 +30,15 @@ static group_bits classify_inside(const uint16_t *restrict c0, const uint16_t *r
                                   const int32_t *restrict cell, const sl_tile *tile) {
     const int32_t x0 = tile->x0, y0 = tile->y0, x1 = tile->x1, y1 = tile->y1;
     int32_t culled[SL_LANES], elsewhere[SL_LANES], large[SL_LANES]; /* negative where it is so */
+    int32_t cells[3][SL_LANES];
+    for (int t = 0; t < SL_LANES; t++) {
+        cells[0][t] = cell[c0[t]];
+        cells[1][t] = cell[c1[t]];
+        cells[2][t] = cell[c2[t]];
+    }
 #pragma omp simd
     for (int t = 0; t < SL_LANES; t++) {
-        int32_t p = cell[c0[t]], q = cell[c1[t]], r = cell[c2[t]];
+        int32_t p = cells[0][t], q = cells[1][t], r = cells[2][t];
         int32_t px = cell_x(p), qx = cell_x(q), rx = cell_x(r), py = p >> 16, qy = q >> 16, ry = r >> 16;
         int32_t low_x = min3(px, qx, rx), high_x = max3(px, qx, rx), low_y = min3(py, qy, ry), high_y = max3(py, qy, ry);
         culled[t] = (high_x - low_x - 1) | (high_y - low_y - 1);
@@ -118,16 +124,19 @@ static inline int32_t cover_row(int32_t e0, int32_t e1, int32_t e2, int32_t a0, 
     return (~sl_if_negative(p0) & 1) | (~sl_if_negative(p1) & 2) | (~sl_if_negative(p2) & 4) | (~sl_if_negative(p3) & 8);
 }
 
-static void cover_group(const int32_t *restrict c0, const int32_t *restrict c1, const int32_t *restrict c2,
-                        const int32_t *restrict snapped_u, const int32_t *restrict snapped_v, const int32_t *restrict cell,
-                        int32_t *restrict x, int32_t *restrict y, int32_t *restrict covered) {
+/* Sixteen triangles' corners; fetched one by one, since compilers, left to do it, fetch each lane by itself as well and take
+ * more instructions over it. */
+typedef struct {
+    int32_t u[3][SL_LANES], v[3][SL_LANES];
+} corner_group;
+
+static void cover_group(const corner_group *restrict g, int32_t *restrict x, int32_t *restrict y, int32_t *restrict covered) {
 #pragma omp simd
     for (int l = 0; l < SL_LANES; l++) {
-        int32_t p = c0[l], q = c1[l], r = c2[l];
-        int32_t cp = cell[p], cq = cell[q], cr = cell[r];
-        int32_t low_x = min3(cell_x(cp), cell_x(cq), cell_x(cr)), low_y = min3(cp >> 16, cq >> 16, cr >> 16);
-        int32_t u0 = snapped_u[p] - low_x * 256, u1 = snapped_u[q] - low_x * 256, u2 = snapped_u[r] - low_x * 256;
-        int32_t v0 = snapped_v[p] - low_y * 256, v1 = snapped_v[q] - low_y * 256, v2 = snapped_v[r] - low_y * 256;
+        int32_t u0 = g->u[0][l], u1 = g->u[1][l], u2 = g->u[2][l], v0 = g->v[0][l], v1 = g->v[1][l], v2 = g->v[2][l];
+        int32_t low_x = (min3(u0, u1, u2) + 255) >> 8, low_y = (min3(v0, v1, v2) + 255) >> 8;
+        u0 -= low_x * 256, u1 -= low_x * 256, u2 -= low_x * 256;
+        v0 -= low_y * 256, v1 -= low_y * 256, v2 -= low_y * 256;
         int32_t area = (u1 - u0) * (v2 - v0) - (u2 - u0) * (v1 - v0);
         int32_t turned = sl_if_negative(area);
         int32_t a0 = sl_turn_if(turned, v1 - v2), a1 = sl_turn_if(turned, v2 - v0), a2 = sl_turn_if(turned, v0 - v1);
@@ -157,15 +166,18 @@ void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *r, uint32_t cluster, const
 void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *r, uint32_t cluster, const sl_tile *tile, const sl_vertex_buffer *b,
                                      const sl_classes *classes, sl_tiny *tiny) {
     uint32_t first = r->first_triangle[cluster], found = 0;
+    corner_group group = {{{0}}, {{0}}};
     for (uint32_t n = 0; n < classes->tiny; n += SL_LANES) {
         int32_t x[SL_LANES], y[SL_LANES], covered[SL_LANES];
-        int32_t corner[3][SL_LANES];
         uint32_t here = classes->tiny - n < SL_LANES ? classes->tiny - n : SL_LANES;
-        for (uint32_t l = 0; l < SL_LANES; l++) {
-            uint32_t t = first + classes->tiny_list[n + (l < here ? l : here - 1)]; /* the last one again where the group is not full */
-            for (int k = 0; k < 3; k++) corner[k][l] = r->corner[k][t];
+        for (uint32_t l = 0; l < here; l++) {
+            for (int k = 0; k < 3; k++) {
+                uint16_t vertex = r->corner[k][first + classes->tiny_list[n + l]];
+                group.u[k][l] = b->snapped_u[vertex];
+                group.v[k][l] = b->snapped_v[vertex];
+            }
         }
-        cover_group(corner[0], corner[1], corner[2], b->snapped_u, b->snapped_v, b->cell, x, y, covered);
+        cover_group(&group, x, y, covered);
         for (uint32_t l = 0; l < here; l++) {
             int32_t left = covered[l] ? within_tile(tile, x[l], y[l], covered[l]) : 0;
             tiny->triangle[found] = classes->tiny_list[n + l];
