@@ -31,12 +31,13 @@ sl_status sl_raster_depth_cube(const sl_raster *raster, sl_vec3 eye, int size, f
         sl_depth_cube_destroy(c);
         return sl_fail_memory(error, "a depth cube");
     }
-    sl_status status = SL_OK;
-    for (int face = 0; face < 6 && status == SL_OK; face++) {
-        sl_view view = sl_view_cube_face(eye, face, size, near);
-        sl_target target = {size, size, NULL, c->depth + (size_t)face * face_pixels};
-        status = sl_raster_id(raster, &view, threads, &target, counters, error);
+    sl_view views[6];
+    sl_target targets[6];
+    for (int face = 0; face < 6; face++) {
+        views[face] = sl_view_cube_face(eye, face, size, near);
+        targets[face] = (sl_target){size, size, NULL, c->depth + (size_t)face * face_pixels};
     }
+    sl_status status = sl_raster_ids(raster, 6, views, threads, targets, counters, error);
     if (status == SL_OK) *cube = c;
     else sl_depth_cube_destroy(c);
     return status;

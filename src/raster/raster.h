@@ -90,6 +90,9 @@ void sl_raster_scratch_destroy(sl_raster_scratch *scratch);
  * give the same bits. id or depth may be NULL. What the coarse depth shows to be hidden is not drawn, and counted as culled clusters. */
 sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads, const sl_target *target,
                        sl_counters *counters, sl_error *error);
+/* Several views at once, a target for each: the same as one after another, but the threads share all of their tiles. */
+sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *views, unsigned threads, const sl_target *targets,
+                        sl_counters *counters, sl_error *error);
 /* The same on the calling thread alone, without allocating. */
 void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target, sl_raster_scratch *scratch,
                         sl_counters *counters);

@@ -8,39 +8,61 @@
 #include "base/parallel.h"
 #include "raster/internal.h"
 
+/* One view of those that are drawn together. */
 typedef struct {
-    const sl_raster *raster;
     const sl_view *view;
     const sl_target *target;
     sl_pass_view pass;
     sl_tiles tiles;
+    size_t first_tile; /* of all views' */
     sl_visible visible;
     sl_cluster_fate *fate;
-    sl_raster_scratch *scratch; /* one a worker */
-} tiled_pass;
+} tiled_view;
 
-static void draw_tile(void *context, size_t index, unsigned worker) {
-    tiled_pass *p = context;
-    sl_raster_scratch *scratch = &p->scratch[worker];
-    int column = p->tiles.first_column + (int)index % p->tiles.columns, row = p->tiles.first_row + (int)index / p->tiles.columns;
-    sl_tile_place(&scratch->tile, &p->pass, column, row);
-    sl_tile_draw(p->raster, p->view, &p->pass, &p->visible, scratch, p->fate);
-    p->raster->kernels->copy_out(&p->pass, &scratch->tile, p->target->id, p->target->depth);
+typedef struct {
+    const sl_raster *raster;
+    size_t pictures, tiles;
+    tiled_view *picture;
+    sl_raster_scratch *scratch; /* one a worker */
+} tiled_passes;
+
+static void cull_view(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    tiled_passes *p = context;
+    tiled_view *picture = &p->picture[index];
+    p->raster->kernels->cull(p->raster, &picture->pass, &picture->visible);
+    sl_visible_sort(&picture->visible);
 }
 
-static bool allocate(tiled_pass *p, unsigned threads) {
-    p->fate = sl_allocate(p->raster->cluster_count, sizeof *p->fate);
-    p->scratch = sl_allocate(threads, sizeof *p->scratch);
-    bool ok = sl_visible_allocate(&p->visible, p->raster) && p->fate && p->scratch;
+static void draw_tile(void *context, size_t index, unsigned worker) {
+    tiled_passes *p = context;
+    const tiled_view *picture = p->picture;
+    while (picture + 1 < p->picture + p->pictures && index >= picture[1].first_tile) picture++;
+    int number = (int)(index - picture->first_tile), columns = picture->tiles.columns;
+    sl_raster_scratch *scratch = &p->scratch[worker];
+    sl_tile_place(&scratch->tile, &picture->pass, picture->tiles.first_column + number % columns,
+                  picture->tiles.first_row + number / columns);
+    sl_tile_draw(p->raster, picture->view, &picture->pass, &picture->visible, scratch, picture->fate);
+    p->raster->kernels->copy_out(&picture->pass, &scratch->tile, picture->target->id, picture->target->depth);
+}
+
+static bool allocate(tiled_passes *p, unsigned threads) {
+    bool ok = (p->scratch = sl_allocate(threads, sizeof *p->scratch)) != NULL;
+    for (size_t n = 0; n < p->pictures; n++) {
+        p->picture[n].fate = sl_allocate(p->raster->cluster_count, sizeof *p->picture[n].fate);
+        ok &= sl_visible_allocate(&p->picture[n].visible, p->raster) && p->picture[n].fate;
+    }
     for (unsigned i = 0; p->scratch && i < threads; i++) ok &= sl_scratch_allocate(&p->scratch[i]);
     return ok;
 }
 
-static void release(tiled_pass *p, unsigned threads) {
+static void release(tiled_passes *p, unsigned threads) {
     for (unsigned i = 0; p->scratch && i < threads; i++) sl_scratch_free(&p->scratch[i]);
     sl_free(p->scratch);
-    sl_free(p->fate);
-    sl_visible_free(&p->visible);
+    for (size_t n = 0; n < p->pictures; n++) {
+        sl_free(p->picture[n].fate);
+        sl_visible_free(&p->picture[n].visible);
+    }
 }
 
 sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error) {
@@ -53,23 +75,41 @@ sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_err
                    view->width, view->height, view->x, view->y, target->width, target->height, (int)SL_RASTER_MAX_SIZE);
 }
 
+static bool draw_pictures(tiled_passes *p, unsigned threads, sl_counters *counters) {
+    threads = sl_thread_count(threads);
+    if (threads > p->tiles) threads = (unsigned)p->tiles;
+    bool ok = allocate(p, threads);
+    if (ok) {
+        sl_parallel_for(threads, p->pictures, cull_view, p);
+        sl_parallel_for(threads, p->tiles, draw_tile, p);
+        for (size_t n = 0; n < p->pictures; n++) {
+            sl_pass_count(p->raster, &p->picture[n].visible, p->picture[n].fate, counters);
+        }
+    }
+    release(p, threads);
+    return ok;
+}
+
+sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *views, unsigned threads, const sl_target *targets,
+                        sl_counters *counters, sl_error *error) {
+    tiled_view *pictures = sl_allocate(count, sizeof *pictures);
+    if (!pictures) return sl_fail_memory(error, "a list of views");
+    tiled_passes p = {.raster = raster, .pictures = count, .picture = pictures};
+    sl_status status = SL_OK;
+    for (size_t n = 0; n < count && status == SL_OK; n++) {
+        status = sl_viewport_check(&views[n], &targets[n], error);
+        if (status != SL_OK) break;
+        pictures[n] = (tiled_view){.view = &views[n], .target = &targets[n], .first_tile = p.tiles,
+                                .pass = sl_pass_view_make(&views[n], targets[n].width, targets[n].height)};
+        pictures[n].tiles = sl_tiles_of(&pictures[n].pass);
+        p.tiles += (size_t)pictures[n].tiles.columns * (size_t)pictures[n].tiles.rows;
+    }
+    if (status == SL_OK && p.tiles && !draw_pictures(&p, threads, counters)) status = sl_fail_memory(error, "a render's planes");
+    sl_free(pictures);
+    return status;
+}
+
 sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads, const sl_target *target,
                        sl_counters *counters, sl_error *error) {
-    sl_status status = sl_viewport_check(view, target, error);
-    if (status != SL_OK) return status;
-    tiled_pass p = {.raster = raster, .view = view, .target = target,
-                    .pass = sl_pass_view_make(view, target->width, target->height)};
-    p.tiles = sl_tiles_of(&p.pass);
-    size_t tiles = (size_t)p.tiles.columns * (size_t)p.tiles.rows;
-    threads = sl_thread_count(threads);
-    if (threads > tiles) threads = (unsigned)tiles;
-    bool ok = allocate(&p, threads);
-    if (ok) {
-        raster->kernels->cull(raster, &p.pass, &p.visible);
-        sl_visible_sort(&p.visible);
-        sl_parallel_for(threads, tiles, draw_tile, &p);
-        sl_pass_count(raster, &p.visible, p.fate, counters);
-    }
-    release(&p, threads);
-    return ok ? SL_OK : sl_fail_memory(error, "a render's planes");
+    return sl_raster_ids(raster, 1, view, threads, target, counters, error);
 }
