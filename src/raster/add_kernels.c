@@ -1,80 +1,263 @@
-/* The fragments of one triangle, added to planes in the target's row order, sixteen pixels of a row at a time. */
-#include "raster/internal.h"
+/* The fragments of a batch of triangles, added to a tile: span by span, within a span triangle by triangle, and of each
+ *
+ *     cover       its pixels, where edges cross the span
+ *     divide      1 / denominator at each, unless that is 1 all over the triangle
+ *     add         channel after channel, the quotient, which is bounded by the corners' values
+ *
+ * Every value comes from the triangle and the pixel alone; groups of sixteen pixels of a row only say what is done together. */
+#include <string.h>
 
-/* The row's first group: edge functions, denominator, all linear along the row. */
+#include "base/bits16.h"
+#include "raster/add.h"
+
+enum { WIDTH = SL_ADD_WIDTH, HEIGHT = SL_ADD_HEIGHT };
+
+/* A triangle's part of a span: pixels told from the span's first. */
 typedef struct {
-    int32_t e[3], a[3];
-    int32_t first, last; /* lanes that may be drawn, inclusive */
-    float denominator, step;
-} row;
+    int x0, y0, x1, y1; /* its box within the span, inclusive */
+    int32_t a[3], b[3], e[3];
+    bool whole;         /* all of the box is covered, and groups do not reach beyond it */
+} part;
 
-static uint32_t cover(const row *r, int lanes, int32_t *restrict inside) {
-    const int32_t e0 = r->e[0], e1 = r->e[1], e2 = r->e[2], a0 = r->a[0], a1 = r->a[1], a2 = r->a[2];
-    const int32_t first = r->first, last = r->last;
-    int32_t count = 0;
-#pragma omp simd reduction(+ : count)
-    for (int l = 0; l < lanes; l++) {
-        int32_t in = ((e0 + a0 * l) | (e1 + a1 * l) | (e2 + a2 * l) | (l - first) | (last - l)) >= 0 ? 1 : 0;
-        inside[l] = in;
-        count += in;
-    }
-    return (uint32_t)count;
+/* ---- spans ---- */
+
+static sl_rectangle span_within(const sl_tile *tile, int span) {
+    int x = tile->left + span % SL_ADD_COLUMNS * WIDTH, y = tile->low + span / SL_ADD_COLUMNS * HEIGHT;
+    return (sl_rectangle){x > tile->x0 ? x : tile->x0, y > tile->y0 ? y : tile->y0, x + WIDTH < tile->x1 ? x + WIDTH - 1 : tile->x1 - 1,
+                          y + HEIGHT < tile->y1 ? y + HEIGHT - 1 : tile->y1 - 1};
 }
 
-static void add_values(const int32_t *restrict inside, const float *restrict over, int lanes, float first, float step,
-                       float least, float most, float *restrict out) {
+/* Between the target and the worker's memory. */
+static void move_span(const sl_add_tile *add, const sl_tile *tile, int span, bool fetch) {
+    const sl_rectangle r = span_within(tile, span);
+    const size_t bytes = (size_t)(r.x1 - r.x0 + 1) * sizeof(float);
+    for (int c = 0; c < add->channels; c++) {
+        for (int y = r.y0; y <= r.y1; y++) {
+            float *there = add->target + (size_t)c * add->plane + (size_t)y * (size_t)add->width + (size_t)r.x0;
+            float *here = sl_add_plane(add, span, c) + (y & (HEIGHT - 1)) * WIDTH + (r.x0 & (WIDTH - 1));
+            memcpy(fetch ? here : there, fetch ? there : here, bytes);
+        }
+    }
+}
+
+/* ---- cover ---- */
+
+/* False where an edge function is negative all over the span. */
+static bool find_part(const sl_wide_edges *w, sl_rectangle box, part *p) {
+    const int x = box.x0 & -WIDTH, y = box.y0 & -HEIGHT;
+    *p = (part){.x0 = box.x0 - x, .y0 = box.y0 - y, .x1 = box.x1 - x, .y1 = box.y1 - y};
+    bool whole = p->x0 % SL_LANES == 0 && p->x1 % SL_LANES == SL_LANES - 1;
+    for (int k = 0; k < 3; k++) {
+        const int64_t at_first = w->c[k] + w->a[k] * x + w->b[k] * y;
+        const int64_t low_x = w->a[k] * p->x0, high_x = w->a[k] * p->x1, low_y = w->b[k] * p->y0, high_y = w->b[k] * p->y1;
+        if (at_first + (low_x > high_x ? low_x : high_x) + (low_y > high_y ? low_y : high_y) < 0) return false;
+        const bool crosses = at_first + (low_x < high_x ? low_x : high_x) + (low_y < high_y ? low_y : high_y) < 0;
+        p->a[k] = crosses ? (int32_t)w->a[k] : 0;
+        p->b[k] = crosses ? (int32_t)w->b[k] : 0;
+        p->e[k] = crosses ? sl_clamp_edge(at_first) : 0;
+        whole &= !crosses;
+    }
+    p->whole = whole;
+    return true;
+}
+
+static uint32_t cover_row(const part *p, int y, int32_t *restrict outside, int32_t *begin, int32_t *end) {
+    const int32_t e0 = p->e[0] + p->b[0] * y, e1 = p->e[1] + p->b[1] * y, e2 = p->e[2] + p->b[2] * y;
+    const int32_t a0 = p->a[0], a1 = p->a[1], a2 = p->a[2], x0 = p->x0, x1 = p->x1;
+    uint32_t count = 0;
+    int32_t from = WIDTH, to = 0;
+    for (int32_t x = x0 & -SL_LANES; x <= x1; x += SL_LANES) {
 #pragma omp simd
-    for (int l = 0; l < lanes; l++) {
-        float value = (first + step * (float)l) * over[l];
-        value = value > least ? value : least; /* also NaN */
-        value = value < most ? value : most;
-        out[l] = inside[l] ? out[l] + value : out[l];
+        for (int32_t l = x; l < x + SL_LANES; l++) outside[l] = (e0 + a0 * l) | (e1 + a1 * l) | (e2 + a2 * l) | (l - x0) | (x1 - l);
+        const uint32_t inside = ~sl_bits16_negative(outside + x) & 0xffffu;
+        if (!inside) continue;
+        count += sl_bits16_count(inside);
+        from = from < x ? from : x;
+        to = x + SL_LANES;
+    }
+    *begin = from;
+    *end = to;
+    return count;
+}
+
+static uint64_t cover(const part *p, sl_add_tile *add) {
+    uint64_t count = 0;
+    for (int y = p->y0; y <= p->y1; y++) {
+        if (p->whole) {
+            add->begin[y] = p->x0;
+            add->end[y] = p->x1 + 1;
+        } else {
+            count += cover_row(p, y, add->outside + y * WIDTH, &add->begin[y], &add->end[y]);
+        }
+    }
+    return p->whole ? (uint64_t)(p->x1 - p->x0 + 1) * (uint64_t)(p->y1 - p->y0 + 1) : count;
+}
+
+/* ---- divide and add ---- */
+
+/* What depends on the column alone. */
+static void find_columns(const part *p, sl_value_plane v, int32_t right, bool opengl, float *restrict column) {
+    const float a = v.a, c = v.c;
+    for (int32_t x = p->x0 & -SL_LANES; x <= p->x1; x += SL_LANES) {
+        if (opengl) {
+#pragma omp simd
+            for (int32_t l = x; l < x + SL_LANES; l++) column[l] = fmaf(a, (float)(l + right), c);
+        } else {
+#pragma omp simd
+            for (int32_t l = x; l < x + SL_LANES; l++) column[l] = a * (float)(l + right);
+        }
     }
 }
 
-static uint32_t add_group(const row *r, int lanes, const sl_add_triangle *v, int channels, float dx, float dy, size_t pixel,
-                          size_t plane, float *planes) {
-    int32_t inside[SL_LANES];
-    float over[SL_LANES];
-    uint32_t count = cover(r, lanes, inside);
+static void divide(const part *p, sl_value_plane v, int32_t right, int32_t up, sl_add_tile *add) {
+    const float *restrict column = add->column;
+    find_columns(p, v, right, add->opengl, add->column);
+    for (int y = p->y0; y <= p->y1; y++) {
+        float *restrict over = add->over + y * WIDTH;
+        const float b = v.b, dy = (float)(y + up), row = v.c + b * dy;
+        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
+            if (add->opengl) {
+#pragma omp simd
+                for (int32_t l = x; l < x + SL_LANES; l++) over[l] = 1.0f / fmaf(b, dy, column[l]);
+            } else {
+#pragma omp simd
+                for (int32_t l = x; l < x + SL_LANES; l++) over[l] = 1.0f / (row + column[l]);
+            }
+        }
+    }
+}
+
+/* One row; compiled for each case. */
+static inline __attribute__((always_inline)) void add_row(const int32_t *restrict outside, const float *restrict over,
+                                                          const float *restrict column, float row, float least, float most,
+                                                          int32_t begin, int32_t end, bool whole, bool level, float *restrict sum) {
+    for (int32_t x = begin; x < end; x += SL_LANES) {
+#pragma omp simd
+        for (int32_t l = x; l < x + SL_LANES; l++) {
+            float value = row + column[l];
+            if (!level) value *= over[l];
+            value = value > least ? value : least; /* also NaN */
+            value = value < most ? value : most;
+            float added = sum[l] + value;
+            sum[l] = whole || outside[l] >= 0 ? added : sum[l];
+        }
+    }
+}
+
+static inline __attribute__((always_inline)) void add_rows(const part *p, const sl_add_tile *add, const sl_add_channel *channel, int32_t up,
+                                                           bool whole, bool level, float *plane) {
+    const float b = channel->value.b, c = channel->value.c;
+    for (int y = p->y0; y <= p->y1; y++) {
+        const float row = c + b * (float)(y + up);
+        const int32_t *outside = add->outside + y * WIDTH;
+        const float *over = add->over + y * WIDTH;
+        if (whole && p->x0 == 0 && p->x1 == WIDTH - 1) { /* a constant number of groups */
+            add_row(outside, over, add->column, row, channel->least, channel->most, 0, WIDTH, whole, level, plane + y * WIDTH);
+        } else {
+            add_row(outside, over, add->column, row, channel->least, channel->most, add->begin[y], add->end[y], whole, level,
+                    plane + y * WIDTH);
+        }
+    }
+}
+
+static void add_opengl(const part *p, const sl_add_tile *add, const sl_add_channel *channel, int32_t up, float *plane) {
+    const float b = channel->value.b, *restrict column = add->column;
+    for (int y = p->y0; y <= p->y1; y++) {
+        const int32_t *restrict outside = add->outside + y * WIDTH;
+        const float *restrict over = add->over + y * WIDTH, dy = (float)(y + up);
+        float *restrict sum = plane + y * WIDTH;
+        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
+#pragma omp simd
+            for (int32_t l = x; l < x + SL_LANES; l++) {
+                float added = sum[l] + fmaf(b, dy, column[l]) * over[l];
+                sum[l] = p->whole || outside[l] >= 0 ? added : sum[l];
+            }
+        }
+    }
+}
+
+static void add_constant(const part *p, const sl_add_tile *add, float value, float *plane) {
+    for (int y = p->y0; y <= p->y1; y++) {
+        const int32_t *restrict outside = add->outside + y * WIDTH;
+        float *restrict sum = plane + y * WIDTH;
+        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
+#pragma omp simd
+            for (int32_t l = x; l < x + SL_LANES; l++) {
+                float added = sum[l] + value;
+                sum[l] = p->whole || outside[l] >= 0 ? added : sum[l];
+            }
+        }
+    }
+}
+
+static void add_channel(const part *p, sl_add_tile *add, const sl_add_channel *channel, bool level, int32_t right, int32_t up, float *plane) {
+    if (channel->least == channel->most) {
+        add_constant(p, add, channel->least, plane);
+        return;
+    }
+    find_columns(p, channel->value, right, add->opengl, add->column);
+    if (add->opengl) add_opengl(p, add, channel, up, plane);
+    else if (level && p->whole) add_rows(p, add, channel, up, true, true, plane);
+    else if (level) add_rows(p, add, channel, up, false, true, plane);
+    else if (p->whole) add_rows(p, add, channel, up, true, false, plane);
+    else add_rows(p, add, channel, up, false, false, plane);
+}
+
+/* ---- the batch ---- */
+
+static uint64_t add_part(const part *p, sl_add_tile *add, uint32_t t, int span, int32_t right, int32_t up) {
+    const sl_add_channel *channel = add->planes.channel + (size_t)t * (size_t)add->channels;
+    const uint64_t count = cover(p, add);
+    bool varies = false;
     if (!count) return 0;
-#pragma omp simd
-    for (int l = 0; l < lanes; l++) over[l] = 1.0f / (r->denominator + r->step * (float)l);
-    for (int c = 0; c < channels; c++) {
-        const sl_add_channel *channel = &v->channel[c];
-        float first = (channel->value.c + channel->value.b * dy) + channel->value.a * dx;
-        add_values(inside, over, lanes, first, channel->value.a, channel->least, channel->most, planes + (size_t)c * plane + pixel);
+    for (int c = 0; c < add->channels; c++) varies |= channel[c].least != channel[c].most;
+    if (varies && !add->planes.level[t]) divide(p, add->planes.denominator[t], right, up, add);
+    for (int c = 0; c < add->channels; c++) {
+        add_channel(p, add, &channel[c], add->planes.level[t], right, up, sl_add_plane(add, span, c));
     }
     return count;
 }
 
-uint64_t SL_KERNEL(sl_raster_add_triangle)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *v,
-                                           int channels, float *planes);
-uint64_t SL_KERNEL(sl_raster_add_triangle)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *v,
-                                           int channels, float *planes) {
-    sl_wide_edges w;
+static uint64_t add_span(const sl_tile *tile, const sl_batch *batch, sl_add_tile *add, int span) {
+    const sl_rectangle r = span_within(tile, span);
+    const int x = r.x0 & -WIDTH, y = r.y0 & -HEIGHT;
     uint64_t blended = 0;
-    if (!sl_widen_edges(batch, t, &w)) return 0;
-    const size_t plane = (size_t)view->width * (size_t)view->height;
-    for (int y = batch->y0[t]; y <= batch->y1[t]; y++) {
-        for (int x = batch->x0[t] & -SL_LANES; x <= batch->x1[t]; x += SL_LANES) {
-            int lanes = x + SL_LANES <= view->width ? SL_LANES : view->width - x;
-            float dx = (float)(x - v->x), dy = (float)(y - v->y);
-            row r = {.first = batch->x0[t] - x, .last = batch->x1[t] - x,
-                     .denominator = (v->denominator.c + v->denominator.b * dy) + v->denominator.a * dx, .step = v->denominator.a};
-            bool missed = false;
-            for (int k = 0; k < 3; k++) {
-                int64_t e = w.c[k] + w.a[k] * x + w.b[k] * y;
-                missed |= e + (w.a[k] > 0 ? w.a[k] * (SL_LANES - 1) : 0) < 0;
-                r.e[k] = sl_clamp_edge(e);
-                r.a[k] = (int32_t)w.a[k];
-            }
-            if (missed) continue;
-            size_t pixel = (size_t)y * (size_t)view->width + (size_t)x;
-            /* The constant, so that the common case is compiled for it. */
-            blended += lanes == SL_LANES ? add_group(&r, SL_LANES, v, channels, dx, dy, pixel, plane, planes)
-                                         : add_group(&r, lanes, v, channels, dx, dy, pixel, plane, planes);
+    for (uint32_t t = 0; t < batch->count; t++) {
+        const sl_rectangle box = {batch->x0[t] > r.x0 ? batch->x0[t] : r.x0, batch->y0[t] > r.y0 ? batch->y0[t] : r.y0,
+                                  batch->x1[t] < r.x1 ? batch->x1[t] : r.x1, batch->y1[t] < r.y1 ? batch->y1[t] : r.y1};
+        part p;
+        if (box.x0 > box.x1 || box.y0 > box.y1 || !find_part(&add->edges[t], box, &p)) continue;
+        if (!(add->fetched >> span & 1)) move_span(add, tile, span, true);
+        add->fetched |= UINT32_C(1) << span;
+        blended += add_part(&p, add, t, span, x - add->planes.x[t], y - add->planes.y[t]);
+    }
+    return blended;
+}
+
+uint64_t SL_KERNEL(sl_raster_add)(const sl_tile *tile, const sl_batch *batch, sl_add_tile *add);
+uint64_t SL_KERNEL(sl_raster_add)(const sl_tile *tile, const sl_batch *batch, sl_add_tile *add) {
+    sl_rectangle all = {tile->x1, tile->y1, tile->x0 - 1, tile->y0 - 1};
+    uint64_t blended = 0;
+    for (uint32_t t = 0; t < batch->count; t++) {
+        if (batch->x0[t] > batch->x1[t] || batch->y0[t] > batch->y1[t]) continue;
+        all.x0 = batch->x0[t] < all.x0 ? batch->x0[t] : all.x0;
+        all.y0 = batch->y0[t] < all.y0 ? batch->y0[t] : all.y0;
+        all.x1 = batch->x1[t] > all.x1 ? batch->x1[t] : all.x1;
+        all.y1 = batch->y1[t] > all.y1 ? batch->y1[t] : all.y1;
+    }
+    if (all.x0 > all.x1 || all.y0 > all.y1) return 0;
+    for (int row = (all.y0 - tile->low) / HEIGHT; row <= (all.y1 - tile->low) / HEIGHT; row++) {
+        for (int column = (all.x0 - tile->left) / WIDTH; column <= (all.x1 - tile->left) / WIDTH; column++) {
+            blended += add_span(tile, batch, add, row * SL_ADD_COLUMNS + column);
         }
     }
     return blended;
+}
+
+void SL_KERNEL(sl_raster_add_return)(const sl_tile *tile, sl_add_tile *add);
+void SL_KERNEL(sl_raster_add_return)(const sl_tile *tile, sl_add_tile *add) {
+    for (int span = 0; span < SL_ADD_SPANS; span++) {
+        if (add->fetched >> span & 1) move_span(add, tile, span, false);
+    }
+    add->fetched = 0;
 }

@@ -140,8 +140,8 @@ static uint16_t weld(welder *w, const float p[3]) {
 }
 
 /* Box and sphere around the vertices, about one centre; rounded outwards. */
-static void bound_cluster(sl_raster *r, size_t cluster, size_t first, size_t count) {
-    const float *axis[3] = {r->vertex_x + first, r->vertex_y + first, r->vertex_z + first};
+void sl_bound_cluster(sl_raster *r, size_t cluster, const float *x, const float *y, const float *z, size_t count) {
+    const float *axis[3] = {x, y, z};
     float *centre[3] = {r->centre_x, r->centre_y, r->centre_z}, *half[3] = {r->half_x, r->half_y, r->half_z};
     double c[3];
     for (int k = 0; k < 3; k++) {
@@ -195,7 +195,7 @@ static void add_cluster(builder *b, size_t first, size_t count) {
         r->triangles[b->clusters] = (uint32_t)count;
         r->first_vertex[b->clusters] = (uint32_t)b->vertices;
         r->vertices[b->clusters] = w.count;
-        bound_cluster(r, b->clusters, b->vertices, w.count);
+        sl_bound_cluster(r, b->clusters, r->vertex_x + b->vertices, r->vertex_y + b->vertices, r->vertex_z + b->vertices, w.count);
     }
     b->clusters++;
     b->vertices += (size_t)(w.count + SL_LANES - 1) / SL_LANES * SL_LANES;
@@ -220,11 +220,18 @@ static void *claim(sl_raster *r, bool *ok, size_t count, size_t size) {
     return block;
 }
 
-static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
+static size_t padded_to_lanes(size_t count) { return (count + SL_LANES - 1) / SL_LANES * SL_LANES; }
+
+bool sl_bounds_allocate(sl_raster *r, size_t clusters) {
     bool ok = true;
-    size_t padded = (clusters + SL_LANES - 1) / SL_LANES * SL_LANES, triangles = r->mesh.triangle_count;
     float **bounds[7] = {&r->centre_x, &r->centre_y, &r->centre_z, &r->half_x, &r->half_y, &r->half_z, &r->radius};
-    for (int k = 0; k < 7; k++) *bounds[k] = claim(r, &ok, padded, sizeof(float));
+    for (int k = 0; k < 7; k++) *bounds[k] = claim(r, &ok, padded_to_lanes(clusters), sizeof(float));
+    return ok;
+}
+
+static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
+    bool ok = sl_bounds_allocate(r, clusters);
+    size_t padded = padded_to_lanes(clusters), triangles = r->mesh.triangle_count;
     uint32_t **ranges[4] = {&r->first_triangle, &r->triangles, &r->first_vertex, &r->vertices};
     for (int k = 0; k < 4; k++) *ranges[k] = claim(r, &ok, padded, sizeof(uint32_t));
     float **positions[3] = {&r->vertex_x, &r->vertex_y, &r->vertex_z};
@@ -234,11 +241,6 @@ static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
     r->triangle_masked = claim(r, &ok, triangles, 1);
     r->cluster_of_triangle = claim(r, &ok, triangles, sizeof(uint32_t));
     return ok;
-}
-
-/* In index order, only cut into clusters: for passes that blend. */
-static void keep_order(sorted_triangle *sorted, size_t count) {
-    for (size_t t = 0; t < count; t++) sorted[t] = (sorted_triangle){t / SL_CLUSTER_TRIANGLES, (uint32_t)t};
 }
 
 static sorted_triangle *order_of(const sl_raster *r, sorted_triangle *a, sorted_triangle *b) {
@@ -259,8 +261,7 @@ static bool build(sl_raster *r, const sorted_triangle *sorted) {
     return true;
 }
 
-static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, bool in_order, sl_raster **raster,
-                        sl_error *error) {
+static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_raster **raster, sl_error *error) {
     *raster = NULL;
     sl_raster *r = sl_allocate(1, sizeof *r);
     sorted_triangle *a = sl_allocate(mesh->triangle_count, sizeof *a);
@@ -268,8 +269,7 @@ static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, bool 
     bool ok = r && a && b;
     if (ok) {
         *r = (sl_raster){.scene = scene, .mesh = *mesh, .kernels = sl_raster_kernels_best(), .memory_bytes = sizeof *r};
-        if (in_order) keep_order(a, mesh->triangle_count);
-        ok = build(r, in_order ? a : order_of(r, a, b));
+        ok = build(r, order_of(r, a, b));
     }
     sl_free(a);
     sl_free(b);
@@ -285,16 +285,12 @@ sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **
     (void)threads; /* the build is a few linear passes */
     sl_raster_mesh mesh = {scene->vertex_count, scene->triangle_count, scene->position_x, scene->position_y, scene->position_z,
                            {scene->vertex[0], scene->vertex[1], scene->vertex[2]}};
-    return create(scene, &mesh, false, raster, error);
+    return create(scene, &mesh, raster, error);
 }
 
 sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster, sl_error *error) {
     (void)threads;
-    return create(NULL, mesh, false, raster, error);
-}
-
-sl_status sl_raster_create_in_order(const sl_raster_mesh *mesh, sl_raster **raster, sl_error *error) {
-    return create(NULL, mesh, true, raster, error);
+    return create(NULL, mesh, raster, error);
 }
 
 void sl_raster_destroy(sl_raster *r) {

@@ -59,6 +59,7 @@ enum {
 };
 
 typedef struct sl_raster_kernels sl_raster_kernels;
+struct sl_add_tile;
 
 struct sl_raster {
     const sl_scene *scene; /* NULL for a mesh alone */
@@ -247,20 +248,6 @@ static inline int32_t sl_clamp_edge(int64_t e) {
     return (int32_t)(e < -limit ? -limit : e > limit ? limit : e);
 }
 
-/* What add.c blends: planes of numerators, (c + b dy) + a dx at pixel (x + dx, y + dy), over that of the denominator. */
-typedef struct sl_value_plane {
-    float a, b, c;
-} sl_value_plane;
-typedef struct sl_add_channel {
-    sl_value_plane value;
-    float least, most; /* of the corners */
-} sl_add_channel;
-typedef struct sl_add_triangle {
-    int x, y;
-    sl_value_plane denominator;
-    sl_add_channel channel[];
-} sl_add_triangle;
-
 struct sl_raster_kernels {
     void (*cull)(const sl_raster *raster, const sl_pass_view *view, sl_visible *visible);
     void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out);
@@ -280,9 +267,9 @@ struct sl_raster_kernels {
     void (*clear)(const sl_pass_view *view, const sl_tile *tile);
     /* Copies the tile's pixels into planes of the whole target (either may be NULL). */
     void (*copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
-    /* Adds triangle t of the batch to planes of the whole target; returns how many pixels. */
-    uint64_t (*add)(const sl_pass_view *view, const sl_batch *batch, uint32_t t, const sl_add_triangle *values, int channels,
-                    float *planes);
+    /* Additive blending (add.h): adds the batch to a tile, and returns how many pixels; brings the tile back to the target. */
+    uint64_t (*add)(const sl_tile *tile, const sl_batch *batch, struct sl_add_tile *add);
+    void (*add_return)(const sl_tile *tile, struct sl_add_tile *add);
     const struct sl_resolve_kernels *resolve; /* resolve.h */
 };
 
@@ -322,8 +309,9 @@ void sl_visible_sort(sl_visible *visible);
 
 /* SL_OK if the viewport lies within the target. */
 sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error);
-/* Clusters cut from the triangles as they are ordered. */
-sl_status sl_raster_create_in_order(const sl_raster_mesh *mesh, sl_raster **raster, sl_error *error);
+/* Room for the clusters' bounds, and bounds around vertices (clusters.c). */
+bool sl_bounds_allocate(sl_raster *raster, size_t clusters);
+void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z, size_t count);
 
 /* Appends a triangle that needs no clipping. */
 static inline void sl_batch_append(const sl_raster *raster, const sl_vertex_buffer *from, uint32_t triangle, sl_batch *batch) {
