@@ -109,90 +109,98 @@ static void find_columns(const part *p, sl_value_plane v, int32_t right, bool op
     }
 }
 
+static inline void divide_group(const float *restrict column, float row, float b, float dy, bool opengl, float *restrict over) {
+    if (opengl) {
+#pragma omp simd
+        for (int l = 0; l < SL_LANES; l++) over[l] = 1.0f / fmaf(b, dy, column[l]);
+    } else {
+#pragma omp simd
+        for (int l = 0; l < SL_LANES; l++) over[l] = 1.0f / (row + column[l]);
+    }
+}
+
 static void divide(const part *p, sl_value_plane v, int32_t right, int32_t up, sl_add_tile *add) {
-    const float *restrict column = add->column;
     find_columns(p, v, right, add->opengl, add->column);
     for (int y = p->y0; y <= p->y1; y++) {
-        float *restrict over = add->over + y * WIDTH;
-        const float b = v.b, dy = (float)(y + up), row = v.c + b * dy;
+        const float dy = (float)(y + up), row = v.c + v.b * dy;
         for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
-            if (add->opengl) {
-#pragma omp simd
-                for (int32_t l = x; l < x + SL_LANES; l++) over[l] = 1.0f / fmaf(b, dy, column[l]);
-            } else {
-#pragma omp simd
-                for (int32_t l = x; l < x + SL_LANES; l++) over[l] = 1.0f / (row + column[l]);
-            }
+            divide_group(add->column + x, row, v.b, dy, add->opengl, add->over + y * WIDTH + x);
         }
     }
 }
 
-/* One row; compiled for each case. */
-static inline __attribute__((always_inline)) void add_row(const int32_t *restrict outside, const float *restrict over,
-                                                          const float *restrict column, float row, float least, float most,
-                                                          int32_t begin, int32_t end, bool whole, bool level, float *restrict sum) {
-    for (int32_t x = begin; x < end; x += SL_LANES) {
+/* Sixteen pixels; these are compiled for each case. */
+static inline __attribute__((always_inline)) void add_group(const int32_t *restrict outside, const float *restrict value, bool whole,
+                                                            float *restrict sum) {
+    if (whole) {
 #pragma omp simd
-        for (int32_t l = x; l < x + SL_LANES; l++) {
-            float value = row + column[l];
-            if (!level) value *= over[l];
-            value = value > least ? value : least; /* also NaN */
-            value = value < most ? value : most;
-            float added = sum[l] + value;
-            sum[l] = whole || outside[l] >= 0 ? added : sum[l];
+        for (int l = 0; l < SL_LANES; l++) sum[l] += value[l];
+    } else {
+#pragma omp simd
+        for (int l = 0; l < SL_LANES; l++) {
+            float old = sum[l], added = old + value[l];
+            sum[l] = outside[l] < 0 ? old : added;
         }
+    }
+}
+
+static inline __attribute__((always_inline)) void find_group(const float *restrict column, const float *restrict over, float row, bool level,
+                                                             float least, float most, float *restrict value) {
+#pragma omp simd
+    for (int l = 0; l < SL_LANES; l++) {
+        float v = row + column[l];
+        if (!level) v *= over[l];
+        v = v > least ? v : least; /* also NaN */
+        value[l] = v < most ? v : most;
     }
 }
 
 static inline __attribute__((always_inline)) void add_rows(const part *p, const sl_add_tile *add, const sl_add_channel *channel, int32_t up,
                                                            bool whole, bool level, float *plane) {
-    const float b = channel->value.b, c = channel->value.c;
+    const float b = channel->value.b, c = channel->value.c, least = channel->least, most = channel->most;
     for (int y = p->y0; y <= p->y1; y++) {
         const float row = c + b * (float)(y + up);
         const int32_t *outside = add->outside + y * WIDTH;
         const float *over = add->over + y * WIDTH;
-        if (whole && p->x0 == 0 && p->x1 == WIDTH - 1) { /* a constant number of groups */
-            add_row(outside, over, add->column, row, channel->least, channel->most, 0, WIDTH, whole, level, plane + y * WIDTH);
-        } else {
-            add_row(outside, over, add->column, row, channel->least, channel->most, add->begin[y], add->end[y], whole, level,
-                    plane + y * WIDTH);
+        float *sum = plane + y * WIDTH;
+        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
+            float value[SL_LANES];
+            find_group(add->column + x, over + x, row, level, least, most, value);
+            add_group(outside + x, value, whole, sum + x);
         }
     }
 }
 
 static void add_opengl(const part *p, const sl_add_tile *add, const sl_add_channel *channel, int32_t up, float *plane) {
-    const float b = channel->value.b, *restrict column = add->column;
+    const float b = channel->value.b;
     for (int y = p->y0; y <= p->y1; y++) {
-        const int32_t *restrict outside = add->outside + y * WIDTH;
-        const float *restrict over = add->over + y * WIDTH, dy = (float)(y + up);
-        float *restrict sum = plane + y * WIDTH;
+        const float dy = (float)(y + up);
         for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
+            const float *restrict column = add->column + x, *restrict over = add->over + y * WIDTH + x;
+            float value[SL_LANES];
 #pragma omp simd
-            for (int32_t l = x; l < x + SL_LANES; l++) {
-                float added = sum[l] + fmaf(b, dy, column[l]) * over[l];
-                sum[l] = p->whole || outside[l] >= 0 ? added : sum[l];
-            }
+            for (int l = 0; l < SL_LANES; l++) value[l] = fmaf(b, dy, column[l]) * over[l];
+            if (p->whole) add_group(NULL, value, true, plane + y * WIDTH + x);
+            else add_group(add->outside + y * WIDTH + x, value, false, plane + y * WIDTH + x);
         }
     }
 }
 
-static void add_constant(const part *p, const sl_add_tile *add, float value, float *plane) {
+static inline __attribute__((always_inline)) void add_constant(const part *p, const sl_add_tile *add, float constant, bool whole,
+                                                               float *plane) {
+    float value[SL_LANES];
+    for (int l = 0; l < SL_LANES; l++) value[l] = constant;
     for (int y = p->y0; y <= p->y1; y++) {
-        const int32_t *restrict outside = add->outside + y * WIDTH;
-        float *restrict sum = plane + y * WIDTH;
         for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
-#pragma omp simd
-            for (int32_t l = x; l < x + SL_LANES; l++) {
-                float added = sum[l] + value;
-                sum[l] = p->whole || outside[l] >= 0 ? added : sum[l];
-            }
+            add_group(add->outside + y * WIDTH + x, value, whole, plane + y * WIDTH + x);
         }
     }
 }
 
 static void add_channel(const part *p, sl_add_tile *add, const sl_add_channel *channel, bool level, int32_t right, int32_t up, float *plane) {
     if (channel->least == channel->most) {
-        add_constant(p, add, channel->least, plane);
+        if (p->whole) add_constant(p, add, channel->least, true, plane);
+        else add_constant(p, add, channel->least, false, plane);
         return;
     }
     find_columns(p, channel->value, right, add->opengl, add->column);

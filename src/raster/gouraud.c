@@ -4,7 +4,7 @@
 #include "base/parallel.h"
 #include "raster/resolve.h"
 
-enum { STRIP = 16384 }; /* pixels of a task */
+enum { STRIP = 16384 /* pixels of a task */, TOGETHER = 4 /* channels */ };
 
 typedef struct {
     const sl_raster *raster;
@@ -16,14 +16,26 @@ typedef struct {
     size_t pixels;
 } gouraud;
 
-static void fetch_channel(const gouraud *g, const sl_resolve_block *block, size_t channel, sl_run_corners value) {
-    const sl_raster_mesh *mesh = &g->raster->mesh;
-    for (uint32_t r = 0; r < block->runs; r++) {
-        uint32_t triangle = sl_run_triangle(block, r);
-        for (int k = 0; k < 3; k++) {
-            bool hit = triangle != SL_NO_INDEX;
-            value[k][r] = hit ? g->attributes[mesh->vertex[k][triangle] * g->channels + channel] : 0.0f;
+/* Of `count` channels from `first` on, at most TOGETHER: a vertex's lie side by side. */
+static void fetch_channels(const gouraud *g, const sl_resolve_block *block, size_t first, size_t count, sl_run_corners *value) {
+    static const float black[TOGETHER] = {0};
+    for (int k = 0; k < 3; k++) {
+        for (uint32_t r = 0; r < block->runs; r++) {
+            const uint32_t v = block->vertex[k][r];
+            const float *attributes = v == SL_NO_INDEX ? black : g->attributes + v * g->channels + first;
+            for (size_t c = 0; c < count; c++) value[c][k][r] = attributes[c];
         }
+    }
+}
+
+static void put_channels(const gouraud *g, const sl_resolve_block *block, size_t pixel, size_t first, size_t count) {
+    sl_run_corners value[TOGETHER];
+    float plane[SL_RESOLVE_ROOM];
+    if (count == 3) fetch_channels(g, block, first, 3, value); /* the constant, so that colours are compiled for it */
+    else fetch_channels(g, block, first, count, value);
+    for (size_t c = 0; c < count; c++) {
+        g->raster->kernels->resolve->interpolate(block, value[c], plane);
+        sl_resolve_put(g->out + (first + c) * g->pixels, g->pixels, pixel, plane, block->count);
     }
 }
 
@@ -32,15 +44,13 @@ static void interpolate_strip(void *context, size_t index, unsigned worker) {
     const gouraud *g = context;
     size_t first = index * STRIP, end = g->pixels - first < STRIP ? g->pixels : first + STRIP;
     sl_resolve_block block;
-    sl_run_corners value;
-    float plane[SL_RESOLVE_ROOM];
     memset(&block, 0, sizeof block);
+    block.later = (const char *)g->attributes;
+    block.later_bytes = g->channels * sizeof *g->attributes;
     for (; first < end; first += block.count) {
         sl_resolve_next(g->raster, &g->view, end - first, first, NULL, g->id + first, &block);
-        for (size_t c = 0; c < g->channels; c++) {
-            fetch_channel(g, &block, c, value);
-            g->raster->kernels->resolve->interpolate(&block, value, plane);
-            sl_resolve_put(g->out + c * g->pixels, g->pixels, first, plane, block.count);
+        for (size_t c = 0; c < g->channels; c += TOGETHER) {
+            put_channels(g, &block, first, c, g->channels - c < TOGETHER ? g->channels - c : TOGETHER);
         }
     }
     sl_stream_end();

@@ -42,6 +42,9 @@ typedef struct sl_resolve_block {
     uint32_t first;        /* the pixels are first, first + 1, ..., or those of the list */
     const uint32_t *pixel, *id;
     uint32_t start[SL_RESOLVE_RUNS + 2]; /* run r is [start[r], start[r + 1]) */
+    uint32_t vertex[3][SL_RESOLVE_RUNS]; /* of the corners; SL_NO_INDEX on the background */
+    const char *later;     /* in: what the caller will read by vertex, later_bytes each, or NULL: brought near while weights are found */
+    size_t later_bytes;
     sl_run_vectors corner; /* positions */
     float w1[SL_RESOLVE_ROOM], w2[SL_RESOLVE_ROOM]; /* out: weights of corners 1 and 2; 0 on the background */
     /* Within the kernel, by run: edge lines (barycentrics.h). */
