@@ -162,14 +162,21 @@ typedef struct sl_batch {
 } sl_batch;
 
 /* Thin slivers may have so steep a plane that its terms, each many times the depth itself, would leave little of it in float. They
- * are few, and cover few pixels: their plane is found anew at every one, in double. */
-static inline float sl_steep_depth_at(const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+ * are few, and cover few pixels: their plane is kept in double, told from the first corner. */
+typedef struct sl_steep_plane {
+    double u, v, depth, du, dv;
+} sl_steep_plane;
+
+static inline sl_steep_plane sl_steep_plane_of(const sl_batch *b, uint32_t t) {
     double u0 = (double)((b->x[0][t] - 0.5f) * 256.0f), v0 = (double)((b->y[0][t] - 0.5f) * 256.0f), z0 = (double)b->depth[0][t];
     double du1 = (double)((b->x[1][t] - 0.5f) * 256.0f) - u0, dv1 = (double)((b->y[1][t] - 0.5f) * 256.0f) - v0;
     double du2 = (double)((b->x[2][t] - 0.5f) * 256.0f) - u0, dv2 = (double)((b->y[2][t] - 0.5f) * 256.0f) - v0;
     double dz1 = (double)b->depth[1][t] - z0, dz2 = (double)b->depth[2][t] - z0, over = 1.0 / (du1 * dv2 - dv1 * du2);
-    double du = (dz1 * dv2 - dz2 * dv1) * over, dv = (dz2 * du1 - dz1 * du2) * over;
-    return (float)(z0 + (du * ((double)(x * SL_SUBPIXEL) - u0) + dv * ((double)(y * SL_SUBPIXEL) - v0)));
+    return (sl_steep_plane){u0, v0, z0, (dz1 * dv2 - dz2 * dv1) * over, (dz2 * du1 - dz1 * du2) * over};
+}
+
+static inline float sl_steep_depth_at(const sl_steep_plane *p, int32_t x, int32_t y) {
+    return (float)(p->depth + (p->du * ((double)(x * SL_SUBPIXEL) - p->u) + p->dv * ((double)(y * SL_SUBPIXEL) - p->v)));
 }
 
 /* Depth of triangle t at pixel (x, y), by itself, so that it does not depend on blocks, lanes or tiles. All that is turned to
@@ -179,7 +186,8 @@ static inline float sl_depth_at(sl_depth_rule rule, const sl_batch *b, uint32_t 
     if (rule == SL_OPENGL_PLANE) {
         z = fmaf(b->depth_dv[t], (float)y, fmaf(b->depth_du[t], (float)x, z));
     } else if (b->steep[t]) {
-        z = sl_steep_depth_at(b, t, x, y);
+        sl_steep_plane plane = sl_steep_plane_of(b, t);
+        z = sl_steep_depth_at(&plane, x, y);
     } else {
         z = (z + b->depth_dv[t] * (float)(y * SL_SUBPIXEL - b->origin_v[t])) +
             b->depth_du[t] * (float)(x * SL_SUBPIXEL - b->origin_u[t]);

@@ -52,10 +52,20 @@ static inline sl_part_floats block_depth(const block_plane *p, sl_part_floats ro
 }
 
 /* Planes in OpenGL's form and steep ones: pixel by pixel. */
-static inline sl_part_floats other_depth(sl_depth_rule rule, const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+static inline sl_part_floats opengl_depth(const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
     sl_part_floats z;
-    for (int l = 0; l < SL_PART; l++) z[l] = sl_depth_at(rule, b, t, x + (l & 3), y + (l >> 2));
+    for (int l = 0; l < SL_PART; l++) z[l] = sl_depth_at(SL_OPENGL_PLANE, b, t, x + (l & 3), y + (l >> 2));
     return z;
+}
+
+static inline sl_part_floats steep_depth(const sl_steep_plane *steep, const block_plane *p, int32_t x, int32_t y) {
+    float depth[SL_PART];
+    const sl_steep_plane plane = *steep;
+#pragma omp simd
+    for (int l = 0; l < SL_PART; l++) depth[l] = sl_steep_depth_at(&plane, x + (l & 3), y + (l >> 2));
+    sl_part_floats z = sl_part_load_floats(depth);
+    z = sl_part_select_floats(z < p->least, z, p->least);
+    return sl_part_select_floats(z > p->most, z, p->most);
 }
 
 /* The largest change of an edge function within a block, at one of its corners. */
@@ -102,13 +112,14 @@ static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *til
     const size_t stride = (size_t)tile->blocks_x * SL_LANES, first = (size_t)(y0 * tile->blocks_x + x0) * SL_LANES;
     const block_plane plane = block_plane_of(batch, t);
     const bool other = rule == SL_OPENGL_PLANE || steep;
+    const sl_steep_plane steep_plane = steep ? sl_steep_plane_of(batch, t) : (sl_steep_plane){0, 0, 0, 0, 0};
     const sl_part_ints right0 = sl_part_int(SL_BLOCK * a[0]), right1 = sl_part_int(SL_BLOCK * a[1]),
                        right2 = sl_part_int(SL_BLOCK * a[2]);
     const sl_part_floats first_column = column_distance(&plane, left), right = sl_part_float((float)(SL_BLOCK * SL_SUBPIXEL));
     sl_part_ints row0 = e[0] + a[0] * sl_part_x() + b[0] * sl_part_y(), row1 = e[1] + a[1] * sl_part_x() + b[1] * sl_part_y();
     sl_part_ints row2 = e[2] + a[2] * sl_part_x() + b[2] * sl_part_y();
     int32_t from[EXTENT_ROWS], to[EXTENT_ROWS];
-    const bool narrow = columns * rows < 24; /* then the extents cost more than they save */
+    const bool narrow = columns * rows < 16; /* then the extents cost more than they save */
     if (!narrow) find_extents(a, b, e, columns - 1, from, to);
     for (int y = 0; y < rows; y++) {
         const bool whole = narrow || y >= EXTENT_ROWS; /* unaligned, a span's height touches one row more */
@@ -122,9 +133,12 @@ static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *til
             float *depth = tile->depth + at;
             for (int x = begin; x <= end; x++, id += SL_LANES, depth += SL_LANES) {
                 const sl_part_ints outside = e0 | e1 | e2;
-                if (sl_part_negative(outside) != SL_PART_ALL) {
+                /* Most of these blocks are covered somewhere: to ask costs more than to work for nothing. */
+                if (!other || sl_part_negative(outside) != SL_PART_ALL) {
                     const int i = left + x * SL_BLOCK, j = low + y * SL_BLOCK + part * SL_PART_ROWS;
-                    sl_part_floats z = other ? other_depth(rule, batch, t, i, j) : block_depth(&plane, row, column);
+                    sl_part_floats z = rule == SL_OPENGL_PLANE ? opengl_depth(batch, t, i, j)
+                                       : steep                 ? steep_depth(&steep_plane, &plane, i, j)
+                                                               : block_depth(&plane, row, column);
                     sl_part_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, id, depth);
                 }
                 e0 += right0;
