@@ -13,6 +13,7 @@
  *      |  ___/\ |        |          missed      (an edge function negative all over it)
  *      | /     \|__      |          hidden      (all that is drawn there already is nearer)
  *      |/       |  \__   |          or drawn block by block */
+#include "base/bits16.h"
 #include "raster/block.h"
 #include "raster/internal.h"
 
@@ -240,17 +241,59 @@ void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *til
 
 /* ---- tiny triangles ---- */
 
+static inline void draw_pixels(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny, sl_depth_rule rule) {
+    const int32_t me = (int32_t)batch->id[t];
+    for (uint32_t left = tiny->covered[t]; left; left &= left - 1) {
+        int k = __builtin_ctz(left), x = tiny->x[t] + (k & 3), y = tiny->y[t] + (k >> 2);
+        size_t i = sl_tile_index(tile, x, y);
+        float z = sl_depth_at(rule, batch, t, x, y), old = tile->depth[i];
+        if (!nearer_than(rule, z, old) && !(z == old && me < (int32_t)tile->id[i])) continue;
+        tile->depth[i] = z;
+        tile->id[i] = (uint32_t)me;
+    }
+}
+
+/* The square lies across up to four blocks. Lane (i, j) of whichever of them holds the square's pixel ((i - right) mod 4, (j - up) mod 4),
+ * if any: so depth and coverage, turned round by (right, up), are found once for all four.
+ *
+ *      +---------+---------+
+ *      |   2 3   | 0 1     |     the pixels of one row of the square, right = 2:
+ *      |   ......|....     |     lanes 2 and 3 of the left block, lanes 0 and 1 of the right one
+ *      +---------+---------+
+ *      |<->| right             */
+static inline void draw_square(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny, sl_depth_rule rule) {
+    const int32_t x = tiny->x[t], y = tiny->y[t], right = x & (SL_BLOCK - 1), up = y & (SL_BLOCK - 1);
+    const uint32_t from_right = 0x1111u * (0xfu << right & 0xfu), from_up = 0xffffu << 4 * up & 0xffffu, all = tiny->covered[t];
+    const uint32_t in_left = all & (0x1111u * (0xfu >> right));
+    const uint32_t columns = in_left << right | (all & ~in_left) >> (SL_BLOCK - right); /* within each row */
+    const uint32_t turned = (columns << 4 * up | columns >> (16 - 4 * up)) & 0xffffu;
+    const uint32_t covered[4] = {turned & from_right & from_up, turned & ~from_right & from_up, turned & from_right & ~from_up,
+                                 turned & ~from_right & ~from_up};
+    const size_t first = sl_tile_index(tile, x & -SL_BLOCK, y & -SL_BLOCK), row = (size_t)tile->blocks_x * SL_LANES;
+    const size_t block[4] = {first, first + SL_LANES, first + row, first + row + SL_LANES};
+    const block_plane plane = block_plane_of(batch, t);
+    for (int part = 0; part < SL_PARTS; part++) {
+        const sl_part_ints i = (sl_part_x() - right) & (SL_BLOCK - 1), j = (sl_part_y() + (part * SL_PART_ROWS - up)) & (SL_BLOCK - 1);
+        const sl_part_floats u = __builtin_convertvector((x + i) * SL_SUBPIXEL - plane.origin_u, sl_part_floats);
+        const sl_part_floats v = __builtin_convertvector((y + j) * SL_SUBPIXEL - plane.origin_v, sl_part_floats);
+        const sl_part_floats z = block_depth(&plane, plane.origin + plane.dv * v, u);
+        for (int k = 0; k < 4; k++) {
+            const int32_t here = (int32_t)(covered[k] >> (part * SL_PART)) & SL_PART_ALL;
+            const size_t at = block[k] + (size_t)(part * SL_PART);
+            if (!here) continue;
+            const sl_part_ints outside = ((here >> sl_part_lane()) & 1) - 1;
+            sl_part_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, tile->id + at, tile->depth + at);
+        }
+    }
+}
+
+/* Of few pixels, one by one. */
 static inline void draw_tiny(const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny, sl_depth_rule rule) {
     for (uint32_t t = 0; t < tiny->count; t++) {
-        const int32_t me = (int32_t)batch->id[t];
-        for (uint32_t left = tiny->covered[t]; left; left &= left - 1) {
-            int k = __builtin_ctz(left), x = tiny->x[t] + (k & 3), y = tiny->y[t] + (k >> 2);
-            size_t i = sl_tile_index(tile, x, y);
-            float z = sl_depth_at(rule, batch, t, x, y), old = tile->depth[i];
-            if (!nearer_than(rule, z, old) && !(z == old && me < (int32_t)tile->id[i])) continue;
-            tile->depth[i] = z;
-            tile->id[i] = (uint32_t)me;
-        }
+        const uint32_t covered = tiny->covered[t];
+        const bool few = sl_bits16_count(covered) < 4;
+        if (few || rule == SL_OPENGL_PLANE || batch->steep[t]) draw_pixels(tile, batch, t, tiny, rule);
+        else draw_square(tile, batch, t, tiny, rule);
     }
 }
 
