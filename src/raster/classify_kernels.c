@@ -96,7 +96,7 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const s
 void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
                                    const sl_vertex_buffer *b, sl_classes *classes) {
     const uint32_t first = r->first_triangle[cluster], count = r->triangles[cluster];
-    const bool special = r->masked || (view->skip != SL_NO_INDEX && r->cluster_of_triangle[view->skip] == cluster);
+    const bool special = r->masked || (view->skip < r->mesh.triangle_count && r->cluster_of_triangle[view->skip] == cluster);
     int32_t codes = 0;
     for (uint32_t i = 0; i < r->vertices[cluster]; i++) codes |= b->code[i];
     classes->culled = classes->tiny = classes->other = classes->clipped = classes->dropped = 0;

@@ -89,7 +89,7 @@ static float keep_near(float x, float middle, float half) {
 }
 
 static window_vertex to_window(const sl_pass_view *view, const sl_vertex_buffer *buffer, const clip_vertex *p) {
-    window_vertex q = {.finite = p->w > 0.0f};
+    window_vertex q = {.finite = p->w >= SL_LEAST_W};
     if (p->original >= 0 && buffer->code[p->original] == 0) {
         int32_t i = p->original;
         return (window_vertex){buffer->window_x[i], buffer->window_y[i], buffer->depth[i], buffer->snapped_u[i],

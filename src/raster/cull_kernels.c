@@ -39,7 +39,7 @@ static int32_t cull_by_planes(const bounds *restrict b, const float *restrict ra
             float box = fabsf(nx) * b->half_x[l] + fabsf(ny) * b->half_y[l] + fabsf(nz) * b->half_z[l];
             float sphere = length * radius[l];
             float reach = box < sphere ? box : sphere;
-            float slack = 1e-5f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(d) + reach);
+            float slack = 1e-5f * (fabsf(x) + fabsf(y) + fabsf(z) + fabsf(d) + reach) + 1e-37f; /* where all are denormal */
             inside[l] &= !(x + y + z + d < -(reach + slack));
         }
     }

@@ -88,7 +88,7 @@ float sl_depth_cube_lit(const sl_depth_cube *cube, sl_vec3 p, sl_vec3 n) {
     int face = face_of(q);
     sl_frame f = sl_cube_face_frame(face);
     float w = sl_dot(f.z, q), size = (float)cube->size;
-    if (!(w > 0.0f) || !isfinite(w)) return 1.0f; /* at the light itself */
+    if (!(w > 0.0f) || !sl_is_finite(q)) return 1.0f; /* at the light itself, or nowhere */
     float over = 1.0f / w, facing = fabsf(sl_dot(n, q)) * over;
     float reach = 3.0f / size * (fabsf(n.x) + fabsf(n.y) + fabsf(n.z));
     float relative_bias = reach / (facing + reach) + 1e-5f; /* x / (1 + x); 1e-5: the depth's own rounding */

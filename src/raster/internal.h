@@ -58,6 +58,9 @@ enum {
     SL_CLIP_PLANES = 6
 };
 
+/* Nearer corners are at the eye: 1/w would not be finite. */
+#define SL_LEAST_W 0x1p-126f
+
 typedef struct sl_raster_kernels sl_raster_kernels;
 struct sl_add_tile;
 
@@ -101,7 +104,7 @@ typedef struct sl_pass_view {
     uint32_t skip;
     int planes;            /* for culling: 5 without a far plane, 6 with one */
     float plane[6][4];     /* inside: n . (p - origin) + d >= 0 */
-    float plane_length[6]; /* |n| */
+    float plane_length[6]; /* |n|; infinite if that is next to nothing */
 } sl_pass_view;
 
 /* The clusters that may be seen, with room for whole groups of SL_LANES beyond the raster's cluster count. */

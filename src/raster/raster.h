@@ -57,7 +57,7 @@ typedef struct sl_view {
     sl_depth_kind depth;
     bool corner_planes;     /* window depth from plane equations at the target's corner, OSMesa's way bit by bit: for comparing with it; less
                              * accurate on slivers and small triangles than the default */
-    uint32_t skip_triangle; /* not drawn (a gather's own triangle), or SL_NO_INDEX */
+    uint32_t skip_triangle; /* not drawn (a gather's own triangle); SL_NO_INDEX, or any number that no triangle has: all are drawn */
 } sl_view;
 
 /* Perspective camera with near and far planes, window depth. */

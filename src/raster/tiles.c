@@ -104,7 +104,7 @@ sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *vi
         pictures[n].tiles = sl_tiles_of(&pictures[n].pass);
         p.tiles += (size_t)pictures[n].tiles.columns * (size_t)pictures[n].tiles.rows;
     }
-    if (status == SL_OK && p.tiles && !draw_pictures(&p, threads, counters)) status = sl_fail_memory(error, "a render's planes");
+    if (status == SL_OK && !draw_pictures(&p, threads, counters)) status = sl_fail_memory(error, "a render's planes");
     sl_free(pictures);
     return status;
 }

@@ -49,7 +49,7 @@ static void clip_codes(const float *restrict xs, const float *restrict ys, const
         float x = xs[l], y = ys[l], z = zs[l], w = ws[l];
         int32_t right = x > w ? SL_CLIP_RIGHT : 0, left = 0.0f > x + w ? SL_CLIP_LEFT : 0;
         int32_t top = y > w ? SL_CLIP_TOP : 0, bottom = 0.0f > y + w ? SL_CLIP_BOTTOM : 0;
-        int32_t near = 0.0f > z + w * near_w ? SL_CLIP_NEAR : 0, behind = w > 0.0f ? 0 : SL_CLIP_NEAR;
+        int32_t near = 0.0f > z + w * near_w ? SL_CLIP_NEAR : 0, behind = w >= SL_LEAST_W ? 0 : SL_CLIP_NEAR;
         int32_t far = z > w ? far_code : 0;
         float largest = fabsf(x) + fabsf(y) + fabsf(z) + fabsf(w);
         int32_t all = right | left | top | bottom | near | behind | far;

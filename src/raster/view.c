@@ -80,6 +80,13 @@ sl_view sl_view_hemicube_face(const sl_frame *frame, sl_vec3 eye, int face, int 
     return sl_view_pyramid(&axes, eye, f->left, f->right, f->bottom, f->top, width, height, near);
 }
 
+/* In double, where squares neither vanish nor overflow. A plane so short that a float hardly holds its length is given none: then
+ * culling goes by the box alone. */
+static float plane_length(const float plane[4]) {
+    double x = (double)plane[0], y = (double)plane[1], z = (double)plane[2], length = sqrt((x * x + y * y) + z * z);
+    return length > 1e-30 ? (float)length : INFINITY;
+}
+
 /* Planes in the order of the clip codes: w -+ x, w -+ y, then near and far. */
 static void make_planes(const sl_view *view, sl_pass_view *pass) {
     const float(*m)[4] = view->clip;
@@ -92,9 +99,7 @@ static void make_planes(const sl_view *view, sl_pass_view *pass) {
         pass->plane[5][k] = pass->inverse_w ? 0.0f : m[3][k] - m[2][k];
     }
     pass->planes = pass->inverse_w ? 5 : 6;
-    for (int k = 0; k < 6; k++) {
-        pass->plane_length[k] = sl_length(sl_v3(pass->plane[k][0], pass->plane[k][1], pass->plane[k][2]));
-    }
+    for (int k = 0; k < 6; k++) pass->plane_length[k] = plane_length(pass->plane[k]);
 }
 
 static int at_least(int a, int low) { return a > low ? a : low; }
