@@ -268,8 +268,9 @@ static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_ra
     sorted_triangle *b = sl_allocate(mesh->triangle_count, sizeof *b);
     bool ok = r && a && b;
     if (ok) {
-        *r = (sl_raster){.scene = scene, .mesh = *mesh, .kernels = sl_raster_kernels_best(), .memory_bytes = sizeof *r};
-        ok = build(r, order_of(r, a, b));
+        *r = (sl_raster){.scene = scene, .mesh = *mesh, .kernels = sl_raster_kernels_best(), .memory_bytes = sizeof *r,
+                         .spares = sl_spares_create()};
+        ok = r->spares && build(r, order_of(r, a, b));
     }
     sl_free(a);
     sl_free(b);
@@ -303,6 +304,7 @@ void sl_raster_destroy(sl_raster *r) {
     for (int k = 0; k < 3; k++) sl_free(r->corner[k]);
     sl_free(r->triangle_masked);
     sl_free(r->cluster_of_triangle);
+    sl_spares_destroy(r->spares);
     sl_free(r);
 }
 

@@ -82,6 +82,7 @@ struct sl_raster {
     uint8_t *triangle_masked;
     uint32_t *cluster_of_triangle; /* by the scene's index */
     size_t memory_bytes;
+    struct sl_spares *spares; /* buffers between passes (spare.c); NULL where no pass over tiles runs */
 };
 
 /* How depth is found between a triangle's corners, and which depth is nearer. */
@@ -313,8 +314,11 @@ sl_tiles sl_tiles_of(const sl_pass_view *view);
 
 bool sl_visible_allocate(sl_visible *visible, const sl_raster *raster);
 void sl_visible_free(sl_visible *visible);
-bool sl_scratch_allocate(sl_raster_scratch *scratch); /* the tile's planes alone */
-void sl_scratch_free(sl_raster_scratch *scratch);
+/* A worker's buffers, all of them, from an earlier pass or new; what is in them is left over. NULL: no memory. Then back, NULL too. */
+struct sl_spares *sl_spares_create(void);
+void sl_spares_destroy(struct sl_spares *spares);
+sl_raster_scratch *sl_spare_take(const sl_raster *raster);
+void sl_spare_give(const sl_raster *raster, sl_raster_scratch *scratch);
 /* Sorts the visible clusters by distance into `order` (order.c). */
 void sl_visible_sort(sl_visible *visible);
 

@@ -20,17 +20,6 @@ void sl_visible_free(sl_visible *v) {
     for (int k = 0; k < 8; k++) sl_free(arrays[k]);
 }
 
-bool sl_scratch_allocate(sl_raster_scratch *s) {
-    s->tile.id = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.id);
-    s->tile.depth = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.depth);
-    return s->tile.id && s->tile.depth;
-}
-
-void sl_scratch_free(sl_raster_scratch *s) {
-    sl_free(s->tile.id);
-    sl_free(s->tile.depth);
-}
-
 sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch,
                                    sl_error *error) {
     *scratch = NULL;
@@ -42,7 +31,9 @@ sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int m
     bool ok = s != NULL;
     if (ok) {
         s->fate = sl_allocate(raster->cluster_count, sizeof *s->fate);
-        ok = sl_visible_allocate(&s->visible, raster) && sl_scratch_allocate(s) && s->fate;
+        s->tile.id = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.id);
+        s->tile.depth = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.depth);
+        ok = sl_visible_allocate(&s->visible, raster) && s->fate && s->tile.id && s->tile.depth;
     }
     if (!ok) {
         sl_raster_scratch_destroy(s);
@@ -55,7 +46,8 @@ sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int m
 void sl_raster_scratch_destroy(sl_raster_scratch *s) {
     if (!s) return;
     sl_visible_free(&s->visible);
-    sl_scratch_free(s);
+    sl_free(s->tile.id);
+    sl_free(s->tile.depth);
     sl_free(s->fate);
     sl_free(s);
 }

@@ -15,7 +15,7 @@ typedef struct {
     sl_pass_view pass;
     sl_tiles tiles;
     size_t first_tile; /* of all views' */
-    sl_visible visible;
+    sl_visible *visible; /* these two are one scratch's, the view's own */
     sl_cluster_fate *fate;
 } tiled_view;
 
@@ -23,15 +23,17 @@ typedef struct {
     const sl_raster *raster;
     size_t pictures, tiles;
     tiled_view *picture;
-    sl_raster_scratch *scratch; /* one a worker */
+    size_t scratches;
+    sl_raster_scratch **scratch; /* for each worker its vertices, batch and tile; and for each view what it sees */
 } tiled_passes;
 
 static void cull_view(void *context, size_t index, unsigned worker) {
     (void)worker;
     tiled_passes *p = context;
     tiled_view *picture = &p->picture[index];
-    p->raster->kernels->cull(p->raster, &picture->pass, &picture->visible);
-    sl_visible_sort(&picture->visible);
+    p->raster->kernels->cull(p->raster, &picture->pass, picture->visible);
+    sl_visible_sort(picture->visible);
+    for (uint32_t i = 0; i < picture->visible->count; i++) picture->fate[i] = 0;
 }
 
 static void draw_tile(void *context, size_t index, unsigned worker) {
@@ -39,30 +41,28 @@ static void draw_tile(void *context, size_t index, unsigned worker) {
     const tiled_view *picture = p->picture;
     while (picture + 1 < p->picture + p->pictures && index >= picture[1].first_tile) picture++;
     int number = (int)(index - picture->first_tile), columns = picture->tiles.columns;
-    sl_raster_scratch *scratch = &p->scratch[worker];
+    sl_raster_scratch *scratch = p->scratch[worker];
     sl_tile_place(&scratch->tile, &picture->pass, picture->tiles.first_column + number % columns,
                   picture->tiles.first_row + number / columns);
-    sl_tile_draw(p->raster, picture->view, &picture->pass, &picture->visible, scratch, picture->fate);
+    sl_tile_draw(p->raster, picture->view, &picture->pass, picture->visible, scratch, picture->fate);
     p->raster->kernels->copy_out(&picture->pass, &scratch->tile, picture->target->id, picture->target->depth);
 }
 
 static bool allocate(tiled_passes *p, unsigned threads) {
-    bool ok = (p->scratch = sl_allocate(threads, sizeof *p->scratch)) != NULL;
-    for (size_t n = 0; n < p->pictures; n++) {
-        p->picture[n].fate = sl_allocate(p->raster->cluster_count, sizeof *p->picture[n].fate);
-        ok &= sl_visible_allocate(&p->picture[n].visible, p->raster) && p->picture[n].fate;
+    p->scratches = threads > p->pictures ? threads : p->pictures;
+    p->scratch = sl_allocate(p->scratches, sizeof *p->scratch);
+    bool ok = p->scratch != NULL;
+    for (size_t i = 0; ok && i < p->scratches; i++) ok = (p->scratch[i] = sl_spare_take(p->raster)) != NULL;
+    for (size_t n = 0; ok && n < p->pictures; n++) {
+        p->picture[n].visible = &p->scratch[n]->visible;
+        p->picture[n].fate = p->scratch[n]->fate;
     }
-    for (unsigned i = 0; p->scratch && i < threads; i++) ok &= sl_scratch_allocate(&p->scratch[i]);
     return ok;
 }
 
-static void release(tiled_passes *p, unsigned threads) {
-    for (unsigned i = 0; p->scratch && i < threads; i++) sl_scratch_free(&p->scratch[i]);
+static void release(tiled_passes *p) {
+    for (size_t i = 0; p->scratch && i < p->scratches; i++) sl_spare_give(p->raster, p->scratch[i]);
     sl_free(p->scratch);
-    for (size_t n = 0; n < p->pictures; n++) {
-        sl_free(p->picture[n].fate);
-        sl_visible_free(&p->picture[n].visible);
-    }
 }
 
 sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error) {
@@ -83,10 +83,10 @@ static bool draw_pictures(tiled_passes *p, unsigned threads, sl_counters *counte
         sl_parallel_for(threads, p->pictures, cull_view, p);
         sl_parallel_for(threads, p->tiles, draw_tile, p);
         for (size_t n = 0; n < p->pictures; n++) {
-            sl_pass_count(p->raster, &p->picture[n].visible, p->picture[n].fate, counters);
+            sl_pass_count(p->raster, p->picture[n].visible, p->picture[n].fate, counters);
         }
     }
-    release(p, threads);
+    release(p);
     return ok;
 }
 
