@@ -19,8 +19,10 @@ static sl_light_sampler *make_sampler(const sl_scene *scene) {
     return sampler;
 }
 
-/* Irradiance without occlusion, by the two kinds of samples that a caller may draw. */
-static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, bool by_two_numbers) {
+typedef enum draw { DRAW_THREE, DRAW_TWO, DRAW_BY_PLACE, DRAWS } draw;
+
+/* Irradiance without occlusion, by the kinds of samples that a caller may draw. */
+static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, draw kind) {
     static sl_sequence sequence;
     sl_sequence_make(&sequence);
     double sum = 0.0;
@@ -28,12 +30,13 @@ static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 nor
         float u[3];
         sl_light_sample s;
         sl_sequence_point(&sequence, 42, 7, i, u);
-        bool lit = by_two_numbers ? sl_light_sampler_sample_2d(sampler, p, u[0], u[1], &s)
-                                  : sl_light_sampler_sample(sampler, p, u[2], u[0], u[1], &s);
+        bool lit = kind == DRAW_TWO        ? sl_light_sampler_sample_2d(sampler, p, u[0], u[1], &s)
+                   : kind == DRAW_BY_PLACE ? sl_light_sampler_sample_at(sampler, p, normal, u[2], u[0], u[1], &s)
+                                           : sl_light_sampler_sample(sampler, p, u[2], u[0], u[1], &s);
         if (!lit) continue;
         assert_true(isfinite(s.radiance.r) && s.radiance.r > 0.0f && s.distance > 0.0f && s.pdf >= 0.0f);
         assert_true(fabsf(sl_length(s.to_light) - 1.0f) < 1e-5f);
-        if (s.pdf > 0.0f) {
+        if (s.pdf > 0.0f && kind != DRAW_BY_PLACE) {
             float pdf = sl_light_sampler_pdf(sampler, p, s.to_light, s.triangle, s.distance);
             if (s.triangle != SL_NO_INDEX) assert_true(fabsf(pdf / s.pdf - 1.0f) < 1e-4f);
         }
@@ -44,7 +47,8 @@ static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 nor
 
 static void check_irradiance(const sl_scene *scene, sl_vec3 p, sl_vec3 normal, double expected, double tolerance) {
     sl_light_sampler *sampler = make_sampler(scene);
-    for (int kind = 0; kind < 2; kind++) {
+    for (draw kind = DRAW_THREE; kind < DRAWS; kind++) {
+        if (kind == DRAW_BY_PLACE) assert_int_equal(sl_light_sampler_plant_tree(sampler, NULL), SL_OK);
         double e = irradiance(sampler, p, normal, kind);
         if (!(fabs(e - expected) <= tolerance * fmax(expected, 1e-12))) fail_msg("E = %.9g, expected %.9g", e, expected);
     }

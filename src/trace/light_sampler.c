@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "trace/light_tree.h"
 #include "trace/trace.h"
 
 struct sl_light_sampler {
@@ -13,6 +14,8 @@ struct sl_light_sampler {
     size_t count;   /* emitters, then lights, then the environment if there is one */
     double *sums;   /* cumulative probabilities, the last chosen one ends at 1 */
     double *chance; /* of each */
+    sl_light_tree *tree; /* of the emitters, where they are chosen by place; else NULL */
+    double tree_share;   /* the probability that an emitter is chosen, whichever */
 };
 
 /* ---- powers ---------------------------------------------------------------------------------------------------------- */
@@ -99,8 +102,16 @@ sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **out,
     return SL_OK;
 }
 
+sl_status sl_light_sampler_plant_tree(sl_light_sampler *sampler, sl_error *error) {
+    size_t emitters = sampler->scene->emitter_count;
+    if (emitters == 0 || !(sampler->sums[emitters - 1] > 0.0)) return SL_OK;
+    sampler->tree_share = sampler->sums[emitters - 1];
+    return sl_light_tree_create(sampler->scene, &sampler->tree, error);
+}
+
 void sl_light_sampler_destroy(sl_light_sampler *sampler) {
     if (!sampler) return;
+    sl_light_tree_destroy(sampler->tree);
     sl_free(sampler->sums);
     sl_free(sampler->chance);
     sl_free(sampler);
@@ -188,6 +199,17 @@ bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float s
                              sl_light_sample *sample) {
     if (sampler->count == 0) return false;
     return sample_entry(sampler, choose(sampler, (double)select), p, u1, u2, sample);
+}
+
+/* The first part of the numbers leads to the tree, the rest to lights and environment as ever. */
+bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select, float u1, float u2,
+                                sl_light_sample *sample) {
+    if (!sampler->tree || !((double)select < sampler->tree_share)) return sl_light_sampler_sample(sampler, p, select, u1, u2, sample);
+    uint32_t emitter;
+    float chance, within = fminf((float)((double)select / sampler->tree_share), 0x1.fffffep-1f);
+    if (!sl_is_finite(p) || !sl_light_tree_choose(sampler->tree, p, normal, within, &emitter, &chance)) return false;
+    return sample_emitter(sampler->scene, &sampler->scene->emitters[emitter], sampler->tree_share * (double)chance, p, u1, u2, sample) &&
+           sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
 }
 
 bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {

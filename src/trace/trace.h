@@ -59,6 +59,12 @@ bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float s
 /* The same from two numbers: u1 chooses the light, and what is left of it, stretched to [0,1), serves for the point. Two
  * numbers that are well spread together (a Sobol' pair) stay so on every light. */
 bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample);
+/* Many emitters, of which a few lie near: lets sl_light_sampler_sample_at() choose among them by what each can matter at the
+ * point (light_tree.h) instead of by power alone. How often any emitter is chosen, instead of a light or the environment, stays. */
+sl_status sl_light_sampler_plant_tree(sl_light_sampler *sampler, sl_error *error);
+/* normal: of the receiver, unit; it decides chances alone. Without a tree as sl_light_sampler_sample(). */
+bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select, float u1, float u2,
+                                sl_light_sample *sample);
 /* Solid-angle pdf with which the sampler would have made the direction that hit this emitter (or the environment: triangle
  * SL_NO_INDEX) from p. */
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,

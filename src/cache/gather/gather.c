@@ -49,7 +49,9 @@ static sl_status make_sampler(sl_gather *gather, sl_error *error) {
     gather->every_light = scene->light_count <= EVERY_LIGHT_MAX;
     if (gather->every_light) gather->extended.light_count = 0;
     if (gather->extended.light_count + scene->emitter_count == 0 && !scene->environment.present) return SL_OK;
-    return sl_light_sampler_create(&gather->extended, &gather->sampler, error);
+    sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
+    if (status != SL_OK || scene->emitter_count <= SL_NEAR_EMITTERS_MAX) return status;
+    return sl_light_sampler_plant_tree(gather->sampler, error); /* many: of each hit, most of them are far */
 }
 
 /* Spheres about the emitters, 1.2 times their longest edge. */

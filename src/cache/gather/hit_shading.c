@@ -1,7 +1,8 @@
 /* What the gather sees, lit by direct light alone: outgoing radiance L = kd / pi * E_direct of a Lambertian bounce.
  *
  * Shadow rays: every light without extent lights every hit (where there are more than eight, the sampler draws among
- * them), and emitters and environment together get one sample a hit (near emitters their closed form is used). The numbers
+ * them), and emitters and environment together get one sample a hit (near emitters their closed form is used; one of many
+ * emitters is chosen by what it can matter there). The numbers
  * that choose these samples are one three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated
  * by the point's key, so that all hits together are spread evenly over the lights. */
 #include "cache/gather/gather_internal.h"
@@ -253,7 +254,8 @@ static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
             continue;
         }
         sl_vec3 p = position_of(h, k);
-        if (!sl_light_sampler_sample(view->gather->sampler, p, unit(select), unit(u1), unit(u2), &sample)) continue;
+        sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
+        if (!sl_light_sampler_sample_at(view->gather->sampler, p, n, unit(select), unit(u1), unit(u2), &sample)) continue;
         float cosine = lit_cosine(h, k, sample.to_light);
         if (!(cosine > 0.0f)) continue;
         push_shadow_ray(q, k, sample.to_light, sample.distance, sl_rgb_scale(sample.radiance, cosine * bounded(&sample)));

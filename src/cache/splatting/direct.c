@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "cache/gather/hemisphere_tables.h"
-#include "cache/splatting/emitters.h"
+#include "trace/emitter_table.h"
 #include "cache/splatting/splatting.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "cache/splatting/emitters.h"
+#include "trace/emitter_table.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -33,9 +33,7 @@ sl_status sl_emitter_table_create(const sl_scene *scene, sl_emitter_table *t, sl
 
 void sl_emitter_table_destroy(sl_emitter_table *table) { sl_free(table->block); }
 
-/* How much an emitter can matter at a point: strength, cosines and distance of its centroid, each kept from vanishing where some
- * part of the emitter may still contribute; 0 where none can. */
-static float importance(const sl_emitter_table *t, size_t i, sl_vec3 position, sl_vec3 normal) {
+float sl_emitter_importance(const sl_emitter_table *t, size_t i, sl_vec3 position, sl_vec3 normal) {
     float dx = t->x[i] - position.x, dy = t->y[i] - position.y, dz = t->z[i] - position.z;
     float squared = dx * dx + dy * dy + dz * dz, extent = t->extent_squared[i];
     float bounded = squared > extent ? squared : extent;
@@ -53,7 +51,7 @@ static float importance(const sl_emitter_table *t, size_t i, sl_vec3 position, s
 void sl_emitters_weigh(const sl_emitter_table *table, sl_vec3 position, sl_vec3 normal, sl_emitter_choice *choice) {
     double sum = 0.0;
     choice->count = table->count <= SL_EMITTER_CHOICES_MAX ? table->count : 0;
-    for (size_t i = 0; i < choice->count; i++) choice->sums[i] = sum += (double)importance(table, i, position, normal);
+    for (size_t i = 0; i < choice->count; i++) choice->sums[i] = sum += (double)sl_emitter_importance(table, i, position, normal);
     if (!(sum > 0.0) || !isfinite(sum)) choice->count = 0;
 }
 

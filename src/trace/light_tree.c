@@ -1,0 +1,186 @@
+#include "trace/light_tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "trace/emitter_table.h"
+
+enum { LEAF_EMITTERS = 12 };
+
+typedef struct node {
+    sl_vec3 centre;
+    float radius, strength;
+    uint32_t first, count; /* its emitters, in the tree's order */
+    uint32_t right;        /* the left child is the next node; 0: a leaf */
+} node;
+
+struct sl_light_tree {
+    sl_emitter_table table; /* in the scene's order */
+    uint32_t *order;        /* emitters as the leaves hold them */
+    node *nodes;
+    uint32_t node_count;
+};
+
+/* ---- building: halves along the longest axis of the centroids ---- */
+
+typedef struct sorted_emitter {
+    float place;
+    uint32_t emitter;
+} sorted_emitter;
+
+static int by_place(const void *a, const void *b) {
+    const sorted_emitter *x = a, *y = b;
+    if (x->place != y->place) return x->place < y->place ? -1 : 1;
+    return x->emitter < y->emitter ? -1 : x->emitter > y->emitter;
+}
+
+static sl_vec3 centroid(const sl_emitter_table *t, uint32_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
+
+static void bound(const sl_light_tree *tree, node *n, sl_vec3 *extent) {
+    const sl_emitter_table *t = &tree->table;
+    sl_vec3 low = centroid(t, tree->order[n->first]), high = low;
+    for (uint32_t k = n->first; k < n->first + n->count; k++) {
+        sl_vec3 c = centroid(t, tree->order[k]);
+        low = sl_v3(fminf(low.x, c.x), fminf(low.y, c.y), fminf(low.z, c.z));
+        high = sl_v3(fmaxf(high.x, c.x), fmaxf(high.y, c.y), fmaxf(high.z, c.z));
+        n->strength += t->strength[tree->order[k]];
+    }
+    *extent = sl_sub(high, low);
+    n->centre = sl_scale(sl_add(low, high), 0.5f);
+    for (uint32_t k = n->first; k < n->first + n->count; k++) {
+        float far = sl_length(sl_sub(centroid(t, tree->order[k]), n->centre)) + sqrtf(t->extent_squared[tree->order[k]]);
+        n->radius = fmaxf(n->radius, far);
+    }
+}
+
+static void sort_along(const sl_light_tree *tree, const node *n, sl_vec3 extent, sorted_emitter *scratch) {
+    const sl_emitter_table *t = &tree->table;
+    const float *axis = extent.x >= extent.y && extent.x >= extent.z ? t->x : extent.y >= extent.z ? t->y : t->z;
+    for (uint32_t k = 0; k < n->count; k++) {
+        uint32_t e = tree->order[n->first + k];
+        scratch[k] = (sorted_emitter){axis[e], e};
+    }
+    qsort(scratch, n->count, sizeof *scratch, by_place);
+    for (uint32_t k = 0; k < n->count; k++) tree->order[n->first + k] = scratch[k].emitter;
+}
+
+static uint32_t build(sl_light_tree *tree, uint32_t first, uint32_t count, sorted_emitter *scratch) {
+    uint32_t index = tree->node_count++;
+    node n = {.first = first, .count = count};
+    sl_vec3 extent;
+    bound(tree, &n, &extent);
+    if (count > LEAF_EMITTERS) {
+        sort_along(tree, &n, extent, scratch);
+        build(tree, first, count / 2, scratch);
+        n.right = build(tree, first + count / 2, count - count / 2, scratch);
+    }
+    tree->nodes[index] = n;
+    return index;
+}
+
+sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_error *error) {
+    size_t count = scene->emitter_count;
+    *out = NULL;
+    sl_light_tree *tree = sl_allocate(1, sizeof *tree);
+    if (!tree) return sl_fail_memory(error, "the light tree");
+    sl_status status = sl_emitter_table_create(scene, &tree->table, error);
+    sorted_emitter *scratch = sl_allocate(count, sizeof *scratch);
+    tree->order = sl_allocate(count, sizeof *tree->order);
+    tree->nodes = sl_allocate(2 * count, sizeof *tree->nodes);
+    if (status == SL_OK && (!scratch || !tree->order || !tree->nodes)) status = sl_fail_memory(error, "the light tree");
+    if (status == SL_OK) {
+        for (uint32_t i = 0; i < count; i++) tree->order[i] = i;
+        build(tree, 0, (uint32_t)count, scratch);
+        *out = tree;
+    } else {
+        sl_light_tree_destroy(tree);
+    }
+    sl_free(scratch);
+    return status;
+}
+
+void sl_light_tree_destroy(sl_light_tree *tree) {
+    if (!tree) return;
+    sl_emitter_table_destroy(&tree->table);
+    sl_free(tree->order);
+    sl_free(tree->nodes);
+    sl_free(tree);
+}
+
+/* ---- choosing ---- */
+
+/* Strength over squared distance, from within the sphere as from its surface, times what the receiver's cosine can be at most; 0 where all
+ * of the sphere lies below the horizon. */
+static float importance(const node *n, sl_vec3 position, sl_vec3 normal) {
+    sl_vec3 d = sl_sub(n->centre, position);
+    float squared = sl_dot(d, d), inside = n->radius * n->radius, above = sl_dot(normal, d) + n->radius;
+    if (!(above > 0.0f)) return 0.0f;
+    squared = squared > inside ? squared : inside;
+    float over = squared > 0.0f ? 1.0f / sqrtf(squared) : 0.0f, cosine = above * over;
+    return n->strength * over * over * (cosine < 1.0f ? cosine : 1.0f);
+}
+
+/* Of going left; both sides 0: none. */
+static bool left_share(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal, float *share) {
+    float left = importance(n + 1, position, normal), right = importance(&tree->nodes[n->right], position, normal);
+    float sum = left + right;
+    *share = left / sum;
+    return sum > 0.0f && isfinite(sum);
+}
+
+static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal, float weight[LEAF_EMITTERS]) {
+    float sum = 0.0f;
+    for (uint32_t k = 0; k < n->count; k++) {
+        sum += weight[k] = sl_emitter_importance(&tree->table, tree->order[n->first + k], position, normal);
+    }
+    return sum > 0.0f && isfinite(sum) ? sum : 0.0f;
+}
+
+bool sl_light_tree_choose(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, float u, uint32_t *emitter, float *chance) {
+    const node *n = tree->nodes;
+    float way = 1.0f, share, weight[LEAF_EMITTERS];
+    while (n->right) {
+        if (!left_share(tree, n, position, normal, &share)) return false;
+        bool left = u < share;
+        u = left ? u / share : (u - share) / (1.0f - share);
+        u = u < 0x1.fffffep-1f ? u : 0x1.fffffep-1f;
+        way *= left ? share : 1.0f - share;
+        n = left ? n + 1 : &tree->nodes[n->right];
+    }
+    float sum = leaf_weights(tree, n, position, normal, weight), target = u * sum;
+    if (!(sum > 0.0f)) return false;
+    uint32_t chosen = 0;
+    for (uint32_t k = 0; k < n->count; k++) { /* the last one that has weight, if rounding leads beyond all */
+        if (weight[k] > 0.0f) chosen = k;
+        if (target < weight[k]) break;
+        target -= weight[k];
+    }
+    *emitter = tree->order[n->first + chosen];
+    *chance = way * (weight[chosen] / sum);
+    return *chance > 0.0f;
+}
+
+static bool holds(const sl_light_tree *tree, const node *n, uint32_t emitter) {
+    for (uint32_t k = n->first; k < n->first + n->count; k++) {
+        if (tree->order[k] == emitter) return true;
+    }
+    return false;
+}
+
+float sl_light_tree_chance(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, uint32_t emitter) {
+    const node *n = tree->nodes;
+    float way = 1.0f, share, weight[LEAF_EMITTERS];
+    while (n->right) {
+        if (!left_share(tree, n, position, normal, &share)) return 0.0f;
+        bool left = holds(tree, n + 1, emitter);
+        way *= left ? share : 1.0f - share;
+        n = left ? n + 1 : &tree->nodes[n->right];
+    }
+    float sum = leaf_weights(tree, n, position, normal, weight);
+    for (uint32_t k = 0; k < n->count; k++) {
+        if (tree->order[n->first + k] == emitter && sum > 0.0f) return way * (weight[k] / sum);
+    }
+    return 0.0f;
+}
