@@ -133,6 +133,11 @@ $(BUILD)/bench/bench_raster: $(BUILD)/o/bench/bench_raster.o $(RASTER_BENCH) $(O
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS) $(OSMESA_LIBS)
 
+GATHER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/gather_*.c))
+$(BUILD)/bench/bench_gather: $(BUILD)/o/bench/bench_gather.o $(GATHER_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)

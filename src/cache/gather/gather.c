@@ -16,19 +16,13 @@ sl_gather_settings sl_gather_defaults(void) {
 
 /* ---- decisions ------------------------------------------------------------------------------------------------------ */
 
-static void decide_kind(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, sl_gather_settings *s) {
-    if (s->kind != SL_GATHER_AUTO) return;
-    bool plane = !tracer || (raster && sl_gather_raster_is_cheaper(scene, s));
-    s->kind = plane ? SL_GATHER_PLANE : SL_GATHER_RAYS;
-}
-
 /* Rays wherever there is a tracer: a shadow map lets light through walls and corners that are thinner than its bias. */
 static void decide_direct(const sl_tracer *tracer, sl_gather_settings *s) {
     if (s->direct == SL_DIRECT_AUTO) s->direct = tracer ? SL_DIRECT_RAYS : SL_DIRECT_SHADOW_MAPS;
 }
 
 static sl_status check(const sl_gather_settings *s, const sl_raster *raster, const sl_tracer *tracer, sl_error *error) {
-    if (!raster && (s->kind != SL_GATHER_RAYS || s->direct == SL_DIRECT_SHADOW_MAPS)) {
+    if (!raster && (s->kind == SL_GATHER_PLANE || s->kind == SL_GATHER_HEMICUBE || s->direct == SL_DIRECT_SHADOW_MAPS)) {
         return sl_fail(error, SL_ERROR_USAGE, "this gather needs the rasterizer");
     }
     if (!tracer && (s->kind == SL_GATHER_RAYS || s->direct == SL_DIRECT_RAYS)) {
@@ -72,16 +66,21 @@ static void make_near_spheres(sl_gather *gather) {
     }
 }
 
-static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
-    const sl_gather_settings *s = &gather->settings;
-    sl_status status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
-    if (status != SL_OK) return status;
-    if (s->direct == SL_DIRECT_RAYS) {
-        status = make_sampler(gather, error);
-        make_near_spheres(gather);
-        return status;
+static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS) {
+        return sl_shadow_maps_create(gather->scene, gather->raster, SHADOW_MAP_SIZE, threads, &gather->maps, counters, error);
     }
-    return sl_shadow_maps_create(gather->scene, gather->raster, SHADOW_MAP_SIZE, threads, &gather->maps, counters, error);
+    sl_status status = make_sampler(gather, error);
+    make_near_spheres(gather);
+    return status;
+}
+
+static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    sl_gather_settings *s = &gather->settings;
+    sl_status status = make_light(gather, threads, counters, error);
+    if (status == SL_OK && s->kind == SL_GATHER_AUTO) status = sl_gather_choose(gather, &s->kind, &s->size, error);
+    if (status != SL_OK) return status;
+    return sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
 }
 
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
@@ -94,7 +93,6 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->raster = raster;
     gather->tracer = tracer;
     gather->settings = *settings;
-    decide_kind(scene, raster, tracer, &gather->settings);
     decide_direct(tracer, &gather->settings);
     gather->offset = 1e-5f * scene->diagonal;
     gather->kernels = sl_gather_kernels_for(sl_isa_best());

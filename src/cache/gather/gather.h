@@ -13,7 +13,7 @@
 typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL } sl_border;
 
 typedef struct sl_gather_settings {
-    sl_gather_kind kind;      /* AUTO is decided on creation, by counts */
+    sl_gather_kind kind;      /* AUTO: on creation, by counts, what is cheapest at the expected error of N x N rays (gather_cost.h) */
     int size;                 /* N */
     float plane_fov;          /* radians; 140 degrees by default */
     sl_border border;         /* plane only; RADIAL by default */

@@ -1,30 +1,83 @@
-/* The choice between a raster gather and rays, by counts alone (radiance-cache-splatting 9): one choice a scene, the same on
- * every machine and in every run, never from a clock. */
-#include "cache/gather/gather_internal.h"
+#include "cache/gather/gather_cost.h"
 
 #include "base/math.h"
 
-/* Nanoseconds of visibility alone, fitted to what bench_gather measured at N = 64 on one core (five scenes of 32 to 878,000
- * triangles, within a factor of two but for the largest, whose views hold little of it; only the ratio matters):
- *   t_raster = a0 + a1 sqrt T + a3 N^2     clusters that lie outside, behind or hidden are rejected whole, so that what a view
- *                                          sets up grows far more slowly than T
- *   t_rays   = N^2 (b0 + b1 log2 T) */
-static const double pass_cost = 20000.0, surface_cost = 2200.0, fragment_cost = 15.0;
-static const double ray_cost = 10.0, ray_level_cost = 8.0;
+/* Nanoseconds, fitted by `bench_gather --fit` over the twelve scenes of scenes/ and scenes/generated/ (24 to 878,000 triangles), N = 16 to 256,
+ * on one core with AVX-512: least squares of the relative error, no constant negative. What is left is 18 % RMS for the raster, 13 % for
+ * rays, 28 % for light, and 45, 15 and 37 % on a scene that had no part in the fit (the raster's clusters are told by the largest scene alone).
+ *   t_plane, t_hemicube   passes | clusters tested | triangles submitted | outlines: sqrt(cells * triangles rasterized), about how many blocks
+ *                         of pixels the sides of the triangles cross | cells | cells beyond 2^16, where the picture leaves the cache
+ *   t_rays                cells | visible triangles | the same by levels of the hierarchy, log2 T | triangles submitted */
+static const double raster_see[SL_GATHER_COST_TERMS] = {1857.0, 3.55, 12.06, 21.95, 4.869, 7.174};
+static const double ray_see[SL_GATHER_COST_TERMS] = {9.643, 113.3, 12.42, 3.901, 0.0, 0.0};
+/*   t_shade               cells | light samples drawn | shadow rays | shadow rays by levels | visible triangles | shadow-map lookups (these from
+ *                         cave.json by hand: no other scene of many triangles is lit by lights without extent alone) */
+static const double any_shade[SL_GATHER_COST_TERMS] = {0.0, 94.25, 24.35, 6.7, 144.6, 180.0};
 
-static double raster_time(double triangles, double cells) {
-    return pass_cost + surface_cost * sqrt(triangles) + fragment_cost * cells;
+/* ---- cost ---- */
+
+static double levels(const sl_gather_counts *c) { return sl_log(c->triangles + 2.0) / sl_log(2.0); }
+
+static double outlines(const sl_gather_counts *c) { return sqrt(c->cells * c->triangles_rasterized); }
+
+sl_gather_terms sl_gather_cost_terms(sl_gather_kind kind, const sl_gather_counts *c) {
+    const double cached = 65536.0;
+    double beyond = c->cells > cached ? c->cells - cached : 0.0;
+    sl_gather_terms raster = {.see = {c->passes, c->clusters_tested, c->triangles_submitted, outlines(c), c->cells, beyond}};
+    sl_gather_terms rays = {.see = {c->cells, c->visible, c->visible * levels(c), c->triangles_submitted}};
+    sl_gather_terms t = kind == SL_GATHER_RAYS ? rays : raster;
+    double shade[SL_GATHER_COST_TERMS] = {c->cells, c->samples, c->shadow_rays, c->shadow_rays * levels(c), c->visible, c->shadow_lookups};
+    for (int i = 0; i < SL_GATHER_COST_TERMS; i++) t.shade[i] = shade[i];
+    return t;
 }
 
-static double ray_time(double triangles, double cells) {
-    return cells * (ray_cost + ray_level_cost * sl_log(triangles + 2.0) / sl_log(2.0));
+static double weigh(const double constants[SL_GATHER_COST_TERMS], const double terms[SL_GATHER_COST_TERMS]) {
+    double sum = 0.0;
+    for (int i = 0; i < SL_GATHER_COST_TERMS; i++) sum += constants[i] * terms[i];
+    return sum;
 }
 
-/* By four times: at equal N a plane of 140 degrees errs about three times as much as rays (it lacks the directions near the
- * horizon: 6.7 % against 2.1 % at 64 x 64, radiance-cache-splatting 2.6), so a quarter of the rays is still the better
- * instrument; and beyond 64 x 64 its border, not its pixels, is what errs, so larger planes are held against 64 x 64 rays. With
- * the constants measured so far rays are chosen everywhere. */
-bool sl_gather_raster_is_cheaper(const sl_scene *scene, const sl_gather_settings *settings) {
-    double triangles = (double)scene->triangle_count, cells = (double)settings->size * (double)settings->size;
-    return 4.0 * raster_time(triangles, cells) < ray_time(triangles, fmin(cells, 64.0 * 64.0));
+double sl_gather_see_cost(sl_gather_kind kind, const sl_gather_counts *counts) {
+    sl_gather_terms terms = sl_gather_cost_terms(kind, counts);
+    return weigh(kind == SL_GATHER_RAYS ? ray_see : raster_see, terms.see);
+}
+
+double sl_gather_shade_cost(sl_gather_kind kind, const sl_gather_counts *counts) {
+    sl_gather_terms terms = sl_gather_cost_terms(kind, counts);
+    return weigh(any_shade, terms.shade);
+}
+
+/* ---- expected error ---- */
+
+/* Relative RMS errors of the irradiance against 2 x 256^2 rays at 32 points, geometric means over the twelve scenes (`bench_gather --auto`
+ * prints them beside what this expects):
+ *          N     16    32    64   128   256
+ *   plane      15.4  11.3   6.1   4.1   3.3 %
+ *   hemicube    9.9   3.1   1.8   1.0   0.6 %
+ *   rays       10.2   5.9   2.3   1.0   0.6 %
+ * Rays fall as 1 / N, for cells are strata, not random points; so does the hemicube, whose side faces hold two thirds of its cells but less
+ * than half of the cosine weight. The plane stays at what it lacks, the directions near the horizon, 9.75 % of the cosine weight
+ * outside 140 degrees, however its border is extended. */
+static const double ray_error = 1.55, hemicube_error = 1.27, plane_error = 3.2, plane_floor = 0.03, default_share = 0.0975;
+
+/* 1 - F, F = 4 / pi sin(phi) atan(sin(phi)), phi half the field of view (radiance-cache-splatting 2.6). */
+static double share_outside(double half_tangent) {
+    double sine = half_tangent / sqrt(1.0 + half_tangent * half_tangent);
+    return fmax(0.0, 1.0 - 4.0 / SL_PI * sine * sl_atan2(sine, 1.0));
+}
+
+double sl_gather_expected_error(sl_gather_kind kind, int size, double half_tangent) {
+    double n = (double)size;
+    if (kind == SL_GATHER_RAYS) return ray_error / n;
+    if (kind == SL_GATHER_HEMICUBE) return hemicube_error / n;
+    double pixels = plane_error / n, border = plane_floor * share_outside(half_tangent) / default_share;
+    return sqrt(pixels * pixels + border * border);
+}
+
+int sl_gather_size_for(sl_gather_kind kind, int size, double half_tangent) {
+    double wanted = sl_gather_expected_error(SL_GATHER_RAYS, size, half_tangent);
+    for (int n = 4; n <= SL_GATHER_SIZE_MAX; n += 2) { /* hemicubes are even */
+        if (sl_gather_expected_error(kind, n, half_tangent) <= wanted) return kind == SL_GATHER_RAYS ? size : n;
+    }
+    return 0;
 }

@@ -93,7 +93,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
 /* Adds the walls that the grid does not hold, turns the sums into the world. */
 void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_irradiance *irradiance);
 
-/* The choice AUTO: true if a raster gather is clearly cheaper than rays (gather_cost.c). */
-bool sl_gather_raster_is_cheaper(const sl_scene *scene, const sl_gather_settings *settings);
+/* The choice AUTO: the cheapest instrument at equal expected error, and its size (gather_choice.c). */
+sl_status sl_gather_choose(const sl_gather *gather, sl_gather_kind *kind, int *size, sl_error *error);
 
 #endif

@@ -92,7 +92,7 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
                  background ? "its light is part of the irradiance records" : "none, or it is sampled for every pixel");
     sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
                  scene->light_count);
-    static const char *const instruments[] = {"the cheaper instrument", "the raster plane", "the raster hemicube", "rays"};
+    static const char *const instruments[] = {"what is cheapest at the error of so many rays", "the raster plane", "the raster hemicube", "rays"};
     sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, gathers %d x %d by %s", q.accuracy,
                  q.gather_size, q.gather_size, instruments[settings->gather]);
     sl_plan_pass(writer, false, "radiance records", "%zu glossy triangles; their indirect light is not computed",
