@@ -17,12 +17,12 @@ enum {
     SL_ADD_SPANS = SL_ADD_COLUMNS * SL_ADD_ROWS
 };
 
-/* (c + b dy) + a dx at pixel (x + dx, y + dy), (x, y) being the triangle's origin. In OpenGL's form fma(b, y, fma(a, x, c)). */
+/* (c + b dy) + a dx at pixel (x + dx, y + dy), (x, y) being the triangle's origin. */
 typedef struct sl_value_plane {
     float a, b, c;
 } sl_value_plane;
 
-/* What is added is value / denominator, between least and most. In OpenGL's form it is not bounded, unless least and most are equal. */
+/* What is added is value / denominator, between least and most. */
 typedef struct sl_add_channel {
     sl_value_plane value;
     float least, most; /* of the corners */
@@ -40,7 +40,6 @@ typedef struct sl_add_tile {
     int width, channels;  /* of the target */
     size_t plane;         /* pixels of a plane of the target */
     float *target;
-    bool opengl;
     uint32_t fetched;     /* bit s: span s is in memory */
     float *memory;        /* SL_ADD_SPANS x channels x SL_ADD_PIXELS */
     sl_add_planes planes;

@@ -96,36 +96,24 @@ static uint64_t cover(const part *p, sl_add_tile *add) {
 /* ---- divide and add ---- */
 
 /* What depends on the column alone. */
-static void find_columns(const part *p, sl_value_plane v, int32_t right, bool opengl, float *restrict column) {
-    const float a = v.a, c = v.c;
+static void find_columns(const part *p, sl_value_plane v, int32_t right, float *restrict column) {
+    const float a = v.a;
     for (int32_t x = p->x0 & -SL_LANES; x <= p->x1; x += SL_LANES) {
-        if (opengl) {
 #pragma omp simd
-            for (int32_t l = x; l < x + SL_LANES; l++) column[l] = fmaf(a, (float)(l + right), c);
-        } else {
-#pragma omp simd
-            for (int32_t l = x; l < x + SL_LANES; l++) column[l] = a * (float)(l + right);
-        }
+        for (int32_t l = x; l < x + SL_LANES; l++) column[l] = a * (float)(l + right);
     }
 }
 
-static inline void divide_group(const float *restrict column, float row, float b, float dy, bool opengl, float *restrict over) {
-    if (opengl) {
+static inline void divide_group(const float *restrict column, float row, float *restrict over) {
 #pragma omp simd
-        for (int l = 0; l < SL_LANES; l++) over[l] = 1.0f / fmaf(b, dy, column[l]);
-    } else {
-#pragma omp simd
-        for (int l = 0; l < SL_LANES; l++) over[l] = 1.0f / (row + column[l]);
-    }
+    for (int l = 0; l < SL_LANES; l++) over[l] = 1.0f / (row + column[l]);
 }
 
 static void divide(const part *p, sl_value_plane v, int32_t right, int32_t up, sl_add_tile *add) {
-    find_columns(p, v, right, add->opengl, add->column);
+    find_columns(p, v, right, add->column);
     for (int y = p->y0; y <= p->y1; y++) {
-        const float dy = (float)(y + up), row = v.c + v.b * dy;
-        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
-            divide_group(add->column + x, row, v.b, dy, add->opengl, add->over + y * WIDTH + x);
-        }
+        const float row = v.c + v.b * (float)(y + up);
+        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) divide_group(add->column + x, row, add->over + y * WIDTH + x);
     }
 }
 
@@ -171,21 +159,6 @@ static inline __attribute__((always_inline)) void add_rows(const part *p, const 
     }
 }
 
-static void add_opengl(const part *p, const sl_add_tile *add, const sl_add_channel *channel, int32_t up, float *plane) {
-    const float b = channel->value.b;
-    for (int y = p->y0; y <= p->y1; y++) {
-        const float dy = (float)(y + up);
-        for (int32_t x = add->begin[y]; x < add->end[y]; x += SL_LANES) {
-            const float *restrict column = add->column + x, *restrict over = add->over + y * WIDTH + x;
-            float value[SL_LANES];
-#pragma omp simd
-            for (int l = 0; l < SL_LANES; l++) value[l] = fmaf(b, dy, column[l]) * over[l];
-            if (p->whole) add_group(NULL, value, true, plane + y * WIDTH + x);
-            else add_group(add->outside + y * WIDTH + x, value, false, plane + y * WIDTH + x);
-        }
-    }
-}
-
 static inline __attribute__((always_inline)) void add_constant(const part *p, const sl_add_tile *add, float constant, bool whole,
                                                                float *plane) {
     float value[SL_LANES];
@@ -203,9 +176,8 @@ static void add_channel(const part *p, sl_add_tile *add, const sl_add_channel *c
         else add_constant(p, add, channel->least, false, plane);
         return;
     }
-    find_columns(p, channel->value, right, add->opengl, add->column);
-    if (add->opengl) add_opengl(p, add, channel, up, plane);
-    else if (level && p->whole) add_rows(p, add, channel, up, true, true, plane);
+    find_columns(p, channel->value, right, add->column);
+    if (level && p->whole) add_rows(p, add, channel, up, true, true, plane);
     else if (level) add_rows(p, add, channel, up, false, true, plane);
     else if (p->whole) add_rows(p, add, channel, up, true, false, plane);
     else add_rows(p, add, channel, up, false, false, plane);

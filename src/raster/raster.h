@@ -127,7 +127,7 @@ void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned th
 
 /* Additive float blending of triangles: every fragment of every triangle, hidden or not, in index order, adds perspective-correct
  * attributes (vertex v's at attributes[v*channels]) to `channels` planes of the target's size. Values stay between those of the corners,
- * so equal ones are added exactly. Masks are not tested. The triangles are put in order first, which costs time linear in their number. */
+ * so equal ones are added exactly. Masks are not tested. */
 sl_status sl_raster_add(const sl_raster *raster, const sl_view *view, unsigned threads, const float *attributes, int channels,
                         const sl_target *size, float *planes, sl_counters *counters, sl_error *error);
 
