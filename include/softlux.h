@@ -55,7 +55,7 @@ typedef struct sl_error {
 typedef enum sl_counter {
     SL_COUNT_RASTER_PASSES,        /* renders of the scene into some target */
     SL_COUNT_CLUSTERS_TESTED,
-    SL_COUNT_CLUSTERS_CULLED,
+    SL_COUNT_CLUSTERS_CULLED,      /* rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
     SL_COUNT_TRIANGLES_SUBMITTED,  /* reached the transform */
     SL_COUNT_TRIANGLES_CULLED,     /* outside the view, or covering no pixel centre */
     SL_COUNT_TRIANGLES_DROPPED,    /* not finite */

@@ -4,15 +4,6 @@
 #include "base/bits16.h"
 #include "raster/internal.h"
 
-static inline int32_t min3(int32_t a, int32_t b, int32_t c) {
-    int32_t m = a < b ? a : b;
-    return m < c ? m : c;
-}
-static inline int32_t max3(int32_t a, int32_t b, int32_t c) {
-    int32_t m = a > b ? a : b;
-    return m > c ? m : c;
-}
-
 /* The lower half, below 2^15. A mask of 16 bits would say the same, but sets compilers to work with short lanes. */
 static inline int32_t cell_x(int32_t cell) { return (int32_t)((uint32_t)cell << 16) >> 16; }
 
@@ -40,7 +31,7 @@ static group_bits classify_inside(const uint16_t *restrict c0, const uint16_t *r
     for (int t = 0; t < SL_LANES; t++) {
         int32_t p = cells[0][t], q = cells[1][t], r = cells[2][t];
         int32_t px = cell_x(p), qx = cell_x(q), rx = cell_x(r), py = p >> 16, qy = q >> 16, ry = r >> 16;
-        int32_t low_x = min3(px, qx, rx), high_x = max3(px, qx, rx), low_y = min3(py, qy, ry), high_y = max3(py, qy, ry);
+        int32_t low_x = sl_min3(px, qx, rx), high_x = sl_max3(px, qx, rx), low_y = sl_min3(py, qy, ry), high_y = sl_max3(py, qy, ry);
         culled[t] = (high_x - low_x - 1) | (high_y - low_y - 1);
         elsewhere[t] = (high_x - 1 - x0) | (high_y - 1 - y0) | (x1 - 1 - low_x) | (y1 - 1 - low_y);
         large[t] = (SL_BLOCK - (high_x - low_x)) | (SL_BLOCK - (high_y - low_y));
@@ -134,7 +125,7 @@ static void cover_group(const corner_group *restrict g, int32_t *restrict x, int
 #pragma omp simd
     for (int l = 0; l < SL_LANES; l++) {
         int32_t u0 = g->u[0][l], u1 = g->u[1][l], u2 = g->u[2][l], v0 = g->v[0][l], v1 = g->v[1][l], v2 = g->v[2][l];
-        int32_t low_x = (min3(u0, u1, u2) + 255) >> 8, low_y = (min3(v0, v1, v2) + 255) >> 8;
+        int32_t low_x = (sl_min3(u0, u1, u2) + 255) >> 8, low_y = (sl_min3(v0, v1, v2) + 255) >> 8;
         u0 -= low_x * 256, u1 -= low_x * 256, u2 -= low_x * 256;
         v0 -= low_y * 256, v1 -= low_y * 256, v2 -= low_y * 256;
         int32_t area = (u1 - u0) * (v2 - v0) - (u2 - u0) * (v1 - v0);

@@ -9,7 +9,11 @@
  *     classify    triangles: outside | not finite | to be clipped | no centre | tiny | others (classify_kernels.c)
  *     clip        Sutherland-Hodgman, scalar, for the few that cross a plane                  (clip.c)
  *     set up      edge functions and depth plane of what is left                              (setup_kernels.c)
- *     rasterize   coverage, depth test, write                                                 (rasterize_kernels.c)
+ *     rasterize   coverage, depth test, write; pixel by pixel where there is an alpha mask     (rasterize_kernels.c, alpha.c)
+ *
+ * clusters.c made the clusters, once; view.c makes the view's constants; culling and sorting by distance (order.c) are done once a render;
+ * tiles.c gives the tiles of large targets to threads; tile_kernels.c clears a tile and copies it to the target. kernels.c chooses the
+ * instruction set of all files called *_kernels.c.
  *
  * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters are
  * drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order.
@@ -240,6 +244,11 @@ static inline bool sl_widen_edges(const sl_batch *batch, uint32_t t, sl_wide_edg
     }
     return area != 0;
 }
+
+static inline int sl_larger(int a, int b) { return a > b ? a : b; }
+static inline int sl_smaller(int a, int b) { return a < b ? a : b; }
+static inline int32_t sl_min3(int32_t a, int32_t b, int32_t c) { return sl_smaller(sl_smaller(a, b), c); }
+static inline int32_t sl_max3(int32_t a, int32_t b, int32_t c) { return sl_larger(sl_larger(a, b), c); }
 
 /* Choices by bits instead of by truth values, which keep compilers from vectorizing: all ones where x < 0 (or x is not 0),
  * else 0; x turned where the mask is set. */

@@ -138,9 +138,6 @@ static uint32_t draw_cluster(const render *r, uint32_t cluster) {
     return sl_fate_of(&s->classes);
 }
 
-static int larger(int a, int b) { return a > b ? a : b; }
-static int smaller(int a, int b) { return a < b ? a : b; }
-
 void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass, const sl_visible *visible,
                   sl_raster_scratch *scratch, sl_cluster_fate *fate) {
     const sl_raster_kernels *kernels = raster->kernels;
@@ -150,8 +147,8 @@ void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_vi
     scratch->batch.count = 0;
     for (uint32_t i = 0; i < visible->count; i++) {
         uint32_t n = visible->order[i];
-        sl_rectangle seen = {larger(visible->x0[n], tile->x0), larger(visible->y0[n], tile->y0),
-                             smaller(visible->x1[n], tile->x1 - 1), smaller(visible->y1[n], tile->y1 - 1)};
+        sl_rectangle seen = {sl_larger(visible->x0[n], tile->x0), sl_larger(visible->y0[n], tile->y0),
+                             sl_smaller(visible->x1[n], tile->x1 - 1), sl_smaller(visible->y1[n], tile->y1 - 1)};
         if (seen.x0 > seen.x1 || seen.y0 > seen.y1) continue;
         if (kernels->occluded(pass, tile, seen, visible->nearest[n])) continue;
         fate[n] = draw_cluster(&r, visible->cluster[n]);

@@ -230,8 +230,6 @@ typedef struct {
 
 static int32_t least_of(int32_t a, int32_t b, int32_t c) { return a < b ? (a < c ? a : c) : (b < c ? b : c); }
 static int floor_of(int32_t u) { return (u - (u & 255)) / 256; } /* of u / 256 */
-static int larger(int a, int b) { return a > b ? a : b; }
-static int smaller(int a, int b) { return a < b ? a : b; }
 
 /* The depth test: nearer wins; what is as near as the pixel already is comes too late. */
 static void draw_pixels(const picture *p, uint32_t t, const corner c[3]) {
@@ -239,10 +237,10 @@ static void draw_pixels(const picture *p, uint32_t t, const corner c[3]) {
     if (area == 0) return;
     bool opengl = p->pass.rule == SL_OPENGL_PLANE;
     depth_plane plane = opengl ? opengl_depth_through(c) : depth_through(c, p->pass.inverse_w);
-    int x0 = larger(floor_of(least_of(c[0].u, c[1].u, c[2].u)), p->pass.x0);
-    int y0 = larger(floor_of(least_of(c[0].v, c[1].v, c[2].v)), p->pass.y0);
-    int x1 = smaller(floor_of(-least_of(-c[0].u, -c[1].u, -c[2].u)) + 1, p->pass.x1);
-    int y1 = smaller(floor_of(-least_of(-c[0].v, -c[1].v, -c[2].v)) + 1, p->pass.y1);
+    int x0 = sl_larger(floor_of(least_of(c[0].u, c[1].u, c[2].u)), p->pass.x0);
+    int y0 = sl_larger(floor_of(least_of(c[0].v, c[1].v, c[2].v)), p->pass.y0);
+    int x1 = sl_smaller(floor_of(-least_of(-c[0].u, -c[1].u, -c[2].u)) + 1, p->pass.x1);
+    int y1 = sl_smaller(floor_of(-least_of(-c[0].v, -c[1].v, -c[2].v)) + 1, p->pass.y1);
     for (int j = y0; j < y1; j++) {
         for (int i = x0; i < x1; i++) {
             if (!covers(c, area, 256 * (int64_t)i, 256 * (int64_t)j)) continue;

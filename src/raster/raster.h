@@ -10,6 +10,8 @@
  *     view ── sl_raster_id() ── id, depth ──┬── sl_raster_gbuffer()   positions, normals, albedo, material
  *                                           └── sl_raster_gouraud()   perspective-correct vertex attributes
  *     records ── sl_raster_splats() ── additive float blending ── sl_raster_reduce() ── sums
+ *
+ * Counters are added to, and wanted; an error may be NULL.
  */
 #ifndef SL_RASTER_RASTER_H
 #define SL_RASTER_RASTER_H
@@ -81,24 +83,26 @@ typedef struct sl_target {
     float *depth;
 } sl_target;
 
-/* Scratch for one worker's small renders (gathers), reused from call to call. */
+/* Scratch for one worker's small renders (gathers), reused from call to call; for targets of up to that size. */
 typedef struct sl_raster_scratch sl_raster_scratch;
 sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height, sl_raster_scratch **scratch, sl_error *error);
 void sl_raster_scratch_destroy(sl_raster_scratch *scratch);
 
 /* Clears the viewport and draws the whole scene into id and depth; alpha masks are tested. Large targets: parallel over tiles. Both forms
- * give the same bits. id or depth may be NULL. What the coarse depth shows to be hidden is not drawn, and counted as culled clusters. */
+ * give the same bits. id or depth may be NULL. Clusters of triangles that lie behind what is
+ * drawn already are not drawn, and counted as culled. */
 sl_status sl_raster_id(const sl_raster *raster, const sl_view *view, unsigned threads, const sl_target *target,
                        sl_counters *counters, sl_error *error);
 /* Several views at once, a target for each: the same as one after another, but the threads share all of their tiles. */
 sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *views, unsigned threads, const sl_target *targets,
                         sl_counters *counters, sl_error *error);
-/* The same on the calling thread alone, without allocating. */
+/* The same on the calling thread alone, without allocating; the viewport must lie within the target. */
 void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target, sl_raster_scratch *scratch,
                         sl_counters *counters);
 
 /* Perspective-correct barycentric weights of corners 1 and 2 at the pixel's centre, for `count` pixels of a view given by
- * their linear indices (y*width + x) and ids; pixels with SL_NO_INDEX get 0. Weights are clamped to the triangle. w1, w2: count values. */
+ * their linear indices (y*width + x) and ids; the viewport is taken as the whole
+ * picture (x, y and scissor aside); pixels with SL_NO_INDEX get 0. Weights are clamped to the triangle. w1, w2: count values. */
 void sl_raster_barycentrics(const sl_raster *raster, const sl_view *view, size_t count, const uint32_t *pixel,
                             const uint32_t *id, float *w1, float *w2);
 
@@ -120,8 +124,8 @@ void sl_gbuffer_destroy(sl_gbuffer *gbuffer);
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
                             sl_counters *counters, sl_error *error);
 
-/* Gouraud: interpolates `channels` floats per vertex (vertex v's at attributes[v*channels]) at every pixel of an id plane;
- * out holds `channels` planes; background 0. */
+/* Gouraud: interpolates `channels` floats per vertex (vertex v's at attributes[v*channels]) at every pixel of an id plane of the
+ * view's width x height; out holds `channels` planes; background 0. */
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
                        const float *attributes, int channels, float *out, sl_counters *counters);
 
@@ -140,7 +144,8 @@ typedef struct sl_depth_cube {
 sl_status sl_raster_depth_cube(const sl_raster *raster, sl_vec3 eye, int size, float near, unsigned threads,
                                sl_depth_cube **cube, sl_counters *counters, sl_error *error);
 void sl_depth_cube_destroy(sl_depth_cube *cube);
-/* Share of light in [0,1] at p with unit normal n (towards the light's side): percentage-closer filtering of 2x2 texels, bilinear; bias from the texel's footprint and slope. */
+/* Share of light in [0,1] at p with unit normal n (towards the light's side): percentage-closer filtering of 2x2 texels, bilinear; bias
+ * from the texel's footprint and slope. At the light itself, and where p is not finite: 1. */
 float sl_depth_cube_lit(const sl_depth_cube *cube, sl_vec3 p, sl_vec3 n);
 
 /* Additive float blending of screen rectangles. */

@@ -3,15 +3,6 @@
 
 #include "raster/internal.h"
 
-static inline int32_t min3(int32_t a, int32_t b, int32_t c) {
-    int32_t m = a < b ? a : b;
-    return m < c ? m : c;
-}
-static inline int32_t max3(int32_t a, int32_t b, int32_t c) {
-    int32_t m = a > b ? a : b;
-    return m > c ? m : c;
-}
-
 /* ---- edges ---- */
 
 /* The pixels whose centres the box may hold, cut to the tile; a triangle without area has none. */
@@ -21,15 +12,14 @@ static void find_pixels(const sl_tile *tile, sl_batch *restrict batch, uint32_t 
     for (uint32_t t = first; t < end; t++) {
         int32_t u0 = batch->snapped_u[0][t], u1 = batch->snapped_u[1][t], u2 = batch->snapped_u[2][t];
         int32_t v0 = batch->snapped_v[0][t], v1 = batch->snapped_v[1][t], v2 = batch->snapped_v[2][t];
-        int32_t x0 = (min3(u0, u1, u2) + 255) >> 8, x1 = (max3(u0, u1, u2) - 1) >> 8;
-        int32_t y0 = (min3(v0, v1, v2) + 255) >> 8, y1 = (max3(v0, v1, v2) - 1) >> 8;
+        int32_t x0 = (sl_min3(u0, u1, u2) + 255) >> 8, x1 = (sl_max3(u0, u1, u2) - 1) >> 8;
+        int32_t y0 = (sl_min3(v0, v1, v2) + 255) >> 8, y1 = (sl_max3(v0, v1, v2) - 1) >> 8;
         batch->x0[t] = x0 > tile_x0 ? x0 : tile_x0;
         batch->y0[t] = y0 > tile_y0 ? y0 : tile_y0;
         batch->x1[t] = x1 < tile_x1 ? x1 : tile_x1;
         batch->y1[t] = y1 < tile_y1 ? y1 : tile_y1;
     }
 }
-
 
 /* As sl_widen_edges(). All differences are below 2^15 here, so the products fit 32 bits; larger triangles, drawn span by span,
  * are given zeros, and never look at these. */
@@ -39,7 +29,7 @@ static void find_edges(const sl_tile *tile, sl_batch *restrict batch, uint32_t f
     for (uint32_t t = first; t < end; t++) {
         int32_t u0 = batch->snapped_u[0][t], u1 = batch->snapped_u[1][t], u2 = batch->snapped_u[2][t];
         int32_t v0 = batch->snapped_v[0][t], v1 = batch->snapped_v[1][t], v2 = batch->snapped_v[2][t];
-        int32_t wide = max3(u0, u1, u2) - min3(u0, u1, u2), high = max3(v0, v1, v2) - min3(v0, v1, v2);
+        int32_t wide = sl_max3(u0, u1, u2) - sl_min3(u0, u1, u2), high = sl_max3(v0, v1, v2) - sl_min3(v0, v1, v2);
         int32_t fits = sl_if_negative((wide > high ? wide : high) - (SL_SPAN * SL_SUBPIXEL + 1));
         fits &= ~(sl_if_negative(batch->x1[t] - batch->x0[t]) | sl_if_negative(batch->y1[t] - batch->y0[t]));
         /* The first block's first pixel; the tile starts at a multiple of the blocks. */

@@ -102,13 +102,10 @@ static void make_planes(const sl_view *view, sl_pass_view *pass) {
     for (int k = 0; k < 6; k++) pass->plane_length[k] = plane_length(pass->plane[k]);
 }
 
-static int at_least(int a, int low) { return a > low ? a : low; }
-static int at_most(int a, int high) { return a < high ? a : high; }
-
 /* What lies outside the viewport leaves an empty region at its corner. */
 static void cut_by_scissor(const sl_scissor *s, sl_pass_view *pass) {
     if (s->x0 == 0 && s->x1 == 0) return;
-    sl_scissor cut = {at_least(s->x0, pass->x0), at_least(s->y0, pass->y0), at_most(s->x1, pass->x1), at_most(s->y1, pass->y1)};
+    sl_scissor cut = {sl_larger(s->x0, pass->x0), sl_larger(s->y0, pass->y0), sl_smaller(s->x1, pass->x1), sl_smaller(s->y1, pass->y1)};
     bool empty = cut.x0 >= cut.x1 || cut.y0 >= cut.y1;
     pass->x1 = empty ? pass->x0 : cut.x1;
     pass->y1 = empty ? pass->y0 : cut.y1;
