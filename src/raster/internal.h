@@ -12,8 +12,9 @@
  *     rasterize   coverage, depth test, write; pixel by pixel where there is an alpha mask     (rasterize_kernels.c, alpha.c)
  *
  * clusters.c made the clusters, once; view.c makes the view's constants; culling and sorting by distance (order.c) are done once a render;
- * tiles.c gives the tiles of large targets to threads; tile_kernels.c clears a tile and copies it to the target. kernels.c chooses the
- * instruction set of all files called *_kernels.c.
+ * tiles.c gives the tiles of large targets to threads, spare.c keeps their buffers from pass to pass; tile_kernels.c clears a tile and
+ * copies it to the target. kernels.c chooses the instruction set of all files called *_kernels.c. What comes after the picture of ids is
+ * told in resolve.h, blending in add.h, textures in textures.h.
  *
  * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters are
  * drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order.
