@@ -19,7 +19,7 @@
 
 #include "osmesa.h"
 #include "raster_support.h"
-#include "raster/textures.h"
+#include "raster/textures/textures.h"
 
 enum { SIDE = 256, COUNT = SIDE * SIDE };
 

@@ -1,6 +1,6 @@
 /* Cube maps: faces, seams, MIP chains, lookups by direction. */
 #include "raster_support.h"
-#include "raster/textures.h"
+#include "raster/textures/textures.h"
 
 static const sl_sampler BILINEAR = {.linear = true, .mip = SL_MIP_NONE};
 static const sl_sampler TRILINEAR = {.linear = true, .mip = SL_MIP_LINEAR};

@@ -1,7 +1,7 @@
 /* Full-screen passes. */
 #include "raster_support.h"
-#include "raster/fullscreen.h"
-#include "raster/pbuffer.h"
+#include "raster/fragments/fullscreen.h"
+#include "raster/fragments/pbuffer.h"
 
 enum { WIDTH = 1300, HEIGHT = 61, PIXELS = WIDTH * HEIGHT };
 

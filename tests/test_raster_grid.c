@@ -1,7 +1,7 @@
 /* Cone against grid: no triangle that a ray inside the cone hits is missing, and what lies far from the cone is not in the
  * list. */
-#include "raster/grid.h"
-#include "raster/light_view.h"
+#include "raster/views/grid.h"
+#include "raster/views/light_view.h"
 #include "raster_support.h"
 
 #include "base/math.h"

@@ -1,6 +1,6 @@
 /* The pyramid around an area light: nothing of the light that the point can see is left out, whatever the light's size and
  * place; and it is tight. */
-#include "raster/light_view.h"
+#include "raster/views/light_view.h"
 #include "base/math.h"
 #include "raster_support.h"
 

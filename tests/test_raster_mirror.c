@@ -1,7 +1,7 @@
 /* Planar mirrors: the mirrored view against the mirrored scene and against reflected rays; the stencil; paths over several
  * mirrors. */
 #include "base/math.h"
-#include "raster/mirror.h"
+#include "raster/views/mirror.h"
 #include "raster_support.h"
 
 enum { W = 160, H = 120, PIXELS = W * H };

@@ -1,7 +1,7 @@
 /* The resolution of visible pixels: the lanes against the plain forms bit by bit, and those against long double. */
 #include "raster_support.h"
 
-#include "raster/barycentrics.h"
+#include "raster/resolve/barycentrics.h"
 #include "scene/surface_rules.h"
 
 static const char *const isas[] = {"baseline", "avx2", "avx512"};

@@ -1,7 +1,7 @@
 /* 2D textures: filtering, MIP chains, levels of detail, and the pass that applies a scene's textures. */
 #include "raster_support.h"
 #include "base/math.h"
-#include "raster/textures.h"
+#include "raster/textures/textures.h"
 
 static const sl_sampler BILINEAR = {SL_WRAP_REPEAT, SL_WRAP_REPEAT, SL_WRAP_REPEAT, true, SL_MIP_NONE};
 static const sl_sampler TRILINEAR = {SL_WRAP_REPEAT, SL_WRAP_REPEAT, SL_WRAP_REPEAT, true, SL_MIP_LINEAR};

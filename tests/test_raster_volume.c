@@ -1,6 +1,6 @@
 /* 3D textures: exact fetches of bytes, trilinear filtering. */
 #include "raster_support.h"
-#include "raster/textures.h"
+#include "raster/textures/textures.h"
 
 static sl_volume *new_volume(int width, int height, int depth, sl_volume_format format) {
     sl_volume *volume = NULL;

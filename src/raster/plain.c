@@ -27,7 +27,7 @@
 
 #include <math.h>
 
-#include "raster/barycentrics.h"
+#include "raster/resolve/barycentrics.h"
 
 /* A corner on its way through steps 1 to 3. */
 typedef struct {

@@ -1,0 +1,203 @@
+/* G-buffer: visibility first, then every visible pixel is resolved once from its triangle's index. */
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "raster/resolve/resolve.h"
+
+enum { STRIP = 16384 }; /* pixels of a task */
+
+/* ---- the buffer ---- */
+
+static void list_planes(sl_gbuffer *g, void **planes[17]) {
+    void **all[17] = {(void **)&g->id,          (void **)&g->depth,       (void **)&g->position_x, (void **)&g->position_y,
+                      (void **)&g->position_z,  (void **)&g->normal_x,    (void **)&g->normal_y,   (void **)&g->normal_z,
+                      (void **)&g->geometric_x, (void **)&g->geometric_y, (void **)&g->geometric_z, (void **)&g->diffuse_r,
+                      (void **)&g->diffuse_g,   (void **)&g->diffuse_b,   (void **)&g->material};
+    for (int k = 0; k < 17; k++) planes[k] = all[k];
+}
+
+sl_status sl_gbuffer_create(int width, int height, sl_gbuffer **gbuffer, sl_error *error) {
+    *gbuffer = NULL;
+    if (width < 1 || height < 1 || width > SL_RASTER_MAX_SIZE || height > SL_RASTER_MAX_SIZE) {
+        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer of %d x %d pixels: from 1 to %d each way", width, height,
+                       (int)SL_RASTER_MAX_SIZE);
+    }
+    sl_gbuffer *g = sl_allocate(1, sizeof *g);
+    bool ok = g != NULL;
+    void **planes[17];
+    if (ok) list_planes(g, planes);
+    for (int k = 0; ok && k < 17 && planes[k]; k++) {
+        *planes[k] = sl_allocate((size_t)width * (size_t)height, 4);
+        ok = *planes[k] != NULL;
+    }
+    if (!ok) {
+        sl_gbuffer_destroy(g);
+        return sl_fail_memory(error, "the G-buffer");
+    }
+    g->width = width;
+    g->height = height;
+    *gbuffer = g;
+    return SL_OK;
+}
+
+void sl_gbuffer_destroy(sl_gbuffer *g) {
+    if (!g) return;
+    void **planes[17];
+    list_planes(g, planes);
+    for (int k = 0; k < 17 && planes[k]; k++) sl_free(*planes[k]);
+    sl_free(g);
+}
+
+/* ---- resolution ---- */
+
+typedef struct {
+    const sl_raster *raster;
+    sl_pass_view view;
+    const uint32_t *id;
+    sl_gbuffer *out;
+    size_t pixels;
+    bool positions, normals; /* wanted */
+    uint64_t *shaded; /* by strip */
+} resolution;
+
+typedef struct {
+    sl_resolve_block pixels;
+    sl_surface_block surface;
+    sl_albedo_block albedo;
+    sl_vector_planes diffuse;
+    uint32_t index[SL_RESOLVE_ROOM];
+} workspace;
+
+static void fetch_normals(const sl_scene *scene, workspace *w) {
+    sl_surface_block *s = &w->surface;
+    bool facets = true;
+    for (uint32_t r = 0; r < w->pixels.runs; r++) {
+        uint32_t triangle = sl_run_triangle(&w->pixels, r);
+        sl_vec3 face = {0}, n[3] = {{0}};
+        if (triangle != SL_NO_INDEX) {
+            face = sl_scene_geometric_normal(scene, triangle);
+            for (int k = 0; k < 3; k++) n[k] = sl_scene_normal(scene, scene->vertex[k][triangle]);
+        }
+        for (int k = 0; k < 3; k++) {
+            s->corner_normal.x[k][r] = n[k].x;
+            s->corner_normal.y[k][r] = n[k].y;
+            s->corner_normal.z[k][r] = n[k].z;
+            facets &= (n[k].x == n[0].x) & (n[k].y == n[0].y) & (n[k].z == n[0].z);
+        }
+        s->face_x[r] = face.x;
+        s->face_y[r] = face.y;
+        s->face_z[r] = face.z;
+    }
+    s->facets = facets;
+}
+
+static inline void put(const resolution *r, void *plane, size_t first, const void *values, uint32_t count) {
+    if (plane) sl_resolve_put(plane, r->pixels, first, values, count);
+}
+
+static void resolve_surfaces(const resolution *r, size_t first, workspace *w) {
+    sl_surface_block *s = &w->surface;
+    s->normals = r->normals;
+    if (s->normals) fetch_normals(r->raster->scene, w);
+    r->raster->kernels->resolve->surfaces(&w->pixels, &r->view, s);
+    uint32_t count = w->pixels.count;
+    put(r, r->out->position_x, first, s->position.x, count);
+    put(r, r->out->position_y, first, s->position.y, count);
+    put(r, r->out->position_z, first, s->position.z, count);
+    put(r, r->out->normal_x, first, s->normal.x, count);
+    put(r, r->out->normal_y, first, s->normal.y, count);
+    put(r, r->out->normal_z, first, s->normal.z, count);
+    put(r, r->out->geometric_x, first, s->geometric.x, count);
+    put(r, r->out->geometric_y, first, s->geometric.y, count);
+    put(r, r->out->geometric_z, first, s->geometric.z, count);
+}
+
+/* ---- what the material says ---- */
+
+static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) {
+    return triangle == SL_NO_INDEX ? NULL : &scene->materials[scene->material_index[triangle]];
+}
+
+static void fetch_albedo(const sl_scene *scene, workspace *w) {
+    sl_albedo_block *a = &w->albedo;
+    for (uint32_t run = 0; run < w->pixels.runs; run++) {
+        uint32_t triangle = sl_run_triangle(&w->pixels, run);
+        const sl_material *material = material_of(scene, triangle);
+        bool textured = material && material->texture != SL_NO_INDEX;
+        a->red[run] = material ? material->diffuse.r : 0.0f;
+        a->green[run] = material ? material->diffuse.g : 0.0f;
+        a->blue[run] = material ? material->diffuse.b : 0.0f;
+        a->texture[run] = textured ? &scene->textures[material->texture] : NULL;
+        for (int k = 0; k < 3 && textured; k++) {
+            a->u[k][run] = scene->texture_u[scene->vertex[k][triangle]];
+            a->v[k][run] = scene->texture_v[scene->vertex[k][triangle]];
+        }
+    }
+}
+
+static void resolve_diffuse(const resolution *r, size_t first, workspace *w) {
+    fetch_albedo(r->raster->scene, w);
+    r->raster->kernels->resolve->albedo(&w->pixels, &w->albedo, &w->diffuse);
+    put(r, r->out->diffuse_r, first, w->diffuse.x, w->pixels.count);
+    put(r, r->out->diffuse_g, first, w->diffuse.y, w->pixels.count);
+    put(r, r->out->diffuse_b, first, w->diffuse.z, w->pixels.count);
+}
+
+static void resolve_material(const resolution *r, size_t first, workspace *w) {
+    uint32_t value[SL_RESOLVE_RUNS];
+    for (uint32_t run = 0; run < w->pixels.runs; run++) {
+        uint32_t triangle = sl_run_triangle(&w->pixels, run);
+        value[run] = triangle == SL_NO_INDEX ? SL_NO_INDEX : r->raster->scene->material_index[triangle];
+    }
+    r->raster->kernels->resolve->spread_index(&w->pixels, value, w->index);
+    put(r, r->out->material, first, w->index, w->pixels.count);
+}
+
+static void resolve_strip(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const resolution *r = context;
+    const sl_gbuffer *g = r->out;
+    size_t first = index * STRIP, end = r->pixels - first < STRIP ? r->pixels : first + STRIP;
+    workspace w;
+    memset(&w, 0, sizeof w);
+    r->shaded[index] = 0;
+    while (first < end) {
+        size_t count = sl_resolve_next(r->raster, &r->view, end - first, first, NULL, r->id + first, &w.pixels);
+        if (r->positions || r->normals) resolve_surfaces(r, first, &w);
+        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, first, &w);
+        if (g->material) resolve_material(r, first, &w);
+        r->shaded[index] += sl_resolve_shaded(&w.pixels);
+        first += count;
+    }
+    sl_stream_end();
+}
+
+sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
+                            sl_counters *counters, sl_error *error) {
+    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    size_t pixels = (size_t)view->width * (size_t)view->height, strips = (pixels + STRIP - 1) / STRIP;
+    uint32_t *id = gbuffer->id ? gbuffer->id : sl_allocate(pixels, sizeof *id);
+    uint64_t *shaded = sl_allocate(strips, sizeof *shaded);
+    sl_status status = SL_ERROR_RESOURCES;
+    if (!id || !shaded) {
+        sl_fail_memory(error, "the G-buffer's id plane");
+    } else {
+        sl_target target = {view->width, view->height, id, gbuffer->depth};
+        status = sl_raster_id(raster, view, threads, &target, counters, error);
+    }
+    if (status == SL_OK) {
+        const sl_gbuffer *g = gbuffer;
+        resolution r = {.raster = raster, .view = sl_pass_view_make(view, view->width, view->height), .id = id, .out = gbuffer,
+                        .pixels = pixels, .shaded = shaded,
+                        .positions = g->position_x || g->position_y || g->position_z,
+                        .normals = g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y ||
+                                   g->geometric_z};
+        sl_parallel_for(sl_thread_count(threads), strips, resolve_strip, &r);
+        for (size_t s = 0; s < strips; s++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[s]);
+    }
+    if (!gbuffer->id) sl_free(id);
+    sl_free(shaded);
+    return status;
+}
