@@ -7,7 +7,7 @@
  *     occlusion   clusters behind what is drawn already                                       (occlusion_kernels.c)
  *     transform   vertices -> clip space, clip codes, viewport, snapping                      (transform_kernels.c)
  *     classify    triangles: outside | not finite | to be clipped | no centre | tiny | others (classify_kernels.c)
- *     clip        Sutherland-Hodgman, scalar, for the few that cross a plane                  (clip.c)
+ *     clip        Sutherland-Hodgman for those that cross a plane                     (clip.c, clip_kernels.c)
  *     set up      edge functions and depth plane of what is left                              (setup_kernels.c)
  *     rasterize   coverage, depth test, write; pixel by pixel where there is an alpha mask     (rasterize_kernels.c, alpha.c)
  *
@@ -41,7 +41,8 @@ enum {
     SL_CLUSTER_TRIANGLES = 128,
     SL_CLUSTER_VERTICES = 3 * SL_CLUSTER_TRIANGLES,
     SL_CLIP_TRIANGLES = 7, /* a triangle cut by six planes has at most nine corners, so a fan of seven */
-    SL_BATCH = 176,        /* set up together: a cluster and room for clipping; no power of two, for the cache's sets */
+    SL_BATCH = 240,        /* set up together: a cluster and room for clipping; no power of two, for the cache's sets */
+    SL_CLIP_ROOM = 112,    /* six pieces of each of sixteen triangles, and a vector to spare */
     SL_BLOCK = 4,          /* pixels along a block's side; also the most along a tiny triangle's */
     SL_LANES = 16,         /* pixels (or vertices, triangles, clusters) done together: a block */
     SL_SPAN = 64,          /* larger triangles are drawn in pieces of 64 x 64, within which edge functions fit 32 bits */
@@ -137,6 +138,7 @@ typedef struct sl_vertex_buffer {
 /* What becomes of a cluster's triangles. Lists hold cluster-local numbers. */
 typedef struct sl_classes {
     uint32_t tiny, other, clipped, culled, dropped;
+    uint32_t clipped_once; /* how many of those to be clipped cross one plane only; they come first on the list */
     uint8_t tiny_list[SL_CLUSTER_TRIANGLES + SL_LANES];    /* their pixels lie in a square of SL_BLOCK, anywhere; no mask */
     uint8_t other_list[SL_CLUSTER_TRIANGLES + SL_LANES];
     uint8_t clipped_list[SL_CLUSTER_TRIANGLES + SL_LANES];
@@ -277,6 +279,10 @@ struct sl_raster_kernels {
                      const sl_vertex_buffer *vertices, sl_classes *classes);
     void (*cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile, const sl_vertex_buffer *vertices,
                        const sl_classes *classes, sl_tiny *tiny);
+    /* Appends what is left of at most SL_LANES triangles of the cluster that starts at triangle `first`; there must be room for
+     * SL_CLIP_ROOM. Returns those left to sl_clip_triangle(), a bit each. */
+    uint32_t (*clip)(const sl_raster *raster, uint32_t first, const sl_pass_view *view, const sl_vertex_buffer *vertices,
+                     const uint8_t *list, uint32_t count, sl_batch *batch);
     /* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
     void (*set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
     void (*set_up_depth)(const sl_pass_view *view, sl_batch *batch);

@@ -106,18 +106,34 @@ static void flush(const render *r, uint32_t tiny) {
     s->batch.count = 0;
 }
 
-static void clip_and_append(const render *r, uint32_t triangle, uint32_t *tiny) {
+/* Draws the batch first if there is no room for so many triangles more. */
+static void make_room(const render *r, uint32_t triangles, uint32_t *tiny) {
+    if (r->scratch->batch.count + triangles <= SL_BATCH) return;
+    flush(r, *tiny);
+    *tiny = 0;
+}
+
+static void clip_one(const render *r, uint32_t triangle, uint32_t *tiny) {
     const sl_raster *raster = r->raster;
     sl_batch *batch = &r->scratch->batch;
-    if (batch->count + SL_CLIP_TRIANGLES > SL_BATCH) {
-        flush(r, *tiny);
-        *tiny = 0;
-    }
+    make_room(r, SL_CLIP_TRIANGLES, tiny);
     uint16_t corner[3] = {raster->corner[0][triangle], raster->corner[1][triangle], raster->corner[2][triangle]};
     uint32_t base = batch->count, made = sl_clip_triangle(r->pass, &r->scratch->vertices, corner, batch);
     for (uint32_t n = 0; n < made; n++) {
         batch->id[base + n] = raster->triangle[triangle];
         batch->masked[base + n] = raster->triangle_masked[triangle];
+    }
+}
+
+/* Many together, and one by one what does not go together. */
+static void clip_triangles(const render *r, uint32_t first, uint32_t *tiny) {
+    sl_raster_scratch *s = r->scratch;
+    const sl_classes *classes = &s->classes;
+    for (uint32_t n = 0; n < classes->clipped; n += SL_LANES) {
+        const uint32_t count = classes->clipped - n < SL_LANES ? classes->clipped - n : SL_LANES;
+        make_room(r, SL_CLIP_ROOM, tiny);
+        uint32_t left = r->raster->kernels->clip(r->raster, first, r->pass, &s->vertices, classes->clipped_list + n, count, &s->batch);
+        for (; left; left &= left - 1) clip_one(r, first + classes->clipped_list[n + (uint32_t)__builtin_ctz(left)], tiny);
     }
 }
 
@@ -133,7 +149,7 @@ static uint32_t draw_cluster(const render *r, uint32_t cluster) {
         append_triangles(r, first, s->tiny.triangle, tiny);
     }
     append_triangles(r, first, s->classes.other_list, s->classes.other);
-    for (uint32_t n = 0; n < s->classes.clipped; n++) clip_and_append(r, first + s->classes.clipped_list[n], &tiny);
+    clip_triangles(r, first, &tiny);
     flush(r, tiny);
     return sl_fate_of(&s->classes);
 }

@@ -7,6 +7,8 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *raster, uint32_t cluster, co
                                    const sl_vertex_buffer *vertices, sl_classes *classes);
 void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile,
                                      const sl_vertex_buffer *vertices, const sl_classes *classes, sl_tiny *tiny);
+uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view, const sl_vertex_buffer *vertices,
+                                   const uint8_t *list, uint32_t count, sl_batch *batch);
 void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
 void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch);
 void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
@@ -25,6 +27,7 @@ const sl_raster_kernels SL_KERNEL(sl_raster_kernels) = {
     .transform = SL_KERNEL(sl_raster_transform),
     .classify = SL_KERNEL(sl_raster_classify),
     .cover_tiny = SL_KERNEL(sl_raster_cover_tiny),
+    .clip = SL_KERNEL(sl_raster_clip),
     .set_up_edges = SL_KERNEL(sl_raster_set_up_edges),
     .set_up_depth = SL_KERNEL(sl_raster_set_up_depth),
     .rasterize_tiny = SL_KERNEL(sl_raster_rasterize_tiny),

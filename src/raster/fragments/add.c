@@ -105,27 +105,33 @@ static uint64_t add_batch(const adding *p, worker_memory *w) {
     return blended;
 }
 
+/* If triangle t is the list's next, moves on. */
+static bool is_next(const uint8_t *list, uint32_t *next, uint32_t end, uint32_t t) {
+    if (*next >= end || list[*next] != t) return false;
+    ++*next;
+    return true;
+}
+
 /* Triangles inside and triangles to be clipped, merged by index. */
 static uint64_t add_cluster(const adding *p, worker_memory *w, uint32_t cluster) {
     const sl_raster *raster = &w->cluster.raster;
     const sl_classes *classes = &w->classes;
-    uint32_t tiny = 0, other = 0, clipped = 0;
+    uint32_t tiny = 0, other = 0, once = 0;
     uint64_t blended = 0;
     sl_one_cluster_fetch(&w->cluster, cluster);
     raster->kernels->transform(raster, 0, &p->pass, &w->vertices);
     raster->kernels->classify(raster, 0, &p->pass, &w->tile, &w->vertices, &w->classes);
+    uint32_t several = classes->clipped_once;
     for (uint32_t t = 0; t < raster->triangles[0]; t++) {
         const uint32_t base = w->batch.count, id = raster->triangle[t];
-        bool is_tiny = tiny < classes->tiny && classes->tiny_list[tiny] == t;
-        bool is_other = other < classes->other && classes->other_list[other] == t;
-        bool is_clipped = clipped < classes->clipped && classes->clipped_list[clipped] == t;
-        tiny += is_tiny;
-        other += is_other;
-        clipped += is_clipped;
+        const bool inside = is_next(classes->tiny_list, &tiny, classes->tiny, t) ||
+                            is_next(classes->other_list, &other, classes->other, t);
+        const bool clipped = is_next(classes->clipped_list, &once, classes->clipped_once, t) ||
+                             is_next(classes->clipped_list, &several, classes->clipped, t);
         if (id == p->view->skip_triangle) continue;
-        if (is_tiny || is_other) {
+        if (inside) {
             sl_batch_append(raster, &w->vertices, t, &w->batch);
-        } else if (is_clipped) {
+        } else if (clipped) {
             uint16_t corner[3] = {raster->corner[0][t], raster->corner[1][t], raster->corner[2][t]};
             sl_clip_triangle(&p->pass, &w->vertices, corner, &w->batch);
         }
