@@ -2,7 +2,9 @@
  *
  * A cluster that lies across an edge is transformed in both tiles, but its triangles touch disjoint pixels there, so no
  * thread waits for another and there is nothing to merge. The tiles are the same at any number of threads, and so is what
- * each of them draws and skips. */
+ * each of them draws and skips. Those with most to draw come first, so that at the end threads wait for little ones. */
+#include <stdlib.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -20,12 +22,44 @@ typedef struct {
 } tiled_view;
 
 typedef struct {
+    uint64_t work; /* roughly */
+    const tiled_view *picture;
+    size_t number; /* of the tile in its view */
+} tile_task;
+
+typedef struct {
     const sl_raster *raster;
     size_t pictures, tiles;
     tiled_view *picture;
+    tile_task *task;
     size_t scratches;
     sl_raster_scratch **scratch; /* for each worker its vertices, batch and tile; and for each view what it sees */
 } tiled_passes;
+
+/* What the tiles of a view have to draw: the triangles of the clusters that touch them, and their pixels. */
+static void weigh_tiles(const sl_raster *raster, const tiled_view *picture, tile_task *task) {
+    const sl_tiles *tiles = &picture->tiles;
+    const sl_visible *v = picture->visible;
+    for (int n = 0; n < tiles->columns * tiles->rows; n++) {
+        sl_tile tile;
+        sl_tile_place(&tile, &picture->pass, tiles->first_column + n % tiles->columns, tiles->first_row + n / tiles->columns);
+        task[n] = (tile_task){(uint64_t)((tile.x1 - tile.x0) * (tile.y1 - tile.y0)) / 16, picture, (size_t)n};
+    }
+    for (uint32_t i = 0; i < v->count; i++) {
+        for (int y = v->y0[i] / SL_TILE - tiles->first_row; y <= v->y1[i] / SL_TILE - tiles->first_row; y++) {
+            for (int x = v->x0[i] / SL_TILE - tiles->first_column; x <= v->x1[i] / SL_TILE - tiles->first_column; x++) {
+                task[y * tiles->columns + x].work += raster->triangles[v->cluster[i]];
+            }
+        }
+    }
+}
+
+static int most_work_first(const void *a, const void *b) {
+    const tile_task *s = a, *t = b;
+    if (s->work != t->work) return s->work > t->work ? -1 : 1;
+    size_t i = s->picture->first_tile + s->number, j = t->picture->first_tile + t->number;
+    return (i > j) - (i < j);
+}
 
 static void cull_view(void *context, size_t index, unsigned worker) {
     (void)worker;
@@ -34,13 +68,13 @@ static void cull_view(void *context, size_t index, unsigned worker) {
     p->raster->kernels->cull(p->raster, &picture->pass, picture->visible);
     sl_visible_sort(picture->visible);
     for (uint32_t i = 0; i < picture->visible->count; i++) picture->fate[i] = 0;
+    weigh_tiles(p->raster, picture, p->task + picture->first_tile);
 }
 
 static void draw_tile(void *context, size_t index, unsigned worker) {
     tiled_passes *p = context;
-    const tiled_view *picture = p->picture;
-    while (picture + 1 < p->picture + p->pictures && index >= picture[1].first_tile) picture++;
-    int number = (int)(index - picture->first_tile), columns = picture->tiles.columns;
+    const tiled_view *picture = p->task[index].picture;
+    int number = (int)p->task[index].number, columns = picture->tiles.columns;
     sl_raster_scratch *scratch = p->scratch[worker];
     sl_tile_place(&scratch->tile, &picture->pass, picture->tiles.first_column + number % columns,
                   picture->tiles.first_row + number / columns);
@@ -51,7 +85,8 @@ static void draw_tile(void *context, size_t index, unsigned worker) {
 static bool allocate(tiled_passes *p, unsigned threads) {
     p->scratches = threads > p->pictures ? threads : p->pictures;
     p->scratch = sl_allocate(p->scratches, sizeof *p->scratch);
-    bool ok = p->scratch != NULL;
+    p->task = sl_allocate(p->tiles, sizeof *p->task);
+    bool ok = p->scratch && p->task;
     for (size_t i = 0; ok && i < p->scratches; i++) ok = (p->scratch[i] = sl_spare_take(p->raster)) != NULL;
     for (size_t n = 0; ok && n < p->pictures; n++) {
         p->picture[n].visible = &p->scratch[n]->visible;
@@ -63,6 +98,7 @@ static bool allocate(tiled_passes *p, unsigned threads) {
 static void release(tiled_passes *p) {
     for (size_t i = 0; p->scratch && i < p->scratches; i++) sl_spare_give(p->raster, p->scratch[i]);
     sl_free(p->scratch);
+    sl_free(p->task);
 }
 
 sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error) {
@@ -81,6 +117,7 @@ static bool draw_pictures(tiled_passes *p, unsigned threads, sl_counters *counte
     bool ok = allocate(p, threads);
     if (ok) {
         sl_parallel_for(threads, p->pictures, cull_view, p);
+        qsort(p->task, p->tiles, sizeof *p->task, most_work_first);
         sl_parallel_for(threads, p->tiles, draw_tile, p);
         for (size_t n = 0; n < p->pictures; n++) {
             sl_pass_count(p->raster, p->picture[n].visible, p->picture[n].fate, counters);
