@@ -16,7 +16,8 @@ typedef struct sl_record {
     float own_radius;          /* R by the record's own gather alone, before its neighbours had a say */
     float minimum_radius;      /* R_min at this record */
     uint32_t triangle;
-    bool behind_a_wall;        /* R_min reaches past what the guard allows: pixels are tested by a ray */
+    uint32_t behind_a_wall;    /* R_min reaches past what the guard allows: pixels are tested by a ray. No bool: no padding, so that
+                                * records are equal where their bytes are */
 } sl_record;
 
 typedef struct sl_radius_rules {
