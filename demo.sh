@@ -7,6 +7,8 @@ build=$1
 mkdir -p demo
 [ -f scenes/generated/atrium.json ] || make -s scenes >/dev/null
 
+LC_ALL=C; export LC_ALL
+number() { printf '%.3g' "$(value "$1" "$2")"; } # rounded
 value() { sed -n "s/.*\"$1\":[[:space:]]*\([-+.0-9eE]*\).*/\1/p" "$2" | head -n 1; }
 
 show() { # show NAME SCENE SIZE REFERENCE-SAMPLES
@@ -19,10 +21,10 @@ show() { # show NAME SCENE SIZE REFERENCE-SAMPLES
         --json -o "demo/$name-reference.exr" >"demo/$name-reference.json"
     "$build/softlux" compare "demo/$name.exr" "demo/$name-reference.exr" --json --difference "demo/$name-difference.png" \
         >"demo/$name-error.json"
-    printf '%-8s %8s %8s %10s %10s %10s %12s  %s\n' "$name" "$(value seconds "demo/$name.json")" \
-        "$(value records "demo/$name.json")" "$(value rel_rmse "demo/$name-error.json")" \
-        "$(value rel_mse_less_noise "demo/$name-error.json")" "$(value bias "demo/$name-error.json")" \
-        "$(value seconds "demo/$name-reference.json")" "demo/$name.png" >>demo/table.txt
+    printf '%-8s %8s %8s %10s %10s %10s %12s  %s\n' "$name" "$(number seconds "demo/$name.json")" \
+        "$(value records "demo/$name.json")" "$(number rel_rmse "demo/$name-error.json")" \
+        "$(number rel_mse_less_noise "demo/$name-error.json")" "$(number bias "demo/$name-error.json")" \
+        "$(number seconds "demo/$name-reference.json")" "demo/$name.png" >>demo/table.txt
 }
 
 : >demo/table.txt
