@@ -222,6 +222,14 @@ typedef enum sl_traversal_order {
     SL_ORDER_COARSE_TO_FINE, /* few gathers in vain when records are made in parallel */
     SL_ORDER_LINEAR          /* row by row, as in the paper */
 } sl_traversal_order;
+/* What a splatting record's reach is judged by. */
+typedef enum sl_radius_metric {
+    SL_METRIC_AUTO,     /* the one that measured best */
+    SL_METRIC_HARMONIC, /* harmonic mean distance (Ward et al. 1988), the paper's */
+    SL_METRIC_MINIMUM,  /* minimum distance (Tabellion and Lamorlette 2004) */
+    SL_METRIC_HESSIAN,  /* second derivatives, occlusion included (Schwarzhaupt et al. 2012) */
+    SL_METRIC_ADAPTIVE  /* disagreement with neighbours (Krivanek et al. 2006) */
+} sl_radius_metric;
 
 typedef struct sl_settings {
     const char *method;    /* "splatting", "path" */
@@ -238,6 +246,13 @@ typedef struct sl_settings {
     sl_direct_kind direct;
     sl_pixel_filter filter;
     sl_traversal_order order;
+    sl_radius_metric metric;
+    double glossy_accuracy; /* splatting: a of the radiance records; 0: by quality */
+    int harmonics_order;   /* splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
+    uint32_t bounces;      /* splatting: surfaces between the visible one and the light, 1 to 64; 0: 1 */
+    bool glossy_hits;      /* splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
+    uint32_t hit_samples;  /* splatting: light samples for each thing that a gather sees; 0: by quality */
+    uint32_t records_per_frame; /* splatting: a frame ends after so many new records (a walk-through); 0: no limit */
     const sl_observer *observer; /* or NULL */
 } sl_settings;
 
@@ -248,6 +263,7 @@ typedef struct sl_method sl_method;
 typedef struct sl_progress {
     uint64_t batches;  /* done so far */
     double fraction;   /* an estimate in [0,1] */
+    bool frame_done;   /* with records_per_frame: the frame has what it may have; resolve it, then edit or go on refining */
     bool done;         /* nothing left to refine; until an edit, updating again changes nothing */
 } sl_progress;
 

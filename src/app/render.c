@@ -14,8 +14,8 @@
 typedef struct {
     const char *scene_path, *output;
     sl_settings settings;
-    int size[2], quality, gather, direct, filter, order, tone;
-    uint64_t threads, spp, gather_size, batches;
+    int size[2], quality, gather, direct, filter, order, metric, tone;
+    uint64_t threads, spp, gather_size, harmonics_order, bounces, hit_samples, batches;
     double time_seconds, at_seconds, exposure;
     bool at_given, exposure_given, json, quiet;
 } render_options;
@@ -25,6 +25,7 @@ static const char *const gather_names[] = {"auto", "raster", "hemicube", "trace"
 static const char *const direct_names[] = {"auto", "rays", "shadow-maps", NULL};         /* as sl_direct_kind */
 static const char *const filter_names[] = {"method", "box", "centre", NULL};             /* as sl_pixel_filter */
 static const char *const order_names[] = {"coarse-to-fine", "linear", NULL};             /* as sl_traversal_order */
+static const char *const metric_names[] = {"auto", "harmonic", "minimum", "hessian", "adaptive", NULL}; /* as sl_radius_metric */
 static const char *const tone_names[] = {"clip", "reinhard", NULL};                      /* as sl_tone_curve */
 
 static bool parse(int argc, char **argv, render_options *o, int *status) {
@@ -46,6 +47,17 @@ static bool parse(int argc, char **argv, render_options *o, int *status) {
         {"filter", 0, SL_OPTION_CHOICE, &o->filter, NULL, "F", "path: box or centre of the pixel [method]", 0, 0, filter_names},
         {"order", 0, SL_OPTION_CHOICE, &o->order, NULL, "ORDER",
          "splatting: pixels coarse-to-fine or linear [coarse-to-fine]", 0, 0, order_names},
+        {"metric", 0, SL_OPTION_CHOICE, &o->metric, NULL, "METRIC",
+         "splatting: what decides how far records reach: auto, harmonic, minimum, hessian or adaptive [auto]", 0, 0, metric_names},
+        {"glossy-accuracy", 0, SL_OPTION_REAL, &s->glossy_accuracy, NULL, "A", "splatting: a of the radiance records [by quality]",
+         1e-3, 2.0, NULL},
+        {"harmonics", 0, SL_OPTION_COUNT, &o->harmonics_order, NULL, "N",
+         "splatting: order of the radiance records' harmonics [by the lobes]", 1, 12, NULL},
+        {"bounces", 0, SL_OPTION_COUNT, &o->bounces, NULL, "N", "splatting: diffuse bounces; also of matched:splatting [1]", 1, 64,
+         NULL},
+        {"glossy-hits", 0, SL_OPTION_FLAG, &s->glossy_hits, NULL, NULL, "splatting: gathers see glossy lobes too", 0, 0, NULL},
+        {"hit-samples", 0, SL_OPTION_COUNT, &o->hit_samples, NULL, "N",
+         "splatting: light samples for what a gather sees [by quality]", 1, 256, NULL},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &o->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1,
          256, NULL},
@@ -76,6 +88,10 @@ static bool parse(int argc, char **argv, render_options *o, int *status) {
     s->direct = (sl_direct_kind)o->direct;
     s->filter = (sl_pixel_filter)o->filter;
     s->order = (sl_traversal_order)o->order;
+    s->metric = (sl_radius_metric)o->metric;
+    s->harmonics_order = (int)o->harmonics_order;
+    s->bounces = (uint32_t)o->bounces;
+    s->hit_samples = (uint32_t)o->hit_samples;
     s->spp = (uint32_t)o->spp;
     s->gather_size = (int)o->gather_size;
     s->threads = (unsigned)o->threads;

@@ -48,17 +48,18 @@ static sl_status unknown_method(const char *name, sl_error *error) {
 }
 
 /* The paths to count: the class's own, a named set, or those that another method declares. */
-static sl_status choose_transport(const sl_method_class *class, const char *name, sl_transport *transport,
+static sl_status choose_transport(const sl_method_class *class, const sl_settings *settings, sl_transport *transport,
                                   sl_error *error) {
     static const char matched[] = "matched:";
-    class->transport(transport);
+    const char *name = settings->transport;
+    class->transport(settings, transport);
     if (!name) return SL_OK;
     const sl_method_class *other = NULL;
     if (strncmp(name, matched, sizeof matched - 1) == 0) {
         other = find_class(name + sizeof matched - 1);
         if (!other) return unknown_method(name + sizeof matched - 1, error);
         if (other == class) return SL_OK;
-        other->transport(transport);
+        other->transport(settings, transport);
     } else if (!sl_transport_named(name, transport)) {
         return sl_fail(error, SL_ERROR_USAGE,
                        "unknown transport '%s'; expected direct, one-bounce, full or matched:METHOD", name);
@@ -71,7 +72,7 @@ static sl_status choose_transport(const sl_method_class *class, const char *name
 
 /* Checks what was asked for and fills in what was left to the scene, the machine or the quality. */
 static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, sl_error *error) {
-    enum { SAMPLES_MAX = 100000000 };
+    enum { SAMPLES_MAX = 100000000, HARMONICS_MAX = 12, BOUNCES_MAX = 64, HIT_SAMPLES_MAX = 256 };
     if ((unsigned)settings->quality > SL_QUALITY_HIGH) return sl_fail(error, SL_ERROR_USAGE, "unknown quality %d", (int)settings->quality);
     if ((unsigned)settings->gather > SL_GATHER_RAYS) return sl_fail(error, SL_ERROR_USAGE, "unknown gather %d", (int)settings->gather);
     if (settings->spp > SAMPLES_MAX)
@@ -84,6 +85,15 @@ static sl_status complete_settings(const sl_method_class *class, const sl_scene 
         return sl_fail(error, SL_ERROR_USAGE, "expected an accuracy of 0.001 to 2, got %g", settings->accuracy);
     if (settings->gather_size != 0 && (settings->gather_size < 4 || settings->gather_size > 1024 || settings->gather_size % 2))
         return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 4 to 1024, got %d", settings->gather_size);
+    if ((unsigned)settings->metric > SL_METRIC_ADAPTIVE) return sl_fail(error, SL_ERROR_USAGE, "unknown metric %d", (int)settings->metric);
+    if (settings->glossy_accuracy != 0.0 && !(settings->glossy_accuracy >= 1e-3 && settings->glossy_accuracy <= 2.0))
+        return sl_fail(error, SL_ERROR_USAGE, "expected a glossy accuracy of 0.001 to 2, got %g", settings->glossy_accuracy);
+    if (settings->harmonics_order < 0 || settings->harmonics_order > HARMONICS_MAX)
+        return sl_fail(error, SL_ERROR_USAGE, "expected harmonics of order 1 to %d, got %d", HARMONICS_MAX, settings->harmonics_order);
+    if (settings->bounces > BOUNCES_MAX)
+        return sl_fail(error, SL_ERROR_USAGE, "expected 1 to %d bounces, got %u", BOUNCES_MAX, (unsigned)settings->bounces);
+    if (settings->hit_samples > HIT_SAMPLES_MAX)
+        return sl_fail(error, SL_ERROR_USAGE, "expected at most %d samples a hit, got %u", HIT_SAMPLES_MAX, (unsigned)settings->hit_samples);
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
     return SL_OK;
@@ -94,7 +104,7 @@ sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, s
     const sl_method_class *class = find_class(settings->method);
     if (!class) return unknown_method(settings->method, error);
     sl_transport transport;
-    sl_status status = choose_transport(class, settings->transport, &transport, error);
+    sl_status status = choose_transport(class, settings, &transport, error);
     if (status != SL_OK) return status;
     if (settings->filter != SL_FILTER_METHOD) {
         if (!class->any_transport && settings->filter != transport.filter)

@@ -23,8 +23,8 @@ typedef struct sl_method_class {
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
     const sl_counters *(*counters)(const void *state);
     size_t (*memory_bytes)(const void *state);
-    /* The paths that the method models (for the tracers: `full`). */
-    void (*transport)(sl_transport *transport);
+    /* The paths that the method models with these settings (for the tracers: `full`). */
+    void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
     bool any_transport; /* takes --transport: a reference tracer */
 } sl_method_class;

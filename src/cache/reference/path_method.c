@@ -110,7 +110,10 @@ static size_t path_memory_bytes(const void *state) {
     return sizeof *s + film + (s->tracer ? sl_tracer_memory_bytes(s->tracer) : 0);
 }
 
-static void path_transport(sl_transport *transport) { sl_transport_named("full", transport); }
+static void path_transport(const sl_settings *settings, sl_transport *transport) {
+    (void)settings;
+    sl_transport_named("full", transport);
+}
 
 static void path_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);

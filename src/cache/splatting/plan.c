@@ -59,7 +59,8 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
 }
 
 /* L E, L (D|G) E, L D D E: one diffuse bounce, no mirrors. */
-void sl_splat_transport(sl_transport *transport) {
+void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
+    (void)settings;
     *transport = (sl_transport){
         .emission = true,
         .eye_mirrors = false,

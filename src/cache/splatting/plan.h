@@ -21,7 +21,7 @@ typedef struct sl_splat_plan {
 sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *settings);
 /* The entries of sl_method_class of the same names. */
 void sl_splat_complete(sl_settings *settings);
-void sl_splat_transport(sl_transport *transport);
+void sl_splat_transport(const sl_settings *settings, sl_transport *transport);
 void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 #endif

@@ -1,0 +1,80 @@
+/* Hemispherical harmonics H_lm and what radiance caching needs of them (Gautron, Krivanek, Pattanaik, Bouatouch 2004: "A Novel
+ * Hemispherical Basis for Accurate and Efficient Rendering"; Krivanek et al. 2005: "Radiance Caching for Efficient Global
+ * Illumination Computation"). Read in this order:
+ *
+ *   basis.c      the functions, orthonormal over the hemisphere
+ *   phong.c      a Phong lobe times the cosine, as coefficients, for a table of outgoing directions
+ *   rotation.c   coefficients seen from a tilted frame
+ *
+ * Order n means bands l = 0 .. n-1, n^2 functions. Coefficients stand in this order everywhere: first those that go with
+ * cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with sin(m phi), m = 1 .. l, n(n-1)/2 of
+ * them ("odd"). Even and odd ones never mix when a frame tilts. Vectors of coefficients are padded with zeros to whole groups of
+ * sixteen floats. */
+#ifndef SL_CACHE_HARMONICS_H
+#define SL_CACHE_HARMONICS_H
+
+#include "base/vec.h"
+#include "softlux.h"
+
+enum { SL_HSH_ORDER_MAX = 12, SL_HSH_MAX = SL_HSH_ORDER_MAX * SL_HSH_ORDER_MAX };
+
+static inline size_t sl_hsh_count(int order) { return (size_t)order * (size_t)order; }
+static inline size_t sl_hsh_even_count(int order) { return (size_t)order * ((size_t)order + 1) / 2; }
+static inline size_t sl_hsh_odd_count(int order) { return (size_t)order * ((size_t)order - 1) / 2; }
+/* Floats from one padded vector to the next: even and odd parts each padded, so that both start on a group. */
+static inline size_t sl_hsh_odd_start(int order) { return (sl_hsh_even_count(order) + 15) / 16 * 16; }
+static inline size_t sl_hsh_stride(int order) { return sl_hsh_odd_start(order) + (sl_hsh_odd_count(order) + 15) / 16 * 16; }
+/* Places of H_lm in a padded vector, m >= 0 and m < 0. */
+static inline size_t sl_hsh_even(int l, int m) { return (size_t)l * ((size_t)l + 1) / 2 + (size_t)m; }
+static inline size_t sl_hsh_odd(int order, int l, int m) {
+    return sl_hsh_odd_start(order) + (size_t)l * ((size_t)l - 1) / 2 + (size_t)(-m - 1);
+}
+
+/* ---- the functions (basis.c) ---- */
+
+/* All n^2 functions in a unit direction of the local frame (z >= 0 along the normal; x, y tangential): sl_hsh_stride(order) doubles,
+ * padding 0. At the zenith and at the horizon too: no division by sin theta, no root of a negative. */
+void sl_hsh_evaluate(int order, sl_vec3d direction, double *values);
+
+/* ---- Phong lobes (phong.c) ---- */
+
+/* Coefficients of (s+2)/(2 pi) max(0, cos alpha)^s cos theta_i over the incoming directions, alpha measured from the mirror direction
+ * of an outgoing direction with azimuth 0: even ones alone. 64 outgoing angles, evenly from 0 to 90 degrees. */
+typedef struct sl_phong_table sl_phong_table;
+sl_status sl_phong_table_create(int order, double exponent, sl_phong_table **table, sl_error *error);
+void sl_phong_table_destroy(sl_phong_table *table);
+/* Interpolated between the two nearest angles; cosine in [0,1] (clamped). even: sl_hsh_odd_start(order) floats, padding 0.
+ * Outgoing radiance from coefficients lambda of incoming radiance: sum over l, m of c_lm (cos(m phi_o) lambda_lm + sin(m phi_o)
+ * lambda_l-m), times ks. */
+void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *even);
+size_t sl_phong_table_bytes(const sl_phong_table *table);
+/* Relative L2 error of the lobe at 45 degrees that order n makes, and the least order that keeps it within a bound (at most
+ * SL_HSH_ORDER_MAX). */
+double sl_phong_truncation(int order, double exponent);
+int sl_phong_order(double exponent, double largest_error);
+
+/* ---- rotation (rotation.c) ---- */
+
+/* Directions that turn up from below the horizon of the frame that the coefficients were gathered in are unknown: */
+typedef enum sl_hsh_fill {
+    SL_HSH_MIRROR, /* they look like their mirror images above it */
+    SL_HSH_ZERO    /* they are black */
+} sl_hsh_fill;
+
+/* D(beta) of section 3.4 for beta in [0, largest_angle], every half degree, interpolated linearly. */
+typedef struct sl_hsh_rotation sl_hsh_rotation;
+sl_status sl_hsh_rotation_create(int order, double largest_angle, sl_hsh_fill fill, unsigned threads, sl_hsh_rotation **rotation,
+                                 sl_error *error);
+void sl_hsh_rotation_destroy(sl_hsh_rotation *rotation);
+size_t sl_hsh_rotation_bytes(const sl_hsh_rotation *rotation);
+/* Two tables of the transpose and how to mix them, for the angle beta (radians, clamped to the table): a vector v of the tilted
+ * (pixel's) frame becomes u = D^T v of the record's frame, u_j = sum_i v_i ((1 - mix) first[i][j] + mix second[i][j]), even and odd
+ * part apart: row i of the even part begins at even[i * sl_hsh_odd_start(order)], of the odd one at
+ * odd[i * (sl_hsh_stride(order) - sl_hsh_odd_start(order))]. */
+typedef struct sl_hsh_tilt {
+    const float *even[2], *odd[2];
+    float mix;
+} sl_hsh_tilt;
+sl_hsh_tilt sl_hsh_tilt_at(const sl_hsh_rotation *rotation, float beta);
+
+#endif
