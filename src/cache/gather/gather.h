@@ -3,7 +3,8 @@
  *   hemicube  five raster renders, N x N and four halves
  *   rays      N x N rays in the cells of the concentric map, equal cosine weights
  * each with harmonic mean distance, rotational and translational gradients (cache-math sections 2 and 3,
- * radiance-cache-splatting section 2). What is seen is shaded with direct light alone (one diffuse bounce). */
+ * radiance-cache-splatting section 2). What is seen is shaded with direct light (one diffuse bounce),
+ * and with what sl_gather_settings.hidden knows to arrive there by more bounces. */
 #ifndef SL_CACHE_GATHER_H
 #define SL_CACHE_GATHER_H
 
@@ -11,6 +12,22 @@
 #include "trace/trace.h"
 
 typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL } sl_border;
+
+typedef struct sl_hidden_points {
+    size_t count;
+    const uint32_t *triangle;
+    const float *position_x, *position_y, *position_z;
+    const float *normal_x, *normal_y, *normal_z;
+} sl_hidden_points;
+
+/* What the surfaces that gathers see receive besides direct light: with more than one bounce, the irradiance of the bounce before.
+ * Adds it to r, g, b at `count` points with unit shading normals; points whose triangle is SL_NO_INDEX are nowhere. Thread-safe,
+ * and what it adds to a point does not depend on the others. */
+typedef struct sl_hidden_light {
+    const void *context;
+    void (*irradiance)(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+                       sl_counters *counters);
+} sl_hidden_light;
 
 typedef struct sl_gather_settings {
     sl_gather_kind kind;      /* AUTO: on creation, by counts, what is cheapest at the expected error of N x N rays (gather_cost.h) */
@@ -21,6 +38,7 @@ typedef struct sl_gather_settings {
     bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
     bool background;          /* the environment is seen even where emission is off: the cache carries its light */
     sl_direct_kind direct;    /* how what is seen is lit: shadow rays (one light sample a hit) or shadow cubes */
+    const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
 } sl_gather_settings;
 

@@ -1,7 +1,7 @@
 /* What the parts of a gather share: the steps of one gather are
  *
  *     see      plane_gather.c, hemicube_gather.c or ray_gather.c: which triangle, where, in every cell
- *     shade    hit_shading.c: outgoing radiance of what is seen, lit by direct light alone
+ *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces (hidden_light.c)
  *     sum      gather_kernels.c and gradients.c: irradiance, gradients, mean distance
  */
 #ifndef SL_CACHE_GATHER_INTERNAL_H
@@ -86,6 +86,9 @@ void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
 /* After a raster render: fills slots from cell_id, cell_depth, cell_w1, cell_w2. */
 void sl_gather_hits_of_cells(const sl_gather_view *view);
+
+/* Adds the light of more bounces to the hits' irradiance (hidden_light.c). */
+void sl_gather_add_hidden_light(const sl_gather_view *view, sl_counters *counters);
 
 /* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as in sl_irradiance. */
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);

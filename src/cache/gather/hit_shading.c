@@ -338,6 +338,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     make_surfaces(view);
     if (gather->maps) light_by_maps(view, counters);
     else light_by_rays(view, counters);
+    if (gather->settings.hidden) sl_gather_add_hidden_light(view, counters);
     for (size_t k = 0; k < t->used; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[t->order[k]];
         write_cell(view, k, length, &nonfinite);

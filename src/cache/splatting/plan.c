@@ -58,16 +58,15 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     };
 }
 
-/* L E, L (D|G) E, L D D E: one diffuse bounce, no mirrors. */
+/* L E, L (D|G) E, L D D+ E: as many diffuse bounces as asked for, no mirrors. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
-    (void)settings;
     *transport = (sl_transport){
         .emission = true,
         .eye_mirrors = false,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE,
         .bounce_lobes = SL_LOBE_DIFFUSE,
-        .bounces = 1,
+        .bounces = settings->bounces ? settings->bounces : 1,
         .direct_visibility = true,
         .bounce_visibility = true,
         .filter = SL_FILTER_CENTRE,

@@ -1,0 +1,87 @@
+/* How much a record counts at a point, and what it says there: (2), (3) and (8) of Gautron et al. 2005, as they are inlined into the
+ * loops over a splat's pixels and over the records around a point. */
+#ifndef SL_CACHE_SPLATTING_RECORD_WEIGHT_H
+#define SL_CACHE_SPLATTING_RECORD_WEIGHT_H
+
+#include "cache/splatting/record.h"
+
+#include <math.h>
+
+static const float sl_record_weight_epsilon = 1e-3f; /* w is singular at the record itself */
+
+/* What all points that a record is asked about have in common. */
+typedef struct sl_record_terms {
+    sl_vec3 position, normal;
+    float inverse_radius, accuracy, offset;
+    float reach_squared;    /* (a R)^2 */
+    float front, behind;    /* bounds of 2 s, see sl_record_weight_at() */
+    float e[3], most[3];    /* E and E (1 + a) */
+    sl_vec3 rotational[3];  /* grad_r E x n_k */
+    sl_vec3 translational[3];
+    float rotational_length[3];
+} sl_record_terms;
+
+static inline sl_record_terms sl_record_terms_of(const sl_record *k, const sl_weight_rules *rules) {
+    float reach = rules->accuracy * k->radius;
+    sl_record_terms s = {.position = k->position, .normal = k->normal, .inverse_radius = 1.0f / k->radius,
+                         .accuracy = rules->accuracy, .offset = rules->offset, .reach_squared = reach * reach,
+                         .front = -2.0f * (0.01f * reach + rules->front_tolerance),
+                         .behind = reach + 2.0f * rules->front_tolerance};
+    const float e[3] = {k->irradiance.r, k->irradiance.g, k->irradiance.b};
+    for (int c = 0; c < 3; c++) {
+        s.e[c] = e[c];
+        s.most[c] = e[c] * (1.0f + rules->accuracy);
+        s.rotational[c] = sl_cross(k->rotational[c], k->normal);
+        s.translational[c] = k->translational[c];
+        s.rotational_length[c] = k->rotational_length[c];
+    }
+    return s;
+}
+
+/* Between a point and a record. */
+typedef struct sl_record_offsets {
+    float x, y, z;    /* p - p_k */
+    float mx, my, mz; /* n - n_k */
+} sl_record_offsets;
+
+static inline float sl_record_squared_distance(const sl_record_terms *s, float px, float py, float pz) {
+    float x = px - s->position.x, y = py - s->position.y, z = pz - s->position.z;
+    return x * x + y * y + z * z;
+}
+
+static inline sl_record_offsets sl_record_offsets_at(const sl_record_terms *s, float px, float py, float pz, float nx, float ny,
+                                                     float nz) {
+    return (sl_record_offsets){px - s->position.x, py - s->position.y, pz - s->position.z,
+                               nx - s->normal.x,   ny - s->normal.y,   nz - s->normal.z};
+}
+
+/* |n - n_k| */
+static inline float sl_record_turn(const sl_record_offsets *o) { return sqrtf(o->mx * o->mx + o->my * o->my + o->mz * o->mz); }
+
+/* The caller compares the squared distance with (a R)^2. */
+static inline float sl_record_weight_at(const sl_record_terms *k, float distance_squared, float px, float py, float pz, float nx,
+                                        float ny, float nz) {
+    const sl_record_offsets o = sl_record_offsets_at(k, px, py, pz, nx, ny, nz);
+    /* (2): D = |p - p_k| / R + sqrt(1 - n.n_k), the root written as |n - n_k| / sqrt 2, which rounding cannot make
+     * negative and which keeps its digits for small angles. */
+    float d = sqrtf(distance_squared) * k->inverse_radius + sl_record_turn(&o) * 0.70710678f;
+    /* s = (p - p_k) . (n + n_k) / 2. A record in front of p sees what p does not (s < -a R / 100); one far behind p belongs to
+     * another step of the stairs (s > a R / 2). s vanishes on spheres, convex and concave, so curvature is not punished. */
+    float s2 = o.x * (nx + k->normal.x) + o.y * (ny + k->normal.y) + o.z * (nz + k->normal.z);
+    int accepted = (d <= k->accuracy) & (s2 >= k->front) & (s2 <= k->behind);
+    float w = 1.0f / (d > sl_record_weight_epsilon ? d : sl_record_weight_epsilon) - k->offset;
+    return accepted ? (w > 0.0f ? w : 0.0f) : 0.0f;
+}
+
+/* (8), with absolute gradients: E' = E + (n_k x n) . grad_r E + (p - p_k) . grad_t E, kept within what the record can vouch
+ * for: not negative, not above E (1 + a) + |grad_r E| |n - n_k|. The triple product is n . (grad_r E x n_k), the same with
+ * n - n_k for n, which keeps its digits for small angles and is there already. */
+static inline float sl_record_extrapolate(const sl_record_terms *k, int c, const sl_record_offsets *o, float turn) {
+    const sl_vec3 q = k->rotational[c], t = k->translational[c];
+    float value = k->e[c] + (o->mx * q.x + o->my * q.y + o->mz * q.z) + (o->x * t.x + o->y * t.y + o->z * t.z);
+    float most = k->most[c] + k->rotational_length[c] * turn;
+    value = value < most ? value : most;
+    return value > 0.0f ? value : 0.0f;
+}
+
+#endif
