@@ -172,6 +172,68 @@ sl_vec3 sl_environment_sample(const sl_environment *e, float u1, float u2, sl_rg
     return direction_at(((double)column + across) / (double)e->width, top + down * (bottom - top));
 }
 
+/* ---- splitting ---------------------------------------------------------------------------------------------------------- */
+
+/* Mean of min(Y, limit) over the sphere, Y the luminance. */
+static double mean_below(const sl_environment *e, double limit) {
+    double sum = 0.0;
+    for (int row = 0; row < e->height; row++) {
+        double line = 0.0;
+        for (int column = 0; column < e->width; column++) line += fmin((double)sl_luminance(texel_radiance(e, row, column)), limit);
+        sum += line * texel_solid_angle(e, row);
+    }
+    return sum / (4.0 * SL_PI);
+}
+
+/* The limit T = threshold x mean of min(Y, T): the repetition falls monotonically to it from above, since the mean is concave in T. */
+static double sky_limit(const sl_environment *e, double threshold) {
+    enum { STEPS_MAX = 64 };
+    double limit = INFINITY;
+    for (int i = 0; i < STEPS_MAX; i++) {
+        double next = threshold * mean_below(e, limit);
+        if (next >= limit * (1.0 - 1e-4)) break;
+        limit = next;
+    }
+    return limit;
+}
+
+/* One colour of sky and sun at every texel. The difference is what the sky leaves, so the sum is the whole but for its last bit. */
+static void divide_texels(const sl_environment *all, double limit, float *sky, float *sun) {
+    for (size_t i = 0; i < (size_t)all->width * (size_t)all->height; i++) {
+        const float *t = all->texels + 3 * i;
+        double luminance = (double)sl_luminance((sl_rgb){t[0], t[1], t[2]});
+        float share = luminance > limit ? (float)(limit / luminance) : 1.0f;
+        for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+            sky[c] = all->texels[c] * share;
+            sun[c] = all->texels[c] - sky[c];
+        }
+    }
+}
+
+sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky, sl_environment *sun,
+                               sl_error *error) {
+    *sky = *sun = (sl_environment){0};
+    size_t repaired;
+    if (!all->present || all->width == 0) return sl_environment_copy(all, sky, &repaired, error);
+    size_t values = 3 * (size_t)all->width * (size_t)all->height;
+    float *texels = sl_allocate(2 * values, sizeof *texels);
+    if (!texels) return sl_fail_memory(error, "sky and sun");
+    divide_texels(all, sky_limit(all, threshold_over_mean), texels, texels + values);
+    sl_environment part = *all;
+    part.texels = texels;
+    sl_status status = sl_environment_copy(&part, sky, &repaired, error);
+    part.texels = texels + values;
+    if (status == SL_OK) status = sl_environment_copy(&part, sun, &repaired, error);
+    if (!sky->present) sl_environment_release(sky);
+    if (!sun->present) sl_environment_release(sun);
+    if (status != SL_OK) {
+        sl_environment_release(sky);
+        sl_environment_release(sun);
+    }
+    sl_free(texels);
+    return status;
+}
+
 double sl_environment_contrast(const sl_environment *environment) {
     double sum = 0.0, weights = 0.0, largest = 0.0;
     for (int row = 0; row < environment->height && environment->width > 0; row++) {

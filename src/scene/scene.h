@@ -148,6 +148,12 @@ sl_vec3 sl_environment_sample(const sl_environment *environment, float u1, float
 float sl_environment_pdf(const sl_environment *environment, sl_vec3 direction);
 /* Largest over mean luminance, the mean by solid angle: 1 for a constant sky, thousands for one with a sun in it; 1 where there is none. */
 double sl_environment_contrast(const sl_environment *environment);
+/* Sky and sun, sky + sun = all: the sky is the whole, cut in proportion to at most a luminance of threshold_over_mean (> 1) times its own
+ * mean, so of low contrast; the sun is the rest, some texels or none. Both with sampling tables of their own, both to be released with
+ * sl_environment_release(). A part that is black is not present; a constant environment is all sky. */
+sl_status sl_environment_split(const sl_environment *all, double threshold_over_mean, sl_environment *sky, sl_environment *sun,
+                               sl_error *error);
+void sl_environment_release(sl_environment *environment);
 
 /* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for directional)
  * and the irradiance on a plane that faces it. Returns false where that is zero. */
