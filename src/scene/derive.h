@@ -19,7 +19,6 @@ sl_camera sl_camera_framed(const sl_scene *scene);
 
 /* Copies what the environment holds, clears what is not light, and makes the sums that sampling needs. */
 sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired, sl_error *error);
-void sl_environment_release(sl_environment *environment);
 
 /* Checks and repairs what a scene says of its surfaces and lights; failing is an input error that names the culprit. */
 sl_status sl_materials_check(sl_scene *scene, sl_error *error);

@@ -36,7 +36,8 @@ typedef struct sl_gather_settings {
     sl_border border;         /* plane only; RADIAL by default */
     bool jitter;              /* rays: jittered inside their cells */
     bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
-    bool background;          /* the environment is seen even where emission is off: the cache carries its light */
+    const sl_environment *background; /* seen even where emission is off, the sky whose light the cache carries; or NULL. It must outlive
+                                         the gather */
     sl_direct_kind direct;    /* how what is seen is lit: shadow rays (one light sample a hit) or shadow cubes */
     const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;

@@ -301,9 +301,10 @@ static sl_rgb emission_of(const sl_gather_view *view, size_t k) {
     const sl_scene *scene = view->gather->scene;
     const sl_gather_settings *settings = &view->gather->settings;
     if (h->triangle[k] == SL_NO_INDEX) {
-        if ((!settings->emission && !settings->background) || is_below_horizon(view, k)) return sl_grey(0.0f);
+        const sl_environment *environment = settings->emission ? &scene->environment : settings->background;
+        if (!environment || is_below_horizon(view, k)) return sl_grey(0.0f);
         sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
-        return sl_environment_radiance(&scene->environment, sl_normalize_or(d, view->frame.z));
+        return sl_environment_radiance(environment, sl_normalize_or(d, view->frame.z));
     }
     if (!settings->emission) return sl_grey(0.0f);
     const sl_material *material = &scene->materials[scene->material_index[h->triangle[k]]];

@@ -80,7 +80,7 @@ typedef struct {
     const sl_direct *direct;
     sl_counters *counters;
     pixel_sums *sums;
-    bool refining;
+    bool refining, glossy_only;
     sl_ray16 rays;
     unsigned count;
     int pixel[SL_PACKET];
@@ -101,7 +101,7 @@ static void flush(shadow_queue *q) {
         if (pilot) sums->pilot_count++; /* while refining, neighbouring rows read the counts */
         if (occluded >> i & 1u) continue;
         if (pilot) sums->seen_count++;
-        add(ratio ? &sums->seen : &sums->plain, q->irradiance[i]);
+        if (!q->glossy_only) add(ratio ? &sums->seen : &sums->plain, q->irradiance[i]);
         add(&sums->glossy, q->glossy[i]);
     }
     q->count = 0;
@@ -206,13 +206,13 @@ static void queue_emitters(shadow_queue *q, int pixel, const receiver *at, uint6
     }
 }
 
-static void queue_environment(shadow_queue *q, int pixel, const receiver *at, uint64_t key) {
+static void queue_environment(shadow_queue *q, int pixel, const receiver *at, const sl_environment *environment, uint64_t key) {
     uint32_t samples = q->direct->settings.light_samples;
     for (uint32_t s = 0; s < samples; s++) {
         float u[3], pdf;
         sl_rgb radiance;
         sample_point(key, s, u);
-        sl_vec3 direction = sl_environment_sample(&q->direct->scene->environment, u[1], u[2], &radiance, &pdf);
+        sl_vec3 direction = sl_environment_sample(environment, u[1], u[2], &radiance, &pdf);
         if (!(pdf > 0.0f)) continue;
         enqueue(q, pixel, at, direction, INFINITY, sl_rgb_scale(radiance, 1.0f / (pdf * (float)samples)), false);
     }
@@ -323,7 +323,16 @@ static void sample_row(void *context, size_t index, unsigned worker) {
         }
         queue_delta_lights(&queue, x, &at);
         queue_emitters(&queue, x, &at, pixel_key(direct, i), 0, samples, (float)samples);
-        if (direct->settings.environment) queue_environment(&queue, x, &at, sl_hash64(pixel_key(direct, i)));
+        if (direct->settings.sun) queue_environment(&queue, x, &at, direct->settings.sun, sl_hash64(pixel_key(direct, i)));
+    }
+    flush(&queue);
+    if (!direct->settings.sky) return;
+    queue.glossy_only = true;
+    for (int x = 0; x < g->width; x++) {
+        size_t i = row + (size_t)x;
+        if (g->material[i] == SL_NO_INDEX || !sl_material_is_glossy(&direct->scene->materials[g->material[i]])) continue;
+        receiver at = receiver_at(direct, g, i);
+        queue_environment(&queue, x, &at, direct->settings.sky, sl_hash64(~pixel_key(direct, i)));
     }
     flush(&queue);
 }

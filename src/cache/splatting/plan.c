@@ -28,22 +28,13 @@ static bool gives_light(const sl_scene *scene) {
     return scene->light_count || scene->emitter_count || scene->environment.present;
 }
 
-/* A sky of even brightness is the gathers' background, so that the cache carries its light; one with a sun in it must be sampled for
- * every pixel. So must one that shines on glossy surfaces, of which the cache knows nothing. Never both. */
-static bool cache_carries_environment(const sl_scene *scene, const sl_settings *settings, const sl_features *features) {
-    enum { CONTRAST_MAX = 10 };
-    return scene->environment.present && settings->direct != SL_DIRECT_SHADOW_MAPS && features->glossy_triangles == 0 &&
-           sl_environment_contrast(&scene->environment) <= CONTRAST_MAX;
-}
-
-static sl_gather_settings chosen_gather(const sl_settings *settings, bool background) {
+static sl_gather_settings chosen_gather(const sl_settings *settings) {
     sl_gather_settings g = sl_gather_defaults();
     g.kind = settings->gather;
     g.size = chosen_quality(settings).gather_size;
     g.direct = settings->direct;
     g.seed = settings->seed;
     g.emission = false; /* what the direct pass samples is black in the gather */
-    g.background = background;
     return g;
 }
 
@@ -52,7 +43,7 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     bool light = gives_light(scene);
     return (sl_splat_plan){
         .quality = chosen_quality(settings),
-        .gather = chosen_gather(settings, cache_carries_environment(scene, settings, &features)),
+        .gather = chosen_gather(settings),
         .indirect = features.diffuse_triangles && light,
         .direct = (features.diffuse_triangles || features.glossy_triangles) && light,
     };
@@ -76,20 +67,18 @@ void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
 void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_features f = sl_scene_features(scene);
     sl_splat_quality q = chosen_quality(settings);
-    bool background = cache_carries_environment(scene, settings, &f);
     bool light = gives_light(scene), receivers = f.diffuse_triangles || f.glossy_triangles;
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
     sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);
     sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
-    bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS, samples_sky = f.environment && !background && !maps;
+    bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS;
     sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
                  maps ? "for all lights; those with extent become points" : "direct light is found by shadow rays");
-    sl_plan_pass(writer, !maps && light && receivers && (f.emitters || samples_sky), "light samples",
+    sl_plan_pass(writer, !maps && light && receivers && (f.emitters || f.environment), "light samples",
                  "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
-                 samples_sky ? " and the environment" : "");
-    sl_plan_pass(writer, background, "environment in the cache", "%s",
-                 background ? "its light is part of the irradiance records" : "none, or it is sampled for every pixel");
+                 f.environment ? " and what stands out of the environment" : "");
+    sl_plan_pass(writer, f.environment, "environment in the cache", "up to %g times its mean it is the gathers' background", SL_SKY_CONTRAST);
     sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
                  scene->light_count);
     static const char *const instruments[] = {"what is cheapest at the error of so many rays", "the raster plane", "the raster hemicube", "rays"};

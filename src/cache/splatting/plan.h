@@ -12,6 +12,10 @@ typedef struct sl_splat_quality {
     uint32_t light_samples; /* a pixel */
 } sl_splat_quality;
 
+/* The environment is split: the sky, at most so many times as bright as its mean, is the gathers' background and reaches the pixels
+ * through the records; the sun, which is what stands out of it, is sampled for every pixel. Never both, never neither. */
+#define SL_SKY_CONTRAST 10.0
+
 typedef struct sl_splat_plan {
     sl_splat_quality quality;
     sl_gather_settings gather;

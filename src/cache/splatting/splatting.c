@@ -35,6 +35,7 @@ typedef struct {
     sl_gather_scratch **scratch;
     sl_shadow_maps *maps;
     sl_direct *direct;
+    sl_environment sky, sun;        /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     uint32_t *receives;
     float *planes;                  /* direct rgb, splat rgb, weight, count, coverage: 9 planes, bottom row first */
@@ -65,6 +66,8 @@ static void destroy_transport(splat_state *s) {
     sl_shadow_maps_destroy(s->maps);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
+    sl_environment_release(&s->sky);
+    sl_environment_release(&s->sun);
     s->gather = NULL;
     s->direct = NULL;
     s->maps = NULL;
@@ -84,19 +87,23 @@ static void splat_destroy(void *state) {
     sl_free(s);
 }
 
+static const sl_environment *present_or_null(const sl_environment *e) { return e->present ? e : NULL; }
+
 /* Everything that depends on geometry and lights, and not on the camera. Only what the plan asks for is made. */
 static sl_status create_transport(splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
+    if (status == SL_OK) status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
     if (status == SL_OK && s->plan.direct) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
     if (status == SL_OK && s->plan.direct) {
         sl_direct_settings direct = {s->plan.quality.light_samples, s->settings.seed, threads, s->maps,
-                                     s->scene->environment.present && !s->plan.gather.background};
+                                     present_or_null(&s->sun), present_or_null(&s->sky)};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
     if (status != SL_OK || !s->plan.indirect) return status;
+    s->plan.gather.background = s->maps ? NULL : present_or_null(&s->sky); /* the maps hold all of the environment */
     status = sl_gather_create(s->scene, s->raster, s->tracer, &s->plan.gather, threads, &s->gather, &s->counters, error);
     if (status == SL_OK) {
         s->scratch = sl_allocate(threads, sizeof *s->scratch);

@@ -26,7 +26,8 @@ typedef struct sl_direct_settings {
     uint64_t seed;
     unsigned threads;
     const sl_shadow_maps *maps; /* NULL: shadow rays */
-    bool environment;           /* the environment is sampled here; off where the gathers see it as their background */
+    const sl_environment *sun;  /* environment that is sampled here for all lobes; NULL: none */
+    const sl_environment *sky;  /* environment that is sampled here for the glossy lobe alone, since irradiance records carry the rest */
 } sl_direct_settings;
 
 typedef struct sl_direct sl_direct;

@@ -1,0 +1,136 @@
+/* Sky and sun: the two parts of an environment. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene/scene.h"
+
+enum { WIDTH = 32, HEIGHT = 16, TEXELS = WIDTH * HEIGHT };
+
+/* Blue above, brown below, of contrast 3, and a sun of three texels. */
+static sl_environment a_day(float texels[3 * TEXELS], float sun_radiance) {
+    for (int i = 0; i < TEXELS; i++) {
+        int row = i / WIDTH;
+        texels[3 * i] = row < 8 ? 0.5f : 0.4f;
+        texels[3 * i + 1] = row < 8 ? 0.8f : 0.3f;
+        texels[3 * i + 2] = row < 8 ? 1.5f - 0.05f * (float)row : 0.2f;
+    }
+    for (int i = 0; i < 3; i++) {
+        float *t = texels + 3 * (3 * WIDTH + 10 + i);
+        t[0] = sun_radiance;
+        t[1] = 0.9f * sun_radiance;
+        t[2] = 0.6f * sun_radiance;
+    }
+    return (sl_environment){.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels};
+}
+
+static double relative(float a, float b) { return fabs((double)a - (double)b) / fmax(fabs((double)b), 1e-30); }
+
+static void sky_and_sun_are_the_whole_and_share_no_light(void **state) {
+    (void)state;
+    const float suns[] = {5.0f, 500.0f, 5e6f};
+    for (int run = 0; run < 3; run++) {
+        float texels[3 * TEXELS];
+        sl_environment all = a_day(texels, suns[run]), sky, sun;
+        assert_int_equal(sl_environment_split(&all, 4.0, &sky, &sun, NULL), SL_OK);
+        assert_true(sky.present && sun.present);
+        int in_the_sun = 0;
+        for (int i = 0; i < 3 * TEXELS; i++) {
+            assert_true(sky.texels[i] >= 0.0f && sun.texels[i] >= 0.0f);
+            assert_true(relative(sky.texels[i] + sun.texels[i], texels[i]) < 1e-6);
+            in_the_sun += sun.texels[i] > 0.0f;
+        }
+        assert_int_equal(in_the_sun, 9); /* the three texels alone: the rest reaches every part of the sky untouched */
+        sl_environment_release(&sky);
+        sl_environment_release(&sun);
+    }
+}
+
+static void the_sky_is_as_even_as_asked_however_bright_the_sun(void **state) {
+    (void)state;
+    float texels[3 * TEXELS];
+    for (float radiance = 10.0f; radiance < 1e7f; radiance *= 10.0f) {
+        sl_environment all = a_day(texels, radiance), sky, sun;
+        assert_int_equal(sl_environment_split(&all, 4.0, &sky, &sun, NULL), SL_OK);
+        double contrast = sl_environment_contrast(&sky);
+        assert_true(contrast < 4.1); /* the contrast's own mean is by midpoints of texels */
+        assert_true(contrast > 3.9 || !sun.present);
+        sl_environment_release(&sky);
+        sl_environment_release(&sun);
+    }
+}
+
+static void the_cut_keeps_the_colour(void **state) {
+    (void)state;
+    float texels[3 * TEXELS];
+    sl_environment all = a_day(texels, 1000.0f), sky, sun;
+    assert_int_equal(sl_environment_split(&all, 4.0, &sky, &sun, NULL), SL_OK);
+    const float *t = sky.texels + 3 * (3 * WIDTH + 11);
+    assert_true(relative(t[1] / t[0], 0.9f) < 1e-5 && relative(t[2] / t[0], 0.6f) < 1e-5);
+    sl_environment_release(&sky);
+    sl_environment_release(&sun);
+}
+
+static void samples_of_the_sun_lie_in_it(void **state) {
+    (void)state;
+    float texels[3 * TEXELS];
+    sl_environment all = a_day(texels, 1000.0f), sky, sun;
+    assert_int_equal(sl_environment_split(&all, 4.0, &sky, &sun, NULL), SL_OK);
+    double flux = 0.0;
+    for (int i = 0; i < 1024; i++) {
+        sl_rgb radiance;
+        float pdf, u = ((float)(i % 32) + 0.5f) / 32.0f, v = ((float)(i / 32) + 0.5f) / 32.0f;
+        sl_vec3 direction = sl_environment_sample(&sun, u, v, &radiance, &pdf);
+        assert_true(pdf > 0.0f && sl_rgb_max(sl_environment_radiance(&sun, direction)) > 0.0f);
+        flux += (double)(radiance.r / pdf) / 1024.0;
+    }
+    double solid_angle = 3.0 * 6.283185307179586 / WIDTH * (cos(3.141592653589793 * 3 / HEIGHT) - cos(3.141592653589793 * 4 / HEIGHT));
+    double cut = (double)sky.texels[3 * (3 * WIDTH + 11)];
+    assert_true(fabs(flux - solid_angle * (1000.0 - cut)) < 1e-3 * flux);
+    sl_environment_release(&sky);
+    sl_environment_release(&sun);
+}
+
+static void even_black_and_constant_environments_have_no_sun(void **state) {
+    (void)state;
+    float texels[3 * TEXELS];
+    sl_environment sky, sun, even = a_day(texels, 1.0f);
+    assert_int_equal(sl_environment_split(&even, 4.0, &sky, &sun, NULL), SL_OK);
+    assert_true(sky.present && !sun.present && !sun.texels);
+    sl_environment_release(&sky);
+
+    sl_environment constant = {.present = true, .constant = {1.0f, 2.0f, 3.0f}};
+    assert_int_equal(sl_environment_split(&constant, 4.0, &sky, &sun, NULL), SL_OK);
+    assert_true(sky.present && !sun.present && sky.constant.b == 3.0f);
+
+    sl_environment none = {0};
+    assert_int_equal(sl_environment_split(&none, 4.0, &sky, &sun, NULL), SL_OK);
+    assert_false(sky.present || sun.present);
+
+    for (int i = 0; i < 3 * TEXELS; i++) texels[i] = 0.0f;
+    sl_environment black = {.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels};
+    assert_int_equal(sl_environment_split(&black, 4.0, &sky, &sun, NULL), SL_OK);
+    assert_false(sky.present || sun.present);
+
+    texels[300] = 7.0f; /* one texel is all the light there is: nearly all of it is sun */
+    assert_int_equal(sl_environment_split(&black, 4.0, &sky, &sun, NULL), SL_OK);
+    assert_true(sun.present && sun.texels[300] > 6.9f);
+    sl_environment_release(&sky);
+    sl_environment_release(&sun);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sky_and_sun_are_the_whole_and_share_no_light),
+        cmocka_unit_test(the_sky_is_as_even_as_asked_however_bright_the_sun),
+        cmocka_unit_test(the_cut_keeps_the_colour),
+        cmocka_unit_test(samples_of_the_sun_lie_in_it),
+        cmocka_unit_test(even_black_and_constant_environments_have_no_sun),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
