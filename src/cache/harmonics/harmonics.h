@@ -3,6 +3,7 @@
  * Illumination Computation"). Read in this order:
  *
  *   basis.c      the functions, orthonormal over the hemisphere
+ *   quadrature.c Gauss-Legendre nodes, with which the tables are made
  *   phong.c      a Phong lobe times the cosine, as coefficients, for a table of outgoing directions
  *   rotation.c   coefficients seen from a tilted frame
  *
@@ -16,7 +17,10 @@
 #include "base/vec.h"
 #include "softlux.h"
 
-enum { SL_HSH_ORDER_MAX = 12, SL_HSH_MAX = SL_HSH_ORDER_MAX * SL_HSH_ORDER_MAX };
+#ifndef SL_HSH_ORDER_MAX /* a test raises it */
+#define SL_HSH_ORDER_MAX 12
+#endif
+enum { SL_HSH_MAX = SL_HSH_ORDER_MAX * SL_HSH_ORDER_MAX, SL_HSH_STRIDE_MAX = (SL_HSH_MAX + 30) / 16 * 16 };
 
 static inline size_t sl_hsh_count(int order) { return (size_t)order * (size_t)order; }
 static inline size_t sl_hsh_even_count(int order) { return (size_t)order * ((size_t)order + 1) / 2; }
@@ -32,24 +36,42 @@ static inline size_t sl_hsh_odd(int order, int l, int m) {
 
 /* ---- the functions (basis.c) ---- */
 
-/* All n^2 functions in a unit direction of the local frame (z >= 0 along the normal; x, y tangential): sl_hsh_stride(order) doubles,
- * padding 0. At the zenith and at the horizon too: no division by sin theta, no root of a negative. */
+/* All n^2 functions in a unit direction of the local frame (z >= 0 along the normal; x, y tangential): sl_hsh_stride(order) doubles
+ * (at most SL_HSH_STRIDE_MAX), padding 0. At the zenith and at the horizon too: no division by sin theta, no root of a negative;
+ * a direction below the horizon counts as one on it, one that is not a number as the zenith. */
 void sl_hsh_evaluate(int order, sl_vec3d direction, double *values);
+
+/* The numbers of the recurrence, for those who evaluate in many directions: P_l^m = first[m][l] x P_(l-1)^m - second[m][l] P_(l-2)^m,
+ * P_m^m = diagonal[m] s P_(m-1)^(m-1). */
+typedef struct sl_hsh_recurrence {
+    int order;
+    double diagonal[SL_HSH_ORDER_MAX], first[SL_HSH_ORDER_MAX][SL_HSH_ORDER_MAX], second[SL_HSH_ORDER_MAX][SL_HSH_ORDER_MAX];
+} sl_hsh_recurrence;
+void sl_hsh_recurrence_of(int order, sl_hsh_recurrence *recurrence);
+void sl_hsh_evaluate_by(const sl_hsh_recurrence *recurrence, sl_vec3d direction, double *values);
 
 /* ---- Phong lobes (phong.c) ---- */
 
 /* Coefficients of (s+2)/(2 pi) max(0, cos alpha)^s cos theta_i over the incoming directions, alpha measured from the mirror direction
- * of an outgoing direction with azimuth 0: even ones alone. 64 outgoing angles, evenly from 0 to 90 degrees. */
+ * of an outgoing direction with azimuth 0: even ones alone. 64 outgoing angles, evenly from 0 to 90 degrees. An exponent that is
+ * negative or not a number counts as 0. */
+enum { SL_PHONG_ANGLES = 64 };
 typedef struct sl_phong_table sl_phong_table;
 sl_status sl_phong_table_create(int order, double exponent, sl_phong_table **table, sl_error *error);
-void sl_phong_table_destroy(sl_phong_table *table);
-/* Interpolated between the two nearest angles; cosine in [0,1] (clamped). even: sl_hsh_odd_start(order) floats, padding 0.
- * Outgoing radiance from coefficients lambda of incoming radiance: sum over l, m of c_lm (cos(m phi_o) lambda_lm + sin(m phi_o)
- * lambda_l-m), times ks. */
+void sl_phong_table_destroy(sl_phong_table *table); /* NULL is allowed */
+/* The coefficients for an outgoing cosine in [0,1] (clamped) lie between two rows of sl_hsh_odd_start(order) floats each, padding 0:
+ * first[i] + mix (second[i] - first[i]). Outgoing radiance from coefficients lambda of incoming radiance: sum over l, m of
+ * c_lm (cos(m phi_o) lambda_lm + sin(m phi_o) lambda_l-m), times ks. */
+typedef struct sl_phong_rows {
+    const float *first, *second;
+    float mix;
+} sl_phong_rows;
+sl_phong_rows sl_phong_table_at(const sl_phong_table *table, float cosine);
 void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *even);
 size_t sl_phong_table_bytes(const sl_phong_table *table);
-/* Relative L2 error of the lobe at 45 degrees that order n makes, and the least order that keeps it within a bound (at most
- * SL_HSH_ORDER_MAX). */
+/* Relative L2 error of the lobe that order n makes, at an outgoing angle (radians) and at 45 degrees; and the least order that keeps
+ * the latter within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for its truncation). */
+double sl_phong_truncation_at(int order, double exponent, double theta_out);
 double sl_phong_truncation(int order, double exponent);
 int sl_phong_order(double exponent, double largest_error);
 

@@ -1,0 +1,237 @@
+/* Hemispherical harmonics: orthonormal, as in the paper, and safe at the zenith, at the horizon and off the hemisphere. The basis is
+ * compiled here once more with a higher largest order than the library's. */
+#define SL_HSH_ORDER_MAX 20
+#include "cache/harmonics/basis.c"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "cache/harmonics/quadrature.h"
+
+enum { POLAR = 48, AZIMUTHS = 96, ORDER = SL_HSH_ORDER_MAX };
+
+static sl_vec3d direction_at(double cosine, double phi) {
+    double sine = sqrt((1.0 - cosine) * (1.0 + cosine));
+    return sl_v3d(sine * cos(phi), sine * sin(phi), cosine);
+}
+
+/* Calls for each node of a quadrature of the hemisphere that is exact for every product of two functions of these orders. */
+typedef void visit(void *context, sl_vec3d direction, double weight);
+static void over_hemisphere(visit *f, void *context) {
+    double nodes[POLAR], weights[POLAR];
+    sl_gauss_legendre(POLAR, nodes, weights);
+    for (int i = 0; i < POLAR; i++)
+        for (int k = 0; k < AZIMUTHS; k++)
+            f(context, direction_at(nodes[i], 2.0 * SL_PI * (k + 0.5) / AZIMUTHS), weights[i] * 2.0 * SL_PI / AZIMUTHS);
+}
+
+/* Places of the coefficients without the padding. */
+static size_t places(int order, size_t *place) {
+    size_t count = 0;
+    for (int l = 0; l < order; l++)
+        for (int m = -l; m <= l; m++) place[count++] = m < 0 ? sl_hsh_odd(order, l, m) : sl_hsh_even(l, m);
+    return count;
+}
+
+static long double product[SL_HSH_STRIDE_MAX][SL_HSH_STRIDE_MAX];
+
+static void add_products(void *context, sl_vec3d d, double weight) {
+    double h[SL_HSH_STRIDE_MAX];
+    size_t stride = sl_hsh_stride(ORDER);
+    (void)context;
+    sl_hsh_evaluate(ORDER, d, h);
+    for (size_t i = 0; i < stride; i++)
+        for (size_t j = 0; j <= i; j++) product[i][j] += (long double)weight * h[i] * h[j];
+}
+
+static void functions_are_orthonormal_up_to_order_20(void **state) {
+    (void)state;
+    size_t place[SL_HSH_MAX], count = places(ORDER, place);
+    memset(product, 0, sizeof product);
+    over_hemisphere(add_products, NULL);
+    double worst = 0.0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = 0; j < count; j++) {
+            size_t a = place[i], b = place[j];
+            double error = fabs((double)(a > b ? product[a][b] : product[b][a]) - (i == j ? 1.0 : 0.0));
+            worst = error > worst ? error : worst;
+        }
+    assert_true(worst < 4e-14);
+}
+
+static void places_are_distinct_and_fill_all_but_the_padding(void **state) {
+    (void)state;
+    for (int order = 1; order <= ORDER; order++) {
+        size_t place[SL_HSH_MAX], count = places(order, place), stride = sl_hsh_stride(order);
+        bool taken[SL_HSH_STRIDE_MAX] = {false};
+        assert_int_equal(count, sl_hsh_count(order));
+        assert_int_equal(sl_hsh_even_count(order) + sl_hsh_odd_count(order), count);
+        assert_true(stride <= SL_HSH_STRIDE_MAX && stride % 16 == 0 && sl_hsh_odd_start(order) % 16 == 0);
+        for (size_t i = 0; i < count; i++) {
+            assert_true(place[i] < stride && !taken[place[i]]);
+            taken[place[i]] = true;
+        }
+        double h[SL_HSH_STRIDE_MAX];
+        for (size_t i = 0; i < stride; i++) h[i] = NAN;
+        sl_hsh_evaluate(order, direction_at(0.3, 1.0), h);
+        for (size_t i = 0; i < stride; i++) assert_true(taken[i] ? isfinite(h[i]) != 0 : h[i] == 0.0);
+    }
+}
+
+static double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
+
+/* The associated Legendre function without normalisation and without (-1)^m. */
+static double legendre(int l, int m, double x) {
+    double here = 1.0, before = 0.0;
+    for (int k = 1; k <= m; k++) here *= (2.0 * k - 1.0) * sqrt(1.0 - x * x);
+    for (int k = m + 1; k <= l; k++) {
+        double next = ((2.0 * k - 1.0) * x * here - (k + m - 1.0) * before) / (k - m);
+        before = here;
+        here = next;
+    }
+    return here;
+}
+
+static void functions_equal_the_form_with_factorials(void **state) {
+    (void)state;
+    enum { LIBRARY_ORDER = 12 };
+    uint64_t key = sl_random_key(7, 0);
+    for (uint64_t k = 0; k < 2000; k++) {
+        double c = (double)sl_random_unit(key, 2 * k), phi = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * k + 1);
+        double h[SL_HSH_STRIDE_MAX];
+        sl_hsh_evaluate(LIBRARY_ORDER, direction_at(c, phi), h);
+        for (int l = 0; l < LIBRARY_ORDER; l++)
+            for (int m = -l; m <= l; m++) {
+                int a = abs(m);
+                double scale = sqrt((2 * l + 1) * factorial(l - a) / (2.0 * SL_PI * factorial(l + a)));
+                double turn = m > 0 ? sqrt(2.0) * cos(m * phi) : m < 0 ? sqrt(2.0) * sin(a * phi) : 1.0;
+                double truth = scale * turn * legendre(l, a, 2.0 * c - 1.0);
+                assert_true(fabs(h[m < 0 ? sl_hsh_odd(LIBRARY_ORDER, l, m) : sl_hsh_even(l, m)] - truth) < 5e-14);
+            }
+    }
+}
+
+static void cosine_is_in_the_first_two_bands(void **state) {
+    (void)state;
+    for (int k = 0; k <= 1000; k++) {
+        double c = k / 1000.0, h[SL_HSH_STRIDE_MAX];
+        sl_hsh_evaluate(2, direction_at(c, 0.1 * k), h);
+        double sum = 0.5 * sqrt(2.0 * SL_PI) * h[sl_hsh_even(0, 0)] + 0.5 * sqrt(2.0 * SL_PI / 3.0) * h[sl_hsh_even(1, 0)];
+        assert_true(fabs(sum - c) < 1e-15);
+    }
+}
+
+static void add_white(void *context, sl_vec3d d, double weight) {
+    double h[SL_HSH_STRIDE_MAX], *lambda = context;
+    sl_hsh_evaluate(ORDER, d, h);
+    for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) lambda[i] += weight * h[i];
+}
+
+static void white_sky_is_the_first_coefficient_alone(void **state) {
+    (void)state;
+    double lambda[SL_HSH_STRIDE_MAX] = {0.0};
+    over_hemisphere(add_white, lambda);
+    assert_true(fabs(lambda[0] - sqrt(2.0 * SL_PI)) < 1e-13);
+    for (size_t i = 1; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(lambda[i]) < 2e-14);
+}
+
+static void zenith_and_horizon_have_no_azimuth(void **state) {
+    (void)state;
+    double h[SL_HSH_STRIDE_MAX];
+    for (int pole = 0; pole < 2; pole++) {
+        sl_hsh_evaluate(ORDER, pole ? sl_v3d(0.6, -0.8, 0.0) : sl_v3d(0.0, 0.0, 1.0), h);
+        for (int l = 0; l < ORDER; l++)
+            for (int m = -l; m <= l; m++) {
+                double truth = m != 0 ? 0.0 : sqrt((2 * l + 1) / (2.0 * SL_PI)) * (pole && l % 2 ? -1.0 : 1.0);
+                assert_true(fabs(h[m < 0 ? sl_hsh_odd(ORDER, l, m) : sl_hsh_even(l, m)] - truth) < 1e-13);
+            }
+    }
+}
+
+static void functions_are_continuous_towards_the_zenith(void **state) {
+    (void)state;
+    double at_zenith[SL_HSH_STRIDE_MAX], h[SL_HSH_STRIDE_MAX];
+    sl_hsh_evaluate(ORDER, sl_v3d(0.0, 0.0, 1.0), at_zenith);
+    for (double sine = 1e-3; sine > 0.0; sine *= 1e-3) { /* down to denormals */
+        sl_hsh_evaluate(ORDER, sl_v3d(0.6 * sine, -0.8 * sine, 1.0), h);
+        for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(h[i] - at_zenith[i]) < 200.0 * sine + 1e-13);
+        /* The azimuth survives in the first order of the sine. */
+        if (sine > 1e-100) assert_true(fabs(h[sl_hsh_odd(ORDER, 1, -1)] / h[sl_hsh_even(1, 1)] + 0.8 / 0.6) < 1e-12);
+    }
+}
+
+static void directions_off_the_hemisphere_are_harmless(void **state) {
+    (void)state;
+    double h[SL_HSH_STRIDE_MAX], truth[SL_HSH_STRIDE_MAX];
+    const sl_vec3d bad[] = {{NAN, 0, 1}, {0, NAN, 0}, {0, 0, NAN}, {INFINITY, 0, 0}, {0, -INFINITY, 1}, {0, 0, INFINITY},
+                            {0, 0, 0}, {0.8, 0.6, -1e-17}, {0.5, 0, -0.8}, {1e-200, 0, 1}, {0, 0, 1.0000001}, {1.0000001, 0, 0}};
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        sl_hsh_evaluate(ORDER, bad[k], h);
+        for (size_t i = 0; i < sl_hsh_stride(ORDER); i++) assert_true(fabs(h[i]) < 50.0);
+    }
+    sl_hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, 0.0), truth);
+    sl_hsh_evaluate(ORDER, sl_v3d(0.8, 0.6, -1e-17), h);
+    assert_memory_equal(h, truth, sl_hsh_stride(ORDER) * sizeof *h);
+}
+
+static void turning_about_the_normal_mixes_pairs(void **state) {
+    (void)state;
+    double h[SL_HSH_STRIDE_MAX], turned[SL_HSH_STRIDE_MAX], alpha = 0.7;
+    sl_hsh_evaluate(ORDER, direction_at(0.4, 1.1), h);
+    sl_hsh_evaluate(ORDER, direction_at(0.4, 1.1 + alpha), turned);
+    for (int l = 1; l < ORDER; l++)
+        for (int m = 1; m <= l; m++) {
+            double even = h[sl_hsh_even(l, m)], odd = h[sl_hsh_odd(ORDER, l, -m)], c = cos(m * alpha), s = sin(m * alpha);
+            assert_true(fabs(turned[sl_hsh_even(l, m)] - (c * even - s * odd)) < 1e-12);
+            assert_true(fabs(turned[sl_hsh_odd(ORDER, l, -m)] - (s * even + c * odd)) < 1e-12);
+        }
+}
+
+static void gauss_nodes_are_exact_for_polynomials(void **state) {
+    (void)state;
+    for (int count = 1; count <= SL_GAUSS_MAX; count += count < 20 ? 1 : 27) {
+        double nodes[SL_GAUSS_MAX], weights[SL_GAUSS_MAX];
+        sl_gauss_legendre(count, nodes, weights);
+        for (int degree = 0; degree < 2 * count; degree += count < 20 ? 1 : 5) {
+            double sum = 0.0;
+            for (int i = 0; i < count; i++) sum += weights[i] * pow(nodes[i], degree);
+            assert_true(fabs(sum * (degree + 1) - 1.0) < 2e-13 * (degree + 1));
+        }
+        for (int i = 1; i < count; i++) assert_true(nodes[i] > nodes[i - 1]);
+        assert_true(nodes[0] > 0.0 && nodes[count - 1] < 1.0);
+    }
+}
+
+static void crowded_nodes_take_roots_at_the_ends(void **state) {
+    (void)state;
+    double nodes[24], weights[24], both = 0.0, upper = 0.0;
+    sl_gauss_both_ends(24, nodes, weights);
+    for (int i = 0; i < 24; i++) both += weights[i] * sqrt(nodes[i] * (1.0 - nodes[i]));
+    sl_gauss_upper_end(24, nodes, weights);
+    for (int i = 0; i < 24; i++) upper += weights[i] * sqrt(1.0 - nodes[i]);
+    assert_true(fabs(both - SL_PI / 8.0) < 1e-12);
+    assert_true(fabs(upper - 2.0 / 3.0) < 1e-14);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(functions_are_orthonormal_up_to_order_20),
+        cmocka_unit_test(places_are_distinct_and_fill_all_but_the_padding),
+        cmocka_unit_test(functions_equal_the_form_with_factorials),
+        cmocka_unit_test(cosine_is_in_the_first_two_bands),
+        cmocka_unit_test(white_sky_is_the_first_coefficient_alone),
+        cmocka_unit_test(zenith_and_horizon_have_no_azimuth),
+        cmocka_unit_test(functions_are_continuous_towards_the_zenith),
+        cmocka_unit_test(directions_off_the_hemisphere_are_harmless),
+        cmocka_unit_test(turning_about_the_normal_mixes_pairs),
+        cmocka_unit_test(gauss_nodes_are_exact_for_polynomials),
+        cmocka_unit_test(crowded_nodes_take_roots_at_the_ends),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
