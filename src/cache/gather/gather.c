@@ -11,7 +11,7 @@ enum { SHADOW_MAP_SIZE = 512, EVERY_LIGHT_MAX = 8, BY_POWER_MAX = 64 };
 
 sl_gather_settings sl_gather_defaults(void) {
     return (sl_gather_settings){.kind = SL_GATHER_AUTO, .size = 64, .plane_fov = (float)(140.0 / 180.0 * SL_PI),
-                                .border = SL_BORDER_RADIAL, .jitter = true, .direct = SL_DIRECT_AUTO};
+                                .border = SL_BORDER_RADIAL, .jitter = true, .direct = SL_DIRECT_AUTO, .hit_samples = 1};
 }
 
 /* ---- decisions ------------------------------------------------------------------------------------------------------ */
@@ -95,6 +95,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->tracer = tracer;
     gather->settings = *settings;
     decide_direct(tracer, &gather->settings);
+    if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
     gather->offset = 1e-5f * scene->diagonal;
     gather->kernels = sl_gather_kernels_for(sl_isa_best());
     sl_status status = check(&gather->settings, raster, tracer, error);

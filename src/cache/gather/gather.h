@@ -38,7 +38,8 @@ typedef struct sl_gather_settings {
     bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
     const sl_environment *background; /* seen even where emission is off, the sky whose light the cache carries; or NULL. It must outlive
                                          the gather */
-    sl_direct_kind direct;    /* how what is seen is lit: shadow rays (one light sample a hit) or shadow cubes */
+    sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow cubes */
+    uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
     const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
 } sl_gather_settings;

@@ -207,7 +207,7 @@ static bool spherical_point(const sl_vec3d v[3], double u1, double u2, sl_vec3d 
 }
 
 /* A near emitter that spans less than a millionth of a steradian is seen edge-on or is very small: it is left out. */
-static void light_by_near_emitters(const sl_gather_view *view, shadow_queue *q, size_t k, float u1, float u2) {
+static void light_by_near_emitters(const sl_gather_view *view, shadow_queue *q, size_t k, float u1, float u2, float share) {
     const sl_scene *scene = view->gather->scene;
     const sl_gather_hits *h = &view->scratch->hits;
     sl_vec3 p = position_of(h, k);
@@ -226,7 +226,7 @@ static void light_by_near_emitters(const sl_gather_view *view, shadow_queue *q, 
         sl_vec3 to_light = sl_to_float(direction);
         float cosine = lit_cosine(h, k, to_light);
         if (!(cosine > 0.0f) || !(distance > 0.0) || !isfinite(distance)) continue;
-        push_shadow_ray(q, k, to_light, (float)distance, sl_rgb_scale(e->radiance, (float)solid_angle * cosine));
+        push_shadow_ray(q, k, to_light, (float)distance, sl_rgb_scale(e->radiance, share * (float)solid_angle * cosine));
     }
 }
 
@@ -241,24 +241,33 @@ static float bounded(const sl_light_sample *sample) {
     return share < 1.0f ? share : 1.0f;
 }
 
+/* One light sample at slot k, one of 1 / share. */
+static void light_by_sample(const sl_gather_view *view, shadow_queue *q, size_t k, float select, float u1, float u2, float share) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    sl_light_sample sample;
+    sl_vec3 p = position_of(h, k);
+    if (is_near_emitter(view->gather, p)) {
+        light_by_near_emitters(view, q, k, u1, u2, share);
+        return;
+    }
+    sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
+    if (!sl_light_sampler_sample_at(view->gather->sampler, p, n, select, u1, u2, &sample)) return;
+    float cosine = lit_cosine(h, k, sample.to_light);
+    if (!(cosine > 0.0f)) return;
+    push_shadow_ray(q, k, sample.to_light, sample.distance, sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)));
+}
+
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */
 static void light_by_samples(const sl_gather_view *view, shadow_queue *q) {
     const sl_gather_hits *h = &view->scratch->hits;
     uint64_t key = sl_random_key(view->point->key, 1);
     uint32_t select = sl_random_bits(key, 0), u1 = sl_random_bits(key, 1), u2 = sl_random_bits(key, 2);
-    for (size_t k = 0; k < view->gather->tables->used; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
-        sl_light_sample sample;
-        if (!reflects(h, k)) continue;
-        if (is_near_emitter(view->gather, position_of(h, k))) {
-            light_by_near_emitters(view, q, k, unit(u1), unit(u2));
-            continue;
+    uint32_t samples = view->gather->settings.hit_samples;
+    float share = 1.0f / (float)samples;
+    for (uint32_t i = 0; i < samples; i++) {
+        for (size_t k = 0; k < view->gather->tables->used; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
+            if (reflects(h, k)) light_by_sample(view, q, k, unit(select), unit(u1), unit(u2), share);
         }
-        sl_vec3 p = position_of(h, k);
-        sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
-        if (!sl_light_sampler_sample_at(view->gather->sampler, p, n, unit(select), unit(u1), unit(u2), &sample)) continue;
-        float cosine = lit_cosine(h, k, sample.to_light);
-        if (!(cosine > 0.0f)) continue;
-        push_shadow_ray(q, k, sample.to_light, sample.distance, sl_rgb_scale(sample.radiance, cosine * bounded(&sample)));
     }
     flush_queue(q);
 }
