@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "cache/harmonics/harmonics.h"
 
 enum { SHADOW_MAP_SIZE = 512, EVERY_LIGHT_MAX = 8, BY_POWER_MAX = 64 };
 
@@ -81,7 +82,10 @@ static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *co
     sl_status status = make_light(gather, threads, counters, error);
     if (status == SL_OK && s->kind == SL_GATHER_AUTO) status = sl_gather_choose(gather, &s->kind, &s->size, error);
     if (status != SL_OK) return status;
-    return sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
+    status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
+    if (status != SL_OK || s->harmonics_order == 0) return status;
+    return sl_projection_create(gather->tables, (double)gather->half_tangent, s->border, s->harmonics_order, threads,
+                                &gather->projection, error);
 }
 
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
@@ -97,7 +101,8 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     decide_direct(tracer, &gather->settings);
     if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
     gather->offset = 1e-5f * scene->diagonal;
-    gather->kernels = sl_gather_kernels_for(sl_isa_best());
+    gather->isa = sl_isa_best();
+    gather->kernels = sl_gather_kernels_for(gather->isa);
     sl_status status = check(&gather->settings, raster, tracer, error);
     gather->half_tangent = status == SL_OK ? (float)sl_tan(0.5 * (double)settings->plane_fov) : 1.0f;
     if (status == SL_OK) status = make_parts(gather, threads, counters, error);
@@ -112,6 +117,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
 void sl_gather_destroy(sl_gather *gather) {
     if (!gather) return;
     sl_gather_tables_destroy(gather->tables);
+    sl_projection_destroy(gather->projection);
     sl_shadow_maps_destroy(gather->maps);
     sl_light_sampler_destroy(gather->sampler);
     sl_free(gather);
@@ -120,7 +126,12 @@ void sl_gather_destroy(sl_gather *gather) {
 sl_gather_kind sl_gather_kind_used(const sl_gather *gather) { return gather->settings.kind; }
 
 size_t sl_gather_memory_bytes(const sl_gather *gather) {
-    return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->maps ? sl_shadow_maps_bytes(gather->maps) : 0);
+    return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->maps ? sl_shadow_maps_bytes(gather->maps) : 0) +
+           (gather->projection ? sl_projection_bytes(gather->projection) : 0);
+}
+
+size_t sl_gather_coefficient_count(const sl_gather *gather) {
+    return gather->projection ? SL_PROJECTION_VECTORS * sl_hsh_stride(gather->projection->order) : 0;
 }
 
 /* ---- scratch ------------------------------------------------------------------------------------------------------------ */
@@ -234,4 +245,11 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
     sl_gather_finish(&view, &sums, irradiance);
     irradiance->nearest = nearest;
     irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);
+}
+
+void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                        sl_irradiance *irradiance, float *coefficients, sl_counters *counters) {
+    const sl_gather_planes *p = &scratch->planes;
+    sl_gather_irradiance(gather, point, scratch, irradiance, counters);
+    if (gather->projection) sl_project(gather->projection, gather->isa, (const float *const[4]){p->r, p->g, p->b, p->nearness}, coefficients);
 }

@@ -42,6 +42,7 @@ typedef struct sl_gather_settings {
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
     const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
+    int harmonics_order;      /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */
 } sl_gather_settings;
 
 sl_gather_settings sl_gather_defaults(void);
@@ -78,6 +79,13 @@ typedef struct sl_gather_point {
 } sl_gather_point;
 void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                           sl_irradiance *irradiance, sl_counters *counters);
+
+/* As sl_gather_irradiance(), and besides the radiance that comes in, as coefficients over the hemispherical harmonics
+ * (cache/harmonics/harmonics.h has their order) in the frame sl_frame_from_normal(normal): lambda of R, G, B, then d lambda/dx of
+ * R, G, B, then d lambda/dy of R, G, B, each sl_hsh_stride(order) floats. lambda = integral of L H d omega. */
+size_t sl_gather_coefficient_count(const sl_gather *gather); /* 0 where the order is 0 */
+void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                        sl_irradiance *irradiance, float *coefficients, sl_counters *counters);
 
 /* The picture of the last gather: N x N (plane, rays) or 2N x 2N with the side faces around the top (hemicube), for observers and
  * tests; radiance and distance planes owned by the scratch, bottom row first. */

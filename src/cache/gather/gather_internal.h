@@ -3,12 +3,14 @@
  *     see      plane_gather.c, hemicube_gather.c or ray_gather.c: which triangle, where, in every cell
  *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces (hidden_light.c)
  *     sum      gather_kernels.c and gradients.c: irradiance, gradients, mean distance
+ *     project  projection.c: coefficients of radiance, where asked for
  */
 #ifndef SL_CACHE_GATHER_INTERNAL_H
 #define SL_CACHE_GATHER_INTERNAL_H
 
 #include "cache/gather/gather_kernels.h"
 #include "cache/gather/gather_tables.h"
+#include "cache/gather/projection.h"
 #include "cache/gather/shadow_maps.h"
 
 /* About an emitter, where its light is not sampled but computed. */
@@ -28,6 +30,8 @@ struct sl_gather {
     float half_tangent;
     float offset;                /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
     sl_gather_kernels kernels;
+    sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
+    sl_isa isa;
 
     sl_shadow_maps *maps;        /* direct light by shadow maps, or NULL */
     sl_scene extended;           /* the scene without its lights without extent: what `sampler` draws from */
