@@ -136,7 +136,7 @@ size_t sl_gather_coefficient_count(const sl_gather *gather) {
 
 /* ---- scratch ------------------------------------------------------------------------------------------------------------ */
 
-enum { HIT_PLANES = 24, CELL_PLANES = 5, RASTER_PLANES = 8 };
+enum { HIT_PLANES = 24, CELL_PLANES = 6, RASTER_PLANES = 8 };
 
 /* Planes of `stride` floats from one block, one after the other. */
 typedef struct cutter {
@@ -177,7 +177,7 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     sl_gather_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "a gather's buffers");
     s->gather = gather;
-    size_t lead = ((size_t)t->width + 15) / 16 * 16; /* the row below the first */
+    size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first, and the cell before it */
     size_t stride = lead + (t->padded + 15) / 16 * 16;
     s->block = sl_allocate(stride * (HIT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
@@ -192,7 +192,7 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     cutter c = {s->block, stride};
     cut_hits(&c, &s->hits);
     cut_raster(&c, s);
-    float **planes[CELL_PLANES] = {&s->planes.r, &s->planes.g, &s->planes.b, &s->planes.nearness, &s->planes.distance};
+    float **planes[CELL_PLANES] = {&s->planes.r, &s->planes.g, &s->planes.b, &s->planes.nearness, &s->planes.distance, &s->planes.mean};
     for (int i = 0; i < CELL_PLANES; i++) *planes[i] = cut(&c) + lead;
     for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
     *out = s;
@@ -236,13 +236,15 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
                           sl_irradiance *irradiance, sl_counters *counters) {
     const sl_gather_planes *p = &scratch->planes;
     sl_gather_sums sums;
+    sl_gather_curvature curvature;
     float nearest;
     double back_weight;
     sl_count(counters, SL_COUNT_GATHERS, 1);
     sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
     sl_gather_shade(&view, &nearest, &back_weight, counters);
     gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, &sums);
-    sl_gather_finish(&view, &sums, irradiance);
+    gather->kernels.curvature(gather->tables, p->r, p->g, p->b, p->nearness, p->mean, &curvature);
+    sl_gather_finish(&view, &sums, &curvature, irradiance);
     irradiance->nearest = nearest;
     irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);
 }

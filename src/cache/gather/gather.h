@@ -51,6 +51,10 @@ typedef struct sl_irradiance {
     sl_rgb value;                   /* E, W/m^2 */
     sl_vec3 rotational[3];          /* grad_r E per channel, world frame, W/m^2/rad: E(n') = E + (n x n') . grad_r */
     sl_vec3 translational[3];       /* grad_t E per channel, world frame, tangential, W/m^3 */
+    /* Second derivatives of the channels' mean along the tangent plane, W/m^4, occlusion included (cache-math 3.5): the eigenvalues, that
+     * of the larger absolute value first, and its unit direction. */
+    float curvature[2];
+    sl_vec3 curvature_axis;
     float harmonic_mean;            /* cosine-weighted harmonic mean distance, m; infinite where nothing is seen */
     float nearest;                  /* min over hits of r / cos theta' (the guard's rho_min); infinite where nothing is seen */
     float back_share;               /* share of the cosine weight that saw surfaces from their clockwise side */

@@ -55,9 +55,10 @@ typedef struct sl_gather_hits {
     float *back;                                    /* 1: seen from the clockwise side */
 } sl_gather_hits;
 
-/* By cell. `width` zeros lie before the first cell, so that its walls to cells outside the picture can be read. */
+/* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be read. */
 typedef struct sl_gather_planes {
     float *r, *g, *b, *nearness, *distance; /* radiance, 1 / depth (0: nothing seen), distance */
+    float *mean;                            /* of r, g, b */
 } sl_gather_planes;
 
 struct sl_gather_scratch {
@@ -98,7 +99,7 @@ void sl_gather_add_hidden_light(const sl_gather_view *view, sl_counters *counter
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
 
 /* Adds the walls that the grid does not hold, turns the sums into the world. */
-void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_irradiance *irradiance);
+void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature, sl_irradiance *irradiance);
 
 /* The choice AUTO: the cheapest instrument at equal expected error, and its size (gather_choice.c). */
 sl_status sl_gather_choose(const sl_gather *gather, sl_gather_kind *kind, int *size, sl_error *error);

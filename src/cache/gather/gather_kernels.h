@@ -12,6 +12,11 @@ typedef struct sl_gather_sums {
     double inverse_distance;    /* sum of W / r */
 } sl_gather_sums;
 
+/* Of the channels' mean. */
+typedef struct sl_gather_curvature {
+    double xx, xy, yy;
+} sl_gather_curvature;
+
 typedef struct sl_ray_cells {
     size_t count;
     const float *slot_a, *slot_b;
@@ -38,16 +43,22 @@ typedef void sl_gather_surfaces_kernel(const sl_surface_cells *cells);
 typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
                                    const float *nearness, sl_gather_sums *sums);
 
+/* mean: a plane to work in, laid out as the others. */
+typedef void sl_gather_curvature_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
+                                        const float *nearness, float *mean, sl_gather_curvature *curvature);
+
 typedef struct sl_gather_kernels {
     sl_gather_directions_kernel *directions;
     sl_gather_surfaces_kernel *surfaces;
     sl_gather_sums_kernel *sums;
+    sl_gather_curvature_kernel *curvature;
 } sl_gather_kernels;
 
 #define SL_DECLARE_GATHER_KERNELS(isa)                        \
     sl_gather_directions_kernel sl_gather_directions_##isa;   \
     sl_gather_surfaces_kernel sl_gather_surfaces_##isa;       \
-    sl_gather_sums_kernel sl_gather_sums_##isa
+    sl_gather_sums_kernel sl_gather_sums_##isa;               \
+    sl_gather_curvature_kernel sl_gather_curvature_##isa
 
 SL_DECLARE_GATHER_KERNELS(baseline);
 SL_DECLARE_GATHER_KERNELS(avx2);
@@ -55,7 +66,7 @@ SL_DECLARE_GATHER_KERNELS(avx512);
 
 static inline sl_gather_kernels sl_gather_kernels_for(sl_isa isa) {
 #define SL_GATHER_KERNELS_OF(name) \
-    (sl_gather_kernels) { sl_gather_directions_##name, sl_gather_surfaces_##name, sl_gather_sums_##name }
+    (sl_gather_kernels) { sl_gather_directions_##name, sl_gather_surfaces_##name, sl_gather_sums_##name, sl_gather_curvature_##name }
 #ifndef SL_BASELINE_ONLY
     if (isa == SL_ISA_AVX512) return SL_GATHER_KERNELS_OF(avx512);
     if (isa == SL_ISA_AVX2) return SL_GATHER_KERNELS_OF(avx2);

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "cache/gather/hemisphere_tables.h"
 
-enum { TILE = 4, PLANES = 14 };
+enum { TILE = 4, PLANES = 23 };
 
 /* ---- memory ---------------------------------------------------------------------------------------------------------- */
 
@@ -13,7 +13,9 @@ static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
     float **planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
                               &t->column_x, &t->column_y,        &t->row_x,       &t->row_y,
                               &t->direction_x, &t->direction_y,  &t->direction_z, &t->length,
-                              &t->slot_a,   &t->slot_b};
+                              &t->slot_a,   &t->slot_b,
+                              &t->column_xx, &t->column_xy, &t->column_yy, &t->row_xx, &t->row_xy, &t->row_yy,
+                              &t->vertex_xx, &t->vertex_xy, &t->vertex_yy};
     t->block = sl_allocate(t->padded * PLANES, sizeof(float));
     t->order = sl_allocate(t->cells, sizeof(uint32_t));
     t->seams = sl_allocate((size_t)2 * (size_t)t->size, sizeof(sl_gather_seam));
@@ -115,11 +117,16 @@ static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
     }
 }
 
+static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    return sl_v3d(plane_line(t->size, half_tangent, x, false), plane_line(t->size, half_tangent, y, false), 1.0);
+}
+
 /* [LC04]: everything over the share F of the cosine-weighted hemisphere that the plane covers. */
 static void divide_by_coverage(sl_gather_tables *t) {
     double scale = SL_PI / t->weight_sum;
-    float *planes[] = {t->weight,   t->weight_by_depth, t->vector_x, t->vector_y,
-                       t->column_x, t->column_y,        t->row_x,    t->row_y};
+    float *planes[] = {t->weight,    t->weight_by_depth, t->vector_x,  t->vector_y,  t->column_x, t->column_y,
+                       t->row_x,     t->row_y,           t->column_xx, t->column_xy, t->column_yy, t->row_xx,
+                       t->row_xy,    t->row_yy,          t->vertex_xx, t->vertex_xy, t->vertex_yy};
     for (size_t p = 0; p < sizeof planes / sizeof *planes; p++) {
         for (size_t i = 0; i < t->cells; i++) planes[p][i] = (float)(scale * (double)planes[p][i]);
     }
@@ -157,11 +164,13 @@ static void add_side_seams(sl_gather_tables *t, int sx, int sy) {
         double z1 = 1.0 - 2.0 * k / n, z0 = 1.0 - 2.0 * (k + 1) / n;
         int ax = sx > 0 ? last + 1 + k : first - 1 - k, ay = sy > 0 ? last : first;
         int bx = sx > 0 ? last : first, by = sy > 0 ? last + 1 + k : first - 1 - k;
-        sl_vec3d wall = sl_wall_vector(sl_v3d(sx, sy, z0), sl_v3d(sx, sy, z1));
+        sl_vec3d lower = sl_v3d(sx, sy, z0), upper = sl_v3d(sx, sy, z1), wall = sl_wall_vector(lower, upper);
+        sl_curvature curvature = sl_wall_curvature(lower, upper);
         bool to_b = wall.x * -sx + wall.y * sy > 0.0; /* the way from a to b is (-sx, sy) */
         double sign = to_b ? 1.0 : -1.0;
         t->seams[t->seam_count++] = (sl_gather_seam){(uint32_t)(ay * t->width + ax), (uint32_t)(by * t->width + bx),
-                                                     (float)(sign * wall.x), (float)(sign * wall.y)};
+                                                     (float)(sign * wall.x), (float)(sign * wall.y), (float)(sign * curvature.xx),
+                                                     (float)(sign * curvature.xy), (float)(sign * curvature.yy)};
     }
 }
 
@@ -193,6 +202,15 @@ static void fill_hemicube(sl_gather_tables *t) {
     for (int sy = -1; sy <= 1; sy += 2) {
         for (int sx = -1; sx <= 1; sx += 2) add_side_seams(t, sx, sy);
     }
+}
+
+/* Where faces meet they agree. */
+static sl_vec3d hemicube_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    int n = t->size;
+    face f = FACE_BLANK;
+    (void)half_tangent;
+    for (int i = 0; i < 4 && f == FACE_BLANK; i++) f = hemicube_face(n, i & 1 ? x - 1 : x, i & 2 ? y - 1 : y);
+    return hemicube_direction(f, x * (2.0 / n) - 2.0, y * (2.0 / n) - 2.0);
 }
 
 /* ---- rays: the concentric map ---------------------------------------------------------------------------------------------------- */
@@ -252,6 +270,13 @@ static void fill_rays(sl_gather_tables *t) {
     }
 }
 
+static sl_vec3d disc_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    double px, py;
+    (void)half_tangent;
+    sl_concentric_disc(x * (2.0 / t->size) - 1.0, y * (2.0 / t->size) - 1.0, &px, &py);
+    return sl_v3d(px, py, sqrt(fmax(0.0, 1.0 - px * px - py * py)));
+}
+
 /* ---- creation ---------------------------------------------------------------------------------------------------------------------- */
 
 sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
@@ -275,11 +300,14 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
     }
     if (kind == SL_GATHER_HEMICUBE) {
         fill_hemicube(t);
+        sl_gather_fill_curvatures(t, hemicube_corner, half_tangent);
     } else if (kind == SL_GATHER_PLANE) {
         fill_plane(t, half_tangent, border);
+        sl_gather_fill_curvatures(t, plane_corner, half_tangent);
         if (border == SL_BORDER_LC04) divide_by_coverage(t);
     } else {
         fill_rays(t);
+        sl_gather_fill_curvatures(t, disc_corner, half_tangent);
     }
     order_cells(t);
     *tables = t;

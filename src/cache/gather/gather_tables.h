@@ -13,6 +13,7 @@
 
 #include <stdint.h>
 
+#include "base/vec.h"
 #include "cache/gather/gather.h"
 
 enum { SL_GATHER_LANES = 8 };
@@ -21,6 +22,7 @@ enum { SL_GATHER_LANES = 8 };
 typedef struct sl_gather_seam {
     uint32_t a, b;
     float x, y;
+    float xx, xy, yy;
 } sl_gather_seam;
 
 typedef struct sl_gather_tables {
@@ -36,6 +38,9 @@ typedef struct sl_gather_tables {
     float *weight, *weight_by_depth, *vector_x, *vector_y;
     /* dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth. */
     float *column_x, *column_y, *row_x, *row_y;
+    /* Second derivatives (cache-math 3.5): d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared; and of the
+     * vertex between cells i, i - 1, i - width and i - width - 1, whose factor sum_curvature() makes. */
+    float *column_xx, *column_xy, *column_yy, *row_xx, *row_xy, *row_yy, *vertex_xx, *vertex_xy, *vertex_yy;
     /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one face axis 1 on the
      * hemicube, unit for rays. And its length. */
     float *direction_x, *direction_y, *direction_z, *length;
@@ -51,6 +56,11 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
                                   sl_gather_tables **tables, sl_error *error);
 void sl_gather_tables_destroy(sl_gather_tables *tables);
 size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
+
+/* Fills in what second derivatives need, for any instrument: corner(context, x, y) is the direction of the grid's corner (x, y), in
+ * units of depth; blank cells have none (curvature_tables.c). */
+typedef sl_vec3d sl_gather_corner(const sl_gather_tables *tables, double half_tangent, int x, int y);
+void sl_gather_fill_curvatures(sl_gather_tables *tables, sl_gather_corner *corner, double half_tangent);
 
 /* The concentric map of Shirley and Chiu in the form of cache-math 2.5: [-1,1]^2 to the unit disc. */
 void sl_concentric_disc(double a, double b, double *x, double *y);

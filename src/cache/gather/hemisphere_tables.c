@@ -130,6 +130,67 @@ sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b) {
     return sl_scaled(sl_crossd(e.along, e.foot), e.foot.z * e.j2 + e.along.z * e.j1);
 }
 
+/* ---- second derivatives ----------------------------------------------------------------------------------------------- */
+
+/* Nusselt's disc, q = the tangential part of the direction, has equal areas where cosine weights are equal, so that second
+ * derivatives are those of areas and need none of a kernel. A point at distance l is seen at
+ *     q(delta) = q + (s q - delta) / l + (q (3 s^2 - delta^2) / 2 - s delta) / l^2 + ...,   s = q . delta. */
+typedef struct disc_point {
+    double x, y, distance;
+} disc_point;
+
+static disc_point on_disc(sl_vec3d direction) {
+    double length = sl_lengthd(direction);
+    return (disc_point){direction.x / length, direction.y / length, length};
+}
+
+/* A segment from q0 to q1 sweeps half the cross product of the diagonals (q1' - q0) x (q0' - q1) to its left: with D = q1 - q0,
+ * first order d and second order e of each end, that is half of D x (d0 + d1) + D x (e0 + e1) + d1 x d0. The last two, for
+ * one displacement. */
+static double swept(disc_point a, disc_point b, double x, double y) {
+    double sum[2] = {0.0, 0.0}, d[2][2];
+    const disc_point ends[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+        const disc_point q = ends[i];
+        double near = 1.0 / q.distance, s = q.x * x + q.y * y, along = 0.5 * (3.0 * s * s - x * x - y * y);
+        d[i][0] = (s * q.x - x) * near;
+        d[i][1] = (s * q.y - y) * near;
+        sum[0] += (along * q.x - s * x) * near * near;
+        sum[1] += (along * q.y - s * y) * near * near;
+    }
+    double crossed = (b.x - a.x) * sum[1] - (b.y - a.y) * sum[0];
+    return 0.5 * (crossed + d[1][0] * d[0][1] - d[1][1] * d[0][0]);
+}
+
+/* A wall is straight in space and an arc on the disc: short pieces of it are straight enough. */
+sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b) {
+    enum { PIECES = 8 };
+    sl_curvature sum = {0.0, 0.0, 0.0};
+    disc_point from = on_disc(a);
+    for (int i = 1; i <= PIECES; i++) {
+        double share = (double)i / PIECES;
+        disc_point to = on_disc(sl_addd(sl_scaled(a, 1.0 - share), sl_scaled(b, share)));
+        double xx = swept(from, to, 1.0, 0.0), yy = swept(from, to, 0.0, 1.0), both = swept(from, to, 1.0, 1.0);
+        sum.xx += 2.0 * xx;
+        sum.yy += 2.0 * yy;
+        sum.xy += both - xx - yy;
+        from = to;
+    }
+    return sum;
+}
+
+/* The corner moves by m = s q - delta over its wall's distance; a line of direction v is crossed by one of direction h where that one
+ * is, so that the corner slides along it by m x h / (v x h). The area between: (m x v)(m x h) / (v x h). */
+sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up, sl_vec3d down) {
+    disc_point q = on_disc(direction), r = on_disc(right), l = on_disc(left), u = on_disc(up), d = on_disc(down);
+    double hx = r.x - l.x, hy = r.y - l.y, vx = u.x - d.x, vy = u.y - d.y, area = vx * hy - vy * hx;
+    if (!(fabs(area) > 0.0)) return (sl_curvature){0.0, 0.0, 0.0};
+    /* m = M delta, M symmetric; (m x v) = delta . cv, (m x h) = delta . ch. */
+    double mxx = (q.x * q.x - 1.0) / q.distance, mxy = q.x * q.y / q.distance, myy = (q.y * q.y - 1.0) / q.distance;
+    double cvx = mxx * vy - mxy * vx, cvy = mxy * vy - myy * vx, chx = mxx * hy - mxy * hx, chy = mxy * hy - myy * hx;
+    return (sl_curvature){2.0 * cvx * chx / area, (cvx * chy + cvy * chx) / area, 2.0 * cvy * chy / area};
+}
+
 /* ---- Lambert's polygon ------------------------------------------------------------------------------------------------- */
 
 enum { POLYGON_MAX = 16, CLIPPED_MAX = 2 * POLYGON_MAX };
