@@ -86,7 +86,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench bench-raster install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench bench-raster bench-splatting install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -138,6 +138,12 @@ $(BUILD)/bench/bench_gather: $(BUILD)/o/bench/bench_gather.o $(GATHER_BENCH) $(B
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
+SPLAT_BENCHES := $(addprefix $(BUILD)/bench/bench_,table1 table2 glossy walk curve)
+SPLAT_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/splat_*.c))
+$(SPLAT_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(SPLAT_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
@@ -179,6 +185,10 @@ bench-raster: $(BUILD)/bench/bench_raster
 	@[ -f scenes/generated/figure.json ] || $(MAKE) --no-print-directory scenes
 	@$(BUILD)/bench/bench_raster
 
+# The five experiments on radiance cache splatting (docs/splatting-experiments.md). BRIEF=1: small, to see that all works.
+bench-splatting: all $(SPLAT_BENCHES)
+	@./bench/splatting.sh $(BUILD) $(if $(BRIEF),--brief)
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
@@ -204,6 +214,7 @@ help:
 	@echo 'make golden     write the golden images of the tests anew'
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
 	@echo 'make bench      speed against error; make bench-raster: the rasterizer beside OSMesa and rays'
+	@echo 'make bench-splatting  the experiments on radiance cache splatting; BRIEF=1: a short form'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
 	@echo 'make clean      remove what was built and generated'
 	@echo

@@ -1,0 +1,284 @@
+/* Table 1 of Gautron et al. 2005: how well one picture of the hemisphere tells the irradiance, at 10,000 random visible points.
+ *
+ * Error is of two kinds: of the hemisphere (directions that the picture misses or knows only coarsely), and noise of the light
+ * samples with which what is seen is lit. Two gathers of equal directions and other light samples tell them apart:
+ * with E1, E2 and the reference's halves A, B, mean (E1-A)(E2-B)/r^2 is the hemisphere's squared error alone. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/math.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "splat_bench.h"
+#include "timing.h"
+
+typedef struct world {
+    sl_scene *scene;
+    sl_raster *raster;
+    sl_tracer *tracer;
+    size_t count;
+    sl_gather_point *points;
+    float *reference[2]; /* 3 values a point, two independent halves */
+    double mean;
+    float *gathered[2];  /* by the instrument at work */
+    unsigned threads;
+} world;
+
+typedef struct instrument {
+    const char *name;
+    sl_gather_kind kind;
+    int size;
+    double fov_deg; /* plane */
+    sl_border border;
+} instrument;
+
+/* ---- gathers at all points ---- */
+
+typedef struct gather_task {
+    const world *w;
+    const sl_gather *gather;
+    sl_gather_scratch *scratch[256];
+    uint64_t key;
+    float *values;
+} gather_task;
+
+static void gather_one(void *context, size_t index, unsigned worker) {
+    gather_task *t = context;
+    sl_gather_point point = t->w->points[index];
+    sl_counters counters = {{0}};
+    sl_irradiance irradiance;
+    point.key = sl_hash64(point.key + t->key);
+    sl_gather_irradiance(t->gather, &point, t->scratch[worker], &irradiance, &counters);
+    memcpy(&t->values[3 * index], &irradiance.value, 3 * sizeof(float));
+}
+
+/* The same at the first `count` points by this thread alone: processor milliseconds a gather. */
+static double gather_points(const world *w, const instrument *m, bool jitter, uint64_t key, size_t count, unsigned threads, float *values) {
+    sl_gather_settings s = sl_gather_defaults();
+    gather_task t = {.w = w, .key = key, .values = values};
+    sl_gather *gather;
+    sl_counters counters = {{0}};
+    sl_error error;
+    s.kind = m->kind;
+    s.size = m->size;
+    s.border = m->border;
+    s.jitter = jitter;
+    s.direct = SL_DIRECT_RAYS;
+    if (m->fov_deg > 0.0) s.plane_fov = (float)(m->fov_deg * SL_PI / 180.0);
+    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &counters, &error) != SL_OK) splat_stop("gather", &error);
+    for (unsigned i = 0; i < threads; i++) {
+        if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) splat_stop("scratch", &error);
+    }
+    t.gather = gather;
+    double from = now_ms();
+    if (threads == 1) {
+        for (size_t i = 0; i < count; i++) gather_one(&t, i, 0);
+    } else {
+        sl_parallel_for(threads, count, gather_one, &t);
+    }
+    double spent = now_ms() - from;
+    for (unsigned i = 0; i < threads; i++) sl_gather_scratch_destroy(t.scratch[i]);
+    sl_gather_destroy(gather);
+    return spent / (double)count;
+}
+
+/* Least of two turns over a few points: what is compared takes turns with nothing else of ours. */
+static double gather_ms(const world *w, const instrument *m, float *values) {
+    size_t some = w->count < 1000 ? w->count / 5 : 200;
+    double least = INFINITY;
+    for (int turn = 0; turn < 2; turn++) least = fmin(least, gather_points(w, m, true, 0, some, 1, values));
+    return least;
+}
+
+/* ---- the world and its reference ---- */
+
+/* Two gathers of N x N jittered rays with light samples of their own. */
+static void find_reference(world *w, int size) {
+    instrument rays = {"reference", SL_GATHER_RAYS, size, 0.0, SL_BORDER_RADIAL};
+    uint64_t numbers[] = {sl_scene_hash(w->scene), w->count, (uint64_t)size}, hash = splat_hash(3, numbers, sizeof numbers);
+    w->reference[0] = calloc(6 * w->count, sizeof(float));
+    if (!w->reference[0]) splat_stop("reference", NULL);
+    w->reference[1] = w->reference[0] + 3 * w->count;
+    if (!splat_store_load("gathers", hash, 6 * w->count, w->reference[0])) {
+        fprintf(stderr, "reference: %zu points, twice %d x %d rays ...\n", w->count, size, size);
+        for (int half = 0; half < 2; half++) gather_points(w, &rays, true, 1000 + (uint64_t)half, w->count, w->threads, w->reference[half]);
+        splat_store_save("gathers", hash, 6 * w->count, w->reference[0]);
+    }
+    for (size_t i = 0; i < 6 * w->count; i++) w->mean += (double)w->reference[0][i] / (double)(6 * w->count);
+}
+
+static bool open_world(splat_report *r, const char *path, size_t points, world *w) {
+    sl_error error;
+    *w = (world){.threads = sl_thread_count(0)};
+    if (!splat_open_scene(r, path, &w->scene)) return false;
+    if (sl_raster_create(w->scene, 1, &w->raster, &error) != SL_OK) splat_stop("rasterizer", &error);
+    if (sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error) != SL_OK) splat_stop("tracer", &error);
+    w->points = calloc(points, sizeof *w->points);
+    w->gathered[0] = calloc(6 * points, sizeof(float));
+    if (!w->points || !w->gathered[0]) splat_stop("points", NULL);
+    w->gathered[1] = w->gathered[0] + 3 * points;
+    w->count = splat_visible_points(w->scene, w->tracer, points, w->points);
+    return true;
+}
+
+static void close_world(world *w) {
+    free(w->points);
+    free(w->gathered[0]);
+    free(w->reference[0]);
+    sl_tracer_destroy(w->tracer);
+    sl_raster_destroy(w->raster);
+    sl_scene_destroy(w->scene);
+}
+
+/* ---- errors ---- */
+
+typedef struct gather_error {
+    double relative;    /* sqrt(mean (E-A)(E-B) / r^2), the paper's by its order (section 2.7) */
+    double hemisphere;  /* the same without the light samples' noise */
+    double to_mean;     /* sqrt(mean (E-A)(E-B)) / mean r */
+    double bias;        /* mean (E-r)/r */
+    double excluded;    /* share of values below a thousandth of the mean */
+} gather_error;
+
+static double root(double square, double count) { return count > 0.0 && square > 0.0 ? sqrt(square / count) : 0.0; }
+
+static gather_error errors_of(const world *w, const float *first, const float *second) {
+    gather_error e = {0};
+    double relative = 0.0, hemisphere = 0.0, absolute = 0.0, bias = 0.0, used = 0.0, all = (double)(3 * w->count);
+    for (size_t i = 0; i < 3 * w->count; i++) {
+        double a = (double)w->reference[0][i], b = (double)w->reference[1][i], r = 0.5 * (a + b);
+        double x = (double)first[i], y = (double)second[i];
+        absolute += (x - a) * (x - b);
+        if (!(r > 1e-3 * w->mean)) continue;
+        relative += (x - a) * (x - b) / (r * r);
+        hemisphere += (x - a) * (y - b) / (r * r);
+        bias += (x - r) / r;
+        used++;
+    }
+    e.relative = root(relative, used);
+    e.hemisphere = root(hemisphere, used);
+    e.to_mean = root(absolute, all) / w->mean;
+    e.bias = used > 0.0 ? bias / used : 0.0;
+    e.excluded = 1.0 - used / all;
+    return e;
+}
+
+/* The two gathers whose directions are equal: jitter would move them. */
+static gather_error measure(const world *w, const instrument *m, double *ms) {
+    gather_error fixed, e;
+    for (int i = 0; i < 2; i++) gather_points(w, m, false, 1 + (uint64_t)i, w->count, w->threads, w->gathered[i]);
+    fixed = errors_of(w, w->gathered[0], w->gathered[1]);
+    e = fixed;
+    if (m->kind == SL_GATHER_RAYS) {
+        gather_points(w, m, true, 1, w->count, w->threads, w->gathered[0]);
+        e = errors_of(w, w->gathered[0], w->gathered[0]);
+        e.hemisphere = fixed.hemisphere;
+    }
+    *ms = gather_ms(w, m, w->gathered[0]);
+    return e;
+}
+
+static void error_row(splat_report *r, const char *scene, const instrument *m, const gather_error *e, double ms) {
+    char fov[16] = "";
+    if (m->fov_deg > 0.0) snprintf(fov, sizeof fov, "%.2f", m->fov_deg);
+    int cells = m->kind == SL_GATHER_HEMICUBE ? 3 * m->size * m->size : m->size * m->size;
+    splat_row(r, "%s|%s|%d|%s|%d|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells, 100.0 * e->relative,
+              100.0 * e->hemisphere, 100.0 * e->to_mean, 100.0 * e->bias, ms);
+}
+
+/* ---- rows ---- */
+
+/* The largest even size that takes no longer than `ms`. */
+static int size_of_cost(const world *w, sl_gather_kind kind, double ms) {
+    int best = 8;
+    for (int size = 16; size <= 160; size += size < 48 ? 8 : 16) {
+        instrument m = {"", kind, size, 0.0, SL_BORDER_RADIAL};
+        if (gather_ms(w, &m, w->gathered[0]) > ms) break;
+        best = size;
+    }
+    return best;
+}
+
+static double row(splat_report *r, const world *w, const char *scene, const instrument *m, double *ms, double *best) {
+    gather_error e = measure(w, m, ms);
+    error_row(r, scene, m, &e, *ms);
+    if (m->size == 64) *best = fmin(*best, e.relative);
+    return e.relative;
+}
+
+static void table_1(splat_report *r, const world *w, const char *scene, double *best) {
+    static const double fovs[] = {126.87, 140.0};
+    splat_table(r, scene, "scene|instrument|N|FOV|cells|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
+    double ms = 0.0, radial_ms = 0.0, errors[2][4];
+    for (int f = 0; f < 2; f++) {
+        const instrument planes[] = {{"plane, plain", SL_GATHER_PLANE, 64, fovs[f], SL_BORDER_PLAIN},
+                                     {"plane, LC04", SL_GATHER_PLANE, 64, fovs[f], SL_BORDER_LC04},
+                                     {"plane, radial", SL_GATHER_PLANE, 64, fovs[f], SL_BORDER_RADIAL},
+                                     {"plane, axial", SL_GATHER_PLANE, 64, fovs[f], SL_BORDER_AXIAL}};
+        for (int i = 0; i < 4; i++) {
+            errors[f][i] = row(r, w, scene, &planes[i], &ms, best);
+            if (i == 2) radial_ms = ms;
+        }
+    }
+    const instrument others[] = {{"hemicube, N = 64", SL_GATHER_HEMICUBE, 64, 0.0, SL_BORDER_RADIAL},
+                                 {"hemicube, as dear", SL_GATHER_HEMICUBE, size_of_cost(w, SL_GATHER_HEMICUBE, radial_ms), 0.0, SL_BORDER_RADIAL},
+                                 {"rays, N = 64", SL_GATHER_RAYS, 64, 0.0, SL_BORDER_RADIAL},
+                                 {"rays, as dear", SL_GATHER_RAYS, size_of_cost(w, SL_GATHER_RAYS, radial_ms), 0.0, SL_BORDER_RADIAL}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) row(r, w, scene, &others[i], &ms, best);
+    for (int f = 0; f < 2; f++) {
+        const double *e = errors[f];
+        bool ordered = e[0] > e[1] && e[1] > e[2];
+        splat_say(r, "\n%s, %.2f degrees: plain : LC04 : radial = 1 : %.2f : %.2f (paper 1 : 0.57 : 0.32); order %s; radial / plain %s 0.6\n",
+                  scene, fovs[f], e[1] / e[0], e[2] / e[0], ordered ? "holds" : "DOES NOT HOLD", e[2] <= 0.6 * e[0] ? "<=" : "ABOVE");
+    }
+}
+
+static void fov_sweep(splat_report *r, const splat_options *o, const world *w, const char *scene) {
+    static const double fovs[] = {90.0, 110.0, 120.0, 126.87, 133.0, 140.0, 150.0, 160.0};
+    char name[80];
+    snprintf(name, sizeof name, "%s-fov", scene);
+    splat_table(r, name, "scene|FOV|F|plain %|LC04 %|radial %|axial %");
+    for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f += o->brief ? 3 : 1) {
+        double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[4];
+        for (int i = 0; i < 4; i++) {
+            instrument m = {"", SL_GATHER_PLANE, 64, fovs[f], (sl_border)i};
+            gather_points(w, &m, false, 1, w->count, w->threads, w->gathered[0]);
+            e[i] = 100.0 * errors_of(w, w->gathered[0], w->gathered[0]).relative;
+        }
+        splat_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine), e[0], e[1], e[2], e[3]);
+    }
+}
+
+static void experiment(splat_report *r, const splat_options *o, const char *path) {
+    char scene[64];
+    world w;
+    splat_scene_name(path, scene);
+    if (!splat_wants(o, scene) || !open_world(r, path, o->brief ? 200 : 10000, &w)) return;
+    int size = o->brief ? 96 : 256;
+    find_reference(&w, size);
+    double noise = 0.0, used = 0.0;
+    for (size_t i = 0; i < 3 * w.count; i++) {
+        double a = (double)w.reference[0][i], b = (double)w.reference[1][i], mean = 0.5 * (a + b);
+        if (!(mean > 1e-3 * w.mean)) continue;
+        noise += 0.25 * (a - b) * (a - b) / (mean * mean);
+        used++;
+    }
+    splat_say(r, "\n%s: %zu points, reference twice %d x %d rays, its noise %.2f %%; %.2f %% of the values are below a thousandth of the mean\n",
+              scene, w.count, size, size, 100.0 * root(noise, used), 100.0 * (1.0 - used / (double)(3 * w.count)));
+    double best = INFINITY;
+    table_1(r, &w, scene, &best);
+    splat_say(r, "%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best, best < 0.02 ? "below" : "ABOVE");
+    fov_sweep(r, o, &w, scene);
+    close_world(&w);
+}
+
+int main(int argc, char **argv) {
+    splat_options o = splat_options_parse(argc, argv);
+    splat_report r;
+    splat_report_open(&r, &o, "table1");
+    experiment(&r, &o, "scenes/generated/cathedral.json");
+    experiment(&r, &o, "scenes/generated/atrium.json");
+    splat_report_close(&r);
+    return 0;
+}

@@ -1,0 +1,81 @@
+/* Which pixels are compared, and from which points gathers are made. */
+#include <stdlib.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "splat_bench.h"
+
+static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl_ray16 *rays, unsigned i) {
+    const sl_camera *c = &scene->camera;
+    double tangent = sl_tan(0.5 * (double)c->vertical_fov);
+    sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, (float)(x * tangent * aspect)), (float)(y * tangent), c->up), c->back);
+    d = sl_normalize_or(d, sl_neg(c->back));
+    rays->origin_x[i] = c->eye.x;
+    rays->origin_y[i] = c->eye.y;
+    rays->origin_z[i] = c->eye.z;
+    rays->direction_x[i] = d.x;
+    rays->direction_y[i] = d.y;
+    rays->direction_z[i] = d.z;
+    rays->near[i] = 0.0f;
+    rays->far[i] = INFINITY;
+    rays->skip[i] = SL_NO_INDEX;
+}
+
+void splat_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays, unsigned lane) {
+    double x = (double)(pixel % (uint32_t)width) + 0.5, y = (double)(pixel / (uint32_t)width) + 0.5;
+    set_ray(scene, 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, (double)width / height, rays, lane);
+}
+
+/* What the first ray hits, if it is a surface that reflects and does not shine. */
+static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 *ray, sl_surface *surface, uint32_t *triangle) {
+    sl_hit16 hits;
+    sl_counters counters = {{0}};
+    sl_trace(tracer, ray, 1, false, &hits, &counters);
+    *triangle = hits.triangle[0];
+    if (*triangle == SL_NO_INDEX) return false;
+    sl_vec3 back = sl_neg(sl_v3(ray->direction_x[0], ray->direction_y[0], ray->direction_z[0]));
+    sl_scene_surface(scene, *triangle, hits.w1[0], hits.w2[0], back, surface);
+    const sl_material *m = surface->material;
+    return !sl_material_is_emitter(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
+}
+
+void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, splat_pixels *pixels) {
+    int across = width / block, down = height / block;
+    uint64_t key = sl_random_key(5, 12);
+    *pixels = (splat_pixels){.width = width, .height = height, .block = block};
+    pixels->index = calloc((size_t)across * (size_t)down, sizeof *pixels->index);
+    if (!pixels->index) splat_stop("pixels", NULL);
+    for (int i = 0; i < across * down; i++) {
+        uint32_t bits = sl_random_bits(key, (uint64_t)i);
+        int x = i % across * block + (int)(bits % (uint32_t)block);
+        int y = i / across * block + (int)(bits / 65536u % (uint32_t)block);
+        uint32_t pixel = (uint32_t)(y * width + x), triangle;
+        sl_ray16 ray;
+        sl_surface surface;
+        splat_camera_ray(scene, width, height, pixel, &ray, 0);
+        if (sees_surface(scene, tracer, &ray, &surface, &triangle)) pixels->index[pixels->count++] = pixel;
+        else pixels->empty++;
+    }
+}
+
+void splat_pixels_free(splat_pixels *pixels) {
+    free(pixels->index);
+    pixels->index = NULL;
+}
+
+size_t splat_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count, sl_gather_point *points) {
+    double aspect = (double)scene->film_width / (double)scene->film_height;
+    uint64_t key = sl_random_key(1, 2);
+    size_t found = 0;
+    for (uint64_t i = 0; i < 20 * count && found < count; i++) {
+        double x = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, y = 2.0 * (double)sl_random_unit(key, 2 * i + 1) - 1.0;
+        sl_ray16 ray;
+        sl_surface s;
+        uint32_t triangle;
+        set_ray(scene, x, y, aspect, &ray, 0);
+        if (!sees_surface(scene, tracer, &ray, &s, &triangle)) continue;
+        points[found++] = (sl_gather_point){.position = s.position, .geometric_normal = s.geometric_normal, .normal = s.normal,
+                                            .triangle = triangle, .key = sl_hash64(i)};
+    }
+    return found;
+}
