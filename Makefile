@@ -138,7 +138,7 @@ $(BUILD)/bench/bench_gather: $(BUILD)/o/bench/bench_gather.o $(GATHER_BENCH) $(B
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
-SPLAT_BENCHES := $(addprefix $(BUILD)/bench/bench_,table1 table2 glossy walk curve)
+SPLAT_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_table*.c bench/bench_glossy.c bench/bench_walk.c bench/bench_curve.c))
 SPLAT_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/splat_*.c))
 $(SPLAT_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(SPLAT_BENCH) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)

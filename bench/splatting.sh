@@ -16,6 +16,7 @@ for word in "$@"; do
 done
 [ -f scenes/generated/atrium.json ] || make -s scenes >/dev/null
 for name in ${experiments:-table1 table2 glossy walk curve}; do
+    [ -x "$build/bench/bench_$name" ] || continue
     echo "== $name: softlux $("$build/softlux" --version | cut -d' ' -f2), commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown)," \
         "$(nproc) processors,$(sed -n 's/^model name[^:]*:/ /p' /proc/cpuinfo | head -n 1)"
     "$build/bench/bench_$name" $options --pictures --out "$folder"
