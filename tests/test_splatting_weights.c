@@ -263,7 +263,8 @@ static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_se
 static const sl_gather_point at_origin = {.normal = {0, 0, 1}, .geometric_normal = {0, 0, 1}, .triangle = 0};
 
 static sl_radius_rules rules_with(double accuracy, double maximum, bool guard) {
-    return (sl_radius_rules){accuracy, 1.5, maximum, guard, SL_GATHER_RAYS, 2.7};
+    return (sl_radius_rules){.accuracy = accuracy, .minimum_pixels = 1.5, .maximum_radius = maximum, .guard = guard,
+                             .gather = SL_GATHER_RAYS, .plane_tangent = 2.7};
 }
 
 static sl_irradiance seen(float value, float slope, float harmonic_mean, float nearest) {

@@ -51,12 +51,20 @@ static void pull(const level *coarse, level *fine) {
     }
 }
 
+static bool any_uncovered(size_t pixels, const float *weight, const uint32_t *receives) {
+    for (size_t i = 0; i < pixels; i++) {
+        if (receives[i] && !(weight[i] > 0.0f)) return true;
+    }
+    return false;
+}
+
 sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r, float *g,
                             float *b, sl_error *error) {
     enum { LEVELS = 17 };
     level levels[LEVELS];
     int count = 0;
     bool enough = true;
+    if (!any_uncovered((size_t)width * (size_t)height, weight, receives)) return SL_OK;
     for (int w = width, h = height; enough && count < LEVELS; w = (w + 1) / 2, h = (h + 1) / 2) {
         enough = level_create(&levels[count++], w, h);
         if (w == 1 && h == 1) break;
@@ -64,7 +72,7 @@ sl_status sl_fill_uncovered(int width, int height, const float *weight, const ui
     if (enough) {
         size_t pixels = (size_t)width * (size_t)height;
         for (size_t i = 0; i < pixels; i++) {
-            if (!(weight[i] > 0.0f)) continue;
+            if (!(weight[i] > 0.0f) || !receives[i]) continue;
             levels[0].r[i] = r[i], levels[0].g[i] = g[i], levels[0].b[i] = b[i], levels[0].weight[i] = 1.0f;
         }
         for (int i = 0; i + 1 < count; i++) push(&levels[i], &levels[i + 1]);

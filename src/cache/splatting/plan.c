@@ -1,17 +1,19 @@
 /* What will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks for is made. */
 #include "cache/splatting/plan.h"
 
+#include "cache/splatting/glossy.h"
 #include "scene/features.h"
 
 static const sl_splat_quality by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.50, 6.0, 24, 8},
-    [SL_QUALITY_NORMAL] = {0.30, 4.0, 40, 16},
-    [SL_QUALITY_HIGH] = {0.15, 2.0, 64, 64},
+    [SL_QUALITY_DRAFT] = {0.50, 0.30, 6.0, 24, 8},
+    [SL_QUALITY_NORMAL] = {0.30, 0.20, 4.0, 40, 16},
+    [SL_QUALITY_HIGH] = {0.15, 0.12, 2.0, 64, 64},
 };
 
 static sl_splat_quality chosen_quality(const sl_settings *settings) {
     sl_splat_quality q = by_quality[settings->quality];
     if (settings->accuracy > 0.0) q.accuracy = settings->accuracy;
+    if (settings->glossy_accuracy > 0.0) q.glossy_accuracy = settings->glossy_accuracy;
     if (settings->gather_size > 0) q.gather_size = settings->gather_size;
     if (settings->spp > 0) q.light_samples = settings->spp;
     return q;
@@ -20,6 +22,7 @@ static sl_splat_quality chosen_quality(const sl_settings *settings) {
 void sl_splat_complete(sl_settings *settings) {
     sl_splat_quality q = chosen_quality(settings);
     settings->accuracy = q.accuracy;
+    settings->glossy_accuracy = q.glossy_accuracy;
     settings->gather_size = q.gather_size;
     settings->spp = q.light_samples;
 }
@@ -44,7 +47,9 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     return (sl_splat_plan){
         .quality = chosen_quality(settings),
         .gather = chosen_gather(settings),
-        .indirect = features.diffuse_triangles && light,
+        .harmonics_order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene),
+        .irradiance = features.diffuse_triangles && light,
+        .radiance = features.glossy_triangles && light,
         .direct = (features.diffuse_triangles || features.glossy_triangles) && light,
     };
 }
@@ -55,7 +60,7 @@ void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
         .emission = true,
         .eye_mirrors = false,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
-        .receiver_lobes = SL_LOBE_DIFFUSE,
+        .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .bounce_lobes = SL_LOBE_DIFFUSE,
         .bounces = settings->bounces ? settings->bounces : 1,
         .direct_visibility = true,
@@ -84,8 +89,11 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     static const char *const instruments[] = {"what is cheapest at the error of so many rays", "the raster plane", "the raster hemicube", "rays"};
     sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records", "accuracy %g, gathers %d x %d by %s", q.accuracy,
                  q.gather_size, q.gather_size, instruments[settings->gather]);
-    sl_plan_pass(writer, false, "radiance records", "%zu glossy triangles; their indirect light is not computed",
-                 f.glossy_triangles);
+    bool glossy = f.glossy_triangles && light;
+    int order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene);
+    sl_plan_pass(writer, glossy, "radiance records", "%zu glossy triangles%s", f.glossy_triangles, glossy ? ", if one is seen" : "");
+    sl_plan_pass(writer, glossy, "hemispherical harmonics", "order %d, %d coefficients a channel; accuracy %g", order, order * order,
+                 q.glossy_accuracy);
     sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");

@@ -6,7 +6,8 @@
 #include "cache/method.h"
 
 typedef struct sl_splat_quality {
-    double accuracy;        /* a */
+    double accuracy;        /* a of irradiance records */
+    double glossy_accuracy; /* a of radiance records */
     double minimum_pixels;  /* aR_min in footprints of a pixel: below, records cost more than they tell */
     int gather_size;        /* N x N */
     uint32_t light_samples; /* a pixel */
@@ -19,7 +20,8 @@ typedef struct sl_splat_quality {
 typedef struct sl_splat_plan {
     sl_splat_quality quality;
     sl_gather_settings gather;
-    bool direct, indirect;  /* is there anything to compute? */
+    int harmonics_order;    /* n of radiance records */
+    bool direct, irradiance, radiance; /* is there anything to compute? */
 } sl_splat_plan;
 
 sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *settings);

@@ -32,7 +32,8 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
         r.rotational_length[c] = sl_length(r.rotational[c]);
     }
     double maximum = rules->maximum_radius / rules->accuracy;
-    double minimum = rules->minimum_pixels * (double)footprint / rules->accuracy;
+    double reach = rules->minimum_pixels > 0.0 ? rules->minimum_pixels * (double)footprint : rules->minimum_reach;
+    double minimum = reach / rules->accuracy;
     if (minimum > maximum) minimum = maximum;
     double radius = (double)irradiance->harmonic_mean;
     if (!(radius <= maximum)) radius = maximum; /* sees nothing, or an infinite mean */

@@ -22,11 +22,13 @@ typedef struct sl_record {
 
 typedef struct sl_radius_rules {
     double accuracy;           /* a */
-    double minimum_pixels;     /* aR_min in footprints of a pixel at the record */
+    double minimum_pixels;     /* aR_min in footprints of a pixel at the record; 0: it is minimum_reach */
     double maximum_radius;     /* aR_max = diagonal / 10 */
     bool guard;
     sl_gather_kind gather;
     double plane_tangent;      /* tan(fov/2) of the plane gather */
+    double minimum_reach;      /* aR_min, m, of records that must not depend on a view */
+    sl_radius_metric metric;
 } sl_radius_rules;
 
 /* A record from a gather: values copied, R by rules 1 to 4: positivity of the linear extrapolation, the guard against reaching
@@ -64,6 +66,7 @@ typedef struct sl_splat_buffer {
     float *r, *g, *b;         /* sum of w E' */
     float *weight;            /* sum of w */
     float *count;             /* records that contributed */
+    float *glossy[3];         /* sum of w times what the glossy lobe reflects, per unit ks; NULL where no receiver is glossy */
 } sl_splat_buffer;
 
 /* One tile of all these planes, as the fragment program works on it; SL_SPLAT_TILE pixels a row. A pixel that does not receive is
@@ -74,6 +77,7 @@ typedef struct sl_tile_planes {
     float normal_x[SL_SPLAT_TILE_PIXELS], normal_y[SL_SPLAT_TILE_PIXELS], normal_z[SL_SPLAT_TILE_PIXELS];
     float weight[SL_SPLAT_TILE_PIXELS], r[SL_SPLAT_TILE_PIXELS], g[SL_SPLAT_TILE_PIXELS], b[SL_SPLAT_TILE_PIXELS],
         count[SL_SPLAT_TILE_PIXELS];
+    float glossy[3][SL_SPLAT_TILE_PIXELS];
 } sl_tile_planes;
 
 typedef struct sl_splat_kernels {
@@ -83,6 +87,10 @@ typedef struct sl_splat_kernels {
     uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
     /* The same sum of weights alone, with the same bits. */
     uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
+    /* The weights themselves, of every pixel of the rectangle: pixel (x, y) of the tile at [y * SL_SPLAT_TILE + x]; others are left
+     * as they are. Returns how many are positive. */
+    uint64_t (*weights)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, const sl_tile_planes *tile,
+                        float *weights);
     /* w at one pixel; 0 where the record does not contribute. */
     float (*weight)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers, size_t pixel);
 } sl_splat_kernels;

@@ -11,18 +11,23 @@
 typedef struct {
     const sl_record_pass *pass;
     const sl_record *records;
+    const float *coefficients;     /* of the first record; NULL: only irradiance is splatted */
     const sl_splat_buffer *buffer; /* planes that are wanted; NULL ones are not */
+    sl_glossy_kernel *glossy;
     uint64_t (*kernel)(const sl_record *, const sl_weight_rules *, sl_splat_rect, sl_tile_planes *);
 } splat_context;
 
 /* ---- a tile comes and goes ---- */
 
-enum { SUMS = 5 };
+enum { SUMS = 8 };
 
 static void planes_of(const splat_context *c, sl_tile_planes *tile, float *screen[SUMS], float *in_tile[SUMS]) {
     const sl_splat_buffer *b = c->buffer;
-    float *const from[SUMS] = {b->weight, b->r, b->g, b->b, b->count};
-    float *const to[SUMS] = {tile->weight, tile->r, tile->g, tile->b, tile->count};
+    bool glossy = c->coefficients != NULL;
+    float *const from[SUMS] = {b->weight, b->r, b->g, b->b, b->count, glossy ? b->glossy[0] : NULL,
+                               glossy ? b->glossy[1] : NULL, glossy ? b->glossy[2] : NULL};
+    float *const to[SUMS] = {tile->weight, tile->r, tile->g, tile->b, tile->count, tile->glossy[0], tile->glossy[1],
+                             tile->glossy[2]};
     memcpy(screen, from, sizeof from);
     memcpy(in_tile, to, sizeof to);
 }
@@ -52,18 +57,45 @@ static void end_tile(void *context, const sl_splat_tile *tile) { copy_sums(conte
 
 /* ---- one record in one tile ---- */
 
+/* Steps 4 to 6 for the glossy part: its weights are those of the irradiance, whose sums have been added already. */
+static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t index, sl_splat_rect r) {
+    const sl_record_pass *pass = c->pass;
+    const sl_record *record = &c->records[index];
+    const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),
+                                     c->coefficients + index * pass->coefficient_count};
+    sl_tile_planes *planes = tile->memory;
+    float weights[SL_SPLAT_TILE_PIXELS];
+    if (!pass->kernels->weights(record, &pass->weights, r, planes, weights)) return;
+    for (int y = r.y0; y < r.y1; y++) {
+        for (int x = r.x0; x < r.x1; x++) {
+            const int i = y * SL_SPLAT_TILE + x;
+            float radiance[3];
+            if (!(weights[i] > 0.0f)) continue;
+            c->glossy(&pass->glossy, &glossy, (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x), radiance);
+            for (int k = 0; k < 3; k++) planes->glossy[k][i] += weights[i] * radiance[k];
+        }
+    }
+}
+
+/* Algorithm 1 for the pixels of a rectangle within the tile. */
+static uint64_t splat_rect(const splat_context *c, const sl_splat_tile *tile, size_t index, sl_splat_rect r) {
+    uint64_t blended = c->kernel(&c->records[index], &c->pass->weights, r, tile->memory);
+    if (blended && c->coefficients) add_glossy(c, tile, index, r);
+    return blended;
+}
+
 static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
     const splat_context *c = context;
     const sl_record_pass *pass = c->pass;
     const sl_record *record = &c->records[index];
     sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
-    if (!record->behind_a_wall) return c->kernel(record, &pass->weights, r, tile->memory);
+    if (!record->behind_a_wall) return splat_rect(c, tile, index, r);
     uint64_t blended = 0;
     for (int y = r.y0; y < r.y1; y++) {
         for (int x = r.x0; x < r.x1; x++) {
             size_t pixel = (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x);
             if (!(sl_record_weight(pass, record, pixel) > 0.0f)) continue;
-            blended += c->kernel(record, &pass->weights, (sl_splat_rect){x, y, x + 1, y + 1}, tile->memory);
+            blended += splat_rect(c, tile, index, (sl_splat_rect){x, y, x + 1, y + 1});
         }
     }
     return blended;
@@ -108,13 +140,16 @@ static sl_status draw(splat_context *context, size_t count, sl_counters *counter
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error) {
     if (count == 0) return SL_OK;
     const sl_splat_buffer weights_alone = {.weight = pass->coverage};
-    splat_context context = {pass, records, &weights_alone, pass->kernels->cover};
+    splat_context context = {pass, records, NULL, &weights_alone, NULL, pass->kernels->cover};
     sl_counters unbilled = {{0}}; /* the paper sums coverage on the CPU: these are no splats of the hardware */
     return draw(&context, count, &unbilled, error);
 }
 
-sl_status sl_splat_records(const sl_record_pass *pass, const sl_record *records, size_t count, const sl_splat_buffer *buffer,
+sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first, const sl_splat_buffer *buffer,
                            sl_counters *counters, sl_error *error) {
-    splat_context context = {pass, records, buffer, pass->kernels->splat};
-    return count == 0 ? SL_OK : draw(&context, count, counters, error);
+    if (first >= list->count) return SL_OK;
+    const float *coefficients = list->coefficients ? list->coefficients + first * pass->coefficient_count : NULL;
+    splat_context context = {pass, list->records + first, coefficients, buffer, sl_glossy_kernel_for(sl_isa_best()),
+                             pass->kernels->splat};
+    return draw(&context, list->count - first, counters, error);
 }

@@ -8,7 +8,9 @@
  *   4b clamp radii to neighbours, visit once more  one update, then step 4 again
  *   5  splat the new records only             resolve
  *   6  normalise, times albedo / pi, add direct and emission   resolve
- */
+ *
+ * Steps 4 and 4b run for the diffuse receivers (irradiance records), then for the glossy ones (radiance records). With a budget of
+ * records a frame ends in the midst of them; the next goes on where it stopped. */
 #include "cache/splatting/splatting.h"
 
 #include "base/counters.h"
@@ -16,405 +18,324 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/splatting/plan.h"
+#include "cache/splatting/state.h"
 
 #include <string.h>
 
-enum { DIRECT_ROWS = 64, SHADOW_MAP_SIZE = 1024 };
-
-typedef enum { PHASE_GBUFFER, PHASE_DIRECT, PHASE_RECORDS, PHASE_CLAMP, PHASE_SECOND, PHASE_DONE } phase;
-
-typedef struct {
-    const sl_scene *scene;
-    sl_settings settings;
-    sl_splat_plan plan;
-
-    sl_raster *raster;
-    sl_tracer *tracer;
-    sl_gather *gather;
-    sl_gather_scratch **scratch;
-    sl_shadow_maps *maps;
-    sl_direct *direct;
-    sl_environment sky, sun;        /* of the scene's environment; what is black is not present */
-    sl_gbuffer *gbuffer;
-    uint32_t *receives;
-    float *planes;                  /* direct rgb, splat rgb, weight, count, coverage: 9 planes, bottom row first */
-    float *direct_light[3], *coverage;
-    sl_splat_buffer splats;
-    uint8_t *owned;
-    size_t splatted;                /* records in the splat buffer */
-    sl_record_list list;
-    sl_record_pass pass;
-    sl_traversal traversal;
-    phase phase;
-    int direct_row;
-    sl_counters counters, announced; /* all so far, and what observers have been told of */
-} splat_state;
-
-enum { PLANES = 9 };
-
-static size_t pixel_count(const splat_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
-
-/* ---- creation ---- */
-
-static void destroy_transport(splat_state *s) {
-    for (unsigned i = 0; s->scratch && i < s->settings.threads; i++) sl_gather_scratch_destroy(s->scratch[i]);
-    sl_free(s->scratch);
-    s->scratch = NULL;
-    sl_gather_destroy(s->gather);
-    sl_direct_destroy(s->direct);
-    sl_shadow_maps_destroy(s->maps);
-    sl_tracer_destroy(s->tracer);
-    sl_raster_destroy(s->raster);
-    sl_environment_release(&s->sky);
-    sl_environment_release(&s->sun);
-    s->gather = NULL;
-    s->direct = NULL;
-    s->maps = NULL;
-    s->tracer = NULL;
-    s->raster = NULL;
-}
-
-static void splat_destroy(void *state) {
-    splat_state *s = state;
-    if (!s) return;
-    destroy_transport(s);
-    sl_gbuffer_destroy(s->gbuffer);
-    sl_free(s->receives);
-    sl_free(s->planes);
-    sl_free(s->owned);
-    sl_record_list_free(&s->list);
-    sl_free(s);
-}
-
-static const sl_environment *present_or_null(const sl_environment *e) { return e->present ? e : NULL; }
-
-/* Everything that depends on geometry and lights, and not on the camera. Only what the plan asks for is made. */
-static sl_status create_transport(splat_state *s, sl_error *error) {
-    unsigned threads = s->settings.threads;
-    sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
-    if (status == SL_OK) status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
-    if (status == SL_OK && s->plan.direct) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
-    if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
-        status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
-    if (status == SL_OK && s->plan.direct) {
-        sl_direct_settings direct = {s->plan.quality.light_samples, s->settings.seed, threads, s->maps,
-                                     present_or_null(&s->sun), present_or_null(&s->sky)};
-        status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
-    }
-    if (status != SL_OK || !s->plan.indirect) return status;
-    s->plan.gather.background = s->maps ? NULL : present_or_null(&s->sky); /* the maps hold all of the environment */
-    status = sl_gather_create(s->scene, s->raster, s->tracer, &s->plan.gather, threads, &s->gather, &s->counters, error);
-    if (status == SL_OK) {
-        s->scratch = sl_allocate(threads, sizeof *s->scratch);
-        if (!s->scratch) status = sl_fail_memory(error, "gathers");
-    }
-    for (unsigned i = 0; status == SL_OK && i < threads; i++) status = sl_gather_scratch_create(s->gather, &s->scratch[i], error);
-    return status;
-}
-
-static sl_status create_buffers(splat_state *s, sl_error *error) {
-    size_t pixels = pixel_count(s);
-    s->receives = sl_allocate(pixels, sizeof *s->receives);
-    s->owned = sl_allocate(pixels, sizeof *s->owned);
-    s->planes = sl_allocate(PLANES * pixels, sizeof *s->planes);
-    if (!s->receives || !s->owned || !s->planes) return sl_fail_memory(error, "the splat buffers");
-    for (int c = 0; c < 3; c++) s->direct_light[c] = s->planes + (size_t)c * pixels;
-    float *p = s->planes + 3 * pixels;
-    s->splats = (sl_splat_buffer){p, p + pixels, p + 2 * pixels, p + 3 * pixels, p + 4 * pixels};
-    s->coverage = p + 5 * pixels;
-    return sl_gbuffer_create(s->settings.width, s->settings.height, &s->gbuffer, error);
-}
-
-static void prepare_pass(splat_state *s) {
-    const sl_gbuffer *g = s->gbuffer;
-    float a = (float)s->plan.quality.accuracy, diagonal = s->scene->diagonal;
-    double tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov);
-    s->pass = (sl_record_pass){
-        .gather = s->gather,
-        .tracer = s->tracer,
-        .scratch = s->scratch,
-        .gbuffer = g,
-        .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
-                      g->normal_z, s->receives},
-        /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
-        .weights = {a, 1.0f / a, 1e-5f * diagonal},
-        .covered_weight = 1.0f / (9.0f * a),
-        .radii = {s->plan.quality.accuracy, s->plan.quality.minimum_pixels, 0.1 * (double)diagonal, true, s->gather ? sl_gather_kind_used(s->gather) : SL_GATHER_RAYS,
-                  tangent},
-        .kernels = sl_splat_kernels_for(sl_isa_best()),
-        .camera = &s->scene->camera,
-        .near_distance = 1e-5f * diagonal,
-        .footprint_per_depth = (float)(2.0 * sl_tan(0.5 * (double)s->scene->camera.vertical_fov)) / (float)s->settings.height,
-        .neighbour_clamp = true,
-        .coverage = s->coverage,
-        .owned = s->owned,
-        .seed = s->settings.seed,
-        .threads = s->settings.threads,
-        .diagonal = diagonal,
-    };
-}
-
-static sl_status splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
-                              void **state, sl_error *error) {
-    (void)transport; /* its own: sl_splat_transport() */
-    splat_state *s = sl_allocate(1, sizeof *s);
-    if (!s) return sl_fail_memory(error, "radiance cache splatting");
-    s->scene = scene;
-    s->settings = *settings;
-    s->plan = sl_splat_plan_make(scene, settings);
-    sl_status status = create_transport(s, error);
-    if (status == SL_OK) status = create_buffers(s, error);
-    if (status != SL_OK) {
-        splat_destroy(s);
-        return status;
-    }
-    prepare_pass(s);
-    *state = s;
-    return SL_OK;
-}
+enum { DIRECT_ROWS = 64 };
 
 /* ---- what observers are told ---- */
 
 /* A pass with the picture that it made; its cost is what the counters have grown by since the last one. */
-static void announce(splat_state *s, const char *name, const char *source, int channels, const float *planes) {
+static void announce(sl_splat_state *s, const char *name, const char *source, int channels, const float *planes, bool bottom_first) {
     sl_counters cost;
     for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = s->counters.value[i] - s->announced.value[i];
     s->announced = s->counters;
-    sl_observe(s->settings.observer, "splatting", name, source, s->settings.width, s->settings.height, channels, planes, true,
-               &cost);
-}
-
-/* ---- steps 1 and 1b ---- */
-
-static sl_view camera_view(const splat_state *s) {
-    const sl_camera *camera = &s->scene->camera;
-    sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
-    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
-    float right = top * (float)s->settings.width / (float)s->settings.height;
-    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, s->settings.width, s->settings.height,
-                           s->pass.near_distance);
-}
-
-/* Which pixels can reflect light diffusely: the others never ask for records. A normal that is not finite would ask for ever. */
-static void classify_receivers(splat_state *s) {
-    const sl_gbuffer *g = s->gbuffer;
-    for (size_t i = 0; i < pixel_count(s); i++) {
-        s->receives[i] = 0;
-        if (g->material[i] == SL_NO_INDEX) continue;
-        if (!sl_is_finite(sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])) ||
-            !sl_is_finite(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]))) {
-            sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
-            continue;
-        }
-        s->receives[i] = g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f;
-    }
+    sl_observe(s->settings.observer, "splatting", name, source, s->settings.width, s->settings.height, channels, planes,
+               bottom_first, &cost);
 }
 
 /* Three planes of the G-buffer as one picture; the pass is paid for by the first picture of it. */
-static void announce_triple(splat_state *s, const char *name, const float *x, const float *y, const float *z) {
-    size_t pixels = pixel_count(s);
+static void announce_triple(sl_splat_state *s, const char *name, const float *x, const float *y, const float *z) {
+    size_t pixels = sl_splat_pixels(s);
     float *planes = sl_allocate(3 * pixels, sizeof *planes);
     if (!planes) return;
     memcpy(planes, x, pixels * sizeof *planes);
     memcpy(planes + pixels, y, pixels * sizeof *planes);
     memcpy(planes + 2 * pixels, z, pixels * sizeof *planes);
-    announce(s, name, "Algorithm 2, step 1", 3, planes);
+    announce(s, name, "Algorithm 2, step 1", 3, planes, true);
     sl_free(planes);
 }
 
-static void announce_gbuffer(splat_state *s) {
+static void announce_gbuffer(sl_splat_state *s) {
     const sl_gbuffer *g = s->gbuffer;
     if (!s->settings.observer) return;
-    announce(s, "G-buffer: depth", "Algorithm 2, step 1", 1, g->depth);
+    announce(s, "G-buffer: depth", "Algorithm 2, step 1", 1, g->depth, true);
     announce_triple(s, "G-buffer: positions", g->position_x, g->position_y, g->position_z);
     announce_triple(s, "G-buffer: normals", g->normal_x, g->normal_y, g->normal_z);
     announce_triple(s, "G-buffer: albedo", g->diffuse_r, g->diffuse_g, g->diffuse_b);
 }
 
-static sl_status draw_gbuffer(splat_state *s, sl_error *error) {
+/* ---- steps 1 and 1b ---- */
+
+static sl_view camera_view(const sl_splat_state *s) {
+    const sl_camera *camera = &s->scene->camera;
+    sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
+    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
+    float right = top * (float)s->settings.width / (float)s->settings.height;
+    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, s->settings.width, s->settings.height,
+                           1e-5f * s->scene->diagonal);
+}
+
+/* The class of a pixel with geometry; SL_RECEIVER_CLASSES where it reflects nothing but mirrors. */
+static sl_receiver_class class_of(const sl_splat_state *s, size_t i) {
+    const sl_gbuffer *g = s->gbuffer;
+    if (sl_material_is_glossy(&s->scene->materials[g->material[i]])) return SL_RECEIVES_RADIANCE;
+    bool diffuse = g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f;
+    return diffuse ? SL_RECEIVES_IRRADIANCE : SL_RECEIVER_CLASSES;
+}
+
+static bool is_sound(const sl_gbuffer *g, size_t i) {
+    return sl_is_finite(sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])) &&
+           sl_is_finite(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
+}
+
+/* Which pixels ask for which records. A normal that is not finite would ask for ever. */
+static void classify_receivers(sl_splat_state *s) {
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        s->cache[c].receivers = 0;
+        if (s->cache[c].receives) memset(s->cache[c].receives, 0, sl_splat_pixels(s) * sizeof *s->cache[c].receives);
+    }
+    for (size_t i = 0; i < sl_splat_pixels(s); i++) {
+        if (s->gbuffer->material[i] == SL_NO_INDEX) continue;
+        sl_receiver_class class = class_of(s, i);
+        if (!is_sound(s->gbuffer, i)) {
+            sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
+        } else if (class < SL_RECEIVER_CLASSES && s->cache[class].receives) {
+            s->cache[class].receives[i] = 1;
+            s->cache[class].receivers++;
+        }
+    }
+}
+
+/* Step 2 and 3: what is there from earlier views covers this one. */
+static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
+        sl_record_cache *cache = &s->cache[c];
+        if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
+        if (status == SL_OK && cache->receivers && cache->list.count)
+            status = sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
+    }
+    return status;
+}
+
+static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = camera_view(s);
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status != SL_OK) return status;
     announce_gbuffer(s);
     classify_receivers(s);
+    status = welcome_records(s, error);
     s->direct_row = 0;
-    s->phase = s->plan.direct ? PHASE_DIRECT : PHASE_DONE;
-    if (s->list.count == 0) return SL_OK;
-    return sl_cover(&s->pass, s->list.records, s->list.count, error); /* step 2: records of earlier views */
+    s->frame_records = 0;
+    s->phase = s->plan.direct ? SL_PHASE_DIRECT : SL_PHASE_DONE;
+    return status;
 }
 
-static sl_status light_rows(splat_state *s, sl_error *error) {
+/* ---- step 4 ---- */
+
+/* The first class from `class` on that any pixel belongs to. */
+static void start_records(sl_splat_state *s, int class) {
+    while (class < SL_RECEIVER_CLASSES && !s->cache[class].receivers) class++;
+    s->class = class;
+    s->phase = class < SL_RECEIVER_CLASSES ? SL_PHASE_RECORDS : SL_PHASE_DONE;
+    if (s->phase == SL_PHASE_RECORDS)
+        sl_traversal_start(&s->cache[class].traversal, s->settings.order, s->settings.width, s->settings.height);
+}
+
+static sl_status light_rows(sl_splat_state *s, sl_error *error) {
     int end = s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
     sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0], s->direct_light[1],
                                       s->direct_light[2], &s->counters, error);
     if (status != SL_OK) return status;
     s->direct_row = end;
     if (end < s->settings.height) return SL_OK;
-    announce(s, "direct light", "section 4, direct lighting", 3, s->planes);
-    sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
-    s->phase = s->plan.indirect ? PHASE_RECORDS : PHASE_DONE;
+    announce(s, "direct light", "section 4, direct lighting", 3, s->planes, true);
+    start_records(s, 0);
     return SL_OK;
 }
 
-/* ---- step 4 ---- */
-
-static sl_status new_records(splat_state *s, phase next, sl_error *error) {
-    sl_status status = sl_traversal_advance(&s->traversal, &s->pass, &s->list, &s->counters, error);
-    if (status != SL_OK || s->traversal.stride) return status;
-    announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage);
-    s->phase = next;
+static sl_status new_records(sl_splat_state *s, sl_error *error) {
+    sl_record_cache *cache = &s->cache[s->class];
+    size_t before = cache->list.count, budget = s->settings.records_per_frame;
+    if (budget && cache->traversal.batch > budget - s->frame_records) cache->traversal.batch = budget - s->frame_records;
+    sl_status status = sl_traversal_advance(&cache->traversal, &cache->pass, &cache->list, &s->counters, error);
+    s->frame_records += cache->list.count - before;
+    if (status != SL_OK || cache->traversal.stride) return status;
+    announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
+    if (s->phase == SL_PHASE_RECORDS) s->phase = SL_PHASE_CLAMP;
+    else start_records(s, s->class + 1);
     return SL_OK;
 }
+
+/* ---- step 4b ---- */
 
 typedef struct {
     const sl_record_list *list;
+    size_t clamped; /* these have been clamped to each other */
     float *radii;
 } clamp_context;
 
 static void clamp_one(void *context, size_t index, unsigned worker) {
     (void)worker;
     const clamp_context *c = context;
-    c->radii[index] = sl_record_clamped_radius(c->list->reaches, c->list->count, &c->list->records[index]);
+    size_t first = index < c->clamped ? c->clamped : 0;
+    c->radii[index] = sl_record_clamped_radius(c->list->reaches + first, c->list->count - first, &c->list->records[index]);
 }
 
-/* Step 4b. A single pass over the radii is the fixed point of mutual clamping, whatever the order of insertion. Older records may
- * shrink: coverage is summed anew, and what came to light gets records in a second visit. */
-static sl_status clamp_to_neighbours(splat_state *s, sl_error *error) {
-    bool shrunk = false;
-    float *radii = sl_allocate(s->list.count, sizeof *radii);
+/* New radii, no larger than the old ones; *shrunk: some are smaller. */
+static sl_status clamp_radii(sl_record_cache *cache, unsigned threads, bool *shrunk, sl_error *error) {
+    sl_record_list *list = &cache->list;
+    *shrunk = false;
+    if (cache->clamped == list->count) return SL_OK;
+    float *radii = sl_allocate(list->count, sizeof *radii);
     if (!radii) return sl_fail_memory(error, "record radii");
-    clamp_context context = {&s->list, radii};
-    sl_parallel_for(s->settings.threads, s->list.count, clamp_one, &context);
-    for (size_t i = 0; i < s->list.count; i++) {
-        if (!(radii[i] < s->list.records[i].radius)) continue;
-        sl_record_set_radius(&s->list.records[i], radii[i]);
-        shrunk = true;
+    clamp_context context = {list, cache->clamped, radii};
+    sl_parallel_for(threads, list->count, clamp_one, &context);
+    for (size_t i = 0; i < list->count; i++) {
+        if (!(radii[i] < list->records[i].radius)) continue;
+        sl_record_set_radius(&list->records[i], radii[i]);
+        *shrunk = true;
     }
+    cache->clamped = list->count;
     sl_free(radii);
-    s->phase = PHASE_DONE;
-    if (!shrunk) return SL_OK;
-    size_t pixels = pixel_count(s);
-    memset(s->coverage, 0, pixels * sizeof *s->coverage);
-    memset(s->splats.r, 0, 5 * pixels * sizeof *s->splats.r); /* r, g, b, weight, count lie in one block */
-    s->splatted = 0;
-    sl_traversal_start(&s->traversal, s->settings.order, s->settings.width, s->settings.height);
-    s->phase = PHASE_SECOND;
-    return sl_cover(&s->pass, s->list.records, s->list.count, error);
+    return SL_OK;
 }
+
+static void forget_sums(sl_splat_state *s, sl_record_cache *cache) {
+    const sl_splat_buffer *b = &s->splats;
+    float *const planes[] = {s->coverage, b->r, b->g, b->b, b->weight, b->count, b->glossy[0], b->glossy[1], b->glossy[2]};
+    for (size_t k = 0; k < sizeof planes / sizeof planes[0]; k++) {
+        for (size_t i = 0; planes[k] && i < sl_splat_pixels(s); i++) {
+            if (cache->receives[i]) planes[k][i] = 0.0f;
+        }
+    }
+    cache->splatted = 0;
+}
+
+/* A single pass over the radii is the fixed point of mutual clamping, whatever the order of insertion. Older records may shrink: their
+ * coverage is summed anew, and what came to light gets records in a second visit. */
+static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
+    sl_record_cache *cache = &s->cache[s->class];
+    bool shrunk;
+    sl_status status = clamp_radii(cache, s->settings.threads, &shrunk, error);
+    if (status != SL_OK) return status;
+    if (!shrunk) {
+        start_records(s, s->class + 1);
+        return SL_OK;
+    }
+    forget_sums(s, cache);
+    sl_traversal_start(&cache->traversal, s->settings.order, s->settings.width, s->settings.height);
+    s->phase = SL_PHASE_SECOND;
+    return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
+}
+
+/* ---- updates ---- */
 
 /* Shares of the whole that each phase takes, roughly, for the progress bar alone. */
-static double fraction_done(const splat_state *s) {
-    double visited = s->traversal.total ? (double)s->traversal.visited / (double)s->traversal.total : 0.0;
+static double fraction_done(const sl_splat_state *s) {
+    const sl_traversal *t = &s->cache[s->class < SL_RECEIVER_CLASSES ? s->class : 0].traversal;
+    double visited = t->total ? (double)t->visited / (double)t->total : 0.0, all = 0.0, done = 0.0;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        all += (double)s->cache[c].receivers;
+        if (c < s->class) done += (double)s->cache[c].receivers;
+    }
+    double share = s->class < SL_RECEIVER_CLASSES && all > 0.0 ? (double)s->cache[s->class].receivers / all : 0.0;
+    double before = 0.2 + 0.8 * (all > 0.0 ? done / all : 0.0);
     switch (s->phase) {
-    case PHASE_GBUFFER: return 0.0;
-    case PHASE_DIRECT: return 0.02 + 0.18 * (double)s->direct_row / (double)s->settings.height;
-    case PHASE_RECORDS: return 0.2 + 0.7 * visited;
-    case PHASE_CLAMP: return 0.9;
-    case PHASE_SECOND: return 0.9 + 0.1 * visited;
-    case PHASE_DONE: return 1.0;
+    case SL_PHASE_GBUFFER: return 0.0;
+    case SL_PHASE_DIRECT: return 0.02 + 0.18 * (double)s->direct_row / (double)s->settings.height;
+    case SL_PHASE_RECORDS: return before + 0.8 * share * 0.9 * visited;
+    case SL_PHASE_CLAMP: return before + 0.8 * share * 0.9;
+    case SL_PHASE_SECOND: return before + 0.8 * share * (0.9 + 0.1 * visited);
+    case SL_PHASE_DONE: return 1.0;
     }
     return 1.0;
 }
 
 static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
-    splat_state *s = state;
+    sl_splat_state *s = state;
     if (!s->raster) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
+    if (s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame) s->frame_records = 0;
     switch (s->phase) {
-    case PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
-    case PHASE_DIRECT: status = light_rows(s, error); break;
-    case PHASE_RECORDS: status = new_records(s, PHASE_CLAMP, error); break;
-    case PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
-    case PHASE_SECOND: status = new_records(s, PHASE_DONE, error); break;
-    case PHASE_DONE: break;
+    case SL_PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
+    case SL_PHASE_DIRECT: status = light_rows(s, error); break;
+    case SL_PHASE_RECORDS:
+    case SL_PHASE_SECOND: status = new_records(s, error); break;
+    case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
+    case SL_PHASE_DONE: break;
     }
     progress->fraction = fraction_done(s);
-    progress->done = s->phase == PHASE_DONE;
+    progress->done = s->phase == SL_PHASE_DONE;
+    progress->frame_done =
+        progress->done || (s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame);
     return status;
 }
 
 /* ---- steps 5 and 6 ---- */
 
 /* Step 5: only what has not been splatted yet; with the earlier ones the sums are those of one pass over all, bit for bit. */
-static sl_status splat_new_records(splat_state *s, sl_error *error) {
-    size_t count = s->list.count - s->splatted;
-    if (count == 0 || s->phase == PHASE_GBUFFER) return SL_OK; /* before its G-buffer a new view has nothing to splat on */
-    sl_status status = sl_splat_records(&s->pass, s->list.records + s->splatted, count, &s->splats, &s->counters, error);
+static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+    bool ready = cache->receivers && s->phase != SL_PHASE_GBUFFER; /* before its G-buffer a new view has nothing to splat on */
+    if (!ready || cache->splatted == cache->list.count) return SL_OK;
+    sl_status status = sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, error);
     if (status != SL_OK) return status;
-    s->splatted = s->list.count;
-    announce(s, "splat: sum of w E", "Algorithm 1", 3, s->splats.r);
-    announce(s, "splat: sum of w", "Algorithm 1", 1, s->splats.weight);
+    cache->splatted = cache->list.count;
+    announce(s, "splat: sum of w E", "Algorithm 1", 3, s->splats.r, true);
+    announce(s, "splat: sum of w", "Algorithm 1", 1, s->splats.weight, true);
+    if (cache->glossy) announce(s, "splat: sum of w times reflected radiance", "section 3.3, (9)", 3, s->splats.glossy[0], true);
     return SL_OK;
 }
 
 static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
-    splat_state *s = state;
-    sl_status status = splat_new_records(s, error);
+    sl_splat_state *s = state;
+    sl_status status = SL_OK;
+    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = splat_new_records(s, &s->cache[c], error);
     if (status != SL_OK) return status;
-    int width = s->settings.width, height = s->settings.height;
-    size_t pixels = pixel_count(s);
-    float *layers = sl_allocate(SL_LAYERS * pixels, sizeof *layers);
-    sl_composition parts = {s->scene, s->gbuffer, s->receives, s->splats, {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
-                            s->phase != PHASE_GBUFFER};
-    status = layers ? sl_compose(&parts, layers, error) : sl_fail_memory(error, "the picture");
-    if (status == SL_OK) status = sl_image_create(width, height, SL_LAYERS, sl_layer_names, image, error);
-    for (size_t c = 0; status == SL_OK && c < SL_LAYERS; c++)
-        sl_raster_flip(layers + c * pixels, width, height, (*image)->planes + c * pixels);
-    if (status == SL_OK) {
-        announce(s, "indirect light", "Algorithm 2, step 6", 3, layers + 9 * pixels);
-        announce(s, "sum of emission, direct and indirect light", "Algorithm 2, step 6", 3, layers);
+    int layers = s->plan.radiance ? SL_LAYERS_GLOSSY : SL_LAYERS;
+    status = sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
+    if (status != SL_OK) return status;
+    sl_composition parts = {.scene = s->scene,
+                            .gbuffer = s->gbuffer,
+                            .receives = {s->cache[0].receives, s->cache[1].receives},
+                            .splats = s->splats,
+                            .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
+                            .drawn = s->phase != SL_PHASE_GBUFFER,
+                            .threads = s->settings.threads};
+    status = sl_compose(&parts, *image, error);
+    if (status != SL_OK) {
+        sl_image_destroy(*image);
+        *image = NULL;
+        return status;
     }
-    sl_free(layers);
-    return status;
+    announce(s, "indirect light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "indirect.R"), false);
+    if (s->plan.radiance) announce(s, "indirect glossy light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "glossy.R"), false);
+    announce(s, "sum of emission, direct and indirect light", "Algorithm 2, step 6", 3, (*image)->planes, false);
+    return SL_OK;
 }
 
 /* ---- edits: records live in the world, so a new camera keeps them; new geometry or light drops them ---- */
 
 static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
-    splat_state *s = state;
-    size_t pixels = pixel_count(s);
-    memset(s->planes, 0, PLANES * pixels * sizeof *s->planes);
-    memset(s->receives, 0, pixels * sizeof *s->receives);
+    sl_splat_state *s = state;
+    size_t pixels = sl_splat_pixels(s);
+    memset(s->planes, 0, (s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3) * pixels * sizeof *s->planes);
     memset(s->owned, 0, pixels);
-    s->splatted = 0;
-    s->phase = PHASE_GBUFFER;
+    s->phase = SL_PHASE_GBUFFER;
     sl_status status = SL_OK;
-    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
-        s->list.count = 0;
-        destroy_transport(s);
-        status = create_transport(s, error);
-        if (status != SL_OK) destroy_transport(s);
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) status = sl_splat_renew_transport(s, error);
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        s->cache[c].splatted = 0;
+        s->cache[c].receivers = 0;
+        if (s->cache[c].gather) sl_splat_prepare_pass(s, &s->cache[c]);
     }
-    prepare_pass(s);
     return status;
 }
 
-static const sl_counters *splat_counters(const void *state) { return &((const splat_state *)state)->counters; }
-
-static size_t splat_memory_bytes(const void *state) {
-    const splat_state *s = state;
-    size_t pixels = pixel_count(s);
-    size_t gbuffer = pixels * (14 * sizeof(float) + 2 * sizeof(uint32_t));
-    size_t bytes = sizeof *s + pixels * (PLANES * sizeof(float) + sizeof(uint32_t) + 1) + gbuffer;
-    bytes += s->list.capacity * (sizeof(sl_record) + sizeof(sl_record_reach));
-    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
-    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
-    if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
-    if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);
-    return bytes;
-}
+static const sl_counters *splat_counters(const void *state) { return &((const sl_splat_state *)state)->counters; }
 
 const sl_method_class sl_splatting_method = {
     .name = "splatting",
     .complete = sl_splat_complete,
-    .create = splat_create,
-    .destroy = splat_destroy,
+    .create = sl_splat_create,
+    .destroy = sl_splat_destroy,
     .update = splat_update,
     .resolve = splat_resolve,
     .edit = splat_edit,
     .counters = splat_counters,
-    .memory_bytes = splat_memory_bytes,
+    .memory_bytes = sl_splat_memory_bytes,
     .transport = sl_splat_transport,
     .plan = sl_splat_plan_write,
     .any_transport = false,

@@ -1,13 +1,14 @@
-/* Radiance cache splatting, diffuse part (Gautron, Krivanek, Bouatouch, Pattanaik 2005). Read in this order:
+/* Radiance cache splatting (Gautron, Krivanek, Bouatouch, Pattanaik 2005). Read in this order:
  *
  *   plan.c           which passes a scene needs, and the qualities
  *   splatting.c      Algorithm 2: the passes of one picture
+ *   create.c         what it needs, made when it is needed
  *   direct.c         step 1b: direct light of every pixel
- *   emitters.c       which emitter a light sample goes to
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
  *   record.c         a record and how far it reaches
  *   splat.c          steps 4 and 5: records onto the screen
- *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel
+ *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
+ *   glossy.c         the same for what a glossy lobe reflects of a radiance record
  *   compose.c        step 6: the picture and its layers
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
  */
@@ -17,6 +18,7 @@
 #include "cache/gather/gather.h"
 #include "cache/gather/shadow_maps.h"
 #include "cache/method.h"
+#include "cache/splatting/glossy.h"
 #include "cache/splatting/record.h"
 
 /* ---- direct light per pixel ---- */
@@ -43,9 +45,13 @@ sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int
 
 /* ---- which pixels get records ---- */
 
+/* A pixel that is partly glossy is served by radiance records, of which the diffuse part takes the irradiance. */
+typedef enum sl_receiver_class { SL_RECEIVES_IRRADIANCE, SL_RECEIVES_RADIANCE, SL_RECEIVER_CLASSES } sl_receiver_class;
+
 typedef struct sl_record_list {
     sl_record *records;
     sl_record_reach *reaches; /* of the same records */
+    float *coefficients;      /* coefficient_count of the pass for each; NULL: irradiance records */
     size_t count, capacity;
 } sl_record_list;
 
@@ -69,6 +75,8 @@ typedef struct sl_record_pass {
     sl_receivers receivers;
     sl_weight_rules weights;
     sl_radius_rules radii;
+    size_t coefficient_count; /* floats of one record's coefficients; 0: irradiance records */
+    sl_glossy_view glossy;    /* used where coefficient_count > 0 */
     const sl_splat_kernels *kernels;
     const sl_camera *camera;
     float near_distance, footprint_per_depth;
@@ -84,14 +92,14 @@ typedef struct sl_record_pass {
 enum { SL_BATCH_MAX = 128 };
 
 void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height);
-/* The next batch of uncovered pixels gets records, exactly as if they were visited one by one. Done where traversal->stride
- * becomes 0. */
+/* The next batch of uncovered pixels, at most traversal->batch of them, gets records, exactly as if they were visited one by one.
+ * Done where traversal->stride becomes 0. */
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
                                sl_counters *counters, sl_error *error);
 /* Adds the records' weights to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
-/* Step 5: adds (w E', w, 1). */
-sl_status sl_splat_records(const sl_record_pass *pass, const sl_record *records, size_t count, const sl_splat_buffer *buffer,
+/* Step 5: records [first, count) of the list add (w E', w, 1), and radiance records what the glossy lobe reflects. */
+sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first, const sl_splat_buffer *buffer,
                            sl_counters *counters, sl_error *error);
 /* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
@@ -100,24 +108,27 @@ sl_splat_rect sl_record_bounds(const sl_record_pass *pass, const sl_record *reco
 
 /* ---- the picture ---- */
 
-enum { SL_LAYERS = 14 };
-extern const char *const sl_layer_names[SL_LAYERS]; /* R, G, B and the layers that they are the sum of; weight, records */
+/* R, G, B and the layers that they are the sum of; weight and number of records. The glossy layers come last, and only where something
+ * can be glossy. */
+enum { SL_LAYERS = 14, SL_LAYERS_GLOSSY = 17 };
+extern const char *const sl_layer_names[SL_LAYERS_GLOSSY];
 
 typedef struct sl_composition {
     const sl_scene *scene;
     const sl_gbuffer *gbuffer;
-    const uint32_t *receives;
+    const uint32_t *receives[SL_RECEIVER_CLASSES]; /* NULL: no pixel does */
     sl_splat_buffer splats;
     const float *direct[3];
     bool drawn;               /* the G-buffer holds this view */
+    unsigned threads;
 } sl_composition;
 
-/* layers: SL_LAYERS planes, bottom row first. */
-sl_status sl_compose(const sl_composition *parts, float *layers, sl_error *error);
+/* Writes the layers of an image that has SL_LAYERS or SL_LAYERS_GLOSSY channels. */
+sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *error);
 
 /* ---- fallback of an unfinished picture ---- */
 
-/* Push-pull: where weight is 0 and the pixel receives, the mean of what surrounds it. r, g, b hold means, not sums. */
+/* Push-pull: where weight is 0 and the pixel receives, the mean of those around it that receive. r, g, b hold means, not sums. */
 sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r, float *g,
                             float *b, sl_error *error);
 

@@ -85,6 +85,7 @@ typedef struct {
     const sl_record_pass *pass;
     const size_t *pixels;
     sl_record *records;
+    float *coefficients;   /* of all, or NULL */
     sl_counters *counters; /* one a candidate */
 } gather_batch;
 
@@ -99,6 +100,13 @@ static sl_gather_point point_at(const sl_record_pass *pass, size_t pixel) {
     };
 }
 
+static void gather_at(const gather_batch *b, size_t index, unsigned worker, const sl_gather_point *point, sl_irradiance *irradiance) {
+    const sl_record_pass *pass = b->pass;
+    sl_gather_scratch *scratch = pass->scratch[worker];
+    if (!b->coefficients) sl_gather_irradiance(pass->gather, point, scratch, irradiance, &b->counters[index]);
+    else sl_gather_radiance(pass->gather, point, scratch, irradiance, b->coefficients + index * pass->coefficient_count, &b->counters[index]);
+}
+
 /* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
  * if that does not help it reaches no further than R_min, and only what it sees. */
 static void gather_one(void *context, size_t index, unsigned worker) {
@@ -106,14 +114,13 @@ static void gather_one(void *context, size_t index, unsigned worker) {
     const sl_record_pass *pass = b->pass;
     sl_gather_point point = point_at(pass, b->pixels[index]);
     sl_irradiance irradiance;
-    sl_counters *counters = &b->counters[index];
-    sl_gather_irradiance(pass->gather, &point, pass->scratch[worker], &irradiance, counters);
+    gather_at(b, index, worker, &point, &irradiance);
     float close = 1e-3f * pass->diagonal;
     bool inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     if (inside) {
         sl_gather_point outer = point;
         outer.position = sl_mad(point.position, 1e-4f * pass->diagonal, point.geometric_normal);
-        sl_gather_irradiance(pass->gather, &outer, pass->scratch[worker], &irradiance, counters);
+        gather_at(b, index, worker, &outer, &irradiance);
         inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     }
     if (inside) irradiance.harmonic_mean = irradiance.nearest = 0.0f;
@@ -158,18 +165,24 @@ static bool grow(void **array, size_t count, size_t capacity, size_t size) {
     return true;
 }
 
-static sl_status append(sl_record_list *list, const sl_record *record, sl_error *error) {
+/* coefficients: coefficient_count of them, or NULL. */
+static sl_status append(sl_record_list *list, const sl_record *record, const float *coefficients, size_t coefficient_count,
+                        sl_error *error) {
     if (list->count == list->capacity) {
         size_t capacity = list->capacity ? 2 * list->capacity : 1024;
-        void *records = list->records, *reaches = list->reaches;
+        void *records = list->records, *reaches = list->reaches, *values = list->coefficients;
         bool grown = grow(&records, list->count, capacity, sizeof *list->records);
         list->records = records;
         grown = grown && grow(&reaches, list->count, capacity, sizeof *list->reaches);
         list->reaches = reaches;
-        if (!grown) return sl_fail_memory(error, "irradiance records");
+        if (coefficients) grown = grown && grow(&values, list->count, capacity, coefficient_count * sizeof *coefficients);
+        list->coefficients = values;
+        if (!grown) return sl_fail_memory(error, "records");
         list->capacity = capacity;
     }
     list->reaches[list->count] = (sl_record_reach){record->position, record->own_radius};
+    if (coefficients)
+        memcpy(list->coefficients + list->count * coefficient_count, coefficients, coefficient_count * sizeof *coefficients);
     list->records[list->count++] = *record;
     return SL_OK;
 }
@@ -177,6 +190,7 @@ static sl_status append(sl_record_list *list, const sl_record *record, sl_error 
 void sl_record_list_free(sl_record_list *list) {
     sl_free(list->records);
     sl_free(list->reaches);
+    sl_free(list->coefficients);
     *list = (sl_record_list){0};
 }
 
@@ -187,9 +201,11 @@ static bool covered_by_batch(const sl_record_pass *pass, const sl_record *commit
     return sum >= pass->covered_weight;
 }
 
-static sl_status commit(const sl_record_pass *pass, const size_t *pixels, sl_record *candidates, size_t count,
-                        sl_record_list *list, sl_counters *counters, sl_error *error) {
-    size_t first = list->count;
+static sl_status commit(const gather_batch *batch, size_t count, sl_record_list *list, sl_counters *counters, sl_error *error) {
+    const sl_record_pass *pass = batch->pass;
+    const size_t *pixels = batch->pixels;
+    sl_record *candidates = batch->records;
+    size_t first = list->count, floats = pass->coefficient_count;
     for (size_t i = 0; i < count; i++) {
         if (covered_by_batch(pass, list->records + first, list->count - first, pixels[i])) {
             sl_count(counters, SL_COUNT_RECORDS_DISCARDED, 1);
@@ -197,7 +213,8 @@ static sl_status commit(const sl_record_pass *pass, const size_t *pixels, sl_rec
         }
         if (pass->neighbour_clamp)
             sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->reaches, list->count, &candidates[i]));
-        sl_status status = append(list, &candidates[i], error);
+        const float *coefficients = batch->coefficients ? batch->coefficients + i * floats : NULL;
+        sl_status status = append(list, &candidates[i], coefficients, floats, error);
         if (status != SL_OK) return status;
         pass->owned[pixels[i]] = 1;
         sl_count(counters, SL_COUNT_RECORDS, 1);
@@ -212,18 +229,21 @@ sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pa
     if (count == 0) return SL_OK;
     sl_record *records = sl_allocate(count, sizeof *records);
     sl_counters *costs = sl_allocate(count, sizeof *costs);
-    sl_status status = records && costs ? SL_OK : sl_fail_memory(error, "a batch of irradiance records");
+    float *coefficients = pass->coefficient_count ? sl_allocate(count * pass->coefficient_count, sizeof *coefficients) : NULL;
+    bool enough = records && costs && (coefficients || !pass->coefficient_count);
+    sl_status status = enough ? SL_OK : sl_fail_memory(error, "a batch of records");
     if (status == SL_OK) {
-        gather_batch batch = {pass, pixels, records, costs};
+        gather_batch batch = {pass, pixels, records, coefficients, costs};
         sl_parallel_for(pass->threads, count, gather_one, &batch);
         for (size_t i = 0; i < count; i++) sl_counters_add(counters, &costs[i]);
         size_t before = list->count;
-        status = commit(pass, pixels, records, count, list, counters, error);
+        status = commit(&batch, count, list, counters, error);
         /* The batch follows the waste; it never changes which records there are. */
         size_t wasted = count - (list->count - before);
         if (wasted * 8 <= count && traversal->batch < SL_BATCH_MAX) traversal->batch *= 2;
         else if (wasted * 3 > count && traversal->batch > SMALLEST_BATCH) traversal->batch /= 2;
     }
+    sl_free(coefficients);
     sl_free(records);
     sl_free(costs);
     return status;

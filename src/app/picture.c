@@ -1,0 +1,213 @@
+/* Running a method with a progress bar, writing pictures, saying what was done. */
+#include "app/picture.h"
+
+#include <cjson/cJSON.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static double now_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- names of files ---- */
+
+static bool ends_with(const char *text, const char *end) {
+    size_t n = strlen(text), m = strlen(end);
+    return n >= m && strcmp(text + n - m, end) == 0;
+}
+
+/* The one %d, %4d or %04d of a name: where it begins and ends, and its width; false if there is none or another %. */
+static bool find_number(const char *name, const char **begin, const char **end, int *width) {
+    const char *p = strchr(name, '%');
+    *begin = p;
+    *width = 0;
+    if (!p) return false;
+    for (p++; *p >= '0' && *p <= '9'; p++) *width = *width < 99 ? 10 * *width + (*p - '0') : *width;
+    *end = p + 1;
+    return *p == 'd' && *width < 20 && !strchr(p, '%');
+}
+
+static void frame_name(const char *pattern, unsigned long long frame, char *name, size_t size) {
+    const char *begin, *end;
+    int width;
+    find_number(pattern, &begin, &end, &width);
+    snprintf(name, size, "%.*s%0*llu%s", (int)(begin - pattern), pattern, width, frame, end);
+}
+
+bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
+    const char *begin, *end;
+    int width;
+    bool known = ends_with(o->output, ".exr") || ends_with(o->output, ".png") || ends_with(o->output, ".pfm");
+    if (known && (!o->frames || find_number(o->output, &begin, &end, &width))) return true;
+    error->status = SL_ERROR_USAGE;
+    snprintf(error->message, sizeof error->message,
+             known ? "--output: for --frames expected a name with the frame's number in it, as frame-%%04d.png; got '%s'"
+                   : "--output: expected a name that ends with .exr, .png or .pfm, got '%s'",
+             o->output);
+    return false;
+}
+
+/* ---- running ---- */
+
+/* The one thing that a signal handler can do: leave word. */
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int signal_number) {
+    (void)signal_number;
+    interrupted = 1;
+}
+
+static void watch_for_interrupt(void) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_interrupt;
+    action.sa_flags = (int)SA_RESETHAND; /* a second Ctrl-C ends the program at once */
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+static void draw_progress(double fraction, double seconds) {
+    enum { CELLS = 40 };
+    char bar[CELLS + 1];
+    int filled = (int)(fraction * CELLS);
+    for (int i = 0; i < CELLS; i++) bar[i] = i < filled ? '#' : '.';
+    bar[CELLS] = '\0';
+    fprintf(stderr, "\r[%s] %3.0f %%  %.1f s ", bar, 100.0 * fraction, seconds);
+    fflush(stderr);
+}
+
+/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C. done_before: share of a
+ * series that is there already. */
+static sl_status run(const sl_render_options *o, sl_method *method, sl_progress *progress, double start, double done_before,
+                     sl_error *error) {
+    bool bar = !o->quiet && isatty(STDERR_FILENO);
+    double drawn = 0.0, share = o->frames ? 1.0 / (double)o->frames : 1.0;
+    sl_status status = SL_OK;
+    progress->done = progress->frame_done = false;
+    while (status == SL_OK && !progress->done && !(o->frames && progress->frame_done) && !interrupted) {
+        status = sl_method_update(method, progress, error);
+        double seconds = now_seconds() - start;
+        if (bar && (seconds - drawn > 0.1 || progress->done))
+            draw_progress(done_before + share * progress->fraction, drawn = seconds);
+        if (!o->frames && o->batches && progress->batches >= o->batches) break;
+        if (!o->frames && o->time_seconds > 0.0 && seconds >= o->time_seconds) break;
+    }
+    if (bar && !o->frames) fputc('\n', stderr);
+    return status;
+}
+
+/* ---- writing ---- */
+
+static sl_status write_image(const sl_render_options *o, sl_image *image, double seconds, const char *path, sl_error *error) {
+    char text[32];
+    snprintf(text, sizeof text, "%.3f", seconds);
+    sl_status status = sl_image_set_metadata(image, "softlux.seconds", text, error);
+    sl_tone tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
+    if (status != SL_OK) return status;
+    return ends_with(path, ".png") ? sl_image_write_png(image, path, tone, error) : sl_image_write(image, path, error);
+}
+
+/* *seconds: from `start` until the picture was there, writing it not included. */
+static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, double *seconds,
+                               sl_error *error) {
+    sl_image *image;
+    sl_status status = sl_method_resolve(method, &image, error);
+    if (status != SL_OK) return status;
+    *seconds = now_seconds() - start;
+    status = write_image(o, image, *seconds, path, error);
+    sl_image_destroy(image);
+    return status;
+}
+
+static void print_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_progress *progress,
+                       double seconds) {
+    int width = o->settings.width, height = o->settings.height;
+    if (!width) sl_scene_film(scene, &width, &height);
+    cJSON *root = cJSON_CreateObject();
+    cJSON *size = cJSON_AddArrayToObject(root, "size");
+    cJSON_AddItemToArray(size, cJSON_CreateNumber(width));
+    cJSON_AddItemToArray(size, cJSON_CreateNumber(height));
+    cJSON_AddStringToObject(root, "scene", o->scene_path);
+    cJSON_AddStringToObject(root, "method", o->settings.method);
+    cJSON_AddStringToObject(root, "output", o->output);
+    cJSON_AddNumberToObject(root, "threads", o->settings.threads ? (double)o->settings.threads
+                                                                 : (double)sysconf(_SC_NPROCESSORS_ONLN));
+    cJSON_AddNumberToObject(root, "seconds", seconds);
+    cJSON_AddNumberToObject(root, "batches", (double)progress->batches);
+    cJSON_AddBoolToObject(root, "done", progress->done);
+    cJSON_AddNumberToObject(root, "memory_bytes", (double)sl_method_memory_bytes(method));
+    cJSON *counters = cJSON_AddObjectToObject(root, "counters");
+    const sl_counters *c = sl_method_counters(method);
+    for (int i = 0; i < SL_COUNTERS; i++) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
+    char *text = cJSON_Print(root);
+    if (text) puts(text);
+    cJSON_free(text);
+    cJSON_Delete(root);
+}
+
+/* ---- a picture, a series ---- */
+
+sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_error *error) {
+    double start = now_seconds(), seconds = 0.0;
+    sl_method *method = NULL;
+    sl_progress progress = {0};
+    watch_for_interrupt();
+    sl_status status = sl_method_create(scene, &o->settings, &method, error);
+    if (status == SL_OK) status = run(o, method, &progress, start, 0.0, error);
+    if (status == SL_OK) status = write_picture(o, method, start, o->output, &seconds, error);
+    if (status == SL_OK) {
+        if (!progress.done && !o->quiet)
+            fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
+                    (unsigned long long)progress.batches, 100.0 * progress.fraction, o->output);
+        if (o->json) print_json(o, scene, method, &progress, seconds);
+    }
+    sl_method_destroy(method);
+    return status;
+}
+
+/* One line a frame. */
+static void print_frame(unsigned long long frame, const char *name, double seconds, uint64_t records, const sl_progress *progress) {
+    printf("{\"frame\": %llu, \"output\": \"%s\", \"seconds\": %.6f, \"new_records\": %llu, \"done\": %s}\n", frame, name, seconds,
+           (unsigned long long)records, progress->done ? "true" : "false");
+    fflush(stdout);
+}
+
+/* Frame number `frame` of the method's scene as it stands; *seconds: until the picture was there. */
+static sl_status render_frame(const sl_render_options *o, sl_method *method, unsigned long long frame, double begin, sl_error *error) {
+    double start = now_seconds(), seconds = 0.0;
+    char name[4096];
+    sl_progress progress = {0};
+    uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
+    frame_name(o->output, frame, name, sizeof name);
+    sl_status status = run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
+    if (status == SL_OK && !interrupted) status = write_picture(o, method, start, name, &seconds, error);
+    if (status == SL_OK && !interrupted && o->json)
+        print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
+    return status;
+}
+
+sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error *error) {
+    double begin = now_seconds();
+    sl_method *method = NULL;
+    unsigned long long frame = 0;
+    watch_for_interrupt();
+    sl_status status = sl_scene_set_time(scene, o->at_seconds, NULL, error);
+    if (status == SL_OK) status = sl_method_create(scene, &o->settings, &method, error);
+    for (; status == SL_OK && frame < o->frames && !interrupted; frame++) {
+        unsigned changes = 0;
+        if (frame) status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
+        if (status == SL_OK && changes) status = sl_method_edit(method, changes, error);
+        if (status == SL_OK) status = render_frame(o, method, frame, begin, error);
+    }
+    if (!o->quiet && isatty(STDERR_FILENO)) fputc('\n', stderr);
+    if (status == SL_OK && interrupted && !o->quiet)
+        fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frame);
+    sl_method_destroy(method);
+    return status;
+}

@@ -1,0 +1,27 @@
+/* What `softlux render` does once it knows what is wanted: run a method and write its pictures, one or a series. */
+#ifndef SL_APP_PICTURE_H
+#define SL_APP_PICTURE_H
+
+#include "softlux.h"
+
+typedef struct sl_render_options {
+    const char *scene_path, *output;
+    sl_settings settings;
+    double time_seconds;       /* stop at the first batch that ends later; 0: no limit */
+    uint64_t batches;          /* stop after so many; 0: no limit */
+    double at_seconds;         /* of an animated scene */
+    uint64_t frames;           /* pictures of a series; 0: a single picture */
+    double frames_per_second;  /* of the scene's time */
+    int tone;                  /* as sl_tone_curve */
+    double exposure;
+    bool exposure_given, json, quiet;
+} sl_render_options;
+
+/* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the frame's number goes. */
+bool sl_output_is_known(const sl_render_options *options, sl_error *error);
+/* One picture of the scene as it stands. */
+sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_error *error);
+/* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between frames it keeps. */
+sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_error *error);
+
+#endif

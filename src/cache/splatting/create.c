@@ -1,0 +1,206 @@
+/* What the passes need, made when it is needed and not before: light and hierarchy at the start, a cache when the first pixel of its
+ * class has been seen. */
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/splatting/state.h"
+
+enum { SHADOW_MAP_SIZE = 1024 };
+
+/* ---- the caches ---- */
+
+static void close_cache(sl_record_cache *cache, unsigned threads) {
+    for (unsigned i = 0; cache->scratch && i < threads; i++) sl_gather_scratch_destroy(cache->scratch[i]);
+    sl_free(cache->scratch);
+    sl_gather_destroy(cache->gather);
+    sl_glossy_destroy(cache->glossy);
+    cache->scratch = NULL;
+    cache->gather = NULL;
+    cache->glossy = NULL;
+}
+
+static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache) {
+    return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
+}
+
+static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    sl_gather_settings settings = s->plan.gather;
+    bool radiance = cache->class == SL_RECEIVES_RADIANCE;
+    settings.harmonics_order = radiance ? s->plan.harmonics_order : 0;
+    sl_status status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather, &s->counters, error);
+    if (status == SL_OK) {
+        cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
+        if (!cache->scratch) status = sl_fail_memory(error, "gathers");
+    }
+    for (unsigned i = 0; status == SL_OK && i < threads; i++)
+        status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
+    if (status == SL_OK && radiance)
+        status = sl_glossy_create(s->scene, s->plan.harmonics_order, accuracy_of(s, cache), threads, &cache->glossy, error);
+    return status;
+}
+
+sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+    if (cache->gather) return SL_OK;
+    sl_status status = open_parts(s, cache, error);
+    if (status != SL_OK) close_cache(cache, s->settings.threads);
+    else sl_splat_prepare_pass(s, cache);
+    return status;
+}
+
+/* Where frames follow each other, records must not depend on the view in which they were made. */
+static double minimum_pixels(const sl_splat_state *s) {
+    return s->settings.records_per_frame ? 0.0 : s->plan.quality.minimum_pixels;
+}
+
+void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
+    const sl_gbuffer *g = s->gbuffer;
+    float a = (float)accuracy_of(s, cache), diagonal = s->scene->diagonal;
+    const sl_camera *camera = &s->scene->camera;
+    cache->pass = (sl_record_pass){
+        .gather = cache->gather,
+        .tracer = s->tracer,
+        .scratch = cache->scratch,
+        .gbuffer = g,
+        .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
+                      g->normal_z, cache->receives},
+        /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
+        .weights = {a, 1.0f / a, 1e-5f * diagonal},
+        .covered_weight = 1.0f / (9.0f * a),
+        .radii = {.accuracy = (double)a,
+                  .minimum_pixels = minimum_pixels(s),
+                  .minimum_reach = 1e-3 * (double)diagonal,
+                  .maximum_radius = 0.1 * (double)diagonal,
+                  .guard = true,
+                  .gather = cache->gather ? sl_gather_kind_used(cache->gather) : SL_GATHER_RAYS,
+                  .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
+                  .metric = s->settings.metric},
+        .coefficient_count = cache->glossy ? sl_gather_coefficient_count(cache->gather) : 0,
+        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .camera = camera,
+        .near_distance = 1e-5f * diagonal,
+        .footprint_per_depth = (float)(2.0 * sl_tan(0.5 * (double)camera->vertical_fov)) / (float)s->settings.height,
+        .neighbour_clamp = true,
+        .coverage = s->coverage,
+        .owned = s->owned,
+        .seed = s->settings.seed,
+        .threads = s->settings.threads,
+        .diagonal = diagonal,
+    };
+    cache->pass.glossy = (sl_glossy_view){cache->glossy, &cache->pass.receivers, g->material, camera->eye};
+}
+
+/* ---- light and hierarchy ---- */
+
+static void destroy_transport(sl_splat_state *s) {
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) close_cache(&s->cache[c], s->settings.threads);
+    sl_direct_destroy(s->direct);
+    sl_shadow_maps_destroy(s->maps);
+    sl_tracer_destroy(s->tracer);
+    sl_raster_destroy(s->raster);
+    sl_environment_release(&s->sky);
+    sl_environment_release(&s->sun);
+    s->direct = NULL;
+    s->maps = NULL;
+    s->tracer = NULL;
+    s->raster = NULL;
+}
+
+static const sl_environment *present_or_null(const sl_environment *e) { return e->present ? e : NULL; }
+
+static sl_status create_transport(sl_splat_state *s, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
+    if (status == SL_OK) status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
+    if (status == SL_OK && s->plan.direct) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
+        status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
+    if (status == SL_OK && s->plan.direct) {
+        sl_direct_settings direct = {s->plan.quality.light_samples, s->settings.seed, threads, s->maps,
+                                     present_or_null(&s->sun), NULL};
+        status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
+    }
+    s->plan.gather.background = s->maps ? NULL : present_or_null(&s->sky); /* the maps hold all of the environment */
+    return status;
+}
+
+sl_status sl_splat_renew_transport(sl_splat_state *s, sl_error *error) {
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) s->cache[c].list.count = s->cache[c].clamped = 0;
+    destroy_transport(s);
+    sl_status status = create_transport(s, error);
+    if (status != SL_OK) destroy_transport(s);
+    return status;
+}
+
+/* ---- all of it ---- */
+
+static sl_status create_buffers(sl_splat_state *s, sl_error *error) {
+    size_t pixels = sl_splat_pixels(s), planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
+    bool enough = true;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        s->cache[c].class = (sl_receiver_class)c;
+        bool wanted = c == SL_RECEIVES_RADIANCE ? s->plan.radiance : s->plan.irradiance;
+        if (wanted) s->cache[c].receives = sl_allocate(pixels, sizeof *s->cache[c].receives);
+        enough = enough && (s->cache[c].receives || !wanted);
+    }
+    s->owned = sl_allocate(pixels, sizeof *s->owned);
+    s->planes = sl_allocate(planes * pixels, sizeof *s->planes);
+    if (!enough || !s->owned || !s->planes) return sl_fail_memory(error, "the splat buffers");
+    for (int c = 0; c < 3; c++) s->direct_light[c] = s->planes + (size_t)c * pixels;
+    float *p = s->planes + 3 * pixels;
+    s->coverage = p;
+    s->splats = (sl_splat_buffer){p + pixels, p + 2 * pixels, p + 3 * pixels, p + 4 * pixels, p + 5 * pixels, {NULL}};
+    for (size_t c = 0; s->plan.radiance && c < 3; c++) s->splats.glossy[c] = p + (6 + c) * pixels;
+    return sl_gbuffer_create(s->settings.width, s->settings.height, &s->gbuffer, error);
+}
+
+sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                          sl_error *error) {
+    (void)transport; /* its own: sl_splat_transport() */
+    sl_splat_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "radiance cache splatting");
+    s->scene = scene;
+    s->settings = *settings;
+    s->plan = sl_splat_plan_make(scene, settings);
+    sl_status status = create_transport(s, error);
+    if (status == SL_OK) status = create_buffers(s, error);
+    if (status != SL_OK) {
+        sl_splat_destroy(s);
+        return status;
+    }
+    *state = s;
+    return SL_OK;
+}
+
+void sl_splat_destroy(void *state) {
+    sl_splat_state *s = state;
+    if (!s) return;
+    destroy_transport(s);
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        sl_free(s->cache[c].receives);
+        sl_record_list_free(&s->cache[c].list);
+    }
+    sl_gbuffer_destroy(s->gbuffer);
+    sl_free(s->planes);
+    sl_free(s->owned);
+    sl_free(s);
+}
+
+size_t sl_splat_memory_bytes(const void *state) {
+    const sl_splat_state *s = state;
+    size_t pixels = sl_splat_pixels(s), planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
+    size_t gbuffer = pixels * (14 * sizeof(float) + 2 * sizeof(uint32_t));
+    size_t bytes = sizeof *s + pixels * (planes * sizeof(float) + 1) + gbuffer;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_record_cache *cache = &s->cache[c];
+        bytes += cache->list.capacity *
+                 (sizeof(sl_record) + sizeof(sl_record_reach) + cache->pass.coefficient_count * sizeof(float));
+        if (cache->receives) bytes += pixels * sizeof *cache->receives;
+        if (cache->gather) bytes += sl_gather_memory_bytes(cache->gather);
+        if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);
+    }
+    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
+    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);
+    return bytes;
+}

@@ -1,0 +1,56 @@
+/* Radiance records (Krivanek et al. 2005; Gautron et al. 2005, section 3.3): what the light that a record gathered, as coefficients of
+ * hemispherical harmonics, sends from a pixel to the eye by way of a Phong lobe. Interpolation goes as follows (9):
+ *
+ *     translate   lambda(p) = lambda + dx d/dx lambda + dy d/dy lambda, where the gradients live: in the record's frame
+ *     rotate      into the pixel's frame; that is, the lobe is turned into the record's frame by the transpose
+ *     reflect     L_o = sum of c_lm(omega_o) lambda_lm
+ */
+#ifndef SL_CACHE_SPLATTING_GLOSSY_H
+#define SL_CACHE_SPLATTING_GLOSSY_H
+
+#include "cache/harmonics/harmonics.h"
+#include "cache/splatting/record.h"
+#include "scene/scene.h"
+
+/* The lobes of a scene's materials and the rotations between frames. Immutable after creation. */
+typedef struct sl_glossy sl_glossy;
+
+/* Records contribute where normals differ by at most acos(1 - a^2); order of the harmonics. */
+sl_status sl_glossy_create(const sl_scene *scene, int order, double accuracy, unsigned threads, sl_glossy **glossy,
+                           sl_error *error);
+void sl_glossy_destroy(sl_glossy *glossy);
+int sl_glossy_order(const sl_glossy *glossy);
+size_t sl_glossy_bytes(const sl_glossy *glossy);
+/* The least order that holds every glossy lobe of the scene to 5 % at 45 degrees, at most SL_HSH_ORDER_MAX; 1 without glossy
+ * materials. */
+int sl_glossy_order_for(const sl_scene *scene);
+
+/* What a view's pixels are to the glossy part of the fragment program. */
+typedef struct sl_glossy_view {
+    const sl_glossy *glossy;
+    const sl_receivers *receivers;
+    const uint32_t *material; /* of every pixel */
+    sl_vec3 eye;
+} sl_glossy_view;
+
+/* One record with its coefficients. */
+typedef struct sl_glossy_record {
+    sl_vec3 position;
+    sl_frame frame;
+    const float *coefficients; /* 9 padded vectors: lambda, d/dx, d/dy of R, G, B */
+} sl_glossy_record;
+
+/* sum of c lambda for one pixel, W/(m^2 sr) per unit ks: may be slightly negative, as finite orders ring. */
+typedef void sl_glossy_kernel(const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel, float radiance[3]);
+sl_glossy_kernel *sl_glossy_kernel_for(sl_isa isa);
+
+struct sl_glossy {
+    int order;
+    size_t even, stride;       /* floats of the even part, and of a whole padded vector */
+    size_t material_count;
+    sl_phong_table **lobe;     /* of every material; NULL: not glossy. Equal exponents share one. */
+    sl_hsh_rotation *rotation;
+    int even_m[SL_HSH_MAX], odd_m[SL_HSH_MAX]; /* |m| of every place of the even and the odd part; 0 in the padding */
+};
+
+#endif

@@ -1,0 +1,75 @@
+/* What radiance cache splatting holds between updates. */
+#ifndef SL_CACHE_SPLATTING_STATE_H
+#define SL_CACHE_SPLATTING_STATE_H
+
+#include "cache/splatting/glossy.h"
+#include "cache/splatting/plan.h"
+#include "cache/splatting/splatting.h"
+
+/* The records of one class of receivers, and all that it takes to make and to splat them. Classes share the planes of sums and of
+ * coverage, since a pixel belongs to one class alone: a record of the other never reaches it. */
+typedef struct sl_record_cache {
+    sl_receiver_class class;
+    sl_gather *gather;          /* NULL until a pixel of this class has been seen */
+    sl_gather_scratch **scratch; /* one a thread */
+    sl_glossy *glossy;          /* lobes and rotations; radiance records alone */
+    uint32_t *receives;         /* pixels of this class */
+    size_t receivers;           /* how many they are */
+    sl_record_list list;
+    size_t splatted;            /* records in the splat buffer */
+    size_t clamped;             /* records whose radii are a fixed point of neighbour clamping */
+    sl_record_pass pass;
+    sl_traversal traversal;
+} sl_record_cache;
+
+/* Records are made for one class after the other. */
+typedef enum sl_splat_phase {
+    SL_PHASE_GBUFFER,
+    SL_PHASE_DIRECT,
+    SL_PHASE_RECORDS,
+    SL_PHASE_CLAMP,
+    SL_PHASE_SECOND,
+    SL_PHASE_DONE
+} sl_splat_phase;
+
+enum { SL_SPLAT_PLANES = 12 };
+
+typedef struct sl_splat_state {
+    const sl_scene *scene;
+    sl_settings settings;
+    sl_splat_plan plan;
+
+    sl_raster *raster;
+    sl_tracer *tracer;
+    sl_shadow_maps *maps;
+    sl_direct *direct;
+    sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
+    sl_gbuffer *gbuffer;
+    float *planes;              /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
+    float *direct_light[3], *coverage;
+    sl_splat_buffer splats;
+    uint8_t *owned;
+    sl_record_cache cache[SL_RECEIVER_CLASSES];
+
+    sl_splat_phase phase;
+    int class;                  /* whose records are being made */
+    int direct_row;
+    uint64_t frame_records;     /* new ones since the frame began */
+    sl_counters counters, announced; /* all so far, and what observers have been told of */
+} sl_splat_state;
+
+/* ---- create.c ---- */
+
+sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                          sl_error *error);
+void sl_splat_destroy(void *state);
+/* Everything that depends on geometry and lights, and not on the camera: made anew. Records are dropped. */
+sl_status sl_splat_renew_transport(sl_splat_state *state, sl_error *error);
+/* What the records of a class need, once a pixel of that class has been seen: nothing if it is there. */
+sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
+void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
+size_t sl_splat_memory_bytes(const void *state);
+
+static inline size_t sl_splat_pixels(const sl_splat_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+
+#endif
