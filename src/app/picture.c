@@ -34,7 +34,7 @@ static bool find_number(const char *name, const char **begin, const char **end, 
 }
 
 static void frame_name(const char *pattern, unsigned long long frame, char *name, size_t size) {
-    const char *begin, *end;
+    const char *begin = pattern, *end = pattern;
     int width;
     find_number(pattern, &begin, &end, &width);
     snprintf(name, size, "%.*s%0*llu%s", (int)(begin - pattern), pattern, width, frame, end);
