@@ -6,4 +6,5 @@ build=$1
 [ -f scenes/generated/atrium.json ] || make -s scenes >/dev/null
 "$build/bench/bench_gather" scenes/generated/room.json scenes/generated/atrium.json scenes/generated/figure.json
 bench/speed_error.sh "$build"
+"$build/bench/bench_harmonics"
 "$build/bench/bench_raster"
