@@ -123,38 +123,321 @@ static void nothing_seen_gives_zeros(void **state) {
 
 /* ---- irradiance is among the coefficients ---- */
 
-/* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly: and the cells' integrals are exact too. */
+static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps, const sl_irradiance *e, const float *c) {
+    const double a = 0.5 * sqrt(2 * SL_PI), b = 0.5 * sqrt(2 * SL_PI / 3);
+    size_t stride = sl_gather_coefficient_count(g->gather) / 9;
+    sl_frame frame = sl_frame_from_normal(p->normal);
+    float value[3] = {e->value.r, e->value.g, e->value.b};
+    for (size_t v = 0; v < 3; v++) {
+        double got[3];
+        for (size_t d = 0; d < 3; d++) {
+            const float *lambda = c + (3 * d + v) * stride;
+            got[d] = a * (double)lambda[0] + b * (double)lambda[sl_hsh_even(1, 0)];
+        }
+        double tx = (double)sl_dot(e->translational[v], frame.x), ty = (double)sl_dot(e->translational[v], frame.y);
+        double eps = gradient_eps * (fabs(tx) + fabs(ty)) + 0.1 * gradient_eps * (double)value[v];
+        assert_near(got[0], (double)value[v], 2e-6 * (double)value[v]);
+        assert_near(got[1], tx, eps);
+        assert_near(got[2], ty, eps);
+    }
+}
+
+/* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly: and the cells' integrals are exact too. The plane's and the
+ * hemicube's walls are the same here and there. The rays' are straight on the disc there; and the walls of the plane's radial
+ * extension are left off there. */
 static void irradiance_is_two_coefficients(void **state) {
     (void)state;
+    const sl_gather_kind of[6] = {SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
+    const double eps[6] = {2e-4, 2e-4, 0.3, 2e-4, 2e-4, 0.05};
     world *w = world_room(true);
-    double a = 0.5 * sqrt(2 * SL_PI), b = 0.5 * sqrt(2 * SL_PI / 3);
-    for (int i = 0; i < 6; i++) {
-        sl_gather_settings s = settings_of(kinds[i % 3], i < 3 ? 64 : 37, 6);
+    for (int i = 0; i < 12; i++) {
+        sl_gather_settings s = settings_of(of[i % 6], i < 6 ? 64 : 37, 6);
+        s.border = (sl_border)(i % 6 < 4 ? i % 6 : SL_BORDER_RADIAL);
         gatherer g = gatherer_new(w, &s);
-        size_t stride = sl_hsh_stride(6);
         for (uint64_t point = 0; point < 12; point++) {
             float c[FLOATS_MAX];
             sl_gather_point p = world_surface_point(w, point);
             sl_irradiance e;
             sl_gather_radiance(g.gather, &p, g.scratch, &e, c, g.counters);
-            sl_frame frame = sl_frame_from_normal(p.normal);
-            float value[3] = {e.value.r, e.value.g, e.value.b};
-            for (size_t v = 0; v < 3; v++) {
-                double got[3];
-                for (size_t d = 0; d < 3; d++) {
-                    const float *lambda = c + (3 * d + v) * stride;
-                    got[d] = a * (double)lambda[0] + b * (double)lambda[sl_hsh_even(1, 0)];
-                }
-                double tx = (double)sl_dot(e.translational[v], frame.x), ty = (double)sl_dot(e.translational[v], frame.y);
-                assert_near(got[0], (double)value[v], 2e-6 * (double)value[v]);
-                /* Plane and hemicube have the same walls here and there; those of rays are straight on the disc there. */
-                double eps = kinds[i % 3] == SL_GATHER_RAYS ? 0.05 : 2e-4;
-                assert_near(got[1], tx, eps * (fabs(tx) + fabs(ty)) + 0.1 * eps * (double)value[v]);
-                assert_near(got[2], ty, eps * (fabs(tx) + fabs(ty)) + 0.1 * eps * (double)value[v]);
-            }
+            compare_with_irradiance(&g, &p, eps[i % 6], &e, c);
         }
         gatherer_free(&g);
     }
+    world_free(w);
+}
+
+/* ---- walls ---- */
+
+static double cosine_part(const sl_wall *wall) {
+    return 0.5 * sqrt(2 * SL_PI) * wall->mean[0] + 0.5 * sqrt(2 * SL_PI / 3) * wall->mean[sl_hsh_even(1, 0)];
+}
+
+/* cache-math 3.3 and 4: the wall at u from v0 to v1 moves by integral of dv / l^3; a ring of the concentric map by
+ * d phi sin theta cos theta along u, a meridian by d theta along v; in the border extension the cosine-weighted wall is
+ * 1 / (2 h (1 + h^2)) along v. */
+static void walls_move_as_their_closed_forms(void **state) {
+    (void)state;
+    const double t = 2.5;
+    sl_gather_tables *plane, *rays;
+    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 20, t, SL_BORDER_RADIAL, &plane, NULL), SL_OK);
+    assert_int_equal(sl_gather_tables_create(SL_GATHER_RAYS, 20, t, SL_BORDER_RADIAL, &rays, NULL), SL_OK);
+    sl_instrument p = sl_instrument_of(plane, t, SL_BORDER_RADIAL, 7), r = sl_instrument_of(rays, t, SL_BORDER_RADIAL, 7);
+    sl_wall wall;
+    for (int x = 10; x < 20; x++) {
+        for (int y = 10; y < 20; y++) {
+            double u = t * (x / 10.0 - 1), v0 = t * (y / 10.0 - 1), v1 = t * ((y + 1) / 10.0 - 1), q = 1 + u * u;
+            double moved = (v1 / sqrt(q + v1 * v1) - v0 / sqrt(q + v0 * v0)) / q, half = x == 10 ? 0.5 : 1;
+            sl_wall_harmonics(&p, SL_WALL_COLUMN, x, y, &wall);
+            assert_near(wall.x, half * moved, 1e-12);
+            assert_near(wall.y, 0, 1e-15);
+            assert_near(wall.x * cosine_part(&wall), half * (double)plane->column_x[y * 20 + x], 1e-8);
+            sl_wall_harmonics(&p, SL_WALL_ROW, y, x, &wall);
+            assert_near(wall.y, half * moved, 1e-12);
+            assert_near(wall.x, 0, 1e-15);
+        }
+        double edge = t * (x / 10.0 - 1), h = sqrt(t * t + edge * edge), half = x == 10 ? 0.5 : 1;
+        sl_wall_harmonics(&p, SL_WALL_BORDER_ROW, 19, x, &wall);
+        assert_near(sqrt(wall.x * wall.x + wall.y * wall.y) * cosine_part(&wall), half * 0.5 / (h * (1 + h * h)), 1e-12);
+        assert_near(wall.x * t + wall.y * edge, 0, 1e-14);
+        assert_true(wall.y > 0);
+        sl_wall_harmonics(&r, SL_WALL_COLUMN, x, 10, &wall); /* from b = 0 to 1/10 */
+        double a = x / 10.0 - 1, width = x == 10 ? 0 : 0.25 * SL_PI * 0.1 / a;
+        if (x == 10) assert_near(wall.x, 0.5 * sl_asin(0.1), 1e-12); /* a meridian, halved: its mirror image is itself */
+        else assert_near(wall.x, a * sqrt(1 - a * a) * sl_sin(width), 1e-12);
+        if (x > 10) assert_near(wall.y, a * sqrt(1 - a * a) * (1 - sl_cos(width)), 1e-12);
+    }
+    sl_gather_tables_destroy(plane);
+    sl_gather_tables_destroy(rays);
+}
+
+/* ---- against quadrature ---- */
+
+/* A room whose walls all shine, each in its own way, with two boxes in it. */
+static world *shining_room(void) {
+    world *w = world_new();
+    uint32_t m[6], lamp = world_material(w, sl_grey(0), (sl_rgb){9, 6, 3}), dark = world_material(w, sl_grey(0), sl_grey(0.1f));
+    for (int i = 0; i < 6; i++) m[i] = world_material(w, sl_grey(0), (sl_rgb){0.3f + 0.2f * (float)i, 1.2f - 0.15f * (float)i, i == 3 ? 2 : 0.5f});
+    world_box(w, sl_v3(0, 0, 0), sl_v3(4, 3, 6), true, m);
+    world_box(w, sl_v3(0.6f, 0.001f, 1.0f), sl_v3(1.5f, 1.2f, 2.0f), false, (uint32_t[6]){m[3], m[4], m[5], m[0], m[1], m[2]});
+    world_box(w, sl_v3(2.3f, 0.001f, 2.4f), sl_v3(3.3f, 0.7f, 3.2f), false, (uint32_t[6]){dark, dark, dark, dark, dark, dark});
+    world_quad(w, sl_v3(1.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 2.5f), sl_v3(2.5f, 2.95f, 3.5f), sl_v3(1.5f, 2.95f, 3.5f), lamp);
+    world_build(w);
+    return w;
+}
+
+/* Rays of equal solid angle. */
+static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order, double lambda[3][SL_HSH_STRIDE_MAX]) {
+    enum { RINGS = 256, SECTORS = 1024 };
+    sl_frame frame = sl_frame_from_normal(n);
+    sl_counters counters = {{0}};
+    sl_hsh_recurrence recurrence;
+    sl_hsh_recurrence_of(order, &recurrence);
+    memset(lambda, 0, 3 * sizeof *lambda);
+    for (int i = 0; i < RINGS * SECTORS / SL_PACKET; i++) {
+        sl_ray16 rays;
+        sl_hit16 hits;
+        sl_vec3d local[SL_PACKET];
+        for (int j = 0; j < SL_PACKET; j++) {
+            double c = (i * SL_PACKET / SECTORS + 0.5) / RINGS, azimuth = 2 * SL_PI * (i * SL_PACKET % SECTORS + j + 0.5) / SECTORS;
+            local[j] = sl_v3d(sqrt(1 - c * c) * sl_cos(azimuth), sqrt(1 - c * c) * sl_sin(azimuth), c);
+            sl_vec3 d = sl_frame_to_world(&frame, sl_to_float(local[j])), o = sl_mad(p, 1e-4f, n);
+            rays.origin_x[j] = o.x, rays.origin_y[j] = o.y, rays.origin_z[j] = o.z;
+            rays.direction_x[j] = d.x, rays.direction_y[j] = d.y, rays.direction_z[j] = d.z;
+            rays.near[j] = 0, rays.far[j] = INFINITY, rays.skip[j] = SL_NO_INDEX;
+        }
+        sl_trace(w->tracer, &rays, SL_PACKET, true, &hits, &counters);
+        for (int j = 0; j < SL_PACKET; j++) {
+            double values[SL_HSH_STRIDE_MAX];
+            if (hits.triangle[j] == SL_NO_INDEX) continue;
+            sl_rgb shine = w->scene->materials[w->scene->material_index[hits.triangle[j]]].emission;
+            sl_hsh_evaluate_by(&recurrence, local[j], values);
+            for (size_t k = 0; k < sl_hsh_stride(order); k++) {
+                double share = values[k] * 2 * SL_PI / ((double)RINGS * SECTORS);
+                lambda[0][k] += share * (double)shine.r, lambda[1][k] += share * (double)shine.g, lambda[2][k] += share * (double)shine.b;
+            }
+        }
+    }
+}
+
+/* Error of all coefficients together, relative to their size. A plane sees nothing below 20 degrees, and rays of equal cosine weight
+ * are few there. */
+static void coefficients_agree_with_quadrature(void **state) {
+    (void)state;
+    enum { ORDER = 8 };
+    const double bounds[3] = {0.1, 0.035, 0.03};
+    world *w = shining_room();
+    const sl_vec3 points[3] = {{2.1f, 0, 1.4f}, {4, 1.3f, 2.2f}, {1.7f, 2.0f, 6}}, normals[3] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}};
+    double truth[3][3][SL_HSH_STRIDE_MAX];
+    for (int i = 0; i < 3; i++) quadrature_by_rays(w, points[i], normals[i], ORDER, truth[i]);
+    for (int k = 0; k < 3; k++) {
+        double wrong = 0, all = 0;
+        sl_gather_settings s = settings_of(kinds[k], 64, ORDER);
+        gatherer g = gatherer_new(w, &s);
+        for (int i = 0; i < 3; i++) {
+            float c[FLOATS_MAX];
+            radiance_at(&g, points[i], normals[i], c);
+            for (size_t v = 0; v < 3; v++) {
+                for (size_t j = 0; j < sl_hsh_stride(ORDER); j++) {
+                    double difference = (double)c[v * sl_hsh_stride(ORDER) + j] - truth[i][v][j];
+                    wrong += difference * difference;
+                    all += truth[i][v][j] * truth[i][v][j];
+                }
+            }
+        }
+        print_message("instrument %d: coefficients' relative error %.4f\n", k, sqrt(wrong / all));
+        assert_true(sqrt(wrong / all) < bounds[k]);
+        gatherer_free(&g);
+    }
+    world_free(w);
+}
+
+/* ---- gradients ---- */
+
+/* Coefficients of a rectangle at height z that shines downwards: integral of H cos theta' / r^2 over its area. */
+static void rectangle_light(int order, double px, double py, double *lambda) {
+    enum { STEPS = 48 };
+    const double x0 = -0.7, x1 = 1.1, y0 = -0.4, y1 = 0.9, z = 1.3, radiance = 5;
+    double values[SL_HSH_STRIDE_MAX];
+    memset(lambda, 0, SL_HSH_STRIDE_MAX * sizeof *lambda);
+    for (int i = 0; i < STEPS * STEPS; i++) {
+        double x = x0 + (x1 - x0) * (i % STEPS + 0.5) / STEPS - px, y = y0 + (y1 - y0) * (i / STEPS + 0.5) / STEPS - py;
+        double squared = x * x + y * y + z * z, length = sqrt(squared);
+        double share = radiance * (x1 - x0) * (y1 - y0) / (STEPS * STEPS) * z / (length * squared);
+        sl_hsh_evaluate(order, sl_v3d(x / length, y / length, z / length), values);
+        for (size_t k = 0; k < sl_hsh_stride(order); k++) lambda[k] += share * values[k];
+    }
+}
+
+static double rectangle_gradient_error(world *w, sl_gather_kind kind, int size) {
+    enum { ORDER = 5, POINTS = 10 };
+    const double step = 1e-4;
+    size_t stride = sl_hsh_stride(ORDER);
+    sl_gather_settings s = settings_of(kind, size, ORDER);
+    gatherer g = gatherer_new(w, &s);
+    double sum = 0;
+    for (int i = 0; i < POINTS; i++) {
+        double px = -0.5 + 0.13 * i, py = 0.3 - 0.07 * i, wrong = 0, all = 0;
+        float c[FLOATS_MAX];
+        radiance_at(&g, sl_to_float(sl_v3d(px, py, 0)), sl_v3(0, 0, 1), c);
+        for (size_t d = 0; d < 2; d++) {
+            double ahead[SL_HSH_STRIDE_MAX], behind[SL_HSH_STRIDE_MAX], dx = d == 0 ? step : 0, dy = d == 1 ? step : 0;
+            rectangle_light(ORDER, px + dx, py + dy, ahead);
+            rectangle_light(ORDER, px - dx, py - dy, behind);
+            for (size_t k = 0; k < stride; k++) {
+                double truth = (ahead[k] - behind[k]) / (2 * step), difference = (double)c[(3 + 3 * d) * stride + k] - truth;
+                wrong += difference * difference;
+                all += truth * truth;
+            }
+        }
+        sum += wrong / all;
+    }
+    gatherer_free(&g);
+    return sqrt(sum / POINTS);
+}
+
+/* Walls see a light's edges only as finely as the cells are. */
+static void gradients_agree_with_a_rectangle_light(void **state) {
+    (void)state;
+    const double bounds[3][3] = {{0.22, 0.11, 0.06}, {0.08, 0.045, 0.025}, {0.08, 0.035, 0.015}};
+    world *w = world_new();
+    world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
+               world_material(w, sl_grey(0), sl_grey(5)));
+    world_build(w);
+    for (int k = 0; k < 3; k++) {
+        double coarse = rectangle_gradient_error(w, kinds[k], 32), middle = rectangle_gradient_error(w, kinds[k], 64);
+        double fine = rectangle_gradient_error(w, kinds[k], 128);
+        print_message("instrument %d: gradients' relative error %.4f, %.4f, %.4f for N = 32, 64, 128\n", k, coarse, middle, fine);
+        assert_true(coarse < bounds[k][0] && middle < bounds[k][1] && fine < bounds[k][2]);
+    }
+    world_free(w);
+}
+
+/* In a room, with occluders and shadows, against central differences of a finer gather. */
+static void gradients_agree_with_differences(void **state) {
+    (void)state;
+    enum { ORDER = 6, WANTED = 6 };
+    const float step = 0.02f;
+    const double bounds[3] = {0.4, 0.13, 0.2};
+    size_t stride = sl_hsh_stride(ORDER);
+    world *w = world_room(false);
+    sl_gather_settings fine = settings_of(SL_GATHER_HEMICUBE, 256, ORDER);
+    gatherer f = gatherer_new(w, &fine), g[3];
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 64, ORDER);
+        g[k] = gatherer_new(w, &s);
+    }
+    double sums[3] = {0, 0, 0};
+    int count = 0;
+    for (uint64_t i = 0; i < 40 && count < WANTED; i++) {
+        sl_gather_point p = world_surface_point(w, i);
+        sl_irradiance e;
+        float c[FLOATS_MAX], at[2][FLOATS_MAX], truth[2][SL_HSH_STRIDE_MAX];
+        double all = 0, size = 0;
+        p.triangle = SL_NO_INDEX;
+        p.position = sl_mad(p.position, 0.001f, p.geometric_normal); /* clear of its own plane */
+        sl_frame frame = sl_frame_from_normal(p.normal);
+        for (int d = 0; d < 2; d++) {
+            for (int side = 0; side < 2; side++) {
+                sl_gather_point q = p;
+                q.position = sl_mad(p.position, side ? -step : step, d ? frame.y : frame.x);
+                sl_gather_radiance(f.gather, &q, f.scratch, &e, at[side], f.counters);
+            }
+            for (size_t j = 0; j < stride; j++) {
+                truth[d][j] = (at[0][stride + j] - at[1][stride + j]) / (2 * step);
+                all += (double)truth[d][j] * (double)truth[d][j];
+                size += (double)at[0][stride + j] * (double)at[0][stride + j];
+            }
+        }
+        if (!(e.value.g > 0.02f) || all > 9 * size) continue;
+        count++;
+        for (int k = 0; k < 3; k++) {
+            double wrong = 0;
+            sl_gather_radiance(g[k].gather, &p, g[k].scratch, &e, c, g[k].counters);
+            for (size_t d = 0; d < 2; d++) {
+                for (size_t j = 0; j < stride; j++) {
+                    double difference = (double)(c[(4 + 3 * d) * stride + j] - truth[d][j]);
+                    wrong += difference * difference;
+                }
+            }
+            sums[k] += wrong / all;
+        }
+    }
+    assert_int_equal(count, WANTED);
+    for (int k = 0; k < 3; k++) {
+        print_message("instrument %d: gradients' relative error in a room %.4f\n", k, sqrt(sums[k] / WANTED));
+        assert_true(sqrt(sums[k] / WANTED) < bounds[k]);
+        gatherer_free(&g[k]);
+    }
+    gatherer_free(&f);
+    world_free(w);
+}
+
+/* ---- hard numbers ---- */
+
+static void add_what_is_no_number(const void *context, const sl_hidden_points *points, float *r, float *g, float *b, sl_counters *counters) {
+    (void)context, (void)counters;
+    for (size_t i = 0; i < points->count; i++) {
+        r[i] += i % 3 ? 1.0f : NAN;
+        g[i] += i % 5 ? 1.0f : INFINITY;
+        b[i] += i % 7 ? 0.0f : -INFINITY;
+    }
+}
+
+static void radiance_that_is_no_number_stays_out(void **state) {
+    (void)state;
+    const sl_hidden_light hidden = {.irradiance = add_what_is_no_number};
+    world *w = world_room(false);
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings s = settings_of(kinds[k], 32, 10);
+        s.hidden = &hidden;
+        gatherer g = gatherer_new(w, &s);
+        float c[FLOATS_MAX];
+        radiance_at(&g, sl_v3(2, 0, 3.7f), sl_v3(0, 1, 0), c);
+        for (size_t i = 0; i < 9 * sl_hsh_stride(10); i++) assert_true(isfinite(c[i]));
+        assert_true(c[0] > 0 && c[0] < 10);
+        gatherer_free(&g);
+    }
+    assert_true(w->counters.value[SL_COUNT_NONFINITE] > 0);
     world_free(w);
 }
 
@@ -203,6 +486,11 @@ int main(void) {
         cmocka_unit_test(white_room_has_one_coefficient_and_no_gradient),
         cmocka_unit_test(nothing_seen_gives_zeros),
         cmocka_unit_test(irradiance_is_two_coefficients),
+        cmocka_unit_test(walls_move_as_their_closed_forms),
+        cmocka_unit_test(coefficients_agree_with_quadrature),
+        cmocka_unit_test(gradients_agree_with_a_rectangle_light),
+        cmocka_unit_test(gradients_agree_with_differences),
+        cmocka_unit_test(radiance_that_is_no_number_stays_out),
         cmocka_unit_test(every_instruction_set_and_thread_count_gives_the_same_bits),
         cmocka_unit_test(orders_out_of_range_are_refused),
     };

@@ -55,27 +55,32 @@ static bool is_cell(const sl_gather_tables *t, int x, int y) {
     return t->length[(size_t)y * (size_t)t->width + (size_t)x] > 0.0f; /* else blank */
 }
 
-/* Cells and walls whose middles have x >= 0 and y >= 0. Without lists, only counts. */
-static void list_quadrant(const sl_gather_tables *t, sl_projection_list *cells, sl_projection_list *walls, entry *cell, entry *wall) {
+/* Adds to a list, or only counts where there is none. */
+static void append(entry *list, size_t *count, sl_wall_type type, int x, int y) {
+    if (list) list[*count] = (entry){type, x, y};
+    ++*count;
+}
+
+/* Cells and walls whose middles have x >= 0 and y >= 0. */
+static void list_quadrant(quadrant *q) {
+    const sl_gather_tables *t = q->tables;
     int width = t->width, first = width / 2;
-    cells->count = walls->count = 0;
+    bool extended = t->kind == SL_GATHER_PLANE && q->instrument.border == SL_BORDER_RADIAL;
+    size_t cells = 0, walls = 0;
     for (int y = first; y < width; y++) {
         for (int x = first; x < width; x++) {
             if (!is_cell(t, x, y)) continue;
-            if (cell) cell[cells->count] = (entry){SL_WALL_COLUMN, x, y};
-            cells->count++;
-            for (int type = SL_WALL_COLUMN; type <= SL_WALL_ROW; type++) {
-                bool row = type == SL_WALL_ROW;
-                if (2 * (row ? y : x) < width || !is_cell(t, row ? x : x - 1, row ? y - 1 : y)) continue;
-                if (wall) wall[walls->count] = (entry){(sl_wall_type)type, x, y};
-                walls->count++;
-            }
+            append(q->cells, &cells, SL_WALL_COLUMN, x, y);
+            bool column = 2 * x >= width && is_cell(t, x - 1, y), row = 2 * y >= width && is_cell(t, x, y - 1);
+            if (column) append(q->walls, &walls, SL_WALL_COLUMN, x, y);
+            if (row) append(q->walls, &walls, SL_WALL_ROW, x, y);
+            if (column && extended && y == width - 1) append(q->walls, &walls, SL_WALL_BORDER_COLUMN, x, y);
+            if (row && extended && x == width - 1) append(q->walls, &walls, SL_WALL_BORDER_ROW, x, y);
         }
     }
-    for (int k = 0; t->seam_count && k < t->size / 2; k++) {
-        if (wall) wall[walls->count] = (entry){SL_WALL_SEAM, k, 0};
-        walls->count++;
-    }
+    for (int k = 0; t->seam_count && k < t->size / 2; k++) append(q->walls, &walls, SL_WALL_SEAM, k, 0);
+    q->projection->cells.count = cells;
+    q->projection->walls.count = walls;
 }
 
 static uint32_t mirrored_cell(const sl_gather_tables *t, int x, int y, int image) {
@@ -92,8 +97,8 @@ static void set_cell_images(const quadrant *q, size_t i) {
 static void set_wall_images(const quadrant *q, size_t i) {
     sl_projection_list *list = &q->projection->walls;
     entry e = q->walls[i], from = e;
-    if (e.type == SL_WALL_COLUMN) from.x--;
-    if (e.type == SL_WALL_ROW) from.y--;
+    if (e.type == SL_WALL_COLUMN || e.type == SL_WALL_BORDER_COLUMN) from.x--;
+    if (e.type == SL_WALL_ROW || e.type == SL_WALL_BORDER_ROW) from.y--;
     if (e.type == SL_WALL_SEAM) { /* row k of the face at x = 1, row k of that at y = 1 */
         int last = q->tables->size / 2 + q->tables->size - 1, k = q->walls[i].x;
         from = (entry){.x = last + 1 + k, .y = last};
@@ -176,14 +181,14 @@ size_t sl_projection_bytes(const sl_projection *p) {
 
 static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
     sl_projection *p = q->projection;
-    list_quadrant(q->tables, &p->cells, &p->walls, NULL, NULL);
+    list_quadrant(q); /* counts */
     sl_status status = allocate_list(&p->cells, p->groups, 1, error);
     if (status == SL_OK) status = allocate_list(&p->walls, p->groups, 2, error);
     if (status != SL_OK) return status;
     q->cells = sl_allocate(p->cells.count, sizeof *q->cells);
     q->walls = sl_allocate(p->walls.count, sizeof *q->walls);
     if (q->cells && q->walls) {
-        list_quadrant(q->tables, &p->cells, &p->walls, q->cells, q->walls);
+        list_quadrant(q);
         sl_parallel_for(threads, p->cells.blocks, fill_cells, q);
         sl_parallel_for(threads, p->walls.blocks, fill_walls, q);
     } else {

@@ -5,6 +5,8 @@
  *   grad lambda_i = sum over walls between cells of (L_b - L_a) / (the nearer one's distance) times the integral of H_i along the
  *                 wall, as it moves with the receiver (the principle of walls, cache-math 3.2)
  *
+ * On the plane with its radial extension, walls between border cells go on down to the horizon.
+ *
  * Two matrix products: n^2 coefficients by cells by 3 channels, and by walls by 6. Mirror images make them four times as small.
  * The instruments are symmetric about the axes x and y, and so is every H, but for its sign: it changes
  *     by cos(m phi), m even: never;  m odd: with x;      by sin(m phi), m odd: with y;  m even: with x and with y.

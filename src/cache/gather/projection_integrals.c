@@ -227,6 +227,18 @@ static void add_column_wall(const integral *q, sl_wall *wall, double *total, dou
     }
 }
 
+/* The radial extension of a row wall at (t, b): along a meridian down to the horizon. The surface is taken to stand upright there, at
+ * the horizontal distance h = sqrt(t^2 + b^2) that it has at depth 1; so its distance is h / sin theta. */
+static void add_border_wall(const integral *q, sl_wall *wall, double *total, double b) {
+    const sl_rule *f = &q->in->fine;
+    double h = sqrt(q->in->half_tangent * q->in->half_tangent + b * b), cos_phi = q->in->half_tangent / h, sin_phi = b / h;
+    double edge = 1.0 / sqrt(1.0 + h * h);
+    for (int i = 0; i < f->count; i++) { /* sin theta d theta = -d cos theta */
+        double root = f->node[i], c = edge * root * root, s = sqrt(1.0 - c * c), weight = f->weight[i] * 2.0 * edge * root / h;
+        add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c), -weight * sin_phi, weight * cos_phi);
+    }
+}
+
 void sl_wall_harmonics(const sl_instrument *in, sl_wall_type type, int x, int y, sl_wall *wall) {
     integral q = {in, type == SL_WALL_ROW, wall->mean};
     double total = 0.0, half = 1.0;
@@ -234,6 +246,12 @@ void sl_wall_harmonics(const sl_instrument *in, sl_wall_type type, int x, int y,
     if (type == SL_WALL_SEAM) {
         double step = 2.0 / in->size, z1 = 1.0 - step * x;
         add_edge(&q, wall, &total, sl_v3d(1.0, 1.0, z1 - step), sl_v3d(1.0, 1.0, z1));
+    } else if (type >= SL_WALL_BORDER_COLUMN) {
+        bool column = type == SL_WALL_BORDER_COLUMN;
+        double line = grid_line(in, column ? x : y);
+        q.exchanged = column;
+        if (line <= 0.0) half = 0.5;
+        add_border_wall(&q, wall, &total, line);
     } else {
         range r = cell_range(in, x, y);
         double line = grid_line(in, type == SL_WALL_ROW ? y : x);
