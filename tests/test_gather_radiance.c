@@ -108,7 +108,8 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
 static void nothing_seen_gives_zeros(void **state) {
     (void)state;
     world *w = world_new();
-    world_quad(w, sl_v3(-1, -1, -1), sl_v3(1, -1, -1), sl_v3(1, 1, -1), sl_v3(-1, 1, -1), world_material(w, sl_grey(0.5f), sl_grey(1)));
+    world_quad(w, sl_v3(-1, -1, -1), sl_v3(1, -1, -1), sl_v3(1, 1, -1), sl_v3(-1, 1, -1),
+               world_material(w, sl_grey(0.5f), sl_grey(1)));
     world_build(w);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 32, 7);
@@ -123,7 +124,8 @@ static void nothing_seen_gives_zeros(void **state) {
 
 /* ---- irradiance is among the coefficients ---- */
 
-static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps, const sl_irradiance *e, const float *c) {
+static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps, const sl_irradiance *e,
+                                    const float *c) {
     const double a = 0.5 * sqrt(2 * SL_PI), b = 0.5 * sqrt(2 * SL_PI / 3);
     size_t stride = sl_gather_coefficient_count(g->gather) / 9;
     sl_frame frame = sl_frame_from_normal(p->normal);
@@ -147,7 +149,8 @@ static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, doubl
  * extension are left off there. */
 static void irradiance_is_two_coefficients(void **state) {
     (void)state;
-    const sl_gather_kind of[6] = {SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
+    const sl_gather_kind of[6] = {SL_GATHER_PLANE, SL_GATHER_PLANE,    SL_GATHER_PLANE,
+                                  SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
     const double eps[6] = {2e-4, 2e-4, 0.3, 2e-4, 2e-4, 0.05};
     world *w = world_room(true);
     for (int i = 0; i < 12; i++) {
@@ -216,7 +219,10 @@ static void walls_move_as_their_closed_forms(void **state) {
 static world *shining_room(void) {
     world *w = world_new();
     uint32_t m[6], lamp = world_material(w, sl_grey(0), (sl_rgb){9, 6, 3}), dark = world_material(w, sl_grey(0), sl_grey(0.1f));
-    for (int i = 0; i < 6; i++) m[i] = world_material(w, sl_grey(0), (sl_rgb){0.3f + 0.2f * (float)i, 1.2f - 0.15f * (float)i, i == 3 ? 2 : 0.5f});
+    for (int i = 0; i < 6; i++) {
+        sl_rgb shine = {0.3f + 0.2f * (float)i, 1.2f - 0.15f * (float)i, i == 3 ? 2 : 0.5f};
+        m[i] = world_material(w, sl_grey(0), shine);
+    }
     world_box(w, sl_v3(0, 0, 0), sl_v3(4, 3, 6), true, m);
     world_box(w, sl_v3(0.6f, 0.001f, 1.0f), sl_v3(1.5f, 1.2f, 2.0f), false, (uint32_t[6]){m[3], m[4], m[5], m[0], m[1], m[2]});
     world_box(w, sl_v3(2.3f, 0.001f, 2.4f), sl_v3(3.3f, 0.7f, 3.2f), false, (uint32_t[6]){dark, dark, dark, dark, dark, dark});
@@ -238,7 +244,8 @@ static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order, 
         sl_hit16 hits;
         sl_vec3d local[SL_PACKET];
         for (int j = 0; j < SL_PACKET; j++) {
-            double c = (i * SL_PACKET / SECTORS + 0.5) / RINGS, azimuth = 2 * SL_PI * (i * SL_PACKET % SECTORS + j + 0.5) / SECTORS;
+            double c = (i * SL_PACKET / SECTORS + 0.5) / RINGS;
+            double azimuth = 2 * SL_PI * (i * SL_PACKET % SECTORS + j + 0.5) / SECTORS;
             local[j] = sl_v3d(sqrt(1 - c * c) * sl_cos(azimuth), sqrt(1 - c * c) * sl_sin(azimuth), c);
             sl_vec3 d = sl_frame_to_world(&frame, sl_to_float(local[j])), o = sl_mad(p, 1e-4f, n);
             rays.origin_x[j] = o.x, rays.origin_y[j] = o.y, rays.origin_z[j] = o.z;
@@ -253,7 +260,9 @@ static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order, 
             sl_hsh_evaluate_by(&recurrence, local[j], values);
             for (size_t k = 0; k < sl_hsh_stride(order); k++) {
                 double share = values[k] * 2 * SL_PI / ((double)RINGS * SECTORS);
-                lambda[0][k] += share * (double)shine.r, lambda[1][k] += share * (double)shine.g, lambda[2][k] += share * (double)shine.b;
+                lambda[0][k] += share * (double)shine.r;
+                lambda[1][k] += share * (double)shine.g;
+                lambda[2][k] += share * (double)shine.b;
             }
         }
     }
@@ -269,9 +278,10 @@ static void coefficients_agree_with_quadrature(void **state) {
     const sl_vec3 points[3] = {{2.1f, 0, 1.4f}, {4, 1.3f, 2.2f}, {1.7f, 2.0f, 6}}, normals[3] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}};
     double truth[3][3][SL_HSH_STRIDE_MAX];
     for (int i = 0; i < 3; i++) quadrature_by_rays(w, points[i], normals[i], ORDER, truth[i]);
-    for (int k = 0; k < 3; k++) {
+    for (int m = 0; m < 6; m++) {
+        int k = m % 3, size = m < 3 ? 64 : 55;
         double wrong = 0, all = 0;
-        sl_gather_settings s = settings_of(kinds[k], 64, ORDER);
+        sl_gather_settings s = settings_of(kinds[k], size, ORDER);
         gatherer g = gatherer_new(w, &s);
         for (int i = 0; i < 3; i++) {
             float c[FLOATS_MAX];
@@ -284,7 +294,7 @@ static void coefficients_agree_with_quadrature(void **state) {
                 }
             }
         }
-        print_message("instrument %d: coefficients' relative error %.4f\n", k, sqrt(wrong / all));
+        print_message("instrument %d, N = %d: coefficients' relative error %.4f\n", k, size, sqrt(wrong / all));
         assert_true(sqrt(wrong / all) < bounds[k]);
         gatherer_free(&g);
     }
@@ -324,7 +334,8 @@ static double rectangle_gradient_error(world *w, sl_gather_kind kind, int size) 
             rectangle_light(ORDER, px + dx, py + dy, ahead);
             rectangle_light(ORDER, px - dx, py - dy, behind);
             for (size_t k = 0; k < stride; k++) {
-                double truth = (ahead[k] - behind[k]) / (2 * step), difference = (double)c[(3 + 3 * d) * stride + k] - truth;
+                double truth = (ahead[k] - behind[k]) / (2 * step);
+                double difference = (double)c[(3 + 3 * d) * stride + k] - truth;
                 wrong += difference * difference;
                 all += truth * truth;
             }
@@ -338,16 +349,18 @@ static double rectangle_gradient_error(world *w, sl_gather_kind kind, int size) 
 /* Walls see a light's edges only as finely as the cells are. */
 static void gradients_agree_with_a_rectangle_light(void **state) {
     (void)state;
-    const double bounds[3][3] = {{0.22, 0.11, 0.06}, {0.08, 0.045, 0.025}, {0.08, 0.035, 0.015}};
+    const double bounds[3][4] = {{0.22, 0.11, 0.11, 0.06}, {0.08, 0.045, 0.045, 0.025}, {0.08, 0.035, 0.035, 0.015}};
     world *w = world_new();
     world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f), sl_v3(1.1f, -0.4f, 1.3f),
                world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     for (int k = 0; k < 3; k++) {
-        double coarse = rectangle_gradient_error(w, kinds[k], 32), middle = rectangle_gradient_error(w, kinds[k], 64);
-        double fine = rectangle_gradient_error(w, kinds[k], 128);
-        print_message("instrument %d: gradients' relative error %.4f, %.4f, %.4f for N = 32, 64, 128\n", k, coarse, middle, fine);
-        assert_true(coarse < bounds[k][0] && middle < bounds[k][1] && fine < bounds[k][2]);
+        const int sizes[4] = {32, 63, 64, 128};
+        for (int i = 0; i < 4; i++) {
+            double wrong = rectangle_gradient_error(w, kinds[k], sizes[i]);
+            print_message("instrument %d, N = %d: gradients' relative error %.4f\n", k, sizes[i], wrong);
+            assert_true(wrong < bounds[k][i]);
+        }
     }
     world_free(w);
 }
@@ -414,7 +427,8 @@ static void gradients_agree_with_differences(void **state) {
 
 /* ---- hard numbers ---- */
 
-static void add_what_is_no_number(const void *context, const sl_hidden_points *points, float *r, float *g, float *b, sl_counters *counters) {
+static void add_what_is_no_number(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+                                  sl_counters *counters) {
     (void)context, (void)counters;
     for (size_t i = 0; i < points->count; i++) {
         r[i] += i % 3 ? 1.0f : NAN;
@@ -453,7 +467,8 @@ static void every_instruction_set_and_thread_count_gives_the_same_bits(void **st
             setenv("SOFTLUX_ISA", names[i], 1);
             sl_gather_settings s = settings_of(kinds[k], 37, 10);
             gatherer g = {.counters = &w->counters};
-            assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, i == 3 ? 3 : 1, &g.gather, &w->counters, NULL), SL_OK);
+            unsigned threads = i == 3 ? 3 : 1;
+            assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, threads, &g.gather, &w->counters, NULL), SL_OK);
             assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
             sl_gather_point p = world_surface_point(w, 3);
             sl_irradiance e;

@@ -253,5 +253,6 @@ void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, s
                         sl_irradiance *irradiance, float *coefficients, sl_counters *counters) {
     const sl_gather_planes *p = &scratch->planes;
     sl_gather_irradiance(gather, point, scratch, irradiance, counters);
-    if (gather->projection) sl_project(gather->projection, gather->isa, (const float *const[4]){p->r, p->g, p->b, p->nearness}, coefficients);
+    const float *const picture[4] = {p->r, p->g, p->b, p->nearness};
+    if (gather->projection) sl_project(gather->projection, gather->isa, picture, coefficients);
 }

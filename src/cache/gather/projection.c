@@ -11,7 +11,7 @@
 
 enum { BLOCK = SL_PROJECTION_BLOCK, GROUP = SL_PROJECTION_GROUP };
 
-/* ---- columns ----------------------------------------------------------------------------------------------------------- */
+/* ---- columns --------------------------------------------------------------------------------------------------- */
 
 /* cos(m phi) -> cos(m (pi - phi)) = (-1)^m cos(m phi), sin(m phi) -> -(-1)^m sin(m phi); phi -> -phi turns the sines. */
 static int class_of(int m) {
@@ -35,7 +35,7 @@ static void order_columns(sl_projection *p) {
     }
 }
 
-/* ---- the quadrant --------------------------------------------------------------------------------------------------------- */
+/* ---- the quadrant ---------------------------------------------------------------------------------------------- */
 
 /* One of its cells or walls. */
 typedef struct entry {
@@ -91,7 +91,8 @@ static uint32_t mirrored_cell(const sl_gather_tables *t, int x, int y, int image
 
 static void set_cell_images(const quadrant *q, size_t i) {
     sl_projection_list *list = &q->projection->cells;
-    for (int image = 0; image < 4; image++) list->cell[0][image][i] = mirrored_cell(q->tables, q->cells[i].x, q->cells[i].y, image);
+    entry e = q->cells[i];
+    for (int image = 0; image < 4; image++) list->cell[0][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
 }
 
 static void set_wall_images(const quadrant *q, size_t i) {
@@ -110,7 +111,7 @@ static void set_wall_images(const quadrant *q, size_t i) {
     }
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------------------- */
+/* ---- tables ---------------------------------------------------------------------------------------------------- */
 
 static void set_row(const sl_projection *p, sl_projection_list *list, size_t i, const double *values, double scale) {
     float *block = list->table + i / BLOCK * (size_t)p->groups * BLOCK * GROUP + i % BLOCK * GROUP;
@@ -147,7 +148,7 @@ static void fill_walls(void *context, size_t block, unsigned worker) {
     }
 }
 
-/* ---- memory -------------------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------------------------- */
 
 static sl_status allocate_list(sl_projection_list *list, int groups, int sides, sl_error *error) {
     list->blocks = (list->count + BLOCK - 1) / BLOCK;
@@ -176,7 +177,8 @@ void sl_projection_destroy(sl_projection *p) {
 
 size_t sl_projection_bytes(const sl_projection *p) {
     size_t row = (size_t)p->groups * GROUP * sizeof(float) + 2 * sizeof(float);
-    return sizeof *p + p->cells.blocks * BLOCK * (row + 4 * sizeof(uint32_t)) + p->walls.blocks * BLOCK * (row + 8 * sizeof(uint32_t));
+    return sizeof *p + p->cells.blocks * BLOCK * (row + 4 * sizeof(uint32_t)) +
+           p->walls.blocks * BLOCK * (row + 8 * sizeof(uint32_t));
 }
 
 static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
@@ -199,8 +201,8 @@ static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
     return status;
 }
 
-sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border, int order, unsigned threads,
-                               sl_projection **out, sl_error *error) {
+sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border, int order,
+                               unsigned threads, sl_projection **out, sl_error *error) {
     *out = NULL;
     if (order < 1 || order > SL_HSH_ORDER_MAX) {
         return sl_fail(error, SL_ERROR_USAGE, "the order of hemispherical harmonics must lie between 1 and %d, not %d",
@@ -210,8 +212,9 @@ sl_status sl_projection_create(const sl_gather_tables *tables, double half_tange
     if (!p) return sl_fail_memory(error, "tables of hemispherical harmonics");
     p->order = order;
     order_columns(p);
-    quadrant q = {.tables = tables, .instrument = sl_instrument_of(tables, half_tangent, border, order), .scale = 1.0, .projection = p};
-    bool divided = tables->kind == SL_GATHER_PLANE && border == SL_BORDER_LC04; /* by what the plane covers, as the weights are */
+    quadrant q = {.tables = tables, .scale = 1.0, .projection = p};
+    q.instrument = sl_instrument_of(tables, half_tangent, border, order);
+    bool divided = tables->kind == SL_GATHER_PLANE && border == SL_BORDER_LC04; /* by what the plane covers, as weights are */
     if (divided) q.scale = SL_PI / sl_plane_cosine_weight(-half_tangent, half_tangent, -half_tangent, half_tangent);
     sl_status status = fill(&q, threads, error);
     if (status != SL_OK) {
@@ -222,7 +225,7 @@ sl_status sl_projection_create(const sl_gather_tables *tables, double half_tange
     return SL_OK;
 }
 
-/* ---- one projection ----------------------------------------------------------------------------------------------------------- */
+/* ---- one projection -------------------------------------------------------------------------------------------- */
 
 static sl_projection_kernel *kernel_for(sl_isa isa) {
 #ifndef SL_BASELINE_ONLY

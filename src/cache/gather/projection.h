@@ -1,9 +1,9 @@
-/* From the picture of a gather to coefficients of incoming radiance over the hemispherical harmonics, with translational gradients
- * (Krivanek et al. 2005; radiance-cache-splatting 3.2 and 3.5, cache-math 4):
+/* From the picture of a gather to coefficients of incoming radiance over the hemispherical harmonics, with translational
+ * gradients (Krivanek et al. 2005; radiance-cache-splatting 3.2 and 3.5, cache-math 4):
  *
  *   lambda_i    = sum over cells of L times the integral of H_i over the cell (and its extension to the horizon)
- *   grad lambda_i = sum over walls between cells of (L_b - L_a) / (the nearer one's distance) times the integral of H_i along the
- *                 wall, as it moves with the receiver (the principle of walls, cache-math 3.2)
+ *   grad lambda_i = sum over walls between cells of (L_b - L_a) / (the nearer one's distance) times the integral of H_i
+ *                 along the wall, as it moves with the receiver (the principle of walls, cache-math 3.2)
  *
  * On the plane with its radial extension, walls between border cells go on down to the horizon.
  *
@@ -39,7 +39,8 @@ typedef struct sl_projection_list {
 typedef struct sl_projection {
     int order, groups;
     int class_of[SL_PROJECTION_GROUPS_MAX];
-    uint32_t place[SL_PROJECTION_GROUPS_MAX * SL_PROJECTION_GROUP]; /* of a column in harmonics.h's order; SL_NO_INDEX: padding */
+    /* Of a column in harmonics.h's order; SL_NO_INDEX: padding. */
+    uint32_t place[SL_PROJECTION_GROUPS_MAX * SL_PROJECTION_GROUP];
     sl_projection_list cells, walls;
 } sl_projection;
 
@@ -49,8 +50,8 @@ typedef struct sl_projection_sums {
 } sl_projection_sums;
 
 /* half_tangent and border as the gather's tables were made with. */
-sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border, int order, unsigned threads,
-                               sl_projection **projection, sl_error *error);
+sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border, int order,
+                               unsigned threads, sl_projection **projection, sl_error *error);
 void sl_projection_destroy(sl_projection *projection);
 size_t sl_projection_bytes(const sl_projection *projection);
 

@@ -42,7 +42,7 @@ static double inverse_cube(sl_vec3d d) {
     return 1.0 / (squared * sqrt(squared));
 }
 
-/* ---- cells --------------------------------------------------------------------------------------------------------------- */
+/* ---- cells ----------------------------------------------------------------------------------------------------- */
 
 /* A range of both coordinates. */
 typedef struct range {
@@ -72,7 +72,8 @@ static void add_radial_extension(const integral *q, range r) {
         double edge = cos_phi / sqrt(cos_phi * cos_phi + t * t);
         for (int j = 0; j < f->count; j++) {
             double root = f->node[j], c = edge * root * root, s = sqrt(1.0 - c * c);
-            add_point(q, sl_v3d(s * cos_phi, s * sin_phi, c), g->weight[i] * f->weight[j] * (to - from) * 2.0 * edge * root);
+            double weight = g->weight[i] * f->weight[j] * (to - from) * 2.0 * edge * root;
+            add_point(q, sl_v3d(s * cos_phi, s * sin_phi, c), weight);
         }
     }
 }
@@ -175,7 +176,7 @@ void sl_cell_harmonics(const sl_instrument *in, int x, int y, double *sums) {
     }
 }
 
-/* ---- walls --------------------------------------------------------------------------------------------------------------- */
+/* ---- walls ----------------------------------------------------------------------------------------------------- */
 
 /* The point w of a wall, |w| = 1, at distance r is seen to move by -delta_perp / r; an element dw of the arc sweeps the solid
  * angle (dw x w) . delta / r for what lies to its right. m: dw x w, tangential part. */
@@ -207,10 +208,11 @@ static void add_disc_line(const integral *q, sl_wall *wall, double *total, doubl
     for (int i = 0; i < g->count; i++) {
         double x = from + (to - from) * g->node[i], weight = (to - from) * g->weight[i];
         double s = ring ? a : sl_sin(x), c = sqrt(fmax(0.0, 1.0 - s * s));
-        double azimuth = ring ? x : 0.5 * SL_PI - 0.25 * SL_PI * a / s, cos_phi = sl_cos(azimuth), sin_phi = sl_sin(azimuth);
+        double azimuth = ring ? x : 0.5 * SL_PI - 0.25 * SL_PI * a / s;
+        double cos_phi = sl_cos(azimuth), sin_phi = sl_sin(azimuth);
         double outwards = ring ? s * c : 0.25 * SL_PI * a * c * c / s, backwards = ring ? 0.0 : 1.0;
-        add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c),
-                       weight * (outwards * cos_phi + backwards * sin_phi), weight * (outwards * sin_phi - backwards * cos_phi));
+        double mx = outwards * cos_phi + backwards * sin_phi, my = outwards * sin_phi - backwards * cos_phi;
+        add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c), weight * mx, weight * my);
     }
 }
 
@@ -227,14 +229,15 @@ static void add_column_wall(const integral *q, sl_wall *wall, double *total, dou
     }
 }
 
-/* The radial extension of a row wall at (t, b): along a meridian down to the horizon. The surface is taken to stand upright there, at
- * the horizontal distance h = sqrt(t^2 + b^2) that it has at depth 1; so its distance is h / sin theta. */
+/* The radial extension of a row wall at (t, b): along a meridian down to the horizon. The surface is taken to stand upright there,
+ * at the horizontal distance h = sqrt(t^2 + b^2) that it has at depth 1; so its distance is h / sin theta. */
 static void add_border_wall(const integral *q, sl_wall *wall, double *total, double b) {
     const sl_rule *f = &q->in->fine;
-    double h = sqrt(q->in->half_tangent * q->in->half_tangent + b * b), cos_phi = q->in->half_tangent / h, sin_phi = b / h;
+    double t = q->in->half_tangent, h = sqrt(t * t + b * b), cos_phi = t / h, sin_phi = b / h;
     double edge = 1.0 / sqrt(1.0 + h * h);
     for (int i = 0; i < f->count; i++) { /* sin theta d theta = -d cos theta */
-        double root = f->node[i], c = edge * root * root, s = sqrt(1.0 - c * c), weight = f->weight[i] * 2.0 * edge * root / h;
+        double root = f->node[i], c = edge * root * root, s = sqrt(1.0 - c * c);
+        double weight = f->weight[i] * 2.0 * edge * root / h;
         add_wall_point(q, wall, total, sl_v3d(s * cos_phi, s * sin_phi, c), -weight * sin_phi, weight * cos_phi);
     }
 }

@@ -34,7 +34,13 @@ void sl_cell_harmonics(const sl_instrument *instrument, int x, int y, double *su
 /* A wall: the arc between two cells, made by surfaces at depth 1. Displacing the receiver by delta in the surface gives the solid
  * angle (x, y) . delta to the cell that lies to the right (above; on the y side), taken from the one to the left (below; on the
  * x side). mean: of every H along the arc, weighted by that motion. */
-typedef enum sl_wall_type { SL_WALL_COLUMN, SL_WALL_ROW, SL_WALL_SEAM, SL_WALL_BORDER_COLUMN, SL_WALL_BORDER_ROW } sl_wall_type;
+typedef enum sl_wall_type {
+    SL_WALL_COLUMN,
+    SL_WALL_ROW,
+    SL_WALL_SEAM,
+    SL_WALL_BORDER_COLUMN,
+    SL_WALL_BORDER_ROW
+} sl_wall_type;
 typedef struct sl_wall {
     double x, y;
     double mean[SL_HSH_STRIDE_MAX];

@@ -1,5 +1,5 @@
-/* The products of projection.h. A coefficient is a lane: it adds cells, or walls, one after the other, in float within a block and
- * in double from block to block. So the width of the registers changes nothing. */
+/* The products of projection.h. A coefficient is a lane: it adds cells, or walls, one after the other, in float within a block
+ * and in double from block to block. So the width of the registers changes nothing. */
 #include "cache/gather/projection.h"
 
 #include <string.h>
@@ -15,7 +15,7 @@ enum { LANES = 4, PIECES = 2 };
 #endif
 typedef float lanes __attribute__((vector_size(4 * LANES)));
 
-/* ---- mirror images ----------------------------------------------------------------------------------------------------- */
+/* ---- mirror images --------------------------------------------------------------------------------------------- */
 
 /* Sums over four images with the signs of each class, in place. */
 static inline void fold(float image[CLASSES][BLOCK]) {
@@ -30,7 +30,8 @@ static inline void fold(float image[CLASSES][BLOCK]) {
     }
 }
 
-static inline void fold_cells(const sl_projection_list *list, size_t first, const float *restrict radiance, float folded[CLASSES][BLOCK]) {
+static inline void fold_cells(const sl_projection_list *list, size_t first, const float *restrict radiance,
+                              float folded[CLASSES][BLOCK]) {
     for (int image = 0; image < 4; image++) {
         const uint32_t *restrict cell = list->cell[0][image] + first;
         float *restrict to = folded[image];
@@ -40,8 +41,8 @@ static inline void fold_cells(const sl_projection_list *list, size_t first, cons
 }
 
 /* (L_b - L_a) / distance of the nearer: the boundary moves with the nearer surface. */
-static inline void fold_walls(const sl_projection_list *list, size_t first, const float *restrict radiance, float near[4][BLOCK],
-                              float folded[CLASSES][BLOCK]) {
+static inline void fold_walls(const sl_projection_list *list, size_t first, const float *restrict radiance,
+                              float near[4][BLOCK], float folded[CLASSES][BLOCK]) {
     for (int image = 0; image < 4; image++) {
         const uint32_t *restrict from = list->cell[0][image] + first, *restrict to = list->cell[1][image] + first;
         float *restrict out = folded[image];
@@ -51,7 +52,8 @@ static inline void fold_walls(const sl_projection_list *list, size_t first, cons
     fold(folded);
 }
 
-static inline void nearer_surfaces(const sl_projection_list *list, size_t first, const float *restrict nearness, float near[4][BLOCK]) {
+static inline void nearer_surfaces(const sl_projection_list *list, size_t first, const float *restrict nearness,
+                                   float near[4][BLOCK]) {
     for (int image = 0; image < 4; image++) {
         const uint32_t *restrict from = list->cell[0][image] + first, *restrict to = list->cell[1][image] + first;
         float *restrict out = near[image];
@@ -62,7 +64,7 @@ static inline void nearer_surfaces(const sl_projection_list *list, size_t first,
     }
 }
 
-/* ---- products ------------------------------------------------------------------------------------------------------------- */
+/* ---- products -------------------------------------------------------------------------------------------------- */
 
 static inline void add_lanes(double *restrict sum, const lanes *restrict part) {
     for (int i = 0; i < LANES; i++) sum[i] += (double)(*part)[i];
@@ -114,7 +116,7 @@ static inline void multiply_6(const float *restrict table, float x[3][BLOCK], fl
     }
 }
 
-/* ---- blocks --------------------------------------------------------------------------------------------------------------------- */
+/* ---- blocks ---------------------------------------------------------------------------------------------------- */
 
 static void add_cells(const sl_projection *p, size_t block, const float *const picture[4], sl_projection_sums *sums) {
     float folded[3][CLASSES][BLOCK], factor[3][BLOCK];
