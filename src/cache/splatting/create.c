@@ -48,15 +48,19 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
     return status;
 }
 
-/* Where frames follow each other, records must not depend on the view in which they were made. */
-static double minimum_pixels(const sl_splat_state *s) {
-    return s->settings.records_per_frame ? 0.0 : s->plan.quality.minimum_pixels;
+/* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what it would be a quarter of the
+ * scene away from the eye, and at least a thousandth of the scene. */
+static double minimum_reach(const sl_splat_state *s, double footprint_per_depth) {
+    double diagonal = (double)s->scene->diagonal;
+    double reach = s->plan.quality.minimum_pixels * footprint_per_depth * 0.25 * diagonal;
+    return reach > 1e-3 * diagonal ? reach : 1e-3 * diagonal;
 }
 
 void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     float a = (float)accuracy_of(s, cache), diagonal = s->scene->diagonal;
     const sl_camera *camera = &s->scene->camera;
+    double footprint_per_depth = 2.0 * sl_tan(0.5 * (double)camera->vertical_fov) / (double)s->settings.height;
     cache->pass = (sl_record_pass){
         .gather = cache->gather,
         .tracer = s->tracer,
@@ -68,8 +72,8 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .weights = {a, 1.0f / a, 1e-5f * diagonal},
         .covered_weight = 1.0f / (9.0f * a),
         .radii = {.accuracy = (double)a,
-                  .minimum_pixels = minimum_pixels(s),
-                  .minimum_reach = 1e-3 * (double)diagonal,
+                  .minimum_pixels = s->settings.records_per_frame ? 0.0 : s->plan.quality.minimum_pixels,
+                  .minimum_reach = minimum_reach(s, footprint_per_depth),
                   .maximum_radius = 0.1 * (double)diagonal,
                   .guard = true,
                   .gather = cache->gather ? sl_gather_kind_used(cache->gather) : SL_GATHER_RAYS,
@@ -79,7 +83,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,
         .near_distance = 1e-5f * diagonal,
-        .footprint_per_depth = (float)(2.0 * sl_tan(0.5 * (double)camera->vertical_fov)) / (float)s->settings.height,
+        .footprint_per_depth = (float)footprint_per_depth,
         .neighbour_clamp = true,
         .coverage = s->coverage,
         .owned = s->owned,

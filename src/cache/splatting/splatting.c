@@ -178,7 +178,7 @@ static void clamp_one(void *context, size_t index, unsigned worker) {
 static sl_status clamp_radii(sl_record_cache *cache, unsigned threads, bool *shrunk, sl_error *error) {
     sl_record_list *list = &cache->list;
     *shrunk = false;
-    if (cache->clamped == list->count) return SL_OK;
+    if (!cache->pass.neighbour_clamp || cache->clamped == list->count) return SL_OK;
     float *radii = sl_allocate(list->count, sizeof *radii);
     if (!radii) return sl_fail_memory(error, "record radii");
     clamp_context context = {list, cache->clamped, radii};

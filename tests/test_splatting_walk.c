@@ -1,0 +1,175 @@
+/* The walk-through: a frame ends after so many new records, what is there is kept, and what is still to come is filled in from
+ * around. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "rendering.h"
+
+enum { SIDE = 96, BUDGET = 40, FRAMES_MAX = 200 };
+
+static sl_settings walk_settings(void) {
+    sl_settings settings = small_settings("splatting", SIDE, SIDE);
+    settings.records_per_frame = BUDGET;
+    return settings;
+}
+
+static sl_method *start(const sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
+    return method;
+}
+
+static uint64_t records_of(const sl_method *method) { return sl_method_counters(method)->value[SL_COUNT_RECORDS]; }
+
+/* Updates to the end of a frame; returns whether anything is left to refine. */
+static bool finish_frame(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.frame_done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    return !progress.done;
+}
+
+static sl_image *picture_of(sl_method *method) {
+    sl_image *image;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    return image;
+}
+
+static void a_frame_gets_as_many_new_records_as_it_may_and_no_more(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = walk_settings();
+    sl_method *method = start(scene, &settings);
+    uint64_t before = 0;
+    bool more = true;
+    int frames = 0;
+    for (; more; frames++) {
+        more = finish_frame(method);
+        uint64_t new_records = records_of(method) - before;
+        assert_true(more ? new_records == BUDGET : new_records <= BUDGET);
+        before = records_of(method);
+        assert_true(frames < FRAMES_MAX);
+    }
+    assert_true(frames > 5);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings by_frames = walk_settings(), at_once = by_frames;
+    at_once.records_per_frame = 1000000000;
+    sl_method *walk = start(scene, &by_frames), *whole = start(scene, &at_once);
+    while (finish_frame(walk)) sl_image_destroy(picture_of(walk)); /* every frame is shown */
+    while (finish_frame(whole)) {}
+    sl_image *a = picture_of(walk), *b = picture_of(whole);
+    assert_true(same_picture(a, b));
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+    sl_method_destroy(walk);
+    sl_method_destroy(whole);
+    sl_scene_destroy(scene);
+}
+
+/* Mean absolute difference of indirect light. */
+static double change(const sl_image *a, const sl_image *b) {
+    const float *x = sl_image_channel(a, "indirect.G"), *y = sl_image_channel(b, "indirect.G");
+    double sum = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++) sum += fabs((double)x[i] - (double)y[i]);
+    return sum / (SIDE * SIDE);
+}
+
+static void while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = walk_settings();
+    sl_method *method = start(scene, &settings);
+    double first_changes = 0.0, last_changes = 0.0, first_error, last_error;
+    sl_image *frames[FRAMES_MAX];
+    int count = 0;
+    for (bool more = true; more; count++) {
+        assert_true(count < FRAMES_MAX);
+        more = finish_frame(method);
+        frames[count] = picture_of(method);
+    }
+    assert_true(count >= 8);
+    const float *filled = sl_image_channel(frames[0], "indirect.G"), *done = sl_image_channel(frames[count - 1], "indirect.G");
+    for (int i = 0; i < SIDE * SIDE; i++) assert_true(filled[i] > 0.0f || !(done[i] > 0.0f));
+    for (int i = 1; i < count; i++) *(i <= count / 2 ? &first_changes : &last_changes) += change(frames[i], frames[i - 1]);
+    assert_true(last_changes < 0.5 * first_changes);
+    first_error = change(frames[0], frames[count - 1]);
+    last_error = change(frames[count - 2], frames[count - 1]);
+    assert_true(last_error < 0.2 * first_error);
+    for (int i = 0; i < count; i++) sl_image_destroy(frames[i]);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void look(sl_scene *scene, sl_method *method, float x) {
+    const float eye[3] = {x, 273, -800}, target[3] = {278, 273, 0}, up[3] = {0, 1, 0};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.686f, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+}
+
+static void a_step_aside_needs_few_new_records_and_a_step_back_none(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = walk_settings();
+    sl_method *method = start(scene, &settings);
+    while (finish_frame(method)) {}
+    uint64_t first = records_of(method);
+    look(scene, method, 300);
+    while (finish_frame(method)) {}
+    uint64_t second = records_of(method);
+    assert_true(second - first < first / 3);
+    look(scene, method, 278);
+    while (finish_frame(method)) {}
+    uint64_t third = records_of(method);
+    assert_true(third - second <= (second - first) / 2); /* only what neighbour clamping has uncovered */
+    look(scene, method, 278);
+    while (finish_frame(method)) {}
+    assert_int_equal(records_of(method), third);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static sl_image *walk_picture(unsigned threads) {
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = walk_settings();
+    settings.threads = threads;
+    sl_method *method = start(scene, &settings);
+    for (int step = 0; step < 4; step++) {
+        finish_frame(method);
+        look(scene, method, 278.0f + 10.0f * (float)step);
+    }
+    finish_frame(method);
+    sl_image *image = picture_of(method);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    return image;
+}
+
+static void a_walk_has_the_same_bits_at_any_number_of_threads(void **state) {
+    (void)state;
+    sl_image *one = walk_picture(1), *three = walk_picture(3);
+    assert_true(same_picture(one, three));
+    sl_image_destroy(one);
+    sl_image_destroy(three);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_frame_gets_as_many_new_records_as_it_may_and_no_more),
+        cmocka_unit_test(a_still_walk_ends_with_the_picture_of_a_single_frame),
+        cmocka_unit_test(while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile),
+        cmocka_unit_test(a_step_aside_needs_few_new_records_and_a_step_back_none),
+        cmocka_unit_test(a_walk_has_the_same_bits_at_any_number_of_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
