@@ -91,22 +91,14 @@ static const setting settings_shown[] = {{"draft", SL_QUALITY_DRAFT, 0.0, 0, 0},
                                          {"high", SL_QUALITY_HIGH, 0.0, 0, 0}, {"high, a 0.15", SL_QUALITY_HIGH, 0.15, 0, 0},
                                          {"high, a 0.1", SL_QUALITY_HIGH, 0.10, 0, 0}};
 
-static void write_picture(const splat_report *r, const char *scene, const char *what, const sl_image *image) {
-    char path[700];
-    sl_error error;
-    snprintf(path, sizeof path, "%s/%s-%s.png", r->folder, scene, what);
-    sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
-    if (sl_image_write_png(image, path, tone, &error) != SL_OK) fprintf(stderr, "%s\n", error.message);
-}
-
 static void scene_row(splat_report *r, const char *scene, const setting *s, const splat_run *run, target *t) {
     splat_error errors[3];
     char whole[32], direct[32], indirect[32];
     errors_of(run->image, t, errors);
     double rest = run->cpu[SPLAT_SETUP] + run->cpu[SPLAT_GBUFFER] + run->cpu[SPLAT_COMPOSE];
-    splat_row(r, "%s|%s|%llu|%.2f|%.2f|%.3f|%.2f|%.2f|%.2f|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name,
-              (unsigned long long)run->counters.value[SL_COUNT_RECORDS], run->cpu[SPLAT_DIRECT], run->cpu[SPLAT_RECORDS],
-              run->cpu[SPLAT_SPLATS], rest, run->cpu_all, run->wall_all, 100.0 * errors[0].rel_rmse, splat_mse_text(&errors[0], whole),
+    splat_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%.2f|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name, run->records[0],
+              run->records[1], run->cpu[SPLAT_DIRECT], run->cpu[SPLAT_RECORDS] + run->cpu[SPLAT_RECORDS + 1],
+              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all, run->wall_all, 100.0 * errors[0].rel_rmse, splat_mse_text(&errors[0], whole),
               t->parts ? splat_mse_text(&errors[1], direct) : "", t->parts ? splat_mse_text(&errors[2], indirect) : "",
               errors[0].noise, 100.0 * errors[0].bias);
 }
@@ -118,14 +110,14 @@ static void whole_scene(splat_report *r, const splat_options *o, const char *pat
     splat_scene_name(path, name);
     if (!splat_wants(o, name) || !splat_open_scene(r, path, &scene)) return;
     int size = o->brief ? 250 : 1000;
-    open_target(scene, size, size, 10, o->brief ? 512 : 4096, &t);
+    open_target(scene, size, size, o->brief ? 10 : 20, o->brief ? 512 : 16384, &t);
     for (size_t i = 0; i < sizeof settings_shown / sizeof *settings_shown; i++) {
         const setting *s = &settings_shown[i];
         sl_settings settings = settings_of(s, size, size);
         splat_run run;
         splat_render(scene, &settings, o->brief ? 1 : 3, &run);
         scene_row(r, name, s, &run, &t);
-        if (o->pictures && i < 3) write_picture(r, name, s->name, run.image);
+        if (o->pictures && i < 3) splat_write_picture(r, name, s->name, run.image);
         splat_run_free(&run);
     }
     close_target(&t);
@@ -135,7 +127,7 @@ static void whole_scene(splat_report *r, const splat_options *o, const char *pat
 static void whole_scenes(splat_report *r, const splat_options *o) {
     splat_say(r, "\nSeconds of processor time of all threads (wall: of a clock); errors of the whole picture and of its two parts, in shares\n"
                  "of the whole; in brackets where the reference's noise is over a tenth of the squared error, which is then not to be relied on.\n");
-    splat_table(r, "scenes", "scene|setting|records|direct s|records s|splats s|rest s|all s|wall s|relRMSE %|relMSE|of direct|of indirect|"
+    splat_table(r, "scenes", "scene|setting|irr. rec.|rad. rec.|direct s|records s|splats s|rest s|all s|wall s|relRMSE %|relMSE|of direct|of indirect|"
                              "noise|bias %");
     for (size_t i = 0; i < sizeof scene_paths / sizeof *scene_paths; i++) whole_scene(r, o, scene_paths[i]);
 }
@@ -189,8 +181,6 @@ static size_t make_trials(bool brief, trial *trials) {
     return count;
 }
 
-static double elapsed(const splat_run *run) { return run->wall_all; }
-
 static const trial *cheapest(const trial *trials, size_t count, const peer *p) {
     const trial *best = NULL;
     for (size_t i = 0; i < count; i++) {
@@ -242,8 +232,8 @@ static void run_trials(const splat_options *o, const sl_scene *scene, int size, 
         splat_run run;
         splat_render(scene, &settings, o->brief ? 1 : 3, &run);
         trials[i].cpu = run.cpu_all;
-        trials[i].wall = elapsed(&run);
-        trials[i].records = run.counters.value[SL_COUNT_RECORDS];
+        trials[i].wall = run.wall_all;
+        trials[i].records = run.records[0] + run.records[1];
         judge(run.image, context, &trials[i]);
         splat_run_free(&run);
     }

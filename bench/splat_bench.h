@@ -15,6 +15,7 @@
 
 #include "cache/gather/gather.h"
 #include "cache/method.h"
+#include "cache/splatting/splatting.h"
 
 /* ---- options and output (splat_report.c) ---- */
 
@@ -60,6 +61,11 @@ typedef struct splat_pixels {
 
 /* One pixel of each block x block, chosen at random and always alike. */
 void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, splat_pixels *pixels);
+/* Leaves those whose surface is glossy. */
+void splat_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, splat_pixels *pixels);
+/* What a pixel's centre shows, as a point for a gather; false where that is nothing. */
+bool splat_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const splat_pixels *pixels, size_t i, sl_surface *surface,
+                         uint32_t *triangle);
 void splat_pixels_free(splat_pixels *pixels);
 /* The ray through a pixel's centre. */
 void splat_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays, unsigned lane);
@@ -107,19 +113,31 @@ const char *splat_mse_text(const splat_error *e, char text[32]);
 
 /* ---- pictures with the seconds of their parts (splat_render.c) ---- */
 
-enum { SPLAT_SETUP, SPLAT_GBUFFER, SPLAT_DIRECT, SPLAT_RECORDS, SPLAT_SPLATS, SPLAT_COMPOSE, SPLAT_PARTS };
-extern const char *const splat_part_names[SPLAT_PARTS];
+/* Records and splats stand for each class of receivers: + SL_RECEIVES_IRRADIANCE, + SL_RECEIVES_RADIANCE. */
+enum {
+    SPLAT_SETUP,
+    SPLAT_GBUFFER,
+    SPLAT_DIRECT,
+    SPLAT_RECORDS,
+    SPLAT_SPLATS = SPLAT_RECORDS + SL_RECEIVER_CLASSES,
+    SPLAT_COMPOSE = SPLAT_SPLATS + SL_RECEIVER_CLASSES,
+    SPLAT_PARTS
+};
 
 typedef struct splat_run {
     double cpu[SPLAT_PARTS], wall[SPLAT_PARTS]; /* seconds; cpu of all threads together */
     double cpu_all, wall_all;
+    size_t records[SL_RECEIVER_CLASSES];
     sl_counters counters;
     sl_image *image;
 } splat_run;
 
-/* The run of median processor time of `runs`; settings->method may also be "path": then all its seconds count as records. */
+/* Splatting: the run of median processor time of `runs`. */
 void splat_render(const sl_scene *scene, const sl_settings *settings, int runs, splat_run *run);
 void splat_run_free(splat_run *run);
+/* settings with nothing left to quality, scene or machine, as sl_method_create() makes them. */
+sl_settings splat_settings_complete(const sl_scene *scene, const sl_settings *settings);
+void splat_write_picture(const splat_report *r, const char *scene, const char *what, const sl_image *image);
 /* The chosen pixels' values of the layers PREFIX.R, PREFIX.G, PREFIX.B (NULL: R, G, B); false where the image has none. */
 bool splat_pick(const sl_image *image, const char *prefix, const splat_pixels *pixels, float *values);
 

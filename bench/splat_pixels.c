@@ -58,6 +58,24 @@ void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
     }
 }
 
+bool splat_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const splat_pixels *pixels, size_t i, sl_surface *surface,
+                         uint32_t *triangle) {
+    sl_ray16 ray;
+    splat_camera_ray(scene, pixels->width, pixels->height, pixels->index[i], &ray, 0);
+    return sees_surface(scene, tracer, &ray, surface, triangle);
+}
+
+void splat_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, splat_pixels *pixels) {
+    size_t kept = 0;
+    for (size_t i = 0; i < pixels->count; i++) {
+        sl_surface surface;
+        uint32_t triangle;
+        if (splat_pixel_surface(scene, tracer, pixels, i, &surface, &triangle) && sl_material_is_glossy(surface.material))
+            pixels->index[kept++] = pixels->index[i];
+    }
+    pixels->count = kept;
+}
+
 void splat_pixels_free(splat_pixels *pixels) {
     free(pixels->index);
     pixels->index = NULL;

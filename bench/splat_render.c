@@ -1,11 +1,12 @@
-/* A picture, with the seconds of its parts. Which part an update of the method was is told by what it counted. */
+/* A picture by splatting, with the seconds of its parts. It drives the method by its own interface, where its state can be seen: which
+ * update belongs to which part, and the splats of each class of records apart. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
+#include "cache/splatting/state.h"
 #include "splat_bench.h"
 #include "timing.h"
-
-const char *const splat_part_names[SPLAT_PARTS] = {"setup", "G-buffer", "direct", "records", "splats", "compose"};
 
 typedef struct stopwatch {
     double cpu, wall;
@@ -18,41 +19,59 @@ static void charge(splat_run *run, int part, stopwatch from) {
     run->wall[part] += 1e-3 * (wall_ms() - from.wall);
 }
 
-static int part_of_update(const sl_counters *before, const sl_counters *after, bool first, bool gathered) {
-    if (after->value[SL_COUNT_SPLATS] > before->value[SL_COUNT_SPLATS]) return SPLAT_SPLATS;
-    if (gathered) return SPLAT_RECORDS; /* also visits of covered pixels, and neighbour clamping */
-    return first ? SPLAT_GBUFFER : SPLAT_DIRECT;
+sl_settings splat_settings_complete(const sl_scene *scene, const sl_settings *settings) {
+    sl_settings s = *settings;
+    if (!s.width) s.width = scene->film_width;
+    if (!s.height) s.height = scene->film_height;
+    s.threads = sl_thread_count(s.threads);
+    s.filter = SL_FILTER_CENTRE;
+    sl_splatting_method.complete(&s);
+    return s;
+}
+
+static int part_of(const sl_splat_state *s) {
+    if (s->phase == SL_PHASE_GBUFFER) return SPLAT_GBUFFER;
+    if (s->phase == SL_PHASE_DIRECT) return SPLAT_DIRECT;
+    return SPLAT_RECORDS + (s->class < SL_RECEIVER_CLASSES ? s->class : 0);
+}
+
+/* Step 5 for one class, as resolve does it. */
+static void splat_class(sl_splat_state *s, int class, splat_run *run) {
+    sl_record_cache *cache = &s->cache[class];
+    sl_error error;
+    stopwatch watch = start();
+    if (!cache->receivers || cache->splatted == cache->list.count) return;
+    if (sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, &error) != SL_OK) splat_stop("splat", &error);
+    cache->splatted = cache->list.count;
+    charge(run, SPLAT_SPLATS + class, watch);
 }
 
 static void render_once(const sl_scene *scene, const sl_settings *settings, splat_run *run) {
-    sl_method *method;
+    sl_settings complete = splat_settings_complete(scene, settings);
+    sl_transport transport;
     sl_error error;
-    sl_image *again;
-    bool tracer = strcmp(settings->method, "path") == 0, first = true, gathered = tracer;
+    void *state;
     memset(run, 0, sizeof *run);
+    sl_splatting_method.transport(&complete, &transport);
     stopwatch watch = start();
-    if (sl_method_create(scene, settings, &method, &error) != SL_OK) splat_stop("method", &error);
+    if (sl_splatting_method.create(scene, &complete, &transport, &state, &error) != SL_OK) splat_stop("splatting", &error);
     charge(run, SPLAT_SETUP, watch);
-    for (sl_progress progress = {0}; !progress.done; first = false) {
-        sl_counters before = *sl_method_counters(method);
+    sl_splat_state *s = state;
+    for (sl_progress progress = {0}; !progress.done;) {
+        int part = part_of(s);
         watch = start();
-        if (sl_method_update(method, &progress, &error) != SL_OK) splat_stop("update", &error);
-        const sl_counters *after = sl_method_counters(method);
-        if (after->value[SL_COUNT_GATHERS] > before.value[SL_COUNT_GATHERS]) gathered = true;
-        charge(run, part_of_update(&before, after, first, gathered), watch);
+        if (sl_splatting_method.update(state, &progress, &error) != SL_OK) splat_stop("update", &error);
+        charge(run, part, watch);
+    }
+    for (int class = 0; class < SL_RECEIVER_CLASSES; class++) {
+        splat_class(s, class, run);
+        run->records[class] = s->cache[class].list.count;
     }
     watch = start();
-    if (sl_method_resolve(method, &run->image, &error) != SL_OK) splat_stop("resolve", &error);
-    charge(run, SPLAT_SPLATS, watch);
-    run->counters = *sl_method_counters(method);
-    /* What a second resolve takes is the composition alone: nothing new is splatted. */
-    watch = start();
-    if (sl_method_resolve(method, &again, &error) != SL_OK) splat_stop("resolve", &error);
+    if (sl_splatting_method.resolve(state, &run->image, &error) != SL_OK) splat_stop("resolve", &error);
     charge(run, SPLAT_COMPOSE, watch);
-    sl_image_destroy(again);
-    sl_method_destroy(method);
-    run->cpu[SPLAT_SPLATS] = fmax(0.0, run->cpu[SPLAT_SPLATS] - run->cpu[SPLAT_COMPOSE]);
-    run->wall[SPLAT_SPLATS] = fmax(0.0, run->wall[SPLAT_SPLATS] - run->wall[SPLAT_COMPOSE]);
+    run->counters = s->counters;
+    sl_splatting_method.destroy(state);
     for (int part = 0; part < SPLAT_PARTS; part++) {
         run->cpu_all += run->cpu[part];
         run->wall_all += run->wall[part];
@@ -90,4 +109,12 @@ bool splat_pick(const sl_image *image, const char *prefix, const splat_pixels *p
         for (size_t i = 0; i < pixels->count; i++) values[3 * i + c] = plane[pixels->index[i]];
     }
     return true;
+}
+
+void splat_write_picture(const splat_report *r, const char *scene, const char *what, const sl_image *image) {
+    char path[700];
+    sl_error error;
+    sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
+    snprintf(path, sizeof path, "%s/%s-%s.png", r->folder, scene, what);
+    if (sl_image_write_png(image, path, tone, &error) != SL_OK) fprintf(stderr, "%s\n", error.message);
 }

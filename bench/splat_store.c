@@ -97,8 +97,9 @@ static void allocate_reference(splat_reference *reference, size_t count, uint32_
 
 void splat_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport, const splat_pixels *pixels,
                          uint32_t samples, splat_reference *reference) {
-    uint64_t numbers[] = {sl_scene_hash(scene), (uint64_t)pixels->width, (uint64_t)pixels->height, (uint64_t)pixels->block, samples};
-    uint64_t hash = hash_transport(splat_hash(1, numbers, sizeof numbers), transport);
+    uint64_t numbers[] = {sl_scene_hash(scene), (uint64_t)pixels->width, (uint64_t)pixels->height, samples};
+    uint64_t hash = hash_transport(splat_hash(2, numbers, sizeof numbers), transport);
+    hash = splat_hash(hash, pixels->index, pixels->count * sizeof *pixels->index);
     allocate_reference(reference, pixels->count, samples);
     if (splat_store_load("pixels", hash, 6 * pixels->count, reference->half[0])) return;
     fprintf(stderr, "reference: %zu pixels, %u samples ...\n", pixels->count, samples);
