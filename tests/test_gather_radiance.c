@@ -63,9 +63,9 @@ static void sums_of_cells(sl_gather_kind kind, int size, sl_border border, int o
 static void cells_sum_to_the_hemisphere(void **state) {
     (void)state;
     const sl_border borders[4] = {SL_BORDER_RADIAL, SL_BORDER_RADIAL, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
-    const int sizes[5] = {8, 13, 24, 40, 64};
+    const int sizes[6] = {8, 13, 24, 40, 64, 128};
     for (int k = 0; k < 4; k++) {
-        for (int i = 0; i < 5; i++) {
+        for (int i = 0; i < 6; i++) {
             double total[SL_HSH_STRIDE_MAX];
             sums_of_cells(kinds[k % 3], sizes[i], borders[k], 10, total);
             for (int l = 0; l < 10; l++) { /* of one quadrant; all else cancels with the mirror images */

@@ -11,14 +11,20 @@ static void make_rule(sl_rule *rule, int count) {
     sl_gauss_legendre(count, rule->node, rule->weight);
 }
 
-/* The wider the cells the more nodes, so that the sums over all cells come out to 1e-12. */
+/* The wider the cells the more nodes: the sums over all cells come out to 1e-12 up to 128 cells a side, beyond to 1e-9. */
+static int nodes_across(int size, sl_gather_kind kind) {
+    const int plane[8] = {16, 9, 6, 4, 3, 3, 2, 2}, others[8] = {16, 9, 6, 6, 4, 3, 3, 2}; /* below 16, 32, 64, ... 1024; beyond */
+    int i = 0;
+    for (int limit = 16; size >= limit && i < 7; limit *= 2) i++;
+    return kind == SL_GATHER_PLANE ? plane[i] : others[i];
+}
+
 sl_instrument sl_instrument_of(const sl_gather_tables *tables, double half_tangent, sl_border border, int order) {
     sl_instrument in = {.kind = tables->kind, .size = tables->size, .width = tables->width, .half_tangent = half_tangent,
                         .border = border, .order = order};
-    int n = tables->size;
     sl_hsh_recurrence_of(order, &in.recurrence);
     make_rule(&in.fine, SL_RULE_MAX);
-    make_rule(&in.coarse, n < 16 ? 16 : n < 32 ? 9 : n < 64 || in.kind != SL_GATHER_PLANE ? 6 : 4);
+    make_rule(&in.coarse, nodes_across(in.size, in.kind));
     return in;
 }
 
