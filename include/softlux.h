@@ -71,6 +71,9 @@ typedef enum sl_counter {
     SL_COUNT_RECORDS,
     SL_COUNT_RECORDS_DISCARDED,    /* speculative records found covered at commit */
     SL_COUNT_SPLATS,
+    SL_COUNT_HIDDEN_RECORDS,       /* records that gathers see and the eye does not: more than one bounce */
+    SL_COUNT_HIDDEN_LOOK_UPS,      /* points where gathers asked for their irradiance */
+    SL_COUNT_HIDDEN_MISSES,        /* ... and no hidden record covered the point: others stood in */
     SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS

@@ -19,6 +19,9 @@ static const char *const counter_names[SL_COUNTERS] = {
     [SL_COUNT_RECORDS] = "records",
     [SL_COUNT_RECORDS_DISCARDED] = "records_discarded",
     [SL_COUNT_SPLATS] = "splats",
+    [SL_COUNT_HIDDEN_RECORDS] = "hidden_records",
+    [SL_COUNT_HIDDEN_LOOK_UPS] = "hidden_look_ups",
+    [SL_COUNT_HIDDEN_MISSES] = "hidden_misses",
     [SL_COUNT_SAMPLES] = "samples",
     [SL_COUNT_NONFINITE] = "nonfinite",
 };

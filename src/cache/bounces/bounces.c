@@ -1,0 +1,250 @@
+/* One bounce after the other. All records gather with what the bounce before has left (Jacobi's iteration, so that no order of
+ * records matters), from the same points with the same random numbers: only the light of what they see changes. */
+#include "cache/bounces/hidden.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/method.h"
+
+/* A generation of scouts that finds no more than this share of its points uncovered is the last. Later ones mostly look from corners
+ * into the same corners. */
+#define FEW_UNCOVERED 0.005
+enum { GENERATIONS_MAX = 3 };
+/* More bounces would not change anything worth telling. */
+#define SMALL_CHANGE 1e-4f
+
+struct sl_hidden_cache {
+    sl_hidden_settings settings;
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    sl_gather *gather;
+    sl_gather_scratch **scratch;
+    sl_hidden_list list;
+    sl_record_tree near, wide;
+    sl_hidden_field field;
+    sl_look_up_kernel *kernel;
+    sl_hidden_light light;
+    bool shines;              /* before the first bounce is done there is no indirect light */
+    sl_hidden_report report;
+};
+
+sl_hidden_settings sl_hidden_settings_for(const sl_gather_settings *visible, double accuracy, uint32_t bounces) {
+    sl_hidden_settings s = {.bounces = bounces, .gather = *visible, .aspect = 1.0f, .seed = visible->seed, .threads = 1,
+                            .minimum_radius = 0.02};
+    /* Twice as coarse, with a sixth of the rays: a visible gather takes the mean of thousands of look-ups. */
+    double coarser = 2.0 * accuracy;
+    s.accuracy = coarser < 0.3 ? 0.3 : coarser > 0.6 ? 0.6 : coarser;
+    s.gather.kind = SL_GATHER_RAYS;
+    s.gather.size = visible->size / 5 * 2;
+    if (s.gather.size < 12) s.gather.size = 12;
+    return s;
+}
+
+static void add_irradiance(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+                           sl_counters *counters) {
+    const sl_hidden_cache *cache = context;
+    if (cache->shines) sl_hidden_look_up(&cache->field, cache->kernel, points, r, g, b, counters);
+}
+
+/* ---- places ---- */
+
+static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
+    const sl_hidden_settings *s = &cache->settings;
+    float a = (float)s->accuracy, diagonal = cache->scene->diagonal;
+    return (sl_cover_pass){
+        .scene = cache->scene,
+        .tracer = cache->tracer,
+        .gather = cache->gather,
+        .scratch = cache->scratch,
+        .kernel = cache->kernel,
+        .rules = {a, 1.0f / a, 1e-5f * diagonal},
+        .radii = {.accuracy = s->accuracy, .minimum_pixels = 1.0, .maximum_radius = 0.1 * (double)diagonal, .guard = true,
+                  .gather = SL_GATHER_RAYS},
+        .footprint = (float)s->minimum_radius * diagonal,
+        .covered_weight = 1.0f / (9.0f * a),
+        .threads = s->threads,
+    };
+}
+
+/* What the eye sees, what gathers there see, what gathers there see ...: as deep as the light bounces, or until hardly anything new
+ * turns up. */
+static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
+    const sl_hidden_settings *s = &cache->settings;
+    const sl_cover_pass pass = cover_pass(cache);
+    sl_scouted origins;
+    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, &origins, counters, error);
+    size_t first = 0; /* records of the last generation start here */
+    for (uint32_t generation = 0; status == SL_OK && generation + 1 < s->bounces && generation < GENERATIONS_MAX; generation++) {
+        sl_scouted seen;
+        size_t uncovered, before = cache->list.count;
+        const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
+        size_t count = generation == 0 ? origins.count : cache->list.count - first;
+        status = sl_scout_from(cache->scene, cache->tracer, s, from, count, generation, &seen, counters, error);
+        if (status != SL_OK) break;
+        status = sl_cover_points(&pass, &seen, &cache->list, &uncovered, counters, error);
+        size_t points = seen.count;
+        cache->report.uncovered = points ? (float)uncovered / (float)points : 0.0f;
+        sl_scouted_free(&seen);
+        first = before;
+        if ((double)uncovered <= FEW_UNCOVERED * (double)points) break;
+    }
+    sl_scouted_free(&origins);
+    return status;
+}
+
+/* ---- bounces ---- */
+
+typedef struct {
+    sl_hidden_cache *cache;
+    sl_record *next;       /* the records with the light of the next bounce */
+    sl_counters *counters; /* one a worker: sums of integers, in any order */
+} bounce_context;
+
+static void gather_again(void *context, size_t index, unsigned worker) {
+    const bounce_context *c = context;
+    sl_hidden_cache *cache = c->cache;
+    sl_irradiance e;
+    sl_gather_irradiance(cache->gather, &cache->list.points[index], cache->scratch[worker], &e, &c->counters[worker]);
+    sl_record *r = &c->next[index];
+    *r = cache->list.records[index];
+    r->irradiance = e.value;
+    for (int channel = 0; channel < 3; channel++) {
+        r->rotational[channel] = e.rotational[channel];
+        r->translational[channel] = e.translational[channel];
+        r->rotational_length[channel] = sl_length(e.rotational[channel]);
+    }
+    sl_record_set_radius(r, r->radius); /* the same: limits the new gradient */
+    sl_hidden_tame(r);
+}
+
+/* The largest relative change of a record's mean over the channels; dark records are measured by a tenth of the average. */
+static float largest_change(const sl_record *before, const sl_record *after, size_t count) {
+    double sum = 0.0;
+    float largest = 0.0f;
+    for (size_t i = 0; i < count; i++) sum += (double)sl_rgb_mean(after[i].irradiance);
+    float dark = count ? (float)(0.1 * sum / (double)count) : 0.0f;
+    for (size_t i = 0; i < count; i++) {
+        float is = sl_rgb_mean(after[i].irradiance), change = fabsf(is - sl_rgb_mean(before[i].irradiance));
+        float scale = is > dark ? is : dark;
+        if (change > largest * scale) largest = change / scale;
+    }
+    return largest;
+}
+
+static void announce(const sl_hidden_cache *cache, const sl_counters *cost) {
+    char name[128];
+    const sl_hidden_report *r = &cache->report;
+    snprintf(name, sizeof name, "bounce %u of %zu hidden records: changes by at most %.2g%s", (unsigned)r->bounces, r->records,
+             (double)r->change, r->converged ? ", so it is the last" : "");
+    sl_observe(cache->settings.observer, "splatting", name, "section 9, more bounces", 0, 0, 0, NULL, true, cost);
+}
+
+static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
+    size_t count = cache->list.count;
+    unsigned threads = cache->settings.threads;
+    sl_record *next = sl_allocate(count, sizeof *next);
+    sl_counters *costs = sl_allocate(threads, sizeof *costs), cost = {{0}};
+    sl_status status = next && costs ? SL_OK : sl_fail_memory(error, "a bounce of hidden records");
+    if (status == SL_OK) {
+        bounce_context context = {cache, next, costs};
+        sl_parallel_for(threads, count, gather_again, &context);
+        for (unsigned i = 0; i < threads; i++) sl_counters_add(&cost, &costs[i]);
+        sl_counters_add(counters, &cost);
+        cache->report.bounces++;
+        cache->report.change = largest_change(cache->list.records, next, count);
+        cache->report.converged = cache->report.change < SMALL_CHANGE;
+        memcpy(cache->list.records, next, count * sizeof *next);
+        for (size_t i = 0; i < count; i++) cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->field.rules);
+        announce(cache, &cost);
+    }
+    sl_free(next);
+    sl_free(costs);
+    return status;
+}
+
+/* The gathers that found the records' reach have seen direct light: that is the first bounce. */
+static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
+    enum { WIDE_LEAF = 64 };
+    sl_status status = sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
+    if (status == SL_OK) status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
+    if (status != SL_OK) return status;
+    float diagonal = cache->scene->diagonal, a = (float)cache->settings.accuracy;
+    cache->field = (sl_hidden_field){&cache->list, &cache->near, &cache->wide, {a, 1.0f / a, 1e-5f * diagonal}, cache->tracer,
+                                     1e-5f * diagonal};
+    cache->shines = true;
+    cache->report.records = cache->list.count;
+    cache->report.bounces = 1;
+    while (status == SL_OK && cache->report.bounces + 1 < cache->settings.bounces && !cache->report.converged)
+        status = next_bounce(cache, counters, error);
+    return status;
+}
+
+/* ---- its life ---- */
+
+static sl_status make_gather(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+    unsigned threads = cache->settings.threads;
+    cache->settings.gather.hidden = &cache->light;
+    sl_status status = sl_gather_create(cache->scene, raster, cache->tracer, &cache->settings.gather, threads, &cache->gather,
+                                        counters, error);
+    if (status != SL_OK) return status;
+    cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
+    if (!cache->scratch) return sl_fail_memory(error, "hidden gathers");
+    for (unsigned i = 0; status == SL_OK && i < threads; i++)
+        status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
+    return status;
+}
+
+/* What only bounces need, once they are done. */
+static void free_gather(sl_hidden_cache *cache) {
+    for (unsigned i = 0; cache->scratch && i < cache->settings.threads; i++) sl_gather_scratch_destroy(cache->scratch[i]);
+    sl_free(cache->scratch);
+    sl_gather_destroy(cache->gather);
+    cache->scratch = NULL;
+    cache->gather = NULL;
+}
+
+sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                 const sl_hidden_settings *settings, sl_hidden_cache **out, sl_counters *counters,
+                                 sl_error *error) {
+    *out = NULL;
+    sl_hidden_cache *cache = sl_allocate(1, sizeof *cache);
+    if (!cache) return sl_fail_memory(error, "hidden records");
+    cache->scene = scene;
+    cache->tracer = tracer;
+    cache->settings = *settings;
+    cache->kernel = sl_look_up_kernel_for(sl_isa_best());
+    cache->light = (sl_hidden_light){cache, add_irradiance};
+    sl_status status = make_gather(cache, raster, counters, error);
+    if (status == SL_OK) status = find_places(cache, counters, error);
+    if (status == SL_OK) status = let_light_bounce(cache, counters, error);
+    free_gather(cache);
+    if (status != SL_OK) {
+        sl_hidden_cache_destroy(cache);
+        return status;
+    }
+    *out = cache;
+    return SL_OK;
+}
+
+void sl_hidden_cache_destroy(sl_hidden_cache *cache) {
+    if (!cache) return;
+    free_gather(cache);
+    sl_hidden_list_free(&cache->list);
+    sl_record_tree_free(&cache->near);
+    sl_record_tree_free(&cache->wide);
+    sl_free(cache);
+}
+
+const sl_hidden_light *sl_hidden_cache_light(const sl_hidden_cache *cache) { return &cache->light; }
+sl_hidden_report sl_hidden_cache_report(const sl_hidden_cache *cache) { return cache->report; }
+
+size_t sl_hidden_cache_bytes(const sl_hidden_cache *cache) {
+    size_t record = sizeof *cache->list.records + sizeof *cache->list.points + sizeof *cache->list.terms + sizeof *cache->list.walls;
+    return sizeof *cache + cache->list.capacity * record + sl_record_tree_bytes(&cache->near) + sl_record_tree_bytes(&cache->wide);
+}

@@ -1,0 +1,225 @@
+/* Points that no hidden record covers get one: traversal.c of the visible records once more, over points instead of pixels. A
+ * record's place and reach do not depend on the other records and coverage only grows; so candidates are gathered many at a time
+ * and committed in order, and the records are those of a visit one by one. */
+#include "cache/bounces/hidden.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+
+enum { CHUNK = 2048, SMALLEST_BATCH = 8, LARGEST_BATCH = 128, PIECE = 64 };
+
+void sl_hidden_list_free(sl_hidden_list *list) {
+    sl_free(list->records);
+    sl_free(list->points);
+    sl_free(list->terms);
+    sl_free(list->walls);
+    *list = (sl_hidden_list){0};
+}
+
+static void *grown(void *array, size_t count, size_t capacity, size_t size, bool *failed) {
+    void *larger = sl_allocate(capacity, size);
+    if (!larger) {
+        *failed = true;
+        return array;
+    }
+    if (count) memcpy(larger, array, count * size);
+    sl_free(array);
+    return larger;
+}
+
+static sl_status make_room(sl_hidden_list *list, sl_error *error) {
+    if (list->count < list->capacity) return SL_OK;
+    bool failed = false;
+    size_t capacity = list->capacity ? 2 * list->capacity : 512;
+    list->records = grown(list->records, list->count, capacity, sizeof *list->records, &failed);
+    list->points = grown(list->points, list->count, capacity, sizeof *list->points, &failed);
+    list->terms = grown(list->terms, list->count, capacity, sizeof *list->terms, &failed);
+    list->walls = grown(list->walls, list->count, capacity, sizeof *list->walls, &failed);
+    if (failed) return sl_fail_memory(error, "hidden records");
+    list->capacity = capacity;
+    return SL_OK;
+}
+
+/* ---- the order of visits ---- */
+
+static uint64_t greatest_common_divisor(uint64_t a, uint64_t b) {
+    while (b) {
+        uint64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* Steps of the golden ratio: points visited one after the other come from far-apart places. */
+static uint64_t golden_step(uint64_t count) {
+    uint64_t step = (uint64_t)(0.6180339887498949 * (double)count);
+    while (step > 1 && greatest_common_divisor(step, count) != 1) step--;
+    return step > 1 ? step : 1;
+}
+
+/* ---- a chunk of points and what covers them ---- */
+
+typedef struct {
+    const sl_cover_pass *pass;
+    const sl_hidden_list *list;
+    const sl_record_tree *tree;
+    size_t known;               /* records that weight[] knows of */
+    size_t count;
+    uint32_t triangle[CHUNK];
+    float position_x[CHUNK], position_y[CHUNK], position_z[CHUNK], normal_x[CHUNK], normal_y[CHUNK], normal_z[CHUNK];
+    float weight[CHUNK];
+    const sl_gather_point *point[CHUNK];
+} chunk;
+
+static void weigh_piece(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    chunk *c = context;
+    size_t first = index * PIECE, count = c->count - first < PIECE ? c->count - first : (size_t)PIECE;
+    const sl_hidden_points points = {c->count, c->triangle, c->position_x, c->position_y, c->position_z,
+                                     c->normal_x, c->normal_y, c->normal_z};
+    const sl_hidden_field field = {.list = c->list, .near = c->tree, .rules = c->pass->rules};
+    sl_hidden_sums sums;
+    c->pass->kernel(&field, &points, first, count, true, &sums);
+    for (size_t i = 0; i < count; i++) {
+        float weight = sums.weight[i];
+        const sl_gather_point *p = c->point[first + i];
+        for (size_t k = c->tree->records; k < c->known && weight < c->pass->covered_weight; k++)
+            weight += sl_hidden_weight(c->list, k, p->position, p->normal);
+        c->weight[first + i] = weight;
+    }
+}
+
+/* What records since then add. */
+static bool is_covered(chunk *c, size_t i) {
+    float weight = c->weight[i];
+    for (size_t k = c->known; k < c->list->count && weight < c->pass->covered_weight; k++)
+        weight += sl_hidden_weight(c->list, k, c->point[i]->position, c->point[i]->normal);
+    return weight >= c->pass->covered_weight;
+}
+
+static size_t fill_chunk(chunk *c, const sl_scouted *points, uint64_t *next, uint64_t *at, uint64_t step) {
+    c->count = 0;
+    while (c->count < CHUNK && *next < points->count) {
+        const sl_gather_point *p = &points->points[*at];
+        ++*next;
+        *at = (*at + step) % points->count;
+        if (p->triangle == SL_NO_INDEX) continue;
+        size_t i = c->count++;
+        c->triangle[i] = p->triangle;
+        c->position_x[i] = p->position.x, c->position_y[i] = p->position.y, c->position_z[i] = p->position.z;
+        c->normal_x[i] = p->normal.x, c->normal_y[i] = p->normal.y, c->normal_z[i] = p->normal.z;
+        c->point[i] = p;
+    }
+    return c->count;
+}
+
+/* ---- gathering ---- */
+
+/* A record that R_min makes reach further than what it sees would bear has no use for its gradient: it would say more about the
+ * nearest surfaces than about the way to them, and the bounces between two such records in a corner would not die away. */
+void sl_hidden_tame(sl_record *record) {
+    if (record->own_radius > record->minimum_radius) return;
+    for (int c = 0; c < 3; c++) record->translational[c] = sl_v3(0.0f, 0.0f, 0.0f);
+}
+
+typedef struct {
+    const sl_cover_pass *pass;
+    const sl_gather_point *const *points;
+    sl_record *records;
+    sl_hidden_walls *walls;
+    sl_counters *counters; /* one a candidate */
+} gather_batch;
+
+static void gather_one(void *context, size_t index, unsigned worker) {
+    const gather_batch *b = context;
+    const sl_cover_pass *pass = b->pass;
+    sl_irradiance irradiance;
+    sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, &b->counters[index]);
+    if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * pass->scene->diagonal)
+        irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
+    sl_record *record = &b->records[index];
+    *record = sl_record_make(b->points[index], &irradiance, &pass->radii, pass->footprint);
+    sl_hidden_tame(record);
+    sl_hidden_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, record, &b->walls[index],
+                         &b->counters[index]);
+}
+
+static sl_status commit(chunk *c, const size_t *members, const gather_batch *batch, size_t count, sl_hidden_list *list,
+                        sl_counters *counters, size_t *committed, sl_error *error) {
+    *committed = 0;
+    for (size_t i = 0; i < count; i++) {
+        sl_counters_add(counters, &batch->counters[i]);
+        if (is_covered(c, members[i])) continue;
+        sl_status status = make_room(list, error);
+        if (status != SL_OK) return status;
+        size_t k = list->count++;
+        list->records[k] = batch->records[i];
+        list->points[k] = *batch->points[i];
+        list->terms[k] = sl_record_terms_of(&list->records[k], &c->pass->rules);
+        list->walls[k] = batch->walls[i];
+        ++*committed;
+        sl_count(counters, SL_COUNT_HIDDEN_RECORDS, 1);
+    }
+    return SL_OK;
+}
+
+/* Uncovered points of the chunk get records, in order. *batch_size follows the waste and changes nothing else. */
+static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size, size_t *uncovered, sl_counters *counters,
+                             sl_error *error) {
+    const sl_gather_point *points[LARGEST_BATCH];
+    size_t members[LARGEST_BATCH];
+    sl_record *records = sl_allocate(LARGEST_BATCH, sizeof *records);
+    sl_hidden_walls *walls = sl_allocate(LARGEST_BATCH, sizeof *walls);
+    sl_counters *costs = sl_allocate(LARGEST_BATCH, sizeof *costs);
+    sl_status status = records && walls && costs ? SL_OK : sl_fail_memory(error, "a batch of hidden records");
+    for (size_t i = 0; i < c->count; i++) *uncovered += c->weight[i] < c->pass->covered_weight;
+    for (size_t next = 0; status == SL_OK && next < c->count;) {
+        size_t count = 0, committed;
+        for (; next < c->count && count < *batch_size; next++) {
+            if (is_covered(c, next)) continue;
+            members[count] = next;
+            points[count++] = c->point[next];
+        }
+        gather_batch batch = {c->pass, points, records, walls, costs};
+        memset(costs, 0, LARGEST_BATCH * sizeof *costs);
+        sl_parallel_for(c->pass->threads, count, gather_one, &batch);
+        status = commit(c, members, &batch, count, list, counters, &committed, error);
+        if (committed * 8 >= count * 7 && *batch_size < LARGEST_BATCH) *batch_size *= 2;
+        else if (committed * 3 < count * 2 && *batch_size > SMALLEST_BATCH) *batch_size /= 2;
+    }
+    sl_free(records);
+    sl_free(walls);
+    sl_free(costs);
+    return status;
+}
+
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, sl_hidden_list *list, size_t *uncovered,
+                          sl_counters *counters, sl_error *error) {
+    sl_record_tree tree = {0};
+    chunk *c = sl_allocate(1, sizeof *c);
+    uint64_t next = 0, at = 0, step = points->count ? golden_step(points->count) : 1;
+    size_t batch_size = SMALLEST_BATCH;
+    sl_status status = c ? SL_OK : sl_fail_memory(error, "places for hidden records");
+    *uncovered = 0;
+    while (status == SL_OK && next < points->count) {
+        /* Later records are weighed one by one; when they have become many, the tree takes them in. */
+        if (!tree.node_count || list->count > tree.records + tree.records / 4 + 64)
+            status = sl_record_tree_build(pass->scene, list, 1.0f, SL_TREE_LANES, &tree, error);
+        if (status != SL_OK) break;
+        c->pass = pass;
+        c->list = list;
+        c->tree = &tree;
+        c->known = list->count;
+        fill_chunk(c, points, &next, &at, step);
+        sl_parallel_for(pass->threads, (c->count + PIECE - 1) / PIECE, weigh_piece, c);
+        status = cover_chunk(c, list, &batch_size, uncovered, counters, error);
+    }
+    sl_record_tree_free(&tree);
+    sl_free(c);
+    return status;
+}

@@ -1,0 +1,79 @@
+/* (1) of Gautron et al. 2005 at points instead of pixels: E(p) = sum of w_k E'_k over sum of w_k, for the records that reach p.
+ * Sixteen records are weighed together; what the few that count say is added one after the other, in the order of their
+ * indices, so that the sums have the same bits however the records are spread over the tree. */
+#include "cache/bounces/hidden.h"
+
+#include "base/bits16.h"
+
+typedef struct {
+    float x, y, z, nx, ny, nz;
+} look_up_point;
+
+static inline uint32_t weigh(const sl_tree_block *restrict block, const sl_weight_rules *rules, const look_up_point *p,
+                             float *restrict w) {
+    const float px = p->x, py = p->y, pz = p->z, nx = p->nx, ny = p->ny, nz = p->nz;
+    float distance[SL_TREE_LANES], slack[SL_TREE_LANES];
+#pragma omp simd
+    for (int l = 0; l < SL_TREE_LANES; l++) {
+        float x = px - block->x[l], y = py - block->y[l], z = pz - block->z[l];
+        distance[l] = x * x + y * y + z * z;
+        slack[l] = block->reach_squared[l] - distance[l];
+    }
+    if (!(sl_bits16_greater(slack, 0.0f))) return 0;
+#pragma omp simd
+    for (int l = 0; l < SL_TREE_LANES; l++) {
+        const sl_record_terms k = {.position = {block->x[l], block->y[l], block->z[l]},
+                                   .normal = {block->normal_x[l], block->normal_y[l], block->normal_z[l]},
+                                   .inverse_radius = block->inverse_radius[l],
+                                   .accuracy = rules->accuracy,
+                                   .offset = rules->offset,
+                                   .front = block->front[l],
+                                   .behind = block->behind[l]};
+        float here = sl_record_weight_at(&k, distance[l], px, py, pz, nx, ny, nz);
+        w[l] = slack[l] >= 0.0f ? here : 0.0f;
+    }
+    return sl_bits16_greater(w, 0.0f);
+}
+
+typedef struct {
+    float r, g, b, weight;
+} sums;
+
+static inline void add_block(const sl_hidden_field *field, const sl_tree_block *block, const look_up_point *p, bool without_light,
+                             sums *sum) {
+    float w[SL_TREE_LANES];
+    const sl_hidden_list *list = field->list;
+    for (uint32_t bits = weigh(block, &field->rules, p, w), l = 0; bits; bits >>= 1, l++) {
+        if (!(bits & 1u)) continue;
+        uint32_t record = block->record[l] & ~SL_TREE_WALLS;
+        const sl_record_terms *k = &list->terms[record];
+        const sl_record_offsets o = sl_record_offsets_at(k, p->x, p->y, p->z, p->nx, p->ny, p->nz);
+        if ((block->record[l] & SL_TREE_WALLS) && sl_wall_stands_between(&list->walls[record], o.x, o.y, o.z)) continue;
+        sum->weight += w[l];
+        if (without_light) continue;
+        float turn = sl_record_turn(&o);
+        sum->r += w[l] * sl_record_extrapolate(k, 0, &o, turn);
+        sum->g += w[l] * sl_record_extrapolate(k, 1, &o, turn);
+        sum->b += w[l] * sl_record_extrapolate(k, 2, &o, turn);
+    }
+}
+
+void SL_KERNEL(sl_look_up)(const sl_hidden_field *field, const sl_hidden_points *points, size_t first, size_t count,
+                           bool without_light, sl_hidden_sums *out) {
+    const sl_record_tree *tree = field->near;
+    for (size_t i = 0; i < count; i++) {
+        const size_t k = first + i;
+        sums sum = {0.0f, 0.0f, 0.0f, 0.0f};
+        if (points->triangle[k] != SL_NO_INDEX && tree->node_count) {
+            const look_up_point p = {points->position_x[k], points->position_y[k], points->position_z[k],
+                                     points->normal_x[k],   points->normal_y[k],   points->normal_z[k]};
+            const sl_tree_node *leaf = sl_tree_leaf(tree, p.x, p.y, p.z);
+            for (uint32_t b = 0; b < leaf->blocks; b++)
+                add_block(field, &tree->blocks[leaf->first + b], &p, without_light, &sum);
+        }
+        out->r[i] = sum.r;
+        out->g[i] = sum.g;
+        out->b[i] = sum.b;
+        out->weight[i] = sum.weight;
+    }
+}

@@ -1,0 +1,128 @@
+/* Where gathers will look. A coarse picture through the camera gives points that the eye sees; a few rays from each give points that
+ * gathers there see; and so on from the records that those have got. */
+#include "cache/bounces/hidden.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "cache/gather/gather_tables.h"
+
+enum { CAMERA_POINTS = 1600, RAYS_A_SIDE = 8, RAYS = RAYS_A_SIDE * RAYS_A_SIDE };
+
+void sl_scouted_free(sl_scouted *scouted) {
+    sl_free(scouted->points);
+    *scouted = (sl_scouted){0};
+}
+
+static sl_status make_room(size_t count, sl_scouted *seen, sl_error *error) {
+    *seen = (sl_scouted){sl_allocate(count, sizeof *seen->points), count};
+    return seen->points ? SL_OK : sl_fail_memory(error, "places for hidden records");
+}
+
+/* What sixteen rays meet, as points to gather at. */
+static void look(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool glossy, uint64_t key,
+                 sl_gather_point *seen, sl_counters *counters) {
+    sl_hit16 hits;
+    sl_trace(tracer, rays, count, true, &hits, counters);
+    for (unsigned i = 0; i < count; i++) {
+        sl_surface s;
+        seen[i] = (sl_gather_point){.triangle = SL_NO_INDEX};
+        if (hits.triangle[i] == SL_NO_INDEX) continue;
+        sl_vec3 back = sl_v3(-rays->direction_x[i], -rays->direction_y[i], -rays->direction_z[i]);
+        sl_scene_surface(scene, hits.triangle[i], hits.w1[i], hits.w2[i], back, &s);
+        bool reflects = sl_rgb_max(s.diffuse) > 0.0f || (glossy && sl_material_is_glossy(s.material));
+        if (!reflects || !sl_is_finite(s.position) || !sl_is_finite(s.normal)) continue;
+        seen[i] = (sl_gather_point){.position = s.position, .geometric_normal = s.geometric_normal, .normal = s.normal,
+                                    .triangle = hits.triangle[i], .key = sl_random_key(key, i)};
+    }
+}
+
+static void set_ray(sl_ray16 *rays, unsigned i, sl_vec3 origin, sl_vec3 direction, float near, uint32_t skip) {
+    rays->origin_x[i] = origin.x, rays->origin_y[i] = origin.y, rays->origin_z[i] = origin.z;
+    rays->direction_x[i] = direction.x, rays->direction_y[i] = direction.y, rays->direction_z[i] = direction.z;
+    rays->near[i] = near;
+    rays->far[i] = INFINITY;
+    rays->skip[i] = skip;
+}
+
+/* ---- from points ---- */
+
+typedef struct {
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    const sl_gather_point *origins;
+    sl_gather_point *seen;
+    uint64_t key;
+    sl_counters *counters; /* one a worker: sums of integers, in any order */
+} scout_context;
+
+static void scout_one(void *context, size_t index, unsigned worker) {
+    const scout_context *c = context;
+    const sl_gather_point *origin = &c->origins[index];
+    sl_gather_point *seen = c->seen + index * RAYS;
+    for (unsigned i = 0; i < RAYS; i++) seen[i] = (sl_gather_point){.triangle = SL_NO_INDEX};
+    if (origin->triangle == SL_NO_INDEX) return;
+    uint64_t key = sl_random_key(c->key, index);
+    sl_frame frame = sl_frame_from_normal(origin->normal);
+    float offset = 1e-5f * c->scene->diagonal;
+    sl_vec3 eye = sl_mad(origin->position, offset, origin->geometric_normal);
+    for (unsigned first = 0; first < RAYS; first += SL_PACKET) {
+        sl_ray16 rays;
+        memset(&rays, 0, sizeof rays);
+        for (unsigned i = 0; i < SL_PACKET; i++) { /* cells of the concentric map, jittered */
+            unsigned cell = first + i, row = cell / RAYS_A_SIDE, column = cell % RAYS_A_SIDE;
+            double a = ((double)column + (double)sl_random_unit(key, 2 * cell)) * (2.0 / RAYS_A_SIDE) - 1.0, x, y;
+            double b = ((double)row + (double)sl_random_unit(key, 2 * cell + 1)) * (2.0 / RAYS_A_SIDE) - 1.0;
+            sl_concentric_disc(a, b, &x, &y);
+            double z = sqrt(fmax(0.0, 1.0 - x * x - y * y));
+            set_ray(&rays, i, eye, sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)z)), 2.0f * offset, origin->triangle);
+        }
+        look(c->scene, c->tracer, &rays, SL_PACKET, false, sl_random_key(key, 1000 + first), seen + first, &c->counters[worker]);
+    }
+}
+
+sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
+                        const sl_gather_point *origins, size_t count, uint64_t generation, sl_scouted *seen,
+                        sl_counters *counters, sl_error *error) {
+    sl_status status = make_room(count * RAYS, seen, error);
+    sl_counters *costs = sl_allocate(settings->threads, sizeof *costs);
+    if (status == SL_OK && !costs) status = sl_fail_memory(error, "places for hidden records");
+    if (status == SL_OK) {
+        uint64_t key = sl_random_key(settings->seed, 0x73636f7574u + generation);
+        scout_context context = {scene, tracer, origins, seen->points, key, costs};
+        sl_parallel_for(settings->threads, count, scout_one, &context);
+        for (unsigned i = 0; i < settings->threads; i++) sl_counters_add(counters, &costs[i]);
+    }
+    sl_free(costs);
+    if (status != SL_OK) sl_scouted_free(seen);
+    return status;
+}
+
+/* ---- from the camera ---- */
+
+sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, sl_scouted *seen,
+                          sl_counters *counters, sl_error *error) {
+    const sl_camera *camera = &scene->camera;
+    double tall = sqrt((double)CAMERA_POINTS / (double)settings->aspect);
+    unsigned rows = tall > 1.0 ? (unsigned)tall : 1u, columns = CAMERA_POINTS / rows;
+    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * settings->aspect;
+    sl_status status = make_room((size_t)rows * columns, seen, error);
+    for (size_t first = 0; status == SL_OK && first < seen->count; first += SL_PACKET) {
+        unsigned count = seen->count - first < SL_PACKET ? (unsigned)(seen->count - first) : (unsigned)SL_PACKET;
+        sl_ray16 rays;
+        memset(&rays, 0, sizeof rays);
+        for (unsigned i = 0; i < count; i++) {
+            float x = right * (2.0f * ((float)((first + i) % columns) + 0.5f) / (float)columns - 1.0f);
+            float y = top * (2.0f * ((float)((first + i) / columns) + 0.5f) / (float)rows - 1.0f);
+            sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), x, camera->right), y, camera->up);
+            set_ray(&rays, i, camera->eye, direction, 1e-5f * scene->diagonal, SL_NO_INDEX);
+        }
+        look(scene, tracer, &rays, count, true, sl_random_key(settings->seed, first), seen->points + first, counters);
+    }
+    return status;
+}

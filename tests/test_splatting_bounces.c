@@ -1,0 +1,357 @@
+/* More than one bounce: closed forms first, then the reference path tracer. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/bounces/bounces.h"
+#include "gather_world.h"
+
+static sl_gather_settings ray_gather(int size) {
+    sl_gather_settings s = sl_gather_defaults();
+    s.kind = SL_GATHER_RAYS;
+    s.size = size;
+    return s;
+}
+
+typedef struct {
+    sl_hidden_cache *cache;
+    gatherer gatherer;
+    sl_hidden_report report;
+} bouncer;
+
+static void look_from(world *w, sl_vec3 eye, sl_vec3 target) {
+    assert_true(sl_camera_look_at(&w->scene->camera, eye, target, sl_v3(0, 1, 0), 1.2f));
+}
+
+/* A visible gather of 64 x 64 rays that knows of `bounces`. */
+static bouncer bouncer_new(world *w, uint32_t bounces, unsigned threads) {
+    bouncer b = {0};
+    sl_error error;
+    sl_gather_settings visible = ray_gather(64);
+    sl_hidden_settings settings = sl_hidden_settings_for(&visible, 0.3, bounces);
+    settings.threads = threads;
+    if (sl_hidden_cache_create(w->scene, w->raster, w->tracer, &settings, &b.cache, &w->counters, &error) != SL_OK)
+        fail_msg("%s", error.message);
+    b.report = sl_hidden_cache_report(b.cache);
+    visible.hidden = sl_hidden_cache_light(b.cache);
+    b.gatherer = gatherer_new(w, &visible);
+    return b;
+}
+
+static void bouncer_free(bouncer *b) {
+    gatherer_free(&b->gatherer);
+    sl_hidden_cache_destroy(b->cache);
+}
+
+static sl_irradiance irradiance_at(bouncer *b, const sl_gather_point *point) {
+    sl_irradiance e;
+    sl_gather_irradiance(b->gatherer.gather, point, b->gatherer.scratch, &e, b->gatherer.counters);
+    return e;
+}
+
+/* ---- the way in ---- */
+
+static void shine_evenly(const void *context, const sl_hidden_points *points, float *r, float *g, float *b,
+                         sl_counters *counters) {
+    (void)counters;
+    const float *e = context;
+    for (size_t i = 0; i < points->count; i++) {
+        r[i] += e[0];
+        g[i] += e[1];
+        b[i] += e[2];
+    }
+}
+
+/* In a closed room whose walls of albedo rho all receive E, every point receives rho E. */
+static void what_the_hits_receive_is_reflected(void **state) {
+    (void)state;
+    const float e[3] = {1.0f, 2.0f, 4.0f};
+    const sl_hidden_light light = {e, shine_evenly};
+    world *w = world_new();
+    uint32_t wall = world_material(w, (sl_rgb){0.5f, 0.25f, 0.125f}, sl_grey(0.0f));
+    world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){wall, wall, wall, wall, wall, wall});
+    world_build(w);
+    const sl_gather_kind kinds[] = {SL_GATHER_RAYS, SL_GATHER_HEMICUBE, SL_GATHER_PLANE};
+    for (int k = 0; k < 3; k++) {
+        sl_gather_settings settings = ray_gather(32);
+        settings.kind = kinds[k];
+        settings.hidden = &light;
+        sl_irradiance got = gather_once(w, &settings, sl_v3(0.1f, -1.0f, 0.2f), sl_v3(0, 1, 0));
+        assert_true(fabs((double)got.value.r - 0.5) < 1e-4);
+        assert_true(fabs((double)got.value.g - 0.5) < 1e-4);
+        assert_true(fabs((double)got.value.b - 0.5) < 1e-4);
+    }
+    world_free(w);
+}
+
+/* ---- closed forms ---- */
+
+static world *furnace(float albedo, float radiance) {
+    world *w = world_new();
+    uint32_t wall = world_material(w, sl_grey(albedo), sl_grey(radiance));
+    world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){wall, wall, wall, wall, wall, wall});
+    world_build(w);
+    look_from(w, sl_v3(0.8f, 0.5f, 0.9f), sl_v3(-0.2f, -0.1f, 0.0f));
+    return w;
+}
+
+static world *integrating_sphere(float albedo) {
+    world *w = world_new();
+    uint32_t wall = world_material(w, sl_grey(albedo), sl_grey(0.0f));
+    world_sphere(w, 1.0f, 48, &wall, 1);
+    world_point_light(w, sl_v3(0.3f, 0.2f, -0.4f), 1.0f); /* <E_direct> = 1 */
+    world_build(w);
+    look_from(w, sl_v3(0.0f, 0.1f, 0.5f), sl_v3(0, 0, -1));
+    return w;
+}
+
+static world *room(bool quad_light) {
+    world *w = world_room(quad_light);
+    sl_vec3 middle = sl_scale(sl_add(w->scene->box_min, w->scene->box_max), 0.5f);
+    look_from(w, middle, sl_v3(w->scene->box_min.x, middle.y, w->scene->box_min.z));
+    return w;
+}
+
+/* Everything emits L_e and reflects rho: b bounces add pi L_e (rho + ... + rho^b) to what arrives straight. */
+static void the_furnace_sums_the_series(void **state) {
+    (void)state;
+    const double albedo = 0.6;
+    const uint32_t bounces[] = {2, 3, 5};
+    world *w = furnace((float)albedo, 1.0f);
+    for (int i = 0; i < 3; i++) {
+        bouncer b = bouncer_new(w, bounces[i], 2);
+        double wanted = 0.0, power = 1.0, sum = 0.0, worst = 0.0;
+        for (uint32_t n = 0; n < bounces[i]; n++) wanted += SL_PI * (power *= albedo);
+        assert_int_equal(b.report.bounces, bounces[i] - 1);
+        for (uint64_t n = 0; n < 40; n++) {
+            sl_gather_point point = world_surface_point(w, n);
+            double e = (double)irradiance_at(&b, &point).value.g / wanted - 1.0;
+            sum += e / 40;
+            worst = fabs(e) > worst ? fabs(e) : worst;
+        }
+        print_message("furnace, %u bounces: %+.4f on average, %.4f at most\n", bounces[i], sum, worst);
+        assert_true(fabs(sum) < 0.01);
+        assert_true(worst < 0.04);
+        bouncer_free(&b);
+    }
+    world_free(w);
+}
+
+/* Inside a sphere of albedo rho every bounce is even: E_b = rho^b <E_direct>, whatever the light's place. */
+static void the_integrating_sphere_dims_by_its_albedo(void **state) {
+    (void)state;
+    const double albedo = 0.7;
+    world *w = integrating_sphere((float)albedo);
+    const uint32_t bounces[] = {2, 4};
+    for (int i = 0; i < 2; i++) {
+        bouncer b = bouncer_new(w, bounces[i], 2);
+        double wanted = 0.0, power = 1.0, sum = 0.0, worst = 0.0;
+        for (uint32_t n = 0; n < bounces[i]; n++) wanted += power *= albedo;
+        for (uint64_t n = 0; n < 40; n++) {
+            sl_gather_point point = world_surface_point(w, n);
+            double e = (double)irradiance_at(&b, &point).value.g / wanted - 1.0;
+            sum += e / 40;
+            worst = fabs(e) > worst ? fabs(e) : worst;
+        }
+        print_message("sphere, %u bounces: %+.4f on average, %.4f at most, %zu records\n", bounces[i], sum, worst, b.report.records);
+        assert_true(fabs(sum) < 0.004);
+        assert_true(worst < 0.02);
+        bouncer_free(&b);
+    }
+    world_free(w);
+}
+
+/* More bounces than matter: the iteration ends by itself, with all the light: E = <E_direct> rho / (1 - rho). */
+static void bounces_that_change_nothing_are_left_out(void **state) {
+    (void)state;
+    const double albedo = 0.4, wanted = albedo / (1.0 - albedo);
+    world *w = integrating_sphere((float)albedo);
+    bouncer b = bouncer_new(w, 64, 2);
+    assert_true(b.report.converged);
+    assert_in_range(b.report.bounces, 8, 14); /* 0.4^10 = 1e-4 */
+    sl_gather_point point = world_surface_point(w, 3);
+    assert_true(fabs((double)irradiance_at(&b, &point).value.g / wanted - 1.0) < 0.01);
+    bouncer_free(&b);
+    world_free(w);
+}
+
+/* ---- the path tracer ---- */
+
+/* Indirect irradiance from the path tracer: rays in the cells of the hemisphere, each with its own walk of bounces - 1 surfaces. */
+static double reference_irradiance(const sl_path_tracer *path, const sl_scene *scene, const sl_gather_point *p, uint64_t stream) {
+    enum { SIDE = 32, ROUNDS = 4 };
+    sl_frame frame = sl_frame_from_normal(p->normal);
+    sl_vec3 eye = sl_mad(p->position, 1e-5f * scene->diagonal, p->geometric_normal);
+    sl_counters counters = {{0}};
+    double sum = 0.0;
+    for (uint64_t round = 0; round < ROUNDS; round++) {
+        for (unsigned first = 0; first < SIDE * SIDE; first += SL_PACKET) {
+            sl_ray16 rays;
+            sl_rgb radiance[SL_PACKET];
+            memset(&rays, 0, sizeof rays);
+            for (unsigned i = 0; i < SL_PACKET; i++) { /* cosine-distributed: rings of equal weight */
+                unsigned cell = first + i;
+                uint64_t key = sl_random_key(stream, round);
+                double u = ((double)(cell / SIDE) + (double)sl_random_unit(key, 2 * cell)) / SIDE;
+                double v = ((double)(cell % SIDE) + (double)sl_random_unit(key, 2 * cell + 1)) / SIDE, r = sqrt(u);
+                double x = r * sl_cos(2.0 * SL_PI * v), y = r * sl_sin(2.0 * SL_PI * v);
+                sl_vec3 d = sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)sqrt(1.0 - u)));
+                rays.origin_x[i] = eye.x, rays.origin_y[i] = eye.y, rays.origin_z[i] = eye.z;
+                rays.direction_x[i] = d.x, rays.direction_y[i] = d.y, rays.direction_z[i] = d.z;
+                rays.far[i] = INFINITY;
+                rays.skip[i] = p->triangle;
+            }
+            sl_path_tracer_radiance(path, &rays, SL_PACKET, stream * 1000 + first, round, radiance, &counters);
+            for (unsigned i = 0; i < SL_PACKET; i++) sum += (double)sl_rgb_mean(radiance[i]);
+        }
+    }
+    return sum * SL_PI / (SIDE * SIDE * ROUNDS);
+}
+
+static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t reference_bounces, double most_bias, double most_error) {
+    sl_error error;
+    sl_path_tracer *path;
+    const sl_path_settings settings = {.width = 4, .height = 4, .threads = 1, .seed = 5,
+                                       .transport = {.direct_lobes = SL_LOBE_DIFFUSE, .receiver_lobes = SL_LOBE_DIFFUSE,
+                                                     .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = reference_bounces,
+                                                     .direct_visibility = true, .bounce_visibility = true,
+                                                     .filter = SL_FILTER_CENTRE}};
+    if (sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_counters before = w->counters;
+    bouncer b = bouncer_new(w, bounces, 2);
+    double ours = 0.0, theirs = 0.0, squares = 0.0, reference_squares = 0.0;
+    for (uint64_t n = 0; n < 60; n++) {
+        sl_gather_point point = world_surface_point(w, n);
+        sl_irradiance irradiance = irradiance_at(&b, &point);
+        if (irradiance.harmonic_mean < 0.05f) continue; /* in the slit below a box */
+        double e = (double)sl_rgb_mean(irradiance.value), r = reference_irradiance(path, w->scene, &point, n);
+        ours += e;
+        theirs += r;
+        squares += (e - r) * (e - r);
+        reference_squares += r * r;
+    }
+    uint64_t misses = w->counters.value[SL_COUNT_HIDDEN_MISSES] - before.value[SL_COUNT_HIDDEN_MISSES];
+    uint64_t looked_up = w->counters.value[SL_COUNT_HIDDEN_LOOK_UPS] - before.value[SL_COUNT_HIDDEN_LOOK_UPS];
+    double share = (double)misses / (double)looked_up;
+    print_message("room, %u bounces (%u computed), %zu hidden records: bias %+.4f, RMS %.4f, %.3f %% of %.3g look-ups missed\n",
+                  bounces, b.report.bounces, b.report.records, ours / theirs - 1.0, sqrt(squares / reference_squares), 100.0 * share,
+                  (double)looked_up);
+    assert_true(fabs(ours / theirs - 1.0) < most_bias);
+    assert_true(sqrt(squares / reference_squares) < most_error);
+    assert_true(share < 0.02); /* hidden gathers in corners included */
+    bouncer_free(&b);
+    sl_path_tracer_destroy(path);
+}
+
+static void four_bounces_are_those_of_the_path_tracer(void **state) {
+    (void)state;
+    world *w = room(false);
+    compare_with_path_tracer(w, 4, 3, 0.015, 0.04);
+    world_free(w);
+}
+
+static void many_bounces_are_all_of_the_light(void **state) {
+    (void)state;
+    world *w = room(false);
+    compare_with_path_tracer(w, 40, SL_BOUNCES_UNLIMITED, 0.015, 0.04);
+    world_free(w);
+}
+
+/* ---- what must not happen ---- */
+
+/* A room open at the front; its walls are of different quads, so that the two rooms' floors are one plane. */
+static void open_room(world *w, float x0, float x1, uint32_t wall) {
+    const sl_vec3 a = sl_v3(x0, 0, 0), b = sl_v3(x1, 0, 0), c = sl_v3(x1, 0, 2), d = sl_v3(x0, 0, 2), up = sl_v3(0, 2, 0);
+    world_quad(w, a, d, c, b, wall);
+    world_quad(w, sl_add(a, up), sl_add(b, up), sl_add(c, up), sl_add(d, up), wall);
+    world_quad(w, a, b, sl_add(b, up), sl_add(a, up), wall);
+    world_quad(w, a, sl_add(a, up), sl_add(d, up), d, wall);
+    world_quad(w, b, c, sl_add(c, up), sl_add(b, up), wall);
+}
+
+/* Two rooms share the planes of their floors, ceilings and backs, and a wall that is a thousandth thick; the light is in one. */
+static void no_bounce_leaks_through_a_thin_wall(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t wall = world_material(w, sl_grey(0.8f), sl_grey(0.0f));
+    open_room(w, 0.0f, 2.0f, wall);
+    open_room(w, 2.001f, 4.0f, wall);
+    world_point_light(w, sl_v3(3.0f, 1.0f, 1.2f), 10.0f);
+    world_build(w);
+    look_from(w, sl_v3(2.0f, 1.0f, 5.5f), sl_v3(2, 1, 0));
+    bouncer b = bouncer_new(w, 6, 2);
+    double lit = 0.0;
+    int dark = 0;
+    assert_true(b.report.records > 100);
+    for (uint64_t n = 0; n < 400; n++) {
+        sl_gather_point point = world_surface_point(w, n);
+        double e = (double)irradiance_at(&b, &point).value.g;
+        if (point.position.x < 2.0005f) {
+            assert_true(e == 0.0);
+            dark++;
+        } else {
+            lit += e;
+        }
+    }
+    assert_true(lit > 0.0 && dark > 100);
+    bouncer_free(&b);
+    world_free(w);
+}
+
+static void hidden_records_do_not_depend_on_threads(void **state) {
+    (void)state;
+    world *w = room(true);
+    sl_irradiance first[8];
+    const unsigned threads[] = {1, 2, 5};
+    for (int run = 0; run < 3; run++) {
+        bouncer b = bouncer_new(w, 3, threads[run]);
+        for (uint64_t n = 0; n < 8; n++) {
+            sl_gather_point point = world_surface_point(w, n);
+            sl_irradiance e = irradiance_at(&b, &point);
+            if (run == 0) first[n] = e;
+            else assert_memory_equal(&e, &first[n], sizeof e);
+        }
+        bouncer_free(&b);
+    }
+    world_free(w);
+}
+
+static void a_scene_without_anything_to_see_has_no_hidden_records(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t wall = world_material(w, sl_grey(0.5f), sl_grey(0.0f));
+    world_quad(w, sl_v3(-1, 0, 1), sl_v3(1, 0, 1), sl_v3(1, 0, -1), sl_v3(-1, 0, -1), wall);
+    world_point_light(w, sl_v3(0, 1, 0), 1.0f);
+    world_build(w);
+    look_from(w, sl_v3(0, 1, 2), sl_v3(0, 0, 0));
+    bouncer b = bouncer_new(w, 4, 2);
+    assert_int_equal(b.report.records, 0);
+    sl_gather_point point = world_surface_point(w, 0);
+    assert_true(irradiance_at(&b, &point).value.g == 0.0f);
+    bouncer_free(&b);
+    world_free(w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_the_hits_receive_is_reflected),
+        cmocka_unit_test(the_furnace_sums_the_series),
+        cmocka_unit_test(the_integrating_sphere_dims_by_its_albedo),
+        cmocka_unit_test(bounces_that_change_nothing_are_left_out),
+        cmocka_unit_test(four_bounces_are_those_of_the_path_tracer),
+        cmocka_unit_test(many_bounces_are_all_of_the_light),
+        cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
+        cmocka_unit_test(hidden_records_do_not_depend_on_threads),
+        cmocka_unit_test(a_scene_without_anything_to_see_has_no_hidden_records),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
