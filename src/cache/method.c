@@ -158,13 +158,19 @@ static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error
     static const char *const orders[] = {"coarse-to-fine", "linear"};
     static const char *const filters[] = {"method", "box", "centre"};
     const sl_settings *s = &method->settings;
-    char text[8][64];
+    static const char *const metrics[] = {"auto", "harmonic", "minimum", "hessian", "adaptive"};
+    char text[12][64];
     snprintf(text[0], 64, "%" PRIu64, s->seed);
     snprintf(text[1], 64, "%016" PRIx64, sl_scene_hash(method->scene));
     snprintf(text[2], 64, "%" PRIu64, method->batches);
     snprintf(text[3], 64, "%" PRIu32, s->spp);
     snprintf(text[4], 64, "%.9g", s->accuracy);
     snprintf(text[5], 64, "%d", s->gather_size);
+    snprintf(text[7], 64, "%.9g", s->glossy_accuracy);
+    snprintf(text[8], 64, "%d", s->harmonics_order);
+    snprintf(text[9], 64, "%" PRIu32, s->bounces);
+    snprintf(text[10], 64, "%" PRIu32, s->hit_samples);
+    snprintf(text[11], 64, "%" PRIu32, s->records_per_frame);
     const char *const pairs[][2] = {
         {"softlux.version", SL_VERSION},   {"softlux.method", method->name},
         {"softlux.transport", s->transport}, {"softlux.quality", qualities[s->quality]},
@@ -173,6 +179,9 @@ static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error
         {"softlux.accuracy", text[4]},     {"softlux.gather_size", text[5]},
         {"softlux.gather", gathers[s->gather]}, {"softlux.direct", directs[s->direct]},
         {"softlux.order", orders[s->order]},    {"softlux.filter", filters[s->filter]},
+        {"softlux.metric", metrics[s->metric]}, {"softlux.glossy_accuracy", text[7]},
+        {"softlux.harmonics_order", text[8]},   {"softlux.bounces", text[9]},
+        {"softlux.hit_samples", text[10]},      {"softlux.records_per_frame", text[11]},
     };
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         sl_status status = sl_image_set_metadata(image, pairs[i][0], pairs[i][1], error);
