@@ -25,6 +25,8 @@ void sl_splat_complete(sl_settings *settings) {
     settings->glossy_accuracy = q.glossy_accuracy;
     settings->gather_size = q.gather_size;
     settings->spp = q.light_samples;
+    if (settings->bounces == 0) settings->bounces = 1;
+    if (settings->hit_samples == 0) settings->hit_samples = 1;
 }
 
 static bool gives_light(const sl_scene *scene) {
@@ -36,6 +38,7 @@ static sl_gather_settings chosen_gather(const sl_settings *settings) {
     g.kind = settings->gather;
     g.size = chosen_quality(settings).gather_size;
     g.direct = settings->direct;
+    g.hit_samples = settings->hit_samples ? settings->hit_samples : 1;
     g.seed = settings->seed;
     g.emission = false; /* what the direct pass samples is black in the gather */
     return g;
@@ -54,7 +57,7 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     };
 }
 
-/* L E, L (D|G) E, L D D+ E: as many diffuse bounces as asked for, no mirrors. */
+/* L E, L (D|G) E, L D+ (D|G) E: as many diffuse bounces as asked for, no mirrors. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
