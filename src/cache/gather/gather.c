@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "cache/harmonics/harmonics.h"
 
-enum { SHADOW_MAP_SIZE = 512, EVERY_LIGHT_MAX = 8, BY_POWER_MAX = 64 };
+enum { EVERY_LIGHT_MAX = 8, BY_POWER_MAX = 64 };
 
 sl_gather_settings sl_gather_defaults(void) {
     return (sl_gather_settings){.kind = SL_GATHER_AUTO, .size = 64, .plane_fov = (float)(140.0 / 180.0 * SL_PI),
@@ -68,9 +68,19 @@ static void make_near_spheres(sl_gather *gather) {
     }
 }
 
+static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    const sl_environment *environment = &gather->scene->environment;
+    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, NULL, environment->present ? environment : NULL, threads};
+    gather->maps = gather->settings.maps;
+    if (gather->maps) return SL_OK;
+    sl_status status = sl_shadow_maps_create(gather->scene, gather->raster, &maps, &gather->own_maps, counters, error);
+    gather->maps = gather->own_maps;
+    return status;
+}
+
 static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
     if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS) {
-        return sl_shadow_maps_create(gather->scene, gather->raster, SHADOW_MAP_SIZE, threads, &gather->maps, counters, error);
+        return make_maps(gather, threads, counters, error);
     }
     sl_status status = make_sampler(gather, error);
     make_near_spheres(gather);
@@ -118,7 +128,7 @@ void sl_gather_destroy(sl_gather *gather) {
     if (!gather) return;
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
-    sl_shadow_maps_destroy(gather->maps);
+    sl_shadow_maps_destroy(gather->own_maps);
     sl_light_sampler_destroy(gather->sampler);
     sl_free(gather);
 }
@@ -126,7 +136,7 @@ void sl_gather_destroy(sl_gather *gather) {
 sl_gather_kind sl_gather_kind_used(const sl_gather *gather) { return gather->settings.kind; }
 
 size_t sl_gather_memory_bytes(const sl_gather *gather) {
-    return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->maps ? sl_shadow_maps_bytes(gather->maps) : 0) +
+    return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0);
 }
 

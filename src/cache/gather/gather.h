@@ -9,6 +9,7 @@
 #define SL_CACHE_GATHER_H
 
 #include "raster/raster.h"
+#include "cache/light/shadow_maps.h"
 #include "trace/trace.h"
 
 typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL } sl_border;
@@ -38,8 +39,9 @@ typedef struct sl_gather_settings {
     bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
     const sl_environment *background; /* seen even where emission is off, the sky whose light the cache carries; or NULL. It must outlive
                                          the gather */
-    sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow cubes */
+    sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow maps */
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
+    const sl_shadow_maps *maps; /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
     const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
     int harmonics_order;      /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */

@@ -11,7 +11,7 @@
 #include "cache/gather/gather_kernels.h"
 #include "cache/gather/gather_tables.h"
 #include "cache/gather/projection.h"
-#include "cache/gather/shadow_maps.h"
+#include "cache/light/shadow_maps.h"
 
 /* About an emitter, where its light is not sampled but computed. */
 typedef struct sl_near_sphere {
@@ -33,7 +33,8 @@ struct sl_gather {
     sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
     sl_isa isa;
 
-    sl_shadow_maps *maps;        /* direct light by shadow maps, or NULL */
+    const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
+    sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
     sl_scene extended;           /* the scene without its lights without extent: what `sampler` draws from */
     sl_light_sampler *sampler;   /* emitters and environment (and lights without extent where they are many), or NULL */
     bool every_light;            /* lights without extent are few: each lights every hit */

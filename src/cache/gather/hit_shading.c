@@ -283,14 +283,13 @@ static void light_by_rays(const sl_gather_view *view, sl_counters *counters) {
 
 static void light_by_maps(const sl_gather_view *view, sl_counters *counters) {
     const sl_gather_hits *h = &view->scratch->hits;
-    for (size_t k = 0; k < view->gather->tables->used; k++) {
-        if (!reflects(h, k)) continue;
-        sl_rgb e = sl_shadow_maps_irradiance(view->gather->maps, position_of(h, k),
-                                             sl_v3(h->geometric_x[k], h->geometric_y[k], h->geometric_z[k]),
-                                             sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]), counters);
-        h->irradiance_r[k] = e.r;
-        h->irradiance_g[k] = e.g;
-        h->irradiance_b[k] = e.b;
+    const unsigned parts = SL_MAPPED_LIGHTS | SL_MAPPED_SKY | SL_MAPPED_FEW;
+    for (size_t k = 0; k < view->gather->tables->used; k += SL_LIGHT_BLOCK) {
+        size_t rest = view->gather->tables->used - k;
+        sl_light_points block = {rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK, h->position_x + k, h->position_y + k, h->position_z + k,
+                                 h->geometric_x + k, h->geometric_y + k, h->geometric_z + k, h->normal_x + k, h->normal_y + k, h->normal_z + k};
+        sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
+                                  h->irradiance_b + k, counters);
     }
 }
 

@@ -5,8 +5,6 @@
 #include "base/memory.h"
 #include "cache/splatting/state.h"
 
-enum { SHADOW_MAP_SIZE = 1024 };
-
 /* ---- the caches ---- */
 
 static void close_cache(sl_record_cache *cache, unsigned threads) {
@@ -112,19 +110,26 @@ static void destroy_transport(sl_splat_state *s) {
 
 static const sl_environment *present_or_null(const sl_environment *e) { return e->present ? e : NULL; }
 
+/* Once for pixels, which want the lights and the sun, and for gathers, which want the sky too. */
+static sl_status create_maps(sl_splat_state *s, sl_error *error) {
+    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, present_or_null(&s->sun), present_or_null(&s->sky), s->settings.threads};
+    return sl_shadow_maps_create(s->scene, s->raster, &maps, &s->maps, &s->counters, error);
+}
+
 static sl_status create_transport(sl_splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK) status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
     if (status == SL_OK && s->plan.direct) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
-        status = sl_shadow_maps_create(s->scene, s->raster, SHADOW_MAP_SIZE, threads, &s->maps, &s->counters, error);
+        status = create_maps(s, error);
     if (status == SL_OK && s->plan.direct) {
         sl_direct_settings direct = {s->plan.quality.light_samples, s->settings.seed, threads, s->maps,
-                                     present_or_null(&s->sun), NULL};
+                                     present_or_null(&s->sun)};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
-    s->plan.gather.background = s->maps ? NULL : present_or_null(&s->sky); /* the maps hold all of the environment */
+    s->plan.gather.background = present_or_null(&s->sky);
+    s->plan.gather.maps = s->maps;
     return status;
 }
 

@@ -16,7 +16,7 @@
 #define SL_CACHE_SPLATTING_H
 
 #include "cache/gather/gather.h"
-#include "cache/gather/shadow_maps.h"
+#include "cache/light/shadow_maps.h"
 #include "cache/method.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/record.h"
@@ -28,8 +28,7 @@ typedef struct sl_direct_settings {
     uint64_t seed;
     unsigned threads;
     const sl_shadow_maps *maps; /* NULL: shadow rays */
-    const sl_environment *sun;  /* environment that is sampled here for all lobes; NULL: none */
-    const sl_environment *sky;  /* environment that is sampled here for the glossy lobe alone, since irradiance records carry the rest */
+    const sl_environment *sun;  /* the part of the environment that is sampled here; the records carry the rest. NULL: none */
 } sl_direct_settings;
 
 typedef struct sl_direct sl_direct;

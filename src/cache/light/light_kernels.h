@@ -1,0 +1,97 @@
+/* The loops over points to be lit that are compiled for every instruction set. */
+#ifndef SL_CACHE_LIGHT_KERNELS_H
+#define SL_CACHE_LIGHT_KERNELS_H
+
+#include "base/isa.h"
+#include "scene/scene.h"
+
+enum { SL_LIGHT_BLOCK = 128 };
+
+/* At most SL_LIGHT_BLOCK points to be lit. A point without normal gets nothing. */
+typedef struct sl_light_points {
+    size_t count;
+    const float *x, *y, *z;
+    const float *geometric_x, *geometric_y, *geometric_z; /* unit, on the side that is lit */
+    const float *normal_x, *normal_y, *normal_z;          /* unit, shading */
+} sl_light_points;
+
+/* A light without extent, or a point of an emitter. */
+typedef enum sl_source_kind { SL_SOURCE_POINT, SL_SOURCE_SPOT, SL_SOURCE_DIRECTIONAL, SL_SOURCE_AREA } sl_source_kind;
+
+typedef struct sl_light_source {
+    sl_source_kind kind;
+    sl_vec3 position;
+    sl_vec3 direction;          /* unit: directional and spot, the way the light travels; area: the emitter's normal */
+    float cos_inner, cos_outer; /* spot */
+    float extent;               /* area: area / pi, which keeps 1 / distance^2 finite: the sample stands for a disc */
+    sl_rgb colour;              /* intensity, irradiance, or radiance x area */
+} sl_light_source;
+
+/* What arrives from a source at the points of a block: irradiance = colour x weight. */
+typedef struct sl_arrivals {
+    float x[SL_LIGHT_BLOCK], y[SL_LIGHT_BLOCK], z[SL_LIGHT_BLOCK]; /* unit, towards the light */
+    float weight[SL_LIGHT_BLOCK]; /* cosine over squared distance and the like; 0 below either horizon */
+} sl_arrivals;
+
+/* A shadow map: which triangle is seen in each texel. Cube: six faces of size x size, each with a border of one texel beyond
+ * 90 degrees, so that a filter never leaves its face. Directional: one face over the scene's box. */
+typedef struct sl_shadow_map {
+    const uint32_t *id;
+    int size;
+    sl_vec3 eye;                     /* of a cube; of a directional map the box's centre */
+    bool directional;
+    sl_frame frame;                  /* directional: z the way the light travels */
+    float reach_x, reach_y;          /* directional: half extents of the map */
+} sl_shadow_map;
+
+/* The planes of all triangles: four floats each, n and n . (v - centre), the first for "nothing" (all 0), so triangle t's at 4 (t + 1). */
+typedef struct sl_plane_table {
+    const float *planes;
+    sl_vec3 centre;
+    float tolerance;                 /* nearer than that to a plane counts as on it */
+} sl_plane_table;
+
+typedef struct sl_polygon_light {
+    sl_vec3 corner[3];
+    sl_vec3 normal;                  /* unit, of the shining side */
+    float area, extent_squared;      /* the largest squared distance of a corner from the centroid */
+    bool two_sided;
+} sl_polygon_light;
+
+typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals);
+/* Share of light in [0,1] at each point. */
+typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes, float *lit);
+/* Unoccluded irradiance from a triangle of radiance 1, in closed form. */
+typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_light *light, float *irradiance);
+/* r, g, b += colour a_i b_i. */
+typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r, float *g, float *bl);
+
+typedef struct sl_light_kernels {
+    sl_arrive_kernel *arrive;
+    sl_lit_kernel *lit;
+    sl_polygon_kernel *polygon;
+    sl_accumulate_kernel *accumulate;
+} sl_light_kernels;
+
+#define SL_DECLARE_LIGHT_KERNELS(isa)             \
+    sl_arrive_kernel sl_light_arrive_##isa;       \
+    sl_lit_kernel sl_shadow_map_lit_##isa;        \
+    sl_polygon_kernel sl_polygon_light_##isa;     \
+    sl_accumulate_kernel sl_light_accumulate_##isa
+
+SL_DECLARE_LIGHT_KERNELS(baseline);
+SL_DECLARE_LIGHT_KERNELS(avx2);
+SL_DECLARE_LIGHT_KERNELS(avx512);
+
+static inline sl_light_kernels sl_light_kernels_for(sl_isa isa) {
+#define SL_LIGHT_KERNELS_OF(name) \
+    (sl_light_kernels) { sl_light_arrive_##name, sl_shadow_map_lit_##name, sl_polygon_light_##name, sl_light_accumulate_##name }
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return SL_LIGHT_KERNELS_OF(avx512);
+    if (isa == SL_ISA_AVX2) return SL_LIGHT_KERNELS_OF(avx2);
+#endif
+    (void)isa;
+    return SL_LIGHT_KERNELS_OF(baseline);
+}
+
+#endif

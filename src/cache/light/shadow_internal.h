@@ -1,0 +1,34 @@
+/* What making the maps and looking them up share. */
+#ifndef SL_CACHE_SHADOW_INTERNAL_H
+#define SL_CACHE_SHADOW_INTERNAL_H
+
+#include "cache/light/shadow_maps.h"
+
+/* A light without extent, or a sample of one with extent, and its map. */
+typedef struct sl_mapped_source {
+    sl_light_source source;
+    sl_shadow_map map;
+    uint32_t *id;   /* the map's, owned */
+    unsigned part;
+} sl_mapped_source;
+
+/* A side of an emissive triangle, and its samples among the sources. */
+typedef struct sl_mapped_emitter {
+    sl_polygon_light polygon;
+    sl_rgb radiance;
+    size_t first, count;
+} sl_mapped_emitter;
+
+struct sl_shadow_maps {
+    const sl_scene *scene;
+    sl_shadow_map_settings settings;
+    sl_light_kernels kernels;
+    float *planes;
+    sl_plane_table table;
+    float offset;
+    size_t source_count, emitter_count, plain_count, capacity; /* the first plain_count sources are no samples of emitters */
+    sl_mapped_source *sources;
+    sl_mapped_emitter *emitters;
+};
+
+#endif

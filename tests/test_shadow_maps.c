@@ -1,0 +1,489 @@
+/* Shadow maps against closed forms and against rays: no acne, no detached shadows, no leaks, the same bits everywhere. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "base/random.h"
+#include "cache/gather/hemisphere_tables.h"
+#include "cache/light/shadow_maps.h"
+#include "gather_world.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* ---- points ------------------------------------------------------------------------------------------------------------- */
+
+enum { POINTS = 128 };
+
+typedef struct {
+    float x[POINTS], y[POINTS], z[POINTS], nx[POINTS], ny[POINTS], nz[POINTS];
+    float r[POINTS], g[POINTS], b[POINTS];
+    size_t count;
+} block;
+
+static void add_point(block *b, sl_vec3 p, sl_vec3 n) {
+    assert_true(b->count < POINTS);
+    b->x[b->count] = p.x, b->y[b->count] = p.y, b->z[b->count] = p.z;
+    b->nx[b->count] = n.x, b->ny[b->count] = n.y, b->nz[b->count] = n.z;
+    b->count++;
+}
+
+static sl_light_points points_of(const block *b) {
+    return (sl_light_points){b->count, b->x, b->y, b->z, b->nx, b->ny, b->nz, b->nx, b->ny, b->nz};
+}
+
+static void light_block(const sl_shadow_maps *maps, block *b) {
+    sl_light_points points = points_of(b);
+    sl_counters counters = {{0}};
+    memset(b->r, 0, sizeof b->r);
+    memset(b->g, 0, sizeof b->g);
+    memset(b->b, 0, sizeof b->b);
+    sl_shadow_maps_irradiance(maps, &points, SL_MAPPED_LIGHTS | SL_MAPPED_SKY, b->r, b->g, b->b, &counters);
+}
+
+static sl_shadow_maps *maps_of(world *w, int size) {
+    sl_shadow_map_settings settings = {.size = size, .threads = 2, .sky = w->environment.present ? &w->scene->environment : NULL};
+    sl_shadow_maps *maps = NULL;
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &settings, &maps, &counters, NULL), SL_OK);
+    return maps;
+}
+
+static float uniform(uint64_t key, uint64_t i, float low, float high) { return low + (high - low) * sl_random_unit(key, i); }
+
+static sl_rgb grey(float v) { return (sl_rgb){v, v, v}; }
+
+/* E = I cos / d^2 */
+static double from_point(sl_vec3 light, double intensity, sl_vec3 p, sl_vec3 n) {
+    sl_vec3d d = sl_subd(sl_to_double(light), sl_to_double(p));
+    double squared = sl_dotd(d, d), cosine = sl_dotd(d, sl_to_double(n)) / sqrt(squared);
+    return cosine > 0.0 ? intensity * cosine / squared : 0.0;
+}
+
+/* ---- no acne -------------------------------------------------------------------------------------------------------------- */
+
+static const sl_vec3 lamp = {0.31f, 0.42f, -0.17f};
+
+/* Also within a texel of the room's edges, where texels show the other wall. */
+static void a_point_light_on_a_floor_and_walls_is_the_closed_form_everywhere(void **state) {
+    (void)state;
+    const int sizes[] = {8, 64, 1024};
+    world *w = world_new();
+    uint32_t m = world_material(w, grey(0.5f), grey(0.0f)), all[6] = {m, m, m, m, m, m};
+    world_box(w, sl_v3(-2, -2, -2), sl_v3(2, 2, 2), true, all);
+    world_point_light(w, lamp, 10.0f);
+    world_build(w);
+    for (int s = 0; s < 3; s++) {
+        sl_shadow_maps *maps = maps_of(w, sizes[s]);
+        for (uint64_t k = 0; k < 40; k++) {
+            block b = {.count = 0};
+            for (uint64_t i = 0; i < POINTS; i++) {
+                float c[3], n[3] = {0, 0, 0};
+                int axis = (int)(i % 3);
+                for (uint64_t j = 0; j < 3; j++) c[j] = uniform(7 + k, 3 * i + j, -2.0f, 2.0f);
+                if (i % 4 == 0) c[(axis + 1) % 3] = c[(axis + 1) % 3] > 0 ? 1.9999f : -1.9999f;
+                c[axis] = i % 2 ? 2.0f : -2.0f;
+                n[axis] = i % 2 ? -1.0f : 1.0f;
+                add_point(&b, sl_v3(c[0], c[1], c[2]), sl_v3(n[0], n[1], n[2]));
+            }
+            light_block(maps, &b);
+            for (size_t i = 0; i < b.count; i++) {
+                double truth = from_point(lamp, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+                assert_true(fabs((double)b.r[i] - truth) < 1e-5 * truth + 1e-7);
+            }
+        }
+        sl_shadow_maps_destroy(maps);
+    }
+    world_free(w);
+}
+
+/* A lamp two millimetres above a floor of 20 metres: at its far end light falls in at 0.01 degrees. */
+static void a_plane_in_grazing_light_has_no_acne(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, grey(0.5f), grey(0.0f));
+    sl_vec3 light = sl_v3(0.1f, 0.002f, -0.2f), up = sl_v3(0, 1, 0);
+    for (int i = 0; i < 32; i++) { /* strips, so that neighbouring texels see different triangles of one plane */
+        float z = -10.0f + 0.625f * (float)i;
+        world_quad(w, sl_v3(-10, 0, z), sl_v3(-10, 0, z + 0.625f), sl_v3(10, 0, z + 0.625f), sl_v3(10, 0, z), m);
+    }
+    world_point_light(w, light, 1.0f);
+    world_build(w);
+    sl_shadow_maps *maps = maps_of(w, 256);
+    for (uint64_t k = 0; k < 20; k++) {
+        block b = {.count = 0};
+        for (uint64_t i = 0; i < POINTS; i++) add_point(&b, sl_v3(uniform(k, 2 * i, -10, 10), 0.0f, uniform(k, 2 * i + 1, -10, 10)), up);
+        light_block(maps, &b);
+        for (size_t i = 0; i < b.count; i++) {
+            double truth = from_point(light, 1.0, sl_v3(b.x[i], b.y[i], b.z[i]), up);
+            assert_true(fabs((double)b.r[i] - truth) < 1e-4 * truth + 1e-9);
+        }
+    }
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+/* Facets smaller and larger than texels: no facet of a convex body hides another from a light that both face; nor in a hollow one. */
+static void facets_of_spheres_do_not_shadow_each_other(void **state) {
+    (void)state;
+    const int sizes[] = {32, 512}, rings[] = {12, 100};
+    for (int run = 0; run < 8; run++) {
+        world *w = world_new();
+        uint32_t m = world_material(w, grey(0.5f), grey(0.0f));
+        bool outside = run & 4;
+        world_sphere(w, 1.0f, rings[run & 1], &m, 1);
+        sl_vec3 light = outside ? sl_v3(1.5f, 2.0f, 1.0f) : sl_v3(0.3f, 0.2f, -0.4f);
+        world_point_light(w, light, 1.0f);
+        world_build(w);
+        sl_shadow_maps *maps = maps_of(w, sizes[run >> 1 & 1]);
+        const sl_scene *s = w->scene;
+        for (uint32_t first = 0; first + POINTS <= s->triangle_count && first < 40 * POINTS; first += POINTS) {
+            block b = {.count = 0};
+            for (uint32_t t = first; t < first + POINTS; t++) {
+                sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), e = sl_scene_position(s, s->vertex[1][t]), f = sl_scene_position(s, s->vertex[2][t]);
+                float u = uniform(3, 2 * t, 0.0f, 0.5f), v = uniform(3, 2 * t + 1, 0.0f, 0.5f);
+                sl_vec3 n = sl_scene_geometric_normal(s, t);
+                add_point(&b, sl_mad(sl_mad(a, u, sl_sub(e, a)), v, sl_sub(f, a)), outside ? sl_neg(n) : n);
+            }
+            light_block(maps, &b);
+            for (size_t i = 0; i < b.count; i++) {
+                double truth = from_point(light, 1.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+                assert_true(fabs((double)b.r[i] - truth) < 1e-4 * truth + 1e-6);
+            }
+        }
+        sl_shadow_maps_destroy(maps);
+        world_free(w);
+    }
+}
+
+/* ---- no detached shadows, no leaks ---------------------------------------------------------------------------------------- */
+
+/* A wall a thousandth of the room thick and half its height, a lamp that hangs lower. Behind it the floor is dark right from its foot on: the one texel that
+ * the filter reaches across it aside, to the last bit. */
+static void behind_a_wall_of_a_thousandth_the_floor_is_dark_from_its_foot(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, grey(0.5f), grey(0.0f)), all[6] = {m, m, m, m, m, m};
+    world_box(w, sl_v3(-2, -2, -2), sl_v3(2, 2, 2), true, all);
+    world_box(w, sl_v3(-0.002f, -2, -2), sl_v3(0.002f, 0, 2), false, all);
+    sl_vec3 light = sl_v3(-0.9f, -0.7f, 0.2f);
+    world_point_light(w, light, 10.0f);
+    world_build(w);
+    sl_shadow_maps *maps = maps_of(w, 512);
+    const float texel = 2.0f / 510.0f * 2.0f; /* at the foot: so much of the floor, generously */
+    for (uint64_t k = 0; k < 40; k++) {
+        block b = {.count = 0};
+        for (uint64_t i = 0; i < POINTS; i++) {
+            float x = uniform(90 + k, 2 * i, 0.002f + (k < 20 ? 2.0f * texel : 0.0f), k < 20 ? 2.0f : 0.002f + 2.0f * texel);
+            add_point(&b, sl_v3(x, -2.0f, uniform(90 + k, 2 * i + 1, -1.9f, 1.9f)), sl_v3(0, 1, 0));
+        }
+        light_block(maps, &b);
+        double lit = 0.0, open = 0.0;
+        for (size_t i = 0; i < b.count; i++) {
+            double unshadowed = from_point(light, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(0, 1, 0));
+            if (k < 20) assert_true(b.r[i] == 0.0f);
+            lit += (double)b.r[i];
+            open += unshadowed;
+        }
+        if (k >= 20) assert_true(lit < 0.3 * open); /* the filter's own width */
+    }
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+/* On the lit side the floor is bright up to the wall's foot, and so is the wall down to it. */
+static void before_the_wall_everything_is_lit_up_to_the_corner(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, grey(0.5f), grey(0.0f)), all[6] = {m, m, m, m, m, m};
+    world_box(w, sl_v3(-2, -2, -2), sl_v3(2, 2, 2), true, all);
+    world_box(w, sl_v3(-0.002f, -2, -2), sl_v3(0.002f, 0, 2), false, all);
+    sl_vec3 light = sl_v3(-0.9f, -0.7f, 0.2f);
+    world_point_light(w, light, 10.0f);
+    world_build(w);
+    sl_shadow_maps *maps = maps_of(w, 128);
+    block b = {.count = 0};
+    for (uint64_t i = 0; i < POINTS; i++) {
+        float near = uniform(5, 2 * i, 1e-4f, 0.05f), z = uniform(5, 2 * i + 1, -1.9f, 1.9f);
+        if (i % 2) add_point(&b, sl_v3(-0.002f - near, -2.0f, z), sl_v3(0, 1, 0));
+        else add_point(&b, sl_v3(-0.002f, -2.0f + near, z), sl_v3(-1, 0, 0));
+    }
+    light_block(maps, &b);
+    for (size_t i = 0; i < b.count; i++) {
+        double truth = from_point(light, 10.0, sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+        assert_true(fabs((double)b.r[i] - truth) < 1e-4 * truth);
+    }
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+/* ---- against rays --------------------------------------------------------------------------------------------------------- */
+
+static bool is_visible(const world *w, sl_vec3 p, sl_vec3 n, uint32_t triangle, sl_vec3 aim) {
+    sl_ray16 rays;
+    memset(&rays, 0, sizeof rays);
+    sl_counters counters = {{0}};
+    sl_vec3 o = sl_mad(p, 1e-5f * w->scene->diagonal, n), d = sl_sub(aim, o);
+    rays.origin_x[0] = o.x, rays.origin_y[0] = o.y, rays.origin_z[0] = o.z;
+    rays.direction_x[0] = d.x, rays.direction_y[0] = d.y, rays.direction_z[0] = d.z;
+    rays.far[0] = 0.9999f;
+    rays.skip[0] = triangle;
+    return !(sl_trace_occluded(w->tracer, &rays, 1, false, &counters) & 1u);
+}
+
+/* A share of a texel's width along the shadows' edges is blurred, and nothing else differs. */
+static void maps_differ_from_rays_at_edges_of_shadows_alone(void **state) {
+    (void)state;
+    world *w = world_room(false);
+    double difference[2] = {0.0, 0.0};
+    const int sizes[2] = {256, 1024};
+    for (int s = 0; s < 2; s++) {
+        sl_shadow_maps *maps = maps_of(w, sizes[s]);
+        double sum = 0.0, bias = 0.0, all = 0.0;
+        for (uint64_t k = 0; k < 100; k++) {
+            block b = {.count = 0};
+            bool visible[POINTS];
+            for (uint64_t i = 0; i < POINTS; i++) {
+                sl_gather_point p = world_surface_point(w, POINTS * k + i);
+                visible[i] = is_visible(w, p.position, p.geometric_normal, p.triangle, w->lights[0].position);
+                add_point(&b, p.position, p.geometric_normal);
+            }
+            light_block(maps, &b);
+            for (size_t i = 0; i < b.count; i++) {
+                double open = from_point(w->lights[0].position, (double)w->lights[0].intensity.r, sl_v3(b.x[i], b.y[i], b.z[i]),
+                                         sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+                if (!(open > 0.0)) continue;
+                double lit = (double)b.r[i] / open;
+                assert_true(lit >= 0.0 && lit < 1.0001);
+                sum += fabs(lit - (visible[i] ? 1.0 : 0.0));
+                bias += lit - (visible[i] ? 1.0 : 0.0);
+                all += 1.0;
+            }
+        }
+        difference[s] = sum / all;
+        print_message("maps of %d: %.5f of the points differ, on average by %+.5f\n", sizes[s], sum / all, bias / all);
+        assert_true(fabs(bias / all) < 0.002);
+        sl_shadow_maps_destroy(maps);
+    }
+    assert_true(difference[0] < 0.002 && difference[1] < 0.6 * difference[0]);
+    world_free(w);
+}
+
+/* ---- lights with extent ------------------------------------------------------------------------------------------------------ */
+
+static void lambert_for_many_points_is_lambert_for_one(void **state) {
+    (void)state;
+    double worst = 0.0;
+    for (uint64_t k = 0; k < 2000; k++) {
+        uint64_t key = sl_random_key(11, k);
+        block b = {.count = 0};
+        sl_polygon_light light = {.two_sided = k % 3 == 0};
+        sl_vec3d corners[3], swapped[3];
+        float size = k % 4 == 0 ? 0.01f : 1.0f;
+        for (uint64_t c = 0; c < 3; c++) {
+            light.corner[c] = sl_v3(uniform(key, 3 * c, -size, size), uniform(key, 3 * c + 1, -size, size), uniform(key, 3 * c + 2, -size, size));
+            corners[c] = sl_to_double(light.corner[c]);
+            swapped[2 - c] = corners[c];
+        }
+        sl_vec3 cross = sl_cross(sl_sub(light.corner[1], light.corner[0]), sl_sub(light.corner[2], light.corner[0]));
+        light.area = 0.5f * sl_length(cross);
+        light.normal = sl_normalize_or(cross, sl_v3(0, 0, 1));
+        sl_vec3 centre = sl_scale(sl_add(sl_add(light.corner[0], light.corner[1]), light.corner[2]), 1.0f / 3.0f);
+        for (int c = 0; c < 3; c++) light.extent_squared = fmaxf(light.extent_squared, sl_dot(sl_sub(light.corner[c], centre), sl_sub(light.corner[c], centre)));
+        for (uint64_t i = 0; i < 16; i++) {
+            float reach = i < 8 ? 1.5f : 8.0f;
+            sl_vec3 n = sl_v3(uniform(key, 100 + 6 * i, -1, 1), uniform(key, 101 + 6 * i, -1, 1), uniform(key, 102 + 6 * i, -1, 1));
+            add_point(&b, sl_v3(uniform(key, 103 + 6 * i, -reach, reach), uniform(key, 104 + 6 * i, -reach, reach), uniform(key, 105 + 6 * i, -reach, reach)),
+                      sl_normalize_or(n, sl_v3(0, 1, 0)));
+        }
+        sl_light_points points = points_of(&b);
+        sl_light_kernels_for(sl_isa_best()).polygon(&points, &light, b.r);
+        for (size_t i = 0; i < b.count; i++) {
+            sl_vec3d p = sl_to_double(sl_v3(b.x[i], b.y[i], b.z[i])), n = sl_to_double(sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+            double truth = sl_polygon_irradiance(p, n, corners, 3, NULL);
+            if (light.two_sided && !(truth > 0.0)) truth = sl_polygon_irradiance(p, n, swapped, 3, NULL);
+            sl_vec3d d = sl_subd(sl_to_double(centre), p);
+            double scale = (double)light.area / (sl_dotd(d, d) + (double)light.area); /* what it could be at most, about */
+            assert_true(isfinite(b.r[i]) && b.r[i] >= 0.0f);
+            worst = fmax(worst, fabs((double)b.r[i] - truth) / scale);
+        }
+    }
+    print_message("largest error over the largest irradiance possible there: %.2g\n", worst);
+    assert_true(worst < 2e-3); /* a sliver far away: 1e-8 of it */
+}
+
+/* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what very many rays say. */
+static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    sl_shadow_maps *maps = maps_of(w, 1024);
+    double error = 0.0, total = 0.0, squares = 0.0;
+    int open_points = 0, exact_points = 0;
+    for (uint64_t k = 0; k < 6; k++) {
+        block b = {.count = 0};
+        sl_gather_point gathered[POINTS];
+        for (uint64_t i = 0; i < POINTS; i++) {
+            gathered[i] = world_surface_point(w, 1000 + POINTS * k + i);
+            add_point(&b, gathered[i].position, gathered[i].geometric_normal);
+        }
+        light_block(maps, &b);
+        for (size_t i = 0; i < b.count; i++) {
+            sl_vec3d n = sl_to_double(gathered[i].geometric_normal);
+            double truth = 0.0, all = 0.0;
+            for (size_t e = 0; e < w->scene->emitter_count; e++) {
+                const sl_emitter *emitter = &w->scene->emitters[e];
+                if (emitter->triangle == gathered[i].triangle) continue;
+                enum { SIDE = 12 };
+                double seen = 0.0, weights = 0.0;
+                for (int s = 0; s < SIDE * SIDE; s++) {
+                    sl_light_sample sample;
+                    float u = ((float)(s % SIDE) + 0.5f) / SIDE, v = ((float)(s / SIDE) + 0.5f) / SIDE;
+                    if (!sl_emitter_sample(w->scene, (uint32_t)e, gathered[i].position, u, v, &sample)) continue;
+                    double f = (double)sample.radiance.r * fmax(0.0, sl_dotd(n, sl_to_double(sample.to_light)));
+                    weights += f;
+                    sl_vec3 aim = sl_mad(gathered[i].position, sample.distance, sample.to_light);
+                    if (f > 0.0 && is_visible(w, gathered[i].position, gathered[i].geometric_normal, gathered[i].triangle, aim)) seen += f;
+                }
+                sl_vec3d corners[3];
+                for (int c = 0; c < 3; c++) corners[c] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[c][emitter->triangle]));
+                double exact = (double)emitter->radiance.r * sl_polygon_irradiance(sl_to_double(gathered[i].position), n, corners, 3, NULL);
+                all += exact;
+                if (weights > 0.0) truth += exact * (seen / weights);
+            }
+            if (all > 0.0 && truth == all && fabs((double)b.r[i] / all - 1.0) < 1e-4) exact_points++;
+            if (all > 0.0 && truth == all) open_points++;
+            error += (double)b.r[i] - truth;
+            squares += ((double)b.r[i] - truth) * ((double)b.r[i] - truth);
+            total += truth;
+        }
+    }
+    double mean = total / (6.0 * POINTS);
+    print_message("bias %+.5f, rms %.5f of the mean; %d of %d points that see all are exact\n", error / total,
+                  sqrt(squares / (6.0 * POINTS)) / mean, exact_points, open_points);
+    assert_true(open_points > 100 && exact_points > 0.95 * open_points);
+    assert_true(fabs(error / total) < 0.002);
+    assert_true(sqrt(squares / (6.0 * POINTS)) < 0.02 * mean);
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+/* ---- lights far away -------------------------------------------------------------------------------------------------------- */
+
+static void a_sunlit_plane_and_the_shadow_of_a_plate(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, grey(0.5f), grey(0.0f));
+    world_quad(w, sl_v3(-5, 0, -5), sl_v3(-5, 0, 5), sl_v3(5, 0, 5), sl_v3(5, 0, -5), m);
+    world_quad(w, sl_v3(-1, 1, -1), sl_v3(-1, 1, 1), sl_v3(1, 1, 1), sl_v3(1, 1, -1), m);
+    sl_vec3 way = sl_normalize_or(sl_v3(1, -2, 0), sl_v3(0, -1, 0));
+    w->lights[w->light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = way, .intensity = {3, 3, 3}};
+    world_build(w);
+    sl_shadow_maps *maps = maps_of(w, 1024);
+    const double cosine = 2.0 / sqrt(5.0);
+    for (uint64_t k = 0; k < 20; k++) {
+        block b = {.count = 0};
+        for (uint64_t i = 0; i < POINTS; i++) add_point(&b, sl_v3(uniform(k, 2 * i, -4.9f, 4.9f), 0.0f, uniform(k, 2 * i + 1, -4.9f, 4.9f)), sl_v3(0, 1, 0));
+        light_block(maps, &b);
+        for (size_t i = 0; i < b.count; i++) { /* the plate's shadow is moved by half its height */
+            double inside = 1.0 - fmax(fabs((double)b.x[i] - 0.5), fabs((double)b.z[i]));
+            if (inside > 0.03) assert_true(b.r[i] == 0.0f);
+            if (inside < -0.03) assert_true(fabs((double)b.r[i] - 3.0 * cosine) < 1e-5);
+        }
+    }
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t m = world_material(w, grey(0.5f), grey(0.0f));
+    world_quad(w, sl_v3(-5, 0, -5), sl_v3(-5, 0, 5), sl_v3(5, 0, 5), sl_v3(5, 0, -5), m);
+    w->environment = (sl_environment){.present = true, .constant = {2, 2, 2}};
+    world_build(w);
+    sl_shadow_maps *maps = maps_of(w, 64);
+    block b = {.count = 0};
+    for (uint64_t i = 0; i < POINTS; i++) add_point(&b, sl_v3(uniform(1, 2 * i, -5, 5), 0.0f, uniform(1, 2 * i + 1, -5, 5)), sl_v3(0, 1, 0));
+    light_block(maps, &b);
+    for (size_t i = 0; i < b.count; i++) assert_true(fabs((double)b.r[i] / (2.0 * pi) - 1.0) < 0.02); /* 32 directions of the sphere */
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+/* ---- points that are none, and the same bits ---------------------------------------------------------------------------------- */
+
+static void points_at_the_light_without_normal_or_not_finite_do_no_harm(void **state) {
+    (void)state;
+    world *w = world_room(false);
+    sl_shadow_maps *maps = maps_of(w, 64);
+    block b = {.count = 0};
+    sl_vec3 light = w->lights[0].position, up = sl_v3(0, 1, 0);
+    add_point(&b, light, up);
+    add_point(&b, sl_v3(NAN, 0, 0), up);
+    add_point(&b, sl_v3(0, INFINITY, 0), up);
+    add_point(&b, sl_v3(0, 0.1f, 0), sl_v3(0, 0, 0));
+    add_point(&b, sl_v3(0, 0.1f, 0), sl_v3(NAN, NAN, NAN));
+    add_point(&b, sl_v3(light.x, light.y - 1e-30f, light.z), up);
+    add_point(&b, sl_v3(1e30f, -1e30f, 1e30f), up);
+    light_block(maps, &b);
+    for (size_t i = 0; i < b.count; i++) assert_true(b.r[i] >= 0.0f && isfinite(b.r[i]));
+    for (size_t i = 1; i < 5; i++) assert_true(b.r[i] == 0.0f);
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+static void every_instruction_set_and_any_number_of_threads_gives_the_same_bits(void **state) {
+    (void)state;
+    const char *names[3] = {"baseline", "avx2", "avx512"};
+    for (int quad = 0; quad < 2; quad++) {
+        block first[8];
+        for (int run = 0; run < 4; run++) {
+            setenv("SOFTLUX_ISA", names[run % 3], 1);
+            world *w = world_room(quad);
+            sl_shadow_map_settings settings = {.size = 200, .threads = run == 3 ? 3 : 1};
+            sl_shadow_maps *maps;
+            sl_counters counters = {{0}};
+            assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &settings, &maps, &counters, NULL), SL_OK);
+            for (uint64_t k = 0; k < 8; k++) {
+                block b;
+                memset(&b, 0, sizeof b);
+                for (uint64_t i = 0; i < POINTS - 3 * k; i++) {
+                    sl_gather_point p = world_surface_point(w, POINTS * k + i);
+                    add_point(&b, p.position, p.geometric_normal);
+                }
+                light_block(maps, &b);
+                if (run == 0) first[k] = b;
+                else assert_memory_equal(&first[k], &b, sizeof b);
+            }
+            sl_shadow_maps_destroy(maps);
+            world_free(w);
+        }
+        assert_true(first[0].r[0] + first[0].r[1] + first[0].r[2] + first[0].r[3] > 0.0f);
+    }
+    unsetenv("SOFTLUX_ISA");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_point_light_on_a_floor_and_walls_is_the_closed_form_everywhere),
+        cmocka_unit_test(a_plane_in_grazing_light_has_no_acne),
+        cmocka_unit_test(facets_of_spheres_do_not_shadow_each_other),
+        cmocka_unit_test(behind_a_wall_of_a_thousandth_the_floor_is_dark_from_its_foot),
+        cmocka_unit_test(before_the_wall_everything_is_lit_up_to_the_corner),
+        cmocka_unit_test(maps_differ_from_rays_at_edges_of_shadows_alone),
+        cmocka_unit_test(lambert_for_many_points_is_lambert_for_one),
+        cmocka_unit_test(a_quad_light_is_exact_where_seen_and_soft_where_half_hidden),
+        cmocka_unit_test(a_sunlit_plane_and_the_shadow_of_a_plate),
+        cmocka_unit_test(an_open_plane_under_an_even_sky_gets_pi_times_its_radiance),
+        cmocka_unit_test(points_at_the_light_without_normal_or_not_finite_do_no_harm),
+        cmocka_unit_test(every_instruction_set_and_any_number_of_threads_gives_the_same_bits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
