@@ -1,0 +1,338 @@
+/* Speed against error: splatting over accuracy and size of gathers, its lower left envelope, and the path tracer on the same paths. Where
+ * does the cache win, and where does it stop? Both are measured in one run, on the same pixels, in processor seconds with all that
+ * a picture takes (hierarchy and tables included, reading the scene not). Drawn as SVG, both axes logarithmic. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cache/splatting/plan.h"
+#include "splat_bench.h"
+#include "timing.h"
+
+enum { CURVE_MAX = 128 };
+
+typedef struct trial {
+    double seconds, wall, rel_mse, noise, rel_rmse;
+    bool noisy;
+    double accuracy;
+    int gather;
+    uint32_t samples;
+    size_t records;
+} trial;
+
+typedef struct curve {
+    size_t count;
+    trial trials[CURVE_MAX];
+} curve;
+
+typedef struct world {
+    sl_scene *scene;
+    sl_tracer *tracer;
+    splat_pixels pixels;
+    splat_reference reference;
+    float *values;
+    int size;
+} world;
+
+/* ---- the world ---- */
+
+static bool open_world(splat_report *r, const splat_options *o, const char *path, int size, world *w) {
+    sl_settings settings = sl_settings_default();
+    sl_transport direct, indirect;
+    splat_reference parts[2];
+    sl_error error;
+    *w = (world){.size = o->brief ? size / 4 : size};
+    if (!splat_open_scene(r, path, &w->scene)) return false;
+    if (sl_tracer_create(w->scene, 2, NULL, &w->tracer, &error) != SL_OK) splat_stop("tracer", &error);
+    splat_pixels_make(w->scene, w->tracer, w->size, w->size, o->brief ? 5 : 20, &w->pixels);
+    w->values = calloc(3 * w->pixels.count + 1, sizeof(float));
+    sl_splat_transport(&settings, &indirect);
+    direct = indirect;
+    direct.receiver_lobes = 0;
+    indirect.emission = false;
+    indirect.direct_lobes = 0;
+    splat_reference_get(w->scene, w->tracer, &direct, &w->pixels, o->brief ? 1024 : 16384, &parts[0]);
+    splat_reference_get(w->scene, w->tracer, &indirect, &w->pixels, o->brief ? 1024 : 16384, &parts[1]);
+    splat_reference_sum(&parts[0], &parts[1], &w->reference);
+    for (int i = 0; i < 2; i++) splat_reference_free(&parts[i]);
+    return true;
+}
+
+static void close_world(world *w) {
+    free(w->values);
+    splat_reference_free(&w->reference);
+    splat_pixels_free(&w->pixels);
+    sl_tracer_destroy(w->tracer);
+    sl_scene_destroy(w->scene);
+}
+
+static void judge(world *w, const sl_image *image, trial *t) {
+    splat_pick(image, NULL, &w->pixels, w->values);
+    splat_error e = splat_compare(w->values, &w->reference, NULL);
+    t->rel_mse = e.rel_mse;
+    t->rel_rmse = e.rel_rmse;
+    t->noise = e.noise;
+    t->noisy = e.noisy;
+}
+
+/* ---- the two methods ---- */
+
+/* Light samples grow as the records do, or one of the two would bear all of the error. */
+static const struct {
+    double accuracy;
+    uint32_t samples;
+} rungs[] = {{0.7, 2}, {0.7, 4}, {0.5, 8}, {0.35, 8}, {0.35, 16}, {0.25, 16}, {0.25, 32}, {0.15, 32}, {0.15, 64}, {0.1, 64}, {0.07, 128}, {0.05, 128}};
+static const int gathers[] = {16, 24, 40, 64};
+enum { RUNGS = sizeof rungs / sizeof *rungs, GATHERS = sizeof gathers / sizeof *gathers };
+
+static void run_splatting(const splat_options *o, world *w, curve *c) {
+    for (int a = 0; a < RUNGS; a += o->brief ? 3 : 1) {
+        for (int g = 0; g < GATHERS; g += o->brief ? 2 : 1) {
+            sl_settings settings = sl_settings_default();
+            splat_run run;
+            settings.method = "splatting";
+            settings.width = settings.height = w->size;
+            settings.quality = rungs[a].accuracy < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL;
+            settings.accuracy = rungs[a].accuracy;
+            settings.gather_size = gathers[g];
+            settings.spp = rungs[a].samples;
+            splat_render(w->scene, &settings, o->brief ? 1 : 3, &run);
+            trial *t = &c->trials[c->count++];
+            *t = (trial){.seconds = run.cpu_all, .wall = run.wall_all, .accuracy = rungs[a].accuracy, .gather = gathers[g],
+                         .samples = rungs[a].samples, .records = run.records[0] + run.records[1]};
+            judge(w, run.image, t);
+            splat_run_free(&run);
+        }
+    }
+}
+
+/* One run, judged whenever its samples have doubled. */
+static void run_path_tracer(const splat_options *o, world *w, uint32_t samples, curve *c) {
+    sl_settings settings = sl_settings_default();
+    sl_method *method;
+    sl_image *image;
+    sl_error error;
+    settings.method = "path";
+    settings.transport = "matched:splatting";
+    settings.width = settings.height = w->size;
+    settings.spp = o->brief ? 32 : samples;
+    settings.seed = 99;
+    double spent = 0.0, wall = 0.0, from = process_ms(), from_wall = wall_ms();
+    if (sl_method_create(w->scene, &settings, &method, &error) != SL_OK) splat_stop("path tracer", &error);
+    spent += process_ms() - from;
+    wall += wall_ms() - from_wall;
+    for (uint32_t n = 1; n <= settings.spp; n++) {
+        sl_progress progress = {0};
+        from = process_ms(), from_wall = wall_ms();
+        if (sl_method_update(method, &progress, &error) != SL_OK) splat_stop("path tracer", &error);
+        spent += process_ms() - from;
+        wall += wall_ms() - from_wall;
+        if (n & (n - 1)) continue;
+        if (sl_method_resolve(method, &image, &error) != SL_OK) splat_stop("path tracer", &error);
+        trial *t = &c->trials[c->count++];
+        *t = (trial){.seconds = 1e-3 * spent, .wall = 1e-3 * wall, .samples = n};
+        judge(w, image, t);
+        sl_image_destroy(image);
+    }
+    sl_method_destroy(method);
+}
+
+/* ---- envelope and ratios ---- */
+
+static int by_seconds(const void *a, const void *b) {
+    double x = ((const trial *)a)->seconds, y = ((const trial *)b)->seconds;
+    return (x > y) - (x < y);
+}
+
+/* Those than which none is both faster and better. */
+static curve envelope_of(const curve *all) {
+    curve sorted = *all, e = {0};
+    qsort(sorted.trials, sorted.count, sizeof *sorted.trials, by_seconds);
+    for (size_t i = 0; i < sorted.count; i++) {
+        if (e.count && sorted.trials[i].rel_mse >= e.trials[e.count - 1].rel_mse) continue;
+        if (sorted.trials[i].rel_mse > 0.0) e.trials[e.count++] = sorted.trials[i];
+    }
+    return e;
+}
+
+/* Seconds at an error, or error at seconds: log-log between neighbours, never beyond the ends (then 0). */
+static double between(const curve *c, double at, bool seconds_wanted) {
+    for (size_t i = 0; i + 1 < c->count; i++) {
+        const trial *p = &c->trials[i], *q = &c->trials[i + 1];
+        double x0 = seconds_wanted ? p->rel_mse : p->seconds, x1 = seconds_wanted ? q->rel_mse : q->seconds;
+        double y0 = seconds_wanted ? p->seconds : p->rel_mse, y1 = seconds_wanted ? q->seconds : q->rel_mse;
+        if ((at - x0) * (at - x1) > 0.0 || x0 == x1) continue;
+        return exp(log(y0) + (log(y1) - log(y0)) * (log(at) - log(x0)) / (log(x1) - log(x0)));
+    }
+    return 0.0;
+}
+
+static const char *ratio_text(double ratio, char text[24]) {
+    snprintf(text, 24, ratio > 0.0 ? "%.1f" : "", ratio);
+    return text;
+}
+
+static void envelope_rows(splat_report *r, const char *scene, const curve *envelope, const curve *path) {
+    for (size_t i = 0; i < envelope->count; i++) {
+        const trial *t = &envelope->trials[i];
+        double same_error = between(path, t->rel_mse, true), same_time = between(path, t->seconds, false);
+        char faster[24], better[24];
+        splat_row(r, t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2f|(%.2e)|%.0e|%s|%s" : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2f|%.2e|%.0e|%s|%s", scene,
+                  t->accuracy, t->gather, t->samples, t->records, t->seconds, t->wall, 100.0 * t->rel_rmse, t->rel_mse, t->noise,
+                  ratio_text(same_error / t->seconds, faster), ratio_text(same_time / t->rel_mse, better));
+    }
+}
+
+static void path_rows(splat_report *r, const char *scene, const curve *path) {
+    for (size_t i = 0; i < path->count; i++) {
+        const trial *t = &path->trials[i];
+        splat_row(r, "%s|path|%u spp||%s|%.2f|%.2f|%.2f|%.2e|%.0e||", scene, t->samples, "", t->seconds, t->wall, 100.0 * t->rel_rmse,
+                  t->rel_mse, t->noise);
+    }
+}
+
+static void all_rows(const splat_report *r, const char *scene, const curve *cache, const curve *path) {
+    char file_name[700];
+    snprintf(file_name, sizeof file_name, "%s/curve-%s-all.csv", r->folder, scene);
+    FILE *file = fopen(file_name, "w");
+    if (!file) return;
+    fprintf(file, "method,accuracy,gather,samples,records,cpu s,wall s,relRMSE,relMSE,noise\n");
+    for (int m = 0; m < 2; m++) {
+        const curve *c = m ? path : cache;
+        for (size_t i = 0; i < c->count; i++) {
+            const trial *t = &c->trials[i];
+            fprintf(file, "%s,%g,%d,%u,%zu,%.4f,%.4f,%.6f,%.4e,%.2e\n", m ? "path" : "splatting", t->accuracy, t->gather, t->samples,
+                    t->records, t->seconds, t->wall, t->rel_rmse, t->rel_mse, t->noise);
+        }
+    }
+    fclose(file);
+}
+
+/* ---- the drawing ---- */
+
+typedef struct drawing {
+    FILE *file;
+    double x0, x1, y0, y1; /* decades */
+} drawing;
+
+enum { LEFT = 80, RIGHT = 620, TOP = 40, BOTTOM = 420 };
+
+static double place_x(const drawing *d, double seconds) { return LEFT + (log10(seconds) - d->x0) / (d->x1 - d->x0) * (RIGHT - LEFT); }
+static double place_y(const drawing *d, double error) { return BOTTOM - (log10(error) - d->y0) / (d->y1 - d->y0) * (BOTTOM - TOP); }
+
+static void include(drawing *d, const curve *c) {
+    for (size_t i = 0; i < c->count; i++) {
+        const trial *t = &c->trials[i];
+        if (!(t->rel_mse > 0.0)) continue;
+        d->x0 = fmin(d->x0, floor(log10(t->seconds)));
+        d->x1 = fmax(d->x1, ceil(log10(t->seconds)));
+        d->y0 = fmin(d->y0, floor(log10(t->rel_mse)));
+        d->y1 = fmax(d->y1, ceil(log10(t->rel_mse)));
+    }
+}
+
+static void draw_axes(const drawing *d, const char *title) {
+    fprintf(d->file, "<text x=\"%d\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">%s</text>\n", (LEFT + RIGHT) / 2, title);
+    for (double x = d->x0; x <= d->x1; x++) {
+        double at = place_x(d, pow(10.0, x));
+        fprintf(d->file, "<path d=\"M%.1f %dV%d\" stroke=\"#ccc\"/><text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%g s</text>\n", at, TOP,
+                BOTTOM, at, BOTTOM + 20, pow(10.0, x));
+    }
+    for (double y = d->y0; y <= d->y1; y++) {
+        double at = place_y(d, pow(10.0, y));
+        fprintf(d->file, "<path d=\"M%d %.1fH%d\" stroke=\"#ccc\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">1e%g</text>\n", LEFT, at, RIGHT,
+                LEFT - 6, at + 4.0, y);
+    }
+    fprintf(d->file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">processor seconds</text>\n", (LEFT + RIGHT) / 2, BOTTOM + 42);
+    fprintf(d->file, "<text x=\"20\" y=\"%d\" text-anchor=\"middle\" transform=\"rotate(-90 20 %d)\">relMSE</text>\n", (TOP + BOTTOM) / 2,
+            (TOP + BOTTOM) / 2);
+}
+
+static void draw_line(const drawing *d, const curve *c, const char *color) {
+    char command = 'M';
+    fprintf(d->file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"", color);
+    for (size_t i = 0; i < c->count; i++) {
+        if (!(c->trials[i].rel_mse > 0.0)) continue;
+        fprintf(d->file, "%c%.1f %.1f", command, place_x(d, c->trials[i].seconds), place_y(d, c->trials[i].rel_mse));
+        command = 'L';
+    }
+    fprintf(d->file, "\"/>\n");
+}
+
+static void draw_points(const drawing *d, const curve *c, const char *color) {
+    for (size_t i = 0; i < c->count; i++) {
+        const trial *t = &c->trials[i];
+        if (t->rel_mse > 0.0)
+            fprintf(d->file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\" fill=\"%s\"/>\n", place_x(d, t->seconds), place_y(d, t->rel_mse), color);
+    }
+}
+
+static void draw(const splat_report *r, const char *scene, const curve *cache, const curve *envelope, const curve *path) {
+    char file_name[700];
+    snprintf(file_name, sizeof file_name, "%s/curve-%s.svg", r->folder, scene);
+    drawing d = {fopen(file_name, "w"), INFINITY, -INFINITY, INFINITY, -INFINITY};
+    if (!d.file) return;
+    include(&d, cache);
+    include(&d, path);
+    fprintf(d.file, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"660\" height=\"480\" font-family=\"sans-serif\" font-size=\"12\">\n"
+                    "<rect width=\"660\" height=\"480\" fill=\"white\"/>\n");
+    draw_axes(&d, scene);
+    draw_points(&d, cache, "#9bd");
+    draw_line(&d, envelope, "#06c");
+    draw_line(&d, path, "#c40");
+    draw_points(&d, path, "#c40");
+    fprintf(d.file, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\" fill=\"#06c\">radiance cache splatting</text>\n", RIGHT - 8, TOP + 18);
+    fprintf(d.file, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\" fill=\"#c40\">path tracer, same paths</text>\n</svg>\n", RIGHT - 8, TOP + 36);
+    fclose(d.file);
+}
+
+/* ---- the experiment ---- */
+
+static void say_where_it_ends(splat_report *r, const char *scene, const curve *envelope, const curve *path) {
+    double most = 0.0, last = 0.0;
+    for (size_t i = 0; i < envelope->count; i++) {
+        double ratio = between(path, envelope->trials[i].rel_mse, true) / envelope->trials[i].seconds;
+        if (ratio > most) most = ratio;
+        if (ratio > 1.0) last = envelope->trials[i].rel_mse;
+    }
+    const trial *best = envelope->count ? &envelope->trials[envelope->count - 1] : NULL;
+    if (!best) return;
+    splat_say(r, "\n%s: at equal error up to %.1f times as fast as the path tracer; ahead at least down to relMSE %.1e; best reached %.1e in %.1f s\n", scene, most,
+              last, best->rel_mse, best->seconds);
+}
+
+static void experiment(splat_report *r, const splat_options *o, const char *path_name, int size, uint32_t samples) {
+    char scene[64];
+    world w;
+    splat_scene_name(path_name, scene);
+    if (!splat_wants(o, scene) || !open_world(r, o, path_name, size, &w)) return;
+    curve *cache = calloc(3, sizeof *cache), *path = cache + 1, *envelope = cache + 2;
+    if (!cache) splat_stop("curves", NULL);
+    run_splatting(o, &w, cache);
+    run_path_tracer(o, &w, samples, path);
+    *envelope = envelope_of(cache);
+    splat_say(r, "\n%s, %d x %d, %u reference samples\n", scene, w.size, w.size, w.reference.samples);
+    splat_table(r, scene, "scene|a|N|light spp|records|cpu s|wall s|relRMSE %|relMSE|noise|faster|better");
+    envelope_rows(r, scene, envelope, path);
+    path_rows(r, scene, path);
+    all_rows(r, scene, cache, path);
+    draw(r, scene, cache, envelope, path);
+    say_where_it_ends(r, scene, envelope, path);
+    free(cache);
+    close_world(&w);
+}
+
+int main(int argc, char **argv) {
+    splat_options o = splat_options_parse(argc, argv);
+    splat_report r;
+    splat_report_open(&r, &o, "curve");
+    splat_say(&r, "\nThe envelope over accuracy, gathers and light samples, and the path tracer on the same paths. *faster*: the path tracer's seconds at\n"
+                  "equal error over these; *better*: its squared error at equal time over this; empty beyond its measured range.\n");
+    experiment(&r, &o, "scenes/cornell.json", 512, 256);
+    experiment(&r, &o, "scenes/generated/cathedral.json", 512, 256);
+    experiment(&r, &o, "scenes/generated/atrium.json", 512, 256);
+    experiment(&r, &o, "bench/scenes/sponza.json", 512, 256);
+    experiment(&r, &o, "bench/scenes/classroom.json", 512, 256);
+    splat_report_close(&r);
+    return 0;
+}
