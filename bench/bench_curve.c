@@ -1,6 +1,6 @@
 /* Speed against error: splatting over accuracy and size of gathers, its lower left envelope, and the path tracer on the same paths. Where
- * does the cache win, and where does it stop? Both are measured in one run, on the same pixels, in processor seconds with all that
- * a picture takes (hierarchy and tables included, reading the scene not). Drawn as SVG, both axes logarithmic. */
+ * does the cache win, and where does it stop? Both are measured in one run, on the same pixels, in processor seconds of one thread with all
+ * that a picture takes (hierarchy and tables included, reading the scene not). Drawn as SVG, both axes logarithmic. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 enum { CURVE_MAX = 128 };
 
 typedef struct trial {
-    double seconds, wall, rel_mse, noise, rel_rmse;
+    double seconds, rel_mse, noise, rel_rmse;
     bool noisy;
     double accuracy;
     int gather;
@@ -96,9 +96,9 @@ static void run_splatting(const splat_options *o, world *w, curve *c) {
             settings.accuracy = rungs[a].accuracy;
             settings.gather_size = gathers[g];
             settings.spp = rungs[a].samples;
-            splat_render(w->scene, &settings, o->brief ? 1 : 3, &run);
+            splat_render(w->scene, &settings, true, &run);
             trial *t = &c->trials[c->count++];
-            *t = (trial){.seconds = run.cpu_all, .wall = run.wall_all, .accuracy = rungs[a].accuracy, .gather = gathers[g],
+            *t = (trial){.seconds = run.cpu_all, .accuracy = rungs[a].accuracy, .gather = gathers[g],
                          .samples = rungs[a].samples, .records = run.records[0] + run.records[1]};
             judge(w, run.image, t);
             splat_run_free(&run);
@@ -117,20 +117,19 @@ static void run_path_tracer(const splat_options *o, world *w, uint32_t samples, 
     settings.width = settings.height = w->size;
     settings.spp = o->brief ? 32 : samples;
     settings.seed = 99;
-    double spent = 0.0, wall = 0.0, from = process_ms(), from_wall = wall_ms();
+    settings.threads = 1;
+    double spent = 0.0, from = process_ms();
     if (sl_method_create(w->scene, &settings, &method, &error) != SL_OK) splat_stop("path tracer", &error);
     spent += process_ms() - from;
-    wall += wall_ms() - from_wall;
     for (uint32_t n = 1; n <= settings.spp; n++) {
         sl_progress progress = {0};
-        from = process_ms(), from_wall = wall_ms();
+        from = process_ms();
         if (sl_method_update(method, &progress, &error) != SL_OK) splat_stop("path tracer", &error);
         spent += process_ms() - from;
-        wall += wall_ms() - from_wall;
-        if (n & (n - 1)) continue;
+            if (n & (n - 1)) continue;
         if (sl_method_resolve(method, &image, &error) != SL_OK) splat_stop("path tracer", &error);
         trial *t = &c->trials[c->count++];
-        *t = (trial){.seconds = 1e-3 * spent, .wall = 1e-3 * wall, .samples = n};
+        *t = (trial){.seconds = 1e-3 * spent, .samples = n};
         judge(w, image, t);
         sl_image_destroy(image);
     }
@@ -177,8 +176,8 @@ static void envelope_rows(splat_report *r, const char *scene, const curve *envel
         const trial *t = &envelope->trials[i];
         double same_error = between(path, t->rel_mse, true), same_time = between(path, t->seconds, false);
         char faster[24], better[24];
-        splat_row(r, t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2f|(%.2e)|%.0e|%s|%s" : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2f|%.2e|%.0e|%s|%s", scene,
-                  t->accuracy, t->gather, t->samples, t->records, t->seconds, t->wall, 100.0 * t->rel_rmse, t->rel_mse, t->noise,
+        splat_row(r, t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|(%.2e)|%.0e|%s|%s" : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2e|%.0e|%s|%s", scene,
+                  t->accuracy, t->gather, t->samples, t->records, t->seconds, 100.0 * t->rel_rmse, t->rel_mse, t->noise,
                   ratio_text(same_error / t->seconds, faster), ratio_text(same_time / t->rel_mse, better));
     }
 }
@@ -186,7 +185,7 @@ static void envelope_rows(splat_report *r, const char *scene, const curve *envel
 static void path_rows(splat_report *r, const char *scene, const curve *path) {
     for (size_t i = 0; i < path->count; i++) {
         const trial *t = &path->trials[i];
-        splat_row(r, "%s|path|%u spp||%s|%.2f|%.2f|%.2f|%.2e|%.0e||", scene, t->samples, "", t->seconds, t->wall, 100.0 * t->rel_rmse,
+        splat_row(r, "%s|path||%u||%.2f|%.2f|%.2e|%.0e||", scene, t->samples, t->seconds, 100.0 * t->rel_rmse,
                   t->rel_mse, t->noise);
     }
 }
@@ -196,13 +195,13 @@ static void all_rows(const splat_report *r, const char *scene, const curve *cach
     snprintf(file_name, sizeof file_name, "%s/curve-%s-all.csv", r->folder, scene);
     FILE *file = fopen(file_name, "w");
     if (!file) return;
-    fprintf(file, "method,accuracy,gather,samples,records,cpu s,wall s,relRMSE,relMSE,noise\n");
+    fprintf(file, "method,accuracy,gather,samples,records,cpu s,relRMSE,relMSE,noise\n");
     for (int m = 0; m < 2; m++) {
         const curve *c = m ? path : cache;
         for (size_t i = 0; i < c->count; i++) {
             const trial *t = &c->trials[i];
-            fprintf(file, "%s,%g,%d,%u,%zu,%.4f,%.4f,%.6f,%.4e,%.2e\n", m ? "path" : "splatting", t->accuracy, t->gather, t->samples,
-                    t->records, t->seconds, t->wall, t->rel_rmse, t->rel_mse, t->noise);
+            fprintf(file, "%s,%g,%d,%u,%zu,%.4f,%.6f,%.4e,%.2e\n", m ? "path" : "splatting", t->accuracy, t->gather, t->samples,
+                    t->records, t->seconds, t->rel_rmse, t->rel_mse, t->noise);
         }
     }
     fclose(file);
@@ -312,7 +311,7 @@ static void experiment(splat_report *r, const splat_options *o, const char *path
     run_path_tracer(o, &w, samples, path);
     *envelope = envelope_of(cache);
     splat_say(r, "\n%s, %d x %d, %u reference samples\n", scene, w.size, w.size, w.reference.samples);
-    splat_table(r, scene, "scene|a|N|light spp|records|cpu s|wall s|relRMSE %|relMSE|noise|faster|better");
+    splat_table(r, scene, "scene|a|N|light spp|records|cpu s|relRMSE %|relMSE|noise|faster|better");
     envelope_rows(r, scene, envelope, path);
     path_rows(r, scene, path);
     all_rows(r, scene, cache, path);

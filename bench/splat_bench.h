@@ -125,15 +125,16 @@ enum {
 };
 
 typedef struct splat_run {
-    double cpu[SPLAT_PARTS], wall[SPLAT_PARTS]; /* seconds; cpu of all threads together */
-    double cpu_all, wall_all;
+    double cpu[SPLAT_PARTS], cpu_all; /* processor seconds of one thread */
+    double wall_one, wall_two;        /* seconds by a clock with one thread and with two (0: not measured) */
     size_t records[SL_RECEIVER_CLASSES];
     sl_counters counters;
     sl_image *image;
 } splat_run;
 
-/* Splatting: the run of median processor time of `runs`. */
-void splat_render(const sl_scene *scene, const sl_settings *settings, int runs, splat_run *run);
+/* Splatting. Processor time is that of one thread: two would be charged for waiting for each other too. The run of the median of three,
+ * or fewer where they take long; the clock's seconds likewise. brief: once, with one thread. */
+void splat_render(const sl_scene *scene, const sl_settings *settings, bool brief, splat_run *run);
 void splat_run_free(splat_run *run);
 /* settings with nothing left to quality, scene or machine, as sl_method_create() makes them. */
 sl_settings splat_settings_complete(const sl_scene *scene, const sl_settings *settings);

@@ -8,16 +8,7 @@
 #include "splat_bench.h"
 #include "timing.h"
 
-typedef struct stopwatch {
-    double cpu, wall;
-} stopwatch;
-
-static stopwatch start(void) { return (stopwatch){process_ms(), wall_ms()}; }
-
-static void charge(splat_run *run, int part, stopwatch from) {
-    run->cpu[part] += 1e-3 * (process_ms() - from.cpu);
-    run->wall[part] += 1e-3 * (wall_ms() - from.wall);
-}
+static void charge(splat_run *run, int part, double from) { run->cpu[part] += 1e-3 * (process_ms() - from); }
 
 sl_settings splat_settings_complete(const sl_scene *scene, const sl_settings *settings) {
     sl_settings s = *settings;
@@ -39,11 +30,11 @@ static int part_of(const sl_splat_state *s) {
 static void splat_class(sl_splat_state *s, int class, splat_run *run) {
     sl_record_cache *cache = &s->cache[class];
     sl_error error;
-    stopwatch watch = start();
+    double from = process_ms();
     if (!cache->receivers || cache->splatted == cache->list.count) return;
     if (sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, &error) != SL_OK) splat_stop("splat", &error);
     cache->splatted = cache->list.count;
-    charge(run, SPLAT_SPLATS + class, watch);
+    charge(run, SPLAT_SPLATS + class, from);
 }
 
 static void render_once(const sl_scene *scene, const sl_settings *settings, splat_run *run) {
@@ -53,29 +44,27 @@ static void render_once(const sl_scene *scene, const sl_settings *settings, spla
     void *state;
     memset(run, 0, sizeof *run);
     sl_splatting_method.transport(&complete, &transport);
-    stopwatch watch = start();
+    double began = wall_ms(), from = process_ms();
     if (sl_splatting_method.create(scene, &complete, &transport, &state, &error) != SL_OK) splat_stop("splatting", &error);
-    charge(run, SPLAT_SETUP, watch);
+    charge(run, SPLAT_SETUP, from);
     sl_splat_state *s = state;
     for (sl_progress progress = {0}; !progress.done;) {
         int part = part_of(s);
-        watch = start();
+        from = process_ms();
         if (sl_splatting_method.update(state, &progress, &error) != SL_OK) splat_stop("update", &error);
-        charge(run, part, watch);
+        charge(run, part, from);
     }
     for (int class = 0; class < SL_RECEIVER_CLASSES; class++) {
         splat_class(s, class, run);
         run->records[class] = s->cache[class].list.count;
     }
-    watch = start();
+    from = process_ms();
     if (sl_splatting_method.resolve(state, &run->image, &error) != SL_OK) splat_stop("resolve", &error);
-    charge(run, SPLAT_COMPOSE, watch);
+    charge(run, SPLAT_COMPOSE, from);
     run->counters = s->counters;
+    run->wall_one = 1e-3 * (wall_ms() - began);
     sl_splatting_method.destroy(state);
-    for (int part = 0; part < SPLAT_PARTS; part++) {
-        run->cpu_all += run->cpu[part];
-        run->wall_all += run->wall[part];
-    }
+    for (int part = 0; part < SPLAT_PARTS; part++) run->cpu_all += run->cpu[part];
 }
 
 static int by_cpu(const void *a, const void *b) {
@@ -83,16 +72,36 @@ static int by_cpu(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-void splat_render(const sl_scene *scene, const sl_settings *settings, int runs, splat_run *run) {
-    splat_run *all = calloc((size_t)runs, sizeof *all);
-    if (!all) splat_stop("runs", NULL);
-    for (int i = 0; i < runs; i++) render_once(scene, settings, &all[i]);
-    qsort(all, (size_t)runs, sizeof *all, by_cpu);
-    for (int i = 0; i < runs; i++) {
-        if (i != runs / 2) splat_run_free(&all[i]);
+static const double long_enough = 15.0; /* seconds, after which nothing is measured again */
+enum { RUNS_MAX = 3 };
+
+static double seconds_of_two_threads(const sl_scene *scene, const sl_settings *settings) {
+    sl_settings two = *settings;
+    double seconds[RUNS_MAX], spent = 0.0;
+    int count = 0;
+    two.threads = 2;
+    for (; count < RUNS_MAX && spent < long_enough; spent += seconds[count++]) {
+        splat_run run;
+        render_once(scene, &two, &run);
+        seconds[count] = run.wall_one;
+        splat_run_free(&run);
     }
-    *run = all[runs / 2];
-    free(all);
+    return median(seconds, count);
+}
+
+void splat_render(const sl_scene *scene, const sl_settings *settings, bool brief, splat_run *run) {
+    sl_settings one = *settings;
+    splat_run all[RUNS_MAX];
+    double spent = 0.0;
+    int count = 0;
+    one.threads = 1;
+    for (; count < (brief ? 1 : RUNS_MAX) && spent < long_enough; spent += all[count++].wall_one) render_once(scene, &one, &all[count]);
+    qsort(all, (size_t)count, sizeof *all, by_cpu);
+    for (int i = 0; i < count; i++) {
+        if (i != count / 2) splat_run_free(&all[i]);
+    }
+    *run = all[count / 2];
+    if (!brief) run->wall_two = seconds_of_two_threads(scene, settings);
 }
 
 void splat_run_free(splat_run *run) {
