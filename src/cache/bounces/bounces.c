@@ -2,7 +2,6 @@
  * records matters), from the same points with the same random numbers: only the light of what they see changes. */
 #include "cache/bounces/hidden.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -10,12 +9,11 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/method.h"
 
 /* A generation of scouts that finds no more than this share of its points uncovered is the last. Later ones mostly look from corners
  * into the same corners. */
 #define FEW_UNCOVERED 0.005
-enum { GENERATIONS_MAX = 3 };
+enum { GENERATIONS_MIN = 2, GENERATIONS_MAX = 3 };
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
@@ -41,6 +39,7 @@ sl_hidden_settings sl_hidden_settings_for(const sl_gather_settings *visible, dou
     double coarser = 2.0 * accuracy;
     s.accuracy = coarser < 0.3 ? 0.3 : coarser > 0.6 ? 0.6 : coarser;
     s.gather.kind = SL_GATHER_RAYS;
+    s.gather.harmonics_order = 0;
     s.gather.size = visible->size / 5 * 2;
     if (s.gather.size < 12) s.gather.size = 12;
     return s;
@@ -64,9 +63,9 @@ static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
         .scratch = cache->scratch,
         .kernel = cache->kernel,
         .rules = {a, 1.0f / a, 1e-5f * diagonal},
-        .radii = {.accuracy = s->accuracy, .minimum_pixels = 1.0, .maximum_radius = 0.1 * (double)diagonal, .guard = true,
-                  .gather = SL_GATHER_RAYS},
-        .footprint = (float)s->minimum_radius * diagonal,
+        .radii = {.accuracy = s->accuracy, .minimum_reach = s->minimum_radius * (double)diagonal,
+                  .maximum_radius = 0.1 * (double)diagonal, .guard = true, .gather = SL_GATHER_RAYS,
+                  .metric = SL_METRIC_HARMONIC},
         .covered_weight = 1.0f / (9.0f * a),
         .threads = s->threads,
     };
@@ -80,7 +79,9 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
     sl_scouted origins;
     sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, &origins, counters, error);
     size_t first = 0; /* records of the last generation start here */
-    for (uint32_t generation = 0; status == SL_OK && generation + 1 < s->bounces && generation < GENERATIONS_MAX; generation++) {
+    uint32_t generations = s->bounces - 1 < GENERATIONS_MIN ? GENERATIONS_MIN : s->bounces - 1;
+    if (generations > GENERATIONS_MAX) generations = GENERATIONS_MAX;
+    for (uint32_t generation = 0; status == SL_OK && generation < generations; generation++) {
         sl_scouted seen;
         size_t uncovered, before = cache->list.count;
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
@@ -137,31 +138,21 @@ static float largest_change(const sl_record *before, const sl_record *after, siz
     return largest;
 }
 
-static void announce(const sl_hidden_cache *cache, const sl_counters *cost) {
-    char name[128];
-    const sl_hidden_report *r = &cache->report;
-    snprintf(name, sizeof name, "bounce %u of %zu hidden records: changes by at most %.2g%s", (unsigned)r->bounces, r->records,
-             (double)r->change, r->converged ? ", so it is the last" : "");
-    sl_observe(cache->settings.observer, "splatting", name, "section 9, more bounces", 0, 0, 0, NULL, true, cost);
-}
-
 static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
     size_t count = cache->list.count;
     unsigned threads = cache->settings.threads;
     sl_record *next = sl_allocate(count, sizeof *next);
-    sl_counters *costs = sl_allocate(threads, sizeof *costs), cost = {{0}};
+    sl_counters *costs = sl_allocate(threads, sizeof *costs);
     sl_status status = next && costs ? SL_OK : sl_fail_memory(error, "a bounce of hidden records");
     if (status == SL_OK) {
         bounce_context context = {cache, next, costs};
         sl_parallel_for(threads, count, gather_again, &context);
-        for (unsigned i = 0; i < threads; i++) sl_counters_add(&cost, &costs[i]);
-        sl_counters_add(counters, &cost);
+        for (unsigned i = 0; i < threads; i++) sl_counters_add(counters, &costs[i]);
         cache->report.bounces++;
         cache->report.change = largest_change(cache->list.records, next, count);
         cache->report.converged = cache->report.change < SMALL_CHANGE;
         memcpy(cache->list.records, next, count * sizeof *next);
         for (size_t i = 0; i < count; i++) cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->field.rules);
-        announce(cache, &cost);
     }
     sl_free(next);
     sl_free(costs);

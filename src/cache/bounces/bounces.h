@@ -28,7 +28,6 @@ typedef struct sl_hidden_settings {
     float aspect;              /* width / height of the picture */
     uint64_t seed;
     unsigned threads;
-    const sl_observer *observer; /* or NULL */
 } sl_hidden_settings;
 
 /* What goes with gathers of this kind and size and with visible records of this accuracy. */

@@ -143,7 +143,7 @@ static void gather_one(void *context, size_t index, unsigned worker) {
     if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * pass->scene->diagonal)
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
     sl_record *record = &b->records[index];
-    *record = sl_record_make(b->points[index], &irradiance, &pass->radii, pass->footprint);
+    *record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);
     sl_hidden_tame(record);
     sl_hidden_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, record, &b->walls[index],
                          &b->counters[index]);

@@ -147,7 +147,6 @@ typedef struct sl_cover_pass {
     sl_look_up_kernel *kernel;
     sl_weight_rules rules;
     sl_radius_rules radii;
-    float footprint;           /* aR_min / minimum_pixels */
     float covered_weight;
     unsigned threads;
 } sl_cover_pass;

@@ -21,12 +21,24 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
     return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
 }
 
+/* Hidden records stay as long as geometry and lights do, wherever the camera goes. */
+static sl_status open_hidden(sl_splat_state *s, sl_error *error) {
+    if (s->settings.bounces < 2 || s->hidden) return SL_OK;
+    sl_hidden_settings settings = sl_hidden_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
+    settings.aspect = (float)s->settings.width / (float)s->settings.height;
+    settings.threads = s->settings.threads;
+    return sl_hidden_cache_create(s->scene, s->raster, s->tracer, &settings, &s->hidden, &s->counters, error);
+}
+
 static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_gather_settings settings = s->plan.gather;
     bool radiance = cache->class == SL_RECEIVES_RADIANCE;
     settings.harmonics_order = radiance ? s->plan.harmonics_order : 0;
-    sl_status status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather, &s->counters, error);
+    sl_status status = open_hidden(s, error);
+    if (status != SL_OK) return status;
+    settings.hidden = s->hidden ? sl_hidden_cache_light(s->hidden) : NULL;
+    status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather, &s->counters, error);
     if (status == SL_OK) {
         cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
         if (!cache->scratch) status = sl_fail_memory(error, "gathers");
@@ -96,12 +108,14 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
 
 static void destroy_transport(sl_splat_state *s) {
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) close_cache(&s->cache[c], s->settings.threads);
+    sl_hidden_cache_destroy(s->hidden);
     sl_direct_destroy(s->direct);
     sl_shadow_maps_destroy(s->maps);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     sl_environment_release(&s->sky);
     sl_environment_release(&s->sun);
+    s->hidden = NULL;
     s->direct = NULL;
     s->maps = NULL;
     s->tracer = NULL;
@@ -208,6 +222,7 @@ size_t sl_splat_memory_bytes(const void *state) {
         if (cache->gather) bytes += sl_gather_memory_bytes(cache->gather);
         if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);
     }
+    if (s->hidden) bytes += sl_hidden_cache_bytes(s->hidden);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);

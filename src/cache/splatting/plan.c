@@ -97,6 +97,9 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     sl_plan_pass(writer, glossy, "radiance records", "%zu glossy triangles%s", f.glossy_triangles, glossy ? ", if one is seen" : "");
     sl_plan_pass(writer, glossy, "hemispherical harmonics", "order %d, %d coefficients a channel; accuracy %g", order, order * order,
                  q.glossy_accuracy);
+    bool more = settings->bounces > 1;
+    sl_plan_pass(writer, more && light && receivers, "hidden records", "%u bounce%s", (unsigned)settings->bounces,
+                 more ? "s: what gathers see receives indirect light too" : ": what gathers see receives direct light alone");
     sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");

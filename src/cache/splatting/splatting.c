@@ -20,6 +20,7 @@
 #include "base/parallel.h"
 #include "cache/splatting/state.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { DIRECT_ROWS = 64 };
@@ -98,15 +99,26 @@ static void classify_receivers(sl_splat_state *s) {
     }
 }
 
+/* The hidden records have been made with the first cache. */
+static void announce_hidden(sl_splat_state *s) {
+    char name[128];
+    sl_hidden_report r = sl_hidden_cache_report(s->hidden);
+    snprintf(name, sizeof name, "%zu hidden records, %u bounces%s: the last changed them by at most %.2g", r.records,
+             (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
+    announce(s, name, "section 9, more bounces", 0, NULL, true);
+}
+
 /* Step 2 and 3: what is there from earlier views covers this one. */
 static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
     sl_status status = SL_OK;
+    bool had_hidden = s->hidden;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
         if (status == SL_OK && cache->receivers && cache->list.count)
             status = sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
     }
+    if (s->hidden && !had_hidden) announce_hidden(s);
     return status;
 }
 

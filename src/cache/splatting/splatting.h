@@ -6,6 +6,7 @@
  *   direct.c         step 1b: direct light of every pixel
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
  *   record.c         a record and how far it reaches
+ *   ../bounces/      more than one bounce: the light that falls on what gathers see
  *   splat.c          steps 4 and 5: records onto the screen
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
  *   glossy.c         the same for what a glossy lobe reflects of a radiance record

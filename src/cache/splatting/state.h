@@ -2,6 +2,7 @@
 #ifndef SL_CACHE_SPLATTING_STATE_H
 #define SL_CACHE_SPLATTING_STATE_H
 
+#include "cache/bounces/bounces.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/plan.h"
 #include "cache/splatting/splatting.h"
@@ -43,6 +44,7 @@ typedef struct sl_splat_state {
     sl_tracer *tracer;
     sl_shadow_maps *maps;
     sl_direct *direct;
+    sl_hidden_cache *hidden;    /* more than one bounce: irradiance of what gathers see; made with the first cache */
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     float *planes;              /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
