@@ -325,28 +325,44 @@ static void seeing_nothing_gives_the_maximum_radius(void **state) {
     assert_true(sl_record_make(&at_origin, &e, &rules, 0.001f).radius == 8.0f);
 }
 
+/* The least R_j + |p - p_j|, looked for among all. */
+static float brute_limit(const sl_record *records, size_t count, const sl_record *record) {
+    float radius = record->own_radius;
+    for (size_t j = 0; j < count; j++)
+        radius = fminf(radius, records[j].own_radius + sl_length(sl_sub(record->position, records[j].position)));
+    return radius > record->minimum_radius ? radius : record->minimum_radius;
+}
+
 static void clamped_radii_are_lipschitz_and_do_not_depend_on_the_order(void **state) {
     (void)state;
-    enum { N = 200 };
+    enum { N = 300, SAME_PLACE = 30 };
     static sl_record records[N];
-    static sl_record_reach reaches[N], reversed[N];
-    uint64_t key = sl_random_key(7, 8);
-    for (uint64_t i = 0; i < N; i++) {
-        records[i] = record_at(10.0f * sl_random_unit(key, 3 * i), 10.0f * sl_random_unit(key, 3 * i + 1), 0.0f, 1.0f);
-        float u = sl_random_unit(key, 3 * i + 2);
-        records[i].own_radius = 0.1f + 5.0f * u * u;
-        reaches[i] = (sl_record_reach){records[i].position, records[i].own_radius};
-    }
-    for (size_t i = 0; i < N; i++) reversed[N - 1 - i] = reaches[i];
     static float radius[N];
-    for (size_t i = 0; i < N; i++) radius[i] = sl_record_clamped_radius(reaches, N, &records[i]);
+    sl_reach_tree *tree, *reversed;
+    uint64_t key = sl_random_key(7, 8);
+    assert_int_equal(sl_reach_tree_create(&tree, NULL), SL_OK);
+    assert_int_equal(sl_reach_tree_create(&reversed, NULL), SL_OK);
+    for (uint64_t i = 0; i < N; i++) {
+        float u = sl_random_unit(key, 3 * i + 2);
+        records[i] = record_at(10.0f * sl_random_unit(key, 3 * i), 10.0f * sl_random_unit(key, 3 * i + 1), 0.0f, 1.0f);
+        if (i < SAME_PLACE) records[i].position = sl_v3(3, 4, 0);
+        records[i].own_radius = 0.1f + 5.0f * u * u;
+    }
     for (size_t i = 0; i < N; i++) {
-        assert_true(fabsf(radius[i] - sl_record_clamped_radius(reversed, N, &records[i])) <= 1e-6f * radius[i]);
+        assert_int_equal(sl_reach_tree_insert(tree, records[i].position, records[i].own_radius, NULL), SL_OK);
+        assert_int_equal(sl_reach_tree_insert(reversed, records[N - 1 - i].position, records[N - 1 - i].own_radius, NULL), SL_OK);
+    }
+    for (size_t i = 0; i < N; i++) radius[i] = sl_record_clamped_radius(tree, &records[i]);
+    for (size_t i = 0; i < N; i++) {
+        assert_true(radius[i] == sl_record_clamped_radius(reversed, &records[i]));
+        assert_true(radius[i] == brute_limit(records, N, &records[i]));
         for (size_t j = 0; j < N; j++) {
             float distance = sl_length(sl_sub(records[i].position, records[j].position));
             assert_true(radius[i] <= radius[j] + distance + 1e-5f);
         }
     }
+    sl_reach_tree_destroy(tree);
+    sl_reach_tree_destroy(reversed);
 }
 
 int main(void) {

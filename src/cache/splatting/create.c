@@ -148,7 +148,10 @@ static sl_status create_transport(sl_splat_state *s, sl_error *error) {
 }
 
 sl_status sl_splat_renew_transport(sl_splat_state *s, sl_error *error) {
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) s->cache[c].list.count = s->cache[c].clamped = 0;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        sl_record_list_clear(&s->cache[c].list);
+        s->cache[c].clamped = 0;
+    }
     destroy_transport(s);
     sl_status status = create_transport(s, error);
     if (status != SL_OK) destroy_transport(s);
@@ -217,7 +220,8 @@ size_t sl_splat_memory_bytes(const void *state) {
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         const sl_record_cache *cache = &s->cache[c];
         bytes += cache->list.capacity *
-                 (sizeof(sl_record) + sizeof(sl_record_reach) + cache->pass.coefficient_count * sizeof(float));
+                 (sizeof(sl_record) + cache->pass.coefficient_count * sizeof(float));
+        if (cache->list.reaches) bytes += sl_reach_tree_bytes(cache->list.reaches);
         if (cache->receives) bytes += pixels * sizeof *cache->receives;
         if (cache->gather) bytes += sl_gather_memory_bytes(cache->gather);
         if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);

@@ -55,15 +55,7 @@ void sl_record_set_radius(sl_record *record, float radius) {
     for (int c = 0; c < 3; c++) record->translational[c] = sl_scale(record->translational[c], mean / change);
 }
 
-float sl_record_clamped_radius(const sl_record_reach *reaches, size_t count, const sl_record *record) {
-    float radius = record->own_radius;
-    for (size_t j = 0; j < count; j++) {
-        float gap = radius - reaches[j].own_radius;
-        sl_vec3 d = sl_sub(record->position, reaches[j].position);
-        if (gap > 0.0f && sl_dot(d, d) < gap * gap) {
-            float limit = reaches[j].own_radius + sl_length(d);
-            radius = limit < radius ? limit : radius;
-        }
-    }
+float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record) {
+    float radius = sl_reach_tree_limit(reaches, record->position, record->own_radius);
     return radius > record->minimum_radius ? radius : record->minimum_radius;
 }

@@ -5,6 +5,7 @@
 
 #include "base/isa.h"
 #include "cache/gather/gather.h"
+#include "cache/splatting/reach_tree.h"
 
 typedef struct sl_record {
     sl_vec3 position, normal;
@@ -35,14 +36,9 @@ typedef struct sl_radius_rules {
  * through a wall, R_min (footprint: of a pixel at the record, m), R_max. */
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
                          float footprint);
-/* What neighbour clamping reads of a record, kept apart because every new record looks at all of them. */
-typedef struct sl_record_reach {
-    sl_vec3 position;
-    float own_radius;
-} sl_record_reach;
-
-/* Rule 5: R_i <= R_j + |p_i - p_j| for all j, then R_min again. Returns the radius that record i should have. */
-float sl_record_clamped_radius(const sl_record_reach *reaches, size_t count, const sl_record *record);
+/* Rule 5, of which the tree holds all own radii: R_i <= R_j + |p_i - p_j| for all j, then R_min again. Returns the radius that the record
+ * should have. */
+float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
 /* Sets R and scales the translational gradient so that the linear extrapolation stays positive within it (rule 3). */
 void sl_record_set_radius(sl_record *record, float radius);
 

@@ -175,15 +175,13 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
 
 typedef struct {
     const sl_record_list *list;
-    size_t clamped; /* these have been clamped to each other */
     float *radii;
 } clamp_context;
 
 static void clamp_one(void *context, size_t index, unsigned worker) {
     (void)worker;
     const clamp_context *c = context;
-    size_t first = index < c->clamped ? c->clamped : 0;
-    c->radii[index] = sl_record_clamped_radius(c->list->reaches + first, c->list->count - first, &c->list->records[index]);
+    c->radii[index] = sl_record_clamped_radius(c->list->reaches, &c->list->records[index]);
 }
 
 /* New radii, no larger than the old ones; *shrunk: some are smaller. */
@@ -193,7 +191,7 @@ static sl_status clamp_radii(sl_record_cache *cache, unsigned threads, bool *shr
     if (!cache->pass.neighbour_clamp || cache->clamped == list->count) return SL_OK;
     float *radii = sl_allocate(list->count, sizeof *radii);
     if (!radii) return sl_fail_memory(error, "record radii");
-    clamp_context context = {list, cache->clamped, radii};
+    clamp_context context = {list, radii};
     sl_parallel_for(threads, list->count, clamp_one, &context);
     for (size_t i = 0; i < list->count; i++) {
         if (!(radii[i] < list->records[i].radius)) continue;

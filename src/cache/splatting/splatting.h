@@ -50,11 +50,15 @@ typedef enum sl_receiver_class { SL_RECEIVES_IRRADIANCE, SL_RECEIVES_RADIANCE, S
 
 typedef struct sl_record_list {
     sl_record *records;
-    sl_record_reach *reaches; /* of the same records */
+    sl_reach_tree *reaches;   /* of the same records; NULL before the first */
     float *coefficients;      /* coefficient_count of the pass for each; NULL: irradiance records */
     size_t count, capacity;
 } sl_record_list;
 
+/* coefficients: coefficient_count of them, or NULL. */
+sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, const float *coefficients, size_t coefficient_count,
+                                sl_error *error);
+void sl_record_list_clear(sl_record_list *list);
 void sl_record_list_free(sl_record_list *list);
 
 typedef struct sl_traversal {

@@ -156,44 +156,6 @@ float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size
 
 /* ---- committing it ---- */
 
-static bool grow(void **array, size_t count, size_t capacity, size_t size) {
-    void *grown = sl_allocate(capacity, size);
-    if (!grown) return false;
-    if (count) memcpy(grown, *array, count * size);
-    sl_free(*array);
-    *array = grown;
-    return true;
-}
-
-/* coefficients: coefficient_count of them, or NULL. */
-static sl_status append(sl_record_list *list, const sl_record *record, const float *coefficients, size_t coefficient_count,
-                        sl_error *error) {
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity ? 2 * list->capacity : 1024;
-        void *records = list->records, *reaches = list->reaches, *values = list->coefficients;
-        bool grown = grow(&records, list->count, capacity, sizeof *list->records);
-        list->records = records;
-        grown = grown && grow(&reaches, list->count, capacity, sizeof *list->reaches);
-        list->reaches = reaches;
-        if (coefficients) grown = grown && grow(&values, list->count, capacity, coefficient_count * sizeof *coefficients);
-        list->coefficients = values;
-        if (!grown) return sl_fail_memory(error, "records");
-        list->capacity = capacity;
-    }
-    list->reaches[list->count] = (sl_record_reach){record->position, record->own_radius};
-    if (coefficients)
-        memcpy(list->coefficients + list->count * coefficient_count, coefficients, coefficient_count * sizeof *coefficients);
-    list->records[list->count++] = *record;
-    return SL_OK;
-}
-
-void sl_record_list_free(sl_record_list *list) {
-    sl_free(list->records);
-    sl_free(list->reaches);
-    sl_free(list->coefficients);
-    *list = (sl_record_list){0};
-}
-
 /* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the coverage buffer will. */
 static bool covered_by_batch(const sl_record_pass *pass, const sl_record *committed, size_t count, size_t pixel) {
     float sum = pass->coverage[pixel];
@@ -211,10 +173,10 @@ static sl_status commit(const gather_batch *batch, size_t count, sl_record_list 
             sl_count(counters, SL_COUNT_RECORDS_DISCARDED, 1);
             continue;
         }
-        if (pass->neighbour_clamp)
-            sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->reaches, list->count, &candidates[i]));
+        if (pass->neighbour_clamp && list->reaches)
+            sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->reaches, &candidates[i]));
         const float *coefficients = batch->coefficients ? batch->coefficients + i * floats : NULL;
-        sl_status status = append(list, &candidates[i], coefficients, floats, error);
+        sl_status status = sl_record_list_append(list, &candidates[i], coefficients, floats, error);
         if (status != SL_OK) return status;
         pass->owned[pixels[i]] = 1;
         sl_count(counters, SL_COUNT_RECORDS, 1);
