@@ -5,7 +5,8 @@
  *   basis.c      the functions, orthonormal over the hemisphere
  *   quadrature.c Gauss-Legendre nodes, with which the tables are made
  *   phong.c      a Phong lobe times the cosine, as coefficients, for a table of outgoing directions
- *   rotation.c   coefficients seen from a tilted frame
+ *   moved_lobe.c the same lobe as coefficients in another frame than the pixel's own
+ *   rotation.c   coefficients seen from a tilted frame, as in the papers
  *
  * Order n means bands l = 0 .. n-1, n^2 functions. Coefficients stand in this order everywhere: first those that go with
  * cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with sin(m phi), m = 1 .. l, n(n-1)/2 of
@@ -67,6 +68,7 @@ typedef struct sl_phong_rows {
     float mix;
 } sl_phong_rows;
 sl_phong_rows sl_phong_table_at(const sl_phong_table *table, float cosine);
+sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosine); /* of any SL_PHONG_ANGLES rows */
 void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *even);
 size_t sl_phong_table_bytes(const sl_phong_table *table);
 /* Relative L2 error of the lobe that order n makes, at an outgoing angle (radians) and at 45 degrees; and the least order that keeps
@@ -74,6 +76,26 @@ size_t sl_phong_table_bytes(const sl_phong_table *table);
 double sl_phong_truncation_at(int order, double exponent, double theta_out);
 double sl_phong_truncation(int order, double exponent);
 int sl_phong_order(double exponent, double largest_error);
+
+/* ---- lobes seen from another frame (moved_lobe.c) ---- */
+
+/* A pixel's frame enters its lobe times its cosine, (s+2)/(2 pi) max(0, r . w)^s max(0, n . w), by the mirror direction r, and by its
+ * normal n, linearly but where it cuts the lobe at the pixel's horizon. So the coefficients in any other frame, a record's, are known
+ * without a rotation: look up the lobe's products with w_x, w_y and w_z for where r is, and mix them by n. Directions below the
+ * record's horizon take their mirror images' light. Of order n^2, where D takes n^4. */
+typedef struct sl_moved_lobe sl_moved_lobe;
+sl_status sl_moved_lobe_create(int order, double exponent, sl_moved_lobe **lobe, sl_error *error);
+void sl_moved_lobe_destroy(sl_moved_lobe *lobe); /* NULL is allowed */
+size_t sl_moved_lobe_bytes(const sl_moved_lobe *lobe);
+/* Rows for the polar angle of r (cosine, of either sign: the angle from the nearer pole counts) and, of `cut`, for the outgoing angle
+ * at the pixel (cosine n . w_o). Each row holds four vectors of sl_hsh_odd_start(order) floats, all in the places of even
+ * coefficients: X, Y, Z, and the cut-off part C. With n' the pixel's normal in the record's frame turned so that r has azimuth 0, and
+ * n'_z of the other sign where r is below the horizon,
+ *     e = n'_x X + n'_z Z - C    o = n'_y Y
+ * and, turned back to the azimuth phi of r, H_lm has the coefficient cos(m phi) e - sin(m phi) o, H_l-m sin(m phi) e + cos(m phi) o. */
+sl_phong_rows sl_moved_lobe_at(const sl_moved_lobe *lobe, float cosine);
+/* All of that, in plain loops: r and n in the record's frame, cosine n . w_o; sl_hsh_stride(order) floats. */
+void sl_moved_lobe_look_up(const sl_moved_lobe *lobe, sl_vec3 r, sl_vec3 n, float cosine, float *coefficients);
 
 /* ---- rotation (rotation.c) ---- */
 

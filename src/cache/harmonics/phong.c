@@ -9,12 +9,12 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/harmonics/quadrature.h"
+#include "cache/harmonics/lobe_integral.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { ANGLES = SL_PHONG_ANGLES, POLAR_NODES = 48, AZIMUTH_NODES = 32 };
+enum { ANGLES = SL_PHONG_ANGLES };
 
 struct sl_phong_table {
     int order;
@@ -24,102 +24,32 @@ struct sl_phong_table {
 
 /* ---- one lobe ---------------------------------------------------------------------------------------------------- */
 
-typedef struct quadrature {
-    double polar[POLAR_NODES], polar_weight[POLAR_NODES];         /* crowded at both ends */
-    double azimuth[AZIMUTH_NODES], azimuth_weight[AZIMUTH_NODES]; /* crowded at the lobe's edge */
-} quadrature;
-
-typedef struct lobe {
-    const quadrature *quadrature;
+typedef struct projection {
     sl_hsh_recurrence recurrence;
-    double exponent, scale;         /* scale = (s + 2) / (2 pi) */
-    double reach, cos_reach;        /* the angle about r beyond which nothing is worth adding */
-    double sin_out, cos_out;
-    double *coefficients;           /* even ones; sums */
-    double norm;                    /* sum of the lobe's square */
-} lobe;
+    double *coefficients; /* even ones */
+    double norm;          /* the lobe's square, times cos^2 */
+} projection;
 
-/* (r . w)^s within reach; rounding may take the cosine a little out of [0,1]. */
-static double lobe_power(const lobe *b, double cosine) {
-    return sl_pow(cosine > 0.0 ? (cosine < 1.0 ? cosine : 1.0) : 0.0, b->exponent);
-}
-
-/* moments[m] = integral of the lobe times cos(m psi) over the circle at theta, psi = phi - pi measured from r; the lobe's square is
- * integrated too. r . w = along + across cos psi. */
-static double circle(const lobe *b, double sine, double cosine, double *moments) {
-    const quadrature *q = b->quadrature;
-    int order = b->recurrence.order;
-    double along = b->cos_out * cosine, across = b->sin_out * sine, square = 0.0;
-    bool whole = !(along - across < b->cos_reach);
-    double limit = SL_PI;
-    if (!whole) limit = sl_acos((b->cos_reach - along) / across); /* across > along - cos_reach */
-    for (int m = 0; m < order; m++) moments[m] = 0.0;
-    for (int k = 0; k < AZIMUTH_NODES; k++) {
-        /* A periodic function wants equal steps. Both halves of the circle are alike. */
-        double psi = whole ? SL_PI * (k + 0.5) / AZIMUTH_NODES : limit * q->azimuth[k];
-        double weight = 2.0 * (whole ? SL_PI / AZIMUTH_NODES : limit * q->azimuth_weight[k]);
-        double c = sl_cos(psi), before = c, here = 1.0, power = b->scale * lobe_power(b, along + across * c);
-        square += weight * power * power;
-        for (int m = 0; m < order; m++) {
-            moments[m] += weight * power * here;
-            double next = 2.0 * c * here - before; /* cos((m+1) psi) */
-            before = here;
-            here = next;
+static void add_circle(void *context, const sl_lobe_circle *c) {
+    projection *p = context;
+    double values[SL_HSH_STRIDE_MAX];
+    if (!(c->cosine > 0.0)) return;
+    p->norm += c->weight * c->cosine * c->cosine * c->square;
+    sl_hsh_evaluate_by(&p->recurrence, sl_v3d(c->sine, 0.0, c->cosine), values);
+    for (int l = 0; l < p->recurrence.order; l++)
+        for (int m = 0; m <= l; m++) {
+            double moment = m % 2 ? -c->moments[m] : c->moments[m]; /* r stands at azimuth pi */
+            p->coefficients[sl_hsh_even(l, m)] += c->weight * c->cosine * moment * values[sl_hsh_even(l, m)];
         }
-    }
-    return square;
-}
-
-/* Adds the ring from theta_0 to theta_1. */
-static void add_ring(lobe *b, double theta_0, double theta_1) {
-    if (!(theta_1 > theta_0)) return;
-    int order = b->recurrence.order;
-    double moments[SL_HSH_ORDER_MAX], values[SL_HSH_STRIDE_MAX];
-    for (int i = 0; i < POLAR_NODES; i++) {
-        double theta = theta_0 + (theta_1 - theta_0) * b->quadrature->polar[i];
-        double sine = sl_sin(theta), cosine = sl_cos(theta);
-        if (!(cosine > 0.0)) continue;
-        double weight = (theta_1 - theta_0) * b->quadrature->polar_weight[i] * sine * cosine;
-        b->norm += weight * cosine * circle(b, sine, cosine, moments);
-        sl_hsh_evaluate_by(&b->recurrence, sl_v3d(sine, 0.0, cosine), values);
-        for (int l = 0; l < order; l++)
-            for (int m = 0; m <= l; m++) {
-                double turned = m % 2 ? -moments[m] : moments[m]; /* cos(m phi) = cos(m psi + m pi) */
-                b->coefficients[sl_hsh_even(l, m)] += weight * turned * values[sl_hsh_even(l, m)];
-            }
-    }
-}
-
-static double usable_exponent(double exponent) { return exponent > 0.0 ? (exponent < 1e8 ? exponent : 1e8) : 0.0; }
-
-static void quadrature_of(quadrature *q) {
-    sl_gauss_both_ends(POLAR_NODES, q->polar, q->polar_weight);
-    sl_gauss_upper_end(AZIMUTH_NODES, q->azimuth, q->azimuth_weight);
-}
-
-static void lobe_of(const quadrature *q, int order, double exponent, lobe *b) {
-    *b = (lobe){.quadrature = q, .exponent = usable_exponent(exponent)};
-    sl_hsh_recurrence_of(order, &b->recurrence);
-    b->scale = (b->exponent + 2.0) / (2.0 * SL_PI);
-    b->cos_reach = b->exponent > 0.0 ? sl_exp(-42.0 / b->exponent) : 0.0; /* the power is 6e-19 there, or r . w is 0 */
-    b->reach = sl_acos(b->cos_reach);
 }
 
 /* Coefficients of the lobe for one outgoing angle; returns the integral of its square. */
-static double project_lobe(lobe *b, double theta_out, double *coefficients) {
-    double horizon = 0.5 * SL_PI, nearest = fabs(theta_out - b->reach), farthest = theta_out + b->reach;
-    b->sin_out = sl_sin(theta_out);
-    b->cos_out = sl_cos(theta_out);
-    b->cos_out = b->cos_out > 0.0 ? b->cos_out : 0.0;
-    b->coefficients = coefficients;
-    b->norm = 0.0;
-    memset(coefficients, 0, sl_hsh_even_count(b->recurrence.order) * sizeof *coefficients);
-    /* Whole circles about the normal, then circles that the lobe's edge cuts: two rings, since the length of arc is not smooth
-     * where they meet. */
-    nearest = nearest < horizon ? nearest : horizon;
-    if (b->reach > theta_out) add_ring(b, 0.0, nearest);
-    add_ring(b, nearest, farthest < horizon ? farthest : horizon);
-    return b->norm;
+static double project_lobe(const sl_lobe *lobe, int order, double theta_out, double *coefficients) {
+    projection p = {.coefficients = coefficients};
+    sl_hsh_recurrence_of(order, &p.recurrence);
+    memset(coefficients, 0, sl_hsh_even_count(order) * sizeof *coefficients);
+    sl_lobe_visit_circles(lobe, theta_out, false, order, add_circle, &p);
+    return p.norm;
 }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
@@ -137,13 +67,11 @@ sl_status sl_phong_table_create(int order, double exponent, sl_phong_table **tab
         return sl_fail_memory(error, "a table of Phong lobes");
     }
     *t = (sl_phong_table){.order = order, .width = width, .rows = rows};
-    quadrature q;
-    lobe b;
+    sl_lobe lobe;
     double coefficients[SL_HSH_MAX];
-    quadrature_of(&q);
-    lobe_of(&q, order, exponent, &b);
+    sl_lobe_make(exponent, &lobe);
     for (int i = 0; i < ANGLES; i++) {
-        (void)project_lobe(&b, 0.5 * SL_PI * i / (ANGLES - 1), coefficients);
+        (void)project_lobe(&lobe, order, 0.5 * SL_PI * i / (ANGLES - 1), coefficients);
         for (size_t j = 0; j < sl_hsh_even_count(order); j++) rows[(size_t)i * width + j] = (float)coefficients[j];
     }
     *table = t;
@@ -171,14 +99,18 @@ static float quick_acos(float x) {
     return sqrtf(1.0f - x) * p;
 }
 
-sl_phong_rows sl_phong_table_at(const sl_phong_table *table, float cosine) {
+sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosine) {
     float c = cosine > 0.0f ? (cosine < 1.0f ? cosine : 1.0f) : 0.0f;
     float at = quick_acos(c) * ((float)(ANGLES - 1) * (float)(2.0 / SL_PI));
     int row = (int)at;
     row = row < ANGLES - 2 ? row : ANGLES - 2;
     float mix = at - (float)row;
-    const float *first = table->rows + (size_t)row * table->width;
-    return (sl_phong_rows){first, first + table->width, mix < 1.0f ? mix : 1.0f};
+    const float *first = rows + (size_t)row * row_floats;
+    return (sl_phong_rows){first, first + row_floats, mix < 1.0f ? mix : 1.0f};
+}
+
+sl_phong_rows sl_phong_table_at(const sl_phong_table *table, float cosine) {
+    return sl_phong_rows_at(table->rows, table->width, cosine);
 }
 
 void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *restrict even) {
@@ -191,12 +123,10 @@ void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *re
 
 /* errors[n] for n = 1 .. order; the basis is orthonormal, so what a projection keeps is a sum of squares. */
 static void truncation_errors(int order, double exponent, double theta_out, double *errors) {
-    quadrature q;
-    lobe b;
+    sl_lobe lobe;
     double coefficients[SL_HSH_MAX], kept = 0.0;
-    quadrature_of(&q);
-    lobe_of(&q, order, exponent, &b);
-    double norm = project_lobe(&b, theta_out, coefficients);
+    sl_lobe_make(exponent, &lobe);
+    double norm = project_lobe(&lobe, order, theta_out, coefficients);
     for (int l = 0; l < order; l++) {
         for (int m = 0; m <= l; m++) kept += coefficients[sl_hsh_even(l, m)] * coefficients[sl_hsh_even(l, m)];
         double left = norm > 0.0 ? 1.0 - kept / norm : 0.0;
