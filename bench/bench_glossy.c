@@ -125,7 +125,7 @@ static void truncation(const world *w, int order, double *rel_rmse, double *bias
     g.background = sky.present ? &sky : NULL;
     g.harmonics_order = order;
     if (sl_gather_create(w->scene, NULL, w->tracer, &g, threads, &gather, &counters, &error) != SL_OK) splat_stop("gather", &error);
-    if (sl_glossy_create(w->scene, order, 0.1, threads, &glossy, &error) != SL_OK) splat_stop("lobes", &error);
+    if (sl_glossy_create(w->scene, order, &glossy, &error) != SL_OK) splat_stop("lobes", &error);
     for (unsigned i = 0; i < threads; i++) {
         if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) splat_stop("scratch", &error);
     }

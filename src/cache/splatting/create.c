@@ -46,7 +46,7 @@ static sl_status open_parts(sl_splat_state *s, sl_record_cache *cache, sl_error 
     for (unsigned i = 0; status == SL_OK && i < threads; i++)
         status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
     if (status == SL_OK && radiance)
-        status = sl_glossy_create(s->scene, s->plan.harmonics_order, accuracy_of(s, cache), threads, &cache->glossy, error);
+        status = sl_glossy_create(s->scene, s->plan.harmonics_order, &cache->glossy, error);
     return status;
 }
 

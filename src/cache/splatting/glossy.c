@@ -1,7 +1,6 @@
 #include "cache/splatting/glossy.h"
 
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 
 /* Below this share a truncated lobe is as good as the interpolation between records. */
@@ -18,17 +17,7 @@ int sl_glossy_order_for(const sl_scene *scene) {
     return order;
 }
 
-/* |m| of every coefficient, place by place. */
-static void number_azimuths(sl_glossy *glossy) {
-    for (int l = 0; l < glossy->order; l++) {
-        for (int m = 0; m <= l; m++) {
-            glossy->even_m[sl_hsh_even(l, m)] = m;
-            if (m > 0) glossy->odd_m[sl_hsh_odd(glossy->order, l, -m) - glossy->even] = m;
-        }
-    }
-}
-
-static sl_phong_table *lobe_made_before(const sl_glossy *glossy, const sl_scene *scene, size_t index) {
+static sl_moved_lobe *lobe_made_before(const sl_glossy *glossy, const sl_scene *scene, size_t index) {
     for (size_t i = 0; i < index; i++) {
         if (glossy->lobe[i] && scene->materials[i].exponent == scene->materials[index].exponent) return glossy->lobe[i];
     }
@@ -44,24 +33,19 @@ static sl_status make_lobes(sl_glossy *glossy, const sl_scene *scene, sl_error *
         if (!sl_material_is_glossy(&scene->materials[i])) continue;
         glossy->lobe[i] = lobe_made_before(glossy, scene, i);
         if (glossy->lobe[i]) continue;
-        status = sl_phong_table_create(glossy->order, (double)scene->materials[i].exponent, &glossy->lobe[i], error);
+        status = sl_moved_lobe_create(glossy->order, (double)scene->materials[i].exponent, &glossy->lobe[i], error);
     }
     return status;
 }
 
-sl_status sl_glossy_create(const sl_scene *scene, int order, double accuracy, unsigned threads, sl_glossy **out, sl_error *error) {
+sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **out, sl_error *error) {
     *out = NULL;
     sl_glossy *glossy = sl_allocate(1, sizeof *glossy);
     if (!glossy) return sl_fail_memory(error, "glossy materials");
     glossy->order = order;
     glossy->even = sl_hsh_odd_start(order);
     glossy->stride = sl_hsh_stride(order);
-    number_azimuths(glossy);
-    /* D <= a and |n - n_k| / sqrt 2 = sqrt(1 - n.n_k) bound the angle; the table ends a little beyond. */
-    double cosine = 1.0 - accuracy * accuracy;
-    double largest = sl_acos(cosine > -1.0 ? cosine : -1.0) + 0.01;
     sl_status status = make_lobes(glossy, scene, error);
-    if (status == SL_OK) status = sl_hsh_rotation_create(order, largest, SL_HSH_MIRROR, threads, &glossy->rotation, error);
     if (status != SL_OK) {
         sl_glossy_destroy(glossy);
         return status;
@@ -80,19 +64,18 @@ static bool is_shared(const sl_glossy *glossy, size_t index) {
 void sl_glossy_destroy(sl_glossy *glossy) {
     if (!glossy) return;
     for (size_t i = glossy->material_count; glossy->lobe && i-- > 0;) {
-        if (glossy->lobe[i] && !is_shared(glossy, i)) sl_phong_table_destroy(glossy->lobe[i]);
+        if (glossy->lobe[i] && !is_shared(glossy, i)) sl_moved_lobe_destroy(glossy->lobe[i]);
     }
     sl_free(glossy->lobe);
-    sl_hsh_rotation_destroy(glossy->rotation);
     sl_free(glossy);
 }
 
 int sl_glossy_order(const sl_glossy *glossy) { return glossy->order; }
 
 size_t sl_glossy_bytes(const sl_glossy *glossy) {
-    size_t bytes = sizeof *glossy + glossy->material_count * sizeof *glossy->lobe + sl_hsh_rotation_bytes(glossy->rotation);
+    size_t bytes = sizeof *glossy + glossy->material_count * sizeof *glossy->lobe;
     for (size_t i = 0; i < glossy->material_count; i++) {
-        if (glossy->lobe[i] && !is_shared(glossy, i)) bytes += sl_phong_table_bytes(glossy->lobe[i]);
+        if (glossy->lobe[i] && !is_shared(glossy, i)) bytes += sl_moved_lobe_bytes(glossy->lobe[i]);
     }
     return bytes;
 }

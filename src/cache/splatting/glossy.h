@@ -2,7 +2,7 @@
  * hemispherical harmonics, sends from a pixel to the eye by way of a Phong lobe. Interpolation goes as follows (9):
  *
  *     translate   lambda(p) = lambda + dx d/dx lambda + dy d/dy lambda, where the gradients live: in the record's frame
- *     rotate      into the pixel's frame; that is, the lobe is turned into the record's frame by the transpose
+ *     rotate      into the pixel's frame; that is, the pixel's lobe is moved into the record's
  *     reflect     L_o = sum of c_lm(omega_o) lambda_lm
  */
 #ifndef SL_CACHE_SPLATTING_GLOSSY_H
@@ -12,12 +12,10 @@
 #include "cache/splatting/record.h"
 #include "scene/scene.h"
 
-/* The lobes of a scene's materials and the rotations between frames. Immutable after creation. */
+/* The lobes of a scene's materials. Immutable after creation. */
 typedef struct sl_glossy sl_glossy;
 
-/* Records contribute where normals differ by at most acos(1 - a^2); order of the harmonics. */
-sl_status sl_glossy_create(const sl_scene *scene, int order, double accuracy, unsigned threads, sl_glossy **glossy,
-                           sl_error *error);
+sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **glossy, sl_error *error);
 void sl_glossy_destroy(sl_glossy *glossy);
 int sl_glossy_order(const sl_glossy *glossy);
 size_t sl_glossy_bytes(const sl_glossy *glossy);
@@ -48,9 +46,7 @@ struct sl_glossy {
     int order;
     size_t even, stride;       /* floats of the even part, and of a whole padded vector */
     size_t material_count;
-    sl_phong_table **lobe;     /* of every material; NULL: not glossy. Equal exponents share one. */
-    sl_hsh_rotation *rotation;
-    int even_m[SL_HSH_MAX], odd_m[SL_HSH_MAX]; /* |m| of every place of the even and the odd part; 0 in the padding */
+    sl_moved_lobe **lobe;      /* of every material; NULL: not glossy. Equal exponents share one. */
 };
 
 #endif
