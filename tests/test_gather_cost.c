@@ -216,7 +216,7 @@ static void scenes_that_the_camera_does_not_see_are_probed_from_their_own_surfac
 /* Trials are no part of the bill: with AUTO as without it nothing is counted before the first gather. */
 static void probing_is_not_counted(void **state) {
     (void)state;
-    world *w = world_room(true);
+    world *w = world_room(false);
     sl_gather_settings s = settings_of(SL_GATHER_AUTO, 32);
     sl_gather *gather;
     sl_counters counters = {{0}}, none = {{0}};

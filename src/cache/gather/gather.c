@@ -1,4 +1,4 @@
-#include "cache/gather/gather_internal.h"
+#include "cache/gather/light_scratch.h"
 
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "cache/harmonics/harmonics.h"
 
-enum { EVERY_LIGHT_MAX = 8, BY_POWER_MAX = 64 };
+enum { EVERY_LIGHT_MAX = 8 };
 
 sl_gather_settings sl_gather_defaults(void) {
     return (sl_gather_settings){.kind = SL_GATHER_AUTO, .size = 64, .plane_fov = (float)(140.0 / 180.0 * SL_PI),
@@ -37,35 +37,20 @@ static sl_status check(const sl_gather_settings *s, const sl_raster *raster, con
 
 /* ---- creation --------------------------------------------------------------------------------------------------------- */
 
-/* Lights without extent light every hit, unless they are many; the sampler draws from what is left. */
-static sl_status make_sampler(sl_gather *gather, sl_error *error) {
+/* Lights without extent light every hit, unless they are many; samples are drawn from what is left. */
+static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
     const sl_scene *scene = gather->scene;
     gather->extended = *scene;
     gather->every_light = scene->light_count <= EVERY_LIGHT_MAX;
     if (gather->every_light) gather->extended.light_count = 0;
-    if (gather->extended.light_count + scene->emitter_count == 0 && !scene->environment.present) return SL_OK;
-    sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
-    /* From every hit most of many emitters are far. Few that lie all around are as well chosen by power, in half the time. */
-    if (status != SL_OK || scene->emitter_count <= BY_POWER_MAX) return status;
-    return sl_light_sampler_plant_tree(gather->sampler, error);
-}
-
-/* Spheres about the emitters, 1.2 times their longest edge. */
-static void make_near_spheres(sl_gather *gather) {
-    const sl_scene *s = gather->scene;
-    if (s->emitter_count > SL_NEAR_EMITTERS_MAX || s->environment.present || !gather->every_light) return;
-    for (size_t i = 0; i < s->emitter_count; i++) {
-        if (sl_scene_has_alpha(s, s->emitters[i].triangle)) return; /* solid angles know no masks */
+    size_t sources = gather->extended.light_count + scene->emitter_count + (scene->environment.present ? 1 : 0);
+    if (sources == 0) return SL_OK;
+    if (sources > SL_LIGHT_SOURCES_MAX) {
+        sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
+        return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
     }
-    gather->near_count = s->emitter_count;
-    for (size_t i = 0; i < s->emitter_count; i++) {
-        uint32_t t = s->emitters[i].triangle;
-        sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), b = sl_scene_position(s, s->vertex[1][t]);
-        sl_vec3 c = sl_scene_position(s, s->vertex[2][t]);
-        float edge = fmaxf(sl_length(sl_sub(b, a)), fmaxf(sl_length(sl_sub(c, b)), sl_length(sl_sub(a, c))));
-        gather->near[i].centre = sl_scale(sl_add(a, sl_add(b, c)), 1.0f / 3.0f);
-        gather->near[i].radius_squared = 1.44f * edge * edge;
-    }
+    sl_status status = sl_light_sources_create(&gather->extended, &gather->sources, error);
+    return status == SL_OK ? sl_gather_learn_lights(gather, threads, counters, error) : status;
 }
 
 static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
@@ -82,9 +67,7 @@ static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *co
     if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS) {
         return make_maps(gather, threads, counters, error);
     }
-    sl_status status = make_sampler(gather, error);
-    make_near_spheres(gather);
-    return status;
+    return make_sources(gather, threads, counters, error);
 }
 
 static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
@@ -113,6 +96,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->offset = 1e-5f * scene->diagonal;
     gather->isa = sl_isa_best();
     gather->kernels = sl_gather_kernels_for(gather->isa);
+    gather->light_kernels = sl_hit_light_kernels_for(sl_isa_best());
     sl_status status = check(&gather->settings, raster, tracer, error);
     gather->half_tangent = status == SL_OK ? (float)sl_tan(0.5 * (double)settings->plane_fov) : 1.0f;
     if (status == SL_OK) status = make_parts(gather, threads, counters, error);
@@ -129,6 +113,8 @@ void sl_gather_destroy(sl_gather *gather) {
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
     sl_shadow_maps_destroy(gather->own_maps);
+    sl_visible_lights_destroy(gather->visible);
+    sl_light_sources_destroy(gather->sources);
     sl_light_sampler_destroy(gather->sampler);
     sl_free(gather);
 }
@@ -192,6 +178,7 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     s->block = sl_allocate(stride * (HIT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
     sl_status status = s->block && s->pixels ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    if (status == SL_OK && gather->sources) status = sl_light_scratch_create(gather, t->padded, false, &s->light, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
     }
@@ -212,6 +199,7 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
 void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     if (!scratch) return;
     sl_raster_scratch_destroy(scratch->raster);
+    sl_light_scratch_destroy(scratch->light);
     sl_free(scratch->block);
     sl_free(scratch->pixels);
     sl_free(scratch);

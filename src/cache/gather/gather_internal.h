@@ -10,16 +10,11 @@
 
 #include "cache/gather/gather_kernels.h"
 #include "cache/gather/gather_tables.h"
+#include "cache/gather/hit_light_kernels.h"
 #include "cache/gather/projection.h"
 #include "cache/light/shadow_maps.h"
 
-/* About an emitter, where its light is not sampled but computed. */
-typedef struct sl_near_sphere {
-    sl_vec3 centre;
-    float radius_squared;
-} sl_near_sphere;
-
-enum { SL_NEAR_EMITTERS_MAX = 16 };
+typedef struct sl_light_scratch sl_light_scratch;
 
 struct sl_gather {
     const sl_scene *scene;
@@ -35,11 +30,12 @@ struct sl_gather {
 
     const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
     sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
-    sl_scene extended;           /* the scene without its lights without extent: what `sampler` draws from */
-    sl_light_sampler *sampler;   /* emitters and environment (and lights without extent where they are many), or NULL */
+    sl_scene extended;           /* the scene without its lights without extent: what samples are drawn from */
+    sl_light_sources *sources;   /* emitters and environment (and lights without extent where they are many), if they are few enough */
+    sl_visible_lights *visible;  /* what is known of them */
+    sl_light_sampler *sampler;   /* the same where they are many */
     bool every_light;            /* lights without extent are few: each lights every hit */
-    size_t near_count;           /* emitters, where they are few and no environment shines besides; else 0 */
-    sl_near_sphere near[SL_NEAR_EMITTERS_MAX];
+    sl_hit_light_kernels light_kernels;
 };
 
 /* What was seen in the cells, by slot: slot k is cell order[k]. */
@@ -67,6 +63,7 @@ struct sl_gather_scratch {
     float *block;
     sl_gather_hits hits;
     sl_gather_planes planes;
+    sl_light_scratch *light; /* or NULL */
     sl_raster_scratch *raster;
     uint32_t *target_id;
     float *target_depth, *target_w1, *target_w2;
@@ -101,6 +98,9 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
 
 /* Adds the walls that the grid does not hold, turns the sums into the world. */
 void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature, sl_irradiance *irradiance);
+
+/* What can be seen of the light sources where, by a few gathers on trial (light_trials.c); they are on the bill. */
+sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error);
 
 /* The choice AUTO: the cheapest instrument at equal expected error, and its size (gather_choice.c). */
 sl_status sl_gather_choose(const sl_gather *gather, sl_gather_kind *kind, int *size, sl_error *error);

@@ -107,7 +107,7 @@ static void count_views(probe *p, sl_gather_counts *c) {
         c->visible += visible_triangles(p) / points;
         c->hits += seen(p) / points;
     }
-    c->samples = p->gather.sampler ? c->hits : 0.0;
+    c->samples = p->gather.sampler || p->gather.sources ? c->hits * (double)p->gather.settings.hit_samples : 0.0;
     c->cells = (double)p->gather.tables->used;
     c->passes = (double)counters.value[SL_COUNT_RASTER_PASSES] / points;
     c->clusters_tested = (double)counters.value[SL_COUNT_CLUSTERS_TESTED] / points;
