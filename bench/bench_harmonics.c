@@ -190,6 +190,7 @@ typedef struct tables {
     int order;
     sl_phong_table *lobe;
     sl_hsh_rotation *tilt;
+    sl_moved_lobe *moved;
     sl_hsh_recurrence recurrence;
 } tables;
 
@@ -227,6 +228,13 @@ static void call_tilt(const tables *t, uint32_t i) {
     sink = u[t->order];
 }
 
+/* The same lobe in another frame without D, in plain loops too. */
+static void call_move(const tables *t, uint32_t i) {
+    float u[STRIDE], lean = (float)i * (0.4f / CALLS);
+    sl_moved_lobe_look_up(t->moved, sl_v3(0.6f, lean, 0.7f), sl_v3(lean, 0.1f, 0.9f), 0.7f, u);
+    sink = u[t->order];
+}
+
 static double cost_ns(const tables *t, call *f) {
     double times[REPETITIONS];
     for (int r = 0; r < REPETITIONS; r++) {
@@ -238,8 +246,10 @@ static double cost_ns(const tables *t, call *f) {
 }
 
 static void table_of_costs(void) {
-    printf("\nnanoseconds: H in a direction; rows of the lobe's table; lobe looked up; tables of a tilt; coefficients tilted\n");
-    printf("%3s %9s %9s %9s %9s %9s   %s\n", "n", "evaluate", "rows", "look up", "tilt at", "tilt", "to make: lobe ms, 24 degrees ms, KB, KB");
+    printf("\nnanoseconds: H in a direction; rows of the lobe's table; lobe looked up; tables of a tilt; coefficients tilted; lobe moved\n"
+           "instead. Made by one thread: milliseconds and KB of a lobe, of a moved lobe, of tilts up to 24 degrees\n");
+    printf("%3s %8s %6s %8s %8s %8s %8s  %6s %6s %6s %6s %6s %7s\n", "n", "evaluate", "rows", "look up", "tilt at", "tilt", "move", "ms", "KB",
+           "ms", "KB", "ms", "KB");
     for (int order = 2; order <= SL_HSH_ORDER_MAX; order++) {
         tables t = {.order = order};
         sl_hsh_recurrence_of(order, &t.recurrence);
@@ -249,9 +259,14 @@ static void table_of_costs(void) {
         begin = now_ms();
         if (sl_hsh_rotation_create(order, 24.0 * degree, SL_HSH_MIRROR, 1, &t.tilt, NULL) != SL_OK) exit(5);
         double tilt = now_ms() - begin;
-        printf("%3d %9.1f %9.1f %9.1f %9.1f %9.1f   %6.1f %6.1f %8.1f %8.1f\n", order, cost_ns(&t, call_evaluate), cost_ns(&t, call_find),
-               cost_ns(&t, call_look_up), cost_ns(&t, call_tilt_at), cost_ns(&t, call_tilt), lobe, tilt,
-               (double)sl_phong_table_bytes(t.lobe) / 1024.0, (double)sl_hsh_rotation_bytes(t.tilt) / 1024.0);
+        begin = now_ms();
+        if (sl_moved_lobe_create(order, 20.0, &t.moved, NULL) != SL_OK) exit(5);
+        double moved = now_ms() - begin;
+        printf("%3d %8.1f %6.1f %8.1f %8.1f %8.1f %8.1f  %6.1f %6.1f %6.1f %6.1f %6.1f %7.1f\n", order, cost_ns(&t, call_evaluate),
+               cost_ns(&t, call_find), cost_ns(&t, call_look_up), cost_ns(&t, call_tilt_at), cost_ns(&t, call_tilt),
+               cost_ns(&t, call_move), lobe, (double)sl_phong_table_bytes(t.lobe) / 1024.0, moved,
+               (double)sl_moved_lobe_bytes(t.moved) / 1024.0, tilt, (double)sl_hsh_rotation_bytes(t.tilt) / 1024.0);
+        sl_moved_lobe_destroy(t.moved);
         sl_phong_table_destroy(t.lobe);
         sl_hsh_rotation_destroy(t.tilt);
     }
