@@ -169,7 +169,7 @@ static void truncation_is_as_published(void **state) {
 
 static void the_least_sufficient_order_is_chosen(void **state) {
     (void)state;
-    for (double exponent = 0.0; exponent < 12000.0; exponent = 1.5 * exponent + 0.5)
+    for (double exponent = 1.0; exponent < 12000.0; exponent = 1.5 * exponent + 0.5)
         for (double bound = 0.01; bound < 1.0; bound *= 3.0) {
             int order = sl_phong_order(exponent, bound);
             assert_in_range(order, 1, SL_HSH_ORDER_MAX);
@@ -177,6 +177,10 @@ static void the_least_sufficient_order_is_chosen(void **state) {
             if (order > 1) assert_true(sl_phong_truncation(order - 1, exponent) > bound);
         }
     assert_int_equal(sl_phong_order(20.0, 0.05), 9);
+    assert_int_equal(sl_phong_order(1.0, 0.05), 3);
+    assert_int_equal(sl_phong_order(0.9, 0.05), 5);
+    assert_int_equal(sl_phong_order(0.0, 0.05), 5);
+    assert_int_equal(sl_phong_order(NAN, 0.001), SL_HSH_ORDER_MAX);
     assert_int_equal(sl_phong_order(20.0, NAN), SL_HSH_ORDER_MAX);
     assert_int_equal(sl_phong_order(20.0, 2.0), 1);
 }

@@ -72,7 +72,8 @@ sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosin
 void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *even);
 size_t sl_phong_table_bytes(const sl_phong_table *table);
 /* Relative L2 error of the lobe that order n makes, at an outgoing angle (radians) and at 45 degrees; and the least order that keeps
- * the latter within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for its truncation). */
+ * the latter within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for its truncation; for exponents below 1, whose
+ * edge counts for more in that error than in what they reflect, the order for 1 and two more). */
 double sl_phong_truncation_at(int order, double exponent, double theta_out);
 double sl_phong_truncation(int order, double exponent);
 int sl_phong_order(double exponent, double largest_error);

@@ -145,10 +145,13 @@ double sl_phong_truncation_at(int order, double exponent, double theta_out) {
 
 double sl_phong_truncation(int order, double exponent) { return sl_phong_truncation_at(order, exponent, 0.25 * SL_PI); }
 
+/* Below s = 1 a lobe ends ever more abruptly in the plane across r. The L2 error counts that edge dearly (s = 0 would want more than
+ * twelve bands), while reflected light hardly shows it: two bands more than s = 1 wants hold it as well. */
 int sl_phong_order(double exponent, double largest_error) {
     double errors[SL_HSH_ORDER_MAX + 1];
-    truncation_errors(SL_HSH_ORDER_MAX, exponent, 0.25 * SL_PI, errors);
+    bool abrupt = !(exponent >= 1.0);
+    truncation_errors(SL_HSH_ORDER_MAX, abrupt ? 1.0 : exponent, 0.25 * SL_PI, errors);
     int order = 1;
     while (order < SL_HSH_ORDER_MAX && !(errors[order] <= largest_error)) order++;
-    return order;
+    return usable_order(abrupt && order > 1 ? order + 2 : order);
 }
