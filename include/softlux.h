@@ -279,6 +279,13 @@ SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_e
 /* The picture so far: R, G, B and the method's layers. The caller destroys it. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
+/* The method's cache in a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
+ * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
+ * other ones, of another version, or one that is damaged is refused, with a line that says so, and nothing changes. With a file
+ * saved from the same place nothing is gathered anew, and the picture has the same bits. */
+SL_API bool sl_method_keeps_cache(const sl_method *method);
+SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error);
+SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
 /* The names of all methods, in order; NULL past the end. */

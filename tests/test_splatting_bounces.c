@@ -296,7 +296,7 @@ static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void 
 /* A camera that moves keeps the hidden records; a light that moves does not. */
 static void hidden_records_stay_as_long_as_the_light_does(void **state) {
     (void)state;
-    const float eye[3] = {0.5f, 0.5f, 2.0f}, target[3] = {0.5f, 0.4f, 0.0f}, up[3] = {0, 1, 0};
+    const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", 24, 24);
     settings.bounces = 2;

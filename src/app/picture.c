@@ -153,14 +153,27 @@ static void print_json(const sl_render_options *o, const sl_scene *scene, const 
 
 /* ---- a picture, a series ---- */
 
+/* A method, with the cache of another run where there is one. */
+static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_method **method, sl_error *error) {
+    sl_status status = sl_method_create(scene, &o->settings, method, error);
+    if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method)) {
+        snprintf(error->message, sizeof error->message, "--%s-cache: %s keeps no cache", o->load_cache ? "load" : "save",
+                 o->settings.method);
+        status = error->status = SL_ERROR_USAGE;
+    }
+    if (status == SL_OK && o->load_cache) status = sl_method_load(*method, o->load_cache, error);
+    return status;
+}
+
 sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_error *error) {
     double start = now_seconds(), seconds = 0.0;
     sl_method *method = NULL;
     sl_progress progress = {0};
     watch_for_interrupt();
-    sl_status status = sl_method_create(scene, &o->settings, &method, error);
+    sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = run(o, method, &progress, start, 0.0, error);
     if (status == SL_OK) status = write_picture(o, method, start, o->output, &seconds, error);
+    if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
             fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
@@ -198,7 +211,7 @@ sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error
     unsigned long long frame = 0;
     watch_for_interrupt();
     sl_status status = sl_scene_set_time(scene, o->at_seconds, NULL, error);
-    if (status == SL_OK) status = sl_method_create(scene, &o->settings, &method, error);
+    if (status == SL_OK) status = create(o, scene, &method, error);
     for (; status == SL_OK && frame < o->frames && !interrupted; frame++) {
         unsigned changes = 0;
         if (frame) status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
@@ -206,6 +219,7 @@ sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error
         if (status == SL_OK) status = render_frame(o, method, frame, begin, error);
     }
     if (!o->quiet && isatty(STDERR_FILENO)) fputc('\n', stderr);
+    if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK && interrupted && !o->quiet)
         fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frame);
     sl_method_destroy(method);

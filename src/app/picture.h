@@ -6,6 +6,7 @@
 
 typedef struct sl_render_options {
     const char *scene_path, *output;
+    const char *load_cache, *save_cache; /* files, or NULL */
     sl_settings settings;
     double time_seconds;       /* stop at the first batch that ends later; 0: no limit */
     uint64_t batches;          /* stop after so many; 0: no limit */

@@ -69,6 +69,8 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, i
         {"glossy-hits", 0, SL_OPTION_FLAG, &s->glossy_hits, NULL, NULL, "splatting: gathers see glossy lobes too", 0, 0, NULL},
         {"hit-samples", 0, SL_OPTION_COUNT, &r.hit_samples, NULL, "N",
          "splatting: light samples for what a gather sees [by quality]", 1, 256, NULL},
+        {"load-cache", 0, SL_OPTION_TEXT, &o->load_cache, NULL, "FILE", "splatting: start with the records of another run", 0, 0, NULL},
+        {"save-cache", 0, SL_OPTION_TEXT, &o->save_cache, NULL, "FILE", "splatting: keep the records for another run", 0, 0, NULL},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &r.threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1,
          256, NULL},

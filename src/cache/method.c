@@ -217,6 +217,20 @@ sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     return method->class->edit(method->state, changes, error);
 }
 
+bool sl_method_keeps_cache(const sl_method *method) { return method->class->save && method->class->load; }
+
+sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error) {
+    if (!method->class->save) return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be saved", method->class->name);
+    return method->class->save(method->state, path, error);
+}
+
+sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
+    if (!method->class->load) return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be loaded", method->class->name);
+    sl_status status = method->class->load(method->state, path, error);
+    if (status == SL_OK) method->done = false;
+    return status;
+}
+
 const sl_counters *sl_method_counters(const sl_method *method) { return method->class->counters(method->state); }
 
 size_t sl_method_memory_bytes(const sl_method *method) {

@@ -21,6 +21,9 @@ typedef struct sl_method_class {
     sl_status (*update)(void *state, sl_progress *progress, sl_error *error);
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
+    /* The method's cache on disk, for another run; NULL where it keeps none. A load that fails changes nothing. */
+    sl_status (*save)(const void *state, const char *path, sl_error *error);
+    sl_status (*load)(void *state, const char *path, sl_error *error);
     const sl_counters *(*counters)(const void *state);
     size_t (*memory_bytes)(const void *state);
     /* The paths that the method models with these settings (for the tracers: `full`). */

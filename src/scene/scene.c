@@ -142,7 +142,7 @@ static void hash_camera(uint64_t *hash, const sl_camera *c) {
     hash_bytes(hash, &c->vertical_fov, sizeof c->vertical_fov);
 }
 
-uint64_t sl_scene_hash(const sl_scene *scene) {
+uint64_t sl_scene_light_hash(const sl_scene *scene) {
     uint64_t hash = 0x736f66746c7578u; /* "softlux" */
     hash_geometry(&hash, scene);
     for (size_t i = 0; i < scene->material_count; i++) hash_material(&hash, &scene->materials[i]);
@@ -153,6 +153,11 @@ uint64_t sl_scene_hash(const sl_scene *scene) {
     }
     for (size_t i = 0; i < scene->light_count; i++) hash_light(&hash, &scene->lights[i]);
     hash_environment(&hash, &scene->environment);
+    return hash;
+}
+
+uint64_t sl_scene_hash(const sl_scene *scene) {
+    uint64_t hash = sl_scene_light_hash(scene);
     hash_camera(&hash, &scene->camera);
     hash_bytes(&hash, (int32_t[2]){scene->film_width, scene->film_height}, 2 * sizeof(int32_t));
     return hash;

@@ -159,6 +159,9 @@ void sl_environment_release(sl_environment *environment);
  * and the irradiance on a plane that faces it. Returns false where that is zero. */
 bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance, sl_rgb *irradiance);
 
+/* Of all that light depends on, whoever looks: geometry, materials, textures, lights, environment. */
+uint64_t sl_scene_light_hash(const sl_scene *scene);
+
 /* ---- building (used by the importers and by tests that make scenes by hand) ---- */
 
 /* A scene from plain arrays: takes ownership of nothing, copies everything. Validates as sl_scene_load() does: drops triangles

@@ -17,21 +17,6 @@ enum { GENERATIONS_MIN = 2, GENERATIONS_MAX = 3 };
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
-struct sl_hidden_cache {
-    sl_hidden_settings settings;
-    const sl_scene *scene;
-    const sl_tracer *tracer;
-    sl_gather *gather;
-    sl_gather_scratch **scratch;
-    sl_hidden_list list;
-    sl_record_tree near, wide;
-    sl_hidden_field field;
-    sl_look_up_kernel *kernel;
-    sl_hidden_light light;
-    bool shines;              /* before the first bounce is done there is no indirect light */
-    sl_hidden_report report;
-};
-
 sl_hidden_settings sl_hidden_settings_for(const sl_gather_settings *visible, double accuracy, uint32_t bounces) {
     sl_hidden_settings s = {.bounces = bounces, .gather = *visible, .aspect = 1.0f, .seed = visible->seed, .threads = 1,
                             .minimum_radius = 0.02};
@@ -159,8 +144,7 @@ static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_e
     return status;
 }
 
-/* The gathers that found the records' reach have seen direct light: that is the first bounce. */
-static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
+sl_status sl_hidden_cache_shine(sl_hidden_cache *cache, sl_error *error) {
     enum { WIDE_LEAF = 64 };
     sl_status status = sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
     if (status == SL_OK) status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
@@ -170,6 +154,12 @@ static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters,
                                      1e-5f * diagonal};
     cache->shines = true;
     cache->report.records = cache->list.count;
+    return SL_OK;
+}
+
+/* The gathers that found the records' reach have seen direct light: that is the first bounce. */
+static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
+    sl_status status = sl_hidden_cache_shine(cache, error);
     cache->report.bounces = 1;
     while (status == SL_OK && cache->report.bounces + 1 < cache->settings.bounces && !cache->report.converged)
         status = next_bounce(cache, counters, error);
@@ -200,27 +190,31 @@ static void free_gather(sl_hidden_cache *cache) {
     cache->gather = NULL;
 }
 
-sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                 const sl_hidden_settings *settings, sl_hidden_cache **out, sl_counters *counters,
-                                 sl_error *error) {
-    *out = NULL;
-    sl_hidden_cache *cache = sl_allocate(1, sizeof *cache);
+sl_status sl_hidden_cache_blank(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
+                                sl_hidden_cache **out, sl_error *error) {
+    sl_hidden_cache *cache = *out = sl_allocate(1, sizeof *cache);
     if (!cache) return sl_fail_memory(error, "hidden records");
     cache->scene = scene;
     cache->tracer = tracer;
     cache->settings = *settings;
     cache->kernel = sl_look_up_kernel_for(sl_isa_best());
     cache->light = (sl_hidden_light){cache, add_irradiance};
-    sl_status status = make_gather(cache, raster, counters, error);
+    return SL_OK;
+}
+
+sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                 const sl_hidden_settings *settings, sl_hidden_cache **out, sl_counters *counters,
+                                 sl_error *error) {
+    sl_hidden_cache *cache;
+    *out = NULL;
+    sl_status status = sl_hidden_cache_blank(scene, tracer, settings, &cache, error);
+    if (status == SL_OK) status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);
-    free_gather(cache);
-    if (status != SL_OK) {
-        sl_hidden_cache_destroy(cache);
-        return status;
-    }
-    *out = cache;
-    return SL_OK;
+    if (cache) free_gather(cache);
+    if (status == SL_OK) *out = cache;
+    else sl_hidden_cache_destroy(cache);
+    return status;
 }
 
 void sl_hidden_cache_destroy(sl_hidden_cache *cache) {

@@ -14,10 +14,12 @@
  *   record_tree.c     which records lie around a point
  *   look_up_kernels.c irradiance at a point, from the records around it
  *   look_up.c         many points; those that no record covers
- *   bounces.c         one bounce after the other */
+ *   bounces.c         one bounce after the other
+ *   keep.c            all of it on disk, for another run */
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H
 
+#include "cache/cache_file.h"
 #include "cache/splatting/record.h"
 
 typedef struct sl_hidden_settings {
@@ -42,6 +44,10 @@ sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster,
 void sl_hidden_cache_destroy(sl_hidden_cache *cache);
 /* E^(bounces - 1), for sl_gather_settings.hidden; lives as long as the cache. */
 const sl_hidden_light *sl_hidden_cache_light(const sl_hidden_cache *cache);
+/* To a file and from it. The reader's file has been checked to be of this scene and of these settings. */
+void sl_hidden_cache_write(const sl_hidden_cache *cache, sl_cache_writer *writer);
+sl_status sl_hidden_cache_read(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
+                               sl_cache_reader *reader, sl_hidden_cache **cache, sl_error *error);
 size_t sl_hidden_cache_bytes(const sl_hidden_cache *cache);
 
 typedef struct sl_hidden_report {

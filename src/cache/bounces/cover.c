@@ -31,10 +31,9 @@ static void *grown(void *array, size_t count, size_t capacity, size_t size, bool
     return larger;
 }
 
-static sl_status make_room(sl_hidden_list *list, sl_error *error) {
-    if (list->count < list->capacity) return SL_OK;
+sl_status sl_hidden_list_reserve(sl_hidden_list *list, size_t capacity, sl_error *error) {
     bool failed = false;
-    size_t capacity = list->capacity ? 2 * list->capacity : 512;
+    if (capacity <= list->capacity) return SL_OK;
     list->records = grown(list->records, list->count, capacity, sizeof *list->records, &failed);
     list->points = grown(list->points, list->count, capacity, sizeof *list->points, &failed);
     list->terms = grown(list->terms, list->count, capacity, sizeof *list->terms, &failed);
@@ -155,7 +154,8 @@ static sl_status commit(chunk *c, const size_t *members, const gather_batch *bat
     for (size_t i = 0; i < count; i++) {
         sl_counters_add(counters, &batch->counters[i]);
         if (is_covered(c, members[i])) continue;
-        sl_status status = make_room(list, error);
+        bool full = list->count == list->capacity;
+        sl_status status = full ? sl_hidden_list_reserve(list, 2 * list->capacity + 512, error) : SL_OK;
         if (status != SL_OK) return status;
         size_t k = list->count++;
         list->records[k] = batch->records[i];

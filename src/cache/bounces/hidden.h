@@ -124,6 +124,31 @@ sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa);
 void sl_hidden_look_up(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_hidden_points *points, float *r, float *g,
                        float *b, sl_counters *counters);
 
+/* ---- the cache (bounces.c) ---- */
+
+struct sl_hidden_cache {
+    sl_hidden_settings settings;
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    sl_gather *gather;
+    sl_gather_scratch **scratch;
+    sl_hidden_list list;
+    sl_record_tree near, wide;
+    sl_hidden_field field;
+    sl_look_up_kernel *kernel;
+    sl_hidden_light light;
+    bool shines;              /* before the first bounce is done there is no indirect light */
+    sl_hidden_report report;
+};
+
+/* Makes ready for the look-up what the list holds. */
+sl_status sl_hidden_cache_shine(sl_hidden_cache *cache, sl_error *error);
+/* Without records, gathers or light. */
+sl_status sl_hidden_cache_blank(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
+                                sl_hidden_cache **cache, sl_error *error);
+/* Room for so many records in all. */
+sl_status sl_hidden_list_reserve(sl_hidden_list *list, size_t capacity, sl_error *error);
+
 /* ---- places (scout.c, cover.c) ---- */
 
 /* Points seen from others, `rays` (a square number) from each; points of which nothing is reflected have the triangle SL_NO_INDEX. */

@@ -17,16 +17,25 @@ static void close_cache(sl_record_cache *cache, unsigned threads) {
     cache->glossy = NULL;
 }
 
+void sl_splat_close_caches(sl_splat_state *s) {
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) close_cache(&s->cache[c], s->settings.threads);
+}
+
 static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache) {
     return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
 }
 
 /* Hidden records stay as long as geometry and lights do, wherever the camera goes. */
-static sl_status open_hidden(sl_splat_state *s, sl_error *error) {
-    if (s->settings.bounces < 2 || s->hidden) return SL_OK;
+sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *s) {
     sl_hidden_settings settings = sl_hidden_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
+    return settings;
+}
+
+static sl_status open_hidden(sl_splat_state *s, sl_error *error) {
+    if (s->settings.bounces < 2 || s->hidden) return SL_OK;
+    const sl_hidden_settings settings = sl_splat_hidden_settings(s);
     return sl_hidden_cache_create(s->scene, s->raster, s->tracer, &settings, &s->hidden, &s->counters, error);
 }
 
@@ -107,7 +116,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
 /* ---- light and hierarchy ---- */
 
 static void destroy_transport(sl_splat_state *s) {
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) close_cache(&s->cache[c], s->settings.threads);
+    sl_splat_close_caches(s);
     sl_hidden_cache_destroy(s->hidden);
     sl_direct_destroy(s->direct);
     sl_shadow_maps_destroy(s->maps);

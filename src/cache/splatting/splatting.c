@@ -142,8 +142,9 @@ static void start_records(sl_splat_state *s, int class) {
     while (class < SL_RECEIVER_CLASSES && !s->cache[class].receivers) class++;
     s->class = class;
     s->phase = class < SL_RECEIVER_CLASSES ? SL_PHASE_RECORDS : SL_PHASE_DONE;
-    if (s->phase == SL_PHASE_RECORDS)
-        sl_traversal_start(&s->cache[class].traversal, s->settings.order, s->settings.width, s->settings.height);
+    if (s->phase != SL_PHASE_RECORDS) return;
+    s->cache[class].known = s->cache[class].list.count;
+    sl_traversal_start(&s->cache[class].traversal, s->settings.order, s->settings.width, s->settings.height);
 }
 
 static sl_status light_rows(sl_splat_state *s, sl_error *error) {
@@ -166,7 +167,8 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
     s->frame_records += cache->list.count - before;
     if (status != SL_OK || cache->traversal.stride) return status;
     announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
-    if (s->phase == SL_PHASE_RECORDS) s->phase = SL_PHASE_CLAMP;
+    /* A view that needed nothing new leaves the records as they are: seen again from the same place, a picture has the same bits. */
+    if (s->phase == SL_PHASE_RECORDS && cache->list.count > cache->known) s->phase = SL_PHASE_CLAMP;
     else start_records(s, s->class + 1);
     return SL_OK;
 }
@@ -334,6 +336,12 @@ static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
+/* The records of another run, as if they had been made for an earlier view. */
+static sl_status splat_load(void *state, const char *path, sl_error *error) {
+    sl_status status = sl_splat_load(state, path, error);
+    return status == SL_OK ? splat_edit(state, SL_CHANGED_CAMERA, error) : status;
+}
+
 static const sl_counters *splat_counters(const void *state) { return &((const sl_splat_state *)state)->counters; }
 
 const sl_method_class sl_splatting_method = {
@@ -344,6 +352,8 @@ const sl_method_class sl_splatting_method = {
     .update = splat_update,
     .resolve = splat_resolve,
     .edit = splat_edit,
+    .save = sl_splat_save,
+    .load = splat_load,
     .counters = splat_counters,
     .memory_bytes = sl_splat_memory_bytes,
     .transport = sl_splat_transport,

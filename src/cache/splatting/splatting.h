@@ -11,6 +11,7 @@
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
  *   glossy.c         the same for what a glossy lobe reflects of a radiance record
  *   compose.c        step 6: the picture and its layers
+ *   keep.c           records on disk, for another run
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
  */
 #ifndef SL_CACHE_SPLATTING_H

@@ -18,6 +18,7 @@ typedef struct sl_record_cache {
     size_t receivers;           /* how many they are */
     sl_record_list list;
     size_t splatted;            /* records in the splat buffer */
+    size_t known;               /* records that were there when this view's visit began */
     size_t clamped;             /* records whose radii are a fixed point of neighbour clamping */
     sl_record_pass pass;
     sl_traversal traversal;
@@ -70,7 +71,16 @@ sl_status sl_splat_renew_transport(sl_splat_state *state, sl_error *error);
 /* What the records of a class need, once a pixel of that class has been seen: nothing if it is there. */
 sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
 void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
+/* Gathers and what goes with them; the records stay. */
+void sl_splat_close_caches(sl_splat_state *state);
+sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *state);
 size_t sl_splat_memory_bytes(const void *state);
+
+/* ---- keep.c ---- */
+
+sl_status sl_splat_save(const void *state, const char *path, sl_error *error);
+/* Replaces records; where it fails nothing has changed. */
+sl_status sl_splat_load(void *state, const char *path, sl_error *error);
 
 static inline size_t sl_splat_pixels(const sl_splat_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
 

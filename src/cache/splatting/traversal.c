@@ -135,6 +135,8 @@ static void gather_one(void *context, size_t index, unsigned worker) {
  * footprint do not leak. Its rays are not counted, as pixels of many tiles ask at once. */
 static bool sees(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
     sl_gather_point at = point_at(pass, pixel);
+    if (at.position.x == record->position.x && at.position.y == record->position.y && at.position.z == record->position.z)
+        return true; /* its own pixel */
     sl_ray16 ray;
     memset(&ray, 0, sizeof ray);
     float offset = 1e-5f * pass->diagonal;

@@ -1,0 +1,398 @@
+/* Records kept on disk: what a second run makes of them, and what becomes of files that do not fit or are damaged. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/random.h"
+#include "cache/cache_file.h"
+#include "rendering.h"
+
+typedef struct {
+    char folder[64], path[96];
+} place;
+
+static int make_place(void **state) {
+    place *p = calloc(1, sizeof *p);
+    assert_non_null(p);
+    strcpy(p->folder, "/tmp/softlux-test-XXXXXX");
+    assert_non_null(mkdtemp(p->folder));
+    snprintf(p->path, sizeof p->path, "%s/cache", p->folder);
+    *state = p;
+    return 0;
+}
+
+static int clear_place(void **state) {
+    place *p = *state;
+    unlink(p->path);
+    int status = rmdir(p->folder); /* nothing else may have been left there */
+    free(p);
+    return status;
+}
+
+static sl_method *new_method(const sl_scene *scene, const sl_settings *settings) {
+    sl_error error;
+    sl_method *method = NULL;
+    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
+    return method;
+}
+
+static sl_image *finish(sl_method *method) {
+    sl_error error;
+    sl_image *image = NULL;
+    sl_progress progress = {0};
+    sl_status status = SL_OK;
+    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
+    if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
+    if (status != SL_OK) fail_msg("%s", error.message);
+    return image;
+}
+
+static void save(const sl_method *method, const char *path) {
+    sl_error error;
+    if (sl_method_save(method, path, &error) != SL_OK) fail_msg("%s", error.message);
+}
+
+static void load(sl_method *method, const char *path) {
+    sl_error error;
+    if (sl_method_load(method, path, &error) != SL_OK) fail_msg("%s", error.message);
+}
+
+static uint64_t count_of(const sl_method *method, sl_counter counter) { return sl_method_counters(method)->value[counter]; }
+
+static uint8_t *read_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    *size = (size_t)ftell(file);
+    rewind(file);
+    uint8_t *bytes = malloc(*size);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, *size, file), *size);
+    fclose(file);
+    return bytes;
+}
+
+static void write_file(const char *path, const uint8_t *bytes, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* ---- a second run ---- */
+
+static void expect_the_same_again(const place *p, const char *scene_path, sl_settings settings) {
+    sl_scene *scene = load_scene(scene_path);
+    sl_method *first = new_method(scene, &settings);
+    sl_image *before = finish(first);
+    save(first, p->path);
+    assert_true(count_of(first, SL_COUNT_RECORDS) > 0);
+    settings.threads = 1; /* does not matter */
+    sl_method *second = new_method(scene, &settings);
+    load(second, p->path);
+    sl_image *after = finish(second);
+    assert_int_equal(count_of(second, SL_COUNT_RECORDS), 0);
+    assert_int_equal(count_of(second, SL_COUNT_GATHERS), 0);
+    assert_int_equal(count_of(second, SL_COUNT_HIDDEN_RECORDS), 0);
+    assert_true(same_picture(before, after));
+    /* Saved again it is the same file. */
+    size_t size, again_size;
+    uint8_t *bytes = read_file(p->path, &size);
+    save(second, p->path);
+    uint8_t *again = read_file(p->path, &again_size);
+    assert_int_equal(size, again_size);
+    assert_memory_equal(bytes, again, size);
+    free(bytes);
+    free(again);
+    sl_image_destroy(before);
+    sl_image_destroy(after);
+    sl_method_destroy(first);
+    sl_method_destroy(second);
+    sl_scene_destroy(scene);
+}
+
+static void a_second_run_makes_no_records_and_the_same_picture(void **state) {
+    expect_the_same_again(*state, "scenes/cornell.json", small_settings("splatting", 48, 40));
+}
+
+static void so_it_does_with_radiance_records(void **state) {
+    sl_settings settings = small_settings("splatting", 40, 40);
+    settings.harmonics_order = 4;
+    expect_the_same_again(*state, "scenes/cornell-glossy.json", settings);
+}
+
+static void so_it_does_with_more_bounces(void **state) {
+    sl_settings settings = small_settings("splatting", 32, 32);
+    settings.bounces = 3;
+    expect_the_same_again(*state, "scenes/cornell.json", settings);
+}
+
+static void so_it_does_where_walls_are_thin(void **state) {
+    sl_settings settings = small_settings("splatting", 64, 48);
+    settings.quality = SL_QUALITY_NORMAL;
+    expect_the_same_again(*state, "scenes/two-rooms.json", settings);
+}
+
+/* From elsewhere the records are of use, and what is new is added to them. */
+static void another_view_starts_with_what_it_sees_again(void **state) {
+    const place *p = *state;
+    const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", 48, 48);
+    sl_method *first = new_method(scene, &settings);
+    sl_image_destroy(finish(first));
+    save(first, p->path);
+    sl_error error;
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, &error), SL_OK);
+    sl_method *alone = new_method(scene, &settings), *helped = new_method(scene, &settings);
+    load(helped, p->path);
+    sl_image_destroy(finish(alone));
+    sl_image_destroy(finish(helped));
+    assert_true(count_of(helped, SL_COUNT_RECORDS) > 0);
+    assert_true(2 * count_of(helped, SL_COUNT_RECORDS) < count_of(alone, SL_COUNT_RECORDS));
+    sl_method_destroy(first);
+    sl_method_destroy(alone);
+    sl_method_destroy(helped);
+    sl_scene_destroy(scene);
+}
+
+/* Stopped half-way, saved, loaded: the second run goes on. */
+static void an_unfinished_run_can_be_gone_on_with(void **state) {
+    const place *p = *state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", 48, 48);
+    sl_error error;
+    sl_progress progress = {0};
+    sl_method *first = new_method(scene, &settings), *second = new_method(scene, &settings);
+    for (int i = 0; i < 8; i++) assert_int_equal(sl_method_update(first, &progress, &error), SL_OK);
+    assert_false(progress.done);
+    uint64_t made = count_of(first, SL_COUNT_RECORDS);
+    assert_true(made > 0);
+    save(first, p->path);
+    load(second, p->path);
+    sl_image_destroy(finish(second));
+    assert_true(count_of(second, SL_COUNT_RECORDS) > 0);
+    sl_method_destroy(first);
+    sl_method_destroy(second);
+    sl_scene_destroy(scene);
+}
+
+/* ---- what does not fit ---- */
+
+static void expect_refusal(const char *path, const char *scene_path, const sl_settings *settings, const char *why) {
+    sl_scene *scene = load_scene(scene_path);
+    sl_method *method = new_method(scene, settings);
+    sl_error error = {SL_OK, ""};
+    sl_status status = sl_method_load(method, path, &error);
+    if (status == SL_OK || !strstr(error.message, why)) fail_msg("expected '%s', got '%s'", why, error.message);
+    assert_int_equal(status, SL_ERROR_INPUT);
+    assert_null(strchr(error.message, '\n'));
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void caches_of_other_scenes_and_settings_are_refused(void **state) {
+    const place *p = *state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    const sl_settings settings = small_settings("splatting", 24, 24);
+    sl_method *method = new_method(scene, &settings);
+    sl_image_destroy(finish(method));
+    save(method, p->path);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    expect_refusal(p->path, "scenes/cornell-glossy.json", &settings, "made for another scene");
+    sl_settings other = settings;
+    other.accuracy = 0.25;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another accuracy: 0.5, now 0.25");
+    other = settings;
+    other.gather_size = 20;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another gather size: 24, now 20");
+    other = settings;
+    other.seed = 7;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another seed: 0, now 7");
+    other = settings;
+    other.bounces = 2;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another number of bounces: 1, now 2");
+    other = settings;
+    other.gather = SL_GATHER_PLANE;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another gather");
+    other = settings;
+    other.metric = SL_METRIC_HESSIAN;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another metric");
+    expect_refusal("scenes/cornell.json", "scenes/cornell.json", &settings, "is not a cache");
+    expect_refusal("/tmp", "scenes/cornell.json", &settings, "/tmp");
+    expect_refusal("/dev/null", "scenes/cornell.json", &settings, "is not a file");
+    expect_refusal("/nonexistent/cache", "scenes/cornell.json", &settings, "cannot read /nonexistent/cache");
+}
+
+static void methods_without_a_cache_say_so(void **state) {
+    const place *p = *state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    const sl_settings settings = small_settings("path", 8, 8);
+    sl_method *method = new_method(scene, &settings);
+    sl_error error;
+    assert_false(sl_method_keeps_cache(method));
+    assert_int_equal(sl_method_save(method, p->path, &error), SL_ERROR_USAGE);
+    assert_non_null(strstr(error.message, "path keeps no cache"));
+    assert_int_equal(sl_method_load(method, p->path, &error), SL_ERROR_USAGE);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void a_place_that_cannot_be_written_is_named(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    const sl_settings settings = small_settings("splatting", 8, 8);
+    sl_method *method = new_method(scene, &settings);
+    sl_error error;
+    assert_int_equal(sl_method_save(method, "/nonexistent/cache", &error), SL_ERROR_OUTPUT);
+    assert_non_null(strstr(error.message, "/nonexistent/cache"));
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- damage ---- */
+
+typedef struct {
+    sl_scene *scene;
+    sl_settings settings;
+    sl_method *method;
+    sl_image *picture;  /* what it shows, as long as no load succeeds */
+    uint8_t *bytes;
+    size_t size;
+} sample;
+
+/* A small cache with records of both classes and hidden ones. */
+static sample sample_new(const place *p) {
+    sample s = {.scene = load_scene("scenes/cornell-glossy.json"), .settings = small_settings("splatting", 10, 10)};
+    s.settings.bounces = 2;
+    s.settings.gather_size = 4;
+    s.settings.harmonics_order = 1;
+    s.settings.accuracy = s.settings.glossy_accuracy = 2.0;
+    s.method = new_method(s.scene, &s.settings);
+    s.picture = finish(s.method);
+    save(s.method, p->path);
+    s.bytes = read_file(p->path, &s.size);
+    return s;
+}
+
+static void sample_free(sample *s) {
+    free(s->bytes);
+    sl_image_destroy(s->picture);
+    sl_method_destroy(s->method);
+    sl_scene_destroy(s->scene);
+}
+
+static void expect_damage(const place *p, sample *s, const uint8_t *bytes, size_t size) {
+    sl_error error = {SL_OK, ""};
+    write_file(p->path, bytes, size);
+    assert_int_equal(sl_method_load(s->method, p->path, &error), SL_ERROR_INPUT);
+    assert_non_null(strstr(error.message, p->path));
+    assert_null(strchr(error.message, '\n'));
+}
+
+static void expect_unchanged(sample *s) {
+    sl_image *now = finish(s->method);
+    assert_true(same_picture(now, s->picture));
+    sl_image_destroy(now);
+}
+
+static void files_cut_short_are_refused_at_every_length(void **state) {
+    const place *p = *state;
+    sample s = sample_new(p);
+    size_t step = s.size / 3000 + 1; /* every length near the ends, many between */
+    for (size_t size = 0; size < s.size; size += size < 400 || size + 400 > s.size ? 1 : step) expect_damage(p, &s, s.bytes, size);
+    uint8_t *longer = calloc(s.size + 1, 1);
+    assert_non_null(longer);
+    memcpy(longer, s.bytes, s.size);
+    expect_damage(p, &s, longer, s.size + 1);
+    free(longer);
+    expect_unchanged(&s);
+    sample_free(&s);
+}
+
+static void any_bit_that_differs_is_noticed(void **state) {
+    const place *p = *state;
+    sample s = sample_new(p);
+    for (uint64_t n = 0; n < 3000; n++) {
+        size_t at = n < 300 ? (size_t)n : (size_t)(sl_hash64(n) % s.size);
+        uint8_t bit = (uint8_t)(1u << (sl_hash64(n + 77) & 7u));
+        s.bytes[at] ^= bit;
+        expect_damage(p, &s, s.bytes, s.size);
+        s.bytes[at] ^= bit;
+    }
+    expect_unchanged(&s);
+    sample_free(&s);
+}
+
+/* Nonsense with a checksum that fits: it is read or refused, but nothing is ever read or written where it must not be. */
+static void seal(uint8_t *bytes, size_t size) {
+    uint64_t hash = size - 8;
+    for (size_t i = 0; i < size - 8; i += 8) {
+        uint64_t word = 0;
+        for (size_t k = 0; k < 8 && i + k < size - 8; k++) word |= (uint64_t)bytes[i + k] << (8 * k);
+        hash = sl_hash64(hash ^ word);
+    }
+    for (size_t k = 0; k < 8; k++) bytes[size - 8 + k] = (uint8_t)(hash >> (8 * k));
+}
+
+static void nonsense_that_is_sealed_does_no_harm(void **state) {
+    const place *p = *state;
+    sample s = sample_new(p);
+    uint8_t *bytes = malloc(s.size);
+    assert_non_null(bytes);
+    int read = 0, refused = 0;
+    for (uint64_t n = 0; n < 1500; n++) {
+        memcpy(bytes, s.bytes, s.size);
+        for (uint64_t k = 0; k <= n % 3; k++) {
+            uint64_t hash = sl_hash64(n * 8 + k);
+            size_t at = n % 2 ? 36 + (size_t)(hash % 400) : 36 + (size_t)(hash % (s.size - 44));
+            bytes[at] = (uint8_t)(sl_hash64(hash) >> (n % 5 ? 0 : 8) | (n % 7 ? 0u : 0xffu));
+        }
+        seal(bytes, s.size);
+        write_file(p->path, bytes, s.size);
+        sl_error error;
+        sl_method *method = new_method(s.scene, &s.settings);
+        sl_status status = sl_method_load(method, p->path, &error);
+        if (status == SL_OK) {
+            read++;
+            if (read % 16 == 0) sl_image_destroy(finish(method));
+        } else {
+            refused++;
+            assert_non_null(strstr(error.message, p->path));
+        }
+        sl_method_destroy(method);
+    }
+    print_message("%d sealed files read, %d refused\n", read, refused);
+    assert_true(read > 100 && refused > 100);
+    free(bytes);
+    sample_free(&s);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, make_place, clear_place)
+    const struct CMUnitTest tests[] = {
+        TEST(a_second_run_makes_no_records_and_the_same_picture),
+        TEST(so_it_does_with_radiance_records),
+        TEST(so_it_does_with_more_bounces),
+        TEST(so_it_does_where_walls_are_thin),
+        TEST(another_view_starts_with_what_it_sees_again),
+        TEST(an_unfinished_run_can_be_gone_on_with),
+        TEST(caches_of_other_scenes_and_settings_are_refused),
+        TEST(methods_without_a_cache_say_so),
+        TEST(a_place_that_cannot_be_written_is_named),
+        TEST(files_cut_short_are_refused_at_every_length),
+        TEST(any_bit_that_differs_is_noticed),
+        TEST(nonsense_that_is_sealed_does_no_harm),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
