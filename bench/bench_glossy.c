@@ -173,7 +173,7 @@ static void picture_row(splat_report *r, const splat_options *o, world *w, const
     settings.accuracy = 0.25; /* of the irradiance records: the paper's */
     settings.glossy_accuracy = accuracy;
     settings.harmonics_order = order;
-    splat_render(w->scene, &settings, o->brief, &run);
+    splat_render(w->scene, &settings, o->once, &run);
     if (!splat_pick(run.image, "glossy", &w->pixels, w->values[0])) splat_stop("no glossy layer", NULL);
     splat_error e = splat_compare(w->values[0], &w->reference, NULL);
     if (o->pictures && order == 10) {

@@ -110,13 +110,13 @@ static void whole_scene(splat_report *r, const splat_options *o, const char *pat
     target t;
     splat_scene_name(path, name);
     if (!splat_wants(o, name) || !splat_open_scene(r, path, &scene)) return;
-    int size = o->brief ? 250 : 1000;
-    open_target(scene, size, size, o->brief ? 10 : 20, o->brief ? 512 : 16384, &t);
-    for (size_t i = 0; i < sizeof settings_shown / sizeof *settings_shown; i++) {
+    int size = o->brief ? 200 : 1000;
+    open_target(scene, size, size, o->brief ? 10 : 20, o->brief ? 256 : 16384, &t);
+    for (size_t i = 0; i < (o->brief ? 2 : sizeof settings_shown / sizeof *settings_shown); i++) {
         const setting *s = &settings_shown[i];
         sl_settings settings = settings_of(s, size, size);
         splat_run run;
-        splat_render(scene, &settings, o->brief, &run);
+        splat_render(scene, &settings, o->once, &run);
         scene_row(r, name, s, &run, &t);
         if (o->pictures && i < 3) splat_write_picture(r, name, s->name, run.image);
         splat_run_free(&run);
@@ -158,6 +158,7 @@ static const peer sponza_peers[] = {
 
 typedef struct trial {
     setting s;
+    double part[3]; /* direct light, records, splats */
     double cpu, wall, rel_rmse, rel_mse;
     unsigned long long records;
     char name[32];
@@ -166,8 +167,8 @@ typedef struct trial {
 enum { TRIALS_MAX = 256 };
 
 static size_t make_trials(bool brief, trial *trials) {
-    static const double accuracies[] = {0.8, 0.5, 0.35, 0.25, 0.15};
-    static const int gathers[] = {16, 24, 40, 64};
+    static const double accuracies[] = {1.2, 0.8, 0.5, 0.3, 0.15};
+    static const int gathers[] = {16, 24, 36, 56};
     static const uint32_t samples[] = {4, 8, 16, 32, 64};
     size_t count = 0;
     for (size_t a = 0; a < 5; a += brief ? 2 : 1) {
@@ -226,18 +227,36 @@ static void masked_errors(const sl_image *x, const sl_image *const reference[2],
     t->rel_rmse = sqrt(fmax(0.0, square / values)) / (mean / values);
 }
 
-static void run_trials(const splat_options *o, const sl_scene *scene, int size, trial *trials, size_t count,
+static void write_trials(const splat_options *o, const char *name, const trial *trials, size_t count) {
+    char path[700];
+    snprintf(path, sizeof path, "%s/table2-%s-trials.csv", o->folder, name);
+    FILE *file = fopen(path, "w");
+    if (!file) return;
+    fprintf(file, "accuracy,gather,light samples,records,relRMSE,relMSE,direct s,records s,splats s,cpu s,wall 2 s\n");
+    for (size_t i = 0; i < count; i++) {
+        const trial *t = &trials[i];
+        fprintf(file, "%g,%d,%u,%llu,%.5f,%.4e,%.4f,%.4f,%.4f,%.4f,%.4f\n", t->s.accuracy, t->s.gather, t->s.spp, t->records, t->rel_rmse,
+                t->rel_mse, t->part[0], t->part[1], t->part[2], t->cpu, t->wall);
+    }
+    fclose(file);
+}
+
+static void run_trials(const splat_options *o, const char *name, const sl_scene *scene, int size, trial *trials, size_t count,
                        void (*judge)(const sl_image *image, void *context, trial *t), void *context) {
     for (size_t i = 0; i < count; i++) {
         sl_settings settings = settings_of(&trials[i].s, size, size);
         splat_run run;
-        splat_render(scene, &settings, o->brief, &run);
+        splat_render(scene, &settings, o->once, &run);
         trials[i].cpu = run.cpu_all;
         trials[i].wall = run.wall_two;
         trials[i].records = run.records[0] + run.records[1];
+        trials[i].part[0] = run.cpu[SPLAT_DIRECT];
+        trials[i].part[1] = run.cpu[SPLAT_RECORDS] + run.cpu[SPLAT_RECORDS + 1];
+        trials[i].part[2] = run.cpu[SPLAT_SPLATS] + run.cpu[SPLAT_SPLATS + 1];
         judge(run.image, context, &trials[i]);
         splat_run_free(&run);
     }
+    write_trials(o, name, trials, count);
 }
 
 typedef struct cornell_judge {
@@ -269,7 +288,7 @@ static void beside_radiance_cornell(splat_report *r, const splat_options *o) {
         read_image(r, "../shared/refs/cornell512_1b_cycles256.pfm", &j.reference[1]) &&
         read_image(r, "../shared/refs/cornell512_mask.pfm", &j.mask)) {
         size_t count = make_trials(o->brief, trials);
-        run_trials(o, scene, 512, trials, count, judge_cornell, &j);
+        run_trials(o, "cornell", scene, 512, trials, count, judge_cornell, &j);
         splat_say(r, "\nCornell box, 512 x 512, direct light and one diffuse bounce, under the mask; at equal or lower error in both columns\n");
         splat_table(r, "radiance-cornell", ratio_header);
         ratio_rows(r, cornell_peers, sizeof cornell_peers / sizeof *cornell_peers, trials, count);
@@ -319,7 +338,7 @@ static void beside_radiance_sponza(splat_report *r, const splat_options *o) {
     }
     if (read_image(r, "../shared/refs/sponza1000_1b_pbrt1024.pfm", &reference)) {
         size_t count = make_trials(true, trials);
-        run_trials(o, scene, 1000, trials, count, judge_sponza, reference);
+        run_trials(o, "sponza", scene, 1000, trials, count, judge_sponza, reference);
         splat_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels (Radiance's: against its own finest picture;\n"
                      "ours: against pbrt-v2's 1024 samples); our relMSE is of single pixels and holds that reference's noise of 3e-4\n");
         splat_table(r, "radiance-sponza", ratio_header);

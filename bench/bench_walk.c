@@ -211,7 +211,7 @@ static void experiment(splat_report *r, const splat_options *o, const walk *k) {
     settings.accuracy = 0.5; /* the paper's */
     settings.direct = k->direct;
     settings.records_per_frame = RECORDS_A_FRAME;
-    settings.threads = o->brief ? 1 : 0;
+    settings.threads = o->once ? 1 : 0;
     if (sl_method_create(w.scene, &settings, &w.method, &error) != SL_OK) splat_stop("method", &error);
     w.previous = calloc(3 * (size_t)w.size * (size_t)w.size, sizeof *w.previous);
     w.frames = calloc((size_t)(w.moving + w.still), sizeof *w.frames);

@@ -21,6 +21,7 @@
 
 typedef struct splat_options {
     bool brief;            /* small pictures, few samples: does everything work? Its figures say little */
+    bool once;             /* everything is measured once, with one thread: for a busy machine */
     bool pictures;         /* writes pictures too */
     const char *only;      /* scenes whose name holds this text; NULL: all */
     char folder[512];      /* for tables and pictures */
@@ -133,8 +134,8 @@ typedef struct splat_run {
 } splat_run;
 
 /* Splatting. Processor time is that of one thread: two would be charged for waiting for each other too. The run of the median of three,
- * or fewer where they take long; the clock's seconds likewise. brief: once, with one thread. */
-void splat_render(const sl_scene *scene, const sl_settings *settings, bool brief, splat_run *run);
+ * or fewer where they take long; the clock's seconds likewise. once: one run with one thread. */
+void splat_render(const sl_scene *scene, const sl_settings *settings, bool once, splat_run *run);
 void splat_run_free(splat_run *run);
 /* settings with nothing left to quality, scene or machine, as sl_method_create() makes them. */
 sl_settings splat_settings_complete(const sl_scene *scene, const sl_settings *settings);

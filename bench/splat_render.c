@@ -89,19 +89,19 @@ static double seconds_of_two_threads(const sl_scene *scene, const sl_settings *s
     return median(seconds, count);
 }
 
-void splat_render(const sl_scene *scene, const sl_settings *settings, bool brief, splat_run *run) {
+void splat_render(const sl_scene *scene, const sl_settings *settings, bool once, splat_run *run) {
     sl_settings one = *settings;
     splat_run all[RUNS_MAX];
     double spent = 0.0;
     int count = 0;
     one.threads = 1;
-    for (; count < (brief ? 1 : RUNS_MAX) && spent < long_enough; spent += all[count++].wall_one) render_once(scene, &one, &all[count]);
+    for (; count < (once ? 1 : RUNS_MAX) && spent < long_enough; spent += all[count++].wall_one) render_once(scene, &one, &all[count]);
     qsort(all, (size_t)count, sizeof *all, by_cpu);
     for (int i = 0; i < count; i++) {
         if (i != count / 2) splat_run_free(&all[i]);
     }
     *run = all[count / 2];
-    if (!brief) run->wall_two = seconds_of_two_threads(scene, settings);
+    if (!once) run->wall_two = seconds_of_two_threads(scene, settings);
 }
 
 void splat_run_free(splat_run *run) {

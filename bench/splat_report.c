@@ -10,12 +10,13 @@
 splat_options splat_options_parse(int argc, char **argv) {
     splat_options o = {.folder = "build/splatting"};
     for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--brief") == 0) o.brief = true;
+        if (strcmp(argv[i], "--brief") == 0) o.brief = o.once = true;
+        else if (strcmp(argv[i], "--once") == 0) o.once = true;
         else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
-            fprintf(stderr, "usage: %s [--brief] [--only TEXT] [--pictures] [--out FOLDER]\n", argv[0]);
+            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT] [--pictures] [--out FOLDER]\n", argv[0]);
             exit(2);
         }
     }

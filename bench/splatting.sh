@@ -1,7 +1,7 @@
 #!/bin/sh
-# bench/splatting.sh BUILD [--brief] [--docs] [EXPERIMENT ...]: the five experiments on radiance cache splatting, all of them or those
+# bench/splatting.sh BUILD [--brief|--once] [--docs] [EXPERIMENT ...]: the five experiments on radiance cache splatting, all of them or those
 # named: table1, table2, glossy, walk, curve. Tables go to the terminal and, as Markdown and CSV, to build/splatting/ (brief ones to
-# build/splatting-brief/). With --docs the Markdown also replaces the tables of docs/splatting-experiments.md.
+# build/splatting-brief/); --once measures each thing once, with one thread. With --docs the Markdown also replaces the tables of docs/splatting-experiments.md.
 set -eu
 cd "$(dirname "$0")/.."
 build=$1
@@ -10,6 +10,7 @@ folder=build/splatting options='' docs='' experiments=''
 for word in "$@"; do
     case $word in
     --brief) options='--brief' folder=build/splatting-brief ;;
+    --once) options='--once' ;;
     --docs) docs=docs/splatting-experiments.md ;;
     *) experiments="$experiments $word" ;;
     esac
