@@ -17,6 +17,19 @@ int sl_glossy_order_for(const sl_scene *scene) {
     return order;
 }
 
+double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent) {
+    bool glossy = false;
+    *exponent = 0.0;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        const sl_material *m = &scene->materials[i];
+        if (!sl_material_is_glossy(m)) continue;
+        glossy = true;
+        if ((double)m->exponent > *exponent) *exponent = (double)m->exponent;
+    }
+    /* Below an exponent of 1 it is no sharpness that the error tells of. */
+    return glossy ? sl_phong_truncation(order, *exponent > 1.0 ? *exponent : 1.0) : 0.0;
+}
+
 static sl_moved_lobe *lobe_made_before(const sl_glossy *glossy, const sl_scene *scene, size_t index) {
     for (size_t i = 0; i < index; i++) {
         if (glossy->lobe[i] && scene->materials[i].exponent == scene->materials[index].exponent) return glossy->lobe[i];

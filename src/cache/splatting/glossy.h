@@ -22,6 +22,9 @@ size_t sl_glossy_bytes(const sl_glossy *glossy);
 /* The least order that holds every glossy lobe of the scene to 5 % at 45 degrees, at most SL_HSH_ORDER_MAX; 1 without glossy
  * materials. */
 int sl_glossy_order_for(const sl_scene *scene);
+/* What an order leaves out of the scene's sharpest lobe: relative L2 error at 45 degrees, and its exponent. 0 without glossy
+ * materials. */
+double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent);
 
 /* What a view's pixels are to the glossy part of the fragment program. */
 typedef struct sl_glossy_view {

@@ -95,8 +95,13 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     bool glossy = f.glossy_triangles && light;
     int order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene);
     sl_plan_pass(writer, glossy, "radiance records", "%zu glossy triangles%s", f.glossy_triangles, glossy ? ", if one is seen" : "");
-    sl_plan_pass(writer, glossy, "hemispherical harmonics", "order %d, %d coefficients a channel; accuracy %g", order, order * order,
-                 q.glossy_accuracy);
+    double exponent, left_out = 100.0 * sl_glossy_truncation(scene, order, &exponent);
+    if (glossy)
+        sl_plan_pass(writer, true, "hemispherical harmonics", "order %d, %d coefficients a channel; accuracy %g; %.1f %% of the sharpest "
+                     "lobe (exponent %g) left out%s", order, order * order, q.glossy_accuracy, left_out, exponent,
+                     left_out > 5.0 ? ": it looks blurred" : "");
+    else
+        sl_plan_pass(writer, false, "hemispherical harmonics", "no glossy lobe to hold");
     bool more = settings->bounces > 1;
     sl_plan_pass(writer, more && light && receivers, "hidden records", "%u bounce%s", (unsigned)settings->bounces,
                  more ? "s: what gathers see receives indirect light too" : ": what gathers see receives direct light alone");
