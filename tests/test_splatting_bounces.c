@@ -319,6 +319,39 @@ static void hidden_records_stay_as_long_as_the_light_does(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Two rooms without a door between them, each with its light: seen from one, the other has no hidden records. */
+static void a_camera_that_goes_elsewhere_brings_hidden_records_there(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t wall = world_material(w, sl_grey(0.6f), sl_grey(0.0f));
+    const uint32_t walls[6] = {wall, wall, wall, wall, wall, wall};
+    world_box(w, sl_v3(0, 0, 0), sl_v3(2, 2, 2), true, walls);
+    world_box(w, sl_v3(5, 0, 0), sl_v3(7, 2, 2), true, walls);
+    world_point_light(w, sl_v3(1.0f, 1.5f, 1.0f), 3.0f);
+    world_point_light(w, sl_v3(6.0f, 1.5f, 1.0f), 3.0f);
+    world_build(w);
+    const sl_vec3 there = sl_v3(5, 0, 0);
+    const sl_gather_point here = {sl_v3(0.7f, 0, 0.8f), sl_v3(0, 1, 0), sl_v3(0, 1, 0), SL_NO_INDEX, 3};
+    sl_gather_point far_off = here;
+    far_off.position = sl_add(here.position, there);
+    sl_error error;
+    look_from(w, sl_v3(1.9f, 1.2f, 1.9f), sl_v3(1, 1, 1));
+    bouncer b = bouncer_new(w, 3, 2);
+    sl_irradiance first = irradiance_at(&b, &here);
+    assert_true(irradiance_at(&b, &far_off).value.g < 0.8f * first.value.g); /* one bounce alone */
+    look_from(w, sl_v3(1.0f, 1.1f, 1.8f), sl_v3(0.5f, 1, 1)); /* the same room: nothing changes */
+    assert_int_equal(sl_hidden_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_hidden_cache_report(b.cache).records, b.report.records);
+    look_from(w, sl_v3(6.9f, 1.2f, 1.9f), sl_v3(6, 1, 1));
+    assert_int_equal(sl_hidden_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_true(sl_hidden_cache_report(b.cache).records > b.report.records + b.report.records / 2);
+    sl_irradiance again = irradiance_at(&b, &here);
+    assert_memory_equal(&again.value, &first.value, sizeof again.value); /* the rooms do not see each other */
+    assert_true(fabs((double)(irradiance_at(&b, &far_off).value.g / first.value.g) - 1.0) < 0.03);
+    bouncer_free(&b);
+    world_free(w);
+}
+
 /* ---- what must not happen ---- */
 
 /* A room open at the front; its walls are of different quads, so that the two rooms' floors are one plane. */
@@ -404,6 +437,7 @@ int main(void) {
         cmocka_unit_test(many_bounces_are_all_of_the_light),
         cmocka_unit_test(the_cornell_box_with_four_bounces_is_what_the_path_tracer_says),
         cmocka_unit_test(hidden_records_stay_as_long_as_the_light_does),
+        cmocka_unit_test(a_camera_that_goes_elsewhere_brings_hidden_records_there),
         cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
         cmocka_unit_test(hidden_records_do_not_depend_on_threads),
         cmocka_unit_test(a_scene_without_anything_to_see_has_no_hidden_records),

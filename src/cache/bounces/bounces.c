@@ -13,7 +13,10 @@
 /* A generation of scouts that finds no more than this share of its points uncovered is the last. Later ones mostly look from corners
  * into the same corners. */
 #define FEW_UNCOVERED 0.005
+enum { CAMERA_POINTS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
 enum { GENERATIONS_MIN = 2, GENERATIONS_MAX = 3 };
+/* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere. */
+#define MANY_MISSED 0.01f
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
@@ -62,8 +65,8 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
     const sl_hidden_settings *s = &cache->settings;
     const sl_cover_pass pass = cover_pass(cache);
     sl_scouted origins;
-    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, &origins, counters, error);
-    size_t first = 0; /* records of the last generation start here */
+    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, CAMERA_POINTS, &origins, counters, error);
+    size_t first = cache->list.count; /* records of the last generation start here */
     uint32_t generations = s->bounces - 1 < GENERATIONS_MIN ? GENERATIONS_MIN : s->bounces - 1;
     if (generations > GENERATIONS_MAX) generations = GENERATIONS_MAX;
     for (uint32_t generation = 0; status == SL_OK && generation < generations; generation++) {
@@ -75,7 +78,6 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
         if (status != SL_OK) break;
         status = sl_cover_points(&pass, &seen, &cache->list, &uncovered, counters, error);
         size_t points = seen.count;
-        cache->report.uncovered = points ? (float)uncovered / (float)points : 0.0f;
         sl_scouted_free(&seen);
         first = before;
         if ((double)uncovered <= FEW_UNCOVERED * (double)points) break;
@@ -157,12 +159,28 @@ sl_status sl_hidden_cache_shine(sl_hidden_cache *cache, sl_error *error) {
     return SL_OK;
 }
 
-/* The gathers that found the records' reach have seen direct light: that is the first bounce. */
+/* Of records that have gathered direct light, their first bounce. */
 static sl_status let_light_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
     sl_status status = sl_hidden_cache_shine(cache, error);
+    cache->report.converged = false;
     cache->report.bounces = 1;
     while (status == SL_OK && cache->report.bounces + 1 < cache->settings.bounces && !cache->report.converged)
         status = next_bounce(cache, counters, error);
+    return status;
+}
+
+/* ---- the camera ---- */
+
+/* A few points that gathers of this view will see, always the same ones: how many of them does no record reach? */
+static sl_status post_sentries(const sl_hidden_cache *cache, float *missed, sl_counters *counters, sl_error *error) {
+    const sl_hidden_settings *s = &cache->settings;
+    sl_scouted origins, seen = {0};
+    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, SENTRIES, &origins, counters, error);
+    if (status == SL_OK)
+        status = sl_scout_from(cache->scene, cache->tracer, s, origins.points, origins.count, SENTRY_GENERATION, &seen, counters, error);
+    if (status == SL_OK) *missed = sl_share_out_of_reach(&cache->field, cache->kernel, &seen);
+    sl_scouted_free(&origins);
+    sl_scouted_free(&seen);
     return status;
 }
 
@@ -211,10 +229,30 @@ sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster,
     if (status == SL_OK) status = make_gather(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK) status = let_light_bounce(cache, counters, error);
+    if (status == SL_OK) status = post_sentries(cache, &cache->report.missed, counters, error);
     if (cache) free_gather(cache);
     if (status == SL_OK) *out = cache;
     else sl_hidden_cache_destroy(cache);
     return status;
+}
+
+/* Again from direct light on: what the new places send to the old ones is part of every bounce. */
+static sl_status extend(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+    cache->shines = false;
+    sl_status status = make_gather(cache, raster, counters, error);
+    if (status == SL_OK) status = find_places(cache, counters, error);
+    if (status == SL_OK) status = next_bounce(cache, counters, error);
+    if (status == SL_OK) status = let_light_bounce(cache, counters, error);
+    if (status == SL_OK) status = post_sentries(cache, &cache->report.missed, counters, error);
+    free_gather(cache);
+    return status;
+}
+
+sl_status sl_hidden_cache_follow(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error) {
+    float missed = 0.0f;
+    sl_status status = post_sentries(cache, &missed, counters, error);
+    if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
+    return extend(cache, raster, counters, error);
 }
 
 void sl_hidden_cache_destroy(sl_hidden_cache *cache) {

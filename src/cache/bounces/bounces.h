@@ -41,6 +41,8 @@ typedef struct sl_hidden_cache sl_hidden_cache;
 sl_status sl_hidden_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                                  const sl_hidden_settings *settings, sl_hidden_cache **cache, sl_counters *counters,
                                  sl_error *error);
+/* The camera has moved: if gathers will now look where there are no records, such are made, and the light bounces once more. */
+sl_status sl_hidden_cache_follow(sl_hidden_cache *cache, const sl_raster *raster, sl_counters *counters, sl_error *error);
 void sl_hidden_cache_destroy(sl_hidden_cache *cache);
 /* E^(bounces - 1), for sl_gather_settings.hidden; lives as long as the cache. */
 const sl_hidden_light *sl_hidden_cache_light(const sl_hidden_cache *cache);
@@ -55,7 +57,7 @@ typedef struct sl_hidden_report {
     uint32_t bounces;   /* computed: fewer than asked for where more would not have changed anything */
     bool converged;     /* ... so that these are all there are */
     float change;       /* largest relative change of a record's irradiance by the last bounce */
-    float uncovered;    /* share of the points scouted last that no record covered */
+    float missed;       /* share of some other points that gathers will see which no record reaches */
 } sl_hidden_report;
 sl_hidden_report sl_hidden_cache_report(const sl_hidden_cache *cache);
 

@@ -223,3 +223,18 @@ sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, s
     sl_free(c);
     return status;
 }
+
+float sl_share_out_of_reach(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_scouted *points) {
+    sl_hidden_sums sums;
+    size_t asked = 0, missed = 0;
+    for (size_t i = 0; i < points->count; i++) {
+        const sl_gather_point *p = &points->points[i];
+        if (p->triangle == SL_NO_INDEX) continue;
+        const sl_hidden_points one = {1, &p->triangle, &p->position.x, &p->position.y, &p->position.z,
+                                      &p->normal.x, &p->normal.y, &p->normal.z};
+        kernel(field, &one, 0, 1, true, &sums);
+        asked++;
+        if (!(sums.weight[0] > 0.0f)) missed++;
+    }
+    return asked ? (float)missed / (float)asked : 0.0f;
+}

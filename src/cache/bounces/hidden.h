@@ -157,8 +157,9 @@ typedef struct sl_scouted {
     size_t count;
 } sl_scouted;
 
-sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, sl_scouted *seen,
-                          sl_counters *counters, sl_error *error);
+/* points: about so many, spread over the picture. */
+sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, unsigned points,
+                          sl_scouted *seen, sl_counters *counters, sl_error *error);
 sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
                         const sl_gather_point *origins, size_t count, uint64_t generation, sl_scouted *seen,
                         sl_counters *counters, sl_error *error);
@@ -180,5 +181,7 @@ typedef struct sl_cover_pass {
  * were at first sight. */
 sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, sl_hidden_list *list, size_t *uncovered,
                           sl_counters *counters, sl_error *error);
+/* Share of the points that no record reaches at all. */
+float sl_share_out_of_reach(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_scouted *points);
 
 #endif

@@ -33,7 +33,7 @@ void sl_hidden_cache_write(const sl_hidden_cache *cache, sl_cache_writer *writer
     sl_cache_write_u32(writer, report->bounces);
     sl_cache_write_u32(writer, report->converged);
     sl_cache_write_words(writer, &report->change, 1);
-    sl_cache_write_words(writer, &report->uncovered, 1);
+    sl_cache_write_words(writer, &report->missed, 1);
     sl_cache_write_u64(writer, list->count);
     for (size_t i = 0; i < list->count; i++) {
         sl_cache_write_words(writer, &list->records[i], RECORD_WORDS);
@@ -75,7 +75,7 @@ sl_status sl_hidden_cache_read(const sl_scene *scene, const sl_tracer *tracer, c
     cache->report.bounces = sl_cache_read_u32(reader);
     cache->report.converged = sl_cache_read_u32(reader) != 0;
     sl_cache_read_words(reader, &cache->report.change, 1);
-    sl_cache_read_words(reader, &cache->report.uncovered, 1);
+    sl_cache_read_words(reader, &cache->report.missed, 1);
     status = read_records(reader, cache, error);
     if (status == SL_OK) status = sl_hidden_cache_shine(cache, error);
     if (status == SL_OK) *out = cache;

@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "cache/gather/gather_tables.h"
 
-enum { CAMERA_POINTS = 1600, RAYS_A_SIDE = 8, RAYS = RAYS_A_SIDE * RAYS_A_SIDE };
+enum { RAYS_A_SIDE = 8, RAYS = RAYS_A_SIDE * RAYS_A_SIDE };
 
 void sl_scouted_free(sl_scouted *scouted) {
     sl_free(scouted->points);
@@ -105,11 +105,11 @@ sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl
 
 /* ---- from the camera ---- */
 
-sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, sl_scouted *seen,
-                          sl_counters *counters, sl_error *error) {
+sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, unsigned points,
+                          sl_scouted *seen, sl_counters *counters, sl_error *error) {
     const sl_camera *camera = &scene->camera;
-    double tall = sqrt((double)CAMERA_POINTS / (double)settings->aspect);
-    unsigned rows = tall > 1.0 ? (unsigned)tall : 1u, columns = CAMERA_POINTS / rows;
+    double tall = sqrt((double)points / (double)settings->aspect);
+    unsigned rows = tall > 1.0 ? (unsigned)tall : 1u, columns = points > rows ? points / rows : 1u;
     float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * settings->aspect;
     sl_status status = make_room((size_t)rows * columns, seen, error);
     for (size_t first = 0; status == SL_OK && first < seen->count; first += SL_PACKET) {

@@ -25,7 +25,7 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
     return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
 }
 
-/* Hidden records stay as long as geometry and lights do, wherever the camera goes. */
+/* Hidden records stay as long as geometry and lights do; where the camera goes to other places, there will be more. */
 sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *s) {
     sl_hidden_settings settings = sl_hidden_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;

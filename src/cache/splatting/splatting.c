@@ -112,6 +112,7 @@ static void announce_hidden(sl_splat_state *s) {
 static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
     sl_status status = SL_OK;
     bool had_hidden = s->hidden;
+    if (had_hidden) status = sl_hidden_cache_follow(s->hidden, s->raster, &s->counters, error);
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
