@@ -7,12 +7,14 @@
 
 #include <math.h>
 
-static const float sl_record_weight_epsilon = 1e-3f; /* w is singular at the record itself */
+/* w is singular at the record itself: D counts as no less than this. A tenth of a where that is less, since weights of 1 / D - 1 / a
+ * would all be 0. */
+static inline float sl_record_least_distance(float accuracy) { return 0.1f * accuracy < 1e-3f ? 0.1f * accuracy : 1e-3f; }
 
 /* What all points that a record is asked about have in common. */
 typedef struct sl_record_terms {
     sl_vec3 position, normal;
-    float inverse_radius, accuracy, offset;
+    float inverse_radius, accuracy, least, offset;
     float reach_squared;    /* (a R)^2 */
     float front, behind;    /* bounds of 2 s, see sl_record_weight_at() */
     float e[3], most[3];    /* E and E (1 + a) */
@@ -24,7 +26,8 @@ typedef struct sl_record_terms {
 static inline sl_record_terms sl_record_terms_of(const sl_record *k, const sl_weight_rules *rules) {
     float reach = rules->accuracy * k->radius;
     sl_record_terms s = {.position = k->position, .normal = k->normal, .inverse_radius = 1.0f / k->radius,
-                         .accuracy = rules->accuracy, .offset = rules->offset, .reach_squared = reach * reach,
+                         .accuracy = rules->accuracy, .least = sl_record_least_distance(rules->accuracy),
+                         .offset = rules->offset, .reach_squared = reach * reach,
                          .front = -2.0f * (0.01f * reach + rules->front_tolerance),
                          .behind = reach + 2.0f * rules->front_tolerance};
     const float e[3] = {k->irradiance.r, k->irradiance.g, k->irradiance.b};
@@ -69,7 +72,7 @@ static inline float sl_record_weight_at(const sl_record_terms *k, float distance
      * another step of the stairs (s > a R / 2). s vanishes on spheres, convex and concave, so curvature is not punished. */
     float s2 = o.x * (nx + k->normal.x) + o.y * (ny + k->normal.y) + o.z * (nz + k->normal.z);
     int accepted = (d <= k->accuracy) & (s2 >= k->front) & (s2 <= k->behind);
-    float w = 1.0f / (d > sl_record_weight_epsilon ? d : sl_record_weight_epsilon) - k->offset;
+    float w = 1.0f / (d > k->least ? d : k->least) - k->offset;
     return accepted ? (w > 0.0f ? w : 0.0f) : 0.0f;
 }
 

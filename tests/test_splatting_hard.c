@@ -1,0 +1,447 @@
+/* Radiance cache splatting where it is known to fail: section by section the cases that break careless caches, each with what must
+ * come out, by closed forms where there are some, else by the path tracer on the same paths. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "matched.h"
+#include "rendering.h"
+
+static const double pi = 3.14159265358979323846;
+
+static const float *channel_of(const sl_image *image, const char *name) {
+    const float *plane = sl_image_channel(image, name);
+    if (!plane) fail_msg("no channel %s", name);
+    return plane;
+}
+
+/* ---- a lit wall over a dark floor: corner, gradients, borders -------------------------------------------------------- */
+
+/* The wall x = 0, 3 high and 6 wide, lit squarely and evenly; the floor y = 0, that light only grazes, sees nothing else. So its
+ * irradiance is that of a rectangle of even radiance, down to the corner, where R vanishes and the gradient is infinite. */
+static const char wall_obj[] = "v 0 0 -3\nv 0 0 3\nv 0 3 3\nv 0 3 -3\nv 6 0 -3\nv 6 0 3\nf 1 4 3 2\nf 1 2 6 5\n";
+static const char wall_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0.6}},\n"
+    " \"lights\": [{\"type\": \"directional\", \"direction\": [-1, 0, 0], \"irradiance\": 3.14159265}],\n"
+    " \"camera\": {\"eye\": [%g, %g, %g], \"target\": [%g, %g, %g], \"fov_deg\": 40}}";
+
+typedef struct {
+    double x, y, z;
+} point;
+
+static point sub(point a, point b) { return (point){a.x - b.x, a.y - b.y, a.z - b.z}; }
+static double dot(point a, point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static point cross(point a, point b) { return (point){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+static point scaled(point a, double s) { return (point){a.x * s, a.y * s, a.z * s}; }
+static point unit(point a) { return scaled(a, 1.0 / sqrt(dot(a, a))); }
+
+/* Lambert: E / L = 1/2 sum of angle times (edge's unit normal . n), for a polygon above the floor. */
+static double irradiance_of_wall(point p) {
+    const point corner[4] = {{0, 0, -3}, {0, 0, 3}, {0, 3, 3}, {0, 3, -3}};
+    double sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        point a = unit(sub(corner[i], p)), b = unit(sub(corner[(i + 1) % 4], p)), c = cross(a, b);
+        double length = sqrt(dot(c, c));
+        if (length > 0.0) sum += atan2(length, dot(a, b)) * c.y / length;
+    }
+    return 0.5 * fabs(sum);
+}
+
+enum { WALL_SIZE = 64 };
+
+typedef struct {
+    point eye, target;
+} camera;
+
+/* Where the floor is seen at a pixel; false: it is not. */
+static int floor_at(const camera *view, int x, int y, point *p) {
+    const point eye = view->eye;
+    point forward = unit(sub(view->target, eye)), right = unit(cross(forward, (point){0, 1, 0})), up = cross(right, forward);
+    double t = tan(20.0 * pi / 180.0), u = (2.0 * (x + 0.5) / WALL_SIZE - 1.0) * t, v = (1.0 - 2.0 * (y + 0.5) / WALL_SIZE) * t;
+    point d = {forward.x + u * right.x + v * up.x, forward.y + u * right.y + v * up.y, forward.z + u * right.z + v * up.z};
+    if (!(d.y < 0.0)) return 0;
+    double s = -eye.y / d.y;
+    *p = (point){eye.x + s * d.x, 0.0, eye.z + s * d.z};
+    return p->x > 0.0 && p->x < 6.0 && fabs(p->z) < 3.0;
+}
+
+typedef struct {
+    double mean, worst; /* relative errors */
+    double jump;        /* largest change of the error from a pixel to the next, a third of the wall's height from it or more */
+    double records;
+} floor_error;
+
+static floor_error error_of_floor(const sl_image *image, const camera *view) {
+    static double error[WALL_SIZE][WALL_SIZE];
+    const float *indirect = channel_of(image, "indirect.G");
+    floor_error e = {0};
+    int count = 0;
+    for (int y = 0; y < WALL_SIZE; y++) {
+        for (int x = 0; x < WALL_SIZE; x++) {
+            point p;
+            error[y][x] = NAN;
+            if (!floor_at(view, x, y, &p)) continue;
+            double truth = 0.6 * 0.6 / pi * irradiance_of_wall(p);
+            error[y][x] = (double)indirect[y * WALL_SIZE + x] / truth - 1.0;
+            e.mean += fabs(error[y][x]);
+            e.worst = fmax(e.worst, fabs(error[y][x]));
+            count++;
+            if (p.x < 1.0) continue;
+            if (x > 0 && isfinite(error[y][x - 1])) e.jump = fmax(e.jump, fabs(error[y][x] - error[y][x - 1]));
+            if (y > 0 && isfinite(error[y - 1][x])) e.jump = fmax(e.jump, fabs(error[y][x] - error[y - 1][x]));
+        }
+    }
+    assert_true(count > WALL_SIZE * WALL_SIZE / 4);
+    e.mean /= count;
+    return e;
+}
+
+static sl_scene *wall_scene(const camera *view) {
+    char json[1024];
+    snprintf(json, sizeof json, wall_json, view->eye.x, view->eye.y, view->eye.z, view->target.x, view->target.y, view->target.z);
+    return scene_from_text(json, wall_obj);
+}
+
+static floor_error measure_floor(const sl_settings *settings, const camera *view) {
+    sl_scene *scene = wall_scene(view);
+    sl_counters counters;
+    sl_image *image = render(scene, settings, &counters);
+    assert_sound_picture(image, "wall and floor");
+    floor_error e = error_of_floor(image, view);
+    e.records = (double)counters.value[SL_COUNT_RECORDS];
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+    return e;
+}
+
+static const camera from_above = {{4, 3, 0.5}, {0.9, 0, 0.1}};
+
+static sl_settings floor_settings(sl_quality quality) {
+    sl_settings settings = small_settings("splatting", WALL_SIZE, WALL_SIZE);
+    settings.quality = quality;
+    settings.gather = SL_GATHER_RAYS;
+    return settings;
+}
+
+static void expect_floor(const char *what, const sl_settings *settings, const camera *view, double mean, double worst, double records) {
+    floor_error e = measure_floor(settings, view);
+    print_message("%s: mean error %.4f, worst %.3f, jump %.4f, %g records\n", what, e.mean, e.worst, e.jump, e.records);
+    if (!(e.mean < mean && e.worst < worst && e.records < records)) fail_msg("%s", what);
+}
+
+static void a_floor_before_a_lit_wall_is_lamberts_into_the_corner(void **state) {
+    (void)state;
+    const sl_gather_kind gathers[] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
+    const double mean[] = {0.045, 0.02, 0.012};
+    for (int i = 0; i < 3; i++) {
+        sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
+        settings.gather = gathers[i];
+        expect_floor("gathers", &settings, &from_above, mean[i], 0.13, 150);
+    }
+}
+
+/* R vanishes in the corner, and with it 1/R. Few pixels of 4096 get records of their own all the same, and a smaller a costs no
+ * more than R_min lets it. */
+static void accuracies_from_a_thousandth_to_two_light_the_floor(void **state) {
+    (void)state;
+    const double accuracies[] = {0.001, 0.0011, 0.02, 1.0, 2.0}, worst[] = {0.15, 0.15, 0.15, 0.4, 0.8};
+    for (int i = 0; i < 5; i++) {
+        sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
+        settings.accuracy = accuracies[i];
+        expect_floor("accuracies", &settings, &from_above, 0.025, worst[i], 420);
+    }
+}
+
+static void gathers_of_four_by_four_are_coarse_and_no_worse(void **state) {
+    (void)state;
+    sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
+    settings.gather_size = 4;
+    for (int g = SL_GATHER_PLANE; g <= SL_GATHER_RAYS; g++) {
+        settings.gather = (sl_gather_kind)g;
+        expect_floor("gathers of 4 x 4", &settings, &from_above, g == SL_GATHER_PLANE ? 0.8 : 0.3, 1.5, 200);
+    }
+}
+
+/* (F17) On the lit floor, where every border of a record would show. */
+static void no_border_of_a_record_shows(void **state) {
+    (void)state;
+    sl_settings settings = floor_settings(SL_QUALITY_HIGH);
+    floor_error e = measure_floor(&settings, &from_above);
+    print_message("largest jump %.4f\n", e.jump);
+    assert_true(e.jump < 0.01);
+}
+
+/* A frame of one record at a time ends, with the bits of frames of a hundred. */
+static void one_record_a_frame_ends_with_the_picture_of_many(void **state) {
+    (void)state;
+    sl_settings settings = floor_settings(SL_QUALITY_DRAFT);
+    sl_scene *scene = wall_scene(&from_above);
+    settings.records_per_frame = 1;
+    sl_image *one = render(scene, &settings, NULL);
+    settings.records_per_frame = 100;
+    sl_image *many = render(scene, &settings, NULL);
+    assert_true(same_picture(one, many));
+    assert_true(error_of_floor(one, &from_above).mean < 0.03);
+    sl_image_destroy(one);
+    sl_image_destroy(many);
+    sl_scene_destroy(scene);
+}
+
+/* The eye two hundredths above the floor: splats lie across the near plane and contain the camera. */
+static void an_eye_amid_the_records_sees_the_floor_as_it_is(void **state) {
+    (void)state;
+    static const camera low = {{1.5, 0.02, 0.1}, {1.0, -0.08, 0}};
+    sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
+    expect_floor("an eye close to the floor", &settings, &low, 0.02, 0.06, 300);
+    /* Records made from above, of metres, then the eye amid them. */
+    settings.records_per_frame = 1000;
+    sl_scene *scene = wall_scene(&from_above);
+    sl_method *method;
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    const float eye[3] = {1.5f, 0.02f, 0.1f}, target[3] = {1.0f, -0.08f, 0.0f}, up[3] = {0, 1, 0};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, (float)(40.0 * pi / 180.0), NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    progress.done = false;
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    sl_image *image;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    assert_sound_picture(image, "an eye that moved to the floor");
+    floor_error e = error_of_floor(image, &low);
+    print_message("an eye that moved to the floor: mean error %.4f, worst %.3f\n", e.mean, e.worst);
+    assert_true(e.mean < 0.03 && e.worst < 0.1);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- close surfaces: the path tracer on the same paths ----------------------------------------------------------------- */
+
+static void expect_path_tracer(const char *what, const char *json, const char *obj, sl_quality quality, uint32_t spp, double error, double bias,
+                               double records) {
+    sl_scene *scene = scene_from_text(json, obj);
+    sl_settings settings = small_settings("splatting", 24, 24);
+    settings.quality = quality;
+    matched m = matched_with_path_tracer(scene, &settings, spp, true);
+    print_message("%s: error %.4f (noise %.4f), bias %+.4f, %g records\n", what, m.error, m.noise, m.bias, m.records);
+    sl_scene_destroy(scene);
+    if (!(m.error < error && fabs(m.bias) < bias && m.records < records)) fail_msg("%s", what);
+}
+
+/* A wedge of 10 degrees: R is small everywhere. */
+static const char wedge_obj[] = "v 0 0 -3\nv 0 0 3\nv 6 0 3\nv 6 0 -3\nv 6 1.058 3\nv 6 1.058 -3\nf 1 2 3 4\nf 1 6 5 2\n";
+static const char wedge_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0.6}},\n"
+    " \"lights\": [{\"type\": \"point\", \"position\": [6, 0.5, 0], \"intensity\": 10}],\n"
+    " \"camera\": {\"eye\": [9, 0.9, 2], \"target\": [3, 0.2, 0], \"fov_deg\": 30}}";
+
+static void a_wedge_has_bounded_records_and_error(void **state) {
+    (void)state;
+    expect_path_tracer("wedge", wedge_json, wedge_obj, SL_QUALITY_HIGH, 128, 0.04, 0.015, 24 * 24 / 2);
+}
+
+static const char lit_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {%s}},\n"
+    " \"lights\": [{\"type\": \"point\", \"position\": [0.3, 2.6, 0.8], \"intensity\": 10}],\n"
+    " \"camera\": {\"eye\": [0.5, 1.7, 1.8], \"target\": [0, 0.6, 0], \"fov_deg\": 60}}";
+static const char dull[] = "\"diffuse\": 0.7", shiny[] = "\"diffuse\": 0.3, \"specular\": 0.6, \"exponent\": 8";
+
+/* Quads of a box, its eight corners numbered from `first`. */
+static int append_box(char *out, size_t size, int first, point low, point high) {
+    int n = 0;
+    for (int i = 0; i < 8; i++) {
+        n += snprintf(out + n, size - (size_t)n, "v %g %g %g\n", i % 2 ? high.x : low.x, i / 2 % 2 ? high.y : low.y, i / 4 ? high.z : low.z);
+    }
+    static const int face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    for (int f = 0; f < 6; f++)
+        n += snprintf(out + n, size - (size_t)n, "f %d %d %d %d\n", first + face[f][0], first + face[f][1], first + face[f][2], first + face[f][3]);
+    return n;
+}
+
+/* A room with boxes that stick in each other, in the floor and in the wall. */
+static void boxes_that_interpenetrate_have_the_path_tracers_light(void **state) {
+    (void)state;
+    static const point corners[][2] = {{{-2, 0, -2}, {2, 3, 2}}, {{-1, -0.2, -1}, {1, 1, 0.5}}, {{0.5, 0.5, -0.5}, {1.5, 1.5, 0.7}}, {{-0.3, -0.5, -2.5}, {0.3, 1.2, 0.8}}};
+    char obj[4096], json[1024];
+    int n = 0;
+    for (int i = 0; i < 4; i++) n += append_box(obj + n, sizeof obj - (size_t)n, 8 * i + 1, corners[i][0], corners[i][1]);
+    for (int i = 0; i < 2; i++) {
+        snprintf(json, sizeof json, lit_json, i ? shiny : dull);
+        expect_path_tracer(i ? "shiny boxes" : "boxes", json, obj, SL_QUALITY_NORMAL, 100, 0.2, 0.02, 24 * 24 / 2);
+    }
+}
+
+/* A floor that lies there twice, in other triangles: which of the two is seen must not matter. */
+static void coplanar_duplicates_change_nothing(void **state) {
+    (void)state;
+    char obj[4096], json[1024];
+    int n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
+    snprintf(json, sizeof json, lit_json, dull);
+    sl_scene *once = scene_from_text(json, obj);
+    snprintf(obj + n, sizeof obj - (size_t)n, "f 1 5 6 2\nf 1 2 6\nf 2 3 4 1\nf 5 7 8\n");
+    sl_scene *twice = scene_from_text(json, obj);
+    sl_settings settings = small_settings("splatting", 32, 32);
+    sl_image *a = render(once, &settings, NULL), *b = render(twice, &settings, NULL);
+    sl_comparison c;
+    assert_int_equal(sl_image_compare(b, a, NULL, &c, NULL, NULL), SL_OK);
+    print_message("coplanar duplicates: relative rmse %.5f\n", c.rel_rmse);
+    assert_true(c.rel_rmse < 0.005);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+    sl_scene_destroy(once);
+    sl_scene_destroy(twice);
+}
+
+/* ---- curved surfaces ---- */
+
+/* A ball of 10 x 6 facets with smooth normals, radius r about (0, 1, 0); inside: its normals point inwards. */
+static int append_ball(char *out, size_t size, int first, double r, int inside) {
+    enum { AROUND = 10, DOWN = 6 };
+    int n = 0;
+    for (int j = 0; j <= DOWN; j++) {
+        for (int i = 0; i < AROUND; i++) {
+            double t = pi * j / DOWN, p = 2.0 * pi * i / AROUND, s = inside ? -1.0 : 1.0;
+            n += snprintf(out + n, size - (size_t)n, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", r * sin(t) * sin(p), 1.0 + r * cos(t),
+                          r * sin(t) * cos(p), s * sin(t) * sin(p), s * cos(t), s * sin(t) * cos(p));
+        }
+    }
+    for (int j = 0; j < DOWN; j++) {
+        for (int i = 0; i < AROUND; i++) {
+            int a = j * AROUND + i, b = j * AROUND + (i + 1) % AROUND, c = a + AROUND, d = b + AROUND;
+            int v[4] = {a + 1, c + 1, d + 1, b + 1};
+            n += snprintf(out + n, size - (size_t)n, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n", v[0] + first, v[0], v[1] + first, v[1],
+                          v[2] + first, v[2], v[0] + first, v[0], v[2] + first, v[2], v[3] + first, v[3]);
+        }
+    }
+    return n;
+}
+
+static void balls_seen_from_outside_and_inside_have_the_path_tracers_light(void **state) {
+    (void)state;
+    static char obj[32768];
+    char json[1024];
+    for (int i = 0; i < 4; i++) {
+        int inside = i / 2, n = 0;
+        if (!inside) n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
+        append_ball(obj + n, sizeof obj - (size_t)n, inside ? 0 : 8, inside ? 3.0 : 0.8, inside);
+        snprintf(json, sizeof json, lit_json, i % 2 ? shiny : dull);
+        expect_path_tracer(inside ? "inside a ball" : "a ball", json, obj, SL_QUALITY_NORMAL, 64, inside ? 0.05 : 0.2, 0.02, 24 * 24 / 2);
+    }
+}
+
+/* ---- thin walls ---- */
+
+/* Two rooms of 2 x 2 x 2, open to the camera, share a wall that is 1/1000 thick, and the light hangs in the right one. What the
+ * left room sees of the world is black; so it must stay black, though records of the right room lie a thousandth away. */
+static const char rooms_obj[] =
+    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
+    "v 2.001 0 0\nv 4 0 0\nv 4 2 0\nv 2.001 2 0\nv 2.001 0 2\nv 4 0 2\nv 4 2 2\nv 2.001 2 2\n"
+    "f 1 2 3 4\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n"
+    "f 9 10 11 12\nf 9 12 16 13\nf 10 14 15 11\nf 9 13 14 10\nf 12 11 15 16\n";
+/* One floor and one back wall, which the dividing wall stands on and leans against; open above. Behind the wall it is dark. */
+static const char divided_obj[] =
+    "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 0 0 2\nv 4 0 2\n"
+    "v 2 -0.2 -0.2\nv 2.001 -0.2 -0.2\nv 2.001 2 -0.2\nv 2 2 -0.2\nv 2 -0.2 2\nv 2.001 -0.2 2\nv 2.001 2 2\nv 2 2 2\n"
+    "f 1 2 3 4\nf 1 5 6 2\nf 7 11 14 10\nf 8 9 13 12\nf 10 14 13 9\nf 11 12 13 14\nf 7 10 9 8\n";
+static const char rooms_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {%s}},\n"
+    " \"lights\": [{\"type\": \"point\", \"position\": [%s], \"intensity\": 10}],\n"
+    " \"camera\": {\"eye\": [2, 1, 5.5], \"target\": [2, 1, 0], \"fov_deg\": 40}}";
+
+enum { ROOMS_WIDTH = 32, ROOMS_HEIGHT = 16 };
+
+static void assert_left_is_dark(const sl_scene *scene, const sl_settings *settings, const char *what) {
+    sl_image *image = render(scene, settings, NULL);
+    assert_sound_picture(image, what);
+    const float *picture = channel_of(image, "G");
+    double left = 0.0, right = 0.0;
+    for (int i = 0; i < ROOMS_WIDTH * ROOMS_HEIGHT; i++) *(i % ROOMS_WIDTH < ROOMS_WIDTH / 2 ? &left : &right) += (double)picture[i];
+    /* Not quite so where shadow maps light what a gather sees: the dividing wall ends, and its end is no sharper than a texel. */
+    double most = settings->direct == SL_DIRECT_SHADOW_MAPS ? 1e-5 * right : 0.0;
+    if (left > most || !(right > 10.0)) fail_msg("%s: %g on the left, %g on the right", what, left, right);
+    sl_image_destroy(image);
+}
+
+static void assert_walls_hold(const char *where, const char *light, const char *obj) {
+    char json[1024], what[200];
+    for (int run = 0; run < 10; run++) { /* every instrument, metric, surface and way of lighting, in turn */
+        snprintf(json, sizeof json, rooms_json, run / 3 % 2 ? shiny : dull, light);
+        sl_scene *scene = scene_from_text(json, obj);
+        sl_settings settings = small_settings("splatting", ROOMS_WIDTH, ROOMS_HEIGHT);
+        settings.accuracy = settings.glossy_accuracy = run < 8 ? 0.5 : 1.0;
+        settings.gather = (sl_gather_kind)(SL_GATHER_PLANE + run % 3);
+        settings.metric = (sl_radius_metric)(SL_METRIC_HARMONIC + run % 4);
+        settings.records_per_frame = run % 5 < 2 ? 50 : 0;
+        settings.direct = run % 7 < 2 ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
+        snprintf(what, sizeof what, "%s, run %d", where, run);
+        assert_left_is_dark(scene, &settings, what);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void no_light_leaks_through_a_wall_of_a_thousandth(void **state) {
+    (void)state;
+    assert_walls_hold("two rooms", "3, 1, 1", rooms_obj);
+}
+
+static void no_light_leaks_under_a_wall_that_stands_on_the_floor(void **state) {
+    (void)state;
+    assert_walls_hold("a divided floor", "2.5, 1, 1", divided_obj);
+}
+
+/* ---- nothing there ---- */
+
+static void pixels_without_geometry_ask_for_nothing(void **state) {
+    (void)state;
+    static const char json[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 2, 3]},\n"
+        " \"camera\": {\"eye\": [%s], \"target\": [0, 0, -10], \"fov_deg\": 40}}";
+    static const char obj[] = "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0 0.5 0\nf 1 2 3\n";
+    char text[512];
+    for (int i = 0; i < 2; i++) { /* the triangle before the eye, then behind it */
+        snprintf(text, sizeof text, json, i ? "0, 0, -1" : "0, 0, 4");
+        sl_scene *scene = scene_from_text(text, obj);
+        sl_settings settings = small_settings("splatting", 33, 33);
+        sl_counters counters;
+        sl_image *image = render(scene, &settings, &counters);
+        const float *weight = channel_of(image, "weight.Y"), *sky = channel_of(image, "emission.B"), *picture = channel_of(image, "B");
+        int seen = 0;
+        for (int p = 0; p < 33 * 33; p++) {
+            seen += sky[p] == 0.0f;
+            assert_true((weight[p] > 0.0f) == (sky[p] == 0.0f));
+            assert_true(sky[p] > 0.0f ? picture[p] == 3.0f : picture[p] > 0.0f);
+        }
+        assert_true(i ? seen == 0 : seen > 20 && seen < 300);
+        assert_true(counters.value[SL_COUNT_RECORDS] <= (uint64_t)seen);
+        if (i) assert_int_equal(counters.value[SL_COUNT_GATHERS], 0);
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_floor_before_a_lit_wall_is_lamberts_into_the_corner),
+        cmocka_unit_test(accuracies_from_a_thousandth_to_two_light_the_floor),
+        cmocka_unit_test(gathers_of_four_by_four_are_coarse_and_no_worse),
+        cmocka_unit_test(no_border_of_a_record_shows),
+        cmocka_unit_test(one_record_a_frame_ends_with_the_picture_of_many),
+        cmocka_unit_test(an_eye_amid_the_records_sees_the_floor_as_it_is),
+        cmocka_unit_test(a_wedge_has_bounded_records_and_error),
+        cmocka_unit_test(boxes_that_interpenetrate_have_the_path_tracers_light),
+        cmocka_unit_test(coplanar_duplicates_change_nothing),
+        cmocka_unit_test(balls_seen_from_outside_and_inside_have_the_path_tracers_light),
+        cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),
+        cmocka_unit_test(no_light_leaks_under_a_wall_that_stands_on_the_floor),
+        cmocka_unit_test(pixels_without_geometry_ask_for_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
