@@ -234,6 +234,12 @@ sl_status sl_environment_split(const sl_environment *all, double threshold_over_
     return status;
 }
 
+sl_vec3 sl_environment_texel(const sl_environment *e, int row, int column, sl_rgb *radiance, float *solid_angle) {
+    *radiance = texel_radiance(e, row, column);
+    *solid_angle = (float)texel_solid_angle(e, row);
+    return direction_at(((double)column + 0.5) / (double)e->width, 0.5 * (row_edge(e, row) + row_edge(e, row + 1)));
+}
+
 double sl_environment_contrast(const sl_environment *environment) {
     double sum = 0.0, weights = 0.0, largest = 0.0;
     for (int row = 0; row < environment->height && environment->width > 0; row++) {

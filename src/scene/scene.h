@@ -146,6 +146,8 @@ sl_rgb sl_environment_radiance(const sl_environment *environment, sl_vec3 direct
 /* A direction drawn proportional to luminance x solid angle from two numbers in [0,1); its radiance and pdf (1/sr). */
 sl_vec3 sl_environment_sample(const sl_environment *environment, float u1, float u2, sl_rgb *radiance, float *pdf);
 float sl_environment_pdf(const sl_environment *environment, sl_vec3 direction);
+/* The middle of a texel (the environment is a picture), its radiance and its solid angle. */
+sl_vec3 sl_environment_texel(const sl_environment *environment, int row, int column, sl_rgb *radiance, float *solid_angle);
 /* Largest over mean luminance, the mean by solid angle: 1 for a constant sky, thousands for one with a sun in it; 1 where there is none. */
 double sl_environment_contrast(const sl_environment *environment);
 /* Sky and sun, sky + sun = all: the sky is the whole, cut in proportion to at most a luminance of threshold_over_mean (> 1) times its own

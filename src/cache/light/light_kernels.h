@@ -58,6 +58,9 @@ typedef struct sl_polygon_light {
     bool two_sided;
 } sl_polygon_light;
 
+/* The front of an emitter, or its back. */
+sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *emitter, bool back);
+
 typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals);
 /* Share of light in [0,1] at each point. */
 typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes, float *lit);

@@ -89,23 +89,6 @@ static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, 
 
 /* ---- emitters --------------------------------------------------------------------------------------------------------------- */
 
-static sl_polygon_light polygon_of(const sl_scene *scene, const sl_emitter *e, bool back) {
-    sl_polygon_light p = {.normal = sl_scene_geometric_normal(scene, e->triangle), .area = e->area};
-    for (int c = 0; c < 3; c++) p.corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
-    if (back) {
-        sl_vec3 first = p.corner[1];
-        p.corner[1] = p.corner[2];
-        p.corner[2] = first;
-        p.normal = sl_neg(p.normal);
-    }
-    sl_vec3 centre = sl_scale(sl_add(sl_add(p.corner[0], p.corner[1]), p.corner[2]), 1.0f / 3.0f);
-    for (int c = 0; c < 3; c++) {
-        sl_vec3 d = sl_sub(p.corner[c], centre);
-        p.extent_squared = fmaxf(p.extent_squared, sl_dot(d, d));
-    }
-    return p;
-}
-
 /* Point `index` of an additive recurrence (powers of the inverse plastic number), which every prefix spreads well, folded onto the
  * triangle. */
 static sl_vec3 point_of(const sl_polygon_light *p, size_t index) {
@@ -123,7 +106,7 @@ static sl_vec3 point_of(const sl_polygon_light *p, size_t index) {
 static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const sl_emitter *e, bool back, size_t samples,
                           sl_counters *counters, sl_error *error) {
     sl_mapped_emitter *m = &maps->emitters[maps->emitter_count++];
-    *m = (sl_mapped_emitter){polygon_of(maps->scene, e, back), e->radiance, maps->source_count, samples};
+    *m = (sl_mapped_emitter){sl_polygon_light_of(maps->scene, e, back), e->radiance, maps->source_count, samples};
     float area = e->area / (float)samples;
     sl_status status = SL_OK;
     for (size_t i = 0; i < samples && status == SL_OK; i++) {

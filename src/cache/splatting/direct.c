@@ -4,7 +4,91 @@
 #include "base/memory.h"
 #include "cache/splatting/direct_internal.h"
 
-enum { EXACT_EMITTERS_MAX = 16 }; /* beyond, the closed form costs more than the noise that it saves */
+enum { SUN_TEXELS_MAX = 64 };
+
+/* ---- creation ---- */
+
+static size_t sides_of(const sl_scene *scene) {
+    size_t sides = 0;
+    for (size_t i = 0; i < scene->emitter_count; i++) sides += scene->emitters[i].two_sided ? 2 : 1;
+    return sides;
+}
+
+/* The closed form knows no masks. */
+static bool any_masked(const sl_scene *scene) {
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        if (sl_scene_has_alpha(scene, scene->emitters[i].triangle)) return true;
+    }
+    return false;
+}
+
+static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
+    size_t k = d->exact_count++;
+    sl_polygon_light *p = &d->polygons[k];
+    *p = sl_polygon_light_of(d->scene, e, back);
+    float luminance = sl_luminance(e->radiance), over = luminance > 0.0f ? 1.0f / luminance : 0.0f, *t = d->triangles + k * SL_SIDE_VALUES;
+    sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]), p->normal};
+    for (int i = 0; i < 4; i++) {
+        t[3 * i] = parts[i].x;
+        t[3 * i + 1] = parts[i].y;
+        t[3 * i + 2] = parts[i].z;
+    }
+    t[12] = p->area;
+    t[13] = e->radiance.r * over;
+    t[14] = e->radiance.g * over;
+    t[15] = e->radiance.b * over;
+    d->luminances[k] = luminance;
+}
+
+static sl_status make_sides(sl_direct *d, sl_error *error) {
+    const sl_scene *scene = d->scene;
+    size_t sides = sides_of(scene);
+    if (sides == 0 || sides > SL_EXACT_EMITTERS_MAX || any_masked(scene)) return SL_OK;
+    d->polygons = sl_allocate(sides, sizeof *d->polygons);
+    d->triangles = sl_allocate(sides * SL_SIDE_VALUES, sizeof *d->triangles);
+    d->luminances = sl_allocate(sides, sizeof *d->luminances);
+    if (!d->polygons || !d->triangles || !d->luminances) return sl_fail_memory(error, "direct light");
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        add_side(d, &scene->emitters[i], false);
+        if (scene->emitters[i].two_sided) add_side(d, &scene->emitters[i], true);
+    }
+    return SL_OK;
+}
+
+/* The texels of the sun, if they are few: then its unoccluded light is known. */
+static sl_status make_sun(sl_direct *d, sl_error *error) {
+    const sl_environment *sun = d->settings.sun;
+    size_t lit = 0;
+    for (size_t i = 0; i < (size_t)sun->width * (size_t)sun->height; i++) {
+        const float *t = sun->texels + 3 * i;
+        lit += t[0] > 0.0f || t[1] > 0.0f || t[2] > 0.0f;
+    }
+    if (lit == 0 || lit > SUN_TEXELS_MAX) return SL_OK;
+    d->sun_direction = sl_allocate(lit, sizeof *d->sun_direction);
+    d->sun_light = sl_allocate(lit, sizeof *d->sun_light);
+    if (!d->sun_direction || !d->sun_light) return sl_fail_memory(error, "the sun");
+    for (int row = 0; row < sun->height; row++) {
+        for (int column = 0; column < sun->width; column++) {
+            sl_rgb radiance;
+            float solid_angle;
+            sl_vec3 direction = sl_environment_texel(sun, row, column, &radiance, &solid_angle);
+            if (!(sl_rgb_max(radiance) > 0.0f)) continue;
+            d->sun_direction[d->sun_texels] = direction;
+            d->sun_light[d->sun_texels++] = sl_rgb_scale(radiance, solid_angle);
+        }
+    }
+    return SL_OK;
+}
+
+static sl_status make_sampler(sl_direct *d, sl_error *error) {
+    d->extended = *d->scene;
+    d->extended.light_count = 0;
+    d->extended.environment = d->settings.sun ? *d->settings.sun : (sl_environment){0};
+    if (d->scene->emitter_count == 0 && !d->settings.sun) return SL_OK;
+    sl_status status = sl_light_sampler_create(&d->extended, &d->sampler, error);
+    if (status != SL_OK || d->exact_count) return status;
+    return sl_light_sampler_plant_tree(d->sampler, error);
+}
 
 sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
                            sl_direct **direct, sl_error *error) {
@@ -14,15 +98,13 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->scene = scene;
     d->tracer = tracer;
     d->settings = *settings;
-    d->exact = !settings->maps && scene->emitter_count > 0 && scene->emitter_count <= EXACT_EMITTERS_MAX;
-    d->emitters_alone = *scene;
-    d->emitters_alone.light_count = 0;
-    d->emitters_alone.environment.present = false;
-    for (size_t i = 0; i < scene->emitter_count; i++) /* the closed form knows no masks */
-        d->exact = d->exact && !sl_scene_has_alpha(scene, scene->emitters[i].triangle);
-    sl_status status = sl_emitter_table_create(scene, &d->emitters, error);
-    if (status == SL_OK && scene->emitter_count > SL_EMITTER_CHOICES_MAX)
-        status = sl_light_sampler_create(&d->emitters_alone, &d->sampler, error);
+    d->light = sl_light_kernels_for(sl_isa_best());
+    d->kernels = sl_direct_kernels_for(sl_isa_best());
+    d->offset = 1e-5f * scene->diagonal;
+    for (size_t i = 0; i < scene->material_count; i++) d->glossy |= sl_material_is_glossy(&scene->materials[i]);
+    sl_status status = settings->maps ? SL_OK : make_sides(d, error);
+    if (status == SL_OK && settings->sun && !settings->maps) status = make_sun(d, error);
+    if (status == SL_OK && !settings->maps) status = make_sampler(d, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);
         return status;
@@ -34,7 +116,11 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
 void sl_direct_destroy(sl_direct *direct) {
     if (!direct) return;
     sl_light_sampler_destroy(direct->sampler);
-    sl_emitter_table_destroy(&direct->emitters);
+    sl_free(direct->polygons);
+    sl_free(direct->triangles);
+    sl_free(direct->luminances);
+    sl_free(direct->sun_direction);
+    sl_free(direct->sun_light);
     sl_free(direct);
 }
 
@@ -47,7 +133,6 @@ sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *g, size_t 
         .geometric_normal = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
         .triangle = g->id[i],
         .material = &direct->scene->materials[g->material[i]],
-        .offset = 1e-5f * direct->scene->diagonal,
     };
     at.to_viewer = sl_normalize_or(sl_sub(direct->scene->camera.eye, at.position), at.geometric_normal);
     return at;

@@ -1,31 +1,107 @@
-/* What the parts of direct light share:
+/* What the parts of direct light share. Read in this order:
  *
- *     direct.c        strips of rows, and what each pixel is
- *     direct_maps.c   by shadow maps
- *     direct_rays.c   by shadow rays
+ *     direct.c          strips of rows, what each pixel is, and how its light adds up
+ *     direct_maps.c     by shadow maps
+ *     direct_rays.c     by shadow rays: the passes over a strip
+ *     direct_exact.c    emitters: Lambert's formula for all, rays for the visible share
+ *     direct_sampled.c  lights without extent, the sun, emitters that are too many for that
+ *     direct_glossy.c   glossy lobes
+ *     direct_filter.c   the visible share, smoothed where it is noise
+ *     direct_kernels.c  the loops over a block of pixels
  */
 #ifndef SL_CACHE_SPLATTING_DIRECT_INTERNAL_H
 #define SL_CACHE_SPLATTING_DIRECT_INTERNAL_H
 
+#include "cache/light/light_kernels.h"
+#include "cache/splatting/direct_kernels.h"
 #include "cache/splatting/splatting.h"
-#include "trace/emitter_table.h"
+
+enum { SL_EXACT_EMITTERS_MAX = 256 }; /* beyond, the closed form of all costs more than the noise that it saves */
 
 struct sl_direct {
     const sl_scene *scene;
     const sl_tracer *tracer;
     sl_direct_settings settings;
-    sl_emitter_table emitters;
-    sl_scene emitters_alone;        /* the scene without its other lights, for the sampler */
-    sl_light_sampler *sampler;      /* where there are too many emitters to weigh them for every pixel; else NULL */
-    bool exact;
+    sl_light_kernels light;
+    sl_direct_kernels kernels;
+    float offset;                   /* how far along the geometric normal rays start */
+    sl_scene extended;              /* the scene without its lights without extent, its environment the sun alone */
+    sl_light_sampler *sampler;      /* of that; NULL where there is nothing to sample */
+    size_t exact_count;             /* sides of emitters that are lit by the closed form; 0: emitters are sampled */
+    sl_polygon_light *polygons;     /* exact_count */
+    float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
+    float *luminances;              /* of their radiances */
+    bool glossy;                    /* the scene has glossy materials */
+    size_t sun_texels;              /* of few texels, whose unoccluded light is known; 0: it is sampled */
+    sl_vec3 *sun_direction;
+    sl_rgb *sun_light;              /* radiance x solid angle */
 };
+
+/* Pixels that reflect light, one after the other: at most SL_LIGHT_BLOCK. */
+typedef struct sl_lit_block {
+    size_t count;
+    uint32_t pixel[SL_LIGHT_BLOCK];  /* in the G-buffer */
+    uint32_t triangle[SL_LIGHT_BLOCK];
+    float x[SL_LIGHT_BLOCK], y[SL_LIGHT_BLOCK], z[SL_LIGHT_BLOCK];
+    float geometric_x[SL_LIGHT_BLOCK], geometric_y[SL_LIGHT_BLOCK], geometric_z[SL_LIGHT_BLOCK];
+    float normal_x[SL_LIGHT_BLOCK], normal_y[SL_LIGHT_BLOCK], normal_z[SL_LIGHT_BLOCK];
+    uint32_t rank[SL_LIGHT_BLOCK];   /* of the pixel in its tile of SL_SAMPLE_TILE pixels */
+    uint64_t tile_key[SL_LIGHT_BLOCK];
+} sl_lit_block;
+
+enum { SL_SAMPLE_TILE = 8 };
+
+sl_light_points sl_lit_points(const sl_lit_block *block);
+void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_lit_block *block);
+
+/* What is summed up for the pixels of a strip and the rows around it. Irradiance, but for glossy. */
+typedef struct sl_direct_sums {
+    size_t first, count;    /* pixels [first, first + count) of the G-buffer */
+    float *exact[3];        /* emitters and sun, unoccluded: their samples are of the next two */
+    float *seen[3], *all[3];
+    float *plain[3];        /* of which nothing is known but samples */
+    float *glossy[3];       /* radiance */
+    float *odd_seen, *odd_all; /* of every other sample, the three channels together: half the light, of which the scatter is seen */
+    float *samples;         /* how many of `all`, and */
+    float *partly;          /* 1: some, but not all, of the first samples were seen */
+    float *block;           /* holds all of the above */
+} sl_direct_sums;
+
+/* Samples of a pixel: numbers [first, end), each [0, light_samples) in the first pass, those that follow where they are refined. */
+typedef struct sl_sample_range {
+    uint32_t first, end;
+} sl_sample_range;
+
+/* Three numbers in [0,1) for a sample of point i. */
+void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[3]);
+
+/* What shadow rays aim at: from the point to the light itself, or a direction. */
+typedef struct sl_aims {
+    const float *x, *y, *z;
+    bool far_away;
+} sl_aims;
+
+/* Shadow rays of some lanes, in an order of neighbours; lane i belongs to point i modulo SL_LIGHT_BLOCK. visible: 1 or 0. */
+void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims, float *visible,
+                     sl_counters *counters);
+/* The same for the points of a block, where wanted is > 0; 0 where not. */
+void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
+                       sl_counters *counters);
+
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
+/* One pixel's glossy lobe and lights with extent. */
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, uint32_t samples, sl_counters *counters);
+/* The visible share of a row's pixels, smoothed: three planes of a row. */
+void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]);
 
 /* A pixel that reflects light. */
 typedef struct sl_receiver {
     sl_vec3 position, normal, geometric_normal, to_viewer;
     uint32_t triangle;
     const sl_material *material;
-    float offset;          /* how far along the geometric normal rays start */
 } sl_receiver;
 
 sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);

@@ -1,0 +1,130 @@
+/* Emitters: the irradiance of each is known in closed form where nothing is in the way (Lambert's formula); light samples only tell which share
+ * of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill and McGuire 2018, "Combining analytic direct illumination and
+ * stochastic shadows"). The closed forms also are the best weights for choosing an emitter: the samples of many differ in
+ * nothing but visibility, and what is seen whole or not at all has no noise. */
+#include "cache/splatting/direct_internal.h"
+
+#include "base/random.h"
+
+typedef struct {
+    size_t sides;                                            /* that light some pixel of the block */
+    uint32_t side[SL_EXACT_EMITTERS_MAX];
+    float share[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];     /* irradiance for radiance 1 */
+    float sums[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];      /* cumulative, in luminance */
+} weighed;
+
+/* Weighs all sides for all points, and adds up what arrives unoccluded. */
+static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w, float exact[3][SL_LIGHT_BLOCK]) {
+    sl_light_points points = sl_lit_points(block);
+    w->sides = 0;
+    for (size_t s = 0; s < direct->exact_count; s++) {
+        float *share = w->share + w->sides * SL_LIGHT_BLOCK, *sum = w->sums + w->sides * SL_LIGHT_BLOCK;
+        direct->light.polygon(&points, &direct->polygons[s], share);
+        float largest = 0.0f, luminance = direct->luminances[s];
+        for (size_t i = 0; i < block->count; i++) largest = share[i] > largest ? share[i] : largest;
+        if (!(largest > 0.0f)) continue;
+        const float *colour = direct->triangles + s * SL_SIDE_VALUES + 13;
+        for (size_t i = 0; i < block->count; i++) {
+            float e = share[i] * luminance;
+            sum[i] = (w->sides ? sum[(ptrdiff_t)i - SL_LIGHT_BLOCK] : 0.0f) + e;
+            exact[0][i] += colour[0] * e;
+            exact[1][i] += colour[1] * e;
+            exact[2][i] += colour[2] * e;
+        }
+        w->side[w->sides++] = (uint32_t)s;
+    }
+}
+
+enum { CHUNK = 8, LANES = CHUNK * SL_LIGHT_BLOCK };
+
+/* Some samples of every pixel of the block, sample by sample: SL_LIGHT_BLOCK lanes each. */
+typedef struct {
+    uint32_t samples;
+    float u0[LANES], u1[LANES], u2[LANES];
+    int32_t chosen[LANES];
+    float x[LANES], y[LANES], z[LANES];
+    float r[LANES], g[LANES], b[LANES];
+    float weight[LANES], wanted[LANES], visible[LANES];
+} light_samples;
+
+static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first, light_samples *s) {
+    sl_light_points points = sl_lit_points(block);
+    for (uint32_t k = 0; k < s->samples; k++) {
+        size_t lane = (size_t)k * SL_LIGHT_BLOCK;
+        for (size_t i = 0; i < block->count; i++) {
+            float u[3];
+            sl_direct_point(direct, block, i, first + k, 0, u);
+            s->u0[lane + i] = u[0];
+            s->u1[lane + i] = u[1];
+            s->u2[lane + i] = u[2];
+        }
+        sl_aim_block aim = {&points, w->sides, w->side, direct->triangles, w->share, w->sums, s->u0 + lane, s->u1 + lane, s->u2 + lane,
+                            s->chosen + lane, s->x + lane, s->y + lane, s->z + lane, s->weight + lane, s->r + lane, s->g + lane,
+                            s->b + lane, s->wanted + lane};
+        direct->kernels.aim(&aim);
+    }
+}
+
+/* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and pixels. */
+static size_t order_by_emitter(const sl_lit_block *block, const weighed *w, const light_samples *s, uint32_t order[LANES]) {
+    uint32_t start[SL_EXACT_EMITTERS_MAX + 1] = {0};
+    for (uint32_t k = 0; k < s->samples; k++) {
+        for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
+            if (s->wanted[lane] > 0.0f) start[s->chosen[lane] + 1]++;
+        }
+    }
+    for (size_t side = 0; side < w->sides; side++) start[side + 1] += start[side];
+    size_t count = start[w->sides];
+    for (uint32_t k = 0; k < s->samples; k++) {
+        for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
+            if (s->wanted[lane] > 0.0f) order[start[s->chosen[lane]]++] = lane;
+        }
+    }
+    return count;
+}
+
+/* seen: how many samples of a pixel were, of: of how many. */
+static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums, float *seen, float *of) {
+    for (size_t i = 0; i < block->count; i++) {
+        size_t p = block->pixel[i] - sums->first;
+        for (size_t lane = i; lane < s->samples * SL_LIGHT_BLOCK; lane += SL_LIGHT_BLOCK) {
+            float weight = s->weight[lane] * scale, visible = s->wanted[lane] > 0.0f ? s->visible[lane] : 0.0f, arrives = weight * visible;
+            sums->all[0][p] += s->r[lane] * weight;
+            sums->all[1][p] += s->g[lane] * weight;
+            sums->all[2][p] += s->b[lane] * weight;
+            sums->seen[0][p] += s->r[lane] * arrives;
+            sums->seen[1][p] += s->g[lane] * arrives;
+            sums->seen[2][p] += s->b[lane] * arrives;
+            if (lane / SL_LIGHT_BLOCK % 2) {
+                float light = s->r[lane] + s->g[lane] + s->b[lane];
+                sums->odd_seen[p] += light * arrives;
+                sums->odd_all[p] += light * weight;
+            }
+            seen[i] += weight > 0.0f ? visible : 0.0f;
+            of[i] += weight > 0.0f ? 1.0f : 0.0f;
+        }
+    }
+}
+
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
+    weighed w;
+    light_samples s;
+    uint32_t order[LANES];
+    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}}, seen[SL_LIGHT_BLOCK] = {0.0f}, of[SL_LIGHT_BLOCK] = {0.0f};
+    weigh(direct, block, &w, exact);
+    if (w.sides == 0) return;
+    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
+        s.samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw(direct, block, &w, first, &s);
+        size_t rays = order_by_emitter(block, &w, &s, order);
+        sl_direct_trace(direct, block, rays, order, (sl_aims){s.x, s.y, s.z, false}, s.visible, counters);
+        add_samples(block, &s, 1.0f / (float)direct->settings.light_samples, sums, seen, of);
+    }
+    for (size_t i = 0; i < block->count; i++) {
+        size_t p = block->pixel[i] - sums->first;
+        sums->samples[p] += (float)(range.end - range.first);
+        if (range.first > 0) continue;
+        for (int c = 0; c < 3; c++) sums->exact[c][p] += exact[c][i];
+        if (seen[i] > 0.0f && seen[i] < of[i]) sums->partly[p] = 1.0f;
+    }
+}

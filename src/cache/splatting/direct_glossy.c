@@ -1,0 +1,106 @@
+/* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from the lobe are bad where lights
+ * are small: both are taken, each weighted by the balance heuristic (Veach and Guibas 1995). */
+#include "base/random.h"
+#include "cache/splatting/direct_internal.h"
+#include "trace/bsdf.h"
+
+/* Both kinds of samples of a pixel wait here for their rays. */
+typedef struct {
+    const sl_direct *direct;
+    sl_receiver at;
+    sl_bsdf lobe;
+    sl_ray16 rays;
+    sl_rgb light[SL_PACKET];     /* what a light sample brings, if nothing is in the way */
+    float pdf[SL_PACKET];        /* of lobe samples */
+    unsigned count;
+    sl_rgb sum;
+} queue;
+
+static void push(queue *q, sl_vec3 direction, float far) {
+    unsigned i = q->count++;
+    sl_vec3 o = sl_mad(q->at.position, q->direct->offset, q->at.geometric_normal);
+    q->rays.origin_x[i] = o.x, q->rays.origin_y[i] = o.y, q->rays.origin_z[i] = o.z;
+    q->rays.direction_x[i] = direction.x, q->rays.direction_y[i] = direction.y, q->rays.direction_z[i] = direction.z;
+    q->rays.near[i] = 0.0f;
+    q->rays.far[i] = far;
+    q->rays.skip[i] = q->at.triangle;
+}
+
+static void end_light_samples(queue *q, sl_counters *counters) {
+    uint32_t occluded = q->count ? sl_trace_occluded(q->direct->tracer, &q->rays, q->count, true, counters) : 0;
+    for (unsigned i = 0; i < q->count; i++) {
+        if (!(occluded >> i & 1u)) q->sum = sl_rgb_add(q->sum, q->light[i]);
+    }
+    q->count = 0;
+}
+
+/* Radiance over the sum of both densities (a sample of each kind each): one over the heuristic's weight times the density. */
+static void add_light_sample(queue *q, const float u[3], float scale, sl_counters *counters) {
+    sl_light_sample s;
+    if (!sl_light_sampler_sample(q->direct->sampler, q->at.position, u[0], u[1], u[2], &s) || s.triangle == q->at.triangle) return;
+    sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
+    if (!(sl_rgb_max(f) > 0.0f)) return;
+    float weight = s.pdf / (s.pdf + sl_bsdf_pdf(&q->lobe, s.to_light));
+    q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight * scale);
+    bool far_away = isinf(s.distance);
+    sl_vec3 aim = far_away ? s.to_light : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, q->direct->offset));
+    push(q, aim, far_away ? INFINITY : 0.9999f);
+    if (q->count == SL_PACKET) end_light_samples(q, counters);
+}
+
+/* What a ray of the lobe meets, if that is a light that the sampler knows. */
+static sl_rgb light_met(const sl_direct *direct, sl_vec3 direction, uint32_t triangle) {
+    const sl_scene *scene = direct->scene;
+    if (triangle == SL_NO_INDEX) return direct->settings.sun ? sl_environment_radiance(direct->settings.sun, direction) : sl_grey(0.0f);
+    uint32_t emitter = scene->emitter_of_triangle[triangle];
+    if (emitter == SL_NO_INDEX) return sl_grey(0.0f);
+    bool front = sl_dot(sl_scene_geometric_normal(scene, triangle), direction) < 0.0f;
+    return front || scene->emitters[emitter].two_sided ? scene->emitters[emitter].radiance : sl_grey(0.0f);
+}
+
+static void end_lobe_samples(queue *q, float scale, sl_counters *counters) {
+    sl_hit16 hits;
+    if (q->count) sl_trace(q->direct->tracer, &q->rays, q->count, true, &hits, counters);
+    for (unsigned i = 0; i < q->count; i++) {
+        sl_vec3 d = sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]);
+        sl_rgb radiance = light_met(q->direct, d, hits.triangle[i]);
+        if (!(sl_rgb_max(radiance) > 0.0f)) continue;
+        float other = sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i], hits.t[i]);
+        sl_rgb f = sl_bsdf_reflect(&q->lobe, d, SL_LOBE_GLOSSY);
+        q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance), scale / (q->pdf[i] + other)));
+    }
+    q->count = 0;
+}
+
+static void add_lobe_sample(queue *q, const float u[3], float scale, sl_counters *counters) {
+    sl_vec3 direction;
+    if (!sl_bsdf_sample(&q->lobe, u[0], u[1], u[2], &direction)) return;
+    float pdf = sl_bsdf_pdf(&q->lobe, direction);
+    if (!(pdf > 0.0f)) return;
+    q->pdf[q->count] = pdf;
+    push(q, direction, INFINITY);
+    if (q->count == SL_PACKET) end_lobe_samples(q, scale, counters);
+}
+
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, uint32_t samples, sl_counters *counters) {
+    sl_lit_block one = {.count = 0};
+    sl_lit_block_add(direct, gbuffer, pixel, &one);
+    queue q = {.direct = direct, .at = sl_receiver_at(direct, gbuffer, pixel)};
+    sl_surface surface = {.position = q.at.position, .geometric_normal = q.at.geometric_normal, .normal = q.at.normal,
+                          .material = q.at.material};
+    q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
+    float scale = 1.0f / (float)samples;
+    for (uint32_t s = 0; s < samples; s++) {
+        float u[3];
+        sl_direct_point(direct, &one, 0, s, 3, u);
+        add_light_sample(&q, u, scale, counters);
+    }
+    end_light_samples(&q, counters);
+    for (uint32_t s = 0; s < samples; s++) {
+        float u[3];
+        sl_direct_point(direct, &one, 0, s, 4, u);
+        add_lobe_sample(&q, u, scale, counters);
+    }
+    end_lobe_samples(&q, scale, counters);
+    return q.sum;
+}

@@ -1,0 +1,47 @@
+/* Loops of direct light over a block of pixels that are compiled for every instruction set. */
+#ifndef SL_CACHE_SPLATTING_DIRECT_KERNELS_H
+#define SL_CACHE_SPLATTING_DIRECT_KERNELS_H
+
+#include "cache/light/light_kernels.h"
+
+/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over its luminance). */
+enum { SL_SIDE_VALUES = 16 };
+
+typedef struct sl_aim_block {
+    const sl_light_points *points;
+    size_t sides;               /* that can light some point of the block */
+    const uint32_t *side;       /* which, into triangles */
+    const float *triangles;
+    const float *share;         /* irradiance from each of them over its luminance, SL_LIGHT_BLOCK values a side */
+    const float *sums;          /* cumulative irradiances (luminance), SL_LIGHT_BLOCK values a side */
+    const float *u0, *u1, *u2;  /* which side, and the point of it */
+    int32_t *chosen;            /* out: which of the sides */
+    float *x, *y, *z;           /* out: towards the light's point, whole */
+    float *weight;              /* out: the sample's irradiance (luminance), shadows aside; both 0 where none arrives */
+    float *r, *g, *b;           /* out: its chromaticity */
+    float *wanted;              /* out: 1 where a ray must tell, 0: not lit, or the surface itself is in the way */
+} sl_aim_block;
+
+/* Chooses a side in proportion to its irradiance and a point of it by area. */
+typedef void sl_aim_kernel(const sl_aim_block *block);
+
+typedef struct sl_direct_kernels {
+    sl_aim_kernel *aim;
+} sl_direct_kernels;
+
+#define SL_DECLARE_DIRECT_KERNELS(isa) sl_aim_kernel sl_direct_aim_##isa
+
+SL_DECLARE_DIRECT_KERNELS(baseline);
+SL_DECLARE_DIRECT_KERNELS(avx2);
+SL_DECLARE_DIRECT_KERNELS(avx512);
+
+static inline sl_direct_kernels sl_direct_kernels_for(sl_isa isa) {
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return (sl_direct_kernels){sl_direct_aim_avx512};
+    if (isa == SL_ISA_AVX2) return (sl_direct_kernels){sl_direct_aim_avx2};
+#endif
+    (void)isa;
+    return (sl_direct_kernels){sl_direct_aim_baseline};
+}
+
+#endif
