@@ -12,7 +12,7 @@ enum { EVERY_LIGHT_MAX = 8 };
 
 sl_gather_settings sl_gather_defaults(void) {
     return (sl_gather_settings){.kind = SL_GATHER_AUTO, .size = 64, .plane_fov = (float)(140.0 / 180.0 * SL_PI),
-                                .border = SL_BORDER_RADIAL, .jitter = true, .direct = SL_DIRECT_AUTO, .hit_samples = 1};
+                                .border = SL_BORDER_RADIAL, .jitter = true, .more_rays = 0.5f, .direct = SL_DIRECT_AUTO, .hit_samples = 1};
 }
 
 /* ---- decisions ------------------------------------------------------------------------------------------------------ */
@@ -93,6 +93,8 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->settings = *settings;
     decide_direct(tracer, &gather->settings);
     if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
+    if (!(gather->settings.more_rays >= 0.0f)) gather->settings.more_rays = 0.0f;
+    if (gather->settings.more_rays > 4.0f) gather->settings.more_rays = 4.0f;
     gather->offset = 1e-5f * scene->diagonal;
     gather->isa = sl_isa_best();
     gather->kernels = sl_gather_kernels_for(gather->isa);
@@ -123,7 +125,8 @@ sl_gather_kind sl_gather_kind_used(const sl_gather *gather) { return gather->set
 
 size_t sl_gather_memory_bytes(const sl_gather *gather) {
     return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
-           (gather->projection ? sl_projection_bytes(gather->projection) : 0);
+           (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
+           (gather->sources ? sl_light_sources_bytes(gather->sources) + sl_visible_lights_bytes(gather->visible) : 0);
 }
 
 size_t sl_gather_coefficient_count(const sl_gather *gather) {
@@ -132,7 +135,7 @@ size_t sl_gather_coefficient_count(const sl_gather *gather) {
 
 /* ---- scratch ------------------------------------------------------------------------------------------------------------ */
 
-enum { HIT_PLANES = 24, CELL_PLANES = 6, RASTER_PLANES = 8 };
+enum { HIT_PLANES = 24, SLOT_PLANES = 5, CELL_PLANES = 7, RASTER_PLANES = 8 };
 
 /* Planes of `stride` floats from one block, one after the other. */
 typedef struct cutter {
@@ -156,6 +159,14 @@ static void cut_hits(cutter *c, sl_gather_hits *h) {
     h->triangle = (uint32_t *)(void *)cut(c);
 }
 
+static void cut_slots(cutter *c, sl_gather_scratch *s) {
+    s->slot_cell = (uint32_t *)(void *)cut(c);
+    s->slot_share = cut(c);
+    s->more_a = cut(c);
+    s->more_b = cut(c);
+    s->more_bits = (uint32_t *)(void *)cut(c);
+}
+
 static void cut_raster(cutter *c, sl_gather_scratch *s) {
     s->target_id = (uint32_t *)(void *)cut(c);
     s->target_depth = cut(c);
@@ -174,11 +185,13 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     if (!s) return sl_fail_memory(error, "a gather's buffers");
     s->gather = gather;
     size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first, and the cell before it */
-    size_t stride = lead + (t->padded + 15) / 16 * 16;
-    s->block = sl_allocate(stride * (HIT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
+    bool more = t->kind == SL_GATHER_RAYS && gather->settings.jitter;
+    s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
+    size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded, stride = lead + (slots + 15) / 16 * 16;
+    s->block = sl_allocate(stride * (HIT_PLANES + SLOT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
     sl_status status = s->block && s->pixels ? SL_OK : sl_fail_memory(error, "a gather's buffers");
-    if (status == SL_OK && gather->sources) status = sl_light_scratch_create(gather, t->padded, false, &s->light, error);
+    if (status == SL_OK && gather->sources) status = sl_light_scratch_create(gather, slots, false, &s->light, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
     }
@@ -188,10 +201,13 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     }
     cutter c = {s->block, stride};
     cut_hits(&c, &s->hits);
+    cut_slots(&c, s);
     cut_raster(&c, s);
-    float **planes[CELL_PLANES] = {&s->planes.r, &s->planes.g, &s->planes.b, &s->planes.nearness, &s->planes.distance, &s->planes.mean};
+    float **planes[CELL_PLANES] = {&s->planes.r, &s->planes.g, &s->planes.b, &s->planes.nearness, &s->planes.distance,
+                                    &s->planes.first, &s->planes.mean};
     for (int i = 0; i < CELL_PLANES; i++) *planes[i] = cut(&c) + lead;
     for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
+    for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
     *out = s;
     return SL_OK;
 }
@@ -222,6 +238,8 @@ static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *
 sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                              sl_counters *counters) {
     sl_gather_view view = make_view(gather, point, scratch);
+    scratch->slots = gather->tables->used;
+    for (size_t k = 0; k < scratch->slots; k++) scratch->slot_share[k] = 1.0f;
     switch (gather->settings.kind) {
     case SL_GATHER_PLANE: sl_gather_see_plane(&view, counters); break;
     case SL_GATHER_HEMICUBE: sl_gather_see_hemicube(&view, counters); break;
@@ -240,7 +258,7 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
     sl_count(counters, SL_COUNT_GATHERS, 1);
     sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
     sl_gather_shade(&view, &nearest, &back_weight, counters);
-    gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, &sums);
+    gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
     gather->kernels.curvature(gather->tables, p->r, p->g, p->b, p->nearness, p->mean, &curvature);
     sl_gather_finish(&view, &sums, &curvature, irradiance);
     irradiance->nearest = nearest;

@@ -36,6 +36,7 @@ typedef struct sl_gather_settings {
     float plane_fov;          /* radians; 140 degrees by default */
     sl_border border;         /* plane only; RADIAL by default */
     bool jitter;              /* rays: jittered inside their cells */
+    float more_rays;          /* rays, jittered: how many more of them, in N^2, go where radiance varies; 0: none, at most 4 */
     bool emission;            /* emitters and the environment are seen by the gather; off where the direct pass samples them */
     const sl_environment *background; /* seen even where emission is off, the sky whose light the cache carries; or NULL. It must outlive
                                          the gather */

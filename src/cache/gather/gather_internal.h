@@ -38,7 +38,7 @@ struct sl_gather {
     sl_hit_light_kernels light_kernels;
 };
 
-/* What was seen in the cells, by slot: slot k is cell order[k]. */
+/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells (more_rays.c). */
 typedef struct sl_gather_hits {
     uint32_t *triangle;                             /* SL_NO_INDEX: nothing */
     float *depth, *w1, *w2;                         /* position = eye + depth * direction */
@@ -54,13 +54,19 @@ typedef struct sl_gather_hits {
 
 /* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be read. */
 typedef struct sl_gather_planes {
-    float *r, *g, *b, *nearness, *distance; /* radiance, 1 / depth (0: nothing seen), distance */
+    float *r, *g, *b, *nearness; /* radiance; 1 / depth of the nearest thing seen, with which the cell's walls move (0: nothing) */
+    float *first, *distance;     /* 1 / depth and distance of what the first ray saw */
     float *mean;                            /* of r, g, b */
 } sl_gather_planes;
 
 struct sl_gather_scratch {
     const sl_gather *gather;
     float *block;
+    size_t slots, slots_max;
+    uint32_t *slot_cell;
+    float *slot_share;       /* 1 over the rays of the slot's cell */
+    float *more_a, *more_b;  /* slots beyond the cells: as slot_a, slot_b of the tables; and the jitter, 16 bits each */
+    uint32_t *more_bits;
     sl_gather_hits hits;
     sl_gather_planes planes;
     sl_light_scratch *light; /* or NULL */
@@ -87,12 +93,17 @@ sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *poi
 void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
+/* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c). */
+void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
 /* After a raster render: fills slots from cell_id, cell_depth, cell_w1, cell_w2. */
 void sl_gather_hits_of_cells(const sl_gather_view *view);
 
 /* Adds the light of more bounces to the hits' irradiance (hidden_light.c). */
 void sl_gather_add_hidden_light(const sl_gather_view *view, sl_counters *counters);
 
+/* What slot k sees shine by itself. */
+sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
 /* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as in sl_irradiance. */
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
 

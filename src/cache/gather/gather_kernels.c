@@ -20,7 +20,7 @@ void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
     float *restrict out_x = c->x, *restrict out_y = c->y, *restrict out_z = c->z;
     sl_frame f = c->frame;
     for (size_t k = 0; k < c->count; k++) { /* one random number makes both jitters */
-        uint32_t bits = c->jitter ? sl_random_bits(c->key, k) : 0x80008000u;
+        uint32_t bits = c->bits ? c->bits[k] : c->jitter ? sl_random_bits(c->key, k) : 0x80008000u;
         out_x[k] = (float)(bits >> 16) * 0x1p-16f;
         out_y[k] = (float)(bits & 0xffffu) * 0x1p-16f;
     }
@@ -37,6 +37,29 @@ void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
         out_x[k] = f.x.x * x + f.y.x * y + f.z.x * z;
         out_y[k] = f.x.y * x + f.y.y * y + f.z.y * z;
         out_z[k] = f.x.z * x + f.y.z * y + f.z.z * z;
+    }
+}
+
+/* ---- how radiance varies -------------------------------------------------------------------------------------------- */
+
+static inline float deviation(const float *below, const float *here, const float *above, size_t left, size_t x, size_t right) {
+    float v[8] = {below[left], below[x], below[right], here[left], here[right], above[left], above[x], above[right]};
+    float mean = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+    mean *= 0.125f;
+    float d[8];
+    for (int i = 0; i < 8; i++) d[i] = (v[i] - mean) * (v[i] - mean);
+    return sqrtf((((d[0] + d[1]) + (d[2] + d[3])) + ((d[4] + d[5]) + (d[6] + d[7]))) * 0.125f);
+}
+
+void SL_KERNEL(sl_gather_spread)(int width, int height, const float *restrict value, float *restrict spread) {
+    size_t w = (size_t)width, h = (size_t)height;
+    for (size_t y = 0; y < h; y++) {
+        const float *below = value + w * (y > 0 ? y - 1 : 1), *here = value + w * y, *above = value + w * (y + 1 < h ? y + 1 : h - 2);
+        float *to = spread + w * y;
+        to[0] = deviation(below, here, above, 1, 0, 1);
+        to[w - 1] = deviation(below, here, above, w - 2, w - 1, w - 2);
+#pragma omp simd
+        for (size_t x = 1; x < w - 1; x++) to[x] = deviation(below, here, above, x - 1, x, x + 1);
     }
 }
 
@@ -135,13 +158,13 @@ static void sum_walls(const sl_gather_tables *t, size_t cells, const float *rest
 }
 
 void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
-                               const float *nearness, sl_gather_sums *sums) {
+                               const float *nearness, const float *first, sl_gather_sums *sums) {
     const float *channel[3] = {r, g, b};
     for (int c = 0; c < 3; c++) {
         sum_cells(t, t->padded, channel[c], &sums->irradiance[c], sums->rotational[c]);
         sum_walls(t, t->padded, channel[c], nearness, sums->translational[c]);
     }
-    sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, nearness);
+    sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, first);
 }
 
 /* ---- second derivatives ----------------------------------------------------------------------------------------------------- */

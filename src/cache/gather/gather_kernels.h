@@ -23,6 +23,7 @@ typedef struct sl_ray_cells {
     float cell;       /* side of a cell in [-1,1]^2 */
     bool jitter;
     uint64_t key;
+    const uint32_t *bits; /* two jitters of 16 bits each, or NULL: drawn by the key */
     sl_frame frame;
     float *x, *y, *z; /* unit directions in the world */
 } sl_ray_cells;
@@ -39,9 +40,11 @@ typedef struct sl_surface_cells {
 } sl_surface_cells;
 
 typedef void sl_gather_directions_kernel(const sl_ray_cells *cells);
+/* The standard deviation of a cell's eight neighbours (mirrored at the picture's edges), without the cell itself. At least 2 x 2 cells. */
+typedef void sl_gather_spread_kernel(int width, int height, const float *value, float *spread);
 typedef void sl_gather_surfaces_kernel(const sl_surface_cells *cells);
 typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
-                                   const float *nearness, sl_gather_sums *sums);
+                                   const float *nearness, const float *first, sl_gather_sums *sums);
 
 /* mean: a plane to work in, laid out as the others. */
 typedef void sl_gather_curvature_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
@@ -52,13 +55,15 @@ typedef struct sl_gather_kernels {
     sl_gather_surfaces_kernel *surfaces;
     sl_gather_sums_kernel *sums;
     sl_gather_curvature_kernel *curvature;
+    sl_gather_spread_kernel *spread;
 } sl_gather_kernels;
 
 #define SL_DECLARE_GATHER_KERNELS(isa)                        \
     sl_gather_directions_kernel sl_gather_directions_##isa;   \
     sl_gather_surfaces_kernel sl_gather_surfaces_##isa;       \
     sl_gather_sums_kernel sl_gather_sums_##isa;               \
-    sl_gather_curvature_kernel sl_gather_curvature_##isa
+    sl_gather_curvature_kernel sl_gather_curvature_##isa;     \
+    sl_gather_spread_kernel sl_gather_spread_##isa
 
 SL_DECLARE_GATHER_KERNELS(baseline);
 SL_DECLARE_GATHER_KERNELS(avx2);
@@ -66,7 +71,8 @@ SL_DECLARE_GATHER_KERNELS(avx512);
 
 static inline sl_gather_kernels sl_gather_kernels_for(sl_isa isa) {
 #define SL_GATHER_KERNELS_OF(name) \
-    (sl_gather_kernels) { sl_gather_directions_##name, sl_gather_surfaces_##name, sl_gather_sums_##name, sl_gather_curvature_##name }
+    (sl_gather_kernels) { sl_gather_directions_##name, sl_gather_surfaces_##name, sl_gather_sums_##name, sl_gather_curvature_##name, \
+                          sl_gather_spread_##name }
 #ifndef SL_BASELINE_ONLY
     if (isa == SL_ISA_AVX512) return SL_GATHER_KERNELS_OF(avx512);
     if (isa == SL_ISA_AVX2) return SL_GATHER_KERNELS_OF(avx2);

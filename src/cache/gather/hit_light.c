@@ -54,11 +54,11 @@ void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float di
 
 /* ---- lights without extent ---- */
 
-static void light_by_each(const sl_gather_view *view, sl_shadow_queue *q) {
+static void light_by_each(const sl_gather_view *view, size_t first, size_t count, sl_shadow_queue *q) {
     const sl_scene *scene = view->gather->scene;
     const sl_gather_hits *h = &view->scratch->hits;
     for (size_t i = 0; i < scene->light_count; i++) {
-        for (size_t k = 0; k < view->gather->tables->used; k++) {
+        for (size_t k = first; k < first + count; k++) {
             sl_vec3 to_light;
             float distance;
             sl_rgb facing;
@@ -102,17 +102,21 @@ static void light_by_many(const sl_gather_view *view, sl_shadow_queue *q) {
     uint32_t samples = view->gather->settings.hit_samples;
     float share = 1.0f / (float)samples;
     for (uint32_t i = 0; i < samples; i++) {
-        for (size_t k = 0; k < view->gather->tables->used; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
+        for (size_t k = 0; k < view->scratch->slots; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
             if (sl_hit_reflects(h, k)) light_by_one_of_many(view, q, k, unit(select), unit(u1), unit(u2), share);
         }
     }
     sl_flush_shadow_rays(q);
 }
 
-void sl_gather_light_by_rays(const sl_gather_view *view, sl_counters *counters) {
+void sl_gather_light_first(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     sl_shadow_queue queue = {.view = view, .counters = counters, .coherent = true};
-    if (view->gather->every_light) light_by_each(view, &queue);
-    queue.coherent = false;
+    if (view->gather->every_light) light_by_each(view, first, count, &queue);
+    if (view->gather->sources) sl_gather_expect_light(view, first, count);
+}
+
+void sl_gather_light_sampled(const sl_gather_view *view, sl_counters *counters) {
+    sl_shadow_queue queue = {.view = view, .counters = counters, .coherent = false};
     if (view->gather->sources) sl_gather_light_by_samples(view, &queue);
     if (view->gather->sampler) light_by_many(view, &queue);
 }

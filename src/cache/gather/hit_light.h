@@ -37,9 +37,12 @@ static inline float sl_hit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) 
     return cosine > 0.0f && above > 0.0f ? cosine : 0.0f;
 }
 
-/* Direct light on all hits by shadow rays (hit_light.c). */
-void sl_gather_light_by_rays(const sl_gather_view *view, sl_counters *counters);
+/* Direct light by shadow rays (hit_light.c): from the lights that light every hit, on slots first to first + count, and what is expected of the
+ * others there; then samples of these on all slots. */
+void sl_gather_light_first(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters);
+void sl_gather_light_sampled(const sl_gather_view *view, sl_counters *counters);
 /* The samples' part of it, where the sources are few enough to be weighed at every hit (hit_samples.c). */
+void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count);
 void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q);
 
 #endif

@@ -24,24 +24,23 @@ static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
 /* ---- what may come ---- */
 
-static sl_expected_light expected_light(const sl_gather_view *view) {
+static sl_expected_light expected_light(const sl_gather_view *view, size_t first, size_t count) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_light_scratch *s = view->scratch->light;
-    return (sl_expected_light){.count = view->gather->tables->used, .x = h->position_x, .y = h->position_y, .z = h->position_z,
-                               .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z,
-                               .geometric_x = h->geometric_x, .geometric_y = h->geometric_y, .geometric_z = h->geometric_z,
-                               .reflects = s->reflects, .region = s->region, .of_block = s->of_block, .sum = s->expected};
+    return (sl_expected_light){.count = count, .x = h->position_x + first, .y = h->position_y + first, .z = h->position_z + first,
+                               .normal_x = h->normal_x + first, .normal_y = h->normal_y + first, .normal_z = h->normal_z + first,
+                               .geometric_x = h->geometric_x + first, .geometric_y = h->geometric_y + first, .geometric_z = h->geometric_z + first,
+                               .reflects = s->reflects + first, .region = s->region + first, .of_block = s->of_block + first * SL_SOURCE_BLOCKS_MAX,
+                               .sum = s->expected + first};
 }
 
-static void expect_light(const sl_gather_view *view) {
+void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count) {
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_gather_tables *t = view->gather->tables;
     sl_light_scratch *s = view->scratch->light;
-    for (size_t k = 0; k < t->used; k++) {
-        float albedo = h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k];
-        s->reflects[k] = sl_hit_reflects(h, k) ? albedo * t->weight[t->order[k]] : 0.0f;
+    for (size_t k = first; k < first + count; k++) {
+        s->reflects[k] = sl_hit_reflects(h, k) ? h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k] : 0.0f;
     }
-    sl_expected_light light = expected_light(view);
+    sl_expected_light light = expected_light(view, first, count);
     view->gather->light_kernels.expect(view->gather->sources, view->gather->visible, &light);
 }
 
@@ -50,18 +49,19 @@ static void expect_light(const sl_gather_view *view) {
 /* s->samples_at becomes the expected number of samples of every hit. */
 static void share_budget(const sl_gather_view *view) {
     sl_light_scratch *s = view->scratch->light;
-    size_t used = view->gather->tables->used;
+    size_t slots = view->scratch->slots;
+    const float *weight = view->gather->tables->weight, *share = view->scratch->slot_share;
     double sum = 0.0;
     s->lit = 0;
-    for (size_t k = 0; k < used; k++) {
-        s->samples_at[k] = s->expected[k] * s->reflects[k];
+    for (size_t k = 0; k < slots; k++) {
+        s->samples_at[k] = s->expected[k] * s->reflects[k] * (weight[view->scratch->slot_cell[k]] * share[k]);
         sum += (double)s->samples_at[k];
         s->lit += s->expected[k] > 0.0f;
     }
     double budget = (double)view->gather->settings.hit_samples;
     bool uneven = sum > 0.0 && isfinite(sum);
     float even = (float)(uneven ? EVEN_SHARE * budget : budget), by_light = (float)(uneven ? (1.0 - EVEN_SHARE) * budget * (double)s->lit / sum : 0.0);
-    for (size_t k = 0; k < used; k++) s->samples_at[k] = s->expected[k] > 0.0f ? even + by_light * s->samples_at[k] : 0.0f;
+    for (size_t k = 0; k < slots; k++) s->samples_at[k] = s->expected[k] > 0.0f ? even + by_light * s->samples_at[k] : 0.0f;
 }
 
 /* ---- which source ---- */
@@ -115,7 +115,7 @@ static bool choose_source(const sl_gather_view *view, const sl_expected_light *l
 /* Systematic sampling: hit after hit, one sample whenever the sum of the expected numbers passes the next whole one. */
 static void draw_samples(const sl_gather_view *view, uint64_t key) {
     sl_light_scratch *s = view->scratch->light;
-    sl_expected_light light = expected_light(view);
+    sl_expected_light light = expected_light(view, 0, view->scratch->slots);
     double sum = (double)sl_random_unit(key, 0);
     uint32_t before = 0, select = sl_random_bits(key, 1), again = sl_random_bits(key, 2);
     s->samples = 0;
@@ -308,7 +308,6 @@ void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q) 
     sl_light_scratch *s = view->scratch->light;
     uint64_t key = sl_random_key(view->point->key, 1);
     s->samples = 0;
-    expect_light(view);
     share_budget(view);
     draw_samples(view, key);
     sort_by_source(view);

@@ -40,21 +40,21 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     h->diffuse_b[k] = diffuse.b;
 }
 
-static void make_surfaces(const sl_gather_view *view) {
+static void make_surfaces(const sl_gather_view *view, size_t first, size_t count) {
     const sl_gather *gather = view->gather;
     const sl_gather_hits *h = &view->scratch->hits;
-    for (size_t k = 0; k < gather->tables->used; k++) {
+    for (size_t k = first; k < first + count; k++) {
         if (h->triangle[k] == SL_NO_INDEX) clear_slot(h, k);
         else load_slot(gather, h, k);
         h->irradiance_r[k] = h->irradiance_g[k] = h->irradiance_b[k] = 0.0f;
     }
     sl_surface_cells cells = {
-        .count = gather->tables->used, .eye = view->eye, .depth = h->depth,
-        .direction_x = h->direction_x, .direction_y = h->direction_y, .direction_z = h->direction_z,
-        .position_x = h->position_x, .position_y = h->position_y, .position_z = h->position_z,
-        .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z,
-        .geometric_x = h->geometric_x, .geometric_y = h->geometric_y, .geometric_z = h->geometric_z,
-        .cosine = h->cosine, .back = h->back};
+        .count = count, .eye = view->eye, .depth = h->depth + first,
+        .direction_x = h->direction_x + first, .direction_y = h->direction_y + first, .direction_z = h->direction_z + first,
+        .position_x = h->position_x + first, .position_y = h->position_y + first, .position_z = h->position_z + first,
+        .normal_x = h->normal_x + first, .normal_y = h->normal_y + first, .normal_z = h->normal_z + first,
+        .geometric_x = h->geometric_x + first, .geometric_y = h->geometric_y + first, .geometric_z = h->geometric_z + first,
+        .cosine = h->cosine + first, .back = h->back + first};
     gather->kernels.surfaces(&cells);
 }
 
@@ -65,21 +65,21 @@ static bool is_below_horizon(const sl_gather_view *view, size_t k) {
     return !(sl_dot(view->point->geometric_normal, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k])) > 0.0f);
 }
 
-static void drop_below_horizon(const sl_gather_view *view) {
+static void drop_below_horizon(const sl_gather_view *view, size_t first, size_t count) {
     const sl_gather_hits *h = &view->scratch->hits;
     if (sl_dot(view->point->geometric_normal, view->frame.z) >= 1.0f - 1e-6f) return; /* not tilted */
-    for (size_t k = 0; k < view->gather->tables->used; k++) {
+    for (size_t k = first; k < first + count; k++) {
         if (is_below_horizon(view, k)) h->triangle[k] = SL_NO_INDEX;
     }
 }
 
 /* ---- direct light by shadow maps ------------------------------------------------------------------------------------------ */
 
-static void light_by_maps(const sl_gather_view *view, sl_counters *counters) {
+static void light_by_maps(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     const sl_gather_hits *h = &view->scratch->hits;
     const unsigned parts = SL_MAPPED_LIGHTS | SL_MAPPED_SKY | SL_MAPPED_FEW;
-    for (size_t k = 0; k < view->gather->tables->used; k += SL_LIGHT_BLOCK) {
-        size_t rest = view->gather->tables->used - k;
+    for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
+        size_t rest = first + count - k;
         sl_light_points block = {rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK, h->position_x + k, h->position_y + k, h->position_z + k,
                                  h->geometric_x + k, h->geometric_y + k, h->geometric_z + k, h->normal_x + k, h->normal_y + k, h->normal_z + k};
         sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
@@ -98,7 +98,7 @@ static float sane(float radiance, uint64_t *nonfinite) {
     return radiance >= RADIANCE_MIN ? radiance : 0.0f;
 }
 
-static sl_rgb emission_of(const sl_gather_view *view, size_t k) {
+sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_scene *scene = view->gather->scene;
     const sl_gather_settings *settings = &view->gather->settings;
@@ -113,40 +113,62 @@ static sl_rgb emission_of(const sl_gather_view *view, size_t k) {
     return h->back[k] > 0.0f && !material->emission_two_sided ? sl_grey(0.0f) : material->emission;
 }
 
-static void write_cell(const sl_gather_view *view, size_t k, float length, uint64_t *nonfinite) {
+/* The mean of the rays of a cell; the nearest thing that they met, and what the first one did. */
+static void write_slot(const sl_gather_view *view, size_t k, float length, uint64_t *nonfinite) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_gather_planes *p = &view->scratch->planes;
-    uint32_t cell = view->gather->tables->order[k];
+    uint32_t cell = view->scratch->slot_cell[k];
+    float share = view->scratch->slot_share[k];
     const float inverse_pi = (float)(1.0 / SL_PI);
     sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k], h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
                        h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
-    radiance = sl_rgb_add(radiance, emission_of(view, k));
-    p->r[cell] = sane(radiance.r, nonfinite);
-    p->g[cell] = sane(radiance.g, nonfinite);
-    p->b[cell] = sane(radiance.b, nonfinite);
-    bool hit = h->triangle[k] != SL_NO_INDEX;
+    radiance = sl_rgb_add(radiance, sl_gather_emission(view, k));
+    radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite), share * sane(radiance.b, nonfinite)};
     float nearest_depth = 2.0f * view->gather->offset;
-    p->nearness[cell] = hit ? 1.0f / (h->depth[k] > nearest_depth ? h->depth[k] : nearest_depth) : 0.0f;
+    bool hit = h->triangle[k] != SL_NO_INDEX;
+    float nearness = hit ? 1.0f / (h->depth[k] > nearest_depth ? h->depth[k] : nearest_depth) : 0.0f;
+    if (k >= view->gather->tables->used) {
+        p->r[cell] += radiance.r;
+        p->g[cell] += radiance.g;
+        p->b[cell] += radiance.b;
+        p->nearness[cell] = nearness > p->nearness[cell] ? nearness : p->nearness[cell];
+        return;
+    }
+    p->r[cell] = radiance.r;
+    p->g[cell] = radiance.g;
+    p->b[cell] = radiance.b;
+    p->nearness[cell] = p->first[cell] = nearness;
     p->distance[cell] = hit ? h->depth[k] * length : INFINITY;
+}
+
+/* ---- all of it ---- */
+
+/* Slots first to first + count: what they see, lit by all but samples. */
+static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
+    drop_below_horizon(view, first, count);
+    make_surfaces(view, first, count);
+    if (view->gather->maps) light_by_maps(view, first, count, counters);
+    else sl_gather_light_first(view, first, count, counters);
 }
 
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters) {
     const sl_gather *gather = view->gather;
     const sl_gather_tables *t = gather->tables;
-    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_gather_scratch *s = view->scratch;
+    const sl_gather_hits *h = &s->hits;
     uint64_t nonfinite = 0;
     *nearest = INFINITY;
     *back_weight = 0.0;
-    drop_below_horizon(view);
-    make_surfaces(view);
-    if (gather->maps) light_by_maps(view, counters);
-    else sl_gather_light_by_rays(view, counters);
+    begin_slots(view, 0, t->used, counters);
+    sl_gather_add_rays(view, counters);
+    begin_slots(view, t->used, s->slots - t->used, counters);
+    if (!gather->maps) sl_gather_light_sampled(view, counters);
     if (gather->settings.hidden) sl_gather_add_hidden_light(view, counters);
-    for (size_t k = 0; k < t->used; k++) {
-        float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[t->order[k]];
-        write_cell(view, k, length, &nonfinite);
-        if (h->triangle[k] == SL_NO_INDEX) continue;
-        *back_weight += (double)(h->back[k] * t->weight[t->order[k]]);
+    for (size_t k = 0; k < s->slots; k++) {
+        float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
+        write_slot(view, k, length, &nonfinite);
+        if (k >= t->used || h->triangle[k] == SL_NO_INDEX) continue; /* geometry by the first rays alone, whatever the light */
+        *back_weight += (double)(h->back[k] * t->weight[s->slot_cell[k]]);
         sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
         if (!(h->cosine[k] > 0.0f) || !(sl_dot(d, view->point->geometric_normal) > 0.0f)) continue;
         float reach = h->depth[k] * length * length / h->cosine[k]; /* r / cos theta' */

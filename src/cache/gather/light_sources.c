@@ -133,21 +133,26 @@ static double power_of(const sl_light_sources *s, size_t i, const double sky[6])
     return i < s->first_block[SL_SAMPLED_FAR] * SL_SOURCE_LANES ? intensity * area : intensity;
 }
 
+/* The chances where nothing better is known: half by power, half even, for a weak source may be close by. */
 static void fill_powers(sl_light_sources *s, const double sky[6]) {
     double total = 0.0, sum = 0.0, most = 0.0;
+    size_t present = 0;
     for (size_t i = 0; i < s->count; i++) {
         double p = power_of(s, i, sky);
         s->power_sums[i] = p > 0.0 && isfinite(p) ? p : 0.0;
         most = fmax(most, s->power_sums[i]);
         total += s->power_sums[i];
+        present += s->index[i] != SL_NO_INDEX || i == s->sky;
     }
+    s->absolute = finite_part(most);
     size_t last = 0;
     for (size_t i = 0; i < s->count && total > 0.0; i++) {
         double p = s->power_sums[i];
         s->strength[i] = i == s->sky ? 0.0f : (float)(p / most);
         s->radiance[i] = (float)((double)s->radiance[i] / most);
-        s->power_share[i] = (float)(p / total);
-        s->power_sums[i] = sum += p / total;
+        double chance = s->index[i] == SL_NO_INDEX && i != s->sky ? 0.0 : 0.5 * p / total + 0.5 / (double)present;
+        s->power_share[i] = (float)chance;
+        s->power_sums[i] = sum += chance;
         if (s->power_share[i] > 0.0f) last = i;
     }
     for (size_t i = last; total > 0.0 && i < s->count; i++) s->power_sums[i] = 1.0;

@@ -7,13 +7,14 @@ static void trace_packet(const sl_gather_view *view, size_t first, unsigned coun
     const sl_gather_hits *h = &view->scratch->hits;
     sl_ray16 rays;
     sl_hit16 hits;
-    for (unsigned i = 0; i < count; i++) {
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        size_t k = first + (i < count ? i : 0);
         rays.origin_x[i] = view->eye.x;
         rays.origin_y[i] = view->eye.y;
         rays.origin_z[i] = view->eye.z;
-        rays.direction_x[i] = h->direction_x[first + i];
-        rays.direction_y[i] = h->direction_y[first + i];
-        rays.direction_z[i] = h->direction_z[first + i];
+        rays.direction_x[i] = h->direction_x[k];
+        rays.direction_y[i] = h->direction_y[k];
+        rays.direction_z[i] = h->direction_z[k];
         rays.near[i] = 2.0f * view->gather->offset;
         rays.far[i] = INFINITY;
         rays.skip[i] = view->point->triangle;
@@ -27,6 +28,24 @@ static void trace_packet(const sl_gather_view *view, size_t first, unsigned coun
     }
 }
 
+static void trace_slots(const sl_gather_view *view, size_t from, size_t to, sl_counters *counters) {
+    for (size_t first = from; first < to; first += SL_PACKET) {
+        trace_packet(view, first, to - first < SL_PACKET ? (unsigned)(to - first) : (unsigned)SL_PACKET, counters);
+    }
+}
+
+void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters) {
+    const sl_gather *gather = view->gather;
+    const sl_gather_tables *t = gather->tables;
+    const sl_gather_scratch *s = view->scratch;
+    const sl_gather_hits *h = &s->hits;
+    sl_ray_cells cells = {.count = s->slots - t->used, .slot_a = s->more_a, .slot_b = s->more_b, .cell = 2.0f / (float)t->size,
+                          .bits = s->more_bits, .frame = view->frame, .x = h->direction_x + t->used, .y = h->direction_y + t->used,
+                          .z = h->direction_z + t->used};
+    gather->kernels.directions(&cells);
+    trace_slots(view, t->used, s->slots, counters);
+}
+
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters) {
     const sl_gather *gather = view->gather;
     const sl_gather_tables *t = gather->tables;
@@ -35,8 +54,5 @@ void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters) {
                           .jitter = gather->settings.jitter, .key = sl_random_key(view->point->key, 0), .frame = view->frame,
                           .x = h->direction_x, .y = h->direction_y, .z = h->direction_z};
     gather->kernels.directions(&cells);
-    for (size_t first = 0; first < t->used; first += SL_PACKET) {
-        size_t left = t->used - first;
-        trace_packet(view, first, left < SL_PACKET ? (unsigned)left : (unsigned)SL_PACKET, counters);
-    }
+    trace_slots(view, 0, t->used, counters);
 }

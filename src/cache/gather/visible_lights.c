@@ -110,7 +110,7 @@ static sl_status make_level(level *l, int wide, const sl_visible_lights *v, cons
 
 /* ---- what matters where ---- */
 
-/* What a source may give to surfaces about a place, unhindered. */
+/* What a source may give to surfaces about a place, unhindered, to those at most `side` nearer to it than the place. */
 static double reach(const sl_light_sources *s, size_t i, sl_vec3d place, sl_vec3d normal, double side) {
     size_t block = i / SL_SOURCE_LANES;
     double strength = (double)s->strength[i];
@@ -120,7 +120,7 @@ static double reach(const sl_light_sources *s, size_t i, sl_vec3d place, sl_vec3
     sl_vec3d d = sl_scaled(sl_subd(to, place), (double)s->unit);
     double extent = (double)s->extent[i], slack = side * (double)s->unit;
     if (block >= s->first_block[SL_SAMPLED_POINT]) extent = 0.0;
-    double squared = fmax(sl_dotd(d, d), 0.25 * (extent * extent + slack * slack)), length = sqrt(squared);
+    double length = fmax(sl_lengthd(d) - slack, fmax(0.5 * extent, 0.1 * slack)), squared = length * length;
     double above = fmin(fmax(0.0, sl_dotd(d, normal) + extent + slack), length);
     if (block >= s->first_block[SL_SAMPLED_POINT]) return strength * above / (squared * length);
     double front = -((double)s->normal_x[i] * d.x + (double)s->normal_y[i] * d.y + (double)s->normal_z[i] * d.z);
