@@ -170,6 +170,24 @@ static void coefficients_are_translated_along_their_gradients_in_the_records_fra
     sl_glossy_destroy(s.glossy);
 }
 
+/* At a wall that is almost touched, where depth vanishes, gradients are beyond all measure: the lobe must not show them as a blot. */
+static void gradients_beyond_measure_change_what_is_reflected_by_half(void **state) {
+    (void)state;
+    static stage s;
+    float there[3], moved[3];
+    stage_open(&s, unit(0.3f, 0.5f, 0.7f), unit(0.3f, 0.5f, 0.7f));
+    size_t stride = sl_hsh_stride(ORDER);
+    look_from(&s, unit(0.5f, 0.2f, 0.8f), there);
+    const float steep[] = {1e5f, -1e5f, 1e30f, INFINITY, NAN};
+    for (int i = 0; i < 5; i++) {
+        for (size_t j = 0; j < 3 * stride; j++) s.coefficients[3 * stride + j] = steep[i] * s.coefficients[j];
+        s.px = 0.01f * s.record.frame.x.x, s.py = 0.01f * s.record.frame.x.y, s.pz = 0.01f * s.record.frame.x.z;
+        sl_glossy_kernel_for(sl_isa_best())(&s.view, &s.record, 0, moved);
+        for (int c = 0; c < 3; c++) assert_true(moved[c] > 0.45f * there[c] && moved[c] < 1.55f * there[c]);
+    }
+    sl_glossy_destroy(s.glossy);
+}
+
 static void every_instruction_set_reflects_the_same_bits(void **state) {
     (void)state;
     static stage s;
@@ -278,6 +296,7 @@ int main(void) {
         cmocka_unit_test(a_pixel_with_the_records_normal_reflects_what_quadrature_says),
         cmocka_unit_test(a_tilted_pixel_reflects_what_quadrature_says_but_for_what_the_record_could_not_see),
         cmocka_unit_test(coefficients_are_translated_along_their_gradients_in_the_records_frame),
+        cmocka_unit_test(gradients_beyond_measure_change_what_is_reflected_by_half),
         cmocka_unit_test(every_instruction_set_reflects_the_same_bits),
         cmocka_unit_test(an_eye_on_the_pixel_or_below_it_and_a_normal_that_is_none_give_numbers),
         cmocka_unit_test(a_glossy_wall_leaves_diffuse_pixels_as_they_were),

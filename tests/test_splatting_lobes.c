@@ -66,11 +66,13 @@ static void expected_radiance(const view_of_pixels *v, int order, const sl_moved
     double dx = (double)sl_dot(delta, f->x), dy = (double)sl_dot(delta, f->y);
     sl_moved_lobe_look_up(lobe, sl_frame_to_local(f, r), sl_frame_to_local(f, n), seen, weights);
     for (size_t k = 0; k < 3; k++) {
-        radiance[k] = 0.0;
+        double here = 0.0, change = 0.0;
         for (size_t j = 0; j < stride; j++) {
             const float *c = v->coefficients + k * stride + j;
-            radiance[k] += (double)weights[j] * ((double)c[0] + dx * (double)c[3 * stride] + dy * (double)c[6 * stride]);
+            here += (double)weights[j] * (double)c[0];
+            change += (double)weights[j] * (dx * (double)c[3 * stride] + dy * (double)c[6 * stride]);
         }
+        radiance[k] = here + fmin(fmax(change, -0.5 * fabs(here)), 0.5 * fabs(here)); /* changes by half at most */
     }
 }
 
