@@ -10,11 +10,11 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-/* A generation of scouts that finds no more than this share of its points uncovered is the last. Later ones mostly look from corners
- * into the same corners. */
-#define FEW_UNCOVERED 0.005
-enum { CAMERA_POINTS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
-enum { GENERATIONS_MIN = 2, GENERATIONS_MAX = 3 };
+enum { ORIGINS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
+/* Few look-ups of visible gathers shall miss the records; those of hidden gathers matter less, and deeper generations of scouts mostly
+ * look from corners into the same corners. */
+enum { GENERATIONS = 2 };
+static const double few_uncovered[GENERATIONS] = {0.02, 0.05};
 /* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere. */
 #define MANY_MISSED 0.01f
 /* More bounces would not change anything worth telling. */
@@ -59,28 +59,23 @@ static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
     };
 }
 
-/* What the eye sees, what gathers there see, what gathers there see ...: as deep as the light bounces, or until hardly anything new
- * turns up. */
+/* What gathers at visible points see, and what gathers there see. */
 static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
     const sl_hidden_settings *s = &cache->settings;
     const sl_cover_pass pass = cover_pass(cache);
     sl_scouted origins;
-    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, CAMERA_POINTS, &origins, counters, error);
+    sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
     size_t first = cache->list.count; /* records of the last generation start here */
-    uint32_t generations = s->bounces - 1 < GENERATIONS_MIN ? GENERATIONS_MIN : s->bounces - 1;
-    if (generations > GENERATIONS_MAX) generations = GENERATIONS_MAX;
-    for (uint32_t generation = 0; status == SL_OK && generation < generations; generation++) {
+    for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
         sl_scouted seen;
-        size_t uncovered, before = cache->list.count;
+        size_t before = cache->list.count;
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
-        status = sl_scout_from(cache->scene, cache->tracer, s, from, count, generation, &seen, counters, error);
-        if (status != SL_OK) break;
-        status = sl_cover_points(&pass, &seen, &cache->list, &uncovered, counters, error);
-        size_t points = seen.count;
+        if (count == 0) break;
+        status = sl_scout_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen, counters, error);
+        if (status == SL_OK) status = sl_cover_points(&pass, &seen, few_uncovered[generation], &cache->list, counters, error);
         sl_scouted_free(&seen);
         first = before;
-        if ((double)uncovered <= FEW_UNCOVERED * (double)points) break;
     }
     sl_scouted_free(&origins);
     return status;
@@ -177,7 +172,8 @@ static sl_status post_sentries(const sl_hidden_cache *cache, float *missed, sl_c
     sl_scouted origins, seen = {0};
     sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, SENTRIES, &origins, counters, error);
     if (status == SL_OK)
-        status = sl_scout_from(cache->scene, cache->tracer, s, origins.points, origins.count, SENTRY_GENERATION, &seen, counters, error);
+        status = sl_scout_from(cache->scene, cache->tracer, s, origins.points, origins.count, ORIGINS,
+                               SENTRY_GENERATION, &seen, counters, error);
     if (status == SL_OK) *missed = sl_share_out_of_reach(&cache->field, cache->kernel, &seen);
     sl_scouted_free(&origins);
     sl_scouted_free(&seen);

@@ -177,6 +177,7 @@ static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size,
     sl_hidden_walls *walls = sl_allocate(LARGEST_BATCH, sizeof *walls);
     sl_counters *costs = sl_allocate(LARGEST_BATCH, sizeof *costs);
     sl_status status = records && walls && costs ? SL_OK : sl_fail_memory(error, "a batch of hidden records");
+    *uncovered = 0;
     for (size_t i = 0; i < c->count; i++) *uncovered += c->weight[i] < c->pass->covered_weight;
     for (size_t next = 0; status == SL_OK && next < c->count;) {
         size_t count = 0, committed;
@@ -198,15 +199,16 @@ static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size,
     return status;
 }
 
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, sl_hidden_list *list, size_t *uncovered,
+/* The points come in an order that makes every chunk a fair sample of them all. */
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, sl_hidden_list *list,
                           sl_counters *counters, sl_error *error) {
     sl_record_tree tree = {0};
     chunk *c = sl_allocate(1, sizeof *c);
     uint64_t next = 0, at = 0, step = points->count ? golden_step(points->count) : 1;
     size_t batch_size = SMALLEST_BATCH;
     sl_status status = c ? SL_OK : sl_fail_memory(error, "places for hidden records");
-    *uncovered = 0;
-    while (status == SL_OK && next < points->count) {
+    bool few = false;
+    while (status == SL_OK && !few && next < points->count) {
         /* Later records are weighed one by one; when they have become many, the tree takes them in. */
         if (!tree.node_count || list->count > tree.records + tree.records / 4 + 64)
             status = sl_record_tree_build(pass->scene, list, 1.0f, SL_TREE_LANES, &tree, error);
@@ -217,7 +219,9 @@ sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, s
         c->known = list->count;
         fill_chunk(c, points, &next, &at, step);
         sl_parallel_for(pass->threads, (c->count + PIECE - 1) / PIECE, weigh_piece, c);
-        status = cover_chunk(c, list, &batch_size, uncovered, counters, error);
+        size_t uncovered;
+        status = cover_chunk(c, list, &batch_size, &uncovered, counters, error);
+        few = (double)uncovered <= few_uncovered * (double)c->count;
     }
     sl_record_tree_free(&tree);
     sl_free(c);

@@ -160,8 +160,9 @@ typedef struct sl_scouted {
 /* points: about so many, spread over the picture. */
 sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings, unsigned points,
                           sl_scouted *seen, sl_counters *counters, sl_error *error);
+/* most: of so many origins, spread over them all, if there are more. */
 sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
-                        const sl_gather_point *origins, size_t count, uint64_t generation, sl_scouted *seen,
+                        const sl_gather_point *origins, size_t count, size_t most, uint64_t generation, sl_scouted *seen,
                         sl_counters *counters, sl_error *error);
 void sl_scouted_free(sl_scouted *scouted);
 
@@ -177,9 +178,9 @@ typedef struct sl_cover_pass {
     unsigned threads;
 } sl_cover_pass;
 
-/* Points that no record of the list covers get one, as if they were visited one by one, in a fixed order. *uncovered: how many there
- * were at first sight. */
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, sl_hidden_list *list, size_t *uncovered,
+/* Points that no record of the list covers get one, as if they were visited one by one, in a fixed order; until among those not yet
+ * looked at few are left that have none, as a share. */
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, sl_hidden_list *list,
                           sl_counters *counters, sl_error *error);
 /* Share of the points that no record reaches at all. */
 float sl_share_out_of_reach(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_scouted *points);

@@ -1,8 +1,7 @@
 /* Irradiance at many points at once, and at the few that no hidden record covers.
  *
- * Such a point asks further around: records count as if they reached twice as far, then four times. What their rules then no longer
- * promise is tested: a record must be seen from the point. At last the nearest that is seen stands in; and a
- * point that sees none of them stays dark, as light must not come through walls. */
+ * Such a point takes what the most similar record around says, one that it sees: beyond their reach records promise nothing, and light
+ * must not come through walls. A point that sees none of the most similar ones stays dark. */
 #include "cache/bounces/hidden.h"
 
 #include <string.h>
@@ -51,75 +50,57 @@ static bool sees(const lost_point *p, const sl_record_terms *k) {
     return !(sl_trace_occluded(p->field->tracer, &ray, 1, false, p->counters) & 1u);
 }
 
-/* The terms of a record that reaches `widen` times further; normals may differ by 45 degrees at most. */
-static float widened_weight(const lost_point *p, const sl_record_terms *k, float widen) {
-    const float turn_max = 0.76536686f; /* 2 sin(22.5 degrees) */
-    float reach = sqrtf(k->reach_squared) * widen;
-    sl_record_terms wide = *k;
-    wide.accuracy = k->accuracy * widen;
-    wide.offset = k->offset / widen;
-    wide.front = -0.02f * reach - 2.0f * p->field->rules.front_tolerance;
-    wide.behind = reach + 2.0f * p->field->rules.front_tolerance;
-    float squared = sl_record_squared_distance(k, p->position.x, p->position.y, p->position.z);
-    sl_vec3 turn = sl_sub(p->normal, k->normal);
-    if (!(squared <= reach * reach) || !(sl_dot(turn, turn) <= turn_max * turn_max)) return 0.0f;
-    return sl_record_weight_at(&wide, squared, p->position.x, p->position.y, p->position.z, p->normal.x, p->normal.y,
-                               p->normal.z);
-}
+/* The most similar records of a leaf, the most similar first; what (2) calls D, walls and reach aside. Not those that face away. */
+enum { TRIES = 4 };
+typedef struct {
+    const sl_record_terms *terms[TRIES];
+    float d[TRIES];
+    int count;
+} similar_records;
 
-/* Not extrapolated: out there a gradient says little. */
-static bool widened(const lost_point *p, const sl_tree_node *leaf, float widen, sl_rgb *irradiance) {
-    const sl_hidden_list *list = p->field->list;
-    float sum[3] = {0.0f, 0.0f, 0.0f}, weight = 0.0f;
-    for (size_t i = 0; i < (size_t)leaf->blocks * SL_TREE_LANES; i++) {
-        const sl_tree_block *block = &p->field->wide->blocks[leaf->first + i / SL_TREE_LANES];
-        if (block->reach_squared[i % SL_TREE_LANES] < 0.0f) break;
-        const sl_record_terms *k = &list->terms[block->record[i % SL_TREE_LANES] & ~SL_TREE_WALLS];
-        float w = widened_weight(p, k, widen);
-        if (!(w > 0.0f) || !sees(p, k)) continue;
-        for (int c = 0; c < 3; c++) sum[c] += w * k->e[c];
-        weight += w;
+static void consider(similar_records *s, const sl_record_terms *k, float d) {
+    if (s->count == TRIES && !(d < s->d[TRIES - 1])) return;
+    int i = s->count < TRIES ? s->count++ : TRIES - 1;
+    for (; i > 0 && d < s->d[i - 1]; i--) {
+        s->d[i] = s->d[i - 1];
+        s->terms[i] = s->terms[i - 1];
     }
-    if (!(weight > 0.0f)) return false;
-    *irradiance = (sl_rgb){sum[0] / weight, sum[1] / weight, sum[2] / weight};
-    return true;
+    s->d[i] = d;
+    s->terms[i] = k;
 }
 
-static bool nearest_seen(const lost_point *p, const sl_tree_node *leaf, sl_rgb *irradiance) {
-    enum { TRIES = 8 };
+static similar_records most_similar(const lost_point *p, const sl_record_tree *tree) {
     const sl_hidden_list *list = p->field->list;
-    float beyond = -1.0f;
-    for (int try = 0; try < TRIES; try++) { /* the nearest that is farther than the last one tried */
-        const sl_record_terms *best = NULL;
-        float best_squared = 0.0f;
-        for (size_t i = 0; i < (size_t)leaf->blocks * SL_TREE_LANES; i++) {
-            const sl_tree_block *block = &p->field->wide->blocks[leaf->first + i / SL_TREE_LANES];
-            if (block->reach_squared[i % SL_TREE_LANES] < 0.0f) break;
-            const sl_record_terms *k = &list->terms[block->record[i % SL_TREE_LANES] & ~SL_TREE_WALLS];
+    const sl_tree_node *leaf = sl_tree_leaf(tree, p->position.x, p->position.y, p->position.z);
+    similar_records similar = {.count = 0};
+    for (uint32_t b = 0; b < leaf->blocks; b++) {
+        const sl_tree_block *block = &tree->blocks[leaf->first + b];
+        for (int l = 0; l < SL_TREE_LANES && block->reach_squared[l] >= 0.0f; l++) {
+            const sl_record_terms *k = &list->terms[block->record[l] & ~SL_TREE_WALLS];
+            sl_vec3 turn = sl_sub(p->normal, k->normal);
+            float turn_squared = sl_dot(turn, turn);
+            if (!(turn_squared < 2.0f)) continue;
             float squared = sl_record_squared_distance(k, p->position.x, p->position.y, p->position.z);
-            if (!(squared > beyond) || !(sl_dot(k->normal, p->normal) > 0.0f) || (best && !(squared < best_squared))) continue;
-            best = k;
-            best_squared = squared;
+            consider(&similar, k, sqrtf(squared) * k->inverse_radius + sqrtf(turn_squared) * 0.70710678f);
         }
-        if (!best) return false;
-        if (sees(p, best)) {
-            *irradiance = (sl_rgb){best->e[0], best->e[1], best->e[2]};
-            return true;
-        }
-        beyond = best_squared;
     }
-    return false;
+    return similar;
 }
 
 static sl_rgb irradiance_of_lost(const sl_hidden_field *field, const sl_hidden_points *points, size_t i, sl_counters *counters) {
-    sl_rgb e = sl_grey(0.0f);
-    sl_count(counters, SL_COUNT_HIDDEN_MISSES, 1);
-    if (!field->wide || !field->wide->node_count) return e;
     const lost_point p = {field, sl_v3(points->position_x[i], points->position_y[i], points->position_z[i]),
                           sl_v3(points->normal_x[i], points->normal_y[i], points->normal_z[i]), points->triangle[i], counters};
-    const sl_tree_node *leaf = sl_tree_leaf(field->wide, p.position.x, p.position.y, p.position.z);
-    if (!widened(&p, leaf, 2.0f, &e) && !widened(&p, leaf, 4.0f, &e)) nearest_seen(&p, leaf, &e);
-    return e;
+    const sl_record_tree *const trees[] = {field->near, field->wide};
+    sl_count(counters, SL_COUNT_HIDDEN_MISSES, 1);
+    for (int t = 0; t < 2; t++) {
+        if (!trees[t] || !trees[t]->node_count) continue;
+        const similar_records similar = most_similar(&p, trees[t]);
+        for (int k = 0; k < similar.count; k++) {
+            const float *e = similar.terms[k]->e;
+            if (sees(&p, similar.terms[k])) return (sl_rgb){e[0], e[1], e[2]};
+        }
+    }
+    return sl_grey(0.0f);
 }
 
 /* ---- all points ---- */

@@ -56,6 +56,7 @@ typedef struct {
     const sl_scene *scene;
     const sl_tracer *tracer;
     const sl_gather_point *origins;
+    size_t count, used;
     sl_gather_point *seen;
     uint64_t key;
     sl_counters *counters; /* one a worker: sums of integers, in any order */
@@ -63,7 +64,7 @@ typedef struct {
 
 static void scout_one(void *context, size_t index, unsigned worker) {
     const scout_context *c = context;
-    const sl_gather_point *origin = &c->origins[index];
+    const sl_gather_point *origin = &c->origins[(size_t)((uint64_t)index * c->count / c->used)];
     sl_gather_point *seen = c->seen + index * RAYS;
     for (unsigned i = 0; i < RAYS; i++) seen[i] = (sl_gather_point){.triangle = SL_NO_INDEX};
     if (origin->triangle == SL_NO_INDEX) return;
@@ -87,15 +88,16 @@ static void scout_one(void *context, size_t index, unsigned worker) {
 }
 
 sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
-                        const sl_gather_point *origins, size_t count, uint64_t generation, sl_scouted *seen,
+                        const sl_gather_point *origins, size_t count, size_t most, uint64_t generation, sl_scouted *seen,
                         sl_counters *counters, sl_error *error) {
-    sl_status status = make_room(count * RAYS, seen, error);
+    size_t used = count < most ? count : most;
+    sl_status status = make_room(used * RAYS, seen, error);
     sl_counters *costs = sl_allocate(settings->threads, sizeof *costs);
     if (status == SL_OK && !costs) status = sl_fail_memory(error, "places for hidden records");
     if (status == SL_OK) {
         uint64_t key = sl_random_key(settings->seed, 0x73636f7574u + generation);
-        scout_context context = {scene, tracer, origins, seen->points, key, costs};
-        sl_parallel_for(settings->threads, count, scout_one, &context);
+        scout_context context = {scene, tracer, origins, count, used, seen->points, key, costs};
+        sl_parallel_for(settings->threads, used, scout_one, &context);
         for (unsigned i = 0; i < settings->threads; i++) sl_counters_add(counters, &costs[i]);
     }
     sl_free(costs);
