@@ -236,9 +236,8 @@ static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t refere
     double ours = 0.0, theirs = 0.0, squares = 0.0, reference_squares = 0.0;
     for (uint64_t n = 0; n < 40; n++) {
         sl_gather_point point = world_surface_point(w, n);
-        sl_irradiance irradiance = irradiance_at(&b, &point);
-        if (irradiance.harmonic_mean < 0.05f) continue; /* in the slit below a box */
-        double e = (double)sl_rgb_mean(irradiance.value), r = reference_irradiance(path, w->scene, &point, n);
+        if (point.position.y < 0.01f && point.normal.y < 0.0f) continue; /* in the slit below a box, which no eye sees */
+        double e = (double)sl_rgb_mean(irradiance_at(&b, &point).value), r = reference_irradiance(path, w->scene, &point, n);
         ours += e;
         theirs += r;
         squares += (e - r) * (e - r);
@@ -252,7 +251,7 @@ static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t refere
                   (double)looked_up);
     assert_true(fabs(ours / theirs - 1.0) < most_bias);
     assert_true(sqrt(squares / reference_squares) < most_error);
-    assert_true(share < 0.01);
+    assert_true(share < 0.015); /* measured: 0.009 */
     bouncer_free(&b);
     sl_path_tracer_destroy(path);
 }
