@@ -55,6 +55,21 @@ static sl_status make_sides(sl_direct *d, sl_error *error) {
     return SL_OK;
 }
 
+static void add_texel(sl_direct *d, int row, int column) {
+    const sl_environment *sun = d->settings.sun;
+    sl_rgb radiance;
+    float solid_angle;
+    sl_vec3 direction = sl_environment_texel(sun, row, column, &radiance, &solid_angle);
+    double top = sl_cos(SL_PI * (double)row / (double)sun->height), bottom = sl_cos(SL_PI * (double)(row + 1) / (double)sun->height);
+    float luminance = sl_luminance(radiance), over = luminance > 0.0f ? 1.0f / luminance : 0.0f;
+    size_t k = d->sun_texels++;
+    d->sun_direction[k] = direction;
+    d->sun_light[k] = sl_rgb_scale(radiance, solid_angle);
+    d->sun_table[k] = (sl_sun_texel){.sum = luminance * solid_angle + (k ? d->sun_table[k - 1].sum : 0.0f),
+                                     .u = (float)column / (float)sun->width, .width = 1.0f / (float)sun->width, .top = (float)top,
+                                     .height = (float)(top - bottom), .r = radiance.r * over, .g = radiance.g * over, .b = radiance.b * over};
+}
+
 /* The texels of the sun, if they are few: then its unoccluded light is known. */
 static sl_status make_sun(sl_direct *d, sl_error *error) {
     const sl_environment *sun = d->settings.sun;
@@ -66,15 +81,12 @@ static sl_status make_sun(sl_direct *d, sl_error *error) {
     if (lit == 0 || lit > SUN_TEXELS_MAX) return SL_OK;
     d->sun_direction = sl_allocate(lit, sizeof *d->sun_direction);
     d->sun_light = sl_allocate(lit, sizeof *d->sun_light);
-    if (!d->sun_direction || !d->sun_light) return sl_fail_memory(error, "the sun");
+    d->sun_table = sl_allocate(lit, sizeof *d->sun_table);
+    if (!d->sun_direction || !d->sun_light || !d->sun_table) return sl_fail_memory(error, "the sun");
     for (int row = 0; row < sun->height; row++) {
         for (int column = 0; column < sun->width; column++) {
-            sl_rgb radiance;
-            float solid_angle;
-            sl_vec3 direction = sl_environment_texel(sun, row, column, &radiance, &solid_angle);
-            if (!(sl_rgb_max(radiance) > 0.0f)) continue;
-            d->sun_direction[d->sun_texels] = direction;
-            d->sun_light[d->sun_texels++] = sl_rgb_scale(radiance, solid_angle);
+            const float *t = sun->texels + 3 * ((size_t)row * (size_t)sun->width + (size_t)column);
+            if (t[0] > 0.0f || t[1] > 0.0f || t[2] > 0.0f) add_texel(d, row, column);
         }
     }
     return SL_OK;
@@ -121,6 +133,7 @@ void sl_direct_destroy(sl_direct *direct) {
     sl_free(direct->luminances);
     sl_free(direct->sun_direction);
     sl_free(direct->sun_light);
+    sl_free(direct->sun_table);
     sl_free(direct);
 }
 

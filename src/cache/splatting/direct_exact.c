@@ -47,17 +47,21 @@ typedef struct {
     float weight[LANES], wanted[LANES], visible[LANES];
 } light_samples;
 
+static void draw_numbers(const sl_direct *direct, const sl_lit_block *block, uint32_t sample, uint64_t stream, float *u0, float *u1, float *u2) {
+    for (size_t i = 0; i < block->count; i++) {
+        float u[3];
+        sl_direct_point(direct, block, i, sample, stream, u);
+        u0[i] = u[0];
+        u1[i] = u[1];
+        u2[i] = u[2];
+    }
+}
+
 static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first, light_samples *s) {
     sl_light_points points = sl_lit_points(block);
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
-        for (size_t i = 0; i < block->count; i++) {
-            float u[3];
-            sl_direct_point(direct, block, i, first + k, 0, u);
-            s->u0[lane + i] = u[0];
-            s->u1[lane + i] = u[1];
-            s->u2[lane + i] = u[2];
-        }
+        draw_numbers(direct, block, first + k, 0, s->u0 + lane, s->u1 + lane, s->u2 + lane);
         sl_aim_block aim = {&points, w->sides, w->side, direct->triangles, w->share, w->sums, s->u0 + lane, s->u1 + lane, s->u2 + lane,
                             s->chosen + lane, s->x + lane, s->y + lane, s->z + lane, s->weight + lane, s->r + lane, s->g + lane,
                             s->b + lane, s->wanted + lane};
@@ -66,15 +70,15 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
 }
 
 /* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and pixels. */
-static size_t order_by_emitter(const sl_lit_block *block, const weighed *w, const light_samples *s, uint32_t order[LANES]) {
+static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const light_samples *s, uint32_t order[LANES]) {
     uint32_t start[SL_EXACT_EMITTERS_MAX + 1] = {0};
     for (uint32_t k = 0; k < s->samples; k++) {
         for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
             if (s->wanted[lane] > 0.0f) start[s->chosen[lane] + 1]++;
         }
     }
-    for (size_t side = 0; side < w->sides; side++) start[side + 1] += start[side];
-    size_t count = start[w->sides];
+    for (size_t side = 0; side < sides; side++) start[side + 1] += start[side];
+    size_t count = start[sides];
     for (uint32_t k = 0; k < s->samples; k++) {
         for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
             if (s->wanted[lane] > 0.0f) order[start[s->chosen[lane]]++] = lane;
@@ -106,25 +110,81 @@ static void add_samples(const sl_lit_block *block, const light_samples *s, float
     }
 }
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
-    weighed w;
-    light_samples s;
+typedef struct {
+    float seen[SL_LIGHT_BLOCK], of[SL_LIGHT_BLOCK]; /* samples */
+} answers;
+
+/* Traces and adds up samples that are drawn. */
+static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, light_samples *s, sl_direct_sums *sums,
+                 answers *a, sl_counters *counters) {
     uint32_t order[LANES];
-    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}}, seen[SL_LIGHT_BLOCK] = {0.0f}, of[SL_LIGHT_BLOCK] = {0.0f};
-    weigh(direct, block, &w, exact);
-    if (w.sides == 0) return;
-    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
-        s.samples = range.end - first < CHUNK ? range.end - first : CHUNK;
-        draw(direct, block, &w, first, &s);
-        size_t rays = order_by_emitter(block, &w, &s, order);
-        sl_direct_trace(direct, block, rays, order, (sl_aims){s.x, s.y, s.z, false}, s.visible, counters);
-        add_samples(block, &s, 1.0f / (float)direct->settings.light_samples, sums, seen, of);
-    }
+    size_t rays = order_by_emitter(block, sides, s, order);
+    sl_direct_trace(direct, block, rays, order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible, counters);
+    add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
+}
+
+static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a, float exact[3][SL_LIGHT_BLOCK], sl_direct_sums *sums) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
         sums->samples[p] += (float)(range.end - range.first);
         if (range.first > 0) continue;
         for (int c = 0; c < 3; c++) sums->exact[c][p] += exact[c][i];
-        if (seen[i] > 0.0f && seen[i] < of[i]) sums->partly[p] = 1.0f;
+        if (a->seen[i] > 0.0f && a->seen[i] < a->of[i]) sums->partly[p] = 1.0f;
     }
+}
+
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
+    weighed w;
+    light_samples s;
+    answers a = {{0.0f}, {0.0f}};
+    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
+    weigh(direct, block, &w, exact);
+    if (w.sides == 0) return;
+    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
+        s.samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw(direct, block, &w, first, &s);
+        take(direct, block, w.sides, false, &s, sums, &a, counters);
+    }
+    conclude(block, range, &a, exact, sums);
+}
+
+/* ---- the sun, where it is a few texels: their light is known as well ---- */
+
+static void weigh_sun(const sl_direct *direct, const sl_lit_block *block, float exact[3][SL_LIGHT_BLOCK]) {
+    for (size_t t = 0; t < direct->sun_texels; t++) {
+        sl_vec3 d = direct->sun_direction[t];
+        sl_rgb light = direct->sun_light[t];
+        for (size_t i = 0; i < block->count; i++) {
+            float cosine = block->normal_x[i] * d.x + block->normal_y[i] * d.y + block->normal_z[i] * d.z;
+            cosine = cosine > 0.0f ? cosine : 0.0f;
+            exact[0][i] += light.r * cosine;
+            exact[1][i] += light.g * cosine;
+            exact[2][i] += light.b * cosine;
+        }
+    }
+}
+
+static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_t first, light_samples *s) {
+    sl_light_points points = sl_lit_points(block);
+    for (uint32_t k = 0; k < s->samples; k++) {
+        size_t lane = (size_t)k * SL_LIGHT_BLOCK;
+        draw_numbers(direct, block, first + k, 1, s->u0 + lane, s->u1 + lane, s->u2 + lane);
+        sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane, .chosen = s->chosen + lane,
+                            .x = s->x + lane, .y = s->y + lane, .z = s->z + lane, .weight = s->weight + lane, .r = s->r + lane,
+                            .g = s->g + lane, .b = s->b + lane, .wanted = s->wanted + lane};
+        direct->kernels.sun(&aim, direct->sun_table, direct->sun_texels);
+    }
+}
+
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
+    light_samples s;
+    answers a = {{0.0f}, {0.0f}};
+    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
+    weigh_sun(direct, block, exact);
+    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
+        s.samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw_sun(direct, block, first, &s);
+        take(direct, block, 1, true, &s, sums, &a, counters);
+    }
+    conclude(block, range, &a, exact, sums);
 }

@@ -3,8 +3,8 @@
  *     direct.c          strips of rows, what each pixel is, and how its light adds up
  *     direct_maps.c     by shadow maps
  *     direct_rays.c     by shadow rays: the passes over a strip
- *     direct_exact.c    emitters: Lambert's formula for all, rays for the visible share
- *     direct_sampled.c  lights without extent, the sun, emitters that are too many for that
+ *     direct_exact.c    emitters and the sun: closed forms for all of their light, rays for the visible share
+ *     direct_sampled.c  lights without extent; what is too much for closed forms
  *     direct_glossy.c   glossy lobes
  *     direct_filter.c   the visible share, smoothed where it is noise
  *     direct_kernels.c  the loops over a block of pixels
@@ -32,9 +32,10 @@ struct sl_direct {
     float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
     float *luminances;              /* of their radiances */
     bool glossy;                    /* the scene has glossy materials */
-    size_t sun_texels;              /* of few texels, whose unoccluded light is known; 0: it is sampled */
+    size_t sun_texels;              /* where they are few, their unoccluded light is known; else 0 */
     sl_vec3 *sun_direction;
     sl_rgb *sun_light;              /* radiance x solid angle */
+    sl_sun_texel *sun_table;        /* for sampling */
 };
 
 /* Pixels that reflect light, one after the other: at most SL_LIGHT_BLOCK. */
@@ -89,8 +90,9 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
                        sl_counters *counters);
 
 void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
 /* One pixel's glossy lobe and lights with extent. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, uint32_t samples, sl_counters *counters);

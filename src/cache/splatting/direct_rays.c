@@ -122,7 +122,8 @@ static void light_block(const pass *p, const sl_lit_block *block, sl_counters *c
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
     if (direct->exact_count) sl_direct_exact(direct, block, range, p->sums, counters);
     else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, range, p->sums, counters);
-    if (direct->settings.sun) sl_direct_sun(direct, block, range, p->sums, counters);
+    if (direct->sun_texels) sl_direct_sun(direct, block, range, p->sums, counters);
+    else if (direct->settings.sun) sl_direct_wide_sun(direct, block, range, p->sums, counters);
 }
 
 static void sample_row(void *context, size_t index, unsigned worker) {

@@ -1,5 +1,5 @@
-/* Lights without extent, one ray each; the sun; and emitters where they are too many, or masked, so that their unoccluded light is not
- * known: plain light samples. */
+/* Lights without extent, one ray each; and what is not known unoccluded, since it is too much (emitters, texels of the sun) or masked: plain
+ * light samples. */
 #include "base/random.h"
 #include "cache/splatting/direct_internal.h"
 
@@ -78,37 +78,17 @@ static void set_sample(const sl_lit_block *block, size_t i, sl_vec3 to_light, fl
     s->wanted[i] = cosine > 0.0f && facing > 0.0f ? 1.0f : 0.0f;
 }
 
-static void add_samples(const sl_lit_block *block, const light_samples *s, bool visible_alone, sl_direct_sums *sums, float *const into[3]) {
+static void add_samples(const sl_lit_block *block, const light_samples *s, sl_direct_sums *sums) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
-        float share = visible_alone ? s->visible[i] : 1.0f;
-        into[0][p] += s->r[i] * share;
-        into[1][p] += s->g[i] * share;
-        into[2][p] += s->b[i] * share;
+        sums->plain[0][p] += s->r[i] * s->visible[i];
+        sums->plain[1][p] += s->g[i] * s->visible[i];
+        sums->plain[2][p] += s->b[i] * s->visible[i];
     }
 }
 
-/* The sun: where it is a few texels, all of them are known, and samples tell the visible share; else they are all there is. */
-static void add_known_sun(const sl_direct *direct, const sl_lit_block *block, sl_direct_sums *sums) {
-    for (size_t t = 0; t < direct->sun_texels; t++) {
-        sl_vec3 d = direct->sun_direction[t];
-        sl_rgb light = direct->sun_light[t];
-        for (size_t i = 0; i < block->count; i++) {
-            float cosine = block->normal_x[i] * d.x + block->normal_y[i] * d.y + block->normal_z[i] * d.z;
-            cosine = cosine > 0.0f ? cosine : 0.0f;
-            size_t p = block->pixel[i] - sums->first;
-            sums->exact[0][p] += light.r * cosine;
-            sums->exact[1][p] += light.g * cosine;
-            sums->exact[2][p] += light.b * cosine;
-        }
-    }
-}
-
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
+void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
     light_samples s;
-    float seen[SL_LIGHT_BLOCK] = {0.0f}, of[SL_LIGHT_BLOCK] = {0.0f};
-    bool known = direct->sun_texels > 0;
-    if (known && range.first == 0) add_known_sun(direct, block, sums);
     for (uint32_t sample = range.first; sample < range.end; sample++) {
         for (size_t i = 0; i < block->count; i++) {
             float u[3], pdf;
@@ -119,23 +99,7 @@ void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample
             set_sample(block, i, direction, 1.0f, sl_rgb_scale(radiance, scale), &s);
         }
         sl_direct_visible(direct, block, (sl_aims){s.x, s.y, s.z, true}, s.wanted, s.visible, counters);
-        if (known) add_samples(block, &s, false, sums, sums->all);
-        add_samples(block, &s, true, sums, known ? sums->seen : sums->plain);
-        for (size_t i = 0; i < block->count; i++) {
-            float light = s.r[i] + s.g[i] + s.b[i];
-            bool counts = light > 0.0f;
-            if (sample % 2) {
-                sums->odd_seen[block->pixel[i] - sums->first] += light * s.visible[i];
-                sums->odd_all[block->pixel[i] - sums->first] += light;
-            }
-            seen[i] += counts ? s.visible[i] : 0.0f;
-            of[i] += counts ? 1.0f : 0.0f;
-        }
-    }
-    for (size_t i = 0; i < block->count && known; i++) {
-        size_t p = block->pixel[i] - sums->first;
-        sums->samples[p] += (float)(range.end - range.first);
-        if (range.first == 0 && seen[i] > 0.0f && seen[i] < of[i]) sums->partly[p] = 1.0f;
+        add_samples(block, &s, sums);
     }
 }
 
@@ -154,6 +118,6 @@ void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sa
             else s.wanted[i] = s.r[i] = s.g[i] = s.b[i] = s.x[i] = s.y[i] = s.z[i] = 0.0f;
         }
         sl_direct_visible(direct, block, (sl_aims){s.x, s.y, s.z, false}, s.wanted, s.visible, counters);
-        add_samples(block, &s, true, sums, sums->plain);
+        add_samples(block, &s, sums);
     }
 }
