@@ -10,7 +10,6 @@ typedef struct {
     const sl_direct_sums *sums;
     const sl_gbuffer *gbuffer;
     int row;
-    size_t rows;
 } window;
 
 static float ratio(const sl_direct_sums *s, int c, size_t k) { return s->all[c][k] > 0.0f ? s->seen[c][k] / s->all[c][k] : 0.0f; }
@@ -70,12 +69,26 @@ static float likeness(float difference, float variance) {
     return t > 0.0f ? t * t : 0.0f;
 }
 
+/* Does any pixel of the column scatter, within the window's rows? */
+static bool column_scatters(const window *w, int column) {
+    const sl_gbuffer *g = w->gbuffer;
+    for (int v = -RADIUS; v <= RADIUS; v++) {
+        int row = w->row + v;
+        if (row < 0 || row >= g->height || column >= g->width) continue;
+        if (scatter_of(w->sums, (size_t)row * (size_t)g->width + (size_t)column - w->sums->first) > 0.0f) return true;
+    }
+    return false;
+}
+
 void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]) {
-    window w = {sums, gbuffer, row, 0};
+    window w = {sums, gbuffer, row};
+    int scatters = -RADIUS - 1; /* the last column so far that does */
+    for (int x = 0; x < RADIUS && x < gbuffer->width; x++) scatters = column_scatters(&w, x) ? x : scatters;
     for (int x = 0; x < gbuffer->width; x++) {
+        scatters = column_scatters(&w, x + RADIUS) ? x + RADIUS : scatters;
         size_t k = (size_t)row * (size_t)gbuffer->width + (size_t)x - sums->first;
         for (int c = 0; c < 3; c++) share[c][x] = ratio(sums, c, k);
-        if (!(sums->samples[k] > 0.0f) || !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f)) continue;
+        if (scatters < x - RADIUS || !(sums->samples[k] > 0.0f) || !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f)) continue;
         neighbours n;
         find_neighbours(&w, x, &n);
         float own = visible_share(sums, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};

@@ -1,5 +1,5 @@
 /* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from the lobe are bad where lights
- * are small: both are taken, each weighted by the balance heuristic (Veach and Guibas 1995). */
+ * are small: both are taken, each weighted by the power heuristic (Veach and Guibas 1995), since one of them mostly has all but no noise. */
 #include "base/random.h"
 #include "cache/splatting/direct_internal.h"
 #include "trace/bsdf.h"
@@ -13,6 +13,8 @@ typedef struct {
     sl_rgb light[SL_PACKET];     /* what a light sample brings, if nothing is in the way */
     float pdf[SL_PACKET];        /* of lobe samples */
     unsigned count;
+    float light_count, lobe_count; /* samples of each kind */
+    float irradiance;            /* luminance of what the light samples would bring to a diffuse surface, shadows aside */
     sl_rgb sum;
 } queue;
 
@@ -34,14 +36,21 @@ static void end_light_samples(queue *q, sl_counters *counters) {
     q->count = 0;
 }
 
-/* Radiance over the sum of both densities (a sample of each kind each): one over the heuristic's weight times the density. */
-static void add_light_sample(queue *q, const float u[3], float scale, sl_counters *counters) {
+/* The heuristic's weight of a sample of the technique with density p, which the other one draws with density q; over the samples taken. */
+static float weight_of(float p, float samples, float q, float others) {
+    p *= samples;
+    q *= others;
+    return p * p / ((p * p + q * q) * samples);
+}
+
+static void add_light_sample(queue *q, const float u[2], sl_counters *counters) {
     sl_light_sample s;
-    if (!sl_light_sampler_sample(q->direct->sampler, q->at.position, u[0], u[1], u[2], &s) || s.triangle == q->at.triangle) return;
+    if (!sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s) || s.triangle == q->at.triangle) return;
+    q->irradiance += sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->at.normal, s.to_light)) / q->light_count;
     sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
     if (!(sl_rgb_max(f) > 0.0f)) return;
-    float weight = s.pdf / (s.pdf + sl_bsdf_pdf(&q->lobe, s.to_light));
-    q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight * scale);
+    float weight = weight_of(s.pdf, q->light_count, sl_bsdf_pdf(&q->lobe, s.to_light), q->lobe_count);
+    q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight);
     bool far_away = isinf(s.distance);
     sl_vec3 aim = far_away ? s.to_light : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, q->direct->offset));
     push(q, aim, far_away ? INFINITY : 0.9999f);
@@ -58,7 +67,7 @@ static sl_rgb light_met(const sl_direct *direct, sl_vec3 direction, uint32_t tri
     return front || scene->emitters[emitter].two_sided ? scene->emitters[emitter].radiance : sl_grey(0.0f);
 }
 
-static void end_lobe_samples(queue *q, float scale, sl_counters *counters) {
+static void end_lobe_samples(queue *q, sl_counters *counters) {
     sl_hit16 hits;
     if (q->count) sl_trace(q->direct->tracer, &q->rays, q->count, true, &hits, counters);
     for (unsigned i = 0; i < q->count; i++) {
@@ -67,40 +76,45 @@ static void end_lobe_samples(queue *q, float scale, sl_counters *counters) {
         if (!(sl_rgb_max(radiance) > 0.0f)) continue;
         float other = sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i], hits.t[i]);
         sl_rgb f = sl_bsdf_reflect(&q->lobe, d, SL_LOBE_GLOSSY);
-        q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance), scale / (q->pdf[i] + other)));
+        q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance), weight_of(q->pdf[i], q->lobe_count, other, q->light_count) / q->pdf[i]));
     }
     q->count = 0;
 }
 
-static void add_lobe_sample(queue *q, const float u[3], float scale, sl_counters *counters) {
+static void add_lobe_sample(queue *q, const float u[2], sl_counters *counters) {
     sl_vec3 direction;
-    if (!sl_bsdf_sample(&q->lobe, u[0], u[1], u[2], &direction)) return;
+    if (!sl_bsdf_sample(&q->lobe, 0.0f, u[0], u[1], &direction)) return;
     float pdf = sl_bsdf_pdf(&q->lobe, direction);
     if (!(pdf > 0.0f)) return;
     q->pdf[q->count] = pdf;
     push(q, direction, INFINITY);
-    if (q->count == SL_PACKET) end_lobe_samples(q, scale, counters);
+    if (q->count == SL_PACKET) end_lobe_samples(q, counters);
 }
 
-sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, uint32_t samples, sl_counters *counters) {
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples, sl_counters *counters) {
     sl_lit_block one = {.count = 0};
     sl_lit_block_add(direct, gbuffer, pixel, &one);
     queue q = {.direct = direct, .at = sl_receiver_at(direct, gbuffer, pixel)};
     sl_surface surface = {.position = q.at.position, .geometric_normal = q.at.geometric_normal, .normal = q.at.normal,
                           .material = q.at.material};
     q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
-    float scale = 1.0f / (float)samples;
-    for (uint32_t s = 0; s < samples; s++) {
-        float u[3];
-        sl_direct_point(direct, &one, 0, s, 3, u);
-        add_light_sample(&q, u, scale, counters);
+    /* Wide lobes hardly tell directions to lights from others, narrow ones do. */
+    float exponent = q.at.material->exponent;
+    uint32_t lobes = (uint32_t)(2.0f * (float)samples * exponent / (exponent + 300.0f)), lights = 2 * samples - lobes;
+    q.light_count = (float)lights;
+    q.lobe_count = (float)lobes;
+    float u[2];
+    for (uint32_t s = 0; s < lights; s++) {
+        sl_direct_point_2d(direct, &one, 0, s, 3, u);
+        add_light_sample(&q, u, counters);
     }
     end_light_samples(&q, counters);
-    for (uint32_t s = 0; s < samples; s++) {
-        float u[3];
-        sl_direct_point(direct, &one, 0, s, 4, u);
-        add_lobe_sample(&q, u, scale, counters);
+    /* What the samples bring to a diffuse surface is known (direct_exact.c): how far they are off tells of the lobe, too. */
+    if (exact > 0.0f && q.irradiance > 0.0f) q.sum = sl_rgb_scale(q.sum, exact / q.irradiance);
+    for (uint32_t s = 0; s < lobes; s++) {
+        sl_direct_point_2d(direct, &one, 0, s, 4, u);
+        add_lobe_sample(&q, u, counters);
     }
-    end_lobe_samples(&q, scale, counters);
+    end_lobe_samples(&q, counters);
     return q.sum;
 }

@@ -76,6 +76,9 @@ typedef struct sl_sample_range {
 /* Three numbers in [0,1) for a sample of point i. */
 void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[3]);
 
+/* Two; better spread, where two do. */
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[2]);
+
 /* What shadow rays aim at: from the point to the light itself, or a direction. */
 typedef struct sl_aims {
     const float *x, *y, *z;
@@ -94,8 +97,8 @@ void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample
 void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
-/* One pixel's glossy lobe and lights with extent. */
-sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, uint32_t samples, sl_counters *counters);
+/* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples, sl_counters *counters);
 /* The visible share of a row's pixels, smoothed: three planes of a row. */
 void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]);
 

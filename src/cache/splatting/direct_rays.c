@@ -15,6 +15,7 @@
 #include "cache/splatting/direct_internal.h"
 
 enum {
+    PILOT_MIN = 4,
     PENUMBRA_FACTOR = 4,
     PENUMBRA_EMITTERS_MAX = 16, /* under many emitters every pixel lies in some penumbra */
     /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the faint
@@ -23,9 +24,18 @@ enum {
     FILTER_MARGIN = 2
 };
 
+static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
 static uint32_t samples_with_refinement(const sl_direct *direct) {
     uint32_t samples = direct->settings.light_samples;
     return direct->exact_count > PENUMBRA_EMITTERS_MAX ? samples : (1 + PENUMBRA_FACTOR) * samples;
+}
+
+/* Of the first pass: what all agree on needs few, the others get more anyway. */
+static uint32_t pilot_samples(const sl_direct *direct) {
+    uint32_t samples = direct->settings.light_samples, quarter = (samples + 3) / 4;
+    if (direct->exact_count > PENUMBRA_EMITTERS_MAX) return samples;
+    return quarter < PILOT_MIN ? smaller_count(samples, PILOT_MIN) : quarter;
 }
 
 /* ---- blocks of pixels ---- */
@@ -56,9 +66,16 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
 /* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of every size share samples that
  * are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then tells most. */
 void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[3]) {
-    static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u};
+    static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u}; /* powers of 1/g, g^4 = g + 1 */
     uint32_t index = block->rank[i] * samples_with_refinement(direct) + sample;
     for (uint64_t d = 0; d < 3; d++)
+        u[d] = (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
+}
+
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[2]) {
+    static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
+    uint32_t index = block->rank[i] * 2 * direct->settings.light_samples + sample;
+    for (uint64_t d = 0; d < 2; d++)
         u[d] = (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
 }
 
@@ -117,13 +134,13 @@ static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - 
 
 static void light_block(const pass *p, const sl_lit_block *block, sl_counters *counters) {
     const sl_direct *direct = p->direct;
-    sl_sample_range range = {0, direct->settings.light_samples};
+    sl_sample_range pilot = {0, pilot_samples(direct)}, all = {0, direct->settings.light_samples};
     if (block->count == 0) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
-    if (direct->exact_count) sl_direct_exact(direct, block, range, p->sums, counters);
-    else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, range, p->sums, counters);
-    if (direct->sun_texels) sl_direct_sun(direct, block, range, p->sums, counters);
-    else if (direct->settings.sun) sl_direct_wide_sun(direct, block, range, p->sums, counters);
+    if (direct->exact_count) sl_direct_exact(direct, block, pilot, p->sums, counters);
+    else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, all, p->sums, counters);
+    if (direct->sun_texels) sl_direct_sun(direct, block, pilot, p->sums, counters);
+    else if (direct->settings.sun) sl_direct_wide_sun(direct, block, all, p->sums, counters);
 }
 
 static void sample_row(void *context, size_t index, unsigned worker) {
@@ -156,7 +173,7 @@ static bool near_penumbra(const pass *p, int x, int y) {
 
 static void refine_block(const pass *p, const sl_lit_block *block, sl_counters *counters) {
     const sl_direct *direct = p->direct;
-    sl_sample_range range = {direct->settings.light_samples, samples_with_refinement(direct)};
+    sl_sample_range range = {pilot_samples(direct), samples_with_refinement(direct)};
     if (block->count == 0) return;
     if (direct->exact_count) sl_direct_exact(direct, block, range, p->sums, counters);
     if (direct->sun_texels) sl_direct_sun(direct, block, range, p->sums, counters);
@@ -192,7 +209,8 @@ static void finish_row(void *context, size_t index, unsigned worker) {
     for (size_t i = row; i < row + width; i++) {
         size_t k = i - p->sums->first;
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
-        sl_rgb glossy = lobe ? sl_direct_lobe(direct, g, i, direct->settings.light_samples, counters_of(p, y)) : sl_grey(0.0f);
+        sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]}, glossy = {0.0f, 0.0f, 0.0f};
+        if (lobe) glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact), direct->settings.light_samples, counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
             float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i];
@@ -238,7 +256,7 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     if (made && costs) {
         pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs};
         run(&p, sample_row, row0, row1, margin);
-        if (samples_with_refinement(direct) > direct->settings.light_samples) run(&p, refine_row, row0, row1, FILTER_MARGIN);
+        if (samples_with_refinement(direct) > pilot_samples(direct)) run(&p, refine_row, row0, row1, FILTER_MARGIN);
         run(&p, finish_row, row0, row1, 0);
         for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
     }
