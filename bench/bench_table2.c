@@ -168,8 +168,8 @@ enum { TRIALS_MAX = 256 };
 
 static size_t make_trials(bool brief, trial *trials) {
     static const double accuracies[] = {1.2, 0.8, 0.5, 0.3, 0.15};
-    static const int gathers[] = {16, 24, 36, 56};
-    static const uint32_t samples[] = {4, 8, 16, 32, 64};
+    static const int gathers[] = {12, 18, 28, 44};
+    static const uint32_t samples[] = {1, 2, 4, 16, 64};
     size_t count = 0;
     for (size_t a = 0; a < 5; a += brief ? 2 : 1) {
         for (size_t g = 0; g < 4; g += brief ? 2 : 1) {

@@ -235,8 +235,8 @@ static void experiment(splat_report *r, const splat_options *o, const walk *k) {
 
 int main(int argc, char **argv) {
     static const walk walks[] = {
-        {"figure", "scenes/generated/figure.json", SL_DIRECT_RAYS, 50.0, 3.5},
-        {"figure-maps", "scenes/generated/figure.json", SL_DIRECT_SHADOW_MAPS, 50.0, 3.5},
+        {"figure", "scenes/generated/figure.json", SL_DIRECT_RAYS, -40.0, 3.5},
+        {"figure-maps", "scenes/generated/figure.json", SL_DIRECT_SHADOW_MAPS, -40.0, 3.5},
         {"cathedral", "scenes/generated/cathedral.json", SL_DIRECT_RAYS, 10.0, 12.0},
     };
     splat_options o = splat_options_parse(argc, argv);
