@@ -55,6 +55,12 @@ void sl_record_set_radius(sl_record *record, float radius) {
     for (int c = 0; c < 3; c++) record->translational[c] = sl_scale(record->translational[c], mean / change);
 }
 
+void sl_record_limit_radius(sl_record *record, double limit) {
+    if (!(limit < (double)record->own_radius)) return;
+    record->own_radius = limit > (double)record->minimum_radius ? (float)limit : record->minimum_radius;
+    sl_record_set_radius(record, record->own_radius);
+}
+
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record) {
     float radius = sl_reach_tree_limit(reaches, record->position, record->own_radius);
     return radius > record->minimum_radius ? radius : record->minimum_radius;

@@ -36,6 +36,8 @@ typedef struct sl_radius_rules {
  * through a wall, R_min (footprint: of a pixel at the record, m), R_max. */
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
                          float footprint);
+/* Another bound for R, not below R_min. */
+void sl_record_limit_radius(sl_record *record, double limit);
 /* Rule 5, of which the tree holds all own radii: R_i <= R_j + |p_i - p_j| for all j, then R_min again. Returns the radius that the record
  * should have. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);

@@ -127,6 +127,10 @@ static void gather_one(void *context, size_t index, unsigned worker) {
     sl_vec3 to_point = sl_sub(point.position, pass->camera->eye);
     float depth = -sl_dot(to_point, pass->camera->back);
     b->records[index] = sl_record_make(&point, &irradiance, &pass->radii, depth * pass->footprint_per_depth);
+    if (b->coefficients) {
+        const float *coefficients = b->coefficients + index * pass->coefficient_count;
+        sl_record_limit_radius(&b->records[index], sl_glossy_length(pass->glossy.glossy, coefficients));
+    }
 }
 
 /* ---- records behind walls ---- */
