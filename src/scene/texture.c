@@ -91,6 +91,11 @@ sl_rgb sl_texture_nearest(const sl_texture *texture, float u, float v) {
     return sl_texture_texel(texture, place_nearest(u, texture->width), texture->height - 1 - place_nearest(v, texture->height));
 }
 
+const uint8_t *sl_texture_nearest_texel(const sl_texture *texture, float u, float v) {
+    size_t column = (size_t)place_nearest(u, texture->width), row = (size_t)(texture->height - 1 - place_nearest(v, texture->height));
+    return texture->texels + 4 * (row * (size_t)texture->width + column);
+}
+
 float sl_texture_alpha(const sl_texture *texture, float u, float v) {
     footprint f = footprint_at(texture, u, v);
     float value[4];

@@ -11,6 +11,7 @@ extern const float sl_srgb_to_linear[256];
 sl_rgb sl_texture_color(const sl_texture *texture, float u, float v);
 /* The texel that a point lies in, linear. */
 sl_rgb sl_texture_nearest(const sl_texture *texture, float u, float v);
+const uint8_t *sl_texture_nearest_texel(const sl_texture *texture, float u, float v); /* its four bytes */
 /* One texel, linear; row 0 at the top. */
 sl_rgb sl_texture_texel(const sl_texture *texture, int column, int row);
 /* The alpha channel, or where there is none the luminance of the bytes as they stand (a mask is data, not a colour). */

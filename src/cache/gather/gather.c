@@ -190,7 +190,8 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded, stride = lead + (slots + 15) / 16 * 16;
     s->block = sl_allocate(stride * (HIT_PLANES + SLOT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
-    sl_status status = s->block && s->pixels ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    s->texel = sl_allocate(slots, sizeof *s->texel);
+    sl_status status = s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
     if (status == SL_OK && gather->sources) status = sl_light_scratch_create(gather, slots, false, &s->light, error);
     if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
@@ -218,6 +219,7 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     sl_light_scratch_destroy(scratch->light);
     sl_free(scratch->block);
     sl_free(scratch->pixels);
+    sl_free(scratch->texel);
     sl_free(scratch);
 }
 

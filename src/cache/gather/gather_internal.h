@@ -74,6 +74,7 @@ struct sl_gather_scratch {
     uint32_t *target_id;
     float *target_depth, *target_w1, *target_w2;
     uint32_t *pixels; /* 0, 1, 2, ... */
+    const uint8_t **texel; /* by slot: of the surface's texture, or NULL */
     uint32_t *cell_id;
     float *cell_depth, *cell_w1, *cell_w2;
 };

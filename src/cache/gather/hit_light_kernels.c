@@ -49,8 +49,11 @@ static inline float rough_angle(float y, float x) { /* of (x, y), y >= 0, in [0,
     return x < 0.0f ? 3.14159265f - a : a;
 }
 
+/* Nearer than this share of the squared distance within which points are chosen by solid angle. */
+static const float by_angle = 0.25f;
+
 /* Within an emitter's size of it: radiance times solid angle times about its mean cosine. */
-static void weigh_near_emitters(const sl_light_sources *s, size_t first, const uint8_t *visible, receiver p, float *restrict weight) {
+static void weigh_near_emitters(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first;
     const float *restrict near = s->near + first, *restrict radiance = s->radiance + first;
     const float *restrict ax = s->corner[0][0] + first, *restrict ay = s->corner[0][1] + first, *restrict az = s->corner[0][2] + first;
@@ -76,13 +79,13 @@ static void weigh_near_emitters(const sl_light_sources *s, size_t first, const u
         float mean = 0.02f + 0.5f * (middle > 0.0f ? middle : 0.0f);
         mean += (1.0f / 6.0f) * ((cu > 0.0f ? cu : 0.0f) + (cv > 0.0f ? cv : 0.0f) + (cw > 0.0f ? cw : 0.0f));
         bool risen = (middle > 0.0f) | (cu > 0.0f) | (cv > 0.0f) | (cw > 0.0f);
-        float w = risen ? radiance[l] * angle * mean * ((float)visible[l] * (1.0f / 255.0f)) : 0.0f;
-        weight[l] = ((squared < near[l]) & (weight[l] > 0.0f)) ? w : weight[l];
+        float w = risen ? radiance[l] * angle * mean * visible[l] : 0.0f;
+        weight[l] = ((squared < by_angle * near[l]) & (weight[l] > 0.0f)) ? w : weight[l];
     }
 }
 
 /* strength cos cos' / d^2 by the centroids; the cosine at the hit falls smoothly to 0 where all of an emitter has set. */
-static inline void weigh_emitters(const sl_light_sources *s, size_t first, const uint8_t *visible, receiver p, float *restrict weight) {
+static inline void weigh_emitters(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first;
     const float *restrict ex = s->normal_x + first, *restrict ey = s->normal_y + first, *restrict ez = s->normal_z + first;
     const float *restrict extents = s->extent + first, *restrict strength = s->strength + first;
@@ -100,14 +103,14 @@ static inline void weigh_emitters(const sl_light_sources *s, size_t first, const
         float front = -(ex[l] * dx + ey[l] * dy + ez[l] * dz), size = fabsf(front);
         front = two_sided[l] > 0.0f ? size : front;
         float over = 1.0f / (squared > least ? squared : least);
-        float w = strength[l] * ((float)visible[l] * (1.0f / 255.0f)) * (above * over) * (front * over);
+        float w = strength[l] * visible[l] * (above * over) * (front * over);
         weight[l] = front > 0.0f ? w : 0.0f;
-        any_near |= squared < near[l];
+        any_near |= squared < by_angle * near[l];
     }
     if (any_near) weigh_near_emitters(s, first, visible, p, weight);
 }
 
-static inline void weigh_points(const sl_light_sources *s, size_t first, const uint8_t *visible, receiver p, float *restrict weight) {
+static inline void weigh_points(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first, *restrict strength = s->strength + first;
     float unit = s->unit;
 #pragma omp simd
@@ -115,31 +118,33 @@ static inline void weigh_points(const sl_light_sources *s, size_t first, const u
         float dx = (sx[l] - p.x) * unit, dy = (sy[l] - p.y) * unit, dz = (sz[l] - p.z) * unit;
         float squared = dx * dx + dy * dy + dz * dz, above = p.normal_x * dx + p.normal_y * dy + p.normal_z * dz;
         float over = 1.0f / (squared > 1e-12f ? squared : 1e-12f);
-        float w = strength[l] * ((float)visible[l] * (1.0f / 255.0f)) * over * (above * sqrtf(over));
+        float w = strength[l] * visible[l] * over * (above * sqrtf(over));
         weight[l] = above > 0.0f ? w : 0.0f;
     }
 }
 
 /* Of the sky: the squares of a unit normal's components sum to 1, they weigh the six irradiances. */
-static inline void weigh_far(const sl_light_sources *s, size_t first, const uint8_t *visible, receiver p, float *restrict weight) {
+static inline void weigh_far(const sl_light_sources *s, size_t first, const float *restrict visible, receiver p, float *restrict weight) {
     const float *restrict sx = s->x + first, *restrict sy = s->y + first, *restrict sz = s->z + first, *restrict strength = s->strength + first;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         float above = p.normal_x * sx[l] + p.normal_y * sy[l] + p.normal_z * sz[l];
-        weight[l] = above > 0.0f ? strength[l] * ((float)visible[l] * (1.0f / 255.0f)) * above : 0.0f;
+        weight[l] = above > 0.0f ? strength[l] * visible[l] * above : 0.0f;
     }
     if (s->sky < first || s->sky >= first + LANES) return;
     const float *sky = s->sky_irradiance;
     float x = p.normal_x, y = p.normal_y, z = p.normal_z;
     float sum = x * x * (x < 0.0f ? sky[1] : sky[0]) + y * y * (y < 0.0f ? sky[3] : sky[2]) + z * z * (z < 0.0f ? sky[5] : sky[4]);
-    weight[s->sky - first] = sum * ((float)visible[s->sky - first] * (1.0f / 255.0f));
+    weight[s->sky - first] = sum * visible[s->sky - first];
 }
 
-static inline void weigh_block(const sl_light_sources *s, size_t block, const uint8_t *visible, receiver p, float *restrict weight) {
+static inline void weigh_block(const sl_light_sources *s, size_t block, const uint8_t *seen, receiver p, float *restrict weight) {
     size_t first = block * LANES;
-    if (block < s->first_block[SL_SAMPLED_POINT]) weigh_emitters(s, first, visible + first, p, weight);
-    else if (block < s->first_block[SL_SAMPLED_FAR]) weigh_points(s, first, visible + first, p, weight);
-    else weigh_far(s, first, visible + first, p, weight);
+    _Alignas(64) float visible[LANES]; /* made floats by themselves: beside bytes, floats are not computed in whole registers */
+    for (int l = 0; l < LANES; l++) visible[l] = (float)seen[first + (size_t)l] * (1.0f / 255.0f);
+    if (block < s->first_block[SL_SAMPLED_POINT]) weigh_emitters(s, first, visible, p, weight);
+    else if (block < s->first_block[SL_SAMPLED_FAR]) weigh_points(s, first, visible, p, weight);
+    else weigh_far(s, first, visible, p, weight);
 }
 
 static inline float sum_of(const float *w) { /* in a fixed shape */

@@ -4,6 +4,7 @@
 
 #include "base/counters.h"
 #include "base/math.h"
+#include "scene/texture.h"
 
 /* Radiance below this is 0 (its products would be denormal), above that it is cut (radiance-cache-splatting 8). */
 #define RADIANCE_MIN 1e-30f
@@ -23,7 +24,7 @@ static void clear_slot(const sl_gather_hits *h, size_t k) {
     h->diffuse_r[k] = h->diffuse_g[k] = h->diffuse_b[k] = 0.0f;
 }
 
-static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k) {
+static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k, const uint8_t **texel) {
     const sl_scene *s = gather->scene;
     uint32_t triangle = h->triangle[k], corner[3] = {s->vertex[0][triangle], s->vertex[1][triangle], s->vertex[2][triangle]};
     float w1 = h->w1[k], w2 = h->w2[k];
@@ -34,19 +35,32 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     h->geometric_y[k] = s->geometric_normal_y[triangle];
     h->geometric_z[k] = s->geometric_normal_z[triangle];
     const sl_material *material = &s->materials[s->material_index[triangle]];
-    sl_rgb diffuse = material->texture == SL_NO_INDEX ? material->diffuse : sl_scene_diffuse_nearest(s, triangle, w1, w2);
-    h->diffuse_r[k] = diffuse.r;
-    h->diffuse_g[k] = diffuse.g;
-    h->diffuse_b[k] = diffuse.b;
+    h->diffuse_r[k] = material->diffuse.r;
+    h->diffuse_g[k] = material->diffuse.g;
+    h->diffuse_b[k] = material->diffuse.b;
+    *texel = NULL;
+    if (material->texture == SL_NO_INDEX) return;
+    float u = interpolate(s->texture_u, corner, w1, w2), v = interpolate(s->texture_v, corner, w1, w2);
+    *texel = sl_texture_nearest_texel(&s->textures[material->texture], u, v);
+    __builtin_prefetch(*texel);
 }
 
+/* A texel that a ray finds is mostly in no cache: all are sent for before the first is read. */
 static void make_surfaces(const sl_gather_view *view, size_t first, size_t count) {
+    const uint8_t **texel = view->scratch->texel;
     const sl_gather *gather = view->gather;
     const sl_gather_hits *h = &view->scratch->hits;
     for (size_t k = first; k < first + count; k++) {
+        texel[k] = NULL;
         if (h->triangle[k] == SL_NO_INDEX) clear_slot(h, k);
-        else load_slot(gather, h, k);
+        else load_slot(gather, h, k, &texel[k]);
         h->irradiance_r[k] = h->irradiance_g[k] = h->irradiance_b[k] = 0.0f;
+    }
+    for (size_t k = first; k < first + count; k++) {
+        if (!texel[k]) continue;
+        h->diffuse_r[k] *= sl_srgb_to_linear[texel[k][0]];
+        h->diffuse_g[k] *= sl_srgb_to_linear[texel[k][1]];
+        h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
     }
     sl_surface_cells cells = {
         .count = count, .eye = view->eye, .depth = h->depth + first,

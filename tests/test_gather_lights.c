@@ -1,0 +1,270 @@
+/* How hits are lit by samples: what is drawn means the light that there is, whatever is known of the sources; what is known comes from trials. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "cache/gather/gather_internal.h"
+#include "cache/gather/hemisphere_tables.h"
+#include "gather_world.h"
+
+/* ---- a floor under lamps, some of them covered from below ---- */
+
+#define FLOOR_ALBEDO 0.6
+enum { ROW = 5 };
+
+static sl_vec3 lamp_corner(int i, int corner, float z, float size, float pitch) {
+    float x = -1.6f + pitch * (float)(i % ROW), y = -1.6f + pitch * (float)(i / ROW);
+    return sl_v3(x + (corner == 1 || corner == 2 ? size : 0.0f), y + (corner >= 2 ? size : 0.0f), z);
+}
+
+/* Lamps face down; `covered` more of them lie far to the side, above an opaque plate. */
+static world *lamps_over_floor(int lamps, int covered, float size, float pitch) {
+    world *w = world_new();
+    uint32_t floor = world_material(w, sl_grey((float)FLOOR_ALBEDO), sl_grey(0)), black = world_material(w, sl_grey(0), sl_grey(0));
+    world_quad(w, sl_v3(-30, -30, 0), sl_v3(30, -30, 0), sl_v3(30, 30, 0), sl_v3(-30, 30, 0), floor);
+    for (int i = 0; i < lamps + covered; i++) {
+        uint32_t lamp = world_material(w, sl_grey(0), sl_grey(2.0f + (float)(i % 3)));
+        sl_vec3 c[4], side = sl_v3(i < lamps ? 0.0f : 8.0f, 0.0f, 0.0f);
+        for (int k = 0; k < 4; k++) c[k] = sl_add(lamp_corner(i < lamps ? i : i - lamps, k, 2.0f, size, pitch), side);
+        world_quad(w, c[0], c[3], c[2], c[1], lamp);
+    }
+    if (covered) world_quad(w, sl_v3(5, -4, 1.9f), sl_v3(5, 4, 1.9f), sl_v3(14, 4, 1.9f), sl_v3(14, -4, 1.9f), black);
+    world_build(w);
+    return w;
+}
+
+/* Irradiance of a receiver at height h over the floor's middle that looks down, by the lamps' closed form at 256 x 256 places. The
+ * plate over the covered ones is far enough aside to take next to nothing of what arrives. */
+static double floor_light(int lamps, float size, float pitch, double h) {
+    enum { N = 256 };
+    double sum = 0;
+    for (int i = 0; i < N * N; i++) {
+        double x, y;
+        sl_concentric_disc((2.0 * (i % N) + 1.0) / N - 1.0, (2.0 * (i / N) + 1.0) / N - 1.0, &x, &y);
+        double z = sqrt(fmax(1e-12, 1 - x * x - y * y)), e = 0;
+        sl_vec3d p = {h * x / z, -h * y / z, 0};
+        if (fabs(p.x) > 30 || fabs(p.y) > 30) continue;
+        for (int l = 0; l < lamps; l++) {
+            sl_vec3d c[4];
+            for (int k = 0; k < 4; k++) c[3 - k] = sl_to_double(lamp_corner(l, k, 2.0f, size, pitch));
+            e += (2.0 + l % 3) * sl_polygon_irradiance(p, sl_v3d(0, 0, 1), c, 4, NULL);
+        }
+        sum += e * FLOOR_ALBEDO / SL_PI * SL_PI / (N * N);
+    }
+    return sum;
+}
+
+typedef struct spread {
+    double mean, deviation;
+} spread;
+
+static spread many_keys(world *w, const sl_gather_settings *s, sl_vec3 p, sl_vec3 n, int keys) {
+    gatherer g = gatherer_new(w, s);
+    double sum = 0, squares = 0;
+    for (int i = 0; i < keys; i++) {
+        double e = (double)gather_at(&g, p, n, 1000 + (uint64_t)i).value.g;
+        sum += e;
+        squares += e * e;
+    }
+    gatherer_free(&g);
+    sum /= keys;
+    return (spread){sum, sqrt(fmax(0.0, squares / keys - sum * sum))};
+}
+
+static sl_gather_settings rays_of(int size) {
+    sl_gather_settings s = sl_gather_defaults();
+    s.kind = SL_GATHER_RAYS;
+    s.size = size;
+    s.direct = SL_DIRECT_RAYS;
+    s.emission = false;
+    return s;
+}
+
+static void samples_mean_what_the_closed_form_says(void **state) {
+    (void)state;
+    enum { KEYS = 60 };
+    /* 40 emitters; 10 visible and 50 covered ones; more than are weighed one by one. */
+    const struct { int lamps, covered; float size, pitch; double allowed; } cases[3] = {
+        {20, 0, 0.5f, 0.8f, 0.004}, {5, 25, 0.5f, 0.8f, 0.006}, {140, 0, 0.09f, 0.13f, 0.01}};
+    for (int i = 0; i < 3; i++) {
+        world *w = lamps_over_floor(cases[i].lamps, cases[i].covered, cases[i].size, cases[i].pitch);
+        double truth = floor_light(cases[i].lamps, cases[i].size, cases[i].pitch, 0.5);
+        for (uint32_t samples = 1; samples <= 3; samples += 2) {
+            sl_gather_settings s = rays_of(24);
+            s.hit_samples = samples;
+            spread e = many_keys(w, &s, sl_v3(0, 0, 0.5f), sl_v3(0, 0, -1), KEYS);
+            print_message("%d + %d lamps, %u samples: %.5f, truth %.5f, one gather's deviation %.2f %%\n", cases[i].lamps, cases[i].covered,
+                          samples, e.mean, truth, 100 * e.deviation / truth);
+            assert_true(fabs(e.mean / truth - 1) < cases[i].allowed);
+            assert_true(e.deviation < 0.02 * truth);
+        }
+        world_free(w);
+    }
+}
+
+/* An open floor under an even sky: every hit gets pi L whatever direction is drawn. */
+static void open_floor_under_an_even_sky_has_no_noise(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t floor = world_material(w, sl_grey(0.5f), sl_grey(0));
+    world_quad(w, sl_v3(-3000, -3000, 0), sl_v3(3000, -3000, 0), sl_v3(3000, 3000, 0), sl_v3(-3000, 3000, 0), floor);
+    w->environment = (sl_environment){.present = true, .constant = sl_grey(2)};
+    world_build(w);
+    sl_gather_settings s = rays_of(32);
+    s.hit_samples = 4;
+    spread e = many_keys(w, &s, sl_v3(0, 0, 1), sl_v3(0, 0, -1), 8);
+    assert_true(fabs(e.mean / (SL_PI * 0.5 * 2) - 1) < 0.01);
+    assert_true(e.deviation < 0.01 * e.mean);
+    world_free(w);
+}
+
+/* ---- more rays ---- */
+
+/* A small bright square overhead, whose irradiance is known. */
+static void more_rays_keep_the_mean_and_scatter_less(void **state) {
+    (void)state;
+    enum { KEYS = 300 };
+    world *w = world_new();
+    world_quad(w, sl_v3(0.31f, 0.2f, 2), sl_v3(0.31f, 0.9f, 2), sl_v3(1.0f, 0.9f, 2), sl_v3(1.0f, 0.2f, 2), world_material(w, sl_grey(0), sl_grey(5)));
+    world_build(w);
+    const sl_vec3d corner[4] = {{0.31, 0.2, 2}, {0.31, 0.9, 2}, {1.0, 0.9, 2}, {1.0, 0.2, 2}};
+    double truth = 5 * sl_polygon_irradiance(sl_v3d(0, 0, 0), sl_v3d(0, 0, 1), corner, 4, NULL);
+    spread e[2];
+    for (int more = 0; more < 2; more++) {
+        sl_gather_settings s = rays_of(16);
+        s.emission = true;
+        s.more_rays = more ? 0.5f : 0.0f;
+        e[more] = many_keys(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1), KEYS);
+        print_message("%s rays: %.5f, truth %.5f, deviation %.2f %%\n", more ? "more" : "plain", e[more].mean, truth, 100 * e[more].deviation / truth);
+        assert_true(fabs(e[more].mean - truth) < 4 * e[more].deviation / sqrt(KEYS) + 1e-6 * truth);
+    }
+    assert_true(e[1].deviation < 0.6 * e[0].deviation);
+    world_free(w);
+}
+
+static void more_rays_are_as_many_as_asked_for_at_most(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    const float wanted[4] = {0.0f, 0.5f, 2.0f, NAN};
+    for (int i = 0; i < 4; i++) {
+        sl_gather_settings s = rays_of(20);
+        s.more_rays = wanted[i];
+        gatherer g = gatherer_new(w, &s);
+        uint64_t before = w->counters.value[SL_COUNT_RAYS];
+        gather_at(&g, sl_v3(2, 1, 3), sl_v3(0, 1, 0), 5);
+        uint64_t rays = w->counters.value[SL_COUNT_RAYS] - before;
+        assert_true(rays >= 400 && rays <= 400 + (i == 1 ? 200 : i == 2 ? 800 : 0));
+        if (i == 1) assert_true(rays > 560);
+        gatherer_free(&g);
+    }
+    world_free(w);
+}
+
+/* ---- what is known of the sources ---- */
+
+static size_t source_with_x(const sl_light_sources *s, float x) {
+    for (size_t i = 0; i < s->count; i++) {
+        if (s->index[i] != SL_NO_INDEX && fabsf(s->x[i] - x) < 0.4f) return i;
+    }
+    fail();
+    return 0;
+}
+
+/* Twenty trials that always and never arrive, mixed with three of the surroundings'. */
+static void trials_tell_what_is_visible_where(void **state) {
+    (void)state;
+    enum { TRIALS = 40 };
+    world *w = lamps_over_floor(2, 0, 0.5f, 1.2f);
+    sl_light_sources *sources;
+    sl_visible_lights *visible;
+    sl_light_trial trials[TRIALS];
+    assert_int_equal(sl_light_sources_create(w->scene, &sources, NULL), SL_OK);
+    size_t seen = source_with_x(sources, -1.35f), hidden = source_with_x(sources, -0.15f);
+    for (int i = 0; i < TRIALS; i++) {
+        trials[i] = (sl_light_trial){.position = {1.0f, 1.0f, 0.0f}, .normal = {0, 0, 1}, .source = (uint16_t)(i % 2 ? seen : hidden), .arrived = i % 2};
+    }
+    assert_int_equal(sl_visible_lights_create(sources, trials, TRIALS, &visible, NULL), SL_OK);
+    size_t known = 0;
+    size_t entries = 6 * (size_t)visible->cells[0] * (size_t)visible->cells[1] * (size_t)visible->cells[2], unknown = entries;
+    for (size_t i = 0; i < entries; i++) {
+        if (visible->region_of[i] > known) known = visible->region_of[i];
+        if (visible->region_of[i] == 0) unknown = i;
+    }
+    assert_true(known > 0 && unknown < entries);
+    const uint8_t *there = visible->visible + known * visible->sources;
+    assert_true(there[seen] > 245 && there[hidden] < 12 && there[hidden] > 0);
+    assert_int_equal(visible->visible[seen], 255); /* where nothing was tried all sources are taken for visible */
+    assert_int_equal(visible->visible[hidden], 255);
+    sl_visible_lights_destroy(visible);
+    sl_light_sources_destroy(sources);
+    world_free(w);
+}
+
+static void chances_by_power_sum_to_one_and_leave_nothing_out(void **state) {
+    (void)state;
+    world *w = lamps_over_floor(7, 0, 0.5f, 0.8f);
+    w->environment = (sl_environment){.present = true, .constant = sl_grey(1)};
+    sl_light_sources *s;
+    assert_int_equal(sl_light_sources_create(w->scene, &s, NULL), SL_OK);
+    double sum = 0;
+    size_t sources = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        bool real = s->index[i] != SL_NO_INDEX || i == s->sky;
+        assert_true(real ? s->power_share[i] > 0.0f : s->power_share[i] == 0.0f);
+        sum += (double)s->power_share[i];
+        sources += real;
+    }
+    assert_int_equal(sources, w->scene->emitter_count);
+    assert_true(fabs(sum - 1) < 1e-6);
+    for (int i = 0; i < 1000; i++) assert_true(s->power_share[sl_light_sources_by_power(s, (float)i / 1000.0f)] > 0.0f);
+    assert_true(s->power_share[sl_light_sources_by_power(s, 0x1.fffffep-1f)] > 0.0f);
+    sl_light_sources_destroy(s);
+    world_free(w);
+}
+
+/* What is learnt, and so every gather, is the same by any number of threads. */
+static void learning_is_the_same_by_any_number_of_threads(void **state) {
+    (void)state;
+    world *w = world_room(true);
+    assert_true(sl_camera_look_at(&w->scene->camera, sl_v3(0.5f, 1.5f, 5.5f), sl_v3(2.5f, 1, 2), sl_v3(0, 1, 0), 1.2f));
+    sl_gather_settings s = rays_of(24);
+    sl_gather *first = NULL;
+    sl_counters counters[3];
+    memset(counters, 0, sizeof counters);
+    for (unsigned i = 0; i < 3; i++) {
+        sl_gather *g;
+        assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1 + 2 * i, &g, &counters[i], NULL), SL_OK);
+        assert_memory_equal(&counters[i], &counters[0], sizeof counters[0]);
+        assert_true(counters[i].value[SL_COUNT_SHADOW_RAYS] > 0); /* trials are on the bill */
+        if (!first) {
+            first = g;
+            continue;
+        }
+        assert_int_equal(g->visible->region_count, first->visible->region_count);
+        assert_memory_equal(g->visible->visible, first->visible->visible, g->visible->region_count * g->visible->sources);
+        for (size_t r = 0; r < g->visible->region_count; r++) {
+            assert_true(g->visible->regions[r].blocks == first->visible->regions[r].blocks && g->visible->regions[r].rest == first->visible->regions[r].rest);
+        }
+        sl_gather_destroy(g);
+    }
+    sl_gather_destroy(first);
+    world_free(w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samples_mean_what_the_closed_form_says),
+        cmocka_unit_test(open_floor_under_an_even_sky_has_no_noise),
+        cmocka_unit_test(more_rays_keep_the_mean_and_scatter_less),
+        cmocka_unit_test(more_rays_are_as_many_as_asked_for_at_most),
+        cmocka_unit_test(trials_tell_what_is_visible_where),
+        cmocka_unit_test(chances_by_power_sum_to_one_and_leave_nothing_out),
+        cmocka_unit_test(learning_is_the_same_by_any_number_of_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
