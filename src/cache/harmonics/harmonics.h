@@ -2,11 +2,12 @@
  * Hemispherical Basis for Accurate and Efficient Rendering"; Krivanek et al. 2005: "Radiance Caching for Efficient Global
  * Illumination Computation"). Read in this order:
  *
- *   basis.c      the functions, orthonormal over the hemisphere
- *   quadrature.c Gauss-Legendre nodes, with which the tables are made
- *   phong.c      a Phong lobe times the cosine, as coefficients, for a table of outgoing directions
- *   moved_lobe.c the same lobe as coefficients in another frame than the pixel's own
- *   rotation.c   coefficients seen from a tilted frame, as in the papers
+ *   basis.c          the functions, orthonormal over the hemisphere
+ *   quadrature.c     Gauss-Legendre nodes, with which the tables are made
+ *   lobe_integral.c  a Phong lobe over circles of latitude
+ *   phong.c          the papers' table: a lobe times the cosine, as coefficients, over the outgoing angle; how much an order leaves out
+ *   rotation.c       the papers' way to another frame: coefficients seen from a tilted one
+ *   moved_lobe.c     both in one, and cheaper, which is what the renderer splats with: a pixel's lobe as coefficients in a record's frame
  *
  * Order n means bands l = 0 .. n-1, n^2 functions. Coefficients stand in this order everywhere: first those that go with
  * cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with sin(m phi), m = 1 .. l, n(n-1)/2 of
