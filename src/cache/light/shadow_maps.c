@@ -81,7 +81,8 @@ static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, 
         if (!(pdf > 0.0f)) continue;
         sl_light light = {.type = SL_LIGHT_DIRECTIONAL, .direction = sl_neg(direction),
                           .intensity = sl_rgb_scale(radiance, 1.0f / (pdf * (float)count))};
-        sl_status status = add_light(maps, raster, &light, part, smaller(maps->settings.size, 2), counters, error);
+        int size = part == SL_MAPPED_SKY ? smaller(maps->settings.size, 2) : maps->settings.size;
+        sl_status status = add_light(maps, raster, &light, part, size, counters, error);
         if (status != SL_OK) return status;
     }
     return SL_OK;

@@ -21,7 +21,7 @@
 typedef struct sl_shadow_maps sl_shadow_maps;
 
 typedef struct sl_shadow_map_settings {
-    int size;                  /* texels a side of a map or of a cube's face; samples of emitters have a quarter, of the environment half */
+    int size;                  /* texels a side of a map or of a cube's face; samples of emitters have a quarter, of the sky half */
     const sl_environment *sun; /* part of SL_MAPPED_LIGHTS; or NULL */
     const sl_environment *sky; /* is SL_MAPPED_SKY; or NULL */
     unsigned threads;
