@@ -26,7 +26,7 @@ static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
     size_t k = d->exact_count++;
     sl_polygon_light *p = &d->polygons[k];
     *p = sl_polygon_light_of(d->scene, e, back);
-    float luminance = sl_luminance(e->radiance), over = luminance > 0.0f ? 1.0f / luminance : 0.0f, *t = d->triangles + k * SL_SIDE_VALUES;
+    float luminance = sl_luminance(e->radiance), *t = d->triangles + k * SL_SIDE_VALUES;
     sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]), p->normal};
     for (int i = 0; i < 4; i++) {
         t[3 * i] = parts[i].x;
@@ -34,9 +34,9 @@ static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
         t[3 * i + 2] = parts[i].z;
     }
     t[12] = p->area;
-    t[13] = e->radiance.r * over;
-    t[14] = e->radiance.g * over;
-    t[15] = e->radiance.b * over;
+    t[13] = luminance > 0.0f ? e->radiance.r / luminance : 0.0f; /* 1 / luminance may be infinite */
+    t[14] = luminance > 0.0f ? e->radiance.g / luminance : 0.0f;
+    t[15] = luminance > 0.0f ? e->radiance.b / luminance : 0.0f;
     d->luminances[k] = luminance;
 }
 
