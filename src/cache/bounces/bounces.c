@@ -11,10 +11,12 @@
 #include "base/parallel.h"
 
 enum { ORIGINS = 1600, SENTRIES = 64, SENTRY_GENERATION = 100 };
-/* Few look-ups of visible gathers shall miss the records; those of hidden gathers matter less, and deeper generations of scouts mostly
- * look from corners into the same corners. */
+/* Few look-ups of visible gathers shall miss the records; those of hidden gathers matter less, and deeper generations of scouts
+ * mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.02, 0.05};
+/* Nor more records than that, of a place full of small things: the similar ones near by will do. */
+static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere. */
 #define MANY_MISSED 0.01f
 /* More bounces would not change anything worth telling. */
@@ -65,7 +67,7 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
     const sl_cover_pass pass = cover_pass(cache);
     sl_scouted origins;
     sl_status status = sl_scout_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
-    size_t first = cache->list.count; /* records of the last generation start here */
+    size_t start = cache->list.count, first = start; /* records of the last generation start here */
     for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
         sl_scouted seen;
         size_t before = cache->list.count;
@@ -73,7 +75,9 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0) break;
         status = sl_scout_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen, counters, error);
-        if (status == SL_OK) status = sl_cover_points(&pass, &seen, few_uncovered[generation], &cache->list, counters, error);
+        if (status == SL_OK)
+            status = sl_cover_points(&pass, &seen, few_uncovered[generation], start + most_records[generation], &cache->list,
+                                     counters, error);
         sl_scouted_free(&seen);
         first = before;
     }

@@ -200,8 +200,8 @@ static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size,
 }
 
 /* The points come in an order that makes every chunk a fair sample of them all. */
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, sl_hidden_list *list,
-                          sl_counters *counters, sl_error *error) {
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, size_t most_records,
+                          sl_hidden_list *list, sl_counters *counters, sl_error *error) {
     sl_record_tree tree = {0};
     chunk *c = sl_allocate(1, sizeof *c);
     uint64_t next = 0, at = 0, step = points->count ? golden_step(points->count) : 1;
@@ -221,7 +221,7 @@ sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, d
         sl_parallel_for(pass->threads, (c->count + PIECE - 1) / PIECE, weigh_piece, c);
         size_t uncovered;
         status = cover_chunk(c, list, &batch_size, &uncovered, counters, error);
-        few = (double)uncovered <= few_uncovered * (double)c->count;
+        few = (double)uncovered <= few_uncovered * (double)c->count || list->count >= most_records;
     }
     sl_record_tree_free(&tree);
     sl_free(c);

@@ -179,9 +179,9 @@ typedef struct sl_cover_pass {
 } sl_cover_pass;
 
 /* Points that no record of the list covers get one, as if they were visited one by one, in a fixed order; until among those not yet
- * looked at few are left that have none, as a share. */
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, sl_hidden_list *list,
-                          sl_counters *counters, sl_error *error);
+ * looked at few are left that have none, as a share, or the list is about so long. */
+sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, double few_uncovered, size_t most_records,
+                          sl_hidden_list *list, sl_counters *counters, sl_error *error);
 /* Share of the points that no record reaches at all. */
 float sl_share_out_of_reach(const sl_hidden_field *field, sl_look_up_kernel *kernel, const sl_scouted *points);
 

@@ -37,17 +37,25 @@ typedef struct {
     sl_counters *counters;
 } lost_point;
 
+static void set_segment(sl_ray16 *rays, unsigned i, sl_vec3 from, sl_vec3 to, uint32_t skip) {
+    rays->origin_x[i] = from.x, rays->origin_y[i] = from.y, rays->origin_z[i] = from.z;
+    rays->direction_x[i] = to.x - from.x, rays->direction_y[i] = to.y - from.y, rays->direction_z[i] = to.z - from.z;
+    rays->far[i] = 1.0f;
+    rays->skip[i] = skip;
+}
+
+/* Both ends are lifted, so that a convex surface does not stand between its own points; nothing may be in the way up either. */
 static bool sees(const lost_point *p, const sl_record_terms *k) {
-    float offset = p->field->offset;
-    sl_vec3 from = sl_mad(p->position, offset, p->normal), to = sl_sub(sl_mad(k->position, offset, k->normal), from);
-    sl_ray16 ray;
-    if (!(sl_dot(to, to) > 0.0f)) return true;
-    memset(&ray, 0, sizeof ray);
-    ray.origin_x[0] = from.x, ray.origin_y[0] = from.y, ray.origin_z[0] = from.z;
-    ray.direction_x[0] = to.x, ray.direction_y[0] = to.y, ray.direction_z[0] = to.z;
-    ray.far[0] = 1.0f;
-    ray.skip[0] = p->triangle;
-    return !(sl_trace_occluded(p->field->tracer, &ray, 1, false, p->counters) & 1u);
+    float offset = p->field->offset, lift = 0.15f * sl_length(sl_sub(p->position, k->position)) + 2.0f * offset;
+    sl_vec3 above = sl_mad(p->position, lift, p->normal), above_record = sl_mad(k->position, lift, k->normal);
+    sl_ray16 rays;
+    sl_vec3 across = sl_sub(above_record, above);
+    if (!(sl_dot(across, across) > 0.0f)) return true;
+    memset(&rays, 0, sizeof rays);
+    set_segment(&rays, 0, above, above_record, p->triangle);
+    set_segment(&rays, 1, sl_mad(p->position, offset, p->normal), above, p->triangle);
+    set_segment(&rays, 2, sl_mad(k->position, offset, k->normal), above_record, SL_NO_INDEX);
+    return sl_trace_occluded(p->field->tracer, &rays, 3, false, p->counters) == 0;
 }
 
 /* The most similar records of a leaf, the most similar first; what (2) calls D, walls and reach aside. Not those that face away. */
