@@ -317,6 +317,7 @@ static void experiment(splat_report *r, const splat_options *o, const char *path
     all_rows(r, scene, cache, path);
     draw(r, scene, cache, envelope, path);
     say_where_it_ends(r, scene, envelope, path);
+    splat_say(r, "\n![speed against error, %s](pictures/curve-%s.svg)\n", scene, scene);
     free(cache);
     close_world(&w);
 }

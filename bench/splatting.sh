@@ -21,8 +21,11 @@ for name in ${experiments:-table1 table2 glossy walk curve}; do
     echo "== $name: softlux $("$build/softlux" --version | cut -d' ' -f2), commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown)," \
         "$(nproc) processors,$(sed -n 's/^model name[^:]*:/ /p' /proc/cpuinfo | head -n 1)"
     "$build/bench/bench_$name" $options --pictures --out "$folder"
-    [ -z "$docs" ] || awk -v name="$name" -v file="$folder/$name.md" '
+    [ -n "$docs" ] || continue
+    awk -v name="$name" -v file="$folder/$name.md" '
         $0 == "<!-- end " name " -->" { while ((getline line < file) > 0) print line; print ""; inside = 0 }
         !inside { print }
-        $0 == "<!-- begin " name " -->" { inside = 1; print "" }' "$docs" >"$docs.new" && { [ -z "$docs" ] || mv "$docs.new" "$docs"; }
+        $0 == "<!-- begin " name " -->" { inside = 1 }' "$docs" >"$docs.new"
+    mv "$docs.new" "$docs"
+    if [ "$name" = curve ]; then cp "$folder"/curve-*.svg docs/pictures/; fi
 done
