@@ -267,11 +267,11 @@ static void fov_sweep(splat_report *r, const splat_options *o, const world *w, c
     }
 }
 
-static void experiment(splat_report *r, const splat_options *o, const char *path) {
+static void experiment(splat_report *r, const splat_options *o, const char *path, size_t points) {
     char scene[64];
     world w;
     splat_scene_name(path, scene);
-    if (!splat_wants(o, scene) || !open_world(r, path, o->brief ? 100 : 10000, &w)) return;
+    if (!splat_wants(o, scene) || !open_world(r, path, o->brief ? 100 : points, &w)) return;
     int size = o->brief ? 96 : 256;
     find_reference(&w, size);
     double noise = 0.0, used = 0.0;
@@ -294,8 +294,8 @@ int main(int argc, char **argv) {
     splat_options o = splat_options_parse(argc, argv);
     splat_report r;
     splat_report_open(&r, &o, "table1");
-    experiment(&r, &o, "scenes/generated/cathedral.json");
-    experiment(&r, &o, "scenes/generated/atrium.json");
+    experiment(&r, &o, "scenes/generated/cathedral.json", 10000);
+    experiment(&r, &o, "scenes/generated/atrium.json", 2000);
     splat_report_close(&r);
     return 0;
 }

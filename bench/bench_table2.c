@@ -88,8 +88,7 @@ static const char *const scene_paths[] = {
 };
 
 static const setting settings_shown[] = {{"draft", SL_QUALITY_DRAFT, 0.0, 0, 0}, {"normal", SL_QUALITY_NORMAL, 0.0, 0, 0},
-                                         {"high", SL_QUALITY_HIGH, 0.0, 0, 0}, {"high, a 0.15", SL_QUALITY_HIGH, 0.15, 0, 0},
-                                         {"high, a 0.1", SL_QUALITY_HIGH, 0.10, 0, 0}};
+                                         {"high, a 0.15", SL_QUALITY_HIGH, 0.15, 0, 0}, {"high, a 0.1", SL_QUALITY_HIGH, 0.10, 0, 0}};
 
 static void scene_row(splat_report *r, const char *scene, const setting *s, const splat_run *run, target *t) {
     splat_error errors[3];
