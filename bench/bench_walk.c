@@ -166,7 +166,7 @@ static void frame_rows(splat_report *r, const world *w, const char *name, int co
         if (file)
             fprintf(file, "%d,%s,%llu,%llu,%.2f,%.2f,%.4e,%.2e,%.5f,%.4e,%.4e\n", i, camera, (unsigned long long)f->new_records,
                     (unsigned long long)f->all_records, f->wall, f->cpu, f->error, f->noise, f->rel_rmse, f->change, f->largest);
-        bool shown = f->moved ? f->error >= 0.0 || i == 0 : i < w->moving + 5 || (i - w->moving) % 5 == 0 || i == count - 1;
+        bool shown = f->moved ? f->error >= 0.0 || i == 0 : i < w->moving + 5 || (i - w->moving) % 20 == 0 || i == count - 1;
         if (!shown) continue;
         splat_row(r, "%s|%d|%s|%llu|%llu|%.0f|%.0f|%.1f|%s|%s|%s|%s", name, i, camera, (unsigned long long)f->new_records,
                   (unsigned long long)f->all_records, f->wall, f->cpu, 1e3 / f->wall, number(f->error < 0.0 ? -1.0 : 100.0 * f->rel_rmse, "%.2f", a),
