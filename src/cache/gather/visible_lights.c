@@ -7,7 +7,7 @@ enum { CELLS_MAX = 1 << 15, CELLS_ALONG_MAX = 64, COARSE = 4, DIRECTIONS = 6, TR
 
 /* Trials of the wider surroundings that a region's own are mixed with, the fewer its own, the more they count. */
 #define PRIOR_TRIALS 3.0
-#define VISIBLE_MIN 0.02
+#define VISIBLE_MIN 0.05
 #define WEIGHED_SHARE 0.98
 
 /* ---- the grid ---- */
