@@ -59,7 +59,9 @@ static void prepare(bench *b, const char *path, int size, bool maps, uint32_t sa
     const sl_environment *sun = b->sun.present ? &b->sun : NULL;
     sl_shadow_map_settings settings = {SL_SHADOW_MAP_SIZE, sun, NULL, 1};
     if (maps) check(sl_shadow_maps_create(b->scene, b->raster, &settings, &b->maps, &b->counters, &error), &error);
-    if (maps) printf("maps made in %.1f ms, %.1f MB\n", 1e3 * (cpu_seconds() - start), 1e-6 * (double)sl_shadow_maps_bytes(b->maps));
+    if (maps)
+        printf("maps made in %.1f ms, %.1f MB\n", 1e3 * (cpu_seconds() - start),
+               1e-6 * (double)sl_shadow_maps_bytes(b->maps));
     sl_direct_settings direct = {.light_samples = samples, .threads = 1, .maps = b->maps, .sun = sun};
     check(sl_direct_create(b->scene, b->tracer, &direct, &b->direct, &error), &error);
     draw_gbuffer(b, size, &error);
@@ -79,14 +81,15 @@ static void light(bench *b, int size) {
         b->counters = before;
         for (int row = 0; row < size; row += ROWS) {
             int end = row + ROWS < size ? row + ROWS : size;
-            check(sl_direct_rows(b->direct, b->gbuffer, row, end, b->planes, b->planes + pixels, b->planes + 2 * pixels, &b->counters, &error),
+            check(sl_direct_rows(b->direct, b->gbuffer, row, end, b->planes, b->planes + pixels, b->planes + 2 * pixels,
+                                 &b->counters, &error),
                   &error);
         }
         double seconds = cpu_seconds() - start;
         least = seconds < least ? seconds : least;
     }
-    printf("%.2f ms a frame, %.1f ns a pixel, %.2f shadow rays and %.2f lookups a pixel\n", 1e3 * least, 1e9 * least / (double)pixels,
-           (double)b->counters.value[SL_COUNT_SHADOW_RAYS] / (double)pixels,
+    printf("%.2f ms a frame, %.1f ns a pixel, %.2f shadow rays and %.2f lookups a pixel\n", 1e3 * least,
+           1e9 * least / (double)pixels, (double)b->counters.value[SL_COUNT_SHADOW_RAYS] / (double)pixels,
            (double)b->counters.value[SL_COUNT_SHADOW_LOOKUPS] / (double)pixels);
 }
 
@@ -108,8 +111,8 @@ static void compare(bench *b, int size, const char *path) {
         }
     }
     check(sl_image_compare(b->image, reference, NULL, &result, NULL, &error), &error);
-    printf("relMSE %.6f (%.6f without the largest 0.1 %%, noise of the reference %.6f), bias %+.5f\n", result.rel_mse, result.rel_mse_trimmed,
-           result.rel_mse_noise, result.bias);
+    printf("relMSE %.6f (%.6f without the largest 0.1 %%, noise of the reference %.6f), bias %+.5f\n", result.rel_mse,
+           result.rel_mse_trimmed, result.rel_mse_noise, result.bias);
     sl_image_destroy(reference);
 }
 

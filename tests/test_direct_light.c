@@ -1,4 +1,5 @@
-/* Direct light of pixels, by rays and by maps, against closed forms: lights without extent, few and many emitters, sky and sun, glossy lobes. */
+/* Direct light of pixels, by rays and by maps, against closed forms: lights without extent, few and many emitters, sky and
+ * sun, glossy lobes. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +18,8 @@
 #include "rendering.h"
 #include "trace_scenes.h"
 
-/* ---- a picture of direct light ------------------------------------------------------------------------------------------- */
+/* ---- a picture of direct light -------------------------------------------------------------------------------------------
+ */
 
 enum { SIZE = 72, PIXELS = SIZE * SIZE };
 
@@ -48,7 +50,11 @@ static picture *direct_light(const sl_scene *scene, options o) {
     assert_int_equal(sl_environment_split(&scene->environment, 10.0, &sky, &sun, NULL), SL_OK);
     sl_shadow_map_settings map_settings = {.size = 1024, .sun = sun.present ? &sun : NULL, .threads = o.threads};
     if (o.maps) assert_int_equal(sl_shadow_maps_create(scene, raster, &map_settings, &maps, &p->counters, NULL), SL_OK);
-    sl_direct_settings settings = {.light_samples = o.samples, .seed = o.seed, .threads = o.threads, .maps = maps, .sun = sun.present ? &sun : NULL};
+    sl_direct_settings settings = {.light_samples = o.samples,
+                                   .seed = o.seed,
+                                   .threads = o.threads,
+                                   .maps = maps,
+                                   .sun = sun.present ? &sun : NULL};
     assert_int_equal(sl_direct_create(scene, tracer, &settings, &direct, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(SIZE, SIZE, &p->gbuffer, NULL), SL_OK);
     sl_frame frame = {scene->camera.right, scene->camera.up, sl_neg(scene->camera.back)};
@@ -57,7 +63,9 @@ static picture *direct_light(const sl_scene *scene, options o) {
     assert_int_equal(sl_raster_gbuffer(raster, &view, 1, p->gbuffer, &p->counters, NULL), SL_OK);
     for (int row = 0; row < SIZE; row += o.strip) {
         int end = row + o.strip < SIZE ? row + o.strip : SIZE;
-        assert_int_equal(sl_direct_rows(direct, p->gbuffer, row, end, p->rgb, p->rgb + PIXELS, p->rgb + 2 * PIXELS, &p->counters, NULL), SL_OK);
+        assert_int_equal(
+            sl_direct_rows(direct, p->gbuffer, row, end, p->rgb, p->rgb + PIXELS, p->rgb + 2 * PIXELS, &p->counters, NULL),
+            SL_OK);
     }
     sl_direct_destroy(direct);
     sl_shadow_maps_destroy(maps);
@@ -82,7 +90,8 @@ static double mean_of(const picture *p) {
 /* Root of the mean squared difference over the mean. */
 static double difference(const picture *a, const picture *b) {
     double sum = 0.0;
-    for (size_t i = 0; i < 3 * PIXELS; i++) sum += ((double)a->rgb[i] - (double)b->rgb[i]) * ((double)a->rgb[i] - (double)b->rgb[i]);
+    for (size_t i = 0; i < 3 * PIXELS; i++)
+        sum += ((double)a->rgb[i] - (double)b->rgb[i]) * ((double)a->rgb[i] - (double)b->rgb[i]);
     return sqrt(sum / (3.0 * PIXELS)) / mean_of(b);
 }
 
@@ -96,13 +105,15 @@ static trace_mesh a_floor(float diffuse, float specular, float exponent) {
     return mesh;
 }
 
-/* ---- lights without extent -------------------------------------------------------------------------------------------------- */
+/* ---- lights without extent
+ * -------------------------------------------------------------------------------------------------- */
 
 /* E = I h / (h^2 + r^2)^(3/2), reflected rho / pi of it. */
 static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void **state) {
     (void)state;
     trace_mesh mesh = a_floor(0.6f, 0.0f, 0.0f);
-    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.5f, 2.0f, -0.25f}, .intensity = {7, 8, 9}};
+    mesh.lights[mesh.light_count++] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = {0.5f, 2.0f, -0.25f}, .intensity = {7, 8, 9}};
     sl_scene *scene = trace_mesh_build(&mesh);
     for (int maps = 0; maps < 2; maps++) {
         picture *p = direct_light(scene, (options){8, 0, 2, maps, 64});
@@ -118,7 +129,8 @@ static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void
     sl_scene_destroy(scene);
 }
 
-/* ---- emitters ----------------------------------------------------------------------------------------------------------------- */
+/* ---- emitters
+ * ----------------------------------------------------------------------------------------------------------------- */
 
 /* A ceiling of side x side lamps two metres above the floor, as many triangles as two a lamp. */
 static sl_scene *lamps(int side) {
@@ -137,13 +149,16 @@ static double lamps_at(const sl_scene *scene, sl_vec3 p) {
     double sum = 0.0;
     for (size_t e = 0; e < scene->emitter_count; e++) {
         sl_vec3d corners[3];
-        for (int c = 0; c < 3; c++) corners[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][scene->emitters[e].triangle]));
-        sum += (double)scene->emitters[e].radiance.r * sl_polygon_irradiance(sl_to_double(p), sl_v3d(0, 1, 0), corners, 3, NULL);
+        for (int c = 0; c < 3; c++)
+            corners[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][scene->emitters[e].triangle]));
+        sum += (double)scene->emitters[e].radiance.r *
+               sl_polygon_irradiance(sl_to_double(p), sl_v3d(0, 1, 0), corners, 3, NULL);
     }
     return sum;
 }
 
-/* Nothing is in the way: up to 256 triangles there is no noise at all, even from one sample; beyond, their samples are unbiased. */
+/* Nothing is in the way: up to 256 triangles there is no noise at all, even from one sample; beyond, their samples are
+ * unbiased. */
 static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state) {
     (void)state;
     const int sides[] = {1, 8, 12};
@@ -170,7 +185,8 @@ static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state
 /* A lamp half hidden by a plate: a wide penumbra. */
 static sl_scene *half_hidden(float specular, float exponent) {
     trace_mesh mesh = a_floor(0.5f, specular, exponent);
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 20.0f), plate = trace_mesh_material(&mesh, 0.3f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 20.0f),
+             plate = trace_mesh_material(&mesh, 0.3f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 3, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     trace_mesh_box(&mesh, sl_v3(-1.0f, 1.0f, -1.0f), sl_v3(0.1f, 1.05f, 1.0f), false, plate);
     return trace_mesh_build(&mesh);
@@ -179,7 +195,8 @@ static sl_scene *half_hidden(float specular, float exponent) {
 static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **state) {
     (void)state;
     sl_scene *scene = half_hidden(0.0f, 0.0f);
-    picture *many = direct_light(scene, (options){512, 1, 2, false, 64}), *maps = direct_light(scene, (options){8, 2, 2, true, 64});
+    picture *many = direct_light(scene, (options){512, 1, 2, false, 64}),
+            *maps = direct_light(scene, (options){8, 2, 2, true, 64});
     double last = 1.0;
     for (uint32_t samples = 4; samples <= 64; samples *= 4) {
         picture *few = direct_light(scene, (options){samples, 2, 2, false, 64});
@@ -198,15 +215,18 @@ static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **sta
     sl_scene_destroy(scene);
 }
 
-/* ---- glossy lobes --------------------------------------------------------------------------------------------------------------- */
+/* ---- glossy lobes
+ * --------------------------------------------------------------------------------------------------------------- */
 
 static void lobes_wide_and_narrow_are_unbiased(void **state) {
     (void)state;
     const float exponents[] = {3.0f, 30.0f, 1000.0f};
     for (int run = 0; run < 3; run++) {
         sl_scene *scene = half_hidden(0.4f, exponents[run]);
-        picture *few = direct_light(scene, (options){8, 5, 2, false, 64}), *many = direct_light(scene, (options){256, 6, 2, false, 64});
-        print_message("exponent %g: rms %.4f, bias %+.5f\n", (double)exponents[run], difference(few, many), mean_of(few) / mean_of(many) - 1.0);
+        picture *few = direct_light(scene, (options){8, 5, 2, false, 64}),
+                *many = direct_light(scene, (options){256, 6, 2, false, 64});
+        print_message("exponent %g: rms %.4f, bias %+.5f\n", (double)exponents[run], difference(few, many),
+                      mean_of(few) / mean_of(many) - 1.0);
         assert_true(fabs(mean_of(few) / mean_of(many) - 1.0) < (run == 2 ? 0.02 : 0.01));
         assert_true(difference(few, many) < (run == 0 ? 0.1 : run == 1 ? 0.3 : 0.8));
         picture_free(few);
@@ -215,7 +235,8 @@ static void lobes_wide_and_narrow_are_unbiased(void **state) {
     }
 }
 
-/* ---- sky and sun ------------------------------------------------------------------------------------------------------------------ */
+/* ---- sky and sun
+ * ------------------------------------------------------------------------------------------------------------------ */
 
 enum { WIDTH = 64, HEIGHT = 32 };
 
@@ -256,7 +277,8 @@ static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
             worst = fmax(worst, fabs((double)p->rgb[i] / truth - 1.0));
             count++;
         }
-        print_message("sun of %d texels %s: mean %+.5f, worst %.5f\n", run == 2 ? 81 : 4, run == 1 ? "by maps" : "by rays", sum / (double)count / truth - 1.0, worst);
+        print_message("sun of %d texels %s: mean %+.5f, worst %.5f\n", run == 2 ? 81 : 4, run == 1 ? "by maps" : "by rays",
+                      sum / (double)count / truth - 1.0, worst);
         assert_true(fabs(sum / (double)count / truth - 1.0) < (run == 1 ? 0.02 : 0.005));
         assert_true(worst < (run == 0 ? 1e-3 : run == 1 ? 0.02 : 0.3));
         picture_free(p);
@@ -274,7 +296,8 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
     assert_non_null(values);
     sl_environment day = a_day(values, 2, 300.0f);
     trace_mesh mesh = a_floor(0.5f, 0.0f, 0.0f);
-    uint32_t wall = trace_mesh_material(&mesh, 0.7f, 0.0f, 0.0f, 0.0f, 0.0f), block = trace_mesh_material(&mesh, 0.4f, 0.3f, 10.0f, 0.0f, 0.0f);
+    uint32_t wall = trace_mesh_material(&mesh, 0.7f, 0.0f, 0.0f, 0.0f, 0.0f),
+             block = trace_mesh_material(&mesh, 0.4f, 0.3f, 10.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(-3, 0, -3), sl_v3(-2.5f, 2, 3), false, wall);
     trace_mesh_box(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(0.8f, 1.5f, 0.6f), false, block);
     mesh.environment = &day;
@@ -289,8 +312,8 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
         sl_image *image = render(scene, &settings, NULL);
         sl_comparison result;
         assert_int_equal(sl_image_compare(image, truth, NULL, &result, NULL, NULL), SL_OK);
-        print_message("%s: root of relMSE less noise %.4f, bias %+.4f\n", maps ? "maps" : "rays", sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)),
-                      result.bias);
+        print_message("%s: root of relMSE less noise %.4f, bias %+.4f\n", maps ? "maps" : "rays",
+                      sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)), result.bias);
         assert_true(sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)) < (maps ? 0.15 : 0.06));
         assert_true(fabs(result.bias) < (maps ? 0.03 : 0.008));
         sl_image_destroy(image);
@@ -300,7 +323,8 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
     free(values);
 }
 
-/* ---- the same bits ------------------------------------------------------------------------------------------------------------------ */
+/* ---- the same bits
+ * ------------------------------------------------------------------------------------------------------------------ */
 
 static void threads_instruction_sets_and_strips_do_not_change_a_bit(void **state) {
     (void)state;

@@ -18,7 +18,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- points ------------------------------------------------------------------------------------------------------------- */
+/* ---- points -------------------------------------------------------------------------------------------------------------
+ */
 
 enum { POINTS = 128 };
 
@@ -49,7 +50,9 @@ static void light_block(const sl_shadow_maps *maps, block *b) {
 }
 
 static sl_shadow_maps *maps_of(world *w, int size) {
-    sl_shadow_map_settings settings = {.size = size, .threads = 2, .sky = w->environment.present ? &w->scene->environment : NULL};
+    sl_shadow_map_settings settings = {.size = size,
+                                       .threads = 2,
+                                       .sky = w->environment.present ? &w->scene->environment : NULL};
     sl_shadow_maps *maps = NULL;
     sl_counters counters = {{0}};
     assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &settings, &maps, &counters, NULL), SL_OK);
@@ -67,7 +70,8 @@ static double from_point(sl_vec3 light, double intensity, sl_vec3 p, sl_vec3 n) 
     return cosine > 0.0 ? intensity * cosine / squared : 0.0;
 }
 
-/* ---- no acne -------------------------------------------------------------------------------------------------------------- */
+/* ---- no acne
+ * -------------------------------------------------------------------------------------------------------------- */
 
 static const sl_vec3 lamp = {0.31f, 0.42f, -0.17f};
 
@@ -119,7 +123,8 @@ static void a_plane_in_grazing_light_has_no_acne(void **state) {
     sl_shadow_maps *maps = maps_of(w, 256);
     for (uint64_t k = 0; k < 20; k++) {
         block b = {.count = 0};
-        for (uint64_t i = 0; i < POINTS; i++) add_point(&b, sl_v3(uniform(k, 2 * i, -10, 10), 0.0f, uniform(k, 2 * i + 1, -10, 10)), up);
+        for (uint64_t i = 0; i < POINTS; i++)
+            add_point(&b, sl_v3(uniform(k, 2 * i, -10, 10), 0.0f, uniform(k, 2 * i + 1, -10, 10)), up);
         light_block(maps, &b);
         for (size_t i = 0; i < b.count; i++) {
             double truth = from_point(light, 1.0, sl_v3(b.x[i], b.y[i], b.z[i]), up);
@@ -130,7 +135,8 @@ static void a_plane_in_grazing_light_has_no_acne(void **state) {
     world_free(w);
 }
 
-/* Facets smaller and larger than texels: no facet of a convex body hides another from a light that both face; nor in a hollow one. */
+/* Facets smaller and larger than texels: no facet of a convex body hides another from a light that both face; nor in a
+ * hollow one. */
 static void facets_of_spheres_do_not_shadow_each_other(void **state) {
     (void)state;
     const int sizes[] = {32, 512}, rings[] = {12, 100};
@@ -147,7 +153,8 @@ static void facets_of_spheres_do_not_shadow_each_other(void **state) {
         for (uint32_t first = 0; first + POINTS <= s->triangle_count && first < 40 * POINTS; first += POINTS) {
             block b = {.count = 0};
             for (uint32_t t = first; t < first + POINTS; t++) {
-                sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), e = sl_scene_position(s, s->vertex[1][t]), f = sl_scene_position(s, s->vertex[2][t]);
+                sl_vec3 a = sl_scene_position(s, s->vertex[0][t]), e = sl_scene_position(s, s->vertex[1][t]),
+                        f = sl_scene_position(s, s->vertex[2][t]);
                 float u = uniform(3, 2 * t, 0.0f, 0.5f), v = uniform(3, 2 * t + 1, 0.0f, 0.5f);
                 sl_vec3 n = sl_scene_geometric_normal(s, t);
                 add_point(&b, sl_mad(sl_mad(a, u, sl_sub(e, a)), v, sl_sub(f, a)), outside ? sl_neg(n) : n);
@@ -163,10 +170,11 @@ static void facets_of_spheres_do_not_shadow_each_other(void **state) {
     }
 }
 
-/* ---- no detached shadows, no leaks ---------------------------------------------------------------------------------------- */
+/* ---- no detached shadows, no leaks
+ * ---------------------------------------------------------------------------------------- */
 
-/* A wall a thousandth of the room thick and half its height, a lamp that hangs lower. Behind it the floor is dark right from its foot on: the one texel that
- * the filter reaches across it aside, to the last bit. */
+/* A wall a thousandth of the room thick and half its height, a lamp that hangs lower. Behind it the floor is dark right from
+ * its foot on: the one texel that the filter reaches across it aside, to the last bit. */
 static void behind_a_wall_of_a_thousandth_the_floor_is_dark_from_its_foot(void **state) {
     (void)state;
     world *w = world_new();
@@ -224,7 +232,8 @@ static void before_the_wall_everything_is_lit_up_to_the_corner(void **state) {
     world_free(w);
 }
 
-/* ---- against rays --------------------------------------------------------------------------------------------------------- */
+/* ---- against rays
+ * --------------------------------------------------------------------------------------------------------- */
 
 static bool is_visible(const world *w, sl_vec3 p, sl_vec3 n, uint32_t triangle, sl_vec3 aim) {
     sl_ray16 rays;
@@ -257,8 +266,8 @@ static void maps_differ_from_rays_at_edges_of_shadows_alone(void **state) {
             }
             light_block(maps, &b);
             for (size_t i = 0; i < b.count; i++) {
-                double open = from_point(w->lights[0].position, (double)w->lights[0].intensity.r, sl_v3(b.x[i], b.y[i], b.z[i]),
-                                         sl_v3(b.nx[i], b.ny[i], b.nz[i]));
+                double open = from_point(w->lights[0].position, (double)w->lights[0].intensity.r,
+                                         sl_v3(b.x[i], b.y[i], b.z[i]), sl_v3(b.nx[i], b.ny[i], b.nz[i]));
                 if (!(open > 0.0)) continue;
                 double lit = (double)b.r[i] / open;
                 assert_true(lit >= 0.0 && lit < 1.0001);
@@ -276,7 +285,8 @@ static void maps_differ_from_rays_at_edges_of_shadows_alone(void **state) {
     world_free(w);
 }
 
-/* ---- lights with extent ------------------------------------------------------------------------------------------------------ */
+/* ---- lights with extent
+ * ------------------------------------------------------------------------------------------------------ */
 
 static void lambert_for_many_points_is_lambert_for_one(void **state) {
     (void)state;
@@ -288,7 +298,8 @@ static void lambert_for_many_points_is_lambert_for_one(void **state) {
         sl_vec3d corners[3], swapped[3];
         float size = k % 4 == 0 ? 0.01f : 1.0f;
         for (uint64_t c = 0; c < 3; c++) {
-            light.corner[c] = sl_v3(uniform(key, 3 * c, -size, size), uniform(key, 3 * c + 1, -size, size), uniform(key, 3 * c + 2, -size, size));
+            light.corner[c] = sl_v3(uniform(key, 3 * c, -size, size), uniform(key, 3 * c + 1, -size, size),
+                                    uniform(key, 3 * c + 2, -size, size));
             corners[c] = sl_to_double(light.corner[c]);
             swapped[2 - c] = corners[c];
         }
@@ -296,11 +307,16 @@ static void lambert_for_many_points_is_lambert_for_one(void **state) {
         light.area = 0.5f * sl_length(cross);
         light.normal = sl_normalize_or(cross, sl_v3(0, 0, 1));
         sl_vec3 centre = sl_scale(sl_add(sl_add(light.corner[0], light.corner[1]), light.corner[2]), 1.0f / 3.0f);
-        for (int c = 0; c < 3; c++) light.extent_squared = fmaxf(light.extent_squared, sl_dot(sl_sub(light.corner[c], centre), sl_sub(light.corner[c], centre)));
+        for (int c = 0; c < 3; c++)
+            light.extent_squared =
+                fmaxf(light.extent_squared, sl_dot(sl_sub(light.corner[c], centre), sl_sub(light.corner[c], centre)));
         for (uint64_t i = 0; i < 16; i++) {
             float reach = i < 8 ? 1.5f : 8.0f;
-            sl_vec3 n = sl_v3(uniform(key, 100 + 6 * i, -1, 1), uniform(key, 101 + 6 * i, -1, 1), uniform(key, 102 + 6 * i, -1, 1));
-            add_point(&b, sl_v3(uniform(key, 103 + 6 * i, -reach, reach), uniform(key, 104 + 6 * i, -reach, reach), uniform(key, 105 + 6 * i, -reach, reach)),
+            sl_vec3 n =
+                sl_v3(uniform(key, 100 + 6 * i, -1, 1), uniform(key, 101 + 6 * i, -1, 1), uniform(key, 102 + 6 * i, -1, 1));
+            add_point(&b,
+                      sl_v3(uniform(key, 103 + 6 * i, -reach, reach), uniform(key, 104 + 6 * i, -reach, reach),
+                            uniform(key, 105 + 6 * i, -reach, reach)),
                       sl_normalize_or(n, sl_v3(0, 1, 0)));
         }
         sl_light_points points = points_of(&b);
@@ -319,7 +335,8 @@ static void lambert_for_many_points_is_lambert_for_one(void **state) {
     assert_true(worst < 2e-3); /* a sliver far away: 1e-8 of it */
 }
 
-/* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what very many rays say. */
+/* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what very many rays
+ * say. */
 static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **state) {
     (void)state;
     world *w = world_room(true);
@@ -349,11 +366,15 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
                     double f = (double)sample.radiance.r * fmax(0.0, sl_dotd(n, sl_to_double(sample.to_light)));
                     weights += f;
                     sl_vec3 aim = sl_mad(gathered[i].position, sample.distance, sample.to_light);
-                    if (f > 0.0 && is_visible(w, gathered[i].position, gathered[i].geometric_normal, gathered[i].triangle, aim)) seen += f;
+                    if (f > 0.0 &&
+                        is_visible(w, gathered[i].position, gathered[i].geometric_normal, gathered[i].triangle, aim))
+                        seen += f;
                 }
                 sl_vec3d corners[3];
-                for (int c = 0; c < 3; c++) corners[c] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[c][emitter->triangle]));
-                double exact = (double)emitter->radiance.r * sl_polygon_irradiance(sl_to_double(gathered[i].position), n, corners, 3, NULL);
+                for (int c = 0; c < 3; c++)
+                    corners[c] = sl_to_double(sl_scene_position(w->scene, w->scene->vertex[c][emitter->triangle]));
+                double exact = (double)emitter->radiance.r *
+                               sl_polygon_irradiance(sl_to_double(gathered[i].position), n, corners, 3, NULL);
                 all += exact;
                 if (weights > 0.0) truth += exact * (seen / weights);
             }
@@ -374,7 +395,8 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
     world_free(w);
 }
 
-/* ---- lights far away -------------------------------------------------------------------------------------------------------- */
+/* ---- lights far away
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void a_sunlit_plane_and_the_shadow_of_a_plate(void **state) {
     (void)state;
@@ -389,7 +411,8 @@ static void a_sunlit_plane_and_the_shadow_of_a_plate(void **state) {
     const double cosine = 2.0 / sqrt(5.0);
     for (uint64_t k = 0; k < 20; k++) {
         block b = {.count = 0};
-        for (uint64_t i = 0; i < POINTS; i++) add_point(&b, sl_v3(uniform(k, 2 * i, -4.9f, 4.9f), 0.0f, uniform(k, 2 * i + 1, -4.9f, 4.9f)), sl_v3(0, 1, 0));
+        for (uint64_t i = 0; i < POINTS; i++)
+            add_point(&b, sl_v3(uniform(k, 2 * i, -4.9f, 4.9f), 0.0f, uniform(k, 2 * i + 1, -4.9f, 4.9f)), sl_v3(0, 1, 0));
         light_block(maps, &b);
         for (size_t i = 0; i < b.count; i++) { /* the plate's shadow is moved by half its height */
             double inside = 1.0 - fmax(fabs((double)b.x[i] - 0.5), fabs((double)b.z[i]));
@@ -410,14 +433,17 @@ static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **st
     world_build(w);
     sl_shadow_maps *maps = maps_of(w, 64);
     block b = {.count = 0};
-    for (uint64_t i = 0; i < POINTS; i++) add_point(&b, sl_v3(uniform(1, 2 * i, -5, 5), 0.0f, uniform(1, 2 * i + 1, -5, 5)), sl_v3(0, 1, 0));
+    for (uint64_t i = 0; i < POINTS; i++)
+        add_point(&b, sl_v3(uniform(1, 2 * i, -5, 5), 0.0f, uniform(1, 2 * i + 1, -5, 5)), sl_v3(0, 1, 0));
     light_block(maps, &b);
-    for (size_t i = 0; i < b.count; i++) assert_true(fabs((double)b.r[i] / (2.0 * pi) - 1.0) < 0.02); /* 32 directions of the sphere */
+    for (size_t i = 0; i < b.count; i++)
+        assert_true(fabs((double)b.r[i] / (2.0 * pi) - 1.0) < 0.02); /* 32 directions of the sphere */
     sl_shadow_maps_destroy(maps);
     world_free(w);
 }
 
-/* ---- points that are none, and the same bits ---------------------------------------------------------------------------------- */
+/* ---- points that are none, and the same bits
+ * ---------------------------------------------------------------------------------- */
 
 static void points_at_the_light_without_normal_or_not_finite_do_no_harm(void **state) {
     (void)state;

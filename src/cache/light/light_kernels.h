@@ -44,7 +44,8 @@ typedef struct sl_shadow_map {
     float reach_x, reach_y;          /* directional: half extents of the map */
 } sl_shadow_map;
 
-/* The planes of all triangles: four floats each, n and n . (v - centre), the first for "nothing" (all 0), so triangle t's at 4 (t + 1). */
+/* The planes of all triangles: four floats each, n and n . (v - centre), the first for "nothing" (all 0), so triangle t's at
+ * 4 (t + 1). */
 typedef struct sl_plane_table {
     const float *planes;
     sl_vec3 centre;
@@ -63,11 +64,13 @@ sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *em
 
 typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals);
 /* Share of light in [0,1] at each point. */
-typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes, float *lit);
+typedef void sl_lit_kernel(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes,
+                           float *lit);
 /* Unoccluded irradiance from a triangle of radiance 1, in closed form. */
 typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_light *light, float *irradiance);
 /* r, g, b += colour a_i b_i. */
-typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r, float *g, float *bl);
+typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r, float *g,
+                                  float *bl);
 
 typedef struct sl_light_kernels {
     sl_arrive_kernel *arrive;
@@ -87,8 +90,10 @@ SL_DECLARE_LIGHT_KERNELS(avx2);
 SL_DECLARE_LIGHT_KERNELS(avx512);
 
 static inline sl_light_kernels sl_light_kernels_for(sl_isa isa) {
-#define SL_LIGHT_KERNELS_OF(name) \
-    (sl_light_kernels) { sl_light_arrive_##name, sl_shadow_map_lit_##name, sl_polygon_light_##name, sl_light_accumulate_##name }
+#define SL_LIGHT_KERNELS_OF(name)                                                                                           \
+    (sl_light_kernels) {                                                                                                    \
+        sl_light_arrive_##name, sl_shadow_map_lit_##name, sl_polygon_light_##name, sl_light_accumulate_##name               \
+    }
 #ifndef SL_BASELINE_ONLY
     if (isa == SL_ISA_AVX512) return SL_LIGHT_KERNELS_OF(avx512);
     if (isa == SL_ISA_AVX2) return SL_LIGHT_KERNELS_OF(avx2);

@@ -2,10 +2,12 @@
  *
  *     E = -1/2 sum over edges of angle (n . u),   u the unit normal of the edge's plane through the point,
  *
- * of what lies above the horizon. Instead of making a clipped polygon, every edge is cut to the part t0..t1 of it that lies above
- * (its plane stays the same), and one more edge runs along the horizon from where the outline leaves to where it comes back.
+ * of what lies above the horizon. Instead of making a clipped polygon, every edge is cut to the part t0..t1 of it that lies
+ * above (its plane stays the same), and one more edge runs along the horizon from where the outline leaves to where it comes
+ * back.
  *
- * Far away the sum is a small difference of large terms: where the emitter is seen within 0.005 rad, it is taken as a point. */
+ * Far away the sum is a small difference of large terms: where the emitter is seen within 0.005 rad, it is taken as a point.
+ */
 #include "cache/light/light_kernels.h"
 
 #include "base/math.h"
@@ -49,9 +51,11 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
     const vec v0 = {light->corner[0].x, light->corner[0].y, light->corner[0].z};
     const vec v1 = {light->corner[1].x, light->corner[1].y, light->corner[1].z};
     const vec v2 = {light->corner[2].x, light->corner[2].y, light->corner[2].z};
-    const vec e0 = minus(v1, v0), e1 = minus(v2, v1), e2 = minus(v0, v2), out = {light->normal.x, light->normal.y, light->normal.z};
+    const vec e0 = minus(v1, v0), e1 = minus(v2, v1), e2 = minus(v0, v2),
+              out = {light->normal.x, light->normal.y, light->normal.z};
     const vec centre = {(v0.x + v1.x + v2.x) / 3.0f, (v0.y + v1.y + v2.y) / 3.0f, (v0.z + v1.z + v2.z) / 3.0f};
-    const float far_away = light->extent_squared * (1.0f / (0.005f * 0.005f)), both = light->two_sided ? 1.0f : 0.0f, area = light->area;
+    const float far_away = light->extent_squared * (1.0f / (0.005f * 0.005f)), both = light->two_sided ? 1.0f : 0.0f,
+                area = light->area;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -59,7 +63,8 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
         vec a = minus(v0, p), b = minus(v1, p), c = minus(v2, p), m = minus(centre, p);
         float ha = dot(n, a), hb = dot(n, b), hc = dot(n, c);
         /* Where each edge crosses the horizon. */
-        float ta = ha / (ha != hb ? ha - hb : 1.0f), tb = hb / (hb != hc ? hb - hc : 1.0f), tc = hc / (hc != ha ? hc - ha : 1.0f);
+        float ta = ha / (ha != hb ? ha - hb : 1.0f), tb = hb / (hb != hc ? hb - hc : 1.0f),
+              tc = hc / (hc != ha ? hc - ha : 1.0f);
         bool ua = ha >= 0.0f, ub = hb >= 0.0f, uc = hc >= 0.0f;
         float sum = edge_term(n, a, e0, ua ? 0.0f : ub ? ta : 0.0f, ub ? 1.0f : ua ? ta : 0.0f);
         sum += edge_term(n, b, e1, ub ? 0.0f : uc ? tb : 0.0f, uc ? 1.0f : ub ? tb : 0.0f);
@@ -67,8 +72,24 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
         vec pa = along(a, ta, e0), pb = along(b, tb, e1), pc = along(c, tc, e2);
         bool leaves_a = ua && !ub, leaves_b = ub && !uc, leaves_c = uc && !ua;
         bool comes_a = !ua && ub, comes_b = !ub && uc;
-        vec from = {leaves_a ? pa.x : leaves_b ? pb.x : pc.x, leaves_a ? pa.y : leaves_b ? pb.y : pc.y, leaves_a ? pa.z : leaves_b ? pb.z : pc.z};
-        vec to = {comes_a ? pa.x : comes_b ? pb.x : pc.x, comes_a ? pa.y : comes_b ? pb.y : pc.y, comes_a ? pa.z : comes_b ? pb.z : pc.z};
+        vec from = {leaves_a   ? pa.x
+                    : leaves_b ? pb.x
+                               : pc.x,
+                    leaves_a   ? pa.y
+                    : leaves_b ? pb.y
+                               : pc.y,
+                    leaves_a   ? pa.z
+                    : leaves_b ? pb.z
+                               : pc.z};
+        vec to = {comes_a   ? pa.x
+                  : comes_b ? pb.x
+                            : pc.x,
+                  comes_a   ? pa.y
+                  : comes_b ? pb.y
+                            : pc.y,
+                  comes_a   ? pa.z
+                  : comes_b ? pb.z
+                            : pc.z};
         float horizon = edge_term(n, from, minus(to, from), 0.0f, 1.0f);
         sum += leaves_a || leaves_b || leaves_c ? horizon : 0.0f;
         float near_value = -0.5f * sum;

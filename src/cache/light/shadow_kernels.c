@@ -1,12 +1,15 @@
-/* Shadow maps, looked up for many points at once: percentage-closer filtering (Reeves, Salesin and Cook 1987) of 2 x 2 texels, bilinear.
+/* Shadow maps, looked up for many points at once: percentage-closer filtering (Reeves, Salesin and Cook 1987) of 2 x 2
+ * texels, bilinear.
  *
  * A map that holds depths needs a bias, since a texel holds the depth at its own centre and not at the point: too little of
- * it darkens lit planes, too much lets light through thin walls. So these maps hold which triangle is seen, and a texel is an obstacle
- * only if both
- *     the point lies behind the triangle's plane (a wall beside the point, seen by a neighbouring texel, is no obstacle), and
- *     what the texel's centre sees lies before the point's own plane (neither is the same surface, falling away beside the point).
- * For planes that is exact, and smooth surfaces pass one of the two tests to second order, convex or concave: only rounding needs a
- * tolerance. Where all four texels see one triangle, the ray to the point passes through it and the first test says all. */
+ * it darkens lit planes, too much lets light through thin walls. So these maps hold which triangle is seen, and a texel is
+ * an obstacle only if both
+ *     the point lies behind the triangle's plane (a wall beside the point, seen by a neighbouring texel, is none), and
+ *     what the texel's centre sees lies before the point's own plane (the same surface, falling away beside the point, is
+ *     none).
+ * For planes that is exact, and smooth surfaces pass one of the two tests to second order, convex or concave: only rounding
+ * needs a tolerance. Where all four texels see one triangle, the ray to the point passes through it, and the first test says
+ * all. */
 #include "cache/light/light_kernels.h"
 
 /* ---- what arrives without shadows ---- */
@@ -50,7 +53,8 @@ void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_so
     const bool area = source->kind == SL_SOURCE_AREA;
     /* A cone that holds everything, where there is none. */
     const bool cone = source->kind == SL_SOURCE_SPOT;
-    const float extent = area ? source->extent : 0.0f, inner = cone ? source->cos_inner : -2.0f, outer = cone ? source->cos_outer : -3.0f;
+    const float extent = area ? source->extent : 0.0f, inner = cone ? source->cos_inner : -2.0f,
+                outer = cone ? source->cos_outer : -3.0f;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -71,8 +75,8 @@ void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_so
     }
 }
 
-void SL_KERNEL(sl_light_accumulate)(size_t count, sl_rgb colour, const float *restrict a, const float *restrict b, float *restrict r,
-                                    float *restrict g, float *restrict bl) {
+void SL_KERNEL(sl_light_accumulate)(size_t count, sl_rgb colour, const float *restrict a, const float *restrict b,
+                                    float *restrict r, float *restrict g, float *restrict bl) {
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float term = a[i] * b[i];
@@ -85,11 +89,11 @@ void SL_KERNEL(sl_light_accumulate)(size_t count, sl_rgb colour, const float *re
 /* ---- where the points lie on the map ---- */
 
 typedef struct {
-    int32_t texel[SL_LIGHT_BLOCK];                           /* the lower left of the four; signed, as vectors gather by */
-    float column[SL_LIGHT_BLOCK], row[SL_LIGHT_BLOCK];       /* of that texel */
-    float across[SL_LIGHT_BLOCK], up[SL_LIGHT_BLOCK];        /* place between the four, in [0,1] */
-    int32_t first_plane[SL_LIGHT_BLOCK];                     /* of the triangle that the first of the four sees, in the table */
-    float agree[SL_LIGHT_BLOCK];                             /* 1: the four see one triangle */
+    int32_t texel[SL_LIGHT_BLOCK]; /* the lower left of the four; signed, as vectors gather by */
+    float column[SL_LIGHT_BLOCK], row[SL_LIGHT_BLOCK]; /* of that texel */
+    float across[SL_LIGHT_BLOCK], up[SL_LIGHT_BLOCK]; /* place between the four, in [0,1] */
+    int32_t first_plane[SL_LIGHT_BLOCK]; /* of the triangle that the first of the four sees, in the table */
+    float agree[SL_LIGHT_BLOCK]; /* 1: the four see one triangle */
 } places;
 
 /* The texel whose centre lies at or below a continuous coordinate, so that the next one exists too. */
@@ -138,7 +142,8 @@ static void locate_on_plane(const sl_light_points *points, const sl_shadow_map *
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float x = px[i] - eye.x, y = py[i] - eye.y, z = pz[i] - eye.z;
-        float c = (ex.x * x + ex.y * y + ex.z * z) * scale_x + middle, r = (ey.x * x + ey.y * y + ey.z * z) * scale_y + middle;
+        float c = (ex.x * x + ex.y * y + ex.z * z) * scale_x + middle,
+              r = (ey.x * x + ey.y * y + ey.z * z) * scale_y + middle;
         float left = cell(c, last), below = cell(r, last), fc = c - left, fr = r - below;
         column[i] = left;
         row[i] = below;
@@ -150,8 +155,8 @@ static void locate_on_plane(const sl_light_points *points, const sl_shadow_map *
 
 /* ---- one triangle in all four texels ---- */
 
-static void test_first_plane(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *table, places *at,
-                             float *restrict lit) {
+static void test_first_plane(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *table,
+                             places *at, float *restrict lit) {
     const float *restrict px = points->x, *restrict py = points->y, *restrict pz = points->z;
     const uint32_t *restrict id = map->id;
     const int32_t *restrict texel = at->texel;
@@ -177,7 +182,8 @@ static void test_first_plane(const sl_light_points *points, const sl_shadow_map 
         float nx = plane_x[plane], ny = plane_y[plane], nz = plane_z[plane], h = plane_h[plane];
         float of_point = nx * (px[i] - centre.x) + ny * (py[i] - centre.y) + nz * (pz[i] - centre.z) - h;
         float of_eye = nx * ex + ny * ey + nz * ez - h;
-        float towards = nx * d.x + ny * d.y + nz * d.z - near_light * of_eye; /* > 0: the normal points away from the light */
+        /* > 0: the normal points away from the light */
+        float towards = nx * d.x + ny * d.y + nz * d.z - near_light * of_eye;
         float behind = towards > 0.0f ? of_point : -of_point;
         lit[i] = behind > tolerance ? 0.0f : 1.0f;
     }
@@ -223,18 +229,23 @@ static void collect(const sl_light_points *points, const sl_shadow_map *map, con
     }
 }
 
-/* One of the four texels, right and up by 0 or 1: adds its bilinear share where it is an obstacle. The centre of the texel is a ray from o
- * along d, relative to the map's eye; it meets the triangle's plane n . v = h at s = (h - n . o) / n . d, which lies
- * n_p . (o + s d - p) before the point's own plane. */
-static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *table, edges *e, int32_t right, int32_t up, const bool directional) {
+/* One of the four texels, right and up by 0 or 1: adds its bilinear share where it is an obstacle. The centre of the texel
+ * is a ray from o along d, relative to the map's eye; it meets the triangle's plane n . v = h at s = (h - n . o) / n . d,
+ * which lies n_p . (o + s d - p) before the point's own plane. */
+static inline void test_texel(const sl_shadow_map *map, const sl_plane_table *table, edges *e, int32_t right, int32_t up,
+                              const bool directional) {
     const uint32_t *restrict id = map->id;
     const float *plane_x = table->planes, *plane_y = plane_x + 1, *plane_z = plane_x + 2, *plane_h = plane_x + 3;
     const int32_t step = right + up * map->size;
-    const float shift_x = map->eye.x - table->centre.x, shift_y = map->eye.y - table->centre.y, shift_z = map->eye.z - table->centre.z;
-    const float size = (float)map->size, middle = 0.5f * size - 0.5f, side = 1.0f / (0.5f * (size - 2.0f)), tolerance = table->tolerance;
-    const float wide = directional ? 2.0f * map->reach_x / size : 0.0f, high = directional ? 2.0f * map->reach_y / size : 0.0f;
+    const float shift_x = map->eye.x - table->centre.x, shift_y = map->eye.y - table->centre.y,
+                shift_z = map->eye.z - table->centre.z;
+    const float size = (float)map->size, middle = 0.5f * size - 0.5f, side = 1.0f / (0.5f * (size - 2.0f)),
+                tolerance = table->tolerance;
+    const float wide = directional ? 2.0f * map->reach_x / size : 0.0f,
+                high = directional ? 2.0f * map->reach_y / size : 0.0f;
     const sl_vec3 ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
-    const float right_share = right ? 1.0f : -1.0f, left_share = right ? 0.0f : 1.0f, up_share = up ? 1.0f : -1.0f, down_share = up ? 0.0f : 1.0f;
+    const float right_share = right ? 1.0f : -1.0f, left_share = right ? 0.0f : 1.0f, up_share = up ? 1.0f : -1.0f,
+                down_share = up ? 0.0f : 1.0f;
     for (size_t j = 0; j < e->count; j++) e->plane[j] = (int32_t)(4u * (id[e->texel[j] + step] + 1u));
 #pragma omp simd
     for (size_t j = 0; j < e->count; j++) {
@@ -270,7 +281,8 @@ static inline void test_texels(const sl_shadow_map *map, const sl_plane_table *t
     for (int32_t k = 0; k < 4; k++) test_texel(map, table, e, k & 1, k >> 1, directional);
 }
 
-void SL_KERNEL(sl_shadow_map_lit)(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes, float *lit) {
+void SL_KERNEL(sl_shadow_map_lit)(const sl_light_points *points, const sl_shadow_map *map, const sl_plane_table *planes,
+                                  float *lit) {
     places at;
     edges e;
     if (map->directional) locate_on_plane(points, map, &at);

@@ -10,8 +10,8 @@ static bool any(const float *values, size_t count) {
 }
 
 /* False: nothing arrives anywhere in the block, shadows aside. */
-static bool look_up(const sl_shadow_maps *maps, const sl_mapped_source *s, const sl_light_points *points, sl_arrivals *arrivals, float *lit,
-                    sl_counters *counters) {
+static bool look_up(const sl_shadow_maps *maps, const sl_mapped_source *s, const sl_light_points *points,
+                    sl_arrivals *arrivals, float *lit, sl_counters *counters) {
     maps->kernels.arrive(points, &s->source, arrivals);
     if (!any(arrivals->weight, points->count)) return false;
     maps->kernels.lit(points, &s->map, &maps->table, lit);
@@ -19,13 +19,14 @@ static bool look_up(const sl_shadow_maps *maps, const sl_mapped_source *s, const
     return true;
 }
 
-void sl_shadow_maps_each(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts, sl_shadow_map_visitor *visit,
-                         void *context, sl_counters *counters) {
+void sl_shadow_maps_each(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts,
+                         sl_shadow_map_visitor *visit, void *context, sl_counters *counters) {
     sl_arrivals arrivals;
     float lit[SL_LIGHT_BLOCK];
     for (size_t i = 0; i < maps->source_count; i++) {
         const sl_mapped_source *s = &maps->sources[i];
-        if ((s->part & parts) && look_up(maps, s, points, &arrivals, lit, counters)) visit(context, &arrivals, lit, s->source.colour);
+        if ((s->part & parts) && look_up(maps, s, points, &arrivals, lit, counters))
+            visit(context, &arrivals, lit, s->source.colour);
     }
 }
 
@@ -42,10 +43,10 @@ static bool all_agree(const shares *s, size_t count) {
     return agree;
 }
 
-/* Where the first quarter of the samples says the same in the whole block, the others would too: of a block of a picture, 128
- * pixels side by side, the penumbrae alone need all. */
-static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const sl_light_points *points, unsigned parts, shares *s,
-                             sl_counters *counters) {
+/* Where the first quarter of the samples says the same in the whole block, the others would too: of a block of a picture,
+ * 128 pixels side by side, the penumbrae alone need all. */
+static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const sl_light_points *points,
+                             unsigned parts, shares *s, sl_counters *counters) {
     sl_arrivals arrivals;
     float lit[SL_LIGHT_BLOCK];
     size_t pilot = e->count / 4 > 4 ? e->count / 4 : 4;
@@ -60,8 +61,8 @@ static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter
     }
 }
 
-static void add_emitter(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const sl_light_points *points, unsigned parts, float *r,
-                        float *g, float *b, sl_counters *counters) {
+static void add_emitter(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const sl_light_points *points,
+                        unsigned parts, float *r, float *g, float *b, sl_counters *counters) {
     float exact[SL_LIGHT_BLOCK];
     shares s;
     maps->kernels.polygon(points, &e->polygon, exact);
@@ -71,8 +72,8 @@ static void add_emitter(const sl_shadow_maps *maps, const sl_mapped_emitter *e, 
     maps->kernels.accumulate(points->count, e->radiance, exact, s.seen, r, g, b);
 }
 
-void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts, float *r, float *g, float *b,
-                               sl_counters *counters) {
+void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts, float *r, float *g,
+                               float *b, sl_counters *counters) {
     sl_arrivals arrivals;
     float lit[SL_LIGHT_BLOCK];
     for (size_t i = 0; i < maps->plain_count; i++) {

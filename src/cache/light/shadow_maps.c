@@ -7,13 +7,14 @@
 
 enum { EMITTER_SIDES_MAX = 64, EMITTER_SAMPLES = 32, SUN_LIGHTS = 8, SKY_LIGHTS = 32, SMALLEST_MAP = 8 };
 
-/* ---- one map ------------------------------------------------------------------------------------------------------------ */
+/* ---- one map ------------------------------------------------------------------------------------------------------------
+ */
 
 static int smaller(int size, int divisor) { return size / divisor > SMALLEST_MAP ? size / divisor : SMALLEST_MAP; }
 
 /* Six faces and a border of one texel around each. */
-static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 eye, int size, float near, sl_mapped_source *s,
-                           sl_counters *counters, sl_error *error) {
+static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 eye, int size, float near,
+                           sl_mapped_source *s, sl_counters *counters, sl_error *error) {
     size_t texels = (size_t)size * (size_t)size;
     float side = (float)size / (float)(size - 2);
     sl_view views[6];
@@ -34,14 +35,16 @@ static sl_status draw_cube(const sl_shadow_maps *maps, const sl_raster *raster, 
 static float absolute_dot(sl_vec3 a, sl_vec3 b) { return fabsf(a.x * b.x) + fabsf(a.y * b.y) + fabsf(a.z * b.z); }
 
 /* The scene's box as a directional light sees it. */
-static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 direction, int size, sl_mapped_source *s,
-                                  sl_counters *counters, sl_error *error) {
+static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *raster, sl_vec3 direction, int size,
+                                  sl_mapped_source *s, sl_counters *counters, sl_error *error) {
     const sl_scene *scene = maps->scene;
     sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f), centre = sl_add(scene->box_min, half);
     float margin = 1e-3f * scene->diagonal;
     sl_frame frame = sl_frame_from_normal(direction);
-    float reach[3] = {absolute_dot(frame.x, half) + margin, absolute_dot(frame.y, half) + margin, absolute_dot(frame.z, half) + margin};
-    sl_vec3 rows[3] = {sl_scale(frame.x, 1.0f / reach[0]), sl_scale(frame.y, 1.0f / reach[1]), sl_scale(frame.z, 1.0f / reach[2])};
+    float reach[3] = {absolute_dot(frame.x, half) + margin, absolute_dot(frame.y, half) + margin,
+                      absolute_dot(frame.z, half) + margin};
+    sl_vec3 rows[3] = {sl_scale(frame.x, 1.0f / reach[0]), sl_scale(frame.y, 1.0f / reach[1]),
+                       sl_scale(frame.z, 1.0f / reach[2])};
     s->id = sl_allocate((size_t)size * (size_t)size, sizeof *s->id);
     if (!s->id) return sl_fail_memory(error, "a shadow map");
     sl_view view = {.origin = centre, .width = size, .height = size, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
@@ -51,13 +54,19 @@ static sl_status draw_directional(const sl_shadow_maps *maps, const sl_raster *r
         view.clip[i][2] = rows[i].z;
     }
     view.clip[3][3] = 1.0f;
-    s->map = (sl_shadow_map){.id = s->id, .size = size, .eye = centre, .directional = true, .frame = frame, .reach_x = reach[0],
+    s->map = (sl_shadow_map){.id = s->id,
+                             .size = size,
+                             .eye = centre,
+                             .directional = true,
+                             .frame = frame,
+                             .reach_x = reach[0],
                              .reach_y = reach[1]};
     sl_target target = {size, size, s->id, NULL};
     return sl_raster_id(raster, &view, maps->settings.threads, &target, counters, error);
 }
 
-/* ---- lights without extent ------------------------------------------------------------------------------------------------ */
+/* ---- lights without extent
+ * ------------------------------------------------------------------------------------------------ */
 
 static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const sl_light *light, unsigned part, int size,
                            sl_counters *counters, sl_error *error) {
@@ -65,15 +74,20 @@ static sl_status add_light(sl_shadow_maps *maps, const sl_raster *raster, const 
                                            [SL_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL};
     sl_mapped_source *s = &maps->sources[maps->source_count++];
     s->part = part;
-    s->source = (sl_light_source){.kind = kinds[light->type], .position = light->position, .direction = light->direction,
-                                  .cos_inner = light->cos_inner, .cos_outer = light->cos_outer, .colour = light->intensity};
-    if (light->type == SL_LIGHT_DIRECTIONAL) return draw_directional(maps, raster, light->direction, size, s, counters, error);
+    s->source = (sl_light_source){.kind = kinds[light->type],
+                                  .position = light->position,
+                                  .direction = light->direction,
+                                  .cos_inner = light->cos_inner,
+                                  .cos_outer = light->cos_outer,
+                                  .colour = light->intensity};
+    if (light->type == SL_LIGHT_DIRECTIONAL)
+        return draw_directional(maps, raster, light->direction, size, s, counters, error);
     return draw_cube(maps, raster, light->position, size, 2.0f * maps->offset, s, counters, error);
 }
 
 /* Directions drawn in proportion to luminance by a Hammersley set, so all of about equal power. */
-static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, const sl_environment *environment, uint32_t count,
-                                 unsigned part, sl_counters *counters, sl_error *error) {
+static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, const sl_environment *environment,
+                                 uint32_t count, unsigned part, sl_counters *counters, sl_error *error) {
     for (uint32_t i = 0; i < count; i++) {
         sl_rgb radiance;
         float pdf, u = ((float)i + 0.5f) / (float)count, v = ((float)(sl_van_der_corput(i) >> 8) + 0.5f) * 0x1p-24f;
@@ -88,10 +102,11 @@ static sl_status add_environment(sl_shadow_maps *maps, const sl_raster *raster, 
     return SL_OK;
 }
 
-/* ---- emitters --------------------------------------------------------------------------------------------------------------- */
+/* ---- emitters
+ * --------------------------------------------------------------------------------------------------------------- */
 
-/* Point `index` of an additive recurrence (powers of the inverse plastic number), which every prefix spreads well, folded onto the
- * triangle. */
+/* Point `index` of an additive recurrence (powers of the inverse plastic number), which every prefix spreads well, folded
+ * onto the triangle. */
 static sl_vec3 point_of(const sl_polygon_light *p, size_t index) {
     double u = 0.5 + 0.7548776662466927 * (double)(index + 1), v = 0.5 + 0.5698402909980532 * (double)(index + 1);
     u -= floor(u);
@@ -113,11 +128,14 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
     for (size_t i = 0; i < samples && status == SL_OK; i++) {
         sl_mapped_source *s = &maps->sources[maps->source_count++];
         s->part = SL_MAPPED_LIGHTS;
-        s->source = (sl_light_source){.kind = SL_SOURCE_AREA, .direction = m->polygon.normal, .extent = area * (float)(1.0 / SL_PI),
+        s->source = (sl_light_source){.kind = SL_SOURCE_AREA,
+                                      .direction = m->polygon.normal,
+                                      .extent = area * (float)(1.0 / SL_PI),
                                       .colour = sl_rgb_scale(e->radiance, area)};
         /* A little before the emitter, which must not hide its own light. */
         s->source.position = sl_mad(point_of(&m->polygon, i), 2.0f * maps->offset, m->polygon.normal);
-        status = draw_cube(maps, raster, s->source.position, smaller(maps->settings.size, 4), maps->offset, s, counters, error);
+        status =
+            draw_cube(maps, raster, s->source.position, smaller(maps->settings.size, 4), maps->offset, s, counters, error);
     }
     return status;
 }
@@ -127,7 +145,8 @@ static double power_of(const sl_emitter *e) { return (double)sl_rgb_mean(e->radi
 /* Samples of one side of an emitter: its share of the power, and at least one. */
 static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {
     double total = 0.0;
-    for (size_t i = 0; i < scene->emitter_count; i++) total += power_of(&scene->emitters[i]) * (scene->emitters[i].two_sided ? 2.0 : 1.0);
+    for (size_t i = 0; i < scene->emitter_count; i++)
+        total += power_of(&scene->emitters[i]) * (scene->emitters[i].two_sided ? 2.0 : 1.0);
     double share = total > 0.0 ? power_of(e) / total : 0.0;
     size_t samples = (size_t)floor(EMITTER_SAMPLES * share);
     return samples > 1 ? samples : 1;
@@ -139,7 +158,8 @@ static size_t sides_of(const sl_scene *scene) {
     return sides;
 }
 
-/* ---- all ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- all
+ * ---------------------------------------------------------------------------------------------------------------------- */
 
 static void make_planes(sl_shadow_maps *maps) {
     const sl_scene *s = maps->scene;
@@ -192,9 +212,11 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster, 
                                 sl_shadow_maps **out, sl_counters *counters, sl_error *error) {
     *out = NULL;
     if (settings->size < SMALLEST_MAP || settings->size > 8192)
-        return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d", (int)SMALLEST_MAP, settings->size);
+        return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d", (int)SMALLEST_MAP,
+                       settings->size);
     if (sides_of(scene) > EMITTER_SIDES_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "shadow maps for %zu sides of emissive triangles are too many (at most %d): use shadow rays",
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "shadow maps for %zu sides of emissive triangles are too many (at most %d): use shadow rays",
                        sides_of(scene), (int)EMITTER_SIDES_MAX);
     sl_shadow_maps *maps = sl_allocate(1, sizeof *maps);
     if (!maps) return sl_fail_memory(error, "shadow maps");

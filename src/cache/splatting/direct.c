@@ -60,14 +60,20 @@ static void add_texel(sl_direct *d, int row, int column) {
     sl_rgb radiance;
     float solid_angle;
     sl_vec3 direction = sl_environment_texel(sun, row, column, &radiance, &solid_angle);
-    double top = sl_cos(SL_PI * (double)row / (double)sun->height), bottom = sl_cos(SL_PI * (double)(row + 1) / (double)sun->height);
-    float luminance = sl_luminance(radiance), over = luminance > 0.0f ? 1.0f / luminance : 0.0f;
+    double top = sl_cos(SL_PI * (double)row / (double)sun->height),
+           bottom = sl_cos(SL_PI * (double)(row + 1) / (double)sun->height);
+    float luminance = sl_luminance(radiance), scale = luminance > 0.0f ? luminance : 1.0f;
     size_t k = d->sun_texels++;
     d->sun_direction[k] = direction;
     d->sun_light[k] = sl_rgb_scale(radiance, solid_angle);
     d->sun_table[k] = (sl_sun_texel){.sum = luminance * solid_angle + (k ? d->sun_table[k - 1].sum : 0.0f),
-                                     .u = (float)column / (float)sun->width, .width = 1.0f / (float)sun->width, .top = (float)top,
-                                     .height = (float)(top - bottom), .r = radiance.r * over, .g = radiance.g * over, .b = radiance.b * over};
+                                     .u = (float)column / (float)sun->width,
+                                     .width = 1.0f / (float)sun->width,
+                                     .top = (float)top,
+                                     .height = (float)(top - bottom),
+                                     .r = radiance.r / scale,
+                                     .g = radiance.g / scale,
+                                     .b = radiance.b / scale};
 }
 
 /* The texels of the sun, if they are few: then its unoccluded light is known. */
@@ -170,8 +176,8 @@ sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light) {
     return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
 }
 
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g, float *b,
-                         sl_counters *counters, sl_error *error) {
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                         float *b, sl_counters *counters, sl_error *error) {
     if (direct->settings.maps) return sl_direct_by_maps(direct, gbuffer, row0, row1, r, g, b, counters, error);
     return sl_direct_by_rays(direct, gbuffer, row0, row1, r, g, b, counters, error);
 }

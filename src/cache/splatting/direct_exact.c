@@ -1,7 +1,7 @@
-/* Emitters: the irradiance of each is known in closed form where nothing is in the way (Lambert's formula); light samples only tell which share
- * of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill and McGuire 2018, "Combining analytic direct illumination and
- * stochastic shadows"). The closed forms also are the best weights for choosing an emitter: the samples of many differ in
- * nothing but visibility, and what is seen whole or not at all has no noise. */
+/* Emitters: the irradiance of each is known in closed form where nothing is in the way (Lambert's formula); light samples
+ * only tell which share of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill and McGuire 2018, "Combining
+ * analytic direct illumination and stochastic shadows"). The closed forms also are the best weights for choosing an emitter:
+ * the samples of many differ in nothing but visibility, and what is seen whole or not at all has no noise. */
 #include "cache/splatting/direct_internal.h"
 
 #include "base/random.h"
@@ -47,7 +47,8 @@ typedef struct {
     float weight[LANES], wanted[LANES], visible[LANES];
 } light_samples;
 
-static void draw_numbers(const sl_direct *direct, const sl_lit_block *block, uint32_t sample, uint64_t stream, float *u0, float *u1, float *u2) {
+static void draw_numbers(const sl_direct *direct, const sl_lit_block *block, uint32_t sample, uint64_t stream, float *u0,
+                         float *u1, float *u2) {
     for (size_t i = 0; i < block->count; i++) {
         float u[3];
         sl_direct_point(direct, block, i, sample, stream, u);
@@ -62,9 +63,9 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
         draw_numbers(direct, block, first + k, 0, s->u0 + lane, s->u1 + lane, s->u2 + lane);
-        sl_aim_block aim = {&points, w->sides, w->side, direct->triangles, w->share, w->sums, s->u0 + lane, s->u1 + lane, s->u2 + lane,
-                            s->chosen + lane, s->x + lane, s->y + lane, s->z + lane, s->weight + lane, s->r + lane, s->g + lane,
-                            s->b + lane, s->wanted + lane};
+        sl_aim_block aim = {&points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
+                            s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
+                            s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
         direct->kernels.aim(&aim);
     }
 }
@@ -88,11 +89,13 @@ static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const li
 }
 
 /* seen: how many samples of a pixel were, of: of how many. */
-static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums, float *seen, float *of) {
+static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums, float *seen,
+                        float *of) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
         for (size_t lane = i; lane < s->samples * SL_LIGHT_BLOCK; lane += SL_LIGHT_BLOCK) {
-            float weight = s->weight[lane] * scale, visible = s->wanted[lane] > 0.0f ? s->visible[lane] : 0.0f, arrives = weight * visible;
+            float weight = s->weight[lane] * scale, visible = s->wanted[lane] > 0.0f ? s->visible[lane] : 0.0f,
+                  arrives = weight * visible;
             sums->all[0][p] += s->r[lane] * weight;
             sums->all[1][p] += s->g[lane] * weight;
             sums->all[2][p] += s->b[lane] * weight;
@@ -115,15 +118,16 @@ typedef struct {
 } answers;
 
 /* Traces and adds up samples that are drawn. */
-static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, light_samples *s, sl_direct_sums *sums,
-                 answers *a, sl_counters *counters) {
+static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, light_samples *s,
+                 sl_direct_sums *sums, answers *a, sl_counters *counters) {
     uint32_t order[LANES];
     size_t rays = order_by_emitter(block, sides, s, order);
     sl_direct_trace(direct, block, rays, order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible, counters);
     add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
 }
 
-static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a, float exact[3][SL_LIGHT_BLOCK], sl_direct_sums *sums) {
+static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a, float exact[3][SL_LIGHT_BLOCK],
+                     sl_direct_sums *sums) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
         sums->samples[p] += (float)(range.end - range.first);
@@ -133,7 +137,8 @@ static void conclude(const sl_lit_block *block, sl_sample_range range, const ans
     }
 }
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+                     sl_counters *counters) {
     weighed w;
     light_samples s;
     answers a = {{0.0f}, {0.0f}};
@@ -169,14 +174,16 @@ static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
         draw_numbers(direct, block, first + k, 1, s->u0 + lane, s->u1 + lane, s->u2 + lane);
-        sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane, .chosen = s->chosen + lane,
-                            .x = s->x + lane, .y = s->y + lane, .z = s->z + lane, .weight = s->weight + lane, .r = s->r + lane,
-                            .g = s->g + lane, .b = s->b + lane, .wanted = s->wanted + lane};
+        sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane,
+                            .chosen = s->chosen + lane, .x = s->x + lane, .y = s->y + lane, .z = s->z + lane,
+                            .weight = s->weight + lane, .r = s->r + lane, .g = s->g + lane, .b = s->b + lane,
+                            .wanted = s->wanted + lane};
         direct->kernels.sun(&aim, direct->sun_table, direct->sun_texels);
     }
 }
 
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters) {
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+                   sl_counters *counters) {
     light_samples s;
     answers a = {{0.0f}, {0.0f}};
     float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};

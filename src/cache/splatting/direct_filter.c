@@ -1,7 +1,7 @@
-/* The visible share of the light samples, smoothed where it is noise: the mean over 5 x 5 pixels of the same surface, as far as their
- * shares differ by no more than the samples' own scatter explains. The scatter is measured: what one half of a pixel's samples says against what
- * the other half says, over the same pixels. With more samples it falls, and fewer neighbours are alike, so that the result still
- * converges to the truth; where all agree nothing changes. */
+/* The visible share of the light samples, smoothed where it is noise: the mean over 5 x 5 pixels of the same surface, as far
+ * as their shares differ by no more than the samples' own scatter explains. The scatter is measured: what one half of a
+ * pixel's samples says against what the other half says, over the same pixels. With more samples it falls, and fewer
+ * neighbours are alike, so that the result still converges to the truth; where all agree nothing changes. */
 #include "cache/splatting/direct_internal.h"
 
 enum { RADIUS = 2 };
@@ -12,7 +12,9 @@ typedef struct {
     int row;
 } window;
 
-static float ratio(const sl_direct_sums *s, int c, size_t k) { return s->all[c][k] > 0.0f ? s->seen[c][k] / s->all[c][k] : 0.0f; }
+static float ratio(const sl_direct_sums *s, int c, size_t k) {
+    return s->all[c][k] > 0.0f ? s->seen[c][k] / s->all[c][k] : 0.0f;
+}
 
 /* Of all channels together. */
 static float visible_share(const sl_direct_sums *s, size_t k) {
@@ -22,7 +24,8 @@ static float visible_share(const sl_direct_sums *s, size_t k) {
 
 /* (A - B)^2 / 4, A and B what the halves of the samples say: the variance of their mean. */
 static float scatter_of(const sl_direct_sums *s, size_t k) {
-    float seen = s->seen[0][k] + s->seen[1][k] + s->seen[2][k] - s->odd_seen[k], all = s->all[0][k] + s->all[1][k] + s->all[2][k] - s->odd_all[k];
+    float seen = s->seen[0][k] + s->seen[1][k] + s->seen[2][k] - s->odd_seen[k],
+          all = s->all[0][k] + s->all[1][k] + s->all[2][k] - s->odd_all[k];
     if (!(s->odd_all[k] > 0.0f) || !(all > 1e-4f * s->odd_all[k])) return 0.0f;
     float difference = s->odd_seen[k] / s->odd_all[k] - seen / all;
     return 0.25f * difference * difference;
@@ -30,9 +33,11 @@ static float scatter_of(const sl_direct_sums *s, size_t k) {
 
 /* Same plane, within a slope of 0.2, and alike normals. */
 static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
-    sl_vec3 d = sl_sub(sl_v3(g->position_x[j], g->position_y[j], g->position_z[j]), sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
+    sl_vec3 d = sl_sub(sl_v3(g->position_x[j], g->position_y[j], g->position_z[j]),
+                       sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
     sl_vec3 n = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]);
-    float height = sl_dot(d, n), alike = g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
+    float height = sl_dot(d, n),
+          alike = g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
     return alike > 0.9f && height * height <= 0.04f * sl_dot(d, d);
 }
 
@@ -88,7 +93,9 @@ void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer,
         scatters = column_scatters(&w, x + RADIUS) ? x + RADIUS : scatters;
         size_t k = (size_t)row * (size_t)gbuffer->width + (size_t)x - sums->first;
         for (int c = 0; c < 3; c++) share[c][x] = ratio(sums, c, k);
-        if (scatters < x - RADIUS || !(sums->samples[k] > 0.0f) || !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f)) continue;
+        if (scatters < x - RADIUS || !(sums->samples[k] > 0.0f) ||
+            !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f))
+            continue;
         neighbours n;
         find_neighbours(&w, x, &n);
         float own = visible_share(sums, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};

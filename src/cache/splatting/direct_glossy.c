@@ -1,5 +1,6 @@
-/* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from the lobe are bad where lights
- * are small: both are taken, each weighted by the power heuristic (Veach and Guibas 1995), since one of them mostly has all but no noise. */
+/* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from the lobe are
+ * bad where lights are small: both are taken, each weighted by the power heuristic (Veach and Guibas 1995), since one of
+ * them mostly has all but no noise. */
 #include "base/random.h"
 #include "cache/splatting/direct_internal.h"
 #include "trace/bsdf.h"
@@ -36,7 +37,8 @@ static void end_light_samples(queue *q, sl_counters *counters) {
     q->count = 0;
 }
 
-/* The heuristic's weight of a sample of the technique with density p, which the other one draws with density q; over the samples taken. */
+/* The heuristic's weight of a sample of the technique with density p, which the other one draws with density q; over the
+ * samples taken. */
 static float weight_of(float p, float samples, float q, float others) {
     p *= samples;
     q *= others;
@@ -45,14 +47,16 @@ static float weight_of(float p, float samples, float q, float others) {
 
 static void add_light_sample(queue *q, const float u[2], sl_counters *counters) {
     sl_light_sample s;
-    if (!sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s) || s.triangle == q->at.triangle) return;
+    if (!sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s) || s.triangle == q->at.triangle)
+        return;
     q->irradiance += sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->at.normal, s.to_light)) / q->light_count;
     sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
     if (!(sl_rgb_max(f) > 0.0f)) return;
     float weight = weight_of(s.pdf, q->light_count, sl_bsdf_pdf(&q->lobe, s.to_light), q->lobe_count);
     q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight);
     bool far_away = isinf(s.distance);
-    sl_vec3 aim = far_away ? s.to_light : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, q->direct->offset));
+    sl_vec3 aim = far_away ? s.to_light
+                           : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, q->direct->offset));
     push(q, aim, far_away ? INFINITY : 0.9999f);
     if (q->count == SL_PACKET) end_light_samples(q, counters);
 }
@@ -60,7 +64,8 @@ static void add_light_sample(queue *q, const float u[2], sl_counters *counters) 
 /* What a ray of the lobe meets, if that is a light that the sampler knows. */
 static sl_rgb light_met(const sl_direct *direct, sl_vec3 direction, uint32_t triangle) {
     const sl_scene *scene = direct->scene;
-    if (triangle == SL_NO_INDEX) return direct->settings.sun ? sl_environment_radiance(direct->settings.sun, direction) : sl_grey(0.0f);
+    if (triangle == SL_NO_INDEX)
+        return direct->settings.sun ? sl_environment_radiance(direct->settings.sun, direction) : sl_grey(0.0f);
     uint32_t emitter = scene->emitter_of_triangle[triangle];
     if (emitter == SL_NO_INDEX) return sl_grey(0.0f);
     bool front = sl_dot(sl_scene_geometric_normal(scene, triangle), direction) < 0.0f;
@@ -76,7 +81,8 @@ static void end_lobe_samples(queue *q, sl_counters *counters) {
         if (!(sl_rgb_max(radiance) > 0.0f)) continue;
         float other = sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i], hits.t[i]);
         sl_rgb f = sl_bsdf_reflect(&q->lobe, d, SL_LOBE_GLOSSY);
-        q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance), weight_of(q->pdf[i], q->lobe_count, other, q->light_count) / q->pdf[i]));
+        q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance),
+                                                 weight_of(q->pdf[i], q->lobe_count, other, q->light_count) / q->pdf[i]));
     }
     q->count = 0;
 }
@@ -91,15 +97,16 @@ static void add_lobe_sample(queue *q, const float u[2], sl_counters *counters) {
     if (q->count == SL_PACKET) end_lobe_samples(q, counters);
 }
 
-sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples, sl_counters *counters) {
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
+                      sl_counters *counters) {
     sl_lit_block one = {.count = 0};
     sl_lit_block_add(direct, gbuffer, pixel, &one);
     queue q = {.direct = direct, .at = sl_receiver_at(direct, gbuffer, pixel)};
     sl_surface surface = {.position = q.at.position, .geometric_normal = q.at.geometric_normal, .normal = q.at.normal,
                           .material = q.at.material};
     q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
-    /* Directions from a lobe find a lamp better than points on it only where the lobe is much narrower (measured: below an exponent of 300
-     * every one is worth less than a light sample). */
+    /* Directions from a lobe find a lamp better than points on it only where the lobe is much narrower (measured: below an
+     * exponent of 300 every one is worth less than a light sample). */
     float exponent = q.at.material->exponent;
     uint32_t lobes = (uint32_t)(2.0f * (float)samples * exponent / (exponent + 3000.0f)), lights = 2 * samples - lobes;
     q.light_count = (float)lights;

@@ -62,22 +62,25 @@ typedef struct sl_direct_sums {
     float *seen[3], *all[3];
     float *plain[3];        /* of which nothing is known but samples */
     float *glossy[3];       /* radiance */
-    float *odd_seen, *odd_all; /* of every other sample, the three channels together: half the light, of which the scatter is seen */
+    float *odd_seen;        /* of every other sample, the three channels together: one half of the samples, which against the */
+    float *odd_all;         /* other half shows how much they scatter */
     float *samples;         /* how many of `all`, and */
     float *partly;          /* 1: some, but not all, of the first samples were seen */
     float *block;           /* holds all of the above */
 } sl_direct_sums;
 
-/* Samples of a pixel: numbers [first, end), each [0, light_samples) in the first pass, those that follow where they are refined. */
+/* Samples of a pixel: numbers [first, end). The first pass begins at 0, refinement goes on from there. */
 typedef struct sl_sample_range {
     uint32_t first, end;
 } sl_sample_range;
 
 /* Three numbers in [0,1) for a sample of point i. */
-void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[3]);
+void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
+                     float u[3]);
 
 /* Two; better spread, where two do. */
-void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[2]);
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
+                        float u[2]);
 
 /* What shadow rays aim at: from the point to the light itself, or a direction. */
 typedef struct sl_aims {
@@ -86,19 +89,25 @@ typedef struct sl_aims {
 } sl_aims;
 
 /* Shadow rays of some lanes, in an order of neighbours; lane i belongs to point i modulo SL_LIGHT_BLOCK. visible: 1 or 0. */
-void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims, float *visible,
-                     sl_counters *counters);
+void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims,
+                     float *visible, sl_counters *counters);
 /* The same for the points of a block, where wanted is > 0; 0 where not. */
 void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
                        sl_counters *counters);
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+                     sl_counters *counters);
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+                   sl_counters *counters);
+void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums,
+                     sl_counters *counters);
+void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+                        sl_counters *counters);
+void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+                       sl_counters *counters);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
-sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples, sl_counters *counters);
+sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
+                      sl_counters *counters);
 /* The visible share of a row's pixels, smoothed: three planes of a row. */
 void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]);
 
@@ -116,9 +125,9 @@ bool sl_pixel_is_glossy(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t
 sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light);
 
 /* Rows [row0, row1), into r, g, b. */
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g, float *b,
-                            sl_counters *counters, sl_error *error);
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g, float *b,
-                            sl_counters *counters, sl_error *error);
+sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                            float *b, sl_counters *counters, sl_error *error);
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                            float *b, sl_counters *counters, sl_error *error);
 
 #endif

@@ -23,12 +23,16 @@ void SL_KERNEL(sl_direct_aim)(const sl_aim_block *block) {
         place[i] = chosen[i] * SL_LIGHT_BLOCK + (int32_t)i;
     }
     const float *restrict px = block->points->x, *restrict py = block->points->y, *restrict pz = block->points->z;
-    const float *restrict nx = block->points->normal_x, *restrict ny = block->points->normal_y, *restrict nz = block->points->normal_z;
-    const float *restrict gx = block->points->geometric_x, *restrict gy = block->points->geometric_y, *restrict gz = block->points->geometric_z;
+    const float *restrict nx = block->points->normal_x, *restrict ny = block->points->normal_y,
+                          *restrict nz = block->points->normal_z;
+    const float *restrict gx = block->points->geometric_x, *restrict gy = block->points->geometric_y,
+                          *restrict gz = block->points->geometric_z;
     const float *restrict u1 = block->u1, *restrict u2 = block->u2, *restrict share = block->share;
     const float *restrict total = block->sums + (block->sides - 1) * SL_LIGHT_BLOCK;
-    const float *t0 = block->triangles, *t1 = t0 + 1, *t2 = t0 + 2, *t3 = t0 + 3, *t4 = t0 + 4, *t5 = t0 + 5, *t6 = t0 + 6, *t7 = t0 + 7;
-    const float *t8 = t0 + 8, *t9 = t0 + 9, *t10 = t0 + 10, *t11 = t0 + 11, *t12 = t0 + 12, *t13 = t0 + 13, *t14 = t0 + 14, *t15 = t0 + 15;
+    const float *t0 = block->triangles, *t1 = t0 + 1, *t2 = t0 + 2, *t3 = t0 + 3, *t4 = t0 + 4, *t5 = t0 + 5, *t6 = t0 + 6,
+                *t7 = t0 + 7;
+    const float *t8 = t0 + 8, *t9 = t0 + 9, *t10 = t0 + 10, *t11 = t0 + 11, *t12 = t0 + 12, *t13 = t0 + 13, *t14 = t0 + 14,
+                *t15 = t0 + 15;
     float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z, *restrict weight = block->weight;
     float *restrict r = block->r, *restrict g = block->g, *restrict b = block->b, *restrict wanted = block->wanted;
 #pragma omp simd
@@ -59,8 +63,10 @@ void SL_KERNEL(sl_direct_aim)(const sl_aim_block *block) {
 void SL_KERNEL(sl_direct_sun_aim)(const sl_aim_block *block, const sl_sun_texel *texels, size_t texel_count) {
     const size_t count = block->points->count;
     const float total = texels[texel_count - 1].sum;
-    const float *restrict nx = block->points->normal_x, *restrict ny = block->points->normal_y, *restrict nz = block->points->normal_z;
-    const float *restrict gx = block->points->geometric_x, *restrict gy = block->points->geometric_y, *restrict gz = block->points->geometric_z;
+    const float *restrict nx = block->points->normal_x, *restrict ny = block->points->normal_y,
+                          *restrict nz = block->points->normal_z;
+    const float *restrict gx = block->points->geometric_x, *restrict gy = block->points->geometric_y,
+                          *restrict gz = block->points->geometric_z;
     const float *restrict u0 = block->u0, *restrict u1 = block->u1, *restrict u2 = block->u2;
     int32_t *restrict chosen = block->chosen;
     float *restrict x = block->x, *restrict y = block->y, *restrict z = block->z, *restrict weight = block->weight;

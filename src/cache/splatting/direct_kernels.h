@@ -4,7 +4,8 @@
 
 #include "cache/light/light_kernels.h"
 
-/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over its luminance). */
+/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over its
+ * luminance). */
 enum { SL_SIDE_VALUES = 16 };
 
 typedef struct sl_aim_block {
@@ -25,7 +26,8 @@ typedef struct sl_aim_block {
 /* Chooses a side in proportion to its irradiance and a point of it by area. */
 typedef void sl_aim_kernel(const sl_aim_block *block);
 
-/* A texel of the sun: the sum of the luminous powers (luminance x solid angle) up to and with it, its place, its chromaticity. */
+/* A texel of the sun: the sum of the luminous powers (luminance x solid angle) up to and with it, its place, its
+ * chromaticity. */
 typedef struct sl_sun_texel {
     float sum;
     float u, width;             /* azimuth / 2 pi + 1/2, as in a picture, of its left side */
@@ -33,8 +35,8 @@ typedef struct sl_sun_texel {
     float r, g, b;
 } sl_sun_texel;
 
-/* Chooses a texel in proportion to its power and a direction in it; x, y, z are unit directions. Of the block, points, u0, u1, u2 and what
- * goes out are used. */
+/* Chooses a texel in proportion to its power and a direction in it; x, y, z are unit directions. Of the block, points, u0,
+ * u1, u2 and what goes out are used. */
 typedef void sl_sun_kernel(const sl_aim_block *block, const sl_sun_texel *texels, size_t count);
 
 typedef struct sl_direct_kernels {

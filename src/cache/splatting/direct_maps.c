@@ -65,8 +65,8 @@ static void light_row(void *context, size_t index, unsigned worker) {
     sl_count(&c->counters[index], SL_COUNT_FRAGMENTS_SHADED, width);
 }
 
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g, float *b,
-                            sl_counters *counters, sl_error *error) {
+sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                            float *b, sl_counters *counters, sl_error *error) {
     size_t rows = (size_t)(row1 - row0);
     sl_counters *costs = sl_allocate(rows, sizeof *costs);
     if (!costs) return sl_fail_memory(error, "direct light");

@@ -1,7 +1,8 @@
 /* Direct light of pixels by shadow rays: the passes over a strip of rows.
  *
  *   1  every pixel             a ray to each light without extent, light samples of the others
- *   2  penumbrae               pixels that see a part of the lights only, and those near them: more samples, since nearly all of the noise is there
+ *   2  penumbrae               pixels that see a part of the lights only, and those near them: more samples, since nearly
+ *                              all of the noise is there
  *   3  the visible share       smoothed where it is noise (direct_filter.c)
  *   4  radiance
  *
@@ -18,8 +19,8 @@ enum {
     PILOT_MIN = 4,
     PENUMBRA_FACTOR = 4,
     PENUMBRA_EMITTERS_MAX = 16, /* under many emitters every pixel lies in some penumbra */
-    /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the faint
-     * edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
+    /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the
+     * faint edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
     PENUMBRA_MARGIN = 2,
     FILTER_MARGIN = 2
 };
@@ -41,13 +42,15 @@ static uint32_t pilot_samples(const sl_direct *direct) {
 /* ---- blocks of pixels ---- */
 
 sl_light_points sl_lit_points(const sl_lit_block *b) {
-    return (sl_light_points){b->count, b->x, b->y, b->z, b->geometric_x, b->geometric_y, b->geometric_z, b->normal_x, b->normal_y, b->normal_z};
+    return (sl_light_points){b->count,       b->x,           b->y,        b->z,        b->geometric_x,
+                             b->geometric_y, b->geometric_z, b->normal_x, b->normal_y, b->normal_z};
 }
 
 /* The bits of x and y in turn. */
 static uint32_t z_order(uint32_t x, uint32_t y) {
     uint32_t rank = 0;
-    for (uint32_t bit = 0; 1u << bit < SL_SAMPLE_TILE; bit++) rank |= (x >> bit & 1u) << 2 * bit | (y >> bit & 1u) << (2 * bit + 1);
+    for (uint32_t bit = 0; 1u << bit < SL_SAMPLE_TILE; bit++)
+        rank |= (x >> bit & 1u) << 2 * bit | (y >> bit & 1u) << (2 * bit + 1);
     return rank;
 }
 
@@ -60,19 +63,22 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
     b->geometric_x[i] = g->geometric_x[p], b->geometric_y[i] = g->geometric_y[p], b->geometric_z[i] = g->geometric_z[p];
     b->normal_x[i] = g->normal_x[p], b->normal_y[i] = g->normal_y[p], b->normal_z[i] = g->normal_z[p];
     b->rank[i] = z_order(x % SL_SAMPLE_TILE, y % SL_SAMPLE_TILE);
-    b->tile_key[i] = sl_random_key(direct->settings.seed ^ 0xd1ecu, (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
+    b->tile_key[i] =
+        sl_random_key(direct->settings.seed ^ 0xd1ecu, (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
 }
 
-/* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of every size share samples that
- * are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then tells most. */
-void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[3]) {
+/* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of every size
+ * share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then tells most. */
+void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
+                     float u[3]) {
     static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u}; /* powers of 1/g, g^4 = g + 1 */
     uint32_t index = block->rank[i] * samples_with_refinement(direct) + sample;
     for (uint64_t d = 0; d < 3; d++)
         u[d] = (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
 }
 
-void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream, float u[2]) {
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
+                        float u[2]) {
     static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
     uint32_t index = block->rank[i] * 2 * direct->settings.light_samples + sample;
     for (uint64_t d = 0; d < 2; d++)
@@ -81,9 +87,10 @@ void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size
 
 /* ---- rays, sixteen at a time ---- */
 
-/* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface cannot come between; its end
- * stops short of the light. */
-static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims, unsigned k, sl_ray16 *rays) {
+/* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface cannot come
+ * between; its end stops short of the light. */
+static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims, unsigned k,
+                    sl_ray16 *rays) {
     uint32_t i = lane % SL_LIGHT_BLOCK;
     float offset = direct->offset, back = aims.far_away ? 0.0f : offset;
     rays->origin_x[k] = block->x[i] + offset * block->geometric_x[i];
@@ -97,8 +104,8 @@ static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t
     rays->skip[k] = block->triangle[i];
 }
 
-void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims, float *visible,
-                     sl_counters *counters) {
+void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims,
+                     float *visible, sl_counters *counters) {
     sl_ray16 rays;
     for (size_t first = 0; first < count; first += SL_PACKET) {
         unsigned size = count - first < SL_PACKET ? (unsigned)(count - first) : SL_PACKET;
@@ -210,7 +217,8 @@ static void finish_row(void *context, size_t index, unsigned worker) {
         size_t k = i - p->sums->first;
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
         sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]}, glossy = {0.0f, 0.0f, 0.0f};
-        if (lobe) glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact), direct->settings.light_samples, counters_of(p, y));
+        if (lobe)
+            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact), direct->settings.light_samples, counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
             float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i];
@@ -224,10 +232,10 @@ static void finish_row(void *context, size_t index, unsigned worker) {
 
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
     enum { PLANES = 19 };
-    float **planes[PLANES] = {&sums->exact[0], &sums->exact[1], &sums->exact[2], &sums->seen[0],  &sums->seen[1],  &sums->seen[2],
-                              &sums->all[0],   &sums->all[1],   &sums->all[2],   &sums->plain[0], &sums->plain[1], &sums->plain[2],
-                              &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen, &sums->odd_all, &sums->samples,
-                              &sums->partly};
+    float **planes[PLANES] = {&sums->exact[0], &sums->exact[1], &sums->exact[2],  &sums->seen[0],   &sums->seen[1],
+                              &sums->seen[2],  &sums->all[0],   &sums->all[1],    &sums->all[2],    &sums->plain[0],
+                              &sums->plain[1], &sums->plain[2], &sums->glossy[0], &sums->glossy[1], &sums->glossy[2],
+                              &sums->odd_seen, &sums->odd_all,  &sums->samples,   &sums->partly};
     sums->first = first;
     sums->count = count;
     sums->block = sl_allocate(PLANES * count, sizeof *sums->block);
@@ -245,8 +253,8 @@ static void run(pass *p, sl_task *task, int row0, int row1, int margin) {
     sl_parallel_for(p->direct->settings.threads, (size_t)(end - p->row), task, p);
 }
 
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g, float *b,
-                            sl_counters *counters, sl_error *error) {
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                            float *b, sl_counters *counters, sl_error *error) {
     const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
     int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
     size_t width = (size_t)gbuffer->width, rows = (size_t)(end - first);
