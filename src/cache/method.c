@@ -187,6 +187,10 @@ static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error
         sl_status status = sl_image_set_metadata(image, pairs[i][0], pairs[i][1], error);
         if (status != SL_OK) return status;
     }
+    if (s->glossy_hits) {
+        sl_status status = sl_image_set_metadata(image, "softlux.glossy_hits", "true", error);
+        if (status != SL_OK) return status;
+    }
     const sl_counters *counters = method->class->counters(method->state);
     for (int i = 0; i < SL_COUNTERS; i++) {
         if (!counters->value[i]) continue;

@@ -42,6 +42,7 @@ typedef struct sl_gather_settings {
                                          the gather */
     sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow maps */
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
+    bool glossy_hits;         /* what is seen reflects direct light by its glossy lobe, too */
     const sl_shadow_maps *maps; /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
     const sl_hidden_light *hidden; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;

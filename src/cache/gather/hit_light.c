@@ -21,6 +21,8 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
         h->irradiance_r[q->slot[i]] += q->light[i].r;
         h->irradiance_g[q->slot[i]] += q->light[i].g;
         h->irradiance_b[q->slot[i]] += q->light[i].b;
+        if (q->view->scratch->glossy)
+            sl_glossy_hits_add(q->view, q->slot[i], sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]), q->light[i]);
     }
     q->count = 0;
 }
@@ -62,7 +64,7 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
             sl_vec3 to_light;
             float distance;
             sl_rgb facing;
-            if (!sl_hit_reflects(h, k)) continue;
+            if (!sl_hit_reflects(view, k)) continue;
             if (!sl_light_illuminate(&scene->lights[i], sl_hit_position(h, k), &to_light, &distance, &facing)) continue;
             float cosine = sl_hit_cosine(h, k, to_light);
             if (cosine > 0.0f) sl_push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine), 0);
@@ -96,14 +98,13 @@ static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q,
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */
 static void light_by_many(const sl_gather_view *view, sl_shadow_queue *q) {
-    const sl_gather_hits *h = &view->scratch->hits;
     uint64_t key = sl_random_key(view->point->key, 1);
     uint32_t select = sl_random_bits(key, 0), u1 = sl_random_bits(key, 1), u2 = sl_random_bits(key, 2);
     uint32_t samples = view->gather->settings.hit_samples;
     float share = 1.0f / (float)samples;
     for (uint32_t i = 0; i < samples; i++) {
         for (size_t k = 0; k < view->scratch->slots; k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
-            if (sl_hit_reflects(h, k)) light_by_one_of_many(view, q, k, unit(select), unit(u1), unit(u2), share);
+            if (sl_hit_reflects(view, k)) light_by_one_of_many(view, q, k, unit(select), unit(u1), unit(u2), share);
         }
     }
     sl_flush_shadow_rays(q);

@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_GATHER_HIT_LIGHT_H
 #define SL_CACHE_GATHER_HIT_LIGHT_H
 
-#include "cache/gather/gather_internal.h"
+#include "cache/gather/glossy_hits.h"
 
 /* Shadow rays wait here until there are sixteen. */
 typedef struct sl_shadow_queue {
@@ -22,9 +22,7 @@ void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float di
 void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away, sl_rgb irradiance, uint32_t tag);
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
-static inline bool sl_hit_reflects(const sl_gather_hits *h, size_t k) {
-    return h->triangle[k] != SL_NO_INDEX && h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k] > 0.0f;
-}
+static inline bool sl_hit_reflects(const sl_gather_view *view, size_t k) { return sl_hit_reflectance(view, k) > 0.0f; }
 
 static inline sl_vec3 sl_hit_position(const sl_gather_hits *h, size_t k) {
     return sl_v3(h->position_x[k], h->position_y[k], h->position_z[k]);

@@ -35,11 +35,8 @@ static sl_expected_light expected_light(const sl_gather_view *view, size_t first
 }
 
 void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count) {
-    const sl_gather_hits *h = &view->scratch->hits;
     sl_light_scratch *s = view->scratch->light;
-    for (size_t k = first; k < first + count; k++) {
-        s->reflects[k] = sl_hit_reflects(h, k) ? h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k] : 0.0f;
-    }
+    for (size_t k = first; k < first + count; k++) s->reflects[k] = sl_hit_reflectance(view, k);
     sl_expected_light light = expected_light(view, first, count);
     view->gather->light_kernels.expect(view->gather->sources, view->gather->visible, &light);
 }

@@ -1,5 +1,5 @@
 /* What the gather sees, lit by direct light (hit_light.c, or shadow maps) and by what more bounces bring: outgoing radiance
- * L = kd / pi * E of a Lambertian bounce. */
+ * L = kd / pi * E of a Lambertian bounce; and where asked for, what glossy lobes reflect of the direct light (glossy_hits.c). */
 #include "cache/gather/hit_light.h"
 
 #include "base/counters.h"
@@ -98,6 +98,7 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
                                  h->geometric_x + k, h->geometric_y + k, h->geometric_z + k, h->normal_x + k, h->normal_y + k, h->normal_z + k};
         sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
                                   h->irradiance_b + k, counters);
+        if (view->scratch->glossy) sl_glossy_hits_add_maps(view, &block, k, parts, counters);
     }
 }
 
@@ -137,6 +138,7 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
     sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k], h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
                        h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
     radiance = sl_rgb_add(radiance, sl_gather_emission(view, k));
+    if (view->scratch->glossy) radiance = sl_rgb_add(radiance, view->scratch->glossy->radiance[k]);
     radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite), share * sane(radiance.b, nonfinite)};
     float nearest_depth = 2.0f * view->gather->offset;
     bool hit = h->triangle[k] != SL_NO_INDEX;
@@ -161,6 +163,7 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
 static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     drop_below_horizon(view, first, count);
     make_surfaces(view, first, count);
+    if (view->scratch->glossy) sl_glossy_hits_begin(view, first, count);
     if (view->gather->maps) light_by_maps(view, first, count, counters);
     else sl_gather_light_first(view, first, count, counters);
 }

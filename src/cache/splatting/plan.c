@@ -39,6 +39,7 @@ static sl_gather_settings chosen_gather(const sl_settings *settings) {
     g.size = chosen_quality(settings).gather_size;
     g.direct = settings->direct;
     g.hit_samples = settings->hit_samples ? settings->hit_samples : 1;
+    g.glossy_hits = settings->glossy_hits;
     g.seed = settings->seed;
     g.emission = false; /* what the direct pass samples is black in the gather */
     return g;
@@ -57,14 +58,16 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     };
 }
 
-/* L E, L (D|G) E, L D+ (D|G) E: as many diffuse bounces as asked for, no mirrors. */
+/* L E, L (D|G) E, L D+ (D|G) E: as many diffuse bounces as asked for, no mirrors. With glossy hits L (D|G) (D|G) E.
+ * Exact for one bounce: of more, surfaces reflect light that has met others by their diffuse lobes alone, and the paths declared here are
+ * then a little more than those computed. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
         .eye_mirrors = false,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
-        .bounce_lobes = SL_LOBE_DIFFUSE,
+        .bounce_lobes = settings->glossy_hits ? SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY : SL_LOBE_DIFFUSE,
         .bounces = settings->bounces ? settings->bounces : 1,
         .direct_visibility = true,
         .bounce_visibility = true,
@@ -102,6 +105,8 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
                      left_out > 5.0 ? ": it looks blurred" : "");
     else
         sl_plan_pass(writer, false, "hemispherical harmonics", "no glossy lobe to hold");
+    sl_plan_pass(writer, glossy && settings->glossy_hits, "glossy hits", "%s",
+                 settings->glossy_hits ? "what gathers see reflects direct light by its glossy lobe, too" : "what gathers see is diffuse");
     bool more = settings->bounces > 1;
     sl_plan_pass(writer, more && light && receivers, "hidden records", "%u bounce%s", (unsigned)settings->bounces,
                  more ? "s: what gathers see receives indirect light too" : ": what gathers see receives direct light alone");
