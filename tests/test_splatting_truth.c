@@ -127,6 +127,26 @@ static void no_light_leaks_through_a_wall_of_a_thousandth(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* By shadow maps light comes in where it may: one texel's width along the open front. */
+static void shadow_maps_do_not_leak_through_it_either(void **state) {
+    (void)state;
+    enum { WIDTH = 64, HEIGHT = 32 };
+    sl_scene *scene = scene_from_text(thin_wall_json, thin_wall_obj);
+    for (int run = 0; run < 2; run++) {
+        sl_settings settings = small_settings("splatting", WIDTH, HEIGHT);
+        settings.gather = run ? SL_GATHER_RAYS : SL_GATHER_PLANE;
+        settings.direct = SL_DIRECT_SHADOW_MAPS;
+        sl_image *image = render(scene, &settings, NULL);
+        const float *all = sl_image_channel(image, "R");
+        double left = 0.0, right = 0.0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) *(i % WIDTH < WIDTH / 2 ? &left : &right) += (double)all[i];
+        print_message("in the dark room %.2g of the light\n", left / right);
+        assert_true(right > 1.0 && left < 1e-4 * right);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
 /* ---- the sky ---- */
 
 static const char plane_obj[] = "v -50 0 -50\nv -50 0 50\nv 50 0 50\nv 50 0 -50\nf 1 2 3 4\n";
@@ -203,6 +223,7 @@ int main(void) {
         cmocka_unit_test(direct_light_on_a_glossy_wall_is_what_the_path_tracer_says),
         cmocka_unit_test(the_layers_add_up_to_the_picture),
         cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),
+        cmocka_unit_test(shadow_maps_do_not_leak_through_it_either),
         cmocka_unit_test(an_open_plane_under_an_even_sky_reflects_albedo_times_its_radiance),
         cmocka_unit_test(a_niche_under_lamp_and_sky_is_what_the_path_tracer_says),
         cmocka_unit_test(passes_that_a_scene_does_not_need_do_not_run),

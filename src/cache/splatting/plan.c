@@ -85,9 +85,9 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
     bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS;
     sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
-                 maps ? "for all lights; those with extent become points" : "direct light is found by shadow rays");
+                 maps ? "for all lights, point samples of those with extent" : "direct light is found by shadow rays");
     sl_plan_pass(writer, !maps && light && receivers && (f.emitters || f.environment), "light samples",
-                 "%u rays a pixel towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
+                 "%u a pixel, fewer where all agree, more in penumbrae, towards %zu emissive triangles%s", (unsigned)q.light_samples, f.emitters,
                  f.environment ? " and what stands out of the environment" : "");
     sl_plan_pass(writer, f.environment, "environment in the cache", "up to %g times its mean it is the gathers' background", SL_SKY_CONTRAST);
     sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights", "%zu lights, one shadow ray each a pixel",
