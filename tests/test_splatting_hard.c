@@ -355,6 +355,68 @@ static void no_record_of_the_glossy_box_makes_a_blot(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* ---- what rays hardly find, and normals that say nothing ---- */
+
+/* A spot of 4 degrees on the ceiling of an empty room is all that shines on the floor: a patch of 0.0035 m^2, E = Phi albedo / pi
+ * cos cos / d^2. Of a gather's rays few find it, so pixels scatter, but their mean is right. */
+static void a_small_bright_patch_is_right_in_the_mean(void **state) {
+    (void)state;
+    static const char json[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0.5}},\n"
+        " \"lights\": [{\"type\": \"spot\", \"position\": [0, 1, 0], \"direction\": [0, 1, 0], \"intensity\": 1000,\n"
+        "   \"inner_deg\": 1.9, \"outer_deg\": 1.9}],\n"
+        " \"camera\": {\"eye\": [0, 1.9, 0], \"target\": [0, 0, 0], \"up\": [0, 0, -1], \"fov_deg\": 60}}";
+    char obj[1024];
+    append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 2, 2});
+    sl_scene *scene = scene_from_text(json, obj);
+    for (int g = SL_GATHER_HEMICUBE; g <= SL_GATHER_RAYS; g++) {
+        sl_settings settings = small_settings("splatting", 32, 32);
+        settings.quality = SL_QUALITY_HIGH;
+        settings.gather = (sl_gather_kind)g;
+        sl_image *image = render(scene, &settings, NULL);
+        assert_sound_picture(image, "a small bright patch");
+        const float *indirect = channel_of(image, "indirect.G");
+        double power = 1000.0 * 2.0 * pi * (1.0 - cos(1.9 * pi / 180.0)), sum = 0.0, truth = 0.0, worst = 0.0;
+        for (int i = 0; i < 32 * 32; i++) {
+            double t = tan(30.0 * pi / 180.0) * 1.9, x = t * (2.0 * (i % 32 + 0.5) / 32 - 1.0), z = t * (2.0 * (i / 32 + 0.5) / 32 - 1.0);
+            double d2 = x * x + z * z + 4.0, wanted = 0.5 / pi * (0.5 * power / pi) * (4.0 / d2) / d2;
+            sum += (double)indirect[i];
+            truth += wanted;
+            worst = fmax(worst, (double)indirect[i] / wanted);
+        }
+        print_message("a small bright patch: mean %.3f of the truth, brightest pixel %.2f\n", sum / truth, worst);
+        assert_true(fabs(sum / truth - 1.0) < 0.12 && worst < 6.0);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Vertex normals that are opposite, zero, or no numbers: where they cancel there is no shading normal to be had. */
+static void shading_normals_that_cancel_or_are_none_give_light_all_the_same(void **state) {
+    (void)state;
+    static const char normals[][100] = {"vn 0 1 0\nvn 0 -1 0\nvn 0 1 0\nvn 0 -1 0\n", "vn 0 0 0\nvn 0 0 0\nvn 0 0 0\nvn 0 0 0\n",
+                                        "vn 1 0 0\nvn -1 0 0\nvn 1 0 0\nvn -1 0 0\n", "vn nan 0 0\nvn inf 1 0\nvn 1e38 1e38 0\nvn 1e-40 1e-40 0\n"};
+    char obj[2048], json[1024];
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 2; k++) {
+            int n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
+            snprintf(obj + n, sizeof obj - (size_t)n, "v -1 0.5 -1\nv -1 0.5 1\nv 1 0.5 1\nv 1 0.5 -1\n%sf 9//1 10//2 11//3 12//4\n", normals[i]);
+            snprintf(json, sizeof json, lit_json, k ? shiny : dull);
+            sl_scene *scene = scene_from_text(json, obj);
+            sl_settings settings = small_settings("splatting", 24, 24);
+            sl_counters counters;
+            sl_image *image = render(scene, &settings, &counters);
+            assert_sound_picture(image, "normals that cancel");
+            double sum = 0.0;
+            for (int p = 0; p < 24 * 24; p++) sum += (double)channel_of(image, "G")[p];
+            assert_true(sum > 24 * 24 * 0.1);
+            assert_true(counters.value[SL_COUNT_RECORDS] < 24 * 24 / 2);
+            sl_image_destroy(image);
+            sl_scene_destroy(scene);
+        }
+    }
+}
+
 /* ---- thin walls ---- */
 
 /* Two rooms of 2 x 2 x 2, open to the camera, share a wall that is 1/1000 thick, and the light hangs in the right one. What the
@@ -458,6 +520,8 @@ int main(void) {
         cmocka_unit_test(coplanar_duplicates_change_nothing),
         cmocka_unit_test(balls_seen_from_outside_and_inside_have_the_path_tracers_light),
         cmocka_unit_test(no_record_of_the_glossy_box_makes_a_blot),
+        cmocka_unit_test(a_small_bright_patch_is_right_in_the_mean),
+        cmocka_unit_test(shading_normals_that_cancel_or_are_none_give_light_all_the_same),
         cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),
         cmocka_unit_test(no_light_leaks_under_a_wall_that_stands_on_the_floor),
         cmocka_unit_test(pixels_without_geometry_ask_for_nothing),
