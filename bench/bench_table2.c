@@ -90,15 +90,22 @@ static const char *const scene_paths[] = {
 static const setting settings_shown[] = {{"draft", SL_QUALITY_DRAFT, 0.0, 0, 0}, {"normal", SL_QUALITY_NORMAL, 0.0, 0, 0},
                                          {"high, a 0.15", SL_QUALITY_HIGH, 0.15, 0, 0}, {"high, a 0.1", SL_QUALITY_HIGH, 0.10, 0, 0}};
 
+/* Nothing where nothing was measured. */
+static const char *or_blank(double value, int digits, char text[24]) {
+    text[0] = '\0';
+    if (value > 0.0) snprintf(text, 24, "%.*f", digits, value);
+    return text;
+}
+
 static void scene_row(splat_report *r, const char *scene, const setting *s, const splat_run *run, target *t) {
     splat_error errors[3];
-    char whole[32], direct[32], indirect[32];
+    char whole[32], direct[32], indirect[32], wall[24], gain[24];
     errors_of(run->image, t, errors);
     double faster = run->wall_two > 0.0 ? run->wall_one / run->wall_two : 0.0;
     double rest = run->cpu[SPLAT_SETUP] + run->cpu[SPLAT_GBUFFER] + run->cpu[SPLAT_COMPOSE];
-    splat_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%.2f|%.2f|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name, run->records[0],
+    splat_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%s|%s|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name, run->records[0],
               run->records[1], run->cpu[SPLAT_DIRECT], run->cpu[SPLAT_RECORDS] + run->cpu[SPLAT_RECORDS + 1],
-              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all, run->wall_two, faster, 100.0 * errors[0].rel_rmse, splat_mse_text(&errors[0], whole),
+              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all, or_blank(run->wall_two, 2, wall), or_blank(faster, 2, gain), 100.0 * errors[0].rel_rmse, splat_mse_text(&errors[0], whole),
               t->parts ? splat_mse_text(&errors[1], direct) : "", t->parts ? splat_mse_text(&errors[2], indirect) : "",
               errors[0].noise, 100.0 * errors[0].bias);
 }
@@ -195,12 +202,13 @@ static void ratio_rows(splat_report *r, const peer *peers, size_t peer_count, co
     for (size_t i = 0; i < peer_count; i++) {
         const peer *p = &peers[i];
         const trial *t = cheapest(trials, count, p);
-        char error[32] = "";
+        char error[32] = "", wall[24], ratio[24];
         if (p->rel_mse > 0.0) snprintf(error, sizeof error, "%.2e", p->rel_mse);
         if (!t) splat_row(r, "%s|%.2f|%.2f|%s|none as good|||||||", p->name, p->cpu, 100.0 * p->rel_rmse, error);
         else
-            splat_row(r, "%s|%.2f|%.2f|%s|%s|%llu|%.2f|%.2e|%.3f|%.3f|%.0f|%.0f", p->name, p->cpu, 100.0 * p->rel_rmse, error, t->name,
-                      t->records, 100.0 * t->rel_rmse, t->rel_mse, t->cpu, t->wall, p->cpu / t->cpu, t->wall > 0.0 ? p->cpu / t->wall : 0.0);
+            splat_row(r, "%s|%.2f|%.2f|%s|%s|%llu|%.2f|%.2e|%.3f|%s|%.0f|%s", p->name, p->cpu, 100.0 * p->rel_rmse, error, t->name,
+                      t->records, 100.0 * t->rel_rmse, t->rel_mse, t->cpu, or_blank(t->wall, 3, wall), p->cpu / t->cpu,
+                      or_blank(t->wall > 0.0 ? p->cpu / t->wall : 0.0, 0, ratio));
     }
 }
 

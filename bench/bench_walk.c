@@ -162,7 +162,7 @@ static void frame_rows(splat_report *r, const world *w, const char *name, int co
     splat_table(r, name, "walk|frame|camera|new|records|wall ms|CPU ms|frames/s|relRMSE %|relMSE|mean change %|largest / mean");
     for (int i = 0; i < count; i++) {
         const frame *f = &w->frames[i];
-        const char *camera = f->moved ? "moves" : "still";
+        const char *camera = i == 0 ? "first" : f->moved ? "moves" : "still";
         if (file)
             fprintf(file, "%d,%s,%llu,%llu,%.2f,%.2f,%.4e,%.2e,%.5f,%.4e,%.4e\n", i, camera, (unsigned long long)f->new_records,
                     (unsigned long long)f->all_records, f->wall, f->cpu, f->error, f->noise, f->rel_rmse, f->change, f->largest);
