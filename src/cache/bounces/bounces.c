@@ -137,7 +137,7 @@ static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_e
         cache->report.bounces++;
         cache->report.change = largest_change(cache->list.records, next, count);
         cache->report.converged = cache->report.change < SMALL_CHANGE;
-        memcpy(cache->list.records, next, count * sizeof *next);
+        if (count) memcpy(cache->list.records, next, count * sizeof *next);
         for (size_t i = 0; i < count; i++) cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->field.rules);
     }
     sl_free(next);
