@@ -58,8 +58,9 @@ static bool sees(const lost_point *p, const sl_record_terms *k) {
     return sl_trace_occluded(p->field->tracer, &rays, 3, false, p->counters) == 0;
 }
 
-/* The most similar records of a leaf, the most similar first; what (2) calls D, walls and reach aside. Not those that face away. */
-enum { TRIES = 4 };
+/* The most similar records of a leaf, the most similar first: by distance, and by how they face. Not by the D of (2), which in units of
+ * their radii holds large records far away for near. */
+enum { TRIES = 6 };
 typedef struct {
     const sl_record_terms *terms[TRIES];
     float d[TRIES];
@@ -89,7 +90,7 @@ static similar_records most_similar(const lost_point *p, const sl_record_tree *t
             float turn_squared = sl_dot(turn, turn);
             if (!(turn_squared < 2.0f)) continue;
             float squared = sl_record_squared_distance(k, p->position.x, p->position.y, p->position.z);
-            consider(&similar, k, sqrtf(squared) * k->inverse_radius + sqrtf(turn_squared) * 0.70710678f);
+            consider(&similar, k, squared * (1.0f + 2.0f * turn_squared));
         }
     }
     return similar;
