@@ -42,24 +42,30 @@ void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
 
 /* ---- how radiance varies -------------------------------------------------------------------------------------------- */
 
-static inline float deviation(const float *below, const float *here, const float *above, size_t left, size_t x, size_t right) {
-    float v[8] = {below[left], below[x], below[right], here[left], here[right], above[left], above[x], above[right]};
-    float mean = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
-    mean *= 0.125f;
-    float d[8];
-    for (int i = 0; i < 8; i++) d[i] = (v[i] - mean) * (v[i] - mean);
-    return sqrtf((((d[0] + d[1]) + (d[2] + d[3])) + ((d[4] + d[5]) + (d[6] + d[7]))) * 0.125f);
+static inline float square(float x) { return x * x; }
+
+/* Of eight numbers. */
+static inline float deviation(float a, float b, float c, float d, float e, float f, float g, float h) {
+    float mean = 0.125f * (((a + b) + (c + d)) + ((e + f) + (g + h)));
+    float low = (square(a - mean) + square(b - mean)) + (square(c - mean) + square(d - mean));
+    float high = (square(e - mean) + square(f - mean)) + (square(g - mean) + square(h - mean));
+    return sqrtf(0.125f * (low + high));
 }
 
-void SL_KERNEL(sl_gather_spread)(int width, int height, const float *restrict value, float *restrict spread) {
+static void spread_of_row(size_t width, const float *restrict below, const float *restrict here, const float *restrict above, float *restrict to) {
+    for (size_t x = 1; x < width - 1; x++) {
+        to[x] = deviation(below[x - 1], below[x], below[x + 1], here[x - 1], here[x + 1], above[x - 1], above[x], above[x + 1]);
+    }
+    for (int end = 0; end < 2; end++) { /* mirrored */
+        size_t x = end ? width - 1 : 0, in = end ? width - 2 : 1;
+        to[x] = deviation(below[in], below[x], below[in], here[in], here[in], above[in], above[x], above[in]);
+    }
+}
+
+void SL_KERNEL(sl_gather_spread)(int width, int height, const float *value, float *spread) {
     size_t w = (size_t)width, h = (size_t)height;
     for (size_t y = 0; y < h; y++) {
-        const float *below = value + w * (y > 0 ? y - 1 : 1), *here = value + w * y, *above = value + w * (y + 1 < h ? y + 1 : h - 2);
-        float *to = spread + w * y;
-        to[0] = deviation(below, here, above, 1, 0, 1);
-        to[w - 1] = deviation(below, here, above, w - 2, w - 1, w - 2);
-#pragma omp simd
-        for (size_t x = 1; x < w - 1; x++) to[x] = deviation(below, here, above, x - 1, x, x + 1);
+        spread_of_row(w, value + w * (y > 0 ? y - 1 : 1), value + w * y, value + w * (y + 1 < h ? y + 1 : h - 2), spread + w * y);
     }
 }
 
