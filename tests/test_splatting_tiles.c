@@ -86,6 +86,7 @@ static void make_records(screen *s) {
         r->normal = s->receives[pixel] ? sl_v3(s->nx[pixel], s->ny[pixel], s->nz[pixel]) : sl_v3(0, 1, 0);
         float u = sl_random_unit(key, 100 * k + 4);
         r->radius = k % 10 == 0 ? 0.004f : 0.1f + 2.5f * u * u;
+        r->stretch = 1.0f;
         r->irradiance = (sl_rgb){1.0f + u, 2.0f - u, 0.25f};
         for (uint64_t c = 0; c < 3; c++) {
             r->rotational[c] = sl_v3(between(key, 100 * k + 10 + c, -1, 1), between(key, 100 * k + 20 + c, -1, 1), u);

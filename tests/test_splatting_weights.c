@@ -62,7 +62,7 @@ static void patch_plane(patch *p) {
 }
 
 static sl_record record_at(float x, float y, float radius, float irradiance) {
-    return (sl_record){.position = {x, y, 0.0f}, .normal = {0.0f, 0.0f, 1.0f}, .radius = radius,
+    return (sl_record){.position = {x, y, 0.0f}, .normal = {0.0f, 0.0f, 1.0f}, .radius = radius, .stretch = 1.0f,
                        .irradiance = {irradiance, irradiance, irradiance}};
 }
 

@@ -79,9 +79,12 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     float a = (float)accuracy_of(s, cache), diagonal = s->scene->diagonal;
     const sl_camera *camera = &s->scene->camera;
-    double footprint_per_depth = 2.0 * sl_tan(0.5 * (double)camera->vertical_fov) / (double)s->settings.height;
+    /* Pictures of more than 400 rows show more, but not in proportion: there what is told in pixels goes with the root of the rows. */
+    const double rows = s->settings.height < 400 ? (double)s->settings.height : 400.0;
+    double footprint_per_depth = 2.0 * sl_tan(0.5 * (double)camera->vertical_fov) / sqrt(rows * (double)s->settings.height);
     cache->pass = (sl_record_pass){
         .gather = cache->gather,
+        .scene = s->scene,
         .tracer = s->tracer,
         .scratch = cache->scratch,
         .gbuffer = g,
@@ -97,7 +100,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
                   .guard = true,
                   .gather = cache->gather ? sl_gather_kind_used(cache->gather) : SL_GATHER_RAYS,
                   .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
-                  .metric = s->settings.metric},
+                  .metric = cache->glossy ? SL_METRIC_HARMONIC : s->plan.metric},
         .coefficient_count = cache->glossy ? sl_gather_coefficient_count(cache->gather) : 0,
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,

@@ -80,7 +80,7 @@ typedef struct {
 
 static bool is_sane(const sl_record *r) {
     return sl_is_finite(r->position) && sl_is_finite(r->normal) && isfinite(r->radius) && r->radius > 0.0f &&
-           isfinite(r->own_radius) && r->own_radius > 0.0f && isfinite(r->minimum_radius) && sl_rgb_is_finite(r->irradiance);
+           isfinite(r->own_radius) && r->own_radius > 0.0f && isfinite(r->minimum_radius) && r->stretch > 0.0f && sl_rgb_is_finite(r->irradiance);
 }
 
 static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, int class, loaded *l, sl_error *error) {

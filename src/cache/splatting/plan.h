@@ -8,7 +8,7 @@
 typedef struct sl_splat_quality {
     double accuracy;        /* a of irradiance records */
     double glossy_accuracy; /* a of radiance records */
-    double minimum_pixels;  /* aR_min in footprints of a pixel: below, records cost more than they tell */
+    double minimum_pixels;  /* aR_min in footprints of a pixel (of fewer and larger ones, beyond 400 rows): below, records cost more than they tell */
     int gather_size;        /* N x N */
     uint32_t light_samples; /* a pixel */
 } sl_splat_quality;
@@ -20,6 +20,7 @@ typedef struct sl_splat_quality {
 typedef struct sl_splat_plan {
     sl_splat_quality quality;
     sl_gather_settings gather;
+    sl_radius_metric metric; /* of irradiance records, decided */
     int harmonics_order;    /* n of radiance records */
     bool direct, irradiance, radiance; /* is there anything to compute? */
 } sl_splat_plan;

@@ -7,6 +7,14 @@
 #include "cache/gather/gather.h"
 #include "cache/splatting/reach_tree.h"
 
+/* A wall that stands near a record: what lies behind it is another room's. */
+typedef struct sl_record_wall {
+    sl_vec3 normal;            /* towards the record; 0: no wall */
+    float offset;              /* p is behind it where (p - p_k) . normal < offset */
+} sl_record_wall;
+
+enum { SL_RECORD_WALLS = 2 };
+
 typedef struct sl_record {
     sl_vec3 position, normal;
     float radius;              /* R; the record reaches accuracy * R */
@@ -16,6 +24,8 @@ typedef struct sl_record {
     float rotational_length[3];
     float own_radius;          /* R by the record's own gather alone, before its neighbours had a say */
     float minimum_radius;      /* R_min at this record */
+    float stretch;             /* rules 1, 3 and 5 are about the length R / stretch: 1 for Ward's R, 1/a where it is the reach aR */
+    sl_record_wall walls[SL_RECORD_WALLS];
     uint32_t triangle;
     uint32_t behind_a_wall;    /* R_min reaches past what the guard allows: pixels are tested by a ray. No bool: no padding, so that
                                 * records are equal where their bytes are */
@@ -29,15 +39,27 @@ typedef struct sl_radius_rules {
     sl_gather_kind gather;
     double plane_tangent;      /* tan(fov/2) of the plane gather */
     double minimum_reach;      /* aR_min, m, of records that must not depend on a view */
-    sl_radius_metric metric;
+    sl_radius_metric metric;   /* decided: AUTO counts as HARMONIC here */
 } sl_radius_rules;
 
-/* A record from a gather: values copied, R by rules 1 to 4: positivity of the linear extrapolation, the guard against reaching
- * through a wall, R_min (footprint: of a pixel at the record, m), R_max. */
+/* How far a record reaches, by metric (record.c has the formulas):
+ *   harmonic  a times the cosine-weighted harmonic mean distance: what can change is near
+ *   minimum   a times the least distance, and no more than 20 a pixels
+ *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for every record
+ *   adaptive  as harmonic; then shrinks where neighbours disagree
+ *
+ * A record from a gather: values copied, R by the metric and rules 1 to 4: positivity of the linear extrapolation, the guard against
+ * reaching through a wall, R_min (footprint: of a pixel at the record, m), R_max. */
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
                          float footprint);
 /* Another bound for R, not below R_min. */
 void sl_record_limit_radius(sl_record *record, double limit);
+/* The radius that rule 2 allows; infinite where the guard is off or nothing is seen. */
+double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules);
+/* Rule 2 for a record that was made without the guard: where it reaches further than `guard`, it gets the walls that stand around it, and
+ * does not count behind them (record_walls.c). */
+void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, double accuracy, double guard,
+                          sl_record *record, sl_counters *counters);
 /* Rule 5, of which the tree holds all own radii: R_i <= R_j + |p_i - p_j| for all j, then R_min again. Returns the radius that the record
  * should have. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);

@@ -30,7 +30,7 @@ sl_status sl_record_list_append(sl_record_list *list, const sl_record *record, c
     if (status != SL_OK) return status;
     if (list->count == list->capacity && !make_room(list, coefficients != NULL, coefficient_count))
         return sl_fail_memory(error, "records");
-    status = sl_reach_tree_insert(list->reaches, record->position, record->own_radius, error);
+    status = sl_reach_tree_insert(list->reaches, record->position, record->own_radius / record->stretch, error);
     if (status != SL_OK) return status;
     if (coefficients)
         memcpy(list->coefficients + list->count * coefficient_count, coefficients, coefficient_count * sizeof *coefficients);

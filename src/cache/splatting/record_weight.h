@@ -17,7 +17,9 @@ typedef struct sl_record_terms {
     float inverse_radius, accuracy, least, offset;
     float reach_squared;    /* (a R)^2 */
     float front, behind;    /* bounds of 2 s, see sl_record_weight_at() */
-    float e[3], most[3];    /* E and E (1 + a) */
+    float e[3], most[3];    /* E and E (1 + a), or as much more as rule 1 lets the extrapolation grow */
+    sl_record_wall walls[SL_RECORD_WALLS];
+    int has_walls;
     sl_vec3 rotational[3];  /* grad_r E x n_k */
     sl_vec3 translational[3];
     float rotational_length[3];
@@ -30,10 +32,14 @@ static inline sl_record_terms sl_record_terms_of(const sl_record *k, const sl_we
                          .offset = rules->offset, .reach_squared = reach * reach,
                          .front = -2.0f * (0.01f * reach + rules->front_tolerance),
                          .behind = reach + 2.0f * rules->front_tolerance};
+    for (int i = 0; i < SL_RECORD_WALLS; i++) {
+        s.walls[i] = k->walls[i];
+        s.has_walls |= k->walls[i].offset < 0.0f;
+    }
     const float e[3] = {k->irradiance.r, k->irradiance.g, k->irradiance.b};
     for (int c = 0; c < 3; c++) {
         s.e[c] = e[c];
-        s.most[c] = e[c] * (1.0f + rules->accuracy);
+        s.most[c] = e[c] * (1.0f + rules->accuracy * k->stretch);
         s.rotational[c] = sl_cross(k->rotational[c], k->normal);
         s.translational[c] = k->translational[c];
         s.rotational_length[c] = k->rotational_length[c];
@@ -74,6 +80,16 @@ static inline float sl_record_weight_at(const sl_record_terms *k, float distance
     int accepted = (d <= k->accuracy) & (s2 >= k->front) & (s2 <= k->behind);
     float w = 1.0f / (d > k->least ? d : k->least) - k->offset;
     return accepted ? (w > 0.0f ? w : 0.0f) : 0.0f;
+}
+
+/* Rule 2: does a point at this offset lie in front of the walls that stand near the record? For records that have walls. */
+static inline int sl_record_before_walls(const sl_record_terms *k, float x, float y, float z) {
+    int before = 1;
+    for (int i = 0; i < SL_RECORD_WALLS; i++) {
+        const sl_record_wall *wall = &k->walls[i];
+        before &= x * wall->normal.x + y * wall->normal.y + z * wall->normal.z >= wall->offset;
+    }
+    return before;
 }
 
 /* (8), with absolute gradients: E' = E + (n_k x n) . grad_r E + (p - p_k) . grad_t E, kept within what the record can vouch

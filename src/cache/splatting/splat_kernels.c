@@ -29,6 +29,13 @@ static inline uint32_t weigh(const sl_record_terms *k, const sl_tile_planes *t, 
         float here = sl_record_weight_at(k, distance[l], px[l], py[l], pz[l], nx[l], ny[l], nz[l]);
         w[l] = distance[l] <= k->reach_squared ? here : 0.0f;
     }
+    if (k->has_walls) {
+#pragma omp simd aligned(px, py, pz : 64)
+        for (int l = 0; l < GROUP; l++) {
+            int before = sl_record_before_walls(k, px[l] - k->position.x, py[l] - k->position.y, pz[l] - k->position.z);
+            w[l] = before ? w[l] : 0.0f;
+        }
+    }
     return sl_bits16_greater(w, 0.0f);
 }
 
@@ -111,6 +118,7 @@ static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *r
     const float px = p->position_x[i], py = p->position_y[i], pz = p->position_z[i];
     float squared = sl_record_squared_distance(&k, px, py, pz);
     if (!p->receives[i] || !(squared <= k.reach_squared)) return 0.0f;
+    if (k.has_walls && !sl_record_before_walls(&k, px - k.position.x, py - k.position.y, pz - k.position.z)) return 0.0f;
     return sl_record_weight_at(&k, squared, px, py, pz, p->normal_x[i], p->normal_y[i], p->normal_z[i]);
 }
 

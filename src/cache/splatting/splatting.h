@@ -74,6 +74,7 @@ typedef struct sl_traversal {
 /* What a traversal works on. */
 typedef struct sl_record_pass {
     const sl_gather *gather;
+    const sl_scene *scene;    /* or NULL: the guard alone keeps records from reaching through walls */
     const sl_tracer *tracer;  /* or NULL: records behind walls are not tested */
     sl_gather_scratch *const *scratch; /* one a thread */
     const sl_gbuffer *gbuffer;

@@ -107,6 +107,18 @@ static void gather_at(const gather_batch *b, size_t index, unsigned worker, cons
     else sl_gather_radiance(pass->gather, point, scratch, irradiance, b->coefficients + index * pass->coefficient_count, &b->counters[index]);
 }
 
+/* Records that may reach past the guard look for the walls around them. */
+static sl_record make_record(const sl_record_pass *pass, const sl_gather_point *point, const sl_irradiance *irradiance, float footprint,
+                             bool inside, sl_counters *counters) {
+    sl_radius_rules rules = pass->radii;
+    bool looks_for_walls = rules.guard && rules.metric == SL_METRIC_HESSIAN && !inside && pass->tracer && pass->scene;
+    if (looks_for_walls) rules.guard = false;
+    sl_record record = sl_record_make(point, irradiance, &rules, footprint);
+    if (looks_for_walls)
+        sl_record_find_walls(pass->scene, pass->tracer, point, rules.accuracy, sl_record_guard(irradiance, &pass->radii), &record, counters);
+    return record;
+}
+
 /* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
  * if that does not help it reaches no further than R_min, and only what it sees. */
 static void gather_one(void *context, size_t index, unsigned worker) {
@@ -123,10 +135,10 @@ static void gather_one(void *context, size_t index, unsigned worker) {
         gather_at(b, index, worker, &outer, &irradiance);
         inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     }
-    if (inside) irradiance.harmonic_mean = irradiance.nearest = 0.0f;
+    if (inside) irradiance.harmonic_mean = irradiance.nearest = 0.0f, irradiance.curvature[0] = INFINITY;
     sl_vec3 to_point = sl_sub(point.position, pass->camera->eye);
     float depth = -sl_dot(to_point, pass->camera->back);
-    b->records[index] = sl_record_make(&point, &irradiance, &pass->radii, depth * pass->footprint_per_depth);
+    b->records[index] = make_record(pass, &point, &irradiance, depth * pass->footprint_per_depth, inside, &b->counters[index]);
     if (b->coefficients) {
         const float *coefficients = b->coefficients + index * pass->coefficient_count;
         sl_record_limit_radius(&b->records[index], sl_glossy_length(pass->glossy.glossy, coefficients));
