@@ -174,7 +174,8 @@ static double between(const curve *c, double at, bool seconds_wanted) {
 }
 
 static const char *ratio_text(double ratio, char text[24]) {
-    snprintf(text, 24, ratio > 0.0 ? "%.1f" : "", ratio);
+    text[0] = '\0';
+    if (ratio > 0.0) snprintf(text, 24, "%.1f", ratio);
     return text;
 }
 
