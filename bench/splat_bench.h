@@ -56,7 +56,7 @@ void splat_scene_name(const char *path, char name[64]);
 
 typedef struct splat_pixels {
     int width, height, block;
-    size_t count, empty;   /* empty: blocks whose pixel shows no geometry or a lamp; they are left out */
+    size_t count, empty;   /* empty: blocks whose pixel shows no geometry, a lamp or an edge; left out */
     uint32_t *index;       /* row 0 at the top */
 } splat_pixels;
 

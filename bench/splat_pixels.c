@@ -39,6 +39,24 @@ static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const s
     return !sl_material_is_emitter(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
 }
 
+/* The rasterizer snaps vertices to 1/256 of a pixel: within that of an edge it may see another surface than the ray, which is no error of
+ * the method. So the four corners about the centre must show what the centre shows. */
+static bool is_clear_of_edges(const sl_scene *scene, const sl_tracer *tracer, int width, int height, uint32_t pixel, const sl_surface *centre) {
+    static const double near = 1.0 / 128.0;
+    sl_vec3 arm = sl_sub(centre->position, scene->camera.eye);
+    for (int i = 0; i < 4; i++) {
+        double x = (double)(pixel % (uint32_t)width) + 0.5 + (i & 1 ? near : -near), y = (double)(pixel / (uint32_t)width) + 0.5 + (i & 2 ? near : -near);
+        sl_ray16 ray;
+        sl_surface s;
+        uint32_t triangle;
+        set_ray(scene, 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, (double)width / height, &ray, 0);
+        if (!sees_surface(scene, tracer, &ray, &s, &triangle) || s.material != centre->material) return false;
+        float off_plane = fabsf(sl_dot(centre->geometric_normal, sl_sub(s.position, centre->position)));
+        if (sl_dot(s.geometric_normal, centre->geometric_normal) < 0.9f || off_plane > 1e-3f * sl_length(arm)) return false;
+    }
+    return true;
+}
+
 void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, splat_pixels *pixels) {
     int across = width / block, down = height / block;
     uint64_t key = sl_random_key(5, 12);
@@ -53,7 +71,8 @@ void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
         sl_ray16 ray;
         sl_surface surface;
         splat_camera_ray(scene, width, height, pixel, &ray, 0);
-        if (sees_surface(scene, tracer, &ray, &surface, &triangle)) pixels->index[pixels->count++] = pixel;
+        if (sees_surface(scene, tracer, &ray, &surface, &triangle) && is_clear_of_edges(scene, tracer, width, height, pixel, &surface))
+            pixels->index[pixels->count++] = pixel;
         else pixels->empty++;
     }
 }
