@@ -245,6 +245,21 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* In the same box the adaptive metric starts as the harmonic one, and adds records where neighbours disagree. */
+static void records_that_disagree_make_room_for_more(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", 96, 96);
+    sl_counters counters[2];
+    settings.accuracy = 0.5;
+    for (int i = 0; i < 2; i++) {
+        settings.metric = i ? SL_METRIC_ADAPTIVE : SL_METRIC_HARMONIC;
+        sl_image_destroy(render(scene, &settings, &counters[i]));
+    }
+    assert_true(counters[1].value[SL_COUNT_RECORDS] > counters[0].value[SL_COUNT_RECORDS]);
+    sl_scene_destroy(scene);
+}
+
 static void every_metric_has_the_same_bits_at_any_number_of_threads(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -274,6 +289,7 @@ int main(void) {
         cmocka_unit_test(the_third_wall_limits_the_reach),
         cmocka_unit_test(no_metric_lets_light_through_a_wall_of_a_thousandth),
         cmocka_unit_test(the_hessian_needs_fewer_records_at_equal_error),
+        cmocka_unit_test(records_that_disagree_make_room_for_more),
         cmocka_unit_test(every_metric_has_the_same_bits_at_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

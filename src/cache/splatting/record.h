@@ -46,7 +46,7 @@ typedef struct sl_radius_rules {
  *   harmonic  a times the cosine-weighted harmonic mean distance: what can change is near
  *   minimum   a times the least distance, and no more than 20 a pixels
  *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for every record
- *   adaptive  as harmonic; then shrinks where neighbours disagree
+ *   adaptive  as harmonic; then shrinks where neighbours disagree (adaptive.c)
  *
  * A record from a gather: values copied, R by the metric and rules 1 to 4: positivity of the linear extrapolation, the guard against
  * reaching through a wall, R_min (footprint: of a pixel at the record, m), R_max. */

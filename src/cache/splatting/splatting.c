@@ -222,7 +222,10 @@ static void forget_sums(sl_splat_state *s, sl_record_cache *cache) {
 static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
     bool shrunk;
+    bool grown = cache->clamped != cache->list.count;
     sl_status status = clamp_radii(cache, s->settings.threads, &shrunk, error);
+    if (status == SL_OK && grown && cache->pass.radii.metric == SL_METRIC_ADAPTIVE)
+        status = sl_adapt_radii(&cache->pass, &cache->list, &shrunk, error);
     if (status != SL_OK) return status;
     if (!shrunk) {
         start_records(s, s->class + 1);

@@ -102,6 +102,8 @@ void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int w
  * Done where traversal->stride becomes 0. */
 sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pass, sl_record_list *list,
                                sl_counters *counters, sl_error *error);
+/* Records that disagree with nearer ones shrink (adaptive.c); *shrunk becomes true where any does. */
+sl_status sl_adapt_radii(const sl_record_pass *pass, sl_record_list *list, bool *shrunk, sl_error *error);
 /* Adds the records' weights to the coverage. */
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error);
 /* Step 5: records [first, count) of the list add (w E', w, 1), and radiance records what the glossy lobe reflects. */
