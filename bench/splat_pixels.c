@@ -39,22 +39,22 @@ static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const s
     return !sl_material_is_emitter(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
 }
 
-/* The rasterizer snaps vertices to 1/256 of a pixel: within that of an edge it may see another surface than the ray, which is no error of
- * the method. So the four corners about the centre must show what the centre shows. */
-static bool is_clear_of_edges(const sl_scene *scene, const sl_tracer *tracer, int width, int height, uint32_t pixel, const sl_surface *centre) {
-    static const double near = 1.0 / 128.0;
-    sl_vec3 arm = sl_sub(centre->position, scene->camera.eye);
-    for (int i = 0; i < 4; i++) {
-        double x = (double)(pixel % (uint32_t)width) + 0.5 + (i & 1 ? near : -near), y = (double)(pixel / (uint32_t)width) + 0.5 + (i & 2 ? near : -near);
-        sl_ray16 ray;
-        sl_surface s;
-        uint32_t triangle;
-        set_ray(scene, 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, (double)width / height, &ray, 0);
-        if (!sees_surface(scene, tracer, &ray, &s, &triangle) || s.material != centre->material) return false;
-        float off_plane = fabsf(sl_dot(centre->geometric_normal, sl_sub(s.position, centre->position)));
-        if (sl_dot(s.geometric_normal, centre->geometric_normal) < 0.9f || off_plane > 1e-3f * sl_length(arm)) return false;
-    }
-    return true;
+/* The rasterizer snaps vertices to 1/256 of a pixel: on an edge, or where surfaces coincide, it may see another triangle than the ray,
+ * which is no error of the method. What it sees of the scene's camera: */
+static sl_gbuffer *draw(const sl_scene *scene, int width, int height) {
+    const sl_camera *c = &scene->camera;
+    sl_frame frame = {c->right, c->up, sl_neg(c->back)};
+    float top = (float)sl_tan(0.5 * (double)c->vertical_fov), right = top * (float)width / (float)height;
+    sl_view view = sl_view_pyramid(&frame, c->eye, -right, right, -top, top, width, height, 1e-5f * scene->diagonal);
+    sl_raster *raster;
+    sl_gbuffer *gbuffer = NULL;
+    sl_counters counters = {{0}};
+    sl_error error;
+    if (sl_raster_create(scene, 1, &raster, &error) != SL_OK || sl_gbuffer_create(width, height, &gbuffer, &error) != SL_OK ||
+        sl_raster_gbuffer(raster, &view, 1, gbuffer, &counters, &error) != SL_OK)
+        splat_stop("rasterizer", &error);
+    sl_raster_destroy(raster);
+    return gbuffer;
 }
 
 void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, splat_pixels *pixels) {
@@ -63,6 +63,7 @@ void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
     *pixels = (splat_pixels){.width = width, .height = height, .block = block};
     pixels->index = calloc((size_t)across * (size_t)down, sizeof *pixels->index);
     if (!pixels->index) splat_stop("pixels", NULL);
+    sl_gbuffer *gbuffer = draw(scene, width, height);
     for (int i = 0; i < across * down; i++) {
         uint32_t bits = sl_random_bits(key, (uint64_t)i);
         int x = i % across * block + (int)(bits % (uint32_t)block);
@@ -71,10 +72,11 @@ void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
         sl_ray16 ray;
         sl_surface surface;
         splat_camera_ray(scene, width, height, pixel, &ray, 0);
-        if (sees_surface(scene, tracer, &ray, &surface, &triangle) && is_clear_of_edges(scene, tracer, width, height, pixel, &surface))
+        if (sees_surface(scene, tracer, &ray, &surface, &triangle) && gbuffer->id[(size_t)(height - 1 - y) * (size_t)width + (size_t)x] == triangle)
             pixels->index[pixels->count++] = pixel;
         else pixels->empty++;
     }
+    sl_gbuffer_destroy(gbuffer);
 }
 
 bool splat_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const splat_pixels *pixels, size_t i, sl_surface *surface,
