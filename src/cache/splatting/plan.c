@@ -29,7 +29,8 @@ void sl_splat_complete(sl_settings *settings) {
     if (settings->hit_samples == 0) settings->hit_samples = 1;
 }
 
-/* At equal error the Hessian needs fewest records in every scene measured. */
+/* At 400 x 400, accuracies tuned to equal records: in the Cornell box the Hessian's error (relative RMS) is 2.6 times below the
+ * harmonic mean's; in Sponza and the room, where R_min rules over details, all metrics but the minimum distance are within 10 %. */
 static sl_radius_metric chosen_metric(const sl_settings *settings) {
     return settings->metric == SL_METRIC_AUTO ? SL_METRIC_HESSIAN : settings->metric;
 }
