@@ -127,6 +127,7 @@ static sl_settings floor_settings(sl_quality quality) {
     sl_settings settings = small_settings("splatting", WALL_SIZE, WALL_SIZE);
     settings.quality = quality;
     settings.gather = SL_GATHER_RAYS;
+    settings.gather_size = 40;
     return settings;
 }
 
@@ -173,6 +174,7 @@ static void gathers_of_four_by_four_are_coarse_and_no_worse(void **state) {
 static void no_border_of_a_record_shows(void **state) {
     (void)state;
     sl_settings settings = floor_settings(SL_QUALITY_HIGH);
+    settings.gather_size = 64;
     floor_error e = measure_floor(&settings, &from_above);
     print_message("largest jump %.4f\n", e.jump);
     assert_true(e.jump < 0.015);
@@ -372,6 +374,7 @@ static void a_small_bright_patch_is_right_in_the_mean(void **state) {
     for (int g = SL_GATHER_HEMICUBE; g <= SL_GATHER_RAYS; g++) {
         sl_settings settings = small_settings("splatting", 32, 32);
         settings.quality = SL_QUALITY_HIGH;
+        settings.gather_size = 64;
         settings.gather = (sl_gather_kind)g;
         sl_image *image = render(scene, &settings, NULL);
         assert_sound_picture(image, "a small bright patch");

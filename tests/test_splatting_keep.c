@@ -214,8 +214,8 @@ static void caches_of_other_scenes_and_settings_are_refused(void **state) {
     other.accuracy = 0.25;
     expect_refusal(p->path, "scenes/cornell.json", &other, "another accuracy: 0.5, now 0.25");
     other = settings;
-    other.gather_size = 20;
-    expect_refusal(p->path, "scenes/cornell.json", &other, "another gather size: 24, now 20");
+    other.gather_size = 24;
+    expect_refusal(p->path, "scenes/cornell.json", &other, "another gather size: 20, now 24");
     other = settings;
     other.seed = 7;
     expect_refusal(p->path, "scenes/cornell.json", &other, "another seed: 0, now 7");

@@ -37,15 +37,35 @@ static void push(const level *fine, level *coarse) {
     }
 }
 
+/* The mean of the four coarse pixels nearest to a fine one, by the shares of a tent (9, 3, 3 and 1 sixteenths): the coarser level's squares
+ * do not show. False where none of them has anything. */
+static bool tent(const level *coarse, int x, int y, float mean[3]) {
+    float sums[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    const int step_x = x % 2 ? 1 : -1, step_y = y % 2 ? 1 : -1;
+    for (int k = 0; k < 4; k++) {
+        int cx = x / 2 + (k & 1 ? step_x : 0), cy = y / 2 + (k & 2 ? step_y : 0);
+        if (cx < 0 || cy < 0 || cx >= coarse->width || cy >= coarse->height) continue;
+        size_t i = (size_t)cy * (size_t)coarse->width + (size_t)cx;
+        if (!(coarse->weight[i] > 0.0f)) continue;
+        float share = (k & 1 ? 1.0f : 3.0f) * (k & 2 ? 1.0f : 3.0f), over = share / coarse->weight[i];
+        sums[0] += coarse->r[i] * over;
+        sums[1] += coarse->g[i] * over;
+        sums[2] += coarse->b[i] * over;
+        sums[3] += share;
+    }
+    for (int c = 0; c < 3; c++) mean[c] = sums[3] > 0.0f ? sums[c] / sums[3] : 0.0f;
+    return sums[3] > 0.0f;
+}
+
 static void pull(const level *coarse, level *fine) {
     for (int y = 0; y < fine->height; y++) {
         for (int x = 0; x < fine->width; x++) {
             size_t to = (size_t)y * (size_t)fine->width + (size_t)x;
-            size_t from = (size_t)(y / 2) * (size_t)coarse->width + (size_t)(x / 2);
-            if (fine->weight[to] > 0.0f || !(coarse->weight[from] > 0.0f)) continue;
-            fine->r[to] = coarse->r[from] / coarse->weight[from];
-            fine->g[to] = coarse->g[from] / coarse->weight[from];
-            fine->b[to] = coarse->b[from] / coarse->weight[from];
+            float mean[3];
+            if (fine->weight[to] > 0.0f || !tent(coarse, x, y, mean)) continue;
+            fine->r[to] = mean[0];
+            fine->g[to] = mean[1];
+            fine->b[to] = mean[2];
             fine->weight[to] = 1.0f;
         }
     }

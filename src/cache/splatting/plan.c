@@ -5,9 +5,9 @@
 #include "scene/features.h"
 
 static const sl_splat_quality by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.50, 0.30, 6.0, 24, 8},
-    [SL_QUALITY_NORMAL] = {0.25, 0.20, 4.0, 40, 16},
-    [SL_QUALITY_HIGH] = {0.12, 0.12, 2.0, 64, 64},
+    [SL_QUALITY_DRAFT] = {0.50, 0.30, 6.0, 20, 8},
+    [SL_QUALITY_NORMAL] = {0.25, 0.20, 4.0, 32, 16},
+    [SL_QUALITY_HIGH] = {0.12, 0.12, 2.0, 52, 64},
 };
 
 static sl_splat_quality chosen_quality(const sl_settings *settings) {

@@ -168,8 +168,10 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
     s->frame_records += cache->list.count - before;
     if (status != SL_OK || cache->traversal.stride) return status;
     announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
-    /* A view that needed nothing new leaves the records as they are: seen again from the same place, a picture has the same bits. */
-    if (s->phase == SL_PHASE_RECORDS && cache->list.count > cache->known) s->phase = SL_PHASE_CLAMP;
+    /* A view that needed nothing new leaves the records as they are: seen again from the same place, a picture has the same bits. In a
+     * walk older records never shrink, or pixels would jump between frames. */
+    bool grown = cache->list.count > cache->known;
+    if (s->phase == SL_PHASE_RECORDS && grown && !s->settings.records_per_frame) s->phase = SL_PHASE_CLAMP;
     else start_records(s, s->class + 1);
     return SL_OK;
 }
