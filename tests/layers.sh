@@ -14,8 +14,14 @@ allow scene '(base|image|scene)/'
 allow raster '(base|image|scene|raster)/'
 allow trace '(base|image|scene|trace)/'
 allow cache '(base|image|scene|raster|trace|cache)/'
-allow cache/splatting '(base|image|scene|raster|trace|cache/(splatting|gather|method))'
-allow cache/gather '(base|image|scene|raster|trace|cache/gather)/'
+# What methods share, from the bottom up; then splatting, whose records bounces keeps where no eye sees them.
+below='base|image|scene|raster|trace'
+allow cache/harmonics '(base|cache/harmonics)/'
+allow cache/light "($below|cache/light)/"
+allow cache/gather "($below|cache/(gather|light|harmonics))/"
+allow cache/bounces "($below|cache/(bounces|gather|light|harmonics|splatting/record|cache_file))"
+allow cache/splatting "($below|cache/(splatting|bounces|gather|light|harmonics|method|cache_file))"
+allow cache/reference "($below|cache/(reference|method))"
 allow app '(app|scene/features)'
 # Every symbol that the library shows begins with sl_.
 library=../build/libsoftlux.so
