@@ -7,6 +7,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/golden.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -41,24 +42,6 @@ sl_status sl_hidden_list_reserve(sl_hidden_list *list, size_t capacity, sl_error
     if (failed) return sl_fail_memory(error, "hidden records");
     list->capacity = capacity;
     return SL_OK;
-}
-
-/* ---- the order of visits ---- */
-
-static uint64_t greatest_common_divisor(uint64_t a, uint64_t b) {
-    while (b) {
-        uint64_t rest = a % b;
-        a = b;
-        b = rest;
-    }
-    return a;
-}
-
-/* Steps of the golden ratio: points visited one after the other come from far-apart places. */
-static uint64_t golden_step(uint64_t count) {
-    uint64_t step = (uint64_t)(0.6180339887498949 * (double)count);
-    while (step > 1 && greatest_common_divisor(step, count) != 1) step--;
-    return step > 1 ? step : 1;
 }
 
 /* ---- a chunk of points and what covers them ---- */
@@ -204,7 +187,7 @@ sl_status sl_cover_points(const sl_cover_pass *pass, const sl_scouted *points, d
                           sl_hidden_list *list, sl_counters *counters, sl_error *error) {
     sl_record_tree tree = {0};
     chunk *c = sl_allocate(1, sizeof *c);
-    uint64_t next = 0, at = 0, step = points->count ? golden_step(points->count) : 1;
+    uint64_t next = 0, at = 0, step = points->count ? sl_golden_step(points->count) : 1;
     size_t batch_size = SMALLEST_BATCH;
     sl_status status = c ? SL_OK : sl_fail_memory(error, "places for hidden records");
     bool few = false;

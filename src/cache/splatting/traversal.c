@@ -7,6 +7,7 @@
  * of the sequential algorithm, whatever the batch and the number of threads. The further apart, the fewer are set aside. */
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/golden.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -16,22 +17,6 @@
 
 enum { COARSEST_STRIDE = 16, SMALLEST_BATCH = 8 };
 
-static uint64_t greatest_common_divisor(uint64_t a, uint64_t b) {
-    while (b) {
-        uint64_t rest = a % b;
-        a = b;
-        b = rest;
-    }
-    return a;
-}
-
-/* A grid of `count` cells is visited as (i * step) mod count: every cell once, as step and count have no common divisor. */
-static uint64_t golden_step(uint64_t count) {
-    uint64_t step = (uint64_t)(0.6180339887498949 * (double)count);
-    while (step > 1 && greatest_common_divisor(step, count) != 1) step--;
-    return step > 1 ? step : 1;
-}
-
 static void start_level(sl_traversal *t, int stride) {
     t->stride = stride;
     if (stride == 0) return;
@@ -40,7 +25,7 @@ static void start_level(sl_traversal *t, int stride) {
     t->cells = columns * rows;
     t->cell = 0;
     t->next = 0;
-    t->step = t->order == SL_ORDER_LINEAR ? 1 : golden_step(t->cells);
+    t->step = t->order == SL_ORDER_LINEAR ? 1 : sl_golden_step(t->cells);
 }
 
 void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height) {
