@@ -306,6 +306,21 @@ static void beside_radiance_cornell(splat_report *r, const splat_options *o) {
     free(trials);
 }
 
+/* Blocks in which a lamp shows are left out: its edges are a pixel filter's affair, and pbrt-v2 filters where we take a pixel's centre. */
+static bool shows_lamp(const sl_image *reference, int left, int top, int block) {
+    enum { LAMP = 10, MARGIN = 2 };
+    size_t pixels = (size_t)reference->width * (size_t)reference->height;
+    for (int y = top - MARGIN; y < top + block + MARGIN; y++) {
+        for (int x = left - MARGIN; x < left + block + MARGIN; x++) {
+            if (x < 0 || y < 0 || x >= reference->width || y >= reference->height) continue;
+            for (size_t c = 0; c < 3; c++) {
+                if (reference->planes[c * pixels + (size_t)y * (size_t)reference->width + (size_t)x] > (float)LAMP) return true;
+            }
+        }
+    }
+    return false;
+}
+
 /* Relative RMS of the means of blocks of 20 x 20. */
 static void judge_sponza(const sl_image *image, void *context, trial *t) {
     enum { BLOCK = 20 };
@@ -318,6 +333,7 @@ static void judge_sponza(const sl_image *image, void *context, trial *t) {
         for (int top = 0; top + BLOCK <= image->height; top += BLOCK) {
             for (int left = 0; left + BLOCK <= image->width; left += BLOCK) {
                 double a = 0.0, b = 0.0;
+                if (shows_lamp(reference, left, top, BLOCK)) continue;
                 for (int i = 0; i < BLOCK * BLOCK; i++) {
                     size_t at = (size_t)(top + i / BLOCK) * (size_t)image->width + (size_t)(left + i % BLOCK);
                     a += (double)x[at] / (BLOCK * BLOCK);
@@ -347,7 +363,7 @@ static void beside_radiance_sponza(splat_report *r, const splat_options *o) {
         size_t count = make_trials(true, trials);
         run_trials(o, "sponza", scene, 1000, trials, count, judge_sponza, reference);
         splat_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels (Radiance's: against its own finest picture;\n"
-                     "ours: against pbrt-v2's 1024 samples); our relMSE is of single pixels and holds that reference's noise of 3e-4\n");
+                     "ours: against pbrt-v2's 1024 samples, blocks with a lamp in them left out); our relMSE is of single pixels and holds that reference's noise of 3e-4\n");
         splat_table(r, "radiance-sponza", ratio_header);
         ratio_rows(r, sponza_peers, sizeof sponza_peers / sizeof *sponza_peers, trials, count);
     }

@@ -295,6 +295,17 @@ static void a_scene_file_places_and_overrides(void **state) {
     sl_scene_destroy(s);
 }
 
+static void a_mesh_can_be_asked_to_be_faceted(void **state) {
+    (void)state;
+    scene_file_text("bent.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 1\nf 1//1 2//1 3//1\n");
+    sl_scene *smooth = load(scene_file_text("smooth.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"file\"}]}"));
+    sl_scene *faceted = load(scene_file_text("faceted.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"faceted\"}]}"));
+    assert_true(smooth->normal_x[0] > 0.7f);
+    assert_true(faceted->normal_x[0] == 0.0f && faceted->normal_z[0] == 1.0f);
+    sl_scene_destroy(smooth);
+    sl_scene_destroy(faceted);
+}
+
 static void a_scene_file_is_known_by_its_content_too(void **state) {
     (void)state;
     write_box();
@@ -357,6 +368,7 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
         {"{\"softlux\": 1, \"meshes\": [\n{}]}", ":2: expected a key 'file' here"},
         {"{\"softlux\": 1, \"meshes\": [\n{\"file\":\n 3}]}", ":2: expected 'file' to be a string"},
         {"{\"softlux\": 1, \"meshes\": [\n{\"file\": \"none.obj\"}]}", ":2: mesh "},
+        {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"normals\": \"smooth\"}]}", ":2: expected 'normals' to be 'file' or 'faceted', got 'smooth'"},
         {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [1,2]}]}", ":2: expected 'transform' to be an array of 16 numbers"},
         {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": {\"scale\": 0}}]}", ":2: expected 'scale' to be other than 0"},
         {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\",\n\"transform\": [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]}]}", ":2: expected 'transform' to be a matrix"},
@@ -419,6 +431,7 @@ int main(void) {
         cmocka_unit_test(gltf_pictures_inside_the_file_colour_and_mask),
         cmocka_unit_test(gltf_that_needs_what_is_not_read_is_refused),
         cmocka_unit_test(a_scene_file_places_and_overrides),
+        cmocka_unit_test(a_mesh_can_be_asked_to_be_faceted),
         cmocka_unit_test(a_scene_file_is_known_by_its_content_too),
         cmocka_unit_test(z_up_is_turned_once),
         cmocka_unit_test(an_environment_picture_keeps_its_top_row_up),

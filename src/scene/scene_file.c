@@ -39,11 +39,21 @@ static void rename_objects(sl_scene_file *file, size_t first, const char *name) 
     }
 }
 
+/* "faceted": every triangle with the normal of its own plane, whatever the mesh file says. */
+static bool wants_facets(sl_json *json, const cJSON *item) {
+    const char *word = sl_json_string(json, item);
+    if (!word || strcmp(word, "file") == 0) return false;
+    if (strcmp(word, "faceted") == 0) return true;
+    sl_json_fail(json, item, "expected 'normals' to be 'file' or 'faceted', got '%s'", word);
+    return false;
+}
+
 static void load_mesh(sl_scene_file *file, const cJSON *item) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a mesh", "file", "name", "transform", "material", "keyframes")) return;
+    if (!SL_JSON_KEYS(json, item, "a mesh", "file", "name", "transform", "material", "normals", "keyframes")) return;
     const cJSON *named = sl_json_need(json, item, "file");
     const char *name = sl_json_string(json, named), *label = sl_json_string(json, sl_json_get(item, "name"));
+    bool faceted = wants_facets(json, sl_json_get(item, "normals"));
     sl_affine transform = sl_scene_file_transform(file, sl_json_get(item, "transform"));
     if (json->status != SL_OK) return;
     char *path = sl_file_beside(json->path, name);
@@ -52,7 +62,7 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
         return;
     }
     sl_affine placement = sl_affine_after(&file->turn, &transform);
-    size_t first = file->model.object_count;
+    size_t first = file->model.object_count, first_vertex = file->model.vertex_count;
     sl_error problem = {0};
     sl_status status = sl_mesh_file_load(path, &placement, &file->model, &problem);
     sl_free(path);
@@ -60,6 +70,8 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
     else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
     if (json->status != SL_OK) return;
     if (label) rename_objects(file, first, label);
+    size_t vertices = file->model.vertex_count - first_vertex;
+    if (faceted && vertices) memset(file->model.normals + 3 * first_vertex, 0, 3 * vertices * sizeof(float));
     sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), (uint32_t)first, (uint32_t)(file->model.object_count - first));
 }
 
