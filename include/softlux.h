@@ -74,6 +74,9 @@ typedef enum sl_counter {
     SL_COUNT_HIDDEN_RECORDS,       /* records that gathers see and the eye does not: more than one bounce */
     SL_COUNT_HIDDEN_LOOK_UPS,      /* points where gathers asked for their irradiance */
     SL_COUNT_HIDDEN_MISSES,        /* ... and no hidden record covered the point: others stood in */
+    SL_COUNT_MAP_PHOTONS,          /* sample photons of direct radiance maps */
+    SL_COUNT_MAP_PHOTONS_DROPPED,  /* ... that lie too near to the light, or hold no light */
+    SL_COUNT_PHOTON_LOOK_UPS,      /* receivers times photons that were summed */
     SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS
@@ -234,8 +237,68 @@ typedef enum sl_radius_metric {
     SL_METRIC_ADAPTIVE  /* disagreement with neighbours (Krivanek et al. 2006) */
 } sl_radius_metric;
 
+/* ---- Direct Radiance Mapping ----
+ *
+ * How a sample photon's light falls on a receiver. Numbers are those of the paper's equations; those three are computed as printed. */
+typedef enum sl_photon_weight {
+    SL_WEIGHT_AUTO,     /* flux; polygon at high quality */
+    SL_WEIGHT_FLUX,     /* (14) with the form factor of a disc put right, of the photon's flux: bounded, any number of photons */
+    SL_WEIGHT_POLYGON,  /* the photon's footprint as a polygon, in closed form: for receivers close to it */
+    SL_WEIGHT_PLAIN,    /* point to point: unbiased, singular */
+    SL_WEIGHT_EVEN,     /* (11) */
+    SL_WEIGHT_DISC,     /* (14) */
+    SL_WEIGHT_BOX       /* (15) */
+} sl_photon_weight;
+/* Which directions a light's map covers. */
+typedef enum sl_map_shape {
+    SL_MAP_AUTO,     /* a frustum for spots, a hemicube for area lights, a cube for points */
+    SL_MAP_FRUSTUM,  /* the paper's */
+    SL_MAP_HEMICUBE,
+    SL_MAP_CUBE
+} sl_map_shape;
+typedef enum sl_map_filter {
+    SL_MAP_FILTER_AUTO,     /* flux */
+    SL_MAP_FILTER_POINT,    /* the texel at the sample */
+    SL_MAP_FILTER_RADIANCE, /* radiance from a MIP level, the paper's */
+    SL_MAP_FILTER_FLUX      /* the flux of all texels around the sample, in groups that lie on one surface */
+} sl_map_filter;
+/* What curved mirrors show of indirect light. */
+typedef enum sl_mirror_light {
+    SL_MIRROR_LIGHT_FULL,   /* their environment cubes hold it */
+    SL_MIRROR_LIGHT_TRICK,  /* they do not; the mirror itself receives it as if it were diffuse */
+    SL_MIRROR_LIGHT_DIRECT  /* none */
+} sl_mirror_light;
+/* Occlusion between a receiver and the photons, which the paper leaves out. */
+typedef enum sl_photon_visibility {
+    SL_VISIBILITY_NONE,
+    SL_VISIBILITY_RAYS,   /* a ray for each pixel and photon */
+    SL_VISIBILITY_BLOCKS  /* rays for one pixel of each block, carried to its neighbours on the same surface */
+} sl_photon_visibility;
+
+/* Direct Radiance Mapping (Frisvad et al. 2005). 0, wherever it stands, is the default that is named. */
+typedef struct sl_radiance_map_settings {
+    int samples;                     /* m of m x m sample photons a face; by quality 3, 4, 8 */
+    int map_size;                    /* w: texels a side of a face, rounded up to a multiple of m; 16, or 2 m where that is more */
+    sl_map_shape shape;
+    double map_fov;                  /* radians, of a frustum; the spot's own, or 90 degrees */
+    sl_photon_weight weight;
+    sl_map_filter filter;
+    bool importance_samples;         /* photons where the map's flux is, instead of a regular grid */
+    bool steady_samples;             /* photons keep to their surface when a moving light would make them jump */
+    sl_photon_visibility visibility;
+    sl_mirror_light mirror_light;
+    int reflections;                 /* planar mirrors one after another; 1 */
+    int cube_size;                   /* texels a side of a curved mirror's environment cube; 128 */
+    bool traced_light_mirrors;       /* light by way of curved mirrors, traced */
+    int shadow_size;                 /* texels a side of a face of a depth cube; 512 */
+    int emitter_samples;             /* an area light is lit from n x n points of it; 1, the paper's */
+    bool eight_bit_positions;        /* the map's positions as 8-bit colours, scaled into the scene's box */
+    bool separate_passes;            /* a geometry pass for each of the map's pictures, as without multiple render targets */
+    bool local_light_only;           /* no shadows and no indirect light: what the paper compares its times with */
+} sl_radiance_map_settings;
+
 typedef struct sl_settings {
-    const char *method;    /* "splatting", "path" */
+    const char *method;    /* "splatting", "direct-radiance", "path" */
     const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
     int width, height;     /* 0: the scene's film */
@@ -256,6 +319,7 @@ typedef struct sl_settings {
     bool glossy_hits;      /* splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
     uint32_t hit_samples;  /* splatting: light samples for each thing that a gather sees; 0: by quality */
     uint32_t records_per_frame; /* splatting: a frame ends after so many new records (a walk-through); 0: no limit */
+    sl_radiance_map_settings radiance_map; /* direct-radiance */
     const sl_observer *observer; /* or NULL */
 } sl_settings;
 

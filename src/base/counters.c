@@ -22,6 +22,9 @@ static const char *const counter_names[SL_COUNTERS] = {
     [SL_COUNT_HIDDEN_RECORDS] = "hidden_records",
     [SL_COUNT_HIDDEN_LOOK_UPS] = "hidden_look_ups",
     [SL_COUNT_HIDDEN_MISSES] = "hidden_misses",
+    [SL_COUNT_MAP_PHOTONS] = "map_photons",
+    [SL_COUNT_MAP_PHOTONS_DROPPED] = "map_photons_dropped",
+    [SL_COUNT_PHOTON_LOOK_UPS] = "photon_look_ups",
     [SL_COUNT_SAMPLES] = "samples",
     [SL_COUNT_NONFINITE] = "nonfinite",
 };
