@@ -64,8 +64,8 @@ LIBS = $(PACKAGE_LIBS) -l$(EMBREE) -lm -lpthread
 
 # ---- sources -----------------------------------------------------------------------------------------------------
 
-LIBRARY_SOURCES := $(filter-out src/app/% %_kernels.c,$(wildcard src/*/*.c src/*/*/*.c))
-KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/*/*/*_kernels.c)
+LIBRARY_SOURCES := $(filter-out src/app/% %_kernels.c,$(wildcard src/*/*.c src/*/*/*.c src/*/*/*/*.c))
+KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/*/*/*_kernels.c src/*/*/*/*_kernels.c)
 APP_SOURCES := $(wildcard src/app/*.c)
 TEST_SOURCES := $(wildcard tests/test_*.c)
 BENCH_SOURCES := $(wildcard bench/bench_*.c)

@@ -77,6 +77,13 @@ typedef enum sl_counter {
     SL_COUNT_MAP_PHOTONS,          /* sample photons of direct radiance maps */
     SL_COUNT_MAP_PHOTONS_DROPPED,  /* ... that lie too near to the light, or hold no light */
     SL_COUNT_PHOTON_LOOK_UPS,      /* receivers times photons that were summed */
+    SL_COUNT_PHOTONS_EMITTED,      /* photon paths */
+    SL_COUNT_PHOTONS_STORED,
+    SL_COUNT_PHOTONS_GATHERED,     /* found by k-nearest gathers, together */
+    SL_COUNT_LEAVES,               /* voxels that got their lights */
+    SL_COUNT_LEAVES_WITHOUT_PHOTONS,
+    SL_COUNT_DIRECTIONAL_LIGHTS,   /* virtual ones, of all voxels */
+    SL_COUNT_TEXTURE_FETCHES,      /* of the octree, its lights, and the atlas */
     SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS
@@ -297,8 +304,55 @@ typedef struct sl_radiance_map_settings {
     bool local_light_only;           /* no shadows and no indirect light: what the paper compares its times with */
 } sl_radiance_map_settings;
 
+/* ---- the light octree ---- */
+
+/* Which photon hits are kept. */
+typedef enum sl_photon_store {
+    SL_STORE_INDIRECT, /* those after at least one bounce: direct light is another pass's affair */
+    SL_STORE_ALL,      /* the first hits too: the picture's indirect part then holds direct light as well */
+    SL_STORE_CAUSTIC   /* those that came by mirrors alone */
+} sl_photon_store;
+/* The area over which gathered photons are spread (section 2.2). */
+typedef enum sl_photon_area {
+    SL_PHOTON_AREA_CLIP,   /* of the scene's triangles within the ellipsoid */
+    SL_PHOTON_AREA_SECTION, /* of the photons' mean plane within it */
+    SL_PHOTON_AREA_DISC    /* of its equator */
+} sl_photon_area;
+/* What a voxel keeps of its photons' directions. */
+typedef enum sl_voxel_lobes {
+    SL_LOBES_PERPENDICULAR, /* directional lights of the irradiance perpendicular to them: shading has a cosine */
+    SL_LOBES_SURFACE,       /* ... of the irradiance on the surface, as the paper's sum is printed: shading has none */
+    SL_LOBES_NONE,          /* one irradiance: the paper's colour octree */
+    SL_LOBES_HARMONICS      /* spherical harmonics of order 2 or 3 instead of directional lights */
+} sl_voxel_lobes;
+typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_filter;
+
+/* The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
+typedef struct sl_light_octree_settings {
+    int depth;                    /* of the octree, 1 to 8; by quality 5, 6, 6; shallower ones are shown first */
+    uint64_t photons;             /* to be stored; by quality 150,000, 600,000, 1,200,000 */
+    int neighbours;               /* k; by quality 150, 300, 500 */
+    double radius;                /* r, in scene units; by density: 2 sqrt(k A / (pi N)), at least one voxel */
+    double flatness;              /* f in (0,1]; 0.25 */
+    int lights;                   /* n: virtual directional lights a voxel, 1 to 8; 4 */
+    double spread_tolerance;      /* radians: fewer lights where that is met; 0: off */
+    double acceptance;            /* radians between a photon's normal and the voxel's; 60 degrees; pi: all */
+    sl_photon_store store;
+    sl_photon_area area;
+    sl_voxel_lobes lobes;
+    sl_voxel_filter filter;
+    bool unit_weights;            /* K-means with equal weights */
+    bool wide_directions;         /* 12 + 12 bits a direction instead of 8 + 8 */
+    bool split_by_normal;         /* a set of lights for each group of normals in a voxel */
+    bool estimated_radius;        /* k and r by an error estimate, voxel by voxel */
+    bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
+    bool atlas;                   /* light is rendered to a texture atlas first, and the picture looks it up there */
+    int atlas_size;               /* texels a side; 1024 */
+    bool indirect_only;           /* direct light is left out */
+} sl_light_octree_settings;
+
 typedef struct sl_settings {
-    const char *method;    /* "splatting", "direct-radiance", "path" */
+    const char *method;    /* "splatting", "direct-radiance", "light-octree", "path" */
     const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
     int width, height;     /* 0: the scene's film */
@@ -320,6 +374,7 @@ typedef struct sl_settings {
     uint32_t hit_samples;  /* splatting: light samples for each thing that a gather sees; 0: by quality */
     uint32_t records_per_frame; /* splatting: a frame ends after so many new records (a walk-through); 0: no limit */
     sl_radiance_map_settings radiance_map; /* direct-radiance */
+    sl_light_octree_settings light_octree; /* light-octree */
     const sl_observer *observer; /* or NULL */
 } sl_settings;
 

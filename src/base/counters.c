@@ -25,6 +25,13 @@ static const char *const counter_names[SL_COUNTERS] = {
     [SL_COUNT_MAP_PHOTONS] = "map_photons",
     [SL_COUNT_MAP_PHOTONS_DROPPED] = "map_photons_dropped",
     [SL_COUNT_PHOTON_LOOK_UPS] = "photon_look_ups",
+    [SL_COUNT_PHOTONS_EMITTED] = "photons_emitted",
+    [SL_COUNT_PHOTONS_STORED] = "photons_stored",
+    [SL_COUNT_PHOTONS_GATHERED] = "photons_gathered",
+    [SL_COUNT_LEAVES] = "leaves",
+    [SL_COUNT_LEAVES_WITHOUT_PHOTONS] = "leaves_without_photons",
+    [SL_COUNT_DIRECTIONAL_LIGHTS] = "directional_lights",
+    [SL_COUNT_TEXTURE_FETCHES] = "texture_fetches",
     [SL_COUNT_SAMPLES] = "samples",
     [SL_COUNT_NONFINITE] = "nonfinite",
 };

@@ -1,0 +1,40 @@
+/* From a voxel's photons to its virtual directional lights: K-means on directions (section 2.3), and what each cluster's colour means (2.4). */
+#ifndef SL_CACHE_LIGHT_OCTREE_LIGHTS_H
+#define SL_CACHE_LIGHT_OCTREE_LIGHTS_H
+
+#include "cache/light_octree/photon_tree.h"
+
+enum { SL_VOXEL_LIGHTS_MAX = 8, SL_CLUSTER_ITERATIONS = 32 };
+
+/* Points to be clustered: unit vectors and their weights, n of each. */
+typedef struct sl_directions {
+    size_t count;
+    const float *x, *y, *z;
+    const double *weight; /* > 0 */
+} sl_directions;
+
+typedef struct sl_clusters {
+    int count;                               /* at most what was asked for; fewer where there are fewer distinct directions */
+    sl_vec3d centre[SL_VOXEL_LIGHTS_MAX];    /* unit */
+    double cost;                             /* J = sum w |omega - d|^2 */
+    double rms_angle;                        /* radians, by weight: the spread */
+    double mean_angle;                       /* radians, by weight */
+    int iterations;
+} sl_clusters;
+
+/* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower index; J never rises.
+ * tolerance > 0: the least number of clusters whose spread is below it. of: the cluster of each point. scratch: count doubles. */
+void sl_cluster_directions(const sl_directions *directions, int wanted, double tolerance, uint8_t *of, double *scratch,
+                           sl_clusters *clusters);
+
+/* 16 bytes: one RGBA32F texel. */
+typedef struct sl_directional_light {
+    float color[3];      /* W/m^2 perpendicular to the direction, or on the surface */
+    float packed;        /* the direction, an integer below 2^24: exact in a float */
+} sl_directional_light;
+
+/* Section 2.5: 254 and 256 steps (8 + 8 bits), or 12 + 12. */
+float sl_direction_pack(sl_vec3d direction, bool wide);
+sl_vec3 sl_direction_unpack(float packed, bool wide);
+
+#endif

@@ -1,0 +1,47 @@
+/* Photon tracing: L (D|S)+ from every light of the scene (point, spot, directional, emissive triangles, environment), by Embree; and
+ * the list of hits that it leaves. */
+#ifndef SL_CACHE_LIGHT_OCTREE_PHOTONS_H
+#define SL_CACHE_LIGHT_OCTREE_PHOTONS_H
+
+#include "trace/trace.h"
+
+/* 36 bytes. */
+typedef struct sl_photon {
+    float position[3];
+    float flux[3];      /* W: divided by emitted photons */
+    uint32_t direction; /* towards where the light came from: octahedral, 16 + 16 bits */
+    uint32_t normal;    /* geometric, on that side: octahedral, 16 + 16 bits */
+    uint32_t flags;     /* bits 0-7: bounces before this hit; SL_PHOTON_CAUSTIC */
+} sl_photon;
+
+enum { SL_PHOTON_BOUNCES = 0xff, SL_PHOTON_CAUSTIC = 0x100 /* mirrors alone between the light and here */ };
+
+uint32_t sl_octahedral_encode(sl_vec3 unit); /* 16 + 16 bits; decoded, off by at most 5e-5 rad */
+sl_vec3 sl_octahedral_decode(uint32_t code); /* unit */
+
+typedef struct sl_photon_options {
+    uint64_t stored;          /* stop at the end of the chunk in which so many are stored */
+    uint64_t emitted_at_most; /* 0: 64 times stored, and at least 2^20: a scene that stores few must end too */
+    sl_photon_store store;
+    uint64_t seed;
+    unsigned threads;
+} sl_photon_options;
+
+typedef struct sl_photon_list {
+    size_t count;
+    sl_photon *photon;        /* in order of path, then bounce: a photon's id is its place here */
+    uint64_t emitted;         /* paths */
+    double cut_flux;          /* luminance W, of paths that ended at 64 bounces */
+    double emitted_flux;      /* luminance W, of all lights */
+} sl_photon_list;
+
+enum { SL_PHOTON_CHUNK = 4096 };
+
+/* Paths in chunks of SL_PHOTON_CHUNK, each a pure function of (seed, path); the same list at any number of threads. Many batches of one
+ * run may be made one after another: `*list` (NULL at first) grows until it holds options->stored; each call traces at most
+ * `chunks` chunks more, *done tells whether all is there; fluxes are divided by the paths emitted so far. */
+sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options, size_t chunks,
+                           sl_photon_list **list, bool *done, sl_counters *counters, sl_error *error);
+void sl_photon_list_destroy(sl_photon_list *list);
+
+#endif
