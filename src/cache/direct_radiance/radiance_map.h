@@ -38,13 +38,16 @@ typedef struct sl_radiance_map {
     size_t texels;                   /* of all faces together; the planes hold so many values */
     uint32_t *triangle;              /* SL_NO_INDEX: nothing there (coverage 0) */
     float *position[3];
-    float *color[3];                 /* Lambertian scenes: L_o, W/(m^2 sr); others: true colour, kd with its texture */
+    float *color[3];                 /* Lambertian scenes: L_o, W/(m^2 sr), as it leaves: mirrors on the light's way have had their share;
+                                        others: true colour, kd with its texture, and nothing else */
     float *normal[3];                /* shading normals turned to the light; NULL where no weight or material asks for them */
     float *geometric[3];             /* likewise; what decides sides */
     float *block_angle;              /* per texel: solid angle in sr (directional: area in m^2) of the texel itself, footprint.h */
     float *path;                     /* per texel: b, the way from the light; of traced mirrors the unfolded one */
     float *spread;                   /* per texel: NULL, or of traced light: the area perpendicular to the light's arrival that the texel
-                                        stands for, instead of b^2 dOmega */
+                                        stands for, instead of b^2 dOmega; 0 where the light came straight */
+    float *arrival[3];               /* beside spread: unit, at y towards where its light comes from; NULL without */
+    float *carried[3];               /* beside spread: the reflectances of the traced mirrors on the way, multiplied; NULL without */
     bool lambertian;                 /* color holds L_o */
     bool mirrored_light;             /* some faces are images in mirrors */
 } sl_radiance_map;
