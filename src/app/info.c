@@ -1,6 +1,6 @@
 /* softlux info: what is in a scene, and the plan of a method. */
 #include "app/commands.h"
-#include "app/options.h"
+#include "app/settings_options.h"
 #include "scene/features.h"
 #include "softlux.h"
 
@@ -37,23 +37,16 @@ static sl_status print_plan(const sl_scene *scene, const sl_settings *settings, 
 }
 
 int sl_command_info(int argc, char **argv) {
-    static const char *const quality_names[] = {"draft", "normal", "high", NULL};
     const char *path;
-    int operands, exit_status, size[2] = {0, 0}, quality = SL_QUALITY_NORMAL;
-    sl_settings settings = sl_settings_default();
-    const sl_option options[] = {
-        {"method", 'm', SL_OPTION_TEXT, &settings.method, NULL, "NAME", "whose plan to print [splatting]", 0, 0, NULL},
-        {"size", 's', SL_OPTION_SIZE, size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
-        {"quality", 'q', SL_OPTION_CHOICE, &quality, NULL, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
-        {0},
-    };
+    int operands, exit_status;
+    sl_raw_settings raw;
+    sl_option options[SL_SETTINGS_OPTIONS];
+    sl_settings_options(&raw, options);
     const sl_command_line line = {"softlux info SCENE [options]",
                                   "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
                                   NULL, options, 1, 1};
     if (!sl_options_parse(&line, argc, argv, &path, &operands, &exit_status)) return exit_status;
-    settings.width = size[0];
-    settings.height = size[1];
-    settings.quality = (sl_quality)quality;
+    sl_settings settings = sl_settings_taken(&raw);
     sl_error error;
     sl_scene *scene;
     sl_status status = sl_scene_load(path, &scene, &error);

@@ -39,6 +39,10 @@ const char *sl_nearest_word(const char *word, const char *const *candidates, siz
 
 static void print_option(const sl_option *o) {
     char left[64], letter[8] = "    ";
+    if (o->kind == SL_OPTION_HEADING) {
+        printf("\n%s:\n", o->help);
+        return;
+    }
     if (o->letter) snprintf(letter, sizeof letter, "-%c, ", o->letter);
     snprintf(left, sizeof left, "%s--%s%s%s", letter, o->name, o->metavar ? " " : "", o->metavar ? o->metavar : "");
     printf("  %-32s %s\n", left, o->help);
@@ -46,8 +50,8 @@ static void print_option(const sl_option *o) {
 
 static void print_help(const sl_command_line *line) {
     printf("usage: %s\n\n%s\n\noptions:\n", line->usage, line->summary);
-    for (const sl_option *o = line->options; o->name; o++) print_option(o);
     printf("  %-32s %s\n", "-h, --help", "this page");
+    for (const sl_option *o = line->options; o->name; o++) print_option(o);
     if (line->details) printf("\n%s\n", line->details);
 }
 
@@ -63,9 +67,12 @@ __attribute__((format(printf, 2, 3))) static bool mistake(int *status, const cha
 }
 
 static bool unknown_option(const sl_command_line *line, const char *word, int *status) {
-    const char *names[64];
+    enum { NAMES = 128 };
+    const char *names[NAMES];
     size_t count = 0;
-    for (const sl_option *o = line->options; o->name && count < 64; o++) names[count++] = o->name;
+    for (const sl_option *o = line->options; o->name && count < NAMES; o++) {
+        if (o->kind != SL_OPTION_HEADING) names[count++] = o->name;
+    }
     const char *near = sl_nearest_word(word, names, count);
     if (near) return mistake(status, "unknown option --%s; did you mean --%s?", word, near);
     return mistake(status, "unknown option --%s; see --help", word);
@@ -132,12 +139,14 @@ static bool take_value(const sl_option *o, const char *text, int *status) {
     case SL_OPTION_COUNT: return parse_count(o, text, status);
     case SL_OPTION_CHOICE: return parse_choice(o, text, status);
     case SL_OPTION_SIZE: return parse_size(o, text, status);
+    case SL_OPTION_HEADING: break;
     }
     return false;
 }
 
 static const sl_option *find_option(const sl_command_line *line, const char *word, size_t length, char letter) {
     for (const sl_option *o = line->options; o->name; o++) {
+        if (o->kind == SL_OPTION_HEADING) continue;
         if (letter ? o->letter == letter : strlen(o->name) == length && strncmp(o->name, word, length) == 0) return o;
     }
     return NULL;

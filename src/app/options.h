@@ -13,7 +13,8 @@ typedef enum sl_option_kind {
     SL_OPTION_REAL,    /* double *, finite, within [minimum, maximum] */
     SL_OPTION_COUNT,   /* uint64_t *, decimal, within [minimum, maximum] */
     SL_OPTION_CHOICE,  /* int *: the index into choices */
-    SL_OPTION_SIZE     /* int[2]: WxH, each 1 to 32768 */
+    SL_OPTION_SIZE,    /* int[2]: WxH, each 1 to 32768 */
+    SL_OPTION_HEADING  /* no option: a line of the help page above those that follow; its name is "" */
 } sl_option_kind;
 
 typedef struct sl_option {

@@ -1,6 +1,8 @@
 /* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture. */
 #include "cache/method.h"
 
+#include "cache/settings.h"
+
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -72,28 +74,9 @@ static sl_status choose_transport(const sl_method_class *class, const sl_setting
 
 /* Checks what was asked for and fills in what was left to the scene, the machine or the quality. */
 static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, sl_error *error) {
-    enum { SAMPLES_MAX = 100000000, HARMONICS_MAX = 12, BOUNCES_MAX = 64, HIT_SAMPLES_MAX = 256 };
-    if ((unsigned)settings->quality > SL_QUALITY_HIGH) return sl_fail(error, SL_ERROR_USAGE, "unknown quality %d", (int)settings->quality);
-    if ((unsigned)settings->gather > SL_GATHER_RAYS) return sl_fail(error, SL_ERROR_USAGE, "unknown gather %d", (int)settings->gather);
-    if (settings->spp > SAMPLES_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "expected at most %d samples a pixel, got %u", SAMPLES_MAX, (unsigned)settings->spp);
     if (settings->width == 0 && settings->height == 0) sl_scene_film(scene, &settings->width, &settings->height);
-    if (settings->width < 1 || settings->height < 1 || settings->width > 32768 || settings->height > 32768)
-        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to 32768 pixels each way, got %dx%d",
-                       settings->width, settings->height);
-    if (settings->accuracy != 0.0 && !(settings->accuracy >= 1e-3 && settings->accuracy <= 2.0))
-        return sl_fail(error, SL_ERROR_USAGE, "expected an accuracy of 0.001 to 2, got %g", settings->accuracy);
-    if (settings->gather_size != 0 && (settings->gather_size < 4 || settings->gather_size > 1024 || settings->gather_size % 2))
-        return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 4 to 1024, got %d", settings->gather_size);
-    if ((unsigned)settings->metric > SL_METRIC_ADAPTIVE) return sl_fail(error, SL_ERROR_USAGE, "unknown metric %d", (int)settings->metric);
-    if (settings->glossy_accuracy != 0.0 && !(settings->glossy_accuracy >= 1e-3 && settings->glossy_accuracy <= 2.0))
-        return sl_fail(error, SL_ERROR_USAGE, "expected a glossy accuracy of 0.001 to 2, got %g", settings->glossy_accuracy);
-    if (settings->harmonics_order < 0 || settings->harmonics_order > HARMONICS_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "expected harmonics of order 1 to %d, got %d", HARMONICS_MAX, settings->harmonics_order);
-    if (settings->bounces > BOUNCES_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "expected 1 to %d bounces, got %u", BOUNCES_MAX, (unsigned)settings->bounces);
-    if (settings->hit_samples > HIT_SAMPLES_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "expected at most %d samples a hit, got %u", HIT_SAMPLES_MAX, (unsigned)settings->hit_samples);
+    sl_status status = sl_settings_check(settings, error);
+    if (status != SL_OK) return status;
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
     return SL_OK;
@@ -151,56 +134,24 @@ sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *e
     return status;
 }
 
+/* Every picture carries what made it. */
 static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error) {
-    static const char *const qualities[] = {"draft", "normal", "high"};
-    static const char *const gathers[] = {"auto", "raster", "hemicube", "trace"};
-    static const char *const directs[] = {"auto", "rays", "shadow-maps"};
-    static const char *const orders[] = {"coarse-to-fine", "linear"};
-    static const char *const filters[] = {"method", "box", "centre"};
-    const sl_settings *s = &method->settings;
-    static const char *const metrics[] = {"auto", "harmonic", "minimum", "hessian", "adaptive"};
-    char text[12][64];
-    snprintf(text[0], 64, "%" PRIu64, s->seed);
-    snprintf(text[1], 64, "%016" PRIx64, sl_scene_hash(method->scene));
-    snprintf(text[2], 64, "%" PRIu64, method->batches);
-    snprintf(text[3], 64, "%" PRIu32, s->spp);
-    snprintf(text[4], 64, "%.9g", s->accuracy);
-    snprintf(text[5], 64, "%d", s->gather_size);
-    snprintf(text[7], 64, "%.9g", s->glossy_accuracy);
-    snprintf(text[8], 64, "%d", s->harmonics_order);
-    snprintf(text[9], 64, "%" PRIu32, s->bounces);
-    snprintf(text[10], 64, "%" PRIu32, s->hit_samples);
-    snprintf(text[11], 64, "%" PRIu32, s->records_per_frame);
-    const char *const pairs[][2] = {
-        {"softlux.version", SL_VERSION},   {"softlux.method", method->name},
-        {"softlux.transport", s->transport}, {"softlux.quality", qualities[s->quality]},
-        {"softlux.seed", text[0]},         {"softlux.scene_hash", text[1]},
-        {"softlux.batches", text[2]},      {"softlux.spp", text[3]},
-        {"softlux.accuracy", text[4]},     {"softlux.gather_size", text[5]},
-        {"softlux.gather", gathers[s->gather]}, {"softlux.direct", directs[s->direct]},
-        {"softlux.order", orders[s->order]},    {"softlux.filter", filters[s->filter]},
-        {"softlux.metric", metrics[s->metric]}, {"softlux.glossy_accuracy", text[7]},
-        {"softlux.harmonics_order", text[8]},   {"softlux.bounces", text[9]},
-        {"softlux.hit_samples", text[10]},      {"softlux.records_per_frame", text[11]},
-    };
-    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-        sl_status status = sl_image_set_metadata(image, pairs[i][0], pairs[i][1], error);
-        if (status != SL_OK) return status;
-    }
-    if (s->glossy_hits) {
-        sl_status status = sl_image_set_metadata(image, "softlux.glossy_hits", "true", error);
-        if (status != SL_OK) return status;
-    }
+    char text[24];
+    sl_status status = sl_settings_stamp(&method->settings, image, error);
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.version", SL_VERSION, error);
+    snprintf(text, sizeof text, "%016" PRIx64, sl_scene_hash(method->scene));
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.scene_hash", text, error);
+    snprintf(text, sizeof text, "%" PRIu64, method->batches);
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.batches", text, error);
     const sl_counters *counters = method->class->counters(method->state);
-    for (int i = 0; i < SL_COUNTERS; i++) {
+    for (int i = 0; i < SL_COUNTERS && status == SL_OK; i++) {
         if (!counters->value[i]) continue;
         char key[SL_METADATA_KEY_MAX];
         snprintf(key, sizeof key, "softlux.counter.%s", sl_counter_name((sl_counter)i));
-        snprintf(text[6], 64, "%" PRIu64, counters->value[i]);
-        sl_status status = sl_image_set_metadata(image, key, text[6], error);
-        if (status != SL_OK) return status;
+        snprintf(text, sizeof text, "%" PRIu64, counters->value[i]);
+        status = sl_image_set_metadata(image, key, text, error);
     }
-    return SL_OK;
+    return status;
 }
 
 sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error) {

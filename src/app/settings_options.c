@@ -1,0 +1,188 @@
+#include "app/settings_options.h"
+
+#include <string.h>
+
+static const char *const quality_names[] = {"draft", "normal", "high", NULL};
+static const char *const gather_names[] = {"auto", "raster", "hemicube", "trace", NULL}; /* as sl_gather_kind */
+static const char *const direct_names[] = {"auto", "rays", "shadow-maps", NULL};         /* as sl_direct_kind */
+static const char *const filter_names[] = {"method", "box", "centre", NULL};             /* as sl_pixel_filter */
+static const char *const order_names[] = {"coarse-to-fine", "linear", NULL};             /* as sl_traversal_order */
+static const char *const metric_names[] = {"auto", "harmonic", "minimum", "hessian", "adaptive", NULL};     /* as sl_radius_metric */
+static const char *const weight_names[] = {"auto", "flux", "polygon", "plain", "11", "14", "15", NULL};    /* as sl_photon_weight */
+static const char *const shape_names[] = {"auto", "frustum", "hemicube", "cube", NULL};                     /* as sl_map_shape */
+static const char *const map_filter_names[] = {"auto", "point", "radiance", "flux", NULL};                  /* as sl_map_filter */
+static const char *const mirror_names[] = {"full", "trick", "direct", NULL};                                /* as sl_mirror_light */
+static const char *const visibility_names[] = {"none", "rays", "blocks", NULL};                             /* as sl_photon_visibility */
+static const char *const store_names[] = {"indirect", "all", "caustic", NULL};                              /* as sl_photon_store */
+static const char *const area_names[] = {"clip", "section", "disc", NULL};                                  /* as sl_photon_area */
+static const char *const lobe_names[] = {"perpendicular", "surface", "none", "harmonics", NULL};            /* as sl_voxel_lobes */
+static const char *const voxel_filter_names[] = {"trilinear", "nearest", NULL};                             /* as sl_voxel_filter */
+
+static const double degree = 0.017453292519943295;
+
+typedef struct table {
+    sl_option *option;
+    size_t count;
+} table;
+
+static void add(table *t, const sl_option *options, size_t count) {
+    memcpy(t->option + t->count, options, count * sizeof *options);
+    t->count += count;
+}
+
+#define ADD(table, options) add(table, options, sizeof(options) / sizeof(options)[0])
+#define HEADING(text) {"", 0, SL_OPTION_HEADING, NULL, NULL, NULL, text, 0, 0, NULL}
+
+static void add_common(sl_raw_settings *r, table *t) {
+    sl_settings *s = &r->settings;
+    const sl_option options[] = {
+        HEADING("every method"),
+        {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree or path [splatting]", 0, 0, NULL},
+        {"size", 's', SL_OPTION_SIZE, r->size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
+        {"quality", 'q', SL_OPTION_CHOICE, &r->quality, NULL, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
+        {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
+        {"threads", 't', SL_OPTION_COUNT, &r->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1, 256, NULL},
+        {"spp", 0, SL_OPTION_COUNT, &r->spp, NULL, "N", "path: samples a pixel; splatting: light samples a pixel [by quality]", 1, 1e8, NULL},
+        HEADING("path"),
+        {"transport", 0, SL_OPTION_TEXT, &s->transport, NULL, "PATHS", "direct, one-bounce, full or matched:METHOD [full]", 0, 0, NULL},
+        {"filter", 0, SL_OPTION_CHOICE, &r->filter, NULL, "F", "box or centre of the pixel [method]", 0, 0, filter_names},
+    };
+    ADD(t, options);
+}
+
+static void add_splatting(sl_raw_settings *r, table *t) {
+    sl_settings *s = &r->settings;
+    const sl_option options[] = {
+        HEADING("splatting"),
+        {"accuracy", 'a', SL_OPTION_REAL, &s->accuracy, NULL, "A", "the records' a [by quality]", 1e-3, 2.0, NULL},
+        {"gather", 0, SL_OPTION_CHOICE, &r->gather, NULL, "HOW", "auto, raster, hemicube or trace [auto]", 0, 0, gather_names},
+        {"gather-size", 0, SL_OPTION_COUNT, &r->gather_size, NULL, "N", "N x N samples a gather, N even [by quality]", 4, 1024, NULL},
+        {"direct", 0, SL_OPTION_CHOICE, &r->direct, NULL, "HOW", "auto, rays or shadow-maps [auto]", 0, 0, direct_names},
+        {"order", 0, SL_OPTION_CHOICE, &r->order, NULL, "ORDER", "pixels coarse-to-fine or linear [coarse-to-fine]", 0, 0, order_names},
+        {"metric", 0, SL_OPTION_CHOICE, &r->metric, NULL, "METRIC",
+         "what decides how far records reach: auto, harmonic, minimum, hessian or adaptive [auto]", 0, 0, metric_names},
+        {"glossy-accuracy", 0, SL_OPTION_REAL, &s->glossy_accuracy, NULL, "A", "a of the radiance records [by quality]", 1e-3, 2.0, NULL},
+        {"harmonics", 0, SL_OPTION_COUNT, &r->harmonics_order, NULL, "N", "order of the radiance records' harmonics [by the lobes]", 1, 12, NULL},
+        {"bounces", 0, SL_OPTION_COUNT, &r->bounces, NULL, "N", "diffuse bounces; also of matched:splatting [1]", 1, 64, NULL},
+        {"glossy-hits", 0, SL_OPTION_FLAG, &s->glossy_hits, NULL, NULL, "gathers see glossy lobes too", 0, 0, NULL},
+        {"hit-samples", 0, SL_OPTION_COUNT, &r->hit_samples, NULL, "N", "light samples for what a gather sees [by quality]", 1, 256, NULL},
+        {"records-per-frame", 0, SL_OPTION_COUNT, &r->records_per_frame, NULL, "N",
+         "a walk-through, at most N new records a frame [no limit]", 1, 1e9, NULL},
+    };
+    ADD(t, options);
+}
+
+static void add_direct_radiance(sl_raw_settings *r, table *t) {
+    sl_radiance_map_settings *m = &r->settings.radiance_map;
+    const sl_option options[] = {
+        HEADING("direct-radiance"),
+        {"photons", 'M', SL_OPTION_COUNT, &r->map_samples, NULL, "M", "M x M sample photons a face of the map [by quality]", 1, 256, NULL},
+        {"map-size", 0, SL_OPTION_COUNT, &r->map_size, NULL, "N", "texels a side of a face [16]", 1, 1024, NULL},
+        {"map", 0, SL_OPTION_CHOICE, &r->map_shape, NULL, "SHAPE", "frustum, hemicube, cube or auto, by the light [auto]", 0, 0, shape_names},
+        {"map-fov", 0, SL_OPTION_REAL, &r->map_fov, NULL, "DEGREES", "of a frustum [the spot's own, or 90]", 1.0, 170.0, NULL},
+        {"weight", 0, SL_OPTION_CHOICE, &r->weight, NULL, "W", "a photon's: flux, polygon, plain, 11, 14, 15 or auto [auto]", 0, 0, weight_names},
+        {"map-filter", 0, SL_OPTION_CHOICE, &r->map_filter, NULL, "F", "point, radiance, flux or auto [auto]", 0, 0, map_filter_names},
+        {"importance", 0, SL_OPTION_FLAG, &m->importance_samples, NULL, NULL, "photons where the flux is, not on a grid", 0, 0, NULL},
+        {"steady", 0, SL_OPTION_FLAG, &m->steady_samples, NULL, NULL, "no flashing when lights move", 0, 0, NULL},
+        {"visibility", 0, SL_OPTION_CHOICE, &r->visibility, NULL, "HOW", "indirect shadows: none, rays or blocks [none]", 0, 0, visibility_names},
+        {"mirror-light", 0, SL_OPTION_CHOICE, &r->mirror_light, NULL, "HOW", "indirect light in curved mirrors: full, trick or direct [full]", 0, 0,
+         mirror_names},
+        {"reflections", 0, SL_OPTION_COUNT, &r->reflections, NULL, "N", "planar mirrors one after another [1]", 1, 8, NULL},
+        {"cube-size", 0, SL_OPTION_COUNT, &r->cube_size, NULL, "N", "texels a side of a curved mirror's cube [128]", 4, 4096, NULL},
+        {"light-mirrors", 0, SL_OPTION_FLAG, &m->traced_light_mirrors, NULL, NULL, "light by way of curved mirrors, traced", 0, 0, NULL},
+        {"shadow-size", 0, SL_OPTION_COUNT, &r->shadow_size, NULL, "N", "texels a side of a depth cube's face [512]", 8, 8192, NULL},
+        {"emitter-samples", 0, SL_OPTION_COUNT, &r->emitter_samples, NULL, "N", "area lights from N x N points [1]", 1, 64, NULL},
+        {"8-bit-positions", 0, SL_OPTION_FLAG, &m->eight_bit_positions, NULL, NULL, "the map's positions as colours", 0, 0, NULL},
+        {"separate-passes", 0, SL_OPTION_FLAG, &m->separate_passes, NULL, NULL, "a geometry pass for each of the map's pictures", 0, 0, NULL},
+        {"local-light", 0, SL_OPTION_FLAG, &m->local_light_only, NULL, NULL, "no shadows and no indirect light", 0, 0, NULL},
+    };
+    ADD(t, options);
+}
+
+static void add_light_octree(sl_raw_settings *r, table *t) {
+    sl_light_octree_settings *o = &r->settings.light_octree;
+    const sl_option options[] = {
+        HEADING("light-octree"),
+        {"depth", 0, SL_OPTION_COUNT, &r->depth, NULL, "D", "of the octree [by quality]", 1, 8, NULL},
+        {"stored-photons", 0, SL_OPTION_COUNT, &o->photons, NULL, "N", "photons to be stored [by quality]", 1, 1e9, NULL},
+        {"neighbours", 'k', SL_OPTION_COUNT, &r->neighbours, NULL, "K", "nearest photons that a voxel takes [by quality]", 1, 65535, NULL},
+        {"radius", 0, SL_OPTION_REAL, &o->radius, NULL, "R", "how far it looks for them [by density]", 1e-12, 1e12, NULL},
+        {"flatness", 0, SL_OPTION_REAL, &o->flatness, NULL, "F", "of the ellipsoid in which it looks [0.25]", 1e-3, 1.0, NULL},
+        {"lights", 0, SL_OPTION_COUNT, &r->lights, NULL, "N", "virtual directional lights a voxel [4]", 1, 8, NULL},
+        {"spread", 0, SL_OPTION_REAL, &r->spread_tolerance, NULL, "DEGREES", "fewer lights where they spread less than that [off]", 0.01, 90.0, NULL},
+        {"acceptance", 0, SL_OPTION_REAL, &r->acceptance, NULL, "DEGREES", "between photons' and voxels' normals [60]", 1.0, 180.0, NULL},
+        {"store", 0, SL_OPTION_CHOICE, &r->store, NULL, "WHICH", "photon hits: indirect, all or caustic [indirect]", 0, 0, store_names},
+        {"photon-area", 0, SL_OPTION_CHOICE, &r->area, NULL, "HOW", "clip, section or disc [clip]", 0, 0, area_names},
+        {"lobes", 0, SL_OPTION_CHOICE, &r->lobes, NULL, "WHAT", "perpendicular, surface, none or harmonics [perpendicular]", 0, 0, lobe_names},
+        {"voxel-filter", 0, SL_OPTION_CHOICE, &r->voxel_filter, NULL, "F", "trilinear or nearest [trilinear]", 0, 0, voxel_filter_names},
+        {"unit-weights", 0, SL_OPTION_FLAG, &o->unit_weights, NULL, NULL, "K-means with equal weights", 0, 0, NULL},
+        {"wide-directions", 0, SL_OPTION_FLAG, &o->wide_directions, NULL, NULL, "12 + 12 bits a direction, not 8 + 8", 0, 0, NULL},
+        {"split-by-normal", 0, SL_OPTION_FLAG, &o->split_by_normal, NULL, NULL, "lights for each group of normals in a voxel", 0, 0, NULL},
+        {"estimated-radius", 0, SL_OPTION_FLAG, &o->estimated_radius, NULL, NULL, "k and radius by an error estimate", 0, 0, NULL},
+        {"void-dark", 0, SL_OPTION_FLAG, &o->keep_void_dark, NULL, NULL, "empty voxels count as black", 0, 0, NULL},
+        {"atlas", 0, SL_OPTION_FLAG, &o->atlas, NULL, NULL, "light goes to a texture atlas first", 0, 0, NULL},
+        {"atlas-size", 0, SL_OPTION_COUNT, &r->atlas_size, NULL, "N", "texels a side [1024]", 16, 16384, NULL},
+        {"indirect-only", 0, SL_OPTION_FLAG, &o->indirect_only, NULL, NULL, "direct light is left out", 0, 0, NULL},
+    };
+    ADD(t, options);
+}
+
+void sl_settings_options(sl_raw_settings *raw, sl_option *options) {
+    table t = {options, 0};
+    *raw = (sl_raw_settings){.settings = sl_settings_default(), .quality = SL_QUALITY_NORMAL};
+    add_common(raw, &t);
+    add_splatting(raw, &t);
+    add_direct_radiance(raw, &t);
+    add_light_octree(raw, &t);
+    options[t.count] = (sl_option){0};
+}
+
+static void take_direct_radiance(const sl_raw_settings *r, sl_radiance_map_settings *m) {
+    m->samples = (int)r->map_samples;
+    m->map_size = (int)r->map_size;
+    m->shape = (sl_map_shape)r->map_shape;
+    m->map_fov = r->map_fov * degree;
+    m->weight = (sl_photon_weight)r->weight;
+    m->filter = (sl_map_filter)r->map_filter;
+    m->visibility = (sl_photon_visibility)r->visibility;
+    m->mirror_light = (sl_mirror_light)r->mirror_light;
+    m->reflections = (int)r->reflections;
+    m->cube_size = (int)r->cube_size;
+    m->shadow_size = (int)r->shadow_size;
+    m->emitter_samples = (int)r->emitter_samples;
+}
+
+static void take_light_octree(const sl_raw_settings *r, sl_light_octree_settings *o) {
+    o->depth = (int)r->depth;
+    o->neighbours = (int)r->neighbours;
+    o->lights = (int)r->lights;
+    o->spread_tolerance = r->spread_tolerance * degree;
+    o->acceptance = r->acceptance * degree;
+    o->store = (sl_photon_store)r->store;
+    o->area = (sl_photon_area)r->area;
+    o->lobes = (sl_voxel_lobes)r->lobes;
+    o->filter = (sl_voxel_filter)r->voxel_filter;
+    o->atlas_size = (int)r->atlas_size;
+}
+
+sl_settings sl_settings_taken(const sl_raw_settings *r) {
+    sl_settings s = r->settings;
+    s.width = r->size[0];
+    s.height = r->size[1];
+    s.quality = (sl_quality)r->quality;
+    s.gather = (sl_gather_kind)r->gather;
+    s.direct = (sl_direct_kind)r->direct;
+    s.filter = (sl_pixel_filter)r->filter;
+    s.order = (sl_traversal_order)r->order;
+    s.metric = (sl_radius_metric)r->metric;
+    s.harmonics_order = (int)r->harmonics_order;
+    s.bounces = (uint32_t)r->bounces;
+    s.hit_samples = (uint32_t)r->hit_samples;
+    s.records_per_frame = (uint32_t)r->records_per_frame;
+    s.spp = (uint32_t)r->spp;
+    s.gather_size = (int)r->gather_size;
+    s.threads = (unsigned)r->threads;
+    take_direct_radiance(r, &s.radiance_map);
+    take_light_octree(r, &s.light_octree);
+    return s;
+}

@@ -1,0 +1,30 @@
+/* What Direct Radiance Mapping runs for a scene: settings completed, and the passes that it needs (section 1.2). */
+#ifndef SL_CACHE_DIRECT_RADIANCE_PLAN_H
+#define SL_CACHE_DIRECT_RADIANCE_PLAN_H
+
+#include "cache/direct_radiance/lights.h"
+#include "cache/method.h"
+
+typedef struct sl_radiance_plan {
+    bool receivers;      /* some surface is diffuse or glossy */
+    bool shadows;        /* pass 1: something can stand between a light and what it lights */
+    bool map;            /* passes 2 and 3: some surface reflects a light */
+    bool glossy;         /* some surface is: true colour instead of radiance, eye vectors */
+    bool normals;        /* pass 2c */
+    bool planar, curved; /* mirrors */
+    bool tracer;         /* rays are needed */
+    bool environment;
+} sl_radiance_plan;
+
+/* Replaces what is 0 in settings->radiance_map, or left to quality. */
+void sl_radiance_complete(sl_settings *settings);
+/* settings are complete. planar and curved: what mirrors the scene has. */
+sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar, bool curved);
+void sl_radiance_transport(const sl_settings *settings, sl_transport *transport);
+void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+
+/* No point of the scene's surface can hide another from a light inside it: all of it bounds one convex space, or one convex body. Gives
+ * up, and says no, on scenes where that would take long to find out. */
+bool sl_scene_is_convex(const sl_scene *scene);
+
+#endif

@@ -1,0 +1,218 @@
+#include "cache/settings.h"
+
+#include "base/error.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- bounds ---- */
+
+/* A whole number, or a choice, between bounds; 0 is a default where zero says so. */
+typedef struct bound {
+    const char *what;
+    double value, minimum, maximum;
+    bool zero;
+} bound;
+
+static sl_status check_bounds(const bound *bounds, size_t count, sl_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        const bound *b = &bounds[i];
+        if ((b->zero && b->value == 0.0) || (b->value >= b->minimum && b->value <= b->maximum)) continue;
+        return sl_fail(error, SL_ERROR_USAGE, "expected %s of %g to %g, got %g", b->what, b->minimum, b->maximum, b->value);
+    }
+    return SL_OK;
+}
+
+#define CHECK(bounds, error) check_bounds(bounds, sizeof(bounds) / sizeof(bounds)[0], error)
+
+static sl_status check_common(const sl_settings *s, sl_error *error) {
+    if (s->width < 1 || s->height < 1 || s->width > 32768 || s->height > 32768)
+        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to 32768 pixels each way, got %dx%d", s->width, s->height);
+    const bound bounds[] = {
+        {"a quality", s->quality, SL_QUALITY_DRAFT, SL_QUALITY_HIGH, false},
+        {"samples a pixel", s->spp, 1, 1e8, true},
+        {"a pixel filter", s->filter, SL_FILTER_METHOD, SL_FILTER_CENTRE, false},
+    };
+    return CHECK(bounds, error);
+}
+
+static sl_status check_splatting(const sl_settings *s, sl_error *error) {
+    const bound bounds[] = {
+        {"a gather", s->gather, SL_GATHER_AUTO, SL_GATHER_RAYS, false},
+        {"a way to find direct light", s->direct, SL_DIRECT_AUTO, SL_DIRECT_SHADOW_MAPS, false},
+        {"a traversal order", s->order, SL_ORDER_COARSE_TO_FINE, SL_ORDER_LINEAR, false},
+        {"a metric", s->metric, SL_METRIC_AUTO, SL_METRIC_ADAPTIVE, false},
+        {"an accuracy", s->accuracy, 1e-3, 2.0, true},
+        {"a glossy accuracy", s->glossy_accuracy, 1e-3, 2.0, true},
+        {"harmonics of an order", s->harmonics_order, 1, 12, true},
+        {"bounces", s->bounces, 1, 64, true},
+        {"samples a hit", s->hit_samples, 1, 256, true},
+    };
+    if (s->gather_size != 0 && (s->gather_size < 4 || s->gather_size > 1024 || s->gather_size % 2))
+        return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 4 to 1024, got %d", s->gather_size);
+    return CHECK(bounds, error);
+}
+
+static sl_status check_radiance_map(const sl_radiance_map_settings *m, sl_error *error) {
+    const bound bounds[] = {
+        {"photons a side of a map's face", m->samples, 1, 256, true},
+        {"a map", m->map_size, 1, 1024, true},
+        {"a map's shape", m->shape, SL_MAP_AUTO, SL_MAP_CUBE, false},
+        {"a map's field of view", m->map_fov, 0.01, 3.0, true},
+        {"a photon's weight", m->weight, SL_WEIGHT_AUTO, SL_WEIGHT_BOX, false},
+        {"a map filter", m->filter, SL_MAP_FILTER_AUTO, SL_MAP_FILTER_FLUX, false},
+        {"a visibility", m->visibility, SL_VISIBILITY_NONE, SL_VISIBILITY_BLOCKS, false},
+        {"a way to light mirrors", m->mirror_light, SL_MIRROR_LIGHT_FULL, SL_MIRROR_LIGHT_DIRECT, false},
+        {"reflections", m->reflections, 1, 8, true},
+        {"an environment cube", m->cube_size, 4, 4096, true},
+        {"a depth cube", m->shadow_size, 8, 8192, true},
+        {"samples a side of an emitter", m->emitter_samples, 1, 64, true},
+    };
+    return CHECK(bounds, error);
+}
+
+static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error *error) {
+    const bound bounds[] = {
+        {"an octree's depth", o->depth, 1, 8, true},
+        {"stored photons", (double)o->photons, 1, 1e9, true},
+        {"neighbours", o->neighbours, 1, 65535, true},
+        {"a radius", o->radius, 1e-12, 1e12, true},
+        {"a flatness", o->flatness, 1e-3, 1.0, true},
+        {"lights a voxel", o->lights, 1, 8, true},
+        {"a spread", o->spread_tolerance, 1e-4, 1.6, true},
+        {"an angle of acceptance", o->acceptance, 0.01, 3.15, true},
+        {"photons to store", o->store, SL_STORE_INDIRECT, SL_STORE_CAUSTIC, false},
+        {"a photon area", o->area, SL_PHOTON_AREA_CLIP, SL_PHOTON_AREA_DISC, false},
+        {"lobes", o->lobes, SL_LOBES_PERPENDICULAR, SL_LOBES_HARMONICS, false},
+        {"a voxel filter", o->filter, SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST, false},
+        {"an atlas", o->atlas_size, 16, 16384, true},
+    };
+    return CHECK(bounds, error);
+}
+
+sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
+    sl_status status = check_common(s, error);
+    if (status == SL_OK) status = check_splatting(s, error);
+    if (status == SL_OK) status = check_radiance_map(&s->radiance_map, error);
+    if (status == SL_OK) status = check_light_octree(&s->light_octree, error);
+    return status;
+}
+
+/* ---- metadata ---- */
+
+typedef struct stamping {
+    sl_image *image;
+    sl_error *error;
+    sl_status status;
+} stamping;
+
+static void stamp_text(stamping *st, const char *name, const char *value) {
+    char key[SL_METADATA_KEY_MAX];
+    snprintf(key, sizeof key, "softlux.%s", name);
+    if (st->status == SL_OK) st->status = sl_image_set_metadata(st->image, key, value, st->error);
+}
+
+static void stamp_count(stamping *st, const char *name, uint64_t value) {
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, value);
+    stamp_text(st, name, text);
+}
+
+static void stamp_real(stamping *st, const char *name, double value) {
+    char text[32];
+    snprintf(text, sizeof text, "%.9g", value);
+    stamp_text(st, name, text);
+}
+
+static void stamp_flag(stamping *st, const char *name, bool value) {
+    if (value) stamp_text(st, name, "true");
+}
+
+static void stamp_splatting(stamping *st, const sl_settings *s) {
+    static const char *const gathers[] = {"auto", "raster", "hemicube", "trace"};
+    static const char *const directs[] = {"auto", "rays", "shadow-maps"};
+    static const char *const orders[] = {"coarse-to-fine", "linear"};
+    static const char *const metrics[] = {"auto", "harmonic", "minimum", "hessian", "adaptive"};
+    stamp_real(st, "accuracy", s->accuracy);
+    stamp_count(st, "gather_size", (uint64_t)s->gather_size);
+    stamp_text(st, "gather", gathers[s->gather]);
+    stamp_text(st, "direct", directs[s->direct]);
+    stamp_text(st, "order", orders[s->order]);
+    stamp_text(st, "metric", metrics[s->metric]);
+    stamp_real(st, "glossy_accuracy", s->glossy_accuracy);
+    stamp_count(st, "harmonics_order", (uint64_t)s->harmonics_order);
+    stamp_count(st, "bounces", s->bounces);
+    stamp_count(st, "hit_samples", s->hit_samples);
+    stamp_count(st, "records_per_frame", s->records_per_frame);
+    stamp_flag(st, "glossy_hits", s->glossy_hits);
+}
+
+static void stamp_radiance_map(stamping *st, const sl_radiance_map_settings *m) {
+    static const char *const shapes[] = {"auto", "frustum", "hemicube", "cube"};
+    static const char *const weights[] = {"auto", "flux", "polygon", "plain", "11", "14", "15"};
+    static const char *const filters[] = {"auto", "point", "radiance", "flux"};
+    static const char *const mirrors[] = {"full", "trick", "direct"};
+    static const char *const visibilities[] = {"none", "rays", "blocks"};
+    stamp_count(st, "photons", (uint64_t)m->samples);
+    stamp_count(st, "map_size", (uint64_t)m->map_size);
+    stamp_text(st, "map", shapes[m->shape]);
+    stamp_real(st, "map_fov", m->map_fov);
+    stamp_text(st, "weight", weights[m->weight]);
+    stamp_text(st, "map_filter", filters[m->filter]);
+    stamp_text(st, "mirror_light", mirrors[m->mirror_light]);
+    stamp_text(st, "visibility", visibilities[m->visibility]);
+    stamp_count(st, "reflections", (uint64_t)m->reflections);
+    stamp_count(st, "cube_size", (uint64_t)m->cube_size);
+    stamp_count(st, "shadow_size", (uint64_t)m->shadow_size);
+    stamp_count(st, "emitter_samples", (uint64_t)m->emitter_samples);
+    stamp_flag(st, "importance", m->importance_samples);
+    stamp_flag(st, "steady", m->steady_samples);
+    stamp_flag(st, "light_mirrors", m->traced_light_mirrors);
+    stamp_flag(st, "8_bit_positions", m->eight_bit_positions);
+    stamp_flag(st, "separate_passes", m->separate_passes);
+    stamp_flag(st, "local_light", m->local_light_only);
+}
+
+static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) {
+    static const char *const stores[] = {"indirect", "all", "caustic"};
+    static const char *const areas[] = {"clip", "section", "disc"};
+    static const char *const lobes[] = {"perpendicular", "surface", "none", "harmonics"};
+    static const char *const filters[] = {"trilinear", "nearest"};
+    stamp_count(st, "depth", (uint64_t)o->depth);
+    stamp_count(st, "stored_photons", o->photons);
+    stamp_count(st, "neighbours", (uint64_t)o->neighbours);
+    stamp_real(st, "radius", o->radius);
+    stamp_real(st, "flatness", o->flatness);
+    stamp_count(st, "lights", (uint64_t)o->lights);
+    stamp_real(st, "spread", o->spread_tolerance);
+    stamp_real(st, "acceptance", o->acceptance);
+    stamp_text(st, "store", stores[o->store]);
+    stamp_text(st, "photon_area", areas[o->area]);
+    stamp_text(st, "lobes", lobes[o->lobes]);
+    stamp_text(st, "voxel_filter", filters[o->filter]);
+    stamp_flag(st, "unit_weights", o->unit_weights);
+    stamp_flag(st, "wide_directions", o->wide_directions);
+    stamp_flag(st, "split_by_normal", o->split_by_normal);
+    stamp_flag(st, "estimated_radius", o->estimated_radius);
+    stamp_flag(st, "void_dark", o->keep_void_dark);
+    stamp_flag(st, "atlas", o->atlas);
+    if (o->atlas) stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
+    stamp_flag(st, "indirect_only", o->indirect_only);
+}
+
+sl_status sl_settings_stamp(const sl_settings *s, sl_image *image, sl_error *error) {
+    static const char *const qualities[] = {"draft", "normal", "high"};
+    static const char *const filters[] = {"method", "box", "centre"};
+    stamping st = {image, error, SL_OK};
+    stamp_text(&st, "method", s->method);
+    stamp_text(&st, "transport", s->transport);
+    stamp_text(&st, "quality", qualities[s->quality]);
+    stamp_text(&st, "filter", filters[s->filter]);
+    stamp_count(&st, "seed", s->seed);
+    stamp_count(&st, "spp", s->spp);
+    if (strcmp(s->method, "splatting") == 0) stamp_splatting(&st, s);
+    if (strcmp(s->method, "direct-radiance") == 0) stamp_radiance_map(&st, &s->radiance_map);
+    if (strcmp(s->method, "light-octree") == 0) stamp_light_octree(&st, &s->light_octree);
+    return st.status;
+}
