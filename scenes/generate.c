@@ -15,6 +15,7 @@ static const struct {
 } scenes[] = {
     {"room", gen_room},
     {"cave", gen_cave},
+    {"mirror-cave", gen_mirror_cave},
     {"atrium", gen_atrium},
     {"castle", gen_castle},
     {"cathedral", gen_cathedral},

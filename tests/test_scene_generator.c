@@ -66,6 +66,9 @@ static void the_files_are_the_same_as_ever(void **state) {
         {"cave.obj", 0x4c1ffda541574287u},
         {"cave.mtl", 0x1b2237938912e28du},
         {"cave.json", 0x24989370a09fe8cdu},
+        {"mirror-cave.obj", 0xba5a6e599581897bu},
+        {"mirror-cave.mtl", 0x1c32e8281cc94d4fu},
+        {"mirror-cave.json", 0xe90f9d9f1b646b91u},
         {"atrium.obj", 0x7ff32244c2256764u},
         {"atrium.mtl", 0xb5edb9032a54c3b9u},
         {"atrium.json", 0xbb5841fb28215817u},
@@ -89,7 +92,7 @@ static void the_scenes_have_the_sizes_they_promise(void **state) {
     (void)generator();
     static const struct { const char *file; double triangles; } promised[] = {
         {"room.obj", 7000.0},    {"cave.obj", 40000.0},      {"atrium.obj", 66000.0},
-        {"castle.obj", 58000.0}, {"cathedral.obj", 80000.0},
+        {"castle.obj", 58000.0}, {"cathedral.obj", 80000.0}, {"mirror-cave.obj", 41000.0},
     };
     for (size_t i = 0; i < sizeof promised / sizeof promised[0]; i++) {
         double ratio = (double)faces_in(promised[i].file) / promised[i].triangles;
@@ -157,7 +160,7 @@ static int generate_once(void **state) {
     if (!mkdtemp(folder)) return -1;
     if (access(named && *named ? named : "build/generate", X_OK) != 0) return 0; /* every test then skips */
     char arguments[128];
-    snprintf(arguments, sizeof arguments, "%s room cave atrium castle cathedral", folder);
+    snprintf(arguments, sizeof arguments, "%s room cave mirror-cave atrium castle cathedral", folder);
     return run(arguments) == 0 ? 0 : -1;
 }
 

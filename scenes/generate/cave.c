@@ -1,5 +1,6 @@
 /* A cavern, about 40,000 triangles: a winding tunnel that widens to a hall, with dripstone, boulders and a pool.
- * Everything is diffuse; two point lights and a spot light stand in it.
+ * Everything is diffuse; two point lights and a spot light stand in it. Then the same with one point light, the pool a mirror, and a
+ * mirror ball over it (after Fig. 9 of Frisvad et al. 2005).
  *
  * The rock is one closed surface around a curve: the radius comes from layered noise of the position itself, so nothing
  * repeats, and shrinks to nothing at both ends. */
@@ -8,13 +9,21 @@
 #include "base/math.h"
 #include "mesh.h"
 
-enum { ROCK, DRIPSTONE, BOULDER, WATER, MATERIALS };
+enum { ROCK, DRIPSTONE, BOULDER, WATER, BALL, MATERIALS };
 
 static const gen_material materials[MATERIALS] = {
     [ROCK] = {"rock", "Kd 0.46 0.38 0.3\n"},
     [DRIPSTONE] = {"dripstone", "Kd 0.66 0.58 0.46\n"},
     [BOULDER] = {"boulder", "Kd 0.4 0.35 0.31\n"},
     [WATER] = {"pool", "Kd 0.1 0.2 0.24\n"},
+};
+
+static const gen_material mirrors[MATERIALS] = {
+    [ROCK] = {"rock", "Kd 0.46 0.38 0.3\n"},
+    [DRIPSTONE] = {"dripstone", "Kd 0.66 0.58 0.46\n"},
+    [BOULDER] = {"boulder", "Kd 0.4 0.35 0.31\n"},
+    [WATER] = {"pool", "Kd 0 0 0\nKs 0.6 0.68 0.7\nillum 3\n"},
+    [BALL] = {"ball", "Kd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\n"},
 };
 
 static const double length = 42.0;
@@ -103,18 +112,22 @@ static void boulders(mesh *m) {
     }
 }
 
-void gen_cave(const char *folder) {
-    mesh m;
-    gen_mesh_init(&m, materials, MATERIALS);
-    gen_paint(&m, "rock", ROCK);
-    gen_surface(&m, 104, 110, GEN_WRAP_COLUMNS, rock_point, NULL);
-    dripstones(&m);
-    boulders(&m);
-    gen_paint(&m, "pool", WATER);
+static void cavern(mesh *m) {
+    gen_paint(m, "rock", ROCK);
+    gen_surface(m, 104, 110, GEN_WRAP_COLUMNS, rock_point, NULL);
+    dripstones(m);
+    boulders(m);
+    gen_paint(m, "pool", WATER);
     v3 p = middle(0.52);
     double level = p.y - 1.27;
-    gen_panel(&m, gen_v3(p.x - 5, level, p.z + 4), gen_v3(p.x + 5, level, p.z + 4), gen_v3(p.x + 5, level, p.z - 4),
+    gen_panel(m, gen_v3(p.x - 5, level, p.z + 4), gen_v3(p.x + 5, level, p.z + 4), gen_v3(p.x + 5, level, p.z - 4),
               gen_v3(p.x - 5, level, p.z - 4), 8, 8);
+}
+
+void gen_cave(const char *folder) {
+    mesh m;
+    gen_mesh_init(&m, materials, BALL);
+    cavern(&m);
     gen_write_scene(folder, "cave", &m,
                     "  \"lights\": [\n"
                     "    {\"type\": \"point\", \"position\": [2.2, 1.7, -15.5], \"intensity\": [60, 48, 32]},\n"
@@ -122,5 +135,18 @@ void gen_cave(const char *folder) {
                     "    {\"type\": \"spot\", \"position\": [2.0, 0.9, -5.0], \"direction\": [0.12, -0.12, -1],"
                     " \"intensity\": [90, 85, 75], \"inner_deg\": 14, \"outer_deg\": 30}\n  ],\n"
                     "  \"camera\": {\"eye\": [2.3, 0.5, -8.5], \"target\": [1.6, 0.4, -20], \"up\": [0, 1, 0], \"fov_deg\": 62}");
+    gen_mesh_free(&m);
+}
+
+void gen_mirror_cave(const char *folder) {
+    mesh m;
+    gen_mesh_init(&m, mirrors, MATERIALS);
+    cavern(&m);
+    gen_paint(&m, "ball", BALL);
+    gen_ball(&m, gen_v3(1.0, 0.9, -20.6), gen_v3(0.9, 0.9, 0.9), 32, 16, 0.0, 0);
+    gen_write_scene(folder, "mirror-cave", &m,
+                    "  \"lights\": [\n"
+                    "    {\"type\": \"point\", \"position\": [3.2, 2.4, -18.5], \"intensity\": [130, 105, 72]}\n  ],\n"
+                    "  \"camera\": {\"eye\": [2.3, 1.5, -14.6], \"target\": [1.2, -0.3, -22], \"up\": [0, 1, 0], \"fov_deg\": 62}");
     gen_mesh_free(&m);
 }

@@ -146,6 +146,7 @@ void gen_write_pfm(const char *folder, const char *name, const float *rgb, int w
 
 void gen_room(const char *folder);
 void gen_cave(const char *folder);
+void gen_mirror_cave(const char *folder);
 void gen_atrium(const char *folder);
 void gen_castle(const char *folder);
 void gen_cathedral(const char *folder);
