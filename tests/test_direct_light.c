@@ -14,7 +14,7 @@
 
 #include "base/math.h"
 #include "cache/gather/hemisphere_tables.h"
-#include "cache/splatting/splatting.h"
+#include "cache/direct/direct.h"
 #include "rendering.h"
 #include "trace_scenes.h"
 

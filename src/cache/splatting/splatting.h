@@ -3,7 +3,7 @@
  *   plan.c           which passes a scene needs, and the qualities
  *   splatting.c      Algorithm 2: the passes of one picture
  *   create.c         what it needs, made when it is needed
- *   direct.c         step 1b: direct light of every pixel
+ *   ../direct/       step 1b: direct light of every pixel
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
  *   record.c         a record and how far it reaches
  *   ../bounces/      more than one bounce: the light that falls on what gathers see
@@ -17,32 +17,11 @@
 #ifndef SL_CACHE_SPLATTING_H
 #define SL_CACHE_SPLATTING_H
 
+#include "cache/direct/direct.h"
 #include "cache/gather/gather.h"
-#include "cache/light/shadow_maps.h"
 #include "cache/method.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/record.h"
-
-/* ---- direct light per pixel ---- */
-
-typedef struct sl_direct_settings {
-    uint32_t light_samples;   /* shadow rays a pixel towards lights with extent */
-    uint64_t seed;
-    unsigned threads;
-    const sl_shadow_maps *maps; /* NULL: shadow rays */
-    const sl_environment *sun;  /* the part of the environment that is sampled here; the records carry the rest. NULL: none */
-} sl_direct_settings;
-
-typedef struct sl_direct sl_direct;
-
-/* tracer may be NULL where shadow maps are given. */
-sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
-                           sl_direct **direct, sl_error *error);
-void sl_direct_destroy(sl_direct *direct);
-/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes: radiance into the r, g, b planes (bottom row
- * first). */
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
-                         float *b, sl_counters *counters, sl_error *error);
 
 /* ---- which pixels get records ---- */
 

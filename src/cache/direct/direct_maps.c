@@ -4,7 +4,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 
 typedef struct {
     const sl_direct *direct;

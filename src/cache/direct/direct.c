@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 
 enum { SUN_TEXELS_MAX = 64 };
 

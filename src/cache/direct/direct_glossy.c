@@ -2,7 +2,7 @@
  * bad where lights are small: both are taken, each weighted by the power heuristic (Veach and Guibas 1995), since one of
  * them mostly has all but no noise. */
 #include "base/random.h"
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 #include "trace/bsdf.h"
 
 /* Both kinds of samples of a pixel wait here for their rays. */

@@ -2,7 +2,7 @@
  * as their shares differ by no more than the samples' own scatter explains. The scatter is measured: what one half of a
  * pixel's samples says against what the other half says, over the same pixels. With more samples it falls, and fewer
  * neighbours are alike, so that the result still converges to the truth; where all agree nothing changes. */
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 
 enum { RADIUS = 2 };
 

@@ -1,7 +1,7 @@
 /* Lights without extent, one ray each; and what is not known unoccluded, since it is too much (emitters, texels of the sun)
  * or masked: plain light samples. */
 #include "base/random.h"
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 
 /* ---- lights without extent ---- */
 

@@ -1,4 +1,4 @@
-#include "cache/splatting/direct_kernels.h"
+#include "cache/direct/direct_kernels.h"
 
 #include "base/math.h"
 

@@ -1,6 +1,6 @@
 /* Loops of direct light over a block of pixels that are compiled for every instruction set. */
-#ifndef SL_CACHE_SPLATTING_DIRECT_KERNELS_H
-#define SL_CACHE_SPLATTING_DIRECT_KERNELS_H
+#ifndef SL_CACHE_DIRECT_KERNELS_H
+#define SL_CACHE_DIRECT_KERNELS_H
 
 #include "cache/light/light_kernels.h"
 

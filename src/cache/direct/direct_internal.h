@@ -9,12 +9,12 @@
  *     direct_filter.c   the visible share, smoothed where it is noise
  *     direct_kernels.c  the loops over a block of pixels
  */
-#ifndef SL_CACHE_SPLATTING_DIRECT_INTERNAL_H
-#define SL_CACHE_SPLATTING_DIRECT_INTERNAL_H
+#ifndef SL_CACHE_DIRECT_INTERNAL_H
+#define SL_CACHE_DIRECT_INTERNAL_H
 
 #include "cache/light/light_kernels.h"
-#include "cache/splatting/direct_kernels.h"
-#include "cache/splatting/splatting.h"
+#include "cache/direct/direct_kernels.h"
+#include "cache/direct/direct.h"
 
 enum { SL_EXACT_EMITTERS_MAX = 256 }; /* beyond, the closed form of all costs more than the noise that it saves */
 

@@ -2,7 +2,7 @@
  * only tell which share of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill and McGuire 2018, "Combining
  * analytic direct illumination and stochastic shadows"). The closed forms also are the best weights for choosing an emitter:
  * the samples of many differ in nothing but visibility, and what is seen whole or not at all has no noise. */
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 
 #include "base/random.h"
 

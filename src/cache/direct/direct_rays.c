@@ -13,7 +13,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "cache/splatting/direct_internal.h"
+#include "cache/direct/direct_internal.h"
 
 enum {
     PILOT_MIN = 4,

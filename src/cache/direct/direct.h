@@ -1,0 +1,28 @@
+/* Direct light of every pixel of a G-buffer, by shadow rays or by shadow maps: for methods whose own light is indirect. direct_internal.h
+ * says in which order to read. */
+#ifndef SL_CACHE_DIRECT_H
+#define SL_CACHE_DIRECT_H
+
+#include "cache/light/shadow_maps.h"
+#include "trace/trace.h"
+
+typedef struct sl_direct_settings {
+    uint32_t light_samples;   /* shadow rays a pixel towards lights with extent */
+    uint64_t seed;
+    unsigned threads;
+    const sl_shadow_maps *maps; /* NULL: shadow rays */
+    const sl_environment *sun;  /* the part of the environment that is sampled here; the records carry the rest. NULL: none */
+} sl_direct_settings;
+
+typedef struct sl_direct sl_direct;
+
+/* tracer may be NULL where shadow maps are given. */
+sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
+                           sl_direct **direct, sl_error *error);
+void sl_direct_destroy(sl_direct *direct);
+/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes: radiance into the r, g, b planes (bottom row
+ * first). */
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                         float *b, sl_counters *counters, sl_error *error);
+
+#endif
