@@ -1,5 +1,8 @@
 /* The octree over the scene's geometry (section 2.8): a cell is split while it meets a triangle, down to a depth; leaves in Morton
- * order. A shallower octree is a cut of a deeper one. */
+ * order. A shallower octree is a cut of a deeper one.
+ *
+ * Boxes are closed, and wider by what rounding to float may have moved a vertex: every point of a surface, worked out in float, lies in a
+ * leaf. */
 #ifndef SL_CACHE_LIGHT_OCTREE_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_OCTREE_H
 
@@ -10,10 +13,14 @@ typedef struct sl_octree_leaf {
     uint64_t morton;        /* z y x interleaved, x lowest, at the octree's depth */
     sl_vec3 centroid;       /* c_v: by area, of the triangles clipped to the voxel */
     sl_vec3 normal;         /* n_v; (0,0,0) where |sum area n| < 0.2 sum area */
-    float area;             /* of the clipped triangles; > 0 */
+    float area;             /* of the clipped triangles; what lies in a face that two voxels share counts half in each, so that the
+                             * leaves' areas add up to the scene's; 0 where triangles only touch the voxel */
+    float coherence;        /* |sum area n| / sum area: 1 where all is flat */
     uint32_t first_triangle; /* in the octree's list */
     uint32_t triangle_count;
 } sl_octree_leaf;
+
+enum { SL_OCTREE_DEPTH_MAX = 10 };
 
 typedef struct sl_octree {
     int depth;
@@ -30,6 +37,12 @@ sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsi
 sl_status sl_octree_cut(const sl_octree *octree, int depth, sl_octree **cut, sl_error *error);
 void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);
+/* The number of the leaf with that Morton code, or SL_NO_INDEX. */
+uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton);
+/* The first leaf whose code is not below that one. */
+size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton);
+/* The code of the cell (clamped to the root) that holds a point. */
+uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p);
 static inline double sl_octree_voxel(const sl_octree *octree) { return octree->edge / (double)(1u << octree->depth); }
 
 #endif

@@ -22,6 +22,7 @@ typedef struct sl_photon_query {
     double radius;       /* r */
     double minimum;      /* R is at least that: coincident photons */
     double cos_acceptance; /* photon normals with a smaller cosine to `normal` are passed over; -1: none */
+    bool both_sides;     /* the cosine's size alone counts: photons on the back of a sheet are found too */
     size_t neighbours;   /* k */
 } sl_photon_query;
 

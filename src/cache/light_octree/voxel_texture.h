@@ -3,28 +3,40 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_TEXTURE_H
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_TEXTURE_H
 
-#include "cache/light_octree/lights.h"
-#include "cache/light_octree/octree.h"
+#include "cache/light_octree/voxel_lights.h"
 #include "raster/textures/textures.h"
 
 enum { SL_TEXEL_VOID = 0, SL_TEXEL_NODE = 127, SL_TEXEL_LEAF = 255 }; /* alpha */
+enum { SL_LIGHT_TEXTURE_SIZE = 4096 }; /* 12 + 12 bits of address */
 
+/* A light as the processor likes it: its direction is unpacked. */
+typedef struct sl_unpacked_light {
+    float direction[3], color[3];
+} sl_unpacked_light;
+
+/* What the arrays hold: with split voxels their first texel is the group's normal, and how many groups the voxel has (0 but for the
+ * first). Leaves without light share one array of zeros. */
 typedef struct sl_voxel_texture {
     int depth;
     sl_vec3d origin;
     double edge;
     sl_volume *bricks;          /* RGBA8 */
     size_t brick_count;
-    int lights;                 /* n: texels of an array */
+    sl_voxel_lobes lobes;
+    int header;                 /* 1: split by normals */
+    int lights;                 /* texels of an array without its header */
     int width, height;          /* of the texture of lights: arrays never wrap */
+    size_t array_count;
     sl_directional_light *light; /* width * height texels */
-    uint32_t *index;            /* a leaf number for each cell of the deepest level, SL_NO_INDEX for void: the CPU's short cut; may be NULL */
+    sl_unpacked_light *unpacked; /* the same, array after array: the CPU's short cut, as is */
+    sl_vec3 *normal;            /* of each array's set */
+    uint32_t *index;            /* an array's number for each cell of the deepest level, SL_NO_INDEX for void: may be NULL */
     bool wide_directions;
 } sl_voxel_texture;
 
-/* lights: n for each leaf, leaf by leaf, unused ones 0. More leaves than addresses is an error that says how many. */
-sl_status sl_voxel_texture_create(const sl_octree *octree, int n, const sl_directional_light *lights, bool wide_directions, bool dense_index,
-                                  sl_voxel_texture **texture, sl_error *error);
+/* More arrays than addresses is an error that says how many. */
+sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index, sl_voxel_texture **texture,
+                                  sl_error *error);
 void sl_voxel_texture_destroy(sl_voxel_texture *texture);
 size_t sl_voxel_texture_bytes(const sl_voxel_texture *texture); /* bricks and lights alone */
 /* The descent: the texel at which it ends, and the array's address where that is a leaf. fetches is added to. */

@@ -1,0 +1,40 @@
+/* Pass R1: the light that surface points send to the eye, from the octree and its lights (sections 2.4 and 2.7). Points that share their
+ * eight voxels are shaded together: the octree is descended once for all of them, and the loop over their lights is arithmetic alone. */
+#ifndef SL_CACHE_LIGHT_OCTREE_SHADE_H
+#define SL_CACHE_LIGHT_OCTREE_SHADE_H
+
+#include "cache/light_octree/voxel_texture.h"
+#include "raster/raster.h"
+
+typedef struct sl_octree_shading {
+    const sl_voxel_texture *texture;
+    sl_voxel_filter filter;
+    bool keep_void_dark;  /* empty voxels count as black: the paper's holes */
+    bool facing;          /* voxels weigh by the cosine between their normal and the point's, against leaks */
+} sl_octree_shading;
+
+/* Surface points as arrays; normals unit, shading, turned to the viewer. NULL diffuse: 1 / kd = pi, so that the irradiance comes out.
+ * NULL specular: none, and the view is not looked at. */
+typedef struct sl_octree_points {
+    size_t count;
+    const float *x, *y, *z;
+    const float *normal_x, *normal_y, *normal_z;   /* not finite, or 0: such a point gets 0 */
+    const float *view_x, *view_y, *view_z;         /* unit, towards the viewer */
+    const float *diffuse_r, *diffuse_g, *diffuse_b;
+    const float *specular_r, *specular_g, *specular_b, *exponent; /* modified Phong */
+} sl_octree_points;
+
+enum { SL_OCTREE_BATCH = 4096 };
+typedef struct sl_octree_scratch sl_octree_scratch; /* one for each worker */
+sl_status sl_octree_scratch_create(sl_octree_scratch **scratch, sl_error *error);
+void sl_octree_scratch_destroy(sl_octree_scratch *scratch);
+
+/* Radiance (or irradiance) of any number of points, written to r, g, b. Each point's is a function of that point alone. */
+void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *points, sl_octree_scratch *scratch, float *r, float *g,
+                     float *b, sl_counters *counters);
+
+/* A whole G-buffer seen from an eye, in tiles; planes as the G-buffer's, background and mirrors 0. Fails for want of memory alone. */
+sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye,
+                                  unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error);
+
+#endif

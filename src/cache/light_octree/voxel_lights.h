@@ -1,0 +1,81 @@
+/* From the photon map to the virtual directional lights of every voxel (sections 2.2 to 2.4):
+ *
+ *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j ── 16 bytes each
+ *
+ * Leaves do not depend on each other, so they may be done in batches, in any order and in parallel. */
+#ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_LIGHTS_H
+#define SL_CACHE_LIGHT_OCTREE_VOXEL_LIGHTS_H
+
+#include "cache/light_octree/lights.h"
+#include "cache/light_octree/octree.h"
+
+/* All of them wanted; nothing is a default. */
+typedef struct sl_voxel_light_options {
+    size_t neighbours;       /* k >= 2 */
+    double radius;           /* r > 0 */
+    double flatness;         /* f in (0,1] */
+    double acceptance;       /* radians between a photon's normal and the voxel's; pi: all photons, whatever their side */
+    sl_photon_area area;
+    sl_voxel_lobes lobes;
+    int lights;              /* n of directional lights */
+    int harmonics_order;     /* of SL_LOBES_HARMONICS: 2 or 3 */
+    double spread_tolerance; /* radians; 0: always n lights */
+    bool unit_weights;
+    bool wide_directions;
+    bool split_by_normal;    /* a set of lights for each group of normals (section 8) */
+} sl_voxel_light_options;
+
+/* 2 sqrt(k A / (pi N)), at least one voxel (section 3). */
+double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons);
+
+enum { SL_VOXEL_FEW = 8, SL_VOXEL_SETS_MAX = 6 };
+
+/* A voxel's lights, or those of one of its groups of normals. */
+typedef struct sl_voxel_set {
+    sl_vec3 centroid;      /* the gather's centre */
+    sl_vec3 normal;        /* turned to the side on which the photons lie; (0,0,0): none */
+    uint32_t leaf;
+    uint32_t photons;      /* gathered */
+    float radius;          /* R */
+    float area;            /* A, both sides together where both are lit */
+    float irradiance;      /* E, luminance */
+    float rms_angle, mean_angle; /* the spread of the clusters: radians, by weight */
+    float power_ratio;     /* largest over mean power of a photon: fireflies */
+    uint8_t lights;        /* used */
+    bool both_sides;       /* photons on both sides of a sheet; or no other group faces the other way */
+    bool from_parent;      /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
+    bool done;
+} sl_voxel_set;
+
+typedef struct sl_voxel_lights {
+    sl_voxel_light_options options;
+    size_t leaf_count, set_count;
+    uint32_t *first_set;   /* leaf_count + 1; a leaf has one set unless split by normal */
+    sl_voxel_set *set;
+    int texels;            /* of a set: n, 1 (colour octree), or 9 or 16 coefficients */
+    sl_directional_light *light; /* set_count * texels, unused ones 0 */
+    struct sl_voxel_work *work;
+} sl_voxel_lights;
+
+/* `octree` may be a cut; `geometry` is the octree with the triangles (the same, if it is no cut). All must outlive the lights. */
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry, const sl_photon_tree *tree,
+                                 const sl_voxel_light_options *options, unsigned threads, sl_voxel_lights **lights, sl_error *error);
+/* The lights of leaves [first, first + count). Adds what was gathered, leaves, and lights to the counters. */
+void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads, sl_counters *counters);
+void sl_voxel_lights_destroy(sl_voxel_lights *lights);
+size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights);
+
+/* Over the sets that are done. Means are over the lit ones. */
+typedef struct sl_voxel_statistics {
+    uint64_t sets, lit, from_parent, coincident; /* coincident: R at its least */
+    uint64_t lights, photons;
+    double mean_photons, mean_radius, max_radius;
+    double rms_angle;        /* sqrt of the mean square, by irradiance: radians */
+    double axis_angle;       /* the same along one tangent axis: rms / sqrt(2) */
+    double mean_angle;
+    double flux;             /* sum of E times the voxel's own area: luminance, W */
+    double max_power_ratio;
+} sl_voxel_statistics;
+void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree, sl_voxel_statistics *statistics);
+
+#endif
