@@ -28,47 +28,47 @@ typedef struct curve {
 typedef struct world {
     sl_scene *scene;
     sl_tracer *tracer;
-    splat_pixels pixels;
-    splat_reference reference;
+    bench_pixels pixels;
+    bench_reference reference;
     float *values;
     int size;
 } world;
 
 /* ---- the world ---- */
 
-static bool open_world(splat_report *r, const splat_options *o, const char *path, int size, world *w) {
+static bool open_world(bench_report *r, const bench_options *o, const char *path, int size, world *w) {
     sl_settings settings = sl_settings_default();
     sl_transport direct, indirect;
-    splat_reference parts[2];
+    bench_reference parts[2];
     sl_error error;
     *w = (world){.size = o->brief ? size / 4 : size};
-    if (!splat_open_scene(r, path, &w->scene)) return false;
-    if (sl_tracer_create(w->scene, 2, NULL, &w->tracer, &error) != SL_OK) splat_stop("tracer", &error);
-    splat_pixels_make(w->scene, w->tracer, w->size, w->size, o->brief ? 5 : 20, &w->pixels);
+    if (!bench_open_scene(r, path, &w->scene)) return false;
+    if (sl_tracer_create(w->scene, 2, NULL, &w->tracer, &error) != SL_OK) bench_fail("tracer", &error);
+    bench_pixels_make(w->scene, w->tracer, w->size, w->size, o->brief ? 5 : 20, &w->pixels);
     w->values = calloc(3 * w->pixels.count + 1, sizeof(float));
     sl_splat_transport(&settings, &indirect);
     direct = indirect;
     direct.receiver_lobes = 0;
     indirect.emission = false;
     indirect.direct_lobes = 0;
-    splat_reference_get(w->scene, w->tracer, &direct, &w->pixels, o->brief ? 1024 : 16384, &parts[0]);
-    splat_reference_get(w->scene, w->tracer, &indirect, &w->pixels, o->brief ? 1024 : 16384, &parts[1]);
-    splat_reference_sum(&parts[0], &parts[1], &w->reference);
-    for (int i = 0; i < 2; i++) splat_reference_free(&parts[i]);
+    bench_reference_get(w->scene, w->tracer, &direct, &w->pixels, o->brief ? 1024 : 16384, &parts[0]);
+    bench_reference_get(w->scene, w->tracer, &indirect, &w->pixels, o->brief ? 1024 : 16384, &parts[1]);
+    bench_reference_sum(&parts[0], &parts[1], &w->reference);
+    for (int i = 0; i < 2; i++) bench_reference_free(&parts[i]);
     return true;
 }
 
 static void close_world(world *w) {
     free(w->values);
-    splat_reference_free(&w->reference);
-    splat_pixels_free(&w->pixels);
+    bench_reference_free(&w->reference);
+    bench_pixels_free(&w->pixels);
     sl_tracer_destroy(w->tracer);
     sl_scene_destroy(w->scene);
 }
 
 static void judge(world *w, const sl_image *image, trial *t) {
-    splat_pick(image, NULL, &w->pixels, w->values);
-    splat_error e = splat_compare(w->values, &w->reference, NULL);
+    bench_pick(image, NULL, &w->pixels, w->values);
+    bench_error e = bench_compare(w->values, &w->reference, NULL);
     t->rel_mse = e.rel_mse;
     t->rel_rmse = e.rel_rmse;
     t->noise = e.noise;
@@ -85,7 +85,7 @@ static const struct {
 static const int gathers[] = {16, 28, 48};
 enum { RUNGS = sizeof rungs / sizeof *rungs, GATHERS = sizeof gathers / sizeof *gathers };
 
-static void run_splatting(const splat_options *o, world *w, curve *c) {
+static void run_splatting(const bench_options *o, world *w, curve *c) {
     for (int a = 0; a < RUNGS; a += o->brief ? 3 : 1) {
         for (int g = 0; g < GATHERS; g += o->brief ? 2 : 1) {
             sl_settings settings = sl_settings_default();
@@ -107,7 +107,7 @@ static void run_splatting(const splat_options *o, world *w, curve *c) {
 }
 
 /* One run, judged whenever its samples have doubled; with one thread. */
-static void run_path_tracer(const splat_options *o, world *w, uint32_t samples, curve *c) {
+static void run_path_tracer(const bench_options *o, world *w, uint32_t samples, curve *c) {
     sl_settings settings = sl_settings_default();
     sl_method *method;
     sl_image *image;
@@ -119,15 +119,15 @@ static void run_path_tracer(const splat_options *o, world *w, uint32_t samples, 
     settings.seed = 99;
     settings.threads = 1;
     double spent = 0.0, from = process_ms();
-    if (sl_method_create(w->scene, &settings, &method, &error) != SL_OK) splat_stop("path tracer", &error);
+    if (sl_method_create(w->scene, &settings, &method, &error) != SL_OK) bench_fail("path tracer", &error);
     spent += process_ms() - from;
     for (uint32_t n = 1; n <= settings.spp; n++) {
         sl_progress progress = {0};
         from = process_ms();
-        if (sl_method_update(method, &progress, &error) != SL_OK) splat_stop("path tracer", &error);
+        if (sl_method_update(method, &progress, &error) != SL_OK) bench_fail("path tracer", &error);
         spent += process_ms() - from;
             if (n & (n - 1)) continue;
-        if (sl_method_resolve(method, &image, &error) != SL_OK) splat_stop("path tracer", &error);
+        if (sl_method_resolve(method, &image, &error) != SL_OK) bench_fail("path tracer", &error);
         trial *t = &c->trials[c->count++];
         *t = (trial){.seconds = 1e-3 * spent, .samples = n};
         judge(w, image, t);
@@ -179,26 +179,26 @@ static const char *ratio_text(double ratio, char text[24]) {
     return text;
 }
 
-static void envelope_rows(splat_report *r, const char *scene, const curve *envelope, const curve *path) {
+static void envelope_rows(bench_report *r, const char *scene, const curve *envelope, const curve *path) {
     for (size_t i = 0; i < envelope->count; i++) {
         const trial *t = &envelope->trials[i];
         double same_error = between(path, t->rel_mse, true), same_time = between(path, t->seconds, false);
         char faster[24], better[24];
-        splat_row(r, t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|(%.2e)|%.0e|%s|%s" : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2e|%.0e|%s|%s", scene,
+        bench_row(r, t->noisy ? "%s|%g|%d|%u|%zu|%.2f|%.2f|(%.2e)|%.0e|%s|%s" : "%s|%g|%d|%u|%zu|%.2f|%.2f|%.2e|%.0e|%s|%s", scene,
                   t->accuracy, t->gather, t->samples, t->records, t->seconds, 100.0 * t->rel_rmse, t->rel_mse, t->noise,
                   ratio_text(same_error / t->seconds, faster), ratio_text(same_time / t->rel_mse, better));
     }
 }
 
-static void path_rows(splat_report *r, const char *scene, const curve *path) {
+static void path_rows(bench_report *r, const char *scene, const curve *path) {
     for (size_t i = 0; i < path->count; i++) {
         const trial *t = &path->trials[i];
-        splat_row(r, "%s|path||%u||%.2f|%.2f|%.2e|%.0e||", scene, t->samples, t->seconds, 100.0 * t->rel_rmse,
+        bench_row(r, "%s|path||%u||%.2f|%.2f|%.2e|%.0e||", scene, t->samples, t->seconds, 100.0 * t->rel_rmse,
                   t->rel_mse, t->noise);
     }
 }
 
-static void all_rows(const splat_report *r, const char *scene, const curve *cache, const curve *path) {
+static void all_rows(const bench_report *r, const char *scene, const curve *cache, const curve *path) {
     char file_name[700];
     snprintf(file_name, sizeof file_name, "%s/curve-%s-all.csv", r->folder, scene);
     FILE *file = fopen(file_name, "w");
@@ -274,7 +274,7 @@ static void draw_points(const drawing *d, const curve *c, const char *color) {
     }
 }
 
-static void draw(const splat_report *r, const char *scene, const curve *cache, const curve *envelope, const curve *path) {
+static void draw(const bench_report *r, const char *scene, const curve *cache, const curve *envelope, const curve *path) {
     char file_name[700];
     snprintf(file_name, sizeof file_name, "%s/curve-%s.svg", r->folder, scene);
     drawing d = {fopen(file_name, "w"), INFINITY, -INFINITY, INFINITY, -INFINITY};
@@ -295,7 +295,7 @@ static void draw(const splat_report *r, const char *scene, const curve *cache, c
 
 /* ---- the experiment ---- */
 
-static void say_where_it_ends(splat_report *r, const char *scene, const curve *envelope, const curve *path) {
+static void say_where_it_ends(bench_report *r, const char *scene, const curve *envelope, const curve *path) {
     double most = 0.0, last = 0.0;
     for (size_t i = 0; i < envelope->count; i++) {
         double ratio = between(path, envelope->trials[i].rel_mse, true) / envelope->trials[i].seconds;
@@ -304,42 +304,42 @@ static void say_where_it_ends(splat_report *r, const char *scene, const curve *e
     }
     const trial *best = envelope->count ? &envelope->trials[envelope->count - 1] : NULL;
     if (!best) return;
-    splat_say(r, "\n%s: at equal error up to %.1f times as fast as the path tracer; ahead at least down to relMSE %.1e; best reached %.1e in %.1f s\n", scene, most,
+    bench_say(r, "\n%s: at equal error up to %.1f times as fast as the path tracer; ahead at least down to relMSE %.1e; best reached %.1e in %.1f s\n", scene, most,
               last, best->rel_mse, best->seconds);
 }
 
-static void experiment(splat_report *r, const splat_options *o, const char *path_name, int size, uint32_t samples) {
+static void experiment(bench_report *r, const bench_options *o, const char *path_name, int size, uint32_t samples) {
     char scene[64];
     world w;
-    splat_scene_name(path_name, scene);
-    if (!splat_wants(o, scene) || !open_world(r, o, path_name, size, &w)) return;
+    bench_scene_name(path_name, scene);
+    if (!bench_wants(o, scene) || !open_world(r, o, path_name, size, &w)) return;
     curve *cache = calloc(3, sizeof *cache), *path = cache + 1, *envelope = cache + 2;
-    if (!cache) splat_stop("curves", NULL);
+    if (!cache) bench_fail("curves", NULL);
     run_splatting(o, &w, cache);
     run_path_tracer(o, &w, samples, path);
     *envelope = envelope_of(cache);
-    splat_say(r, "\n%s, %d x %d, %u reference samples\n", scene, w.size, w.size, w.reference.samples);
-    splat_table(r, scene, "scene|a|N|light spp|records|cpu s|relRMSE %|relMSE|noise|faster|better");
+    bench_say(r, "\n%s, %d x %d, %u reference samples\n", scene, w.size, w.size, w.reference.samples);
+    bench_table(r, scene, "scene|a|N|light spp|records|cpu s|relRMSE %|relMSE|noise|faster|better");
     envelope_rows(r, scene, envelope, path);
     path_rows(r, scene, path);
     all_rows(r, scene, cache, path);
     draw(r, scene, cache, envelope, path);
     say_where_it_ends(r, scene, envelope, path);
-    splat_say(r, "\n![speed against error, %s](pictures/curve-%s.svg)\n", scene, scene);
+    bench_say(r, "\n![speed against error, %s](pictures/curve-%s.svg)\n", scene, scene);
     free(cache);
     close_world(&w);
 }
 
 int main(int argc, char **argv) {
-    splat_options o = splat_options_parse(argc, argv);
-    splat_report r;
-    splat_report_open(&r, &o, "curve");
-    splat_say(&r, "\nThe envelope over accuracy, gathers and light samples, and the path tracer on the same paths. *faster*: the path tracer's seconds at\n"
+    bench_options o = bench_options_parse(argc, argv, "build/splatting");
+    bench_report r;
+    bench_report_open(&r, &o, "curve");
+    bench_say(&r, "\nThe envelope over accuracy, gathers and light samples, and the path tracer on the same paths. *faster*: the path tracer's seconds at\n"
                   "equal error over these; *better*: its squared error at equal time over this; empty beyond its measured range.\n");
     experiment(&r, &o, "scenes/cornell.json", 512, 128);
     experiment(&r, &o, "scenes/generated/cathedral.json", 512, 128);
     experiment(&r, &o, "scenes/generated/atrium.json", 512, 128);
     experiment(&r, &o, "bench/scenes/sponza.json", 512, 128);
-    splat_report_close(&r);
+    bench_report_close(&r);
     return 0;
 }

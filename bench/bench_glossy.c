@@ -21,8 +21,8 @@ enum { ORDERS = sizeof orders / sizeof *orders, ACCURACIES = sizeof accuracies /
 typedef struct world {
     sl_scene *scene;
     sl_tracer *tracer;
-    splat_pixels pixels;
-    splat_reference reference;
+    bench_pixels pixels;
+    bench_reference reference;
     float *values[2];
     int size;
 } world;
@@ -33,35 +33,35 @@ typedef struct world {
 static void find_reference(world *w, uint32_t samples) {
     sl_transport bounce = {.receiver_lobes = SL_LOBE_GLOSSY, .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = 1, .direct_visibility = true,
                            .bounce_visibility = true, .filter = SL_FILTER_CENTRE};
-    splat_reference_get(w->scene, w->tracer, &bounce, &w->pixels, samples, &w->reference);
+    bench_reference_get(w->scene, w->tracer, &bounce, &w->pixels, samples, &w->reference);
     sl_environment sky, sun;
     sl_error error;
     if (!w->scene->environment.present) return;
-    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK) splat_stop("sky", &error);
+    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK) bench_fail("sky", &error);
     sl_scene under_sky = *w->scene; /* lit by nothing else */
     under_sky.environment = sky;
     under_sky.light_count = under_sky.emitter_count = 0;
     sl_transport direct = {.direct_lobes = SL_LOBE_GLOSSY, .direct_visibility = true, .bounce_visibility = true,
                            .filter = SL_FILTER_CENTRE};
-    splat_reference of_sky, sum;
+    bench_reference of_sky, sum;
     if (sky.present) {
-        splat_reference_get(&under_sky, w->tracer, &direct, &w->pixels, samples, &of_sky);
-        splat_reference_sum(&w->reference, &of_sky, &sum);
-        splat_reference_free(&of_sky);
-        splat_reference_free(&w->reference);
+        bench_reference_get(&under_sky, w->tracer, &direct, &w->pixels, samples, &of_sky);
+        bench_reference_sum(&w->reference, &of_sky, &sum);
+        bench_reference_free(&of_sky);
+        bench_reference_free(&w->reference);
         w->reference = sum;
     }
     sl_environment_release(&sky);
     sl_environment_release(&sun);
 }
 
-static bool open_world(splat_report *r, const splat_options *o, const char *path, int size, world *w) {
+static bool open_world(bench_report *r, const bench_options *o, const char *path, int size, world *w) {
     sl_error error;
     *w = (world){.size = o->brief ? size / 4 : size};
-    if (!splat_open_scene(r, path, &w->scene)) return false;
-    if (sl_tracer_create(w->scene, 2, NULL, &w->tracer, &error) != SL_OK) splat_stop("tracer", &error);
-    splat_pixels_make(w->scene, w->tracer, w->size, w->size, o->brief ? 4 : 8, &w->pixels);
-    splat_pixels_keep_glossy(w->scene, w->tracer, &w->pixels);
+    if (!bench_open_scene(r, path, &w->scene)) return false;
+    if (sl_tracer_create(w->scene, 2, NULL, &w->tracer, &error) != SL_OK) bench_fail("tracer", &error);
+    bench_pixels_make(w->scene, w->tracer, w->size, w->size, o->brief ? 4 : 8, &w->pixels);
+    bench_pixels_keep_glossy(w->scene, w->tracer, &w->pixels);
     for (int i = 0; i < 2; i++) w->values[i] = calloc(3 * w->pixels.count + 1, sizeof(float));
     find_reference(w, o->brief ? 1024 : 16384);
     return true;
@@ -69,8 +69,8 @@ static bool open_world(splat_report *r, const splat_options *o, const char *path
 
 static void close_world(world *w) {
     for (int i = 0; i < 2; i++) free(w->values[i]);
-    splat_reference_free(&w->reference);
-    splat_pixels_free(&w->pixels);
+    bench_reference_free(&w->reference);
+    bench_pixels_free(&w->pixels);
     sl_tracer_destroy(w->tracer);
     sl_scene_destroy(w->scene);
 }
@@ -95,7 +95,7 @@ static void reflect_at(void *context, size_t index, unsigned worker) {
     float coefficients[9 * (SL_HSH_MAX + 32)], radiance[3];
     sl_counters counters = {{0}};
     sl_irradiance irradiance;
-    if (!splat_pixel_surface(t->w->scene, t->w->tracer, &t->w->pixels, index, &s, &triangle)) return;
+    if (!bench_pixel_surface(t->w->scene, t->w->tracer, &t->w->pixels, index, &s, &triangle)) return;
     sl_gather_point point = {.position = s.position, .geometric_normal = s.geometric_normal, .normal = s.normal, .triangle = triangle,
                              .key = sl_hash64(index + (t->key << 32))};
     sl_gather_radiance(t->gather, &point, t->scratch[worker], &irradiance, coefficients, &counters);
@@ -118,16 +118,16 @@ static void truncation(const world *w, int order, double *rel_rmse, double *bias
     sl_counters counters = {{0}};
     unsigned threads = sl_thread_count(0);
     sl_gather_settings g = sl_gather_defaults();
-    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK) splat_stop("sky", &error);
+    if (sl_environment_split(&w->scene->environment, SL_SKY_CONTRAST, &sky, &sun, &error) != SL_OK) bench_fail("sky", &error);
     g.kind = SL_GATHER_RAYS;
     g.size = 96;
     g.direct = SL_DIRECT_RAYS;
     g.background = sky.present ? &sky : NULL;
     g.harmonics_order = order;
-    if (sl_gather_create(w->scene, NULL, w->tracer, &g, threads, &gather, &counters, &error) != SL_OK) splat_stop("gather", &error);
-    if (sl_glossy_create(w->scene, order, &glossy, &error) != SL_OK) splat_stop("lobes", &error);
+    if (sl_gather_create(w->scene, NULL, w->tracer, &g, threads, &gather, &counters, &error) != SL_OK) bench_fail("gather", &error);
+    if (sl_glossy_create(w->scene, order, &glossy, &error) != SL_OK) bench_fail("lobes", &error);
     for (unsigned i = 0; i < threads; i++) {
-        if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) splat_stop("scratch", &error);
+        if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) bench_fail("scratch", &error);
     }
     t.gather = gather;
     t.glossy = glossy;
@@ -163,7 +163,7 @@ static double exponent_of(const sl_scene *scene) {
     return largest;
 }
 
-static void picture_row(splat_report *r, const splat_options *o, world *w, const char *scene, int order, double accuracy, double limit) {
+static void picture_row(bench_report *r, const bench_options *o, world *w, const char *scene, int order, double accuracy, double limit) {
     sl_settings settings = sl_settings_default();
     splat_run run;
     char mse[32];
@@ -174,36 +174,36 @@ static void picture_row(splat_report *r, const splat_options *o, world *w, const
     settings.glossy_accuracy = accuracy;
     settings.harmonics_order = order;
     splat_render(w->scene, &settings, o->once, &run);
-    if (!splat_pick(run.image, "glossy", &w->pixels, w->values[0])) splat_stop("no glossy layer", NULL);
-    splat_error e = splat_compare(w->values[0], &w->reference, NULL);
+    if (!bench_pick(run.image, "glossy", &w->pixels, w->values[0])) bench_fail("no glossy layer", NULL);
+    bench_error e = bench_compare(w->values[0], &w->reference, NULL);
     if (o->pictures && order == 10) {
         char what[64];
         snprintf(what, sizeof what, "order-%d-a-%g", order, accuracy);
-        splat_write_picture(r, scene, what, run.image);
+        bench_write_picture(r, scene, what, run.image);
     }
-    splat_row(r, "%s|%d|%g|%.2f|%.2f|%s|%+.2f|%zu|%zu|%.2f|%.2f|%.3f|%.3f|%.2f", scene, order, accuracy, 100.0 * limit, 100.0 * e.rel_rmse,
-              splat_mse_text(&e, mse), 100.0 * e.bias, run.records[0], run.records[1], run.cpu[SPLAT_RECORDS],
+    bench_row(r, "%s|%d|%g|%.2f|%.2f|%s|%+.2f|%zu|%zu|%.2f|%.2f|%.3f|%.3f|%.2f", scene, order, accuracy, 100.0 * limit, 100.0 * e.rel_rmse,
+              bench_mse_text(&e, mse), 100.0 * e.bias, run.records[0], run.records[1], run.cpu[SPLAT_RECORDS],
               run.cpu[SPLAT_RECORDS + 1], run.cpu[SPLAT_SPLATS], run.cpu[SPLAT_SPLATS + 1], run.cpu_all);
     splat_run_free(&run);
 }
 
-static void experiment(splat_report *r, const splat_options *o, const char *path, int size) {
+static void experiment(bench_report *r, const bench_options *o, const char *path, int size) {
     char scene[64], name[80];
     world w;
     double limits[ORDERS];
-    splat_scene_name(path, scene);
-    if (!splat_wants(o, scene) || !open_world(r, o, path, size, &w)) return;
+    bench_scene_name(path, scene);
+    if (!bench_wants(o, scene) || !open_world(r, o, path, size, &w)) return;
     double exponent = exponent_of(w.scene);
-    splat_say(r, "\n%s, %d x %d, Phong exponent %g: %zu glossy pixels compared. Truncation alone: coefficients gathered at the pixels themselves\n",
+    bench_say(r, "\n%s, %d x %d, Phong exponent %g: %zu glossy pixels compared. Truncation alone: coefficients gathered at the pixels themselves\n",
               scene, w.size, w.size, exponent, w.pixels.count);
-    splat_table(r, scene, "scene|order|lobe error at 45 deg %|truncation relRMSE %|its bias %");
+    bench_table(r, scene, "scene|order|lobe error at 45 deg %|truncation relRMSE %|its bias %");
     for (int i = 0; i < ORDERS; i++) {
         double bias;
         truncation(&w, orders[i], &limits[i], &bias);
-        splat_row(r, "%s|%d|%.1f|%.2f|%+.2f", scene, orders[i], 100.0 * sl_phong_truncation(orders[i], exponent), 100.0 * limits[i], 100.0 * bias);
+        bench_row(r, "%s|%d|%.1f|%.2f|%+.2f", scene, orders[i], 100.0 * sl_phong_truncation(orders[i], exponent), 100.0 * limits[i], 100.0 * bias);
     }
     snprintf(name, sizeof name, "%s-pictures", scene);
-    splat_table(r, name, "scene|order|a|truncation %|relRMSE %|relMSE|bias %|irr. rec.|rad. rec.|irr. rec. s|rad. rec. s|irr. splats s|rad. splats s|all s");
+    bench_table(r, name, "scene|order|a|truncation %|relRMSE %|relMSE|bias %|irr. rec.|rad. rec.|irr. rec. s|rad. rec. s|irr. splats s|rad. splats s|all s");
     for (int i = 0; i < ORDERS; i++) {
         for (int k = 0; k < ACCURACIES; k++) {
             bool shown = o->brief ? orders[i] == 10 && k < 2 : orders[i] == 10 || accuracies[k] == 0.25;
@@ -214,11 +214,11 @@ static void experiment(splat_report *r, const splat_options *o, const char *path
 }
 
 int main(int argc, char **argv) {
-    splat_options o = splat_options_parse(argc, argv);
-    splat_report r;
-    splat_report_open(&r, &o, "glossy");
+    bench_options o = bench_options_parse(argc, argv, "build/splatting");
+    bench_report r;
+    bench_report_open(&r, &o, "glossy");
     experiment(&r, &o, "scenes/cornell-glossy.json", 512);
     experiment(&r, &o, "scenes/generated/castle.json", 1000);
-    splat_report_close(&r);
+    bench_report_close(&r);
     return 0;
 }

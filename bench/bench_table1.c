@@ -68,9 +68,9 @@ static double gather_points(const world *w, const instrument *m, bool jitter, ui
     s.hit_samples = m->samples;
     s.direct = SL_DIRECT_RAYS;
     if (m->fov_deg > 0.0) s.plane_fov = (float)(m->fov_deg * SL_PI / 180.0);
-    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &counters, &error) != SL_OK) splat_stop("gather", &error);
+    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &counters, &error) != SL_OK) bench_fail("gather", &error);
     for (unsigned i = 0; i < threads; i++) {
-        if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) splat_stop("scratch", &error);
+        if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) bench_fail("scratch", &error);
     }
     t.gather = gather;
     double from = now_ms();
@@ -98,29 +98,29 @@ static double gather_ms(const world *w, const instrument *m, float *values) {
 /* Two gathers of N x N jittered rays with light samples of their own. */
 static void find_reference(world *w, int size) {
     instrument rays = {"reference", SL_GATHER_RAYS, size, 0.0, SL_BORDER_RADIAL, 1};
-    uint64_t numbers[] = {sl_scene_hash(w->scene), w->count, (uint64_t)size}, hash = splat_hash(3, numbers, sizeof numbers);
+    uint64_t numbers[] = {sl_scene_hash(w->scene), w->count, (uint64_t)size}, hash = bench_hash(3, numbers, sizeof numbers);
     w->reference[0] = calloc(6 * w->count, sizeof(float));
-    if (!w->reference[0]) splat_stop("reference", NULL);
+    if (!w->reference[0]) bench_fail("reference", NULL);
     w->reference[1] = w->reference[0] + 3 * w->count;
-    if (!splat_store_load("gathers", hash, 6 * w->count, w->reference[0])) {
+    if (!bench_store_load("gathers", hash, 6 * w->count, w->reference[0])) {
         fprintf(stderr, "reference: %zu points, twice %d x %d rays ...\n", w->count, size, size);
         for (int half = 0; half < 2; half++) gather_points(w, &rays, true, 1000 + (uint64_t)half, w->count, w->threads, w->reference[half]);
-        splat_store_save("gathers", hash, 6 * w->count, w->reference[0]);
+        bench_store_save("gathers", hash, 6 * w->count, w->reference[0]);
     }
     for (size_t i = 0; i < 6 * w->count; i++) w->mean += (double)w->reference[0][i] / (double)(6 * w->count);
 }
 
-static bool open_world(splat_report *r, const char *path, size_t points, world *w) {
+static bool open_world(bench_report *r, const char *path, size_t points, world *w) {
     sl_error error;
     *w = (world){.threads = sl_thread_count(0)};
-    if (!splat_open_scene(r, path, &w->scene)) return false;
-    if (sl_raster_create(w->scene, 1, &w->raster, &error) != SL_OK) splat_stop("rasterizer", &error);
-    if (sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error) != SL_OK) splat_stop("tracer", &error);
+    if (!bench_open_scene(r, path, &w->scene)) return false;
+    if (sl_raster_create(w->scene, 1, &w->raster, &error) != SL_OK) bench_fail("rasterizer", &error);
+    if (sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error) != SL_OK) bench_fail("tracer", &error);
     w->points = calloc(points, sizeof *w->points);
     w->gathered[0] = calloc(6 * points, sizeof(float));
-    if (!w->points || !w->gathered[0]) splat_stop("points", NULL);
+    if (!w->points || !w->gathered[0]) bench_fail("points", NULL);
     w->gathered[1] = w->gathered[0] + 3 * points;
-    w->count = splat_visible_points(w->scene, w->tracer, points, w->points);
+    w->count = bench_visible_points(w->scene, w->tracer, points, w->points);
     return true;
 }
 
@@ -180,11 +180,11 @@ static gather_error measure(const world *w, const instrument *m, double *ms) {
     return e;
 }
 
-static void error_row(splat_report *r, const char *scene, const instrument *m, const gather_error *e, double ms) {
+static void error_row(bench_report *r, const char *scene, const instrument *m, const gather_error *e, double ms) {
     char fov[16] = "";
     if (m->fov_deg > 0.0) snprintf(fov, sizeof fov, "%.2f", m->fov_deg);
     int cells = m->kind == SL_GATHER_HEMICUBE ? 3 * m->size * m->size : m->size * m->size;
-    splat_row(r, "%s|%s|%d|%s|%d|%u|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells, m->samples, 100.0 * e->relative,
+    bench_row(r, "%s|%s|%d|%s|%d|%u|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells, m->samples, 100.0 * e->relative,
               100.0 * e->hemisphere, 100.0 * e->to_mean, 100.0 * e->bias, ms);
 }
 
@@ -201,7 +201,7 @@ static int size_of_cost(const world *w, sl_gather_kind kind, double ms) {
     return best;
 }
 
-static double row(splat_report *r, const world *w, const char *scene, const instrument *m, double *ms, double *best) {
+static double row(bench_report *r, const world *w, const char *scene, const instrument *m, double *ms, double *best) {
     gather_error e = measure(w, m, ms);
     error_row(r, scene, m, &e, *ms);
     if (m->size == 64) *best = fmin(*best, e.relative);
@@ -212,7 +212,7 @@ static double row(splat_report *r, const world *w, const char *scene, const inst
  * hemisphere's error alone to be seen. */
 enum { MANY_SAMPLES = 16 };
 
-static void plane_rows(splat_report *r, const world *w, const char *scene, double fov, uint32_t samples, double e[4], double *radial_ms, double *best) {
+static void plane_rows(bench_report *r, const world *w, const char *scene, double fov, uint32_t samples, double e[4], double *radial_ms, double *best) {
     static const char *const names[] = {"plane, plain", "plane, LC04", "plane, radial", "plane, axial"};
     static const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
     double ms;
@@ -223,11 +223,11 @@ static void plane_rows(splat_report *r, const world *w, const char *scene, doubl
     }
 }
 
-static void table_1(splat_report *r, const splat_options *o, const world *w, const char *scene, double *best) {
+static void table_1(bench_report *r, const bench_options *o, const world *w, const char *scene, double *best) {
     static const double fovs[] = {126.87, 140.0};
     static const uint32_t samples[] = {1, MANY_SAMPLES};
     double ms, radial_ms = 0.0, errors[2][2][4];
-    splat_table(r, scene, "scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
+    bench_table(r, scene, "scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
     for (int s = 0; s < 2; s++) {
         for (int f = 0; f < (o->brief ? 1 : 2); f++) plane_rows(r, w, scene, fovs[f], samples[s], errors[s][f], &radial_ms, best);
         const instrument others[] = {{"hemicube, N = 64", SL_GATHER_HEMICUBE, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
@@ -244,18 +244,18 @@ static void table_1(splat_report *r, const splat_options *o, const world *w, con
         for (int f = 0; f < (o->brief ? 1 : 2); f++) {
             const double *e = errors[s][f];
             bool ordered = e[0] > e[1] && e[1] > e[2];
-            splat_say(r, "\n%s, %.2f degrees, %u light samples: plain : LC04 : radial = 1 : %.2f : %.2f (paper 1 : 0.57 : 0.32); order %s; radial / plain %s 0.6\n",
+            bench_say(r, "\n%s, %.2f degrees, %u light samples: plain : LC04 : radial = 1 : %.2f : %.2f (paper 1 : 0.57 : 0.32); order %s; radial / plain %s 0.6\n",
                       scene, fovs[f], samples[s], e[1] / e[0], e[2] / e[0], ordered ? "holds" : "DOES NOT HOLD", e[2] <= 0.6 * e[0] ? "<=" : "ABOVE");
         }
     }
 }
 
-static void fov_sweep(splat_report *r, const splat_options *o, const world *w, const char *scene) {
+static void fov_sweep(bench_report *r, const bench_options *o, const world *w, const char *scene) {
     static const double fovs[] = {90.0, 110.0, 120.0, 126.87, 133.0, 140.0, 150.0, 160.0};
     char name[80];
     snprintf(name, sizeof name, "%s-fov", scene);
-    splat_say(r, "\n%s, by field of view: the hemisphere's error alone\n", scene);
-    splat_table(r, name, "scene|FOV|F|plain %|LC04 %|radial %|axial %");
+    bench_say(r, "\n%s, by field of view: the hemisphere's error alone\n", scene);
+    bench_table(r, name, "scene|FOV|F|plain %|LC04 %|radial %|axial %");
     for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f += o->brief ? 3 : 1) {
         double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[4];
         for (int i = 0; i < 4; i++) {
@@ -263,15 +263,15 @@ static void fov_sweep(splat_report *r, const splat_options *o, const world *w, c
             for (int k = 0; k < 2; k++) gather_points(w, &m, false, 1 + (uint64_t)k, some_points(w), w->threads, w->gathered[k]);
             e[i] = 100.0 * errors_of(w, some_points(w), w->gathered[0], w->gathered[1]).hemisphere;
         }
-        splat_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine), e[0], e[1], e[2], e[3]);
+        bench_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine), e[0], e[1], e[2], e[3]);
     }
 }
 
-static void experiment(splat_report *r, const splat_options *o, const char *path, size_t points) {
+static void experiment(bench_report *r, const bench_options *o, const char *path, size_t points) {
     char scene[64];
     world w;
-    splat_scene_name(path, scene);
-    if (!splat_wants(o, scene) || !open_world(r, path, o->brief ? 100 : points, &w)) return;
+    bench_scene_name(path, scene);
+    if (!bench_wants(o, scene) || !open_world(r, path, o->brief ? 100 : points, &w)) return;
     int size = o->brief ? 96 : 256;
     find_reference(&w, size);
     double noise = 0.0, used = 0.0;
@@ -281,21 +281,21 @@ static void experiment(splat_report *r, const splat_options *o, const char *path
         noise += 0.25 * (a - b) * (a - b) / (mean * mean);
         used++;
     }
-    splat_say(r, "\n%s: %zu points, reference twice %d x %d rays, its noise %.2f %%; %.2f %% of the values are below a thousandth of the mean\n",
+    bench_say(r, "\n%s: %zu points, reference twice %d x %d rays, its noise %.2f %%; %.2f %% of the values are below a thousandth of the mean\n",
               scene, w.count, size, size, 100.0 * root(noise, used), 100.0 * (1.0 - used / (double)(3 * w.count)));
     double best = INFINITY;
     table_1(r, o, &w, scene, &best);
-    splat_say(r, "%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best, best < 0.02 ? "below" : "ABOVE");
+    bench_say(r, "%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best, best < 0.02 ? "below" : "ABOVE");
     fov_sweep(r, o, &w, scene);
     close_world(&w);
 }
 
 int main(int argc, char **argv) {
-    splat_options o = splat_options_parse(argc, argv);
-    splat_report r;
-    splat_report_open(&r, &o, "table1");
+    bench_options o = bench_options_parse(argc, argv, "build/splatting");
+    bench_report r;
+    bench_report_open(&r, &o, "table1");
     experiment(&r, &o, "scenes/generated/cathedral.json", 10000);
     experiment(&r, &o, "scenes/generated/atrium.json", 2000);
-    splat_report_close(&r);
+    bench_report_close(&r);
     return 0;
 }

@@ -35,8 +35,8 @@ static sl_settings settings_of(const setting *s, int width, int height) {
 /* ---- errors on the chosen pixels ---- */
 
 typedef struct target {
-    splat_pixels pixels;
-    splat_reference direct, indirect, whole;
+    bench_pixels pixels;
+    bench_reference direct, indirect, whole;
     bool parts; /* direct and indirect part can be compared apart */
     float *values[3];
 } target;
@@ -51,11 +51,11 @@ static void open_target(const sl_scene *scene, int width, int height, int block,
     direct.receiver_lobes = 0;
     transport.emission = false;
     transport.direct_lobes = 0;
-    if (sl_tracer_create(scene, 2, NULL, &tracer, &error) != SL_OK) splat_stop("tracer", &error);
-    splat_pixels_make(scene, tracer, width, height, block, &t->pixels);
-    splat_reference_get(scene, tracer, &direct, &t->pixels, samples, &t->direct);
-    splat_reference_get(scene, tracer, &transport, &t->pixels, samples, &t->indirect);
-    splat_reference_sum(&t->direct, &t->indirect, &t->whole);
+    if (sl_tracer_create(scene, 2, NULL, &tracer, &error) != SL_OK) bench_fail("tracer", &error);
+    bench_pixels_make(scene, tracer, width, height, block, &t->pixels);
+    bench_reference_get(scene, tracer, &direct, &t->pixels, samples, &t->direct);
+    bench_reference_get(scene, tracer, &transport, &t->pixels, samples, &t->indirect);
+    bench_reference_sum(&t->direct, &t->indirect, &t->whole);
     t->parts = !scene->environment.present;
     for (int i = 0; i < 3; i++) t->values[i] = calloc(3 * t->pixels.count + 1, sizeof(float));
     sl_tracer_destroy(tracer);
@@ -63,20 +63,20 @@ static void open_target(const sl_scene *scene, int width, int height, int block,
 
 static void close_target(target *t) {
     for (int i = 0; i < 3; i++) free(t->values[i]);
-    splat_reference_free(&t->direct);
-    splat_reference_free(&t->indirect);
-    splat_reference_free(&t->whole);
-    splat_pixels_free(&t->pixels);
+    bench_reference_free(&t->direct);
+    bench_reference_free(&t->indirect);
+    bench_reference_free(&t->whole);
+    bench_pixels_free(&t->pixels);
 }
 
 /* whole, direct, indirect */
-static void errors_of(const sl_image *image, target *t, splat_error errors[3]) {
-    splat_pick(image, NULL, &t->pixels, t->values[0]);
-    splat_pick(image, "direct", &t->pixels, t->values[1]);
+static void errors_of(const sl_image *image, target *t, bench_error errors[3]) {
+    bench_pick(image, NULL, &t->pixels, t->values[0]);
+    bench_pick(image, "direct", &t->pixels, t->values[1]);
     for (size_t i = 0; i < 3 * t->pixels.count; i++) t->values[2][i] = t->values[0][i] - t->values[1][i];
-    errors[0] = splat_compare(t->values[0], &t->whole, NULL);
-    errors[1] = splat_compare(t->values[1], &t->direct, &t->whole);
-    errors[2] = splat_compare(t->values[2], &t->indirect, &t->whole);
+    errors[0] = bench_compare(t->values[0], &t->whole, NULL);
+    errors[1] = bench_compare(t->values[1], &t->direct, &t->whole);
+    errors[2] = bench_compare(t->values[2], &t->indirect, &t->whole);
 }
 
 /* ---- scenes ---- */
@@ -97,25 +97,25 @@ static const char *or_blank(double value, int digits, char text[24]) {
     return text;
 }
 
-static void scene_row(splat_report *r, const char *scene, const setting *s, const splat_run *run, target *t) {
-    splat_error errors[3];
+static void scene_row(bench_report *r, const char *scene, const setting *s, const splat_run *run, target *t) {
+    bench_error errors[3];
     char whole[32], direct[32], indirect[32], wall[24], gain[24];
     errors_of(run->image, t, errors);
     double faster = run->wall_two > 0.0 ? run->wall_one / run->wall_two : 0.0;
     double rest = run->cpu[SPLAT_SETUP] + run->cpu[SPLAT_GBUFFER] + run->cpu[SPLAT_COMPOSE];
-    splat_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%s|%s|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name, run->records[0],
+    bench_row(r, "%s|%s|%zu|%zu|%.2f|%.2f|%.3f|%.2f|%.2f|%s|%s|%.2f|%s|%s|%s|%.1e|%+.2f", scene, s->name, run->records[0],
               run->records[1], run->cpu[SPLAT_DIRECT], run->cpu[SPLAT_RECORDS] + run->cpu[SPLAT_RECORDS + 1],
-              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all, or_blank(run->wall_two, 2, wall), or_blank(faster, 2, gain), 100.0 * errors[0].rel_rmse, splat_mse_text(&errors[0], whole),
-              t->parts ? splat_mse_text(&errors[1], direct) : "", t->parts ? splat_mse_text(&errors[2], indirect) : "",
+              run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1], rest, run->cpu_all, or_blank(run->wall_two, 2, wall), or_blank(faster, 2, gain), 100.0 * errors[0].rel_rmse, bench_mse_text(&errors[0], whole),
+              t->parts ? bench_mse_text(&errors[1], direct) : "", t->parts ? bench_mse_text(&errors[2], indirect) : "",
               errors[0].noise, 100.0 * errors[0].bias);
 }
 
-static void whole_scene(splat_report *r, const splat_options *o, const char *path) {
+static void whole_scene(bench_report *r, const bench_options *o, const char *path) {
     char name[64];
     sl_scene *scene;
     target t;
-    splat_scene_name(path, name);
-    if (!splat_wants(o, name) || !splat_open_scene(r, path, &scene)) return;
+    bench_scene_name(path, name);
+    if (!bench_wants(o, name) || !bench_open_scene(r, path, &scene)) return;
     int size = o->brief ? 200 : 1000;
     open_target(scene, size, size, o->brief ? 10 : 20, o->brief ? 256 : 16384, &t);
     for (size_t i = 0; i < (o->brief ? 2 : sizeof settings_shown / sizeof *settings_shown); i++) {
@@ -124,17 +124,17 @@ static void whole_scene(splat_report *r, const splat_options *o, const char *pat
         splat_run run;
         splat_render(scene, &settings, o->once, &run);
         scene_row(r, name, s, &run, &t);
-        if (o->pictures && i < 3) splat_write_picture(r, name, s->name, run.image);
+        if (o->pictures && i < 3) bench_write_picture(r, name, s->name, run.image);
         splat_run_free(&run);
     }
     close_target(&t);
     sl_scene_destroy(scene);
 }
 
-static void whole_scenes(splat_report *r, const splat_options *o) {
-    splat_say(r, "\nProcessor seconds of one thread; wall 2: of a clock with two threads, and how many times as fast those are as one; errors of the whole picture and of its two parts, in shares\n"
+static void whole_scenes(bench_report *r, const bench_options *o) {
+    bench_say(r, "\nProcessor seconds of one thread; wall 2: of a clock with two threads, and how many times as fast those are as one; errors of the whole picture and of its two parts, in shares\n"
                  "of the whole; in brackets where the reference's noise is over a tenth of the squared error, which is then not to be relied on.\n");
-    splat_table(r, "scenes", "scene|setting|irr. rec.|rad. rec.|direct s|records s|splats s|rest s|all s|wall 2 s|2 threads|relRMSE %|relMSE|of direct|of indirect|"
+    bench_table(r, "scenes", "scene|setting|irr. rec.|rad. rec.|direct s|records s|splats s|rest s|all s|wall 2 s|2 threads|relRMSE %|relMSE|of direct|of indirect|"
                              "noise|bias %");
     for (size_t i = 0; i < sizeof scene_paths / sizeof *scene_paths; i++) whole_scene(r, o, scene_paths[i]);
 }
@@ -198,15 +198,15 @@ static const trial *cheapest(const trial *trials, size_t count, const peer *p) {
     return best;
 }
 
-static void ratio_rows(splat_report *r, const peer *peers, size_t peer_count, const trial *trials, size_t count) {
+static void ratio_rows(bench_report *r, const peer *peers, size_t peer_count, const trial *trials, size_t count) {
     for (size_t i = 0; i < peer_count; i++) {
         const peer *p = &peers[i];
         const trial *t = cheapest(trials, count, p);
         char error[32] = "", wall[24], ratio[24];
         if (p->rel_mse > 0.0) snprintf(error, sizeof error, "%.2e", p->rel_mse);
-        if (!t) splat_row(r, "%s|%.2f|%.2f|%s|none as good|||||||", p->name, p->cpu, 100.0 * p->rel_rmse, error);
+        if (!t) bench_row(r, "%s|%.2f|%.2f|%s|none as good|||||||", p->name, p->cpu, 100.0 * p->rel_rmse, error);
         else
-            splat_row(r, "%s|%.2f|%.2f|%s|%s|%llu|%.2f|%.2e|%.3f|%s|%.0f|%s", p->name, p->cpu, 100.0 * p->rel_rmse, error, t->name,
+            bench_row(r, "%s|%.2f|%.2f|%s|%s|%llu|%.2f|%.2e|%.3f|%s|%.0f|%s", p->name, p->cpu, 100.0 * p->rel_rmse, error, t->name,
                       t->records, 100.0 * t->rel_rmse, t->rel_mse, t->cpu, or_blank(t->wall, 3, wall), p->cpu / t->cpu,
                       or_blank(t->wall > 0.0 ? p->cpu / t->wall : 0.0, 0, ratio));
     }
@@ -234,7 +234,7 @@ static void masked_errors(const sl_image *x, const sl_image *const reference[2],
     t->rel_rmse = sqrt(fmax(0.0, square / values)) / (mean / values);
 }
 
-static void write_trials(const splat_options *o, const char *name, const trial *trials, size_t count) {
+static void write_trials(const bench_options *o, const char *name, const trial *trials, size_t count) {
     char path[700];
     snprintf(path, sizeof path, "%s/table2-%s-trials.csv", o->folder, name);
     FILE *file = fopen(path, "w");
@@ -248,7 +248,7 @@ static void write_trials(const splat_options *o, const char *name, const trial *
     fclose(file);
 }
 
-static void run_trials(const splat_options *o, const char *name, const sl_scene *scene, int size, trial *trials, size_t count,
+static void run_trials(const bench_options *o, const char *name, const sl_scene *scene, int size, trial *trials, size_t count,
                        void (*judge)(const sl_image *image, void *context, trial *t), void *context) {
     for (size_t i = 0; i < count; i++) {
         sl_settings settings = settings_of(&trials[i].s, size, size);
@@ -276,18 +276,18 @@ static void judge_cornell(const sl_image *image, void *context, trial *t) {
     masked_errors(image, references, j->mask, t);
 }
 
-static bool read_image(splat_report *r, const char *path, sl_image **image) {
+static bool read_image(bench_report *r, const char *path, sl_image **image) {
     sl_error error;
     if (sl_image_read(path, image, &error) == SL_OK) return true;
-    splat_say(r, "skip: %s\n", error.message);
+    bench_say(r, "skip: %s\n", error.message);
     return false;
 }
 
-static void beside_radiance_cornell(splat_report *r, const splat_options *o) {
+static void beside_radiance_cornell(bench_report *r, const bench_options *o) {
     sl_scene *scene;
     cornell_judge j = {{NULL, NULL}, NULL};
     trial *trials = calloc(TRIALS_MAX, sizeof *trials);
-    if (!trials || !splat_wants(o, "cornell-measured") || !splat_open_scene(r, "bench/scenes/cornell-measured.json", &scene)) {
+    if (!trials || !bench_wants(o, "cornell-measured") || !bench_open_scene(r, "bench/scenes/cornell-measured.json", &scene)) {
         free(trials);
         return;
     }
@@ -296,8 +296,8 @@ static void beside_radiance_cornell(splat_report *r, const splat_options *o) {
         read_image(r, "../shared/refs/cornell512_mask.pfm", &j.mask)) {
         size_t count = make_trials(o->brief, trials);
         run_trials(o, "cornell", scene, 512, trials, count, judge_cornell, &j);
-        splat_say(r, "\nCornell box, 512 x 512, direct light and one diffuse bounce, under the mask; at equal or lower error in both columns\n");
-        splat_table(r, "radiance-cornell", ratio_header);
+        bench_say(r, "\nCornell box, 512 x 512, direct light and one diffuse bounce, under the mask; at equal or lower error in both columns\n");
+        bench_table(r, "radiance-cornell", ratio_header);
         ratio_rows(r, cornell_peers, sizeof cornell_peers / sizeof *cornell_peers, trials, count);
     }
     for (int i = 0; i < 2; i++) sl_image_destroy(j.reference[i]);
@@ -351,20 +351,20 @@ static void judge_sponza(const sl_image *image, void *context, trial *t) {
     t->rel_mse = all;
 }
 
-static void beside_radiance_sponza(splat_report *r, const splat_options *o) {
+static void beside_radiance_sponza(bench_report *r, const bench_options *o) {
     sl_scene *scene;
     sl_image *reference = NULL;
     trial *trials = calloc(TRIALS_MAX, sizeof *trials);
-    if (!trials || o->brief || !splat_wants(o, "sponza-flat") || !splat_open_scene(r, "bench/scenes/sponza-flat.json", &scene)) {
+    if (!trials || o->brief || !bench_wants(o, "sponza-flat") || !bench_open_scene(r, "bench/scenes/sponza-flat.json", &scene)) {
         free(trials);
         return;
     }
     if (read_image(r, "../shared/refs/sponza1000_1b_pbrt1024.pfm", &reference)) {
         size_t count = make_trials(true, trials);
         run_trials(o, "sponza", scene, 1000, trials, count, judge_sponza, reference);
-        splat_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels (Radiance's: against its own finest picture;\n"
+        bench_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels (Radiance's: against its own finest picture;\n"
                      "ours: against pbrt-v2's 1024 samples, blocks with a lamp in them left out); our relMSE is of single pixels and holds that reference's noise of 3e-4\n");
-        splat_table(r, "radiance-sponza", ratio_header);
+        bench_table(r, "radiance-sponza", ratio_header);
         ratio_rows(r, sponza_peers, sizeof sponza_peers / sizeof *sponza_peers, trials, count);
     }
     sl_image_destroy(reference);
@@ -373,12 +373,12 @@ static void beside_radiance_sponza(splat_report *r, const splat_options *o) {
 }
 
 int main(int argc, char **argv) {
-    splat_options o = splat_options_parse(argc, argv);
-    splat_report r;
-    splat_report_open(&r, &o, "table2");
+    bench_options o = bench_options_parse(argc, argv, "build/splatting");
+    bench_report r;
+    bench_report_open(&r, &o, "table2");
     beside_radiance_cornell(&r, &o);
     beside_radiance_sponza(&r, &o);
     whole_scenes(&r, &o);
-    splat_report_close(&r);
+    bench_report_close(&r);
     return 0;
 }

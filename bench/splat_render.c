@@ -32,7 +32,7 @@ static void splat_class(sl_splat_state *s, int class, splat_run *run) {
     sl_error error;
     double from = process_ms();
     if (!cache->receivers || cache->splatted == cache->list.count) return;
-    if (sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, &error) != SL_OK) splat_stop("splat", &error);
+    if (sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, &error) != SL_OK) bench_fail("splat", &error);
     cache->splatted = cache->list.count;
     charge(run, SPLAT_SPLATS + class, from);
 }
@@ -45,13 +45,13 @@ static void render_once(const sl_scene *scene, const sl_settings *settings, spla
     memset(run, 0, sizeof *run);
     sl_splatting_method.transport(&complete, &transport);
     double began = wall_ms(), from = process_ms();
-    if (sl_splatting_method.create(scene, &complete, &transport, &state, &error) != SL_OK) splat_stop("splatting", &error);
+    if (sl_splatting_method.create(scene, &complete, &transport, &state, &error) != SL_OK) bench_fail("splatting", &error);
     charge(run, SPLAT_SETUP, from);
     sl_splat_state *s = state;
     for (sl_progress progress = {0}; !progress.done;) {
         int part = part_of(s);
         from = process_ms();
-        if (sl_splatting_method.update(state, &progress, &error) != SL_OK) splat_stop("update", &error);
+        if (sl_splatting_method.update(state, &progress, &error) != SL_OK) bench_fail("update", &error);
         charge(run, part, from);
     }
     for (int class = 0; class < SL_RECEIVER_CLASSES; class++) {
@@ -59,7 +59,7 @@ static void render_once(const sl_scene *scene, const sl_settings *settings, spla
         run->records[class] = s->cache[class].list.count;
     }
     from = process_ms();
-    if (sl_splatting_method.resolve(state, &run->image, &error) != SL_OK) splat_stop("resolve", &error);
+    if (sl_splatting_method.resolve(state, &run->image, &error) != SL_OK) bench_fail("resolve", &error);
     charge(run, SPLAT_COMPOSE, from);
     run->counters = s->counters;
     run->wall_one = 1e-3 * (wall_ms() - began);
@@ -107,23 +107,4 @@ void splat_render(const sl_scene *scene, const sl_settings *settings, bool once,
 void splat_run_free(splat_run *run) {
     sl_image_destroy(run->image);
     run->image = NULL;
-}
-
-bool splat_pick(const sl_image *image, const char *prefix, const splat_pixels *pixels, float *values) {
-    for (size_t c = 0; c < 3; c++) {
-        char name[SL_CHANNEL_NAME_MAX];
-        snprintf(name, sizeof name, "%s%s%c", prefix ? prefix : "", prefix ? "." : "", "RGB"[c]);
-        const float *plane = sl_image_channel(image, name);
-        if (!plane) return false;
-        for (size_t i = 0; i < pixels->count; i++) values[3 * i + c] = plane[pixels->index[i]];
-    }
-    return true;
-}
-
-void splat_write_picture(const splat_report *r, const char *scene, const char *what, const sl_image *image) {
-    char path[700];
-    sl_error error;
-    sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
-    snprintf(path, sizeof path, "%s/%s-%s.png", r->folder, scene, what);
-    if (sl_image_write_png(image, path, tone, &error) != SL_OK) fprintf(stderr, "%s\n", error.message);
 }

@@ -5,13 +5,13 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "splat_bench.h"
+#include "common.h"
 
 /* ---- the folder ---- */
 
 static const char folder[] = "build/references";
 
-uint64_t splat_hash(uint64_t hash, const void *bytes, size_t size) {
+uint64_t bench_hash(uint64_t hash, const void *bytes, size_t size) {
     const unsigned char *p = bytes;
     for (size_t i = 0; i < size; i++) hash = sl_hash64(hash ^ p[i]);
     return hash;
@@ -21,7 +21,7 @@ static void file_name(char path[256], const char *word, uint64_t hash) {
     snprintf(path, 256, "%s/%s-%016llx.f32", folder, word, (unsigned long long)hash);
 }
 
-bool splat_store_load(const char *word, uint64_t hash, size_t count, float *values) {
+bool bench_store_load(const char *word, uint64_t hash, size_t count, float *values) {
     char path[256];
     file_name(path, word, hash);
     FILE *file = fopen(path, "rb");
@@ -33,7 +33,7 @@ bool splat_store_load(const char *word, uint64_t hash, size_t count, float *valu
 }
 
 /* Whole or not at all: written beside its name and renamed. */
-void splat_store_save(const char *word, uint64_t hash, size_t count, const float *values) {
+void bench_store_save(const char *word, uint64_t hash, size_t count, const float *values) {
     char path[256], beside[300];
     mkdir("build", 0777);
     mkdir(folder, 0777);
@@ -50,8 +50,8 @@ void splat_store_save(const char *word, uint64_t hash, size_t count, const float
 typedef struct reference_task {
     const sl_scene *scene;
     const sl_path_tracer *path;
-    const splat_pixels *pixels;
-    splat_reference *reference;
+    const bench_pixels *pixels;
+    bench_reference *reference;
 } reference_task;
 
 /* Sixteen pixels, all their samples. */
@@ -64,7 +64,7 @@ static void trace_packet(void *context, size_t packet, unsigned worker) {
     sl_counters counters = {{0}};
     sl_ray16 rays;
     for (unsigned i = 0; i < count; i++) {
-        splat_camera_ray(t->scene, t->pixels->width, t->pixels->height, t->pixels->index[first + i], &rays, i);
+        bench_camera_ray(t->scene, t->pixels->width, t->pixels->height, t->pixels->index[first + i], &rays, i);
     }
     for (uint32_t sample = 0; sample < t->reference->samples; sample++) {
         sl_rgb radiance[SL_PACKET];
@@ -85,41 +85,41 @@ static void trace_packet(void *context, size_t packet, unsigned worker) {
 static uint64_t hash_transport(uint64_t hash, const sl_transport *t) {
     const uint32_t words[] = {t->emission, t->eye_mirrors, t->direct_lobes, t->receiver_lobes, t->bounce_lobes, t->bounces,
                               t->direct_visibility, t->bounce_visibility};
-    return splat_hash(hash, words, sizeof words);
+    return bench_hash(hash, words, sizeof words);
 }
 
-static void allocate_reference(splat_reference *reference, size_t count, uint32_t samples) {
-    *reference = (splat_reference){.count = count, .samples = samples};
+static void allocate_reference(bench_reference *reference, size_t count, uint32_t samples) {
+    *reference = (bench_reference){.count = count, .samples = samples};
     reference->half[0] = calloc(6 * count + 1, sizeof(float));
-    if (!reference->half[0]) splat_stop("reference", NULL);
+    if (!reference->half[0]) bench_fail("reference", NULL);
     reference->half[1] = reference->half[0] + 3 * count;
 }
 
-void splat_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport, const splat_pixels *pixels,
-                         uint32_t samples, splat_reference *reference) {
+void bench_reference_get(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport, const bench_pixels *pixels,
+                         uint32_t samples, bench_reference *reference) {
     uint64_t numbers[] = {sl_scene_hash(scene), (uint64_t)pixels->width, (uint64_t)pixels->height, samples};
-    uint64_t hash = hash_transport(splat_hash(2, numbers, sizeof numbers), transport);
-    hash = splat_hash(hash, pixels->index, pixels->count * sizeof *pixels->index);
+    uint64_t hash = hash_transport(bench_hash(2, numbers, sizeof numbers), transport);
+    hash = bench_hash(hash, pixels->index, pixels->count * sizeof *pixels->index);
     allocate_reference(reference, pixels->count, samples);
-    if (splat_store_load("pixels", hash, 6 * pixels->count, reference->half[0])) return;
+    if (bench_store_load("pixels", hash, 6 * pixels->count, reference->half[0])) return;
     fprintf(stderr, "reference: %zu pixels, %u samples ...\n", pixels->count, samples);
     sl_path_settings settings = {1, 1, 1, 4711, *transport};
     sl_path_tracer *path;
     sl_error error;
     settings.transport.filter = SL_FILTER_CENTRE;
-    if (sl_path_tracer_create(scene, tracer, &settings, &path, &error) != SL_OK) splat_stop("path tracer", &error);
+    if (sl_path_tracer_create(scene, tracer, &settings, &path, &error) != SL_OK) bench_fail("path tracer", &error);
     reference_task task = {scene, path, pixels, reference};
     sl_parallel_for(sl_thread_count(0), (pixels->count + SL_PACKET - 1) / SL_PACKET, trace_packet, &task);
     sl_path_tracer_destroy(path);
-    splat_store_save("pixels", hash, 6 * pixels->count, reference->half[0]);
+    bench_store_save("pixels", hash, 6 * pixels->count, reference->half[0]);
 }
 
-void splat_reference_sum(const splat_reference *a, const splat_reference *b, splat_reference *sum) {
+void bench_reference_sum(const bench_reference *a, const bench_reference *b, bench_reference *sum) {
     allocate_reference(sum, a->count, a->samples < b->samples ? a->samples : b->samples);
     for (size_t i = 0; i < 6 * a->count; i++) sum->half[0][i] = a->half[0][i] + b->half[0][i];
 }
 
-void splat_reference_free(splat_reference *reference) {
+void bench_reference_free(bench_reference *reference) {
     free(reference->half[0]);
-    *reference = (splat_reference){0};
+    *reference = (bench_reference){0};
 }

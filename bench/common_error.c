@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "splat_bench.h"
+#include "common.h"
 
 static int descending(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -18,14 +18,14 @@ static double trimmed_mean(double *terms, size_t count) {
     return count > left_out ? sum / (double)(count - left_out) : 0.0;
 }
 
-splat_error splat_compare(const float *x, const splat_reference *reference, const splat_reference *scale) {
+bench_error bench_compare(const float *x, const bench_reference *reference, const bench_reference *scale) {
     size_t pixels = reference->count, values = 3 * pixels;
     const float *a = reference->half[0], *b = reference->half[1];
     if (!scale) scale = reference;
-    splat_error e = {0};
+    bench_error e = {0};
     double *terms = calloc(pixels + 1, sizeof *terms);
     double mean = 0.0, square = 0.0, difference = 0.0, squares = 0.0;
-    if (!terms) splat_stop("errors", NULL);
+    if (!terms) bench_fail("errors", NULL);
     for (size_t i = 0; i < values; i++) mean += 0.5 * ((double)scale->half[0][i] + (double)scale->half[1][i]) / (double)values;
     for (size_t i = 0; i < values; i++) {
         double s = 0.5 * ((double)scale->half[0][i] + (double)scale->half[1][i]), v = (double)x[i];
@@ -50,7 +50,7 @@ splat_error splat_compare(const float *x, const splat_reference *reference, cons
     return e;
 }
 
-const char *splat_mse_text(const splat_error *e, char text[32]) {
+const char *bench_mse_text(const bench_error *e, char text[32]) {
     snprintf(text, 32, e->noisy ? "(%.2e)" : "%.2e", e->rel_mse);
     return text;
 }

@@ -3,7 +3,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "splat_bench.h"
+#include "common.h"
 
 static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl_ray16 *rays, unsigned i) {
     const sl_camera *c = &scene->camera;
@@ -21,7 +21,7 @@ static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl
     rays->skip[i] = SL_NO_INDEX;
 }
 
-void splat_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays, unsigned lane) {
+void bench_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays, unsigned lane) {
     double x = (double)(pixel % (uint32_t)width) + 0.5, y = (double)(pixel / (uint32_t)width) + 0.5;
     set_ray(scene, 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, (double)width / height, rays, lane);
 }
@@ -52,17 +52,17 @@ static sl_gbuffer *draw(const sl_scene *scene, int width, int height) {
     sl_error error;
     if (sl_raster_create(scene, 1, &raster, &error) != SL_OK || sl_gbuffer_create(width, height, &gbuffer, &error) != SL_OK ||
         sl_raster_gbuffer(raster, &view, 1, gbuffer, &counters, &error) != SL_OK)
-        splat_stop("rasterizer", &error);
+        bench_fail("rasterizer", &error);
     sl_raster_destroy(raster);
     return gbuffer;
 }
 
-void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, splat_pixels *pixels) {
+void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width, int height, int block, bench_pixels *pixels) {
     int across = width / block, down = height / block;
     uint64_t key = sl_random_key(5, 12);
-    *pixels = (splat_pixels){.width = width, .height = height, .block = block};
+    *pixels = (bench_pixels){.width = width, .height = height, .block = block};
     pixels->index = calloc((size_t)across * (size_t)down, sizeof *pixels->index);
-    if (!pixels->index) splat_stop("pixels", NULL);
+    if (!pixels->index) bench_fail("pixels", NULL);
     sl_gbuffer *gbuffer = draw(scene, width, height);
     for (int i = 0; i < across * down; i++) {
         uint32_t bits = sl_random_bits(key, (uint64_t)i);
@@ -71,7 +71,7 @@ void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
         uint32_t pixel = (uint32_t)(y * width + x), triangle;
         sl_ray16 ray;
         sl_surface surface;
-        splat_camera_ray(scene, width, height, pixel, &ray, 0);
+        bench_camera_ray(scene, width, height, pixel, &ray, 0);
         if (sees_surface(scene, tracer, &ray, &surface, &triangle) && gbuffer->id[(size_t)(height - 1 - y) * (size_t)width + (size_t)x] == triangle)
             pixels->index[pixels->count++] = pixel;
         else pixels->empty++;
@@ -79,30 +79,30 @@ void splat_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
     sl_gbuffer_destroy(gbuffer);
 }
 
-bool splat_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const splat_pixels *pixels, size_t i, sl_surface *surface,
+bool bench_pixel_surface(const sl_scene *scene, const sl_tracer *tracer, const bench_pixels *pixels, size_t i, sl_surface *surface,
                          uint32_t *triangle) {
     sl_ray16 ray;
-    splat_camera_ray(scene, pixels->width, pixels->height, pixels->index[i], &ray, 0);
+    bench_camera_ray(scene, pixels->width, pixels->height, pixels->index[i], &ray, 0);
     return sees_surface(scene, tracer, &ray, surface, triangle);
 }
 
-void splat_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, splat_pixels *pixels) {
+void bench_pixels_keep_glossy(const sl_scene *scene, const sl_tracer *tracer, bench_pixels *pixels) {
     size_t kept = 0;
     for (size_t i = 0; i < pixels->count; i++) {
         sl_surface surface;
         uint32_t triangle;
-        if (splat_pixel_surface(scene, tracer, pixels, i, &surface, &triangle) && sl_material_is_glossy(surface.material))
+        if (bench_pixel_surface(scene, tracer, pixels, i, &surface, &triangle) && sl_material_is_glossy(surface.material))
             pixels->index[kept++] = pixels->index[i];
     }
     pixels->count = kept;
 }
 
-void splat_pixels_free(splat_pixels *pixels) {
+void bench_pixels_free(bench_pixels *pixels) {
     free(pixels->index);
     pixels->index = NULL;
 }
 
-size_t splat_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count, sl_gather_point *points) {
+size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count, sl_gather_point *points) {
     double aspect = (double)scene->film_width / (double)scene->film_height;
     uint64_t key = sl_random_key(1, 2);
     size_t found = 0;

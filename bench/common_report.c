@@ -1,14 +1,15 @@
-/* Options, and tables as Markdown for people and as CSV for programs. */
+/* Options, tables as Markdown for people and as CSV for programs, and pictures. */
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "splat_bench.h"
+#include "common.h"
 
-splat_options splat_options_parse(int argc, char **argv) {
-    splat_options o = {.folder = "build/splatting"};
+bench_options bench_options_parse(int argc, char **argv, const char *folder) {
+    bench_options o = {0};
+    snprintf(o.folder, sizeof o.folder, "%s", folder);
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--brief") == 0) o.brief = o.once = true;
         else if (strcmp(argv[i], "--once") == 0) o.once = true;
@@ -25,9 +26,9 @@ splat_options splat_options_parse(int argc, char **argv) {
     return o;
 }
 
-bool splat_wants(const splat_options *o, const char *scene) { return !o->only || strstr(scene, o->only); }
+bool bench_wants(const bench_options *o, const char *scene) { return !o->only || strstr(scene, o->only); }
 
-void splat_stop(const char *what, const sl_error *error) {
+void bench_fail(const char *what, const sl_error *error) {
     fprintf(stderr, "%s: %s\n", what, error ? error->message : "failed");
     exit(1);
 }
@@ -43,7 +44,7 @@ static FILE *open_file(const char *path) {
     return file;
 }
 
-void splat_report_open(splat_report *r, const splat_options *o, const char *name) {
+void bench_report_open(bench_report *r, const bench_options *o, const char *name) {
     char path[700];
     memset(r, 0, sizeof *r);
     snprintf(r->folder, sizeof r->folder, "%s", o->folder);
@@ -52,24 +53,24 @@ void splat_report_open(splat_report *r, const splat_options *o, const char *name
     r->text = open_file(path);
 }
 
-static void end_table(splat_report *r) {
+static void end_table(bench_report *r) {
     if (r->table) fclose(r->table);
     r->table = NULL;
 }
 
-void splat_report_close(splat_report *r) {
+void bench_report_close(bench_report *r) {
     end_table(r);
     fclose(r->text);
 }
 
-static void write_both(splat_report *r, const char *text) {
+static void write_both(bench_report *r, const char *text) {
     fputs(text, stdout);
     fputs(text, r->text);
     fflush(stdout);
     fflush(r->text);
 }
 
-void splat_say(splat_report *r, const char *format, ...) {
+void bench_say(bench_report *r, const char *format, ...) {
     char text[2048];
     va_list arguments;
     va_start(arguments, format);
@@ -80,7 +81,7 @@ void splat_say(splat_report *r, const char *format, ...) {
 
 /* ---- tables ---- */
 
-static void write_cells(splat_report *r, const char *line, bool header) {
+static void write_cells(bench_report *r, const char *line, bool header) {
     char text[2048];
     int at = 0, column = 0;
     for (const char *cell = line; cell; column++) {
@@ -100,7 +101,7 @@ static void write_cells(splat_report *r, const char *line, bool header) {
     write_both(r, "|\n");
 }
 
-void splat_table(splat_report *r, const char *table, const char *header) {
+void bench_table(bench_report *r, const char *table, const char *header) {
     char path[700];
     end_table(r);
     snprintf(path, sizeof path, "%s/%s-%s.csv", r->folder, r->name, table);
@@ -109,7 +110,7 @@ void splat_table(splat_report *r, const char *table, const char *header) {
     write_cells(r, header, true);
 }
 
-void splat_row(splat_report *r, const char *format, ...) {
+void bench_row(bench_report *r, const char *format, ...) {
     char line[1024];
     va_list arguments;
     va_start(arguments, format);
@@ -120,20 +121,41 @@ void splat_row(splat_report *r, const char *format, ...) {
 
 /* ---- scenes ---- */
 
-bool splat_open_scene(splat_report *r, const char *path, sl_scene **scene) {
+bool bench_open_scene(bench_report *r, const char *path, sl_scene **scene) {
     sl_error error;
     if (access(path, R_OK) != 0 && strstr(path, "generated/") && system("make -s scenes >/dev/null") != 0) {
-        splat_say(r, "skip: %s cannot be generated\n", path);
+        bench_say(r, "skip: %s cannot be generated\n", path);
         return false;
     }
     if (sl_scene_load(path, scene, &error) == SL_OK) return true;
-    splat_say(r, "skip: %s\n", error.message);
+    bench_say(r, "skip: %s\n", error.message);
     return false;
 }
 
-void splat_scene_name(const char *path, char name[64]) {
+void bench_scene_name(const char *path, char name[64]) {
     const char *slash = strrchr(path, '/');
     snprintf(name, 64, "%s", slash ? slash + 1 : path);
     char *dot = strrchr(name, '.');
     if (dot) *dot = '\0';
+}
+
+/* ---- pictures ---- */
+
+bool bench_pick(const sl_image *image, const char *prefix, const bench_pixels *pixels, float *values) {
+    for (size_t c = 0; c < 3; c++) {
+        char name[SL_CHANNEL_NAME_MAX];
+        snprintf(name, sizeof name, "%s%s%c", prefix ? prefix : "", prefix ? "." : "", "RGB"[c]);
+        const float *plane = sl_image_channel(image, name);
+        if (!plane) return false;
+        for (size_t i = 0; i < pixels->count; i++) values[3 * i + c] = plane[pixels->index[i]];
+    }
+    return true;
+}
+
+void bench_write_picture(const bench_report *r, const char *scene, const char *what, const sl_image *image) {
+    char path[700];
+    sl_error error;
+    sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
+    snprintf(path, sizeof path, "%s/%s-%s.png", r->folder, scene, what);
+    if (sl_image_write_png(image, path, tone, &error) != SL_OK) fprintf(stderr, "%s\n", error.message);
 }
