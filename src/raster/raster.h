@@ -123,6 +123,10 @@ void sl_gbuffer_destroy(sl_gbuffer *gbuffer);
 /* ID pass and its resolution, equal to sl_scene_surface() bit by bit. Needs a scene. */
 sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
                             sl_counters *counters, sl_error *error);
+/* The resolution alone, of an id plane that is drawn already: pixel i belongs to views[path[i]] (a picture with mirrors: each path's
+ * pixels come from a view of their own); path NULL: all of them to views[0]. The views are as large as the G-buffer. */
+sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
 
 /* Gouraud: interpolates `channels` floats per vertex (vertex v's at attributes[v*channels]) at every pixel of an id plane of the
  * view's width x height; out holds `channels` planes; background 0. */

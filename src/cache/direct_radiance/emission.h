@@ -4,8 +4,10 @@
 
 #include "cache/direct_radiance/receivers.h"
 
-/* Adds to three planes. view: what receivers were rendered with (for the background's directions, path by path). */
-void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, const sl_view *view, unsigned threads, float *const emission[3],
-                     sl_counters *counters);
+/* Adds to three planes, before the mirrors' throughput: L_e on the shining side of emitters; the environment in each background pixel's
+ * direction, which is that of its own path; and k_s times the environment's mean where a planar mirror lies beyond the nesting limit. */
+void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads, float *const emission[3], sl_counters *counters);
+/* Mean radiance of the environment over all directions; black where there is none. */
+sl_rgb sl_environment_mean(const sl_environment *environment);
 
 #endif

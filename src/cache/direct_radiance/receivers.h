@@ -10,11 +10,15 @@ typedef struct sl_receivers {
     int width, height;
     sl_gbuffer *gbuffer;         /* unmirrored positions and normals, turned to where they are seen from; row 0 at the bottom */
     float *throughput[3];        /* product of the planar mirrors' reflectances on the way; NULL: no mirror in view, 1 everywhere */
-    uint8_t *path;               /* which of eye[] each pixel is seen from; NULL: all from eye[0] */
+    uint8_t *path;               /* which of eye[] and view[] each pixel is seen from; NULL: all from the first */
+    size_t path_count;           /* 1 without mirrors in view */
     sl_vec3 eye[SL_MIRROR_PATHS]; /* the eye and its mirror images */
+    sl_view *view;               /* and the views that they draw: path_count */
+    const sl_mirrors *mirrors;   /* those that were followed: what still shows one of them lies beyond the nesting limit; NULL: none */
 } sl_receivers;
 
-/* Passes 5 and 6's geometry: view, and up to `reflections` planar mirrors one behind another (mirrors may be NULL). */
+/* Passes 5 and 6's geometry: view, and up to `reflections` planar mirrors one behind another (mirrors may be NULL). Views may be cameras,
+ * pyramids or a cube's faces. The mirrors must outlive what is made of them. */
 sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
 void sl_receivers_destroy(sl_receivers *receivers);

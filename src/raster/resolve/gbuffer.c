@@ -54,7 +54,8 @@ void sl_gbuffer_destroy(sl_gbuffer *g) {
 
 typedef struct {
     const sl_raster *raster;
-    sl_pass_view view;
+    const sl_pass_view *views;
+    const uint8_t *path; /* which of them each pixel belongs to; NULL: the first */
     const uint32_t *id;
     sl_gbuffer *out;
     size_t pixels;
@@ -97,11 +98,11 @@ static inline void put(const resolution *r, void *plane, size_t first, const voi
     if (plane) sl_resolve_put(plane, r->pixels, first, values, count);
 }
 
-static void resolve_surfaces(const resolution *r, size_t first, workspace *w) {
+static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size_t first, workspace *w) {
     sl_surface_block *s = &w->surface;
     s->normals = r->normals;
     if (s->normals) fetch_normals(r->raster->scene, w);
-    r->raster->kernels->resolve->surfaces(&w->pixels, &r->view, s);
+    r->raster->kernels->resolve->surfaces(&w->pixels, view, s);
     uint32_t count = w->pixels.count;
     put(r, r->out->position_x, first, s->position.x, count);
     put(r, r->out->position_y, first, s->position.y, count);
@@ -155,6 +156,13 @@ static void resolve_material(const resolution *r, size_t first, workspace *w) {
     put(r, r->out->material, first, w->index, w->pixels.count);
 }
 
+/* Pixels from `first` on that belong to one view. */
+static size_t pixels_of_one_view(const resolution *r, size_t first, size_t end) {
+    size_t next = first + 1;
+    while (next < end && r->path[next] == r->path[first]) next++;
+    return next - first;
+}
+
 static void resolve_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const resolution *r = context;
@@ -164,8 +172,10 @@ static void resolve_strip(void *context, size_t index, unsigned worker) {
     memset(&w, 0, sizeof w);
     r->shaded[index] = 0;
     while (first < end) {
-        size_t count = sl_resolve_next(r->raster, &r->view, end - first, first, NULL, r->id + first, &w.pixels);
-        if (r->positions || r->normals) resolve_surfaces(r, first, &w);
+        const sl_pass_view *view = &r->views[r->path ? r->path[first] : 0];
+        size_t most = r->path ? pixels_of_one_view(r, first, first + SL_RESOLVE_PIXELS < end ? first + SL_RESOLVE_PIXELS : end) : end - first;
+        size_t count = sl_resolve_next(r->raster, view, most, first, NULL, r->id + first, &w.pixels);
+        if (r->positions || r->normals) resolve_surfaces(r, view, first, &w);
         if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, first, &w);
         if (g->material) resolve_material(r, first, &w);
         r->shaded[index] += sl_resolve_shaded(&w.pixels);
@@ -174,30 +184,40 @@ static void resolve_strip(void *context, size_t index, unsigned worker) {
     sl_stream_end();
 }
 
-sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
-                            sl_counters *counters, sl_error *error) {
-    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
-    size_t pixels = (size_t)view->width * (size_t)view->height, strips = (pixels + STRIP - 1) / STRIP;
-    uint32_t *id = gbuffer->id ? gbuffer->id : sl_allocate(pixels, sizeof *id);
+static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, const uint32_t *id,
+                         unsigned threads, sl_gbuffer *g, sl_counters *counters, sl_error *error) {
+    size_t pixels = (size_t)views[0].width * (size_t)views[0].height, strips = (pixels + STRIP - 1) / STRIP;
     uint64_t *shaded = sl_allocate(strips, sizeof *shaded);
-    sl_status status = SL_ERROR_RESOURCES;
-    if (!id || !shaded) {
-        sl_fail_memory(error, "the G-buffer's id plane");
-    } else {
-        sl_target target = {view->width, view->height, id, gbuffer->depth};
-        status = sl_raster_id(raster, view, threads, &target, counters, error);
-    }
-    if (status == SL_OK) {
-        const sl_gbuffer *g = gbuffer;
-        resolution r = {.raster = raster, .view = sl_pass_view_make(view, view->width, view->height), .id = id, .out = gbuffer,
-                        .pixels = pixels, .shaded = shaded,
+    sl_pass_view *pass = sl_allocate(view_count, sizeof *pass);
+    bool ok = shaded && pass;
+    for (size_t n = 0; ok && n < view_count; n++) pass[n] = sl_pass_view_make(&views[n], views[n].width, views[n].height);
+    if (ok) {
+        resolution r = {.raster = raster, .views = pass, .path = path, .id = id, .out = g, .pixels = pixels, .shaded = shaded,
                         .positions = g->position_x || g->position_y || g->position_z,
                         .normals = g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y ||
                                    g->geometric_z};
         sl_parallel_for(sl_thread_count(threads), strips, resolve_strip, &r);
         for (size_t s = 0; s < strips; s++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[s]);
     }
-    if (!gbuffer->id) sl_free(id);
     sl_free(shaded);
+    sl_free(pass);
+    return ok ? SL_OK : sl_fail_memory(error, "the G-buffer's resolution");
+}
+
+sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
+    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    return resolve(raster, view_count, views, path, gbuffer->id, threads, gbuffer, counters, error);
+}
+
+sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads, sl_gbuffer *gbuffer,
+                            sl_counters *counters, sl_error *error) {
+    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    uint32_t *id = gbuffer->id ? gbuffer->id : sl_allocate((size_t)view->width * (size_t)view->height, sizeof *id);
+    if (!id) return sl_fail_memory(error, "the G-buffer's id plane");
+    sl_target target = {view->width, view->height, id, gbuffer->depth};
+    sl_status status = sl_raster_id(raster, view, threads, &target, counters, error);
+    if (status == SL_OK) status = resolve(raster, 1, view, NULL, id, threads, gbuffer, counters, error);
+    if (!gbuffer->id) sl_free(id);
     return status;
 }

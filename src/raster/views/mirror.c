@@ -107,18 +107,18 @@ static size_t list_flat_mirrors(const sl_scene *s, sized_triangle *list) {
 }
 
 /* Large triangles first: they tell their plane best. */
-static void assign(const sl_scene *s, size_t limit, sized_triangle *list, uint32_t *material, sl_mirrors *m) {
+static void assign(const sl_scene *s, size_t limit, sized_triangle *list, sl_mirrors *m) {
     size_t count = list_flat_mirrors(s, list);
     qsort(list, count, sizeof *list, larger_first);
     for (uint32_t t = 0; t < s->triangle_count; t++) m->of_triangle[t] = SL_NO_INDEX;
     for (size_t i = 0; i < count; i++) {
         uint32_t t = list[i].triangle;
         size_t k = 0;
-        while (k < m->count && !(material[k] == s->material_index[t] && lies_in(s, t, &m->plane[k]))) k++;
+        while (k < m->count && !(m->material[k] == s->material_index[t] && lies_in(s, t, &m->plane[k]))) k++;
         if (k == limit) continue;
         if (k == m->count) {
             plane_of(s, t, &m->plane[k]);
-            material[k] = s->material_index[t];
+            m->material[k] = s->material_index[t];
             m->count++;
         }
         m->of_triangle[t] = (uint32_t)k;
@@ -129,16 +129,15 @@ sl_status sl_mirrors_find(const sl_scene *scene, size_t limit, sl_mirrors **mirr
     *mirrors = NULL;
     sl_mirrors *m = sl_allocate(1, sizeof *m);
     sized_triangle *list = sl_allocate(scene->triangle_count, sizeof *list);
-    uint32_t *material = sl_allocate(limit, sizeof *material);
     if (m) {
         m->plane = sl_allocate(limit, sizeof *m->plane);
+        m->material = sl_allocate(limit, sizeof *m->material);
         m->of_triangle = sl_allocate(scene->triangle_count, sizeof *m->of_triangle);
         m->offset = 4e-6 * (double)scene->diagonal;
     }
-    bool ok = m && list && material && m->plane && m->of_triangle;
-    if (ok) assign(scene, limit, list, material, m);
+    bool ok = m && list && m->plane && m->material && m->of_triangle;
+    if (ok) assign(scene, limit, list, m);
     sl_free(list);
-    sl_free(material);
     if (!ok) sl_mirrors_destroy(m);
     else *mirrors = m;
     return ok ? SL_OK : sl_fail_memory(error, "the scene's mirrors");
@@ -147,6 +146,7 @@ sl_status sl_mirrors_find(const sl_scene *scene, size_t limit, sl_mirrors **mirr
 void sl_mirrors_destroy(sl_mirrors *m) {
     if (!m) return;
     sl_free(m->plane);
+    sl_free(m->material);
     sl_free(m->of_triangle);
     sl_free(m);
 }

@@ -48,6 +48,7 @@ sl_status sl_raster_id_stencilled(const sl_raster *raster, const sl_view *view, 
 typedef struct sl_mirrors {
     size_t count;
     sl_plane *plane;
+    uint32_t *material;    /* of each */
     uint32_t *of_triangle; /* the scene's triangles: index of the mirror, or SL_NO_INDEX */
     double offset;         /* for sl_view_mirrored() */
 } sl_mirrors;

@@ -111,8 +111,14 @@ static void find_mirrors(const mirrored_pass *p, size_t path) {
     const sl_mirror_path *from = &p->image->paths[path];
     for (size_t m = 0; m < p->mirrors->count; m++) p->seen[m] = nothing;
     for (int y = from->y0; y < from->y1; y++) {
+        const size_t row = (size_t)y * (size_t)p->image->width;
+        uint32_t id = SL_NO_INDEX, mirror = SL_NO_INDEX; /* mostly a pixel shows what its neighbour shows */
         for (int x = from->x0; x < from->x1; x++) {
-            uint32_t mirror = mirror_at(p, path, (size_t)y * (size_t)p->image->width + (size_t)x);
+            if (p->image->path[row + (size_t)x] != path) continue;
+            if (p->image->id[row + (size_t)x] != id) {
+                id = p->image->id[row + (size_t)x];
+                mirror = mirror_at(p, path, row + (size_t)x);
+            }
             if (mirror != SL_NO_INDEX) include(&p->seen[mirror], x, y);
         }
     }

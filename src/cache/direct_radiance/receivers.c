@@ -1,0 +1,134 @@
+/* The camera's G-buffer with what planar mirrors show in it (passes 5 and 6, section 2.8). The scene is drawn again as seen from the eye's
+ * mirror image where the stencil has the mirror's pixels; positions and normals are never unfolded, so shadow and photon look-ups stay in
+ * world space, and only the eye differs from path to path. */
+#include "cache/direct_radiance/receivers.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+
+/* ---- without a mirror ---- */
+
+static sl_status render_plainly(const sl_raster *raster, const sl_view *view, unsigned threads, sl_receivers *r, sl_counters *counters,
+                                sl_error *error) {
+    r->path_count = 1;
+    r->eye[0] = view->origin;
+    r->view = sl_allocate(1, sizeof *r->view);
+    if (!r->view) return sl_fail_memory(error, "the receivers' view");
+    r->view[0] = *view;
+    return sl_raster_gbuffer(raster, view, threads, r->gbuffer, counters, error);
+}
+
+/* ---- with mirrors ---- */
+
+/* The id pass's planes become the receivers'. */
+static void take_planes(sl_mirrored_image *image, sl_receivers *r) {
+    uint32_t *id = r->gbuffer->id;
+    float *depth = r->gbuffer->depth;
+    r->gbuffer->id = image->id;
+    r->gbuffer->depth = image->depth;
+    image->id = id;
+    image->depth = depth;
+    r->path_count = image->path_count;
+    if (image->path_count == 1) return;
+    r->path = image->path;
+    image->path = NULL;
+}
+
+/* The product of k_s along each path; a path comes after the one that it prolongs. */
+static void throughputs_of(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image, sl_rgb *throughput) {
+    throughput[0] = sl_grey(1.0f);
+    for (size_t p = 1; p < image->path_count; p++) {
+        const sl_mirror_path *path = &image->paths[p];
+        throughput[p] = sl_rgb_mul(throughput[path->before], scene->materials[mirrors->material[path->mirror]].mirror);
+    }
+}
+
+typedef struct {
+    const sl_receivers *receivers;
+    const sl_rgb *of_path;
+} spreading;
+
+static void spread_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const spreading *s = context;
+    const sl_receivers *r = s->receivers;
+    const size_t width = (size_t)r->width;
+    for (size_t i = row * width; i < (row + 1) * width; i++) {
+        const sl_rgb t = s->of_path[r->path[i]];
+        r->throughput[0][i] = t.r;
+        r->throughput[1][i] = t.g;
+        r->throughput[2][i] = t.b;
+    }
+}
+
+static sl_status spread_throughput(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image, unsigned threads,
+                                   sl_receivers *r, sl_error *error) {
+    const size_t pixels = (size_t)r->width * (size_t)r->height;
+    if (image->path_count == 1) return SL_OK;
+    for (int k = 0; k < 3; k++) {
+        r->throughput[k] = sl_allocate(pixels, sizeof *r->throughput[k]);
+        if (!r->throughput[k]) return sl_fail_memory(error, "the throughput of mirrors");
+    }
+    sl_rgb of_path[SL_MIRROR_PATHS];
+    throughputs_of(scene, mirrors, image, of_path);
+    spreading s = {r, of_path};
+    sl_parallel_for(sl_thread_count(threads), (size_t)r->height, spread_row, &s);
+    return SL_OK;
+}
+
+static sl_status render_mirrored(const sl_scene *scene, const sl_raster *raster, const sl_view *view, int reflections, unsigned threads,
+                                 sl_receivers *r, sl_counters *counters, sl_error *error) {
+    sl_mirrored_image *image = NULL;
+    sl_status status = sl_raster_mirrored(raster, view, r->mirrors, reflections, threads, &image, counters, error);
+    if (status != SL_OK) return status;
+    take_planes(image, r);
+    r->view = sl_allocate(r->path_count, sizeof *r->view);
+    if (!r->view) status = sl_fail_memory(error, "the receivers' views");
+    for (size_t p = 0; status == SL_OK && p < r->path_count; p++) {
+        r->view[p] = image->paths[p].view;
+        r->eye[p] = r->view[p].origin;
+    }
+    if (status == SL_OK) status = spread_throughput(scene, r->mirrors, image, threads, r, error);
+    if (status == SL_OK) {
+        status = sl_raster_resolve(raster, r->path_count, r->view, r->path, threads, r->gbuffer, counters, error);
+    }
+    sl_mirrored_image_destroy(image);
+    return status;
+}
+
+/* ---- the whole ---- */
+
+sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
+                              int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error) {
+    *receivers = NULL;
+    sl_receivers *r = sl_allocate(1, sizeof *r);
+    if (!r) return sl_fail_memory(error, "the receivers");
+    *r = (sl_receivers){.width = view->width, .height = view->height, .mirrors = mirrors && mirrors->count ? mirrors : NULL};
+    sl_status status = sl_gbuffer_create(view->width, view->height, &r->gbuffer, error);
+    if (status == SL_OK && r->mirrors && reflections > 0) {
+        status = render_mirrored(scene, raster, view, reflections, threads, r, counters, error);
+    } else if (status == SL_OK) {
+        status = render_plainly(raster, view, threads, r, counters, error);
+    }
+    if (status != SL_OK) sl_receivers_destroy(r);
+    else *receivers = r;
+    return status;
+}
+
+void sl_receivers_destroy(sl_receivers *r) {
+    if (!r) return;
+    sl_gbuffer_destroy(r->gbuffer);
+    for (int k = 0; k < 3; k++) sl_free(r->throughput[k]);
+    sl_free(r->path);
+    sl_free(r->view);
+    sl_free(r);
+}
+
+size_t sl_receivers_bytes(const sl_receivers *r) {
+    enum { PLANES = 15, PLANE_BYTES = 4 };
+    size_t pixels = (size_t)r->width * (size_t)r->height, bytes = sizeof *r + sizeof *r->gbuffer + r->path_count * sizeof *r->view;
+    bytes += pixels * PLANES * PLANE_BYTES;
+    for (int k = 0; k < 3; k++) bytes += r->throughput[k] ? pixels * sizeof *r->throughput[k] : 0;
+    return bytes + (r->path ? pixels : 0);
+}
