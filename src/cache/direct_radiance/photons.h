@@ -34,24 +34,20 @@ typedef struct sl_photon_quad {
 } sl_photon_quad;
 
 typedef struct sl_map_photons {
-    size_t count;
+    size_t count, room;      /* of the arrays */
     sl_map_photon *photon;   /* in order of light, face, row, column, group: the order of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
-    size_t first_of_light[SL_MAP_LIGHTS_MAX + 1];
-    size_t dropped;          /* nearer to the light than 1e-4 of the scene's diagonal, or without light */
+    size_t first_of_light[SL_MAP_LIGHTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
+    size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the scene's diagonal, or without light */
     float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's diagonal */
     float box_diagonal;      /* ||B_max - B_min|| of (15) */
 } sl_map_photons;
 
-/* What importance samples and steady samples carry from frame to frame; NULL-initialised; nothing else outlives a frame. */
-typedef struct sl_photon_history sl_photon_history;
-
-/* settings are complete. history: NULL unless steady_samples. */
+/* settings are complete. A pure function of scene and map: nothing outlives a frame, also with steady samples. */
 sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
-                              sl_photon_history **history, sl_map_photons **photons, sl_counters *counters, sl_error *error);
+                              sl_map_photons **photons, sl_counters *counters, sl_error *error);
 void sl_map_photons_destroy(sl_map_photons *photons);
-void sl_photon_history_destroy(sl_photon_history *history);
 size_t sl_map_photons_bytes(const sl_map_photons *photons);
 
 #endif

@@ -1,0 +1,101 @@
+/* Samples that look at all texels of their block (section 2.7), against photons that flash as single texels jump between surfaces.
+ *
+ *     radiance   the paper's: L_o from a level of a MIP map, position and normal from the sample's texel. Its mean mixes L_o and not
+ *                L_o A, so it does not conserve energy, and can light a near surface with a far one's colour.
+ *     flux       sums of Psi, which do: a photon for each surface that the block shows */
+#include "base/error.h"
+#include "base/math.h"
+#include "cache/direct_radiance/photon_list.h"
+#include "raster/textures/textures.h"
+
+/* ---- radiance ---- */
+
+/* The face's colours with their MIP map; where nothing is, black, alpha 0. */
+static sl_status picture_of(const sl_radiance_map *map, const sl_map_face *face, sl_texture_image **image, sl_error *error) {
+    sl_status status = sl_texture_image_create(face->width, face->height, true, image, error);
+    if (status != SL_OK) return status;
+    size_t texels = (size_t)face->width * (size_t)face->height;
+    for (size_t i = 0; i < texels; i++) {
+        bool covered = map->triangle[face->first + i] != SL_NO_INDEX;
+        float *rgba = (*image)->texels + 4 * i;
+        for (int c = 0; c < 3; c++) rgba[c] = covered ? map->color[c][face->first + i] : 0.0f;
+        rgba[3] = covered ? 1.0f : 0.0f;
+    }
+    sl_texture_image_build(*image, 1);
+    return SL_OK;
+}
+
+/* Trilinear, of level log2(texels a block): one texel of the level for each block, where w / m is a power of two. */
+static void filtered_color(const sl_texture_image *image, const sl_map_face *face, int column, int row, double color[3]) {
+    const sl_sampler trilinear = {SL_WRAP_CLAMP, SL_WRAP_CLAMP, SL_WRAP_CLAMP, true, SL_MIP_LINEAR};
+    double texels = (double)sl_block_texels(face);
+    float s = (float)(((double)column + 0.5 * texels) / face->width), t = (float)(((double)row + 0.5 * texels) / face->height), rgba[4];
+    sl_texture_sample(image, trilinear, s, t, sl_log2f((float)texels), rgba);
+    for (int c = 0; c < 3; c++) color[c] = (double)rgba[c];
+}
+
+static sl_status filtered_face(sl_photon_list *list, const sl_map_face *f, sl_error *error) {
+    sl_texture_image *image;
+    sl_status status = picture_of(list->map, f, &image, error);
+    if (status != SL_OK) return status;
+    for (int row = 0; row < f->height; row += sl_block_texels(f)) {
+        for (int column = 0; column < f->width; column += sl_block_texels(f)) {
+            double color[3];
+            filtered_color(image, f, column, row, color);
+            sl_photon_at_point(list, f, column, row, color);
+        }
+    }
+    sl_texture_image_destroy(image);
+    return SL_OK;
+}
+
+sl_status sl_photons_of_filtered_radiance(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error) {
+    for (size_t f = 0; f < face_count; f++) {
+        sl_status status = filtered_face(list, &face[f], error);
+        if (status != SL_OK) return status;
+    }
+    return SL_OK;
+}
+
+/* ---- flux ---- */
+
+/* Facets of a curved surface whose normals differ by less than 20 degrees are one group. */
+#define GROUP_COS 0.94
+
+/* The group that the texel joins: the first one of its surface, or a new one, or where there are four already the one most like it. */
+static sl_photon_sum *group_of(sl_photon_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian) {
+    sl_photon_sum *nearest = group;
+    for (sl_photon_sum *g = group; g < group + SL_PHOTON_GROUPS; g++) {
+        if (!(g->luminance > 0.0)) return g;
+        bool same = g->object == t->object && (lambertian || g->material == t->material);
+        if (same && sl_dotd(g->first_normal, t->normal) >= GROUP_COS) return g;
+        if (sl_dotd(g->first_normal, t->normal) > sl_dotd(nearest->first_normal, t->normal)) nearest = g;
+    }
+    return nearest;
+}
+
+sl_status sl_photons_of_groups(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error) {
+    (void)error;
+    const sl_radiance_map *map = list->map;
+    for (const sl_map_face *f = face; f < face + face_count; f++) {
+        int texels = sl_block_texels(f);
+        for (int row = 0; row < f->height; row += texels) {
+            for (int column = 0; column < f->width; column += texels) {
+                sl_photon_sum group[SL_PHOTON_GROUPS] = {{.luminance = 0.0}};
+                double whole = sl_block_angle(map, f, column, row);
+                for (int y = row; y < row + texels; y++) {
+                    for (int x = column; x < column + texels; x++) {
+                        sl_map_texel t;
+                        if (!sl_map_texel_read(list->scene, map, f, x, y, NULL, &t)) continue;
+                        double of_block = (double)map->block_angle[sl_map_texel_index(f, x, y)] / whole;
+                        sl_photon_sum_add(group_of(group, &t, map->lambertian), &t, 1.0, of_block, x, y);
+                    }
+                }
+                size_t before = list->photons->count;
+                for (int g = 0; g < SL_PHOTON_GROUPS; g++) sl_photon_sum_finish(list, f, &group[g]);
+                if (list->photons->count == before) list->photons->dropped++;
+            }
+        }
+    }
+    return SL_OK;
+}
