@@ -37,7 +37,8 @@ static void draw_splats(void *context, unsigned threads, sl_counters *counters) 
     splat_pass *p = context;
     sl_error error;
     p->rules.threads = threads;
-    expect_ok(sl_splat_records(&p->rules, p->record, SPLATS, &p->sums, counters, &error), &error);
+    const sl_record_list list = {.records = p->record, .count = SPLATS, .capacity = SPLATS};
+    expect_ok(sl_splat_records(&p->rules, &list, 0, &p->sums, counters, &error), &error);
 }
 
 static void draw_blend(void *context, unsigned threads, sl_counters *counters) {
@@ -97,7 +98,7 @@ static void make_splats(splat_pass *p) {
     };
     for (size_t i = 0; i < SPLATS; i++) make_record(p, i, sl_random_key(3, 1));
     for (int k = 0; k < SUMS; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));
-    p->sums = (sl_splat_buffer){p->plane[0], p->plane[1], p->plane[2], p->plane[3], p->plane[4]};
+    p->sums = (sl_splat_buffer){p->plane[0], p->plane[1], p->plane[2], p->plane[3], p->plane[4], {NULL, NULL, NULL}};
     p->ones = bench_allocate(4 * SPLATS, sizeof *p->ones);
     for (size_t i = 0; i < 4 * SPLATS; i++) p->ones[i] = 1.0f;
 }
