@@ -87,6 +87,13 @@ static float plane_length(const float plane[4]) {
     return length > 1e-30 ? (float)length : INFINITY;
 }
 
+sl_view sl_view_scene(const sl_scene *scene, int width, int height) {
+    const sl_camera *camera = &scene->camera;
+    sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
+    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * (float)width / (float)height;
+    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->diagonal);
+}
+
 /* Planes in the order of the clip codes: w -+ x, w -+ y, then near and far. */
 static void make_planes(const sl_view *view, sl_pass_view *pass) {
     const float(*m)[4] = view->clip;

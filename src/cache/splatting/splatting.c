@@ -15,7 +15,6 @@
 
 #include "base/counters.h"
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/splatting/state.h"
@@ -58,15 +57,6 @@ static void announce_gbuffer(sl_splat_state *s) {
 }
 
 /* ---- steps 1 and 1b ---- */
-
-static sl_view camera_view(const sl_splat_state *s) {
-    const sl_camera *camera = &s->scene->camera;
-    sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
-    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
-    float right = top * (float)s->settings.width / (float)s->settings.height;
-    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, s->settings.width, s->settings.height,
-                           1e-5f * s->scene->diagonal);
-}
 
 /* The class of a pixel with geometry; SL_RECEIVER_CLASSES where it reflects nothing but mirrors. */
 static sl_receiver_class class_of(const sl_splat_state *s, size_t i) {
@@ -124,7 +114,7 @@ static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
 }
 
 static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
-    sl_view view = camera_view(s);
+    sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status != SL_OK) return status;
     announce_gbuffer(s);

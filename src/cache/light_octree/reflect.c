@@ -1,0 +1,164 @@
+#include "cache/light_octree/reflect.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+
+#include <string.h>
+
+/* ---- which pixels ---- */
+
+static bool shows_mirror(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
+    return g->material[pixel] != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[g->material[pixel]]);
+}
+
+void sl_reflections_destroy(sl_reflections *r) {
+    if (!r) return;
+    sl_free(r->pixel);
+    sl_free(r->throughput);
+    sl_free(r->from);
+    sl_free(r->background);
+    sl_free(r);
+}
+
+static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_reflections **reflections, sl_error *error) {
+    size_t pixels = (size_t)g->width * (size_t)g->height, count = 0;
+    for (size_t i = 0; i < pixels; i++) count += shows_mirror(scene, g, i);
+    if (!count) return SL_OK;
+    sl_reflections *r = sl_allocate(1, sizeof *r);
+    if (r) {
+        r->pixel = sl_allocate(count, sizeof *r->pixel);
+        r->throughput = sl_allocate(count, sizeof *r->throughput);
+        r->from = sl_allocate(count, sizeof *r->from);
+        r->background = sl_allocate(count, sizeof *r->background);
+    }
+    if (!r || !r->pixel || !r->throughput || !r->from || !r->background) {
+        sl_reflections_destroy(r);
+        return sl_fail_memory(error, "reflections");
+    }
+    for (size_t i = 0; i < pixels; i++) {
+        if (shows_mirror(scene, g, i)) r->pixel[r->count++] = (uint32_t)i;
+    }
+    *reflections = r;
+    return SL_OK;
+}
+
+/* ---- rays ---- */
+
+typedef struct {
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    sl_gbuffer *gbuffer;
+    sl_reflections *reflections;
+    sl_counters *counters; /* of each packet */
+} reflecting;
+
+/* A ray that is on its way from a mirror. */
+typedef struct {
+    size_t slot; /* in the list */
+    sl_vec3 origin, direction;
+    uint32_t skip;
+} reflected;
+
+static sl_vec3 mirrored(sl_vec3 direction, sl_vec3 normal) { return sl_mad(direction, -2.0f * sl_dot(direction, normal), normal); }
+
+static sl_vec3 plane_vector(const float *x, const float *y, const float *z, size_t i) { return sl_v3(x[i], y[i], z[i]); }
+
+static reflected first_ray(const reflecting *c, size_t slot) {
+    const sl_gbuffer *g = c->gbuffer;
+    size_t i = c->reflections->pixel[slot];
+    sl_vec3 p = plane_vector(g->position_x, g->position_y, g->position_z, i), n = plane_vector(g->normal_x, g->normal_y, g->normal_z, i);
+    sl_vec3 geometric = plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i);
+    sl_vec3 incoming = sl_normalize_or(sl_sub(p, c->scene->camera.eye), sl_neg(geometric)), out = mirrored(incoming, n);
+    if (sl_dot(out, geometric) <= 0.0f) out = mirrored(incoming, geometric); /* a bent normal must not send it through the mirror */
+    c->reflections->throughput[slot] = c->scene->materials[g->material[i]].mirror;
+    return (reflected){slot, p, out, g->id[i]};
+}
+
+static void show_nothing(const reflecting *c, const reflected *ray) {
+    sl_gbuffer *g = c->gbuffer;
+    size_t i = c->reflections->pixel[ray->slot];
+    g->id[i] = g->material[i] = SL_NO_INDEX;
+    g->diffuse_r[i] = g->diffuse_g[i] = g->diffuse_b[i] = 0.0f;
+}
+
+static void show_surface(const reflecting *c, const reflected *ray, uint32_t triangle, const sl_surface *s) {
+    sl_gbuffer *g = c->gbuffer;
+    size_t i = c->reflections->pixel[ray->slot];
+    g->id[i] = triangle;
+    g->material[i] = c->scene->material_index[triangle];
+    g->position_x[i] = s->position.x, g->position_y[i] = s->position.y, g->position_z[i] = s->position.z;
+    g->normal_x[i] = s->normal.x, g->normal_y[i] = s->normal.y, g->normal_z[i] = s->normal.z;
+    g->geometric_x[i] = s->geometric_normal.x, g->geometric_y[i] = s->geometric_normal.y, g->geometric_z[i] = s->geometric_normal.z;
+    g->diffuse_r[i] = s->diffuse.r, g->diffuse_g[i] = s->diffuse.g, g->diffuse_b[i] = s->diffuse.b;
+    c->reflections->from[ray->slot] = ray->origin;
+}
+
+/* Where the ray ends; or, at a mirror, the ray that goes on from there. */
+static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, float w1, float w2) {
+    sl_rgb *throughput = &c->reflections->throughput[ray->slot];
+    if (triangle == SL_NO_INDEX) {
+        c->reflections->background[ray->slot] = sl_rgb_mul(*throughput, sl_environment_radiance(&c->scene->environment, ray->direction));
+        show_nothing(c, ray);
+        return false;
+    }
+    sl_surface s;
+    sl_scene_surface(c->scene, triangle, w1, w2, sl_neg(ray->direction), &s);
+    if (!sl_material_is_mirror(s.material)) {
+        show_surface(c, ray, triangle, &s);
+        return false;
+    }
+    *throughput = sl_rgb_mul(*throughput, s.material->mirror);
+    sl_vec3 out = mirrored(ray->direction, s.normal);
+    if (sl_dot(out, s.geometric_normal) <= 0.0f) out = mirrored(ray->direction, s.geometric_normal);
+    *ray = (reflected){ray->slot, s.position, out, triangle};
+    return true;
+}
+
+static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl_counters *counters) {
+    sl_ray16 packet;
+    sl_hit16 hits;
+    memset(&packet, 0, sizeof packet);
+    for (unsigned i = 0; i < count; i++) {
+        packet.origin_x[i] = rays[i].origin.x, packet.origin_y[i] = rays[i].origin.y, packet.origin_z[i] = rays[i].origin.z;
+        packet.direction_x[i] = rays[i].direction.x, packet.direction_y[i] = rays[i].direction.y, packet.direction_z[i] = rays[i].direction.z;
+        packet.far[i] = INFINITY;
+        packet.skip[i] = rays[i].skip;
+    }
+    sl_trace(c->tracer, &packet, count, true, &hits, counters);
+    unsigned left = 0;
+    for (unsigned i = 0; i < count; i++) {
+        if (goes_on(c, &rays[i], hits.triangle[i], hits.w1[i], hits.w2[i])) rays[left++] = rays[i];
+    }
+    return left;
+}
+
+static void reflect_packet(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const reflecting *c = context;
+    reflected rays[SL_PACKET];
+    size_t first = index * SL_PACKET, count = c->reflections->count - first;
+    unsigned left = count < SL_PACKET ? (unsigned)count : SL_PACKET;
+    for (unsigned i = 0; i < left; i++) rays[i] = first_ray(c, first + i);
+    for (int k = 0; k < SL_REFLECTIONS_MAX && left; k++) left = advance(c, rays, left, &c->counters[index]);
+    for (unsigned i = 0; i < left; i++) show_nothing(c, &rays[i]);
+}
+
+sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads, sl_gbuffer *gbuffer,
+                            sl_reflections **reflections, sl_counters *counters, sl_error *error) {
+    *reflections = NULL;
+    sl_status status = list_pixels(scene, gbuffer, reflections, error);
+    if (status != SL_OK || !*reflections) return status;
+    size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
+    reflecting c = {scene, tracer, gbuffer, *reflections, sl_allocate(packets, sizeof(sl_counters))};
+    if (!c.counters) {
+        sl_reflections_destroy(*reflections);
+        *reflections = NULL;
+        return sl_fail_memory(error, "reflections");
+    }
+    sl_parallel_for(threads, packets, reflect_packet, &c);
+    for (size_t i = 0; i < packets; i++) sl_counters_add(counters, &c.counters[i]);
+    sl_free(c.counters);
+    return SL_OK;
+}
