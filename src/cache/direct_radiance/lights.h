@@ -6,7 +6,8 @@
  *   area         I = Phi cos theta' / pi from its centre              (6), (9): a very distant area light
  *
  * Emissive triangles become area lights: those of one object and material that lie side by side in one plane are one light (a quad, a
- * panel); where there are more than SL_MAP_LIGHTS_MAX lights the weakest are merged, by position and normal, so that no flux is lost. */
+ * panel); where there are more than SL_MAP_LIGHTS_MAX lights the weakest of a kind are merged, by position and normal, so that no flux is
+ * lost. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
 #define SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
 
@@ -18,7 +19,8 @@ typedef enum sl_map_light_kind { SL_MAP_LIGHT_POINT, SL_MAP_LIGHT_SPOT, SL_MAP_L
 
 typedef struct sl_map_light {
     sl_map_light_kind kind;
-    sl_vec3 position;           /* area: the centroid, by area; directional: unused */
+    sl_vec3 position;           /* area: the centroid, by flux, brought before all of its triangles where they do not lie in one plane;
+                                   directional: unused */
     sl_vec3 direction;          /* unit. Spot: its axis; directional: the way light travels; area: the normal of the shining side */
     sl_rgb intensity;           /* W/sr. Point, spot; area: along the normal, L_e times area. Directional: W/m^2 */
     float cos_inner, cos_outer; /* spot */
@@ -48,5 +50,14 @@ typedef struct sl_map_lights {
 /* subdivision: n >= 1, see sl_radiance_map_settings.emitter_samples. The points' intensities add up to the light's. */
 sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights, sl_error *error);
 void sl_map_lights_destroy(sl_map_lights *lights);
+
+/* Radiant intensity (W/sr; directional: W/m^2) of a light in the unit direction away from it, as its map sees it. */
+sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction);
+/* W; of a directional light its irradiance. */
+sl_rgb sl_map_light_flux(const sl_map_light *light);
+
+/* An area light does not see itself: how far its own triangles reach above the plane through `eye` on the shining side (back: on the
+ * other one). What lies lower is left out of pictures taken from the eye. */
+float sl_map_light_clearance(const sl_scene *scene, const sl_map_lights *lights, size_t light, sl_vec3 eye, bool back);
 
 #endif

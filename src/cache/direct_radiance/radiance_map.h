@@ -69,7 +69,5 @@ size_t sl_radiance_map_bytes(const sl_radiance_map *map);
 /* Share of a light's flux that leaves inside its map's faces, hit or not: 1 for a cube around a point; 0.554 for one 90 degree frustum
  * of an area light. */
 double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light);
-/* Radiant intensity (W/sr; directional: W/m^2) of a light in the unit direction away from it, as its map sees it. */
-sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction);
 
 #endif
