@@ -139,6 +139,13 @@ static void on_the_grid(uint64_t key, uint64_t t, sl_vec3 p[3]) { /* vertices on
 
 /* ---- views ---- */
 
+static uint8_t some_triangles[4000];
+
+static const uint8_t *every_third_triangle(void) {
+    for (size_t t = 0; t < sizeof some_triangles; t++) some_triangles[t] = t % 3 == 1;
+    return some_triangles;
+}
+
 static sl_view random_view(uint64_t key, uint64_t n, int width, int height) {
     sl_frame frame = sl_frame_from_normal(random_direction(key, 50 * n));
     sl_vec3 eye = in_cube(key, 500000 + n, 1.5f);
@@ -155,6 +162,7 @@ static sl_view random_view(uint64_t key, uint64_t n, int width, int height) {
         view.corner_planes = n % 4 == 0;
     }
     if (n % 11 == 3) view.skip_triangle = (uint32_t)(n % 17);
+    if (n % 7 == 2) view.left_out = every_third_triangle();
     return view;
 }
 

@@ -65,7 +65,7 @@ static void classify_crossing(const uint16_t *restrict c0, const uint16_t *restr
     g->culled = (g->culled & ~crossing) | (crossing & ~(g->dropped | g->clipped));
 }
 
-/* A gather's own triangle counts as culled; a tiny one with a mask has its pixels looked at one by one. */
+/* A gather's own triangle, and what is left out, counts as culled; a tiny one with a mask has its pixels looked at one by one. */
 static void classify_special(const sl_raster *r, const sl_pass_view *view, uint32_t first, group_bits *g) {
     for (uint32_t t = 0; t < SL_LANES && first + t < r->mesh.triangle_count; t++) {
         const uint32_t bit = 1u << t;
@@ -73,7 +73,8 @@ static void classify_special(const sl_raster *r, const sl_pass_view *view, uint3
             g->tiny &= ~bit;
             g->other |= bit;
         }
-        if (r->triangle[first + t] == view->skip) {
+        const uint32_t id = r->triangle[first + t];
+        if (id == view->skip || (view->left_out && view->left_out[id])) {
             g->tiny &= ~bit;
             g->other &= ~bit;
             g->clipped &= ~bit;
@@ -92,7 +93,8 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const s
 void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
                                    const sl_vertex_buffer *b, sl_classes *classes) {
     const uint32_t first = r->first_triangle[cluster], count = r->triangles[cluster];
-    const bool special = r->masked || (view->skip < r->mesh.triangle_count && r->cluster_of_triangle[view->skip] == cluster);
+    const bool special = r->masked || view->left_out ||
+                         (view->skip < r->mesh.triangle_count && r->cluster_of_triangle[view->skip] == cluster);
     uint8_t several_list[SL_CLUSTER_TRIANGLES];
     uint32_t once = 0, several = 0;
     int32_t codes = 0;

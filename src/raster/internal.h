@@ -109,6 +109,7 @@ typedef struct sl_pass_view {
     bool inverse_w;
     sl_depth_rule rule;
     uint32_t skip;
+    const uint8_t *left_out;
     int planes;            /* for culling: 5 without a far plane, 6 with one */
     float plane[6][4];     /* inside: n . (p - origin) + d >= 0 */
     float plane_length[6]; /* |n|; infinite if that is next to nothing */

@@ -290,6 +290,6 @@ void sl_plain_id(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_vie
     picture p = {mesh, masks, view, sl_pass_view_make(view, target->width, target->height), target};
     clear(&p);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        if (t != view->skip_triangle) draw_triangle(&p, t);
+        if (t != view->skip_triangle && !(view->left_out && view->left_out[t])) draw_triangle(&p, t);
     }
 }

@@ -60,6 +60,8 @@ typedef struct sl_view {
     bool corner_planes;     /* window depth from plane equations at the target's corner, OSMesa's way bit by bit: for comparing with it; less
                              * accurate on slivers and small triangles than the default */
     uint32_t skip_triangle; /* not drawn (a gather's own triangle); SL_NO_INDEX, or any number that no triangle has: all are drawn */
+    const uint8_t *left_out; /* by triangle: 1: not drawn (the object from within which a picture is taken); NULL: all are drawn. A mirrored
+                              * view draws all: in a mirror, what stands around the eye is in nobody's way */
 } sl_view;
 
 /* Perspective camera with near and far planes, window depth. */

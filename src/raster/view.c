@@ -127,7 +127,8 @@ sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height) {
                          .offset_x = half_width + (float)view->x, .offset_y = half_height + (float)view->y,
                          .width = width, .height = height,
                          .x0 = view->x, .y0 = view->y, .x1 = view->x + view->width, .y1 = view->y + view->height,
-                         .inverse_w = view->depth == SL_DEPTH_INVERSE_W, .skip = view->skip_triangle};
+                         .inverse_w = view->depth == SL_DEPTH_INVERSE_W, .skip = view->skip_triangle,
+                         .left_out = view->left_out};
     pass.rule = pass.inverse_w ? SL_NEARER_IS_LARGER : view->corner_planes ? SL_OPENGL_PLANE : SL_NEARER_IS_SMALLER;
     cut_by_scissor(&view->scissor, &pass);
     memcpy(pass.clip, view->clip, sizeof pass.clip);

@@ -43,6 +43,7 @@ bool sl_view_mirrored(const sl_view *view, const sl_plane *mirror, double offset
     sl_vec3d n = sl_scaled(mirror->normal, height > 0.0 ? 1.0 : -1.0); /* towards the eye */
     *mirrored = *view;
     mirrored->depth = SL_DEPTH_INVERSE_W;
+    mirrored->left_out = NULL;
     mirrored->origin = sl_to_float(image);
     sl_vec3d rounding = sl_subd(sl_to_double(mirrored->origin), image);
     for (int k = 0; k < 4; k++) mirror_row(view->clip[k], mirror, rounding, mirrored->clip[k]);
