@@ -68,6 +68,8 @@ typedef struct sl_view {
 sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far);
 /* A scene's camera as methods want it: inverse-w depth, no far plane, near plane at 1e-5 of the scene's diagonal. */
 sl_view sl_view_scene(const sl_scene *scene, int width, int height);
+/* The unit direction in which a point of the viewport looks (x, y in pixels, centres at .5), whatever the view's matrix: mirrored views too. */
+sl_vec3 sl_view_direction(const sl_view *view, double x, double y);
 /* Any pyramid: frame x right, y up, looks along +z of the frame; tangents of the four sides at unit distance; clip at
  * w >= near; inverse-w depth. The plane above a surface point: frame z = normal, tangents +-tan(fov/2). */
 sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float right, float bottom, float top, int width,

@@ -94,6 +94,19 @@ sl_view sl_view_scene(const sl_scene *scene, int width, int height) {
     return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->diagonal);
 }
 
+static sl_vec3d row_of(const sl_view *view, int row) {
+    return sl_v3d((double)view->clip[row][0], (double)view->clip[row][1], (double)view->clip[row][2]);
+}
+
+/* The d for which rows 0, 1 and 3 give (u, v, 1): by the rows' cross products. Their order of corners tells mirrored views. */
+sl_vec3 sl_view_direction(const sl_view *view, double x, double y) {
+    sl_vec3d rx = row_of(view, 0), ry = row_of(view, 1), rw = row_of(view, 3);
+    double u = 2.0 * x / (double)view->width - 1.0, v = 2.0 * y / (double)view->height - 1.0;
+    sl_vec3d d = sl_addd(sl_addd(sl_scaled(sl_crossd(ry, rw), u), sl_scaled(sl_crossd(rw, rx), v)), sl_crossd(rx, ry));
+    double turn = sl_dotd(rx, sl_crossd(ry, rw)) < 0.0 ? -1.0 : 1.0;
+    return sl_normalize_or(sl_to_float(sl_scaled(d, turn)), sl_v3(0.0f, 0.0f, -1.0f));
+}
+
 /* Planes in the order of the clip codes: w -+ x, w -+ y, then near and far. */
 static void make_planes(const sl_view *view, sl_pass_view *pass) {
     const float(*m)[4] = view->clip;

@@ -141,6 +141,9 @@ sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float 
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2);
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle); /* the triangle's material has an alpha mask */
 
+/* Radiance that a triangle sends to the side on which geometric_normal points (turned to the viewer): black from behind, unless it shines on both. */
+sl_rgb sl_scene_emission(const sl_scene *scene, uint32_t triangle, sl_vec3 geometric_normal);
+
 /* Radiance of the environment in a unit direction; black where there is none. */
 sl_rgb sl_environment_radiance(const sl_environment *environment, sl_vec3 direction);
 /* A direction drawn proportional to luminance x solid angle from two numbers in [0,1); its radiance and pdf (1/sr). */

@@ -67,3 +67,9 @@ bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, floa
     float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
     return sl_texture_alpha(&scene->textures[material->alpha_texture], u, v) >= 0.5f;
 }
+
+sl_rgb sl_scene_emission(const sl_scene *scene, uint32_t triangle, sl_vec3 geometric_normal) {
+    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    bool front = sl_dot(geometric_normal, sl_scene_geometric_normal(scene, triangle)) > 0.0f;
+    return front || m->emission_two_sided ? m->emission : sl_grey(0.0f);
+}

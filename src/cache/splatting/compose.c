@@ -38,11 +38,7 @@ static sl_rgb emission_at(const composing *c, int x, int y, size_t pixel) {
     const sl_gbuffer *g = c->parts->gbuffer;
     if (!c->parts->drawn) return sl_grey(0.0f);
     if (g->material[pixel] == SL_NO_INDEX) return sky_at(c, x, y);
-    const sl_material *m = &scene->materials[g->material[pixel]];
-    if (!sl_material_is_emitter(m)) return sl_grey(0.0f);
-    sl_vec3 geometric = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
-    bool front = sl_dot(geometric, sl_scene_geometric_normal(scene, g->id[pixel])) > 0.0f;
-    return front || m->emission_two_sided ? m->emission : sl_grey(0.0f);
+    return sl_scene_emission(scene, g->id[pixel], sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
 }
 
 /* ---- rows ---- */

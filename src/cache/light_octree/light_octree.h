@@ -1,0 +1,40 @@
+/* The light octree (Vivanloc, Hoelt, Hong, Paulin 2007): a photon map condensed, voxel by voxel, into a few directional lights, which shaders then
+ * use like any others. Read in this order:
+ *
+ *   plan.c            which passes a scene needs
+ *   light_octree.c    the passes of one picture, and the state between them
+ *   photons.c         P1: photon tracing
+ *   photon_tree.c     P2: the kd-tree, and the k nearest photons
+ *   octree.c          G1: the voxels, on geometry
+ *   photon_area.c     P3: over which area the gathered photons were strewn
+ *   cluster.c         P4: K-means on their directions
+ *   voxel_lights.c    P3 and P4 for every voxel
+ *   voxel_texture.c   P5: all of it in textures, as the hardware holds it
+ *   shade.c           R1: pixels lit from the octree
+ *   atlas/            G2 to G4, R1' and R2: the same by way of a texture atlas
+ *   reflect.c         what mirrors show
+ *   direct_photons.c  the photon map shown as it is: what the octree is compared with
+ */
+#ifndef SL_CACHE_LIGHT_OCTREE_H
+#define SL_CACHE_LIGHT_OCTREE_H
+
+#include "cache/direct/direct.h"
+#include "cache/light_octree/plan.h"
+#include "cache/light_octree/reflect.h"
+#include "cache/light_octree/shade.h"
+#include "cache/light_octree/voxel_lights.h"
+
+/* What a picture is made of; planes of the G-buffer's size, row 0 at the bottom. */
+typedef struct sl_octree_composition {
+    const sl_scene *scene;
+    const sl_gbuffer *gbuffer;
+    const sl_reflections *reflections; /* or NULL */
+    const float *direct[3], *indirect[3];
+    bool drawn;                        /* the G-buffer holds this view */
+    unsigned threads;
+} sl_octree_composition;
+
+/* R, G, B = emission + direct + indirect, and each of the three alone, mirrors' reflectances included; top row first. */
+sl_status sl_octree_compose(const sl_octree_composition *parts, sl_image **image, sl_error *error);
+
+#endif

@@ -1,0 +1,85 @@
+/* Which passes run, and with what. */
+#include "cache/light_octree/plan.h"
+
+#include "base/math.h"
+#include "scene/features.h"
+
+typedef struct {
+    int depth;
+    uint64_t photons;
+    int neighbours;
+    uint32_t light_samples;
+} octree_quality;
+
+static const octree_quality by_quality[] = {
+    [SL_QUALITY_DRAFT] = {5, 150000, 150, 8},
+    [SL_QUALITY_NORMAL] = {6, 600000, 300, 16},
+    [SL_QUALITY_HIGH] = {6, 1200000, 500, 64},
+};
+
+enum { SHALLOWEST_SHOWN = 4, LIGHTS = 4, ATLAS_SIZE = 1024 };
+static const double flatness = 0.25, acceptance = SL_PI / 3.0;
+
+void sl_octree_complete(sl_settings *settings) {
+    const octree_quality *q = &by_quality[settings->quality];
+    sl_light_octree_settings *o = &settings->light_octree;
+    if (!o->depth) o->depth = q->depth;
+    if (!o->photons) o->photons = q->photons;
+    if (!o->neighbours) o->neighbours = q->neighbours;
+    if (!o->lights) o->lights = LIGHTS;
+    if (o->flatness == 0.0) o->flatness = flatness;
+    if (o->acceptance == 0.0) o->acceptance = acceptance;
+    if (!o->atlas_size) o->atlas_size = ATLAS_SIZE;
+    if (!settings->spp) settings->spp = q->light_samples;
+}
+
+sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *settings) {
+    sl_features f = sl_scene_features(scene);
+    const sl_light_octree_settings *o = &settings->light_octree;
+    bool light = scene->light_count || scene->emitter_count || scene->environment.present;
+    bool receivers = f.diffuse_triangles || f.glossy_triangles;
+    return (sl_octree_plan){
+        .photons = light && receivers,
+        .glossy = f.glossy_triangles > 0,
+        .mirrors = f.mirror_triangles > 0,
+        .direct = light && receivers && !o->indirect_only,
+        .environment = f.environment,
+        .first_depth = o->depth < SHALLOWEST_SHOWN ? o->depth : SHALLOWEST_SHOWN,
+    };
+}
+
+/* L (D|G|S)+ (D|G) S* E beside emission and direct light: every path with at least one bounce before the surface that is seen. */
+void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
+    *transport = (sl_transport){
+        .emission = true,
+        .eye_mirrors = true,
+        .direct_lobes = settings->light_octree.indirect_only ? 0 : SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .bounce_lobes = SL_LOBE_ALL,
+        .bounces = SL_BOUNCES_UNLIMITED,
+        .direct_visibility = true,
+        .bounce_visibility = true,
+        .filter = SL_FILTER_CENTRE,
+    };
+}
+
+void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    static const char *const stores[] = {"after a bounce at least", "all", "caustics alone"};
+    static const char *const areas[] = {"the scene's triangles in the ellipsoid", "the section of a plane", "a disc"};
+    static const char *const lobes[] = {"directional lights, perpendicular irradiance", "directional lights, irradiance on the surface",
+                                        "one irradiance", "spherical harmonics"};
+    const sl_light_octree_settings *o = &settings->light_octree;
+    sl_features f = sl_scene_features(scene);
+    sl_octree_plan p = sl_octree_plan_make(scene, settings);
+    sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
+    sl_plan_pass(writer, p.photons, "octree", "depth %d, shown from depth %d on", o->depth, p.first_depth);
+    sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each voxel, spread over %s", o->neighbours, areas[o->area]);
+    bool directional = o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE;
+    sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel", lobes[o->lobes], o->lights);
+    sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,
+                 o->atlas && p.glossy ? "; glossy surfaces look into the octree" : "");
+    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
+    sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, followed by rays", f.mirror_triangles);
+    sl_plan_pass(writer, p.direct, "direct light", "%u light samples a pixel", (unsigned)settings->spp);
+    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");
+}

@@ -1,0 +1,22 @@
+/* What the light octree runs for a scene, and its settings completed. */
+#ifndef SL_CACHE_LIGHT_OCTREE_PLAN_H
+#define SL_CACHE_LIGHT_OCTREE_PLAN_H
+
+#include "cache/method.h"
+
+typedef struct sl_octree_plan {
+    bool photons;      /* something shines and something reflects */
+    bool glossy;       /* some surface is: view vectors, lobes by direction even where the colour octree would do */
+    bool mirrors;
+    bool direct;       /* direct light of pixels */
+    bool environment;
+    int first_depth;   /* the shallowest octree that is shown */
+} sl_octree_plan;
+
+/* Replaces what is 0 in settings->light_octree, or left to quality. The radius stays 0: it follows from the photons. */
+void sl_octree_complete(sl_settings *settings);
+sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *settings);
+void sl_octree_transport(const sl_settings *settings, sl_transport *transport);
+void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+
+#endif
