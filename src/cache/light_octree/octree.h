@@ -14,8 +14,7 @@ typedef struct sl_octree_leaf {
     sl_vec3 centroid;       /* c_v: by area, of the triangles clipped to the voxel */
     sl_vec3 normal;         /* n_v; (0,0,0) where |sum area n| < 0.2 sum area */
     float area;             /* of the clipped triangles; what lies in a face that two voxels share counts half in each, so that the
-                             * leaves' areas add up to the scene's; 0 where triangles only touch the voxel */
-    float coherence;        /* |sum area n| / sum area: 1 where all is flat */
+                             * leaves' areas add up to the scene's; next to 0 where they only touch the voxel */
     uint32_t first_triangle; /* in the octree's list */
     uint32_t triangle_count;
 } sl_octree_leaf;
@@ -28,6 +27,7 @@ typedef struct sl_octree {
     double edge;            /* of the root cube */
     size_t leaf_count;
     sl_octree_leaf *leaf;
+    sl_vec3 *area_vector;   /* of each leaf: sum area n, for cuts */
     size_t triangle_count;
     uint32_t *triangle;     /* leaf by leaf, ascending in each; empty (counts 0) in cuts */
 } sl_octree;

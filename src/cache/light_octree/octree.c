@@ -1,0 +1,402 @@
+/* Building: every triangle names the cells of the deepest level that it meets; the pairs (Morton code, triangle) are sorted, and each run
+ * of equal codes is a leaf. The levels above are the codes' prefixes: a cell is split if and only if a deeper one in it meets a triangle. */
+#include "cache/light_octree/octree.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/light_octree/octree_leaves.h"
+
+enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
+
+/* ---- the space of cells ---- */
+
+static double largest(double a, double b) { return a > b ? a : b; }
+
+sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth) {
+    double scale = (double)(1u << depth) / edge, far = 0.0;
+    const float ends[6] = {scene->box_min.x, scene->box_min.y, scene->box_min.z, scene->box_max.x, scene->box_max.y, scene->box_max.z};
+    for (int k = 0; k < 6; k++) far = largest(far, fabs((double)ends[k]));
+    return (sl_cell_space){scene, origin, scale, 0x1p-22 * far * scale}; /* four half units in the last place */
+}
+
+static sl_vec3d place(const sl_cell_space *space, uint32_t vertex) {
+    return sl_scaled(sl_subd(sl_to_double(sl_scene_position(space->scene, vertex)), space->origin), space->scale);
+}
+
+sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t triangle) {
+    uint32_t *const *vertex = (uint32_t *const *)space->scene->vertex;
+    return sl_cell_triangle_of(place(space, vertex[0][triangle]), place(space, vertex[1][triangle]), place(space, vertex[2][triangle]));
+}
+
+/* Does it lie in a face of the cell? Both voxels there have it. */
+static bool in_face(const sl_triangle_part *part, sl_vec3d low, double face) {
+    for (int axis = 0; axis < 3; axis++) {
+        double lower = INFINITY, upper = -INFINITY;
+        for (int k = 0; k < part->count; k++) {
+            sl_vec3d p = sl_subd(part->corner[k], low);
+            double x = axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+            lower = x < lower ? x : lower;
+            upper = x > upper ? x : upper;
+        }
+        if (upper <= face || lower >= 1.0 - face) return true;
+    }
+    return false;
+}
+
+double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3], double dilate,
+                       sl_triangle_part *part) {
+    sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]), high = sl_addd(low, sl_v3d(1.0, 1.0, 1.0));
+    double g = dilate + space->tolerance;
+    sl_vec3d margin = sl_v3d(g, g, g);
+    sl_triangle_in_box(triangle, sl_subd(low, margin), sl_addd(high, margin), part);
+    if (part->count == 0 || dilate > 0.0) return 1.0;
+    if (in_face(part, low, 2.0 * space->tolerance)) return 0.5;
+    sl_triangle_part within;
+    sl_triangle_in_box(triangle, low, high, &within); /* else neighbours would share the margin */
+    if (within.count > 0) *part = within;
+    return 1.0;
+}
+
+/* ---- pairs of cells and triangles ---- */
+
+typedef struct pair_list {
+    uint64_t *pair; /* Morton code in the upper half, triangle in the lower */
+    size_t count, capacity;
+    bool failed;
+} pair_list;
+
+typedef struct builder {
+    sl_cell_space space;
+    double dilate, grown; /* by what voxels are wider on each side, without and with the tolerance; cells */
+    uint32_t cells; /* an edge of the root */
+    pair_list *chunk;
+    sl_octree *octree;
+    const uint64_t *pair;
+} builder;
+
+static void emit(pair_list *list, uint32_t x, uint32_t y, uint32_t z, uint32_t triangle) {
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity ? 2 * list->capacity : 2 * CHUNK;
+        uint64_t *grown = realloc(list->pair, capacity * sizeof *grown);
+        if (!grown) {
+            list->failed = true;
+            return;
+        }
+        list->pair = grown;
+        list->capacity = capacity;
+    }
+    list->pair[list->count++] = sl_morton_encode(x, y, z) << 32 | triangle;
+}
+
+typedef struct cell_range {
+    uint32_t low[3], high[3]; /* both inclusive */
+} cell_range;
+
+/* Closed boxes: cell i reaches from i - grown to i + 1 + grown. */
+static cell_range range_of(const builder *b, const sl_cell_triangle *t) {
+    cell_range range;
+    for (int axis = 0; axis < 3; axis++) {
+        double lower = INFINITY, upper = -INFINITY;
+        for (int k = 0; k < 3; k++) {
+            double x = axis == 0 ? t->corner[k].x : axis == 1 ? t->corner[k].y : t->corner[k].z;
+            lower = x < lower ? x : lower;
+            upper = x > upper ? x : upper;
+        }
+        double first = ceil(lower - b->grown - 1.0), last = floor(upper + b->grown), end = (double)(b->cells - 1);
+        range.low[axis] = (uint32_t)(first > 0.0 ? (first < end ? first : end) : 0.0);
+        range.high[axis] = (uint32_t)(last > 0.0 ? (last < end ? last : end) : 0.0);
+    }
+    return range;
+}
+
+/* Halves a range of cells along its longest side as long as its box meets the triangle. */
+static void visit_range(const builder *b, const sl_cell_triangle *t, cell_range range, uint32_t triangle, pair_list *list) {
+    int axis = 0;
+    uint32_t side = 0;
+    for (int k = 0; k < 3; k++) {
+        if (range.high[k] - range.low[k] > side) {
+            side = range.high[k] - range.low[k];
+            axis = k;
+        }
+    }
+    double g = b->grown;
+    sl_vec3d low = sl_v3d(range.low[0] - g, range.low[1] - g, range.low[2] - g);
+    sl_vec3d high = sl_v3d(range.high[0] + 1.0 + g, range.high[1] + 1.0 + g, range.high[2] + 1.0 + g);
+    if (!sl_triangle_meets_box(t, low, high)) return;
+    if (side == 0) {
+        emit(list, range.low[0], range.low[1], range.low[2], triangle);
+        return;
+    }
+    cell_range lower = range, upper = range;
+    lower.high[axis] = range.low[axis] + side / 2;
+    upper.low[axis] = lower.high[axis] + 1;
+    visit_range(b, t, lower, triangle, list);
+    visit_range(b, t, upper, triangle, list);
+}
+
+static void visit_chunk(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    builder *b = context;
+    pair_list *list = &b->chunk[index];
+    size_t first = index * CHUNK, end = first + CHUNK;
+    if (end > b->space.scene->triangle_count) end = b->space.scene->triangle_count;
+    for (size_t i = first; i < end; i++) {
+        sl_cell_triangle t = sl_cell_space_triangle(&b->space, (uint32_t)i);
+        cell_range range = range_of(b, &t);
+        if (memcmp(range.low, range.high, sizeof range.low) == 0) emit(list, range.low[0], range.low[1], range.low[2], (uint32_t)i);
+        else visit_range(b, &t, range, (uint32_t)i, list);
+    }
+}
+
+/* Stable, by Morton code alone: triangles come in ascending order already. The result is in *pair; *spare is scratch. */
+static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code_bits) {
+    for (int shift = 32; shift < 32 + code_bits; shift += RADIX_BITS) {
+        static const uint64_t mask = RADIX - 1;
+        size_t start[RADIX] = {0};
+        for (size_t i = 0; i < count; i++) start[(*pair)[i] >> shift & mask]++;
+        size_t sum = 0;
+        for (int d = 0; d < RADIX; d++) {
+            size_t here = start[d];
+            start[d] = sum;
+            sum += here;
+        }
+        for (size_t i = 0; i < count; i++) (*spare)[start[(*pair)[i] >> shift & mask]++] = (*pair)[i];
+        uint64_t *other = *pair;
+        *pair = *spare;
+        *spare = other;
+    }
+}
+
+/* ---- what a leaf holds ---- */
+
+/* n_v and c_v by area of what lies in the voxel (section 2.8): so they do not depend on how a surface is cut into triangles. */
+static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_vector) {
+    uint32_t cell[3];
+    sl_morton_decode(leaf->morton, cell);
+    sl_vec3d vector = {0}, centre = {0}, touch_centre = {0}, touch_normal = {0};
+    sl_vec3d middle = sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
+    double area = 0.0, touches = 0.0;
+    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+        sl_cell_triangle t = sl_cell_space_triangle(&b->space, b->octree->triangle[leaf->first_triangle + i]);
+        sl_triangle_part part;
+        double share = sl_clip_to_cell(&b->space, &t, cell, b->dilate, &part) * part.area, length = sl_lengthd(t.normal);
+        if (part.count == 0 || !(length > 0.0)) continue;
+        sl_vec3d n = sl_scaled(t.normal, 1.0 / length), c = sl_subd(part.centroid, middle);
+        area += share;
+        vector = sl_addd(vector, sl_scaled(n, share));
+        centre = sl_addd(centre, sl_scaled(c, share));
+        touches += 1.0;
+        touch_centre = sl_addd(touch_centre, c);
+        touch_normal = sl_addd(touch_normal, n);
+    }
+    if (area > 0.0) centre = sl_scaled(centre, 1.0 / area);
+    else if (touches > 0.0) centre = sl_scaled(touch_centre, 1.0 / touches);
+    sl_vec3d n = area > 0.0 ? vector : touch_normal;
+    double length = sl_lengthd(n), cell_area = 1.0 / (b->space.scale * b->space.scale);
+    bool turned = length > 0.0 && length >= 0.2 * (area > 0.0 ? area : touches);
+    leaf->normal = turned ? sl_to_float(sl_scaled(n, 1.0 / length)) : sl_v3(0.0f, 0.0f, 0.0f);
+    leaf->centroid = sl_to_float(sl_addd(sl_scaled(sl_addd(middle, centre), 1.0 / b->space.scale), b->space.origin));
+    leaf->area = (float)(area * cell_area);
+    *area_vector = sl_to_float(sl_scaled(vector, cell_area));
+}
+
+static void measure_block(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const builder *b = context;
+    size_t first = index * LEAF_BLOCK, end = first + LEAF_BLOCK;
+    if (end > b->octree->leaf_count) end = b->octree->leaf_count;
+    for (size_t i = first; i < end; i++) measure_leaf(b, &b->octree->leaf[i], &b->octree->area_vector[i]);
+}
+
+static size_t count_leaves(const uint64_t *pair, size_t count) {
+    size_t leaves = 0;
+    for (size_t i = 0; i < count; i++) leaves += i == 0 || pair[i] >> 32 != pair[i - 1] >> 32;
+    return leaves;
+}
+
+static void fill_leaves(sl_octree *octree, const uint64_t *pair) {
+    size_t leaf = 0;
+    for (size_t i = 0; i < octree->triangle_count; i++) {
+        octree->triangle[i] = (uint32_t)pair[i];
+        if (i == 0 || pair[i] >> 32 != pair[i - 1] >> 32) {
+            octree->leaf[leaf++] = (sl_octree_leaf){.morton = pair[i] >> 32, .first_triangle = (uint32_t)i};
+        }
+        octree->leaf[leaf - 1].triangle_count++;
+    }
+}
+
+static sl_status allocate_leaves(sl_octree *octree, size_t leaves, size_t triangles, sl_error *error) {
+    octree->leaf_count = leaves;
+    octree->triangle_count = triangles;
+    octree->leaf = sl_allocate(leaves, sizeof *octree->leaf);
+    octree->area_vector = sl_allocate(leaves, sizeof *octree->area_vector);
+    octree->triangle = sl_allocate(triangles, sizeof *octree->triangle);
+    return octree->leaf && octree->area_vector && octree->triangle ? SL_OK : sl_fail_memory(error, "the octree");
+}
+
+/* From the chunks' pairs to leaves. */
+static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_error *error) {
+    size_t count = 0, at = 0;
+    bool failed = false;
+    for (size_t i = 0; i < chunks; i++) {
+        count += b->chunk[i].count;
+        failed |= b->chunk[i].failed;
+    }
+    if (failed || count > UINT32_MAX) return sl_fail_memory(error, "the octree's triangle lists");
+    uint64_t *pair = sl_allocate(count, sizeof *pair), *spare = sl_allocate(count, sizeof *spare);
+    sl_status status = pair && spare ? SL_OK : sl_fail_memory(error, "the octree's triangle lists");
+    if (status == SL_OK) {
+        for (size_t i = 0; i < chunks; i++) {
+            if (b->chunk[i].count) memcpy(pair + at, b->chunk[i].pair, b->chunk[i].count * sizeof *pair);
+            at += b->chunk[i].count;
+        }
+        sort_pairs(&pair, &spare, count, 3 * b->octree->depth);
+        status = allocate_leaves(b->octree, count_leaves(pair, count), count, error);
+    }
+    if (status == SL_OK) {
+        fill_leaves(b->octree, pair);
+        sl_parallel_for(threads, (b->octree->leaf_count + LEAF_BLOCK - 1) / LEAF_BLOCK, measure_block, b);
+    }
+    sl_free(pair);
+    sl_free(spare);
+    return status;
+}
+
+/* The scene's box made cubic about its middle, and a little larger. */
+static void set_root(sl_octree *octree, const sl_scene *scene) {
+    sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max), size = sl_subd(high, low);
+    double edge = largest(size.x, largest(size.y, size.z));
+    if (!(edge > 0.0 && edge < 1e300)) edge = 1.0; /* no triangles */
+    octree->edge = edge * (1.0 + 1e-4);
+    octree->origin = sl_subd(sl_scaled(sl_addd(low, high), 0.5), sl_scaled(sl_v3d(1.0, 1.0, 1.0), 0.5 * octree->edge));
+}
+
+sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **result, sl_error *error) {
+    *result = NULL;
+    if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilate >= 0.0 && dilate <= 1.0)) {
+        return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1", depth, dilate,
+                       (int)SL_OCTREE_DEPTH_MAX);
+    }
+    sl_octree *octree = sl_allocate(1, sizeof *octree);
+    if (!octree) return sl_fail_memory(error, "the octree");
+    octree->depth = depth;
+    set_root(octree, scene);
+    size_t chunks = (scene->triangle_count + CHUNK - 1) / CHUNK;
+    builder b = {.space = sl_cell_space_of(scene, octree->origin, octree->edge, depth), .dilate = dilate, .cells = 1u << depth, .octree = octree,
+                 .chunk = sl_allocate(chunks, sizeof *b.chunk)};
+    b.grown = dilate + b.space.tolerance;
+    sl_status status = b.chunk ? SL_OK : sl_fail_memory(error, "the octree");
+    if (status == SL_OK) {
+        threads = sl_thread_count(threads);
+        sl_parallel_for(threads, chunks, visit_chunk, &b);
+        status = make_leaves(&b, chunks, threads, error);
+        for (size_t i = 0; i < chunks; i++) free(b.chunk[i].pair);
+    }
+    sl_free(b.chunk);
+    if (status != SL_OK) sl_octree_destroy(octree);
+    else *result = octree;
+    return status;
+}
+
+/* ---- cuts ---- */
+
+static size_t children_end(const sl_octree *octree, size_t first, int shift) {
+    size_t end = first + 1;
+    while (end < octree->leaf_count && octree->leaf[end].morton >> shift == octree->leaf[first].morton >> shift) end++;
+    return end;
+}
+
+static void join_leaves(const sl_octree *octree, size_t first, size_t end, sl_octree_leaf *leaf, sl_vec3 *area_vector) {
+    sl_vec3d vector = {0}, centre = {0}, base = sl_to_double(octree->leaf[first].centroid), plain = {0}, normal = {0};
+    double area = 0.0;
+    for (size_t i = first; i < end; i++) {
+        const sl_octree_leaf *child = &octree->leaf[i];
+        sl_vec3d offset = sl_subd(sl_to_double(child->centroid), base);
+        area += (double)child->area;
+        vector = sl_addd(vector, sl_to_double(octree->area_vector[i]));
+        centre = sl_addd(centre, sl_scaled(offset, (double)child->area));
+        plain = sl_addd(plain, offset);
+        normal = sl_addd(normal, sl_to_double(child->normal));
+    }
+    sl_vec3d n = area > 0.0 ? vector : normal;
+    double length = sl_lengthd(n);
+    bool turned = length > 0.0 && length >= 0.2 * (area > 0.0 ? area : (double)(end - first));
+    leaf->centroid = sl_to_float(sl_addd(base, area > 0.0 ? sl_scaled(centre, 1.0 / area) : sl_scaled(plain, 1.0 / (double)(end - first))));
+    leaf->normal = turned ? sl_to_float(sl_scaled(n, 1.0 / length)) : sl_v3(0.0f, 0.0f, 0.0f);
+    leaf->area = (float)area;
+    *area_vector = sl_to_float(vector);
+}
+
+sl_status sl_octree_cut(const sl_octree *octree, int depth, sl_octree **result, sl_error *error) {
+    *result = NULL;
+    if (depth < 1 || depth > octree->depth) {
+        return sl_fail(error, SL_ERROR_USAGE, "a cut at depth %d of an octree of depth %d", depth, octree->depth);
+    }
+    sl_octree *cut = sl_allocate(1, sizeof *cut);
+    if (!cut) return sl_fail_memory(error, "the octree");
+    *cut = (sl_octree){.depth = depth, .origin = octree->origin, .edge = octree->edge};
+    int shift = 3 * (octree->depth - depth);
+    size_t leaves = 0;
+    for (size_t i = 0; i < octree->leaf_count; i = children_end(octree, i, shift)) leaves++;
+    sl_status status = allocate_leaves(cut, leaves, 0, error);
+    if (status != SL_OK) {
+        sl_octree_destroy(cut);
+        return status;
+    }
+    size_t leaf = 0;
+    for (size_t i = 0, end; i < octree->leaf_count; i = end, leaf++) {
+        end = children_end(octree, i, shift);
+        cut->leaf[leaf].morton = octree->leaf[i].morton >> shift;
+        join_leaves(octree, i, end, &cut->leaf[leaf], &cut->area_vector[leaf]);
+    }
+    *result = cut;
+    return SL_OK;
+}
+
+/* ---- look-ups ---- */
+
+size_t sl_octree_lower_bound(const sl_octree *octree, uint64_t morton) {
+    size_t first = 0, count = octree->leaf_count;
+    while (count > 0) {
+        size_t half = count / 2;
+        if (octree->leaf[first + half].morton < morton) {
+            first += half + 1;
+            count -= half + 1;
+        } else {
+            count = half;
+        }
+    }
+    return first;
+}
+
+uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton) {
+    size_t leaf = sl_octree_lower_bound(octree, morton);
+    return leaf < octree->leaf_count && octree->leaf[leaf].morton == morton ? (uint32_t)leaf : SL_NO_INDEX;
+}
+
+static uint32_t cell_at(double x, double cells) {
+    return (uint32_t)(x > 0.0 ? (x < cells - 1.0 ? floor(x) : cells - 1.0) : 0.0); /* NaN: 0 */
+}
+
+uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p) {
+    double cells = (double)(1u << octree->depth);
+    sl_vec3d u = sl_scaled(sl_subd(sl_to_double(p), octree->origin), cells / octree->edge);
+    return sl_morton_encode(cell_at(u.x, cells), cell_at(u.y, cells), cell_at(u.z, cells));
+}
+
+void sl_octree_destroy(sl_octree *octree) {
+    if (!octree) return;
+    sl_free(octree->leaf);
+    sl_free(octree->area_vector);
+    sl_free(octree->triangle);
+    sl_free(octree);
+}
+
+size_t sl_octree_bytes(const sl_octree *octree) {
+    return sizeof *octree + octree->leaf_count * (sizeof *octree->leaf + sizeof *octree->area_vector) +
+           octree->triangle_count * sizeof *octree->triangle;
+}

@@ -1,0 +1,346 @@
+/* The octree over the scene's geometry: which voxels it has, and what they say of the surfaces in them. */
+#include "raster_support.h"
+
+#include <math.h>
+
+#include "cache/light_octree/octree_leaves.h"
+#include "trace_scenes.h"
+
+static sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
+    sl_octree *octree = NULL;
+    sl_error error;
+    if (sl_octree_create(scene, depth, 0.0, threads, &octree, &error) != SL_OK) fail_msg("%s", error.message);
+    return octree;
+}
+
+static sl_octree *cut_of(const sl_octree *octree, int depth) {
+    sl_octree *cut = NULL;
+    assert_int_equal(sl_octree_cut(octree, depth, &cut, NULL), SL_OK);
+    return cut;
+}
+
+static sl_scene *sphere(unsigned rings, float radius) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1); /* the root: two specks in its corners */
+    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1), trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
+    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1), trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    return trace_mesh_build(&mesh);
+}
+
+static sl_vec3d random_point(uint64_t key, uint64_t index, double low, double high) {
+    double p[3];
+    for (uint64_t d = 0; d < 3; d++) p[d] = low + (high - low) * (double)sl_random_unit(key, 3 * index + d);
+    return sl_v3d(p[0], p[1], p[2]);
+}
+
+static void the_box_test_agrees_with_clipping(void **state) {
+    (void)state;
+    uint64_t key = sl_random_key(5, 0);
+    int met = 0, missed = 0;
+    for (uint64_t i = 0; i < 100000; i++) {
+        double size = i % 3 == 0 ? 4.0 : i % 3 == 1 ? 1.0 : 20.0;
+        sl_vec3d at = random_point(key, 4 * i, -2, 3), corner[3];
+        for (uint64_t k = 0; k < 3; k++) corner[k] = sl_addd(at, random_point(key, 4 * i + 1 + k, -size, size));
+        sl_cell_triangle t = sl_cell_triangle_of(corner[0], corner[1], corner[2]);
+        sl_triangle_part part;
+        sl_triangle_in_box(&t, sl_v3d(0, 0, 0), sl_v3d(1, 1, 1), &part);
+        bool meets = sl_triangle_meets_box(&t, sl_v3d(0, 0, 0), sl_v3d(1, 1, 1));
+        if (meets != (part.count > 0)) fail_msg("triangle %d: test says %d, %d corners are left", (int)i, meets, part.count);
+        met += meets;
+        missed += !meets;
+        for (int k = 0; k < part.count; k++) {
+            sl_vec3d p = part.corner[k];
+            assert_true(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1 && p.z >= 0 && p.z <= 1);
+        }
+    }
+    if (met < 5000 || missed < 10000) fail_msg("%d meet, %d miss", met, missed);
+}
+
+static void boxes_are_closed(void **state) {
+    (void)state;
+    sl_vec3d low = {0, 0, 0}, high = {1, 1, 1};
+    sl_cell_triangle corner = sl_cell_triangle_of(sl_v3d(1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(1, 2, 1));
+    sl_cell_triangle edge = sl_cell_triangle_of(sl_v3d(-1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(0.5, 1.5, 1.5));
+    sl_cell_triangle face = sl_cell_triangle_of(sl_v3d(-3, -3, 1), sl_v3d(6, -3, 1), sl_v3d(0, 6, 1));
+    sl_cell_triangle near_miss = sl_cell_triangle_of(sl_v3d(-3, -3, 1.0000001), sl_v3d(6, -3, 1.0000001), sl_v3d(0, 6, 1.0000001));
+    assert_true(sl_triangle_meets_box(&corner, low, high));
+    assert_true(sl_triangle_meets_box(&edge, low, high));
+    assert_true(sl_triangle_meets_box(&face, low, high));
+    assert_false(sl_triangle_meets_box(&near_miss, low, high));
+    sl_triangle_part part;
+    sl_triangle_in_box(&face, low, high, &part);
+    assert_true(fabs(part.area - 1.0) < 1e-14);
+    assert_true(fabs(part.centroid.x - 0.5) < 1e-14 && fabs(part.centroid.y - 0.5) < 1e-14 && part.centroid.z == 1.0);
+}
+
+static void morton_codes_come_back(void **state) {
+    (void)state;
+    uint64_t key = sl_random_key(6, 0);
+    for (uint64_t i = 0; i < 10000; i++) {
+        uint32_t c[3] = {sl_random_bits(key, 3 * i) >> 11, sl_random_bits(key, 3 * i + 1) >> 11, sl_random_bits(key, 3 * i + 2) >> 11}, d[3];
+        sl_morton_decode(sl_morton_encode(c[0], c[1], c[2]), d);
+        assert_memory_equal(c, d, sizeof c);
+    }
+    assert_true(sl_morton_encode(1, 0, 0) == 1 && sl_morton_encode(0, 1, 0) == 2 && sl_morton_encode(0, 0, 1) == 4);
+}
+
+/* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners (section 2.11). */
+static void a_sphere_has_the_leaves_that_were_counted(void **state) {
+    (void)state;
+    sl_scene *scene = sphere(150, 0.94f * 1.0001f);
+    const size_t counts[] = {1064, 4304, 17072};
+    sl_octree *deepest = octree_of(scene, 6, 2);
+    for (int depth = 4; depth <= 6; depth++) {
+        sl_octree *octree = cut_of(deepest, depth);
+        if (octree->leaf_count != counts[depth - 4] + 2) fail_msg("depth %d: %zu leaves", depth, octree->leaf_count);
+        sl_octree_destroy(octree);
+    }
+    sl_octree_destroy(deepest);
+    sl_scene_destroy(scene);
+}
+
+static void check_samples(const sl_scene *scene, const sl_octree *octree, size_t samples) {
+    uint64_t key = sl_random_key(9, 0);
+    for (uint64_t i = 0; i < samples; i++) {
+        uint32_t t = sl_random_bits(key, 3 * i) % (uint32_t)scene->triangle_count;
+        float a = sl_random_unit(key, 3 * i + 1), b = sl_random_unit(key, 3 * i + 2);
+        if (a + b > 1.0f) {
+            a = 1.0f - a;
+            b = 1.0f - b;
+        }
+        if (i % 5 == 0) b = 0.0f; /* on an edge */
+        if (i % 7 == 0) a = 1.0f - b;
+        sl_vec3 p0 = sl_scene_position(scene, scene->vertex[0][t]), p1 = sl_scene_position(scene, scene->vertex[1][t]),
+                p2 = sl_scene_position(scene, scene->vertex[2][t]);
+        sl_vec3 p = sl_add(sl_add(sl_scale(p0, 1.0f - a - b), sl_scale(p1, a)), sl_scale(p2, b));
+        uint32_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, p));
+        if (leaf == SL_NO_INDEX) fail_msg("no leaf at %.9g %.9g %.9g", (double)p.x, (double)p.y, (double)p.z);
+        bool listed = octree->triangle_count == 0;
+        for (uint32_t k = 0; k < octree->leaf[leaf].triangle_count; k++) {
+            uint32_t here = octree->triangle[octree->leaf[leaf].first_triangle + k];
+            listed |= here == t;
+            assert_true(k == 0 || here > octree->triangle[octree->leaf[leaf].first_triangle + k - 1]);
+        }
+        assert_true(listed);
+    }
+}
+
+static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
+    sl_cell_space space = sl_cell_space_of(scene, octree->origin, octree->edge, octree->depth);
+    double area = 0.0, truth = 0.0, g = space.tolerance;
+    size_t listed = 0;
+    for (size_t i = 0; i < octree->leaf_count; i++) {
+        const sl_octree_leaf *leaf = &octree->leaf[i];
+        assert_true(leaf->triangle_count > 0 && leaf->first_triangle == listed);
+        assert_true(i == 0 || octree->leaf[i - 1].morton < leaf->morton);
+        listed += leaf->triangle_count;
+        area += (double)leaf->area;
+        uint32_t cell[3];
+        sl_morton_decode(leaf->morton, cell);
+        sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]), c = sl_scaled(sl_subd(sl_to_double(leaf->centroid), octree->origin), space.scale);
+        assert_true(c.x >= low.x - 2 * g && c.x <= low.x + 1 + 2 * g && c.y >= low.y - 2 * g && c.y <= low.y + 1 + 2 * g &&
+                    c.z >= low.z - 2 * g && c.z <= low.z + 1 + 2 * g);
+        for (uint32_t k = 0; k < leaf->triangle_count; k++) {
+            sl_cell_triangle t = sl_cell_space_triangle(&space, octree->triangle[leaf->first_triangle + k]);
+            assert_true(sl_triangle_meets_box(&t, sl_subd(low, sl_v3d(g, g, g)), sl_addd(low, sl_v3d(1 + g, 1 + g, 1 + g))));
+        }
+        double length = (double)sl_length(leaf->normal);
+        assert_true(length == 0.0 || fabs(length - 1.0) < 1e-6);
+    }
+    assert_true(listed == octree->triangle_count);
+    for (uint32_t i = 0; i < scene->triangle_count; i++) truth += 0.5 * sl_lengthd(sl_cell_space_triangle(&space, i).normal);
+    truth /= space.scale * space.scale;
+    if (!(fabs(area - truth) <= truth * (1e-6 + 20.0 * g))) fail_msg("areas of leaves add up to %.9g, triangles to %.9g", area, truth);
+}
+
+static void every_surface_sample_has_a_leaf_and_every_leaf_a_triangle(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(12, 10);
+    for (int depth = 1; depth <= 7; depth += 2) {
+        sl_octree *octree = octree_of(scene, depth, 2);
+        check_leaves(scene, octree);
+        check_samples(scene, octree, 20000);
+        sl_octree_destroy(octree);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Coordinates of a million, where floats are 1/16 apart, and a thousandth of the room in one corner. */
+static void huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf(void **state) {
+    (void)state;
+    float *xyz = malloc(9 * 2000 * sizeof *xyz);
+    assert_non_null(xyz);
+    ball shape = {sl_v3(1000020, 20, -999980), 9};
+    size_t count = add_box(xyz, 0, sl_v3(1000000, 0, -1000000), sl_v3(1000040, 40, -999960), 2, NULL, NULL);
+    count += add_box(xyz, count, sl_v3(1000019, 19, -999981), sl_v3(1000021, 21, -999979), 6, onto_ball, &shape);
+    sl_scene *scene = scene_of_triangles(xyz, count);
+    sl_octree *octree = octree_of(scene, 6, 2);
+    check_samples(scene, octree, 20000);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+    ball tiny = {sl_v3(0.0123f, 0.0456f, 0.0789f), 0.004f};
+    count = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 4, 4), 1, NULL, NULL);
+    count += add_box(xyz, count, sl_v3(0.0113f, 0.0446f, 0.0779f), sl_v3(0.0133f, 0.0466f, 0.0799f), 6, onto_ball, &tiny);
+    scene = scene_of_triangles(xyz, count);
+    octree = octree_of(scene, 6, 2);
+    check_leaves(scene, octree);
+    check_samples(scene, octree, 20000);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+    free(xyz);
+}
+
+/* A plane through the middle of the scene's box lies in the faces between voxels at every depth. */
+static void geometry_in_cell_faces_is_in_both_voxels_and_counted_once(void **state) {
+    (void)state;
+    float xyz[9 * 200];
+    size_t count = add_box(xyz, 0, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), 1, NULL, NULL);
+    const float middle[18] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
+    memcpy(xyz + 9 * count, middle, sizeof middle);
+    sl_scene *scene = scene_of_triangles(xyz, count + 2);
+    sl_octree *octree = octree_of(scene, 4, 1);
+    check_leaves(scene, octree);
+    for (int i = -7; i <= 7; i += 2) {
+        float x = (float)i / 8.0f * 0.9f;
+        uint32_t above = sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, 0.07f, 1e-3f)));
+        uint32_t below = sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, 0.07f, -1e-3f)));
+        assert_true(above != SL_NO_INDEX && below != SL_NO_INDEX && above != below);
+        assert_true(octree->leaf[above].normal.z == 1.0f && octree->leaf[below].normal.z == 1.0f);
+        assert_true(fabsf(octree->leaf[above].centroid.z) < 1e-6f);
+    }
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
+    (void)state;
+    float *coarse = malloc(9 * 12 * sizeof *coarse), *fine = malloc(9 * 6 * 2 * 11 * 11 * sizeof *fine);
+    assert_true(coarse && fine);
+    size_t few = add_box(coarse, 0, sl_v3(0, 0, 0), sl_v3(3.7f, 2.9f, 4.3f), 1, NULL, NULL);
+    size_t many = add_box(fine, 0, sl_v3(0, 0, 0), sl_v3(3.7f, 2.9f, 4.3f), 11, NULL, NULL);
+    sl_scene *a_scene = scene_of_triangles(coarse, few), *b_scene = scene_of_triangles(fine, many);
+    for (int depth = 3; depth <= 6; depth++) {
+        sl_octree *a = octree_of(a_scene, depth, 1), *b = octree_of(b_scene, depth, 2);
+        assert_true(a->leaf_count == b->leaf_count && a->triangle_count != b->triangle_count);
+        double voxel = sl_octree_voxel(a);
+        for (size_t i = 0; i < a->leaf_count; i++) {
+            assert_true(a->leaf[i].morton == b->leaf[i].morton);
+            assert_true(fabs((double)a->leaf[i].area - (double)b->leaf[i].area) < 1e-5 * voxel * voxel);
+            assert_true((double)sl_length(sl_sub(a->leaf[i].centroid, b->leaf[i].centroid)) < 1e-5 * voxel);
+            assert_true(sl_length(sl_sub(a->leaf[i].normal, b->leaf[i].normal)) < 1e-5f);
+        }
+        sl_octree_destroy(a);
+        sl_octree_destroy(b);
+    }
+    sl_scene_destroy(a_scene);
+    sl_scene_destroy(b_scene);
+    free(coarse);
+    free(fine);
+}
+
+static void a_cut_is_the_shallower_octree(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(9, 8);
+    sl_octree *deep = octree_of(scene, 6, 2);
+    for (int depth = 1; depth <= 6; depth++) {
+        sl_octree *cut = cut_of(deep, depth), *alone = octree_of(scene, depth, 2);
+        double voxel = sl_octree_voxel(cut);
+        assert_true(cut->leaf_count == alone->leaf_count && cut->depth == depth && cut->edge == alone->edge);
+        for (size_t i = 0; i < cut->leaf_count; i++) {
+            const sl_octree_leaf *a = &cut->leaf[i], *b = &alone->leaf[i];
+            assert_true(a->morton == b->morton);
+            if (!(fabs((double)a->area - (double)b->area) < 1e-4 * voxel * voxel)) fail_msg("depth %d leaf %zu: %.9g %.9g of %g; n %g %g %g, c %g %g %g", depth, i, (double)a->area, (double)b->area, voxel*voxel, a->normal.x,a->normal.y,a->normal.z,a->centroid.x,a->centroid.y,a->centroid.z);
+            assert_true((double)sl_length(sl_sub(a->centroid, b->centroid)) < 1e-4 * voxel);
+            assert_true(sl_length(sl_sub(a->normal, b->normal)) < 1e-4f);
+        }
+        check_samples(scene, cut, 5000);
+        sl_octree_destroy(cut);
+        sl_octree_destroy(alone);
+    }
+    sl_octree *none;
+    assert_int_equal(sl_octree_cut(deep, 7, &none, NULL), SL_ERROR_USAGE);
+    sl_octree_destroy(deep);
+    sl_scene_destroy(scene);
+}
+
+/* Two sheets that face away from each other, thin against a voxel, sloping by `slope`. */
+static sl_octree *slab(float slope) {
+    float xyz[36];
+    for (int side = 0; side < 2; side++) {
+        for (int k = 0; k < 6; k++) {
+            const int x[2][6] = {{0, 1, 1, 0, 1, 0}, {0, 1, 1, 0, 0, 1}}, y[2][6] = {{0, 0, 1, 0, 1, 1}, {0, 1, 0, 0, 1, 1}};
+            float *p = xyz + 18 * side + 3 * k;
+            p[0] = (float)x[side][k];
+            p[1] = (float)y[side][k];
+            p[2] = slope * p[0] + (side ? -1e-4f : 1e-4f);
+        }
+    }
+    sl_scene *scene = scene_of_triangles(xyz, 4);
+    sl_octree *octree = octree_of(scene, 3, 1);
+    sl_scene_destroy(scene);
+    return octree;
+}
+
+static size_t leaves_without_normal(const sl_octree *octree) {
+    size_t without = 0;
+    for (size_t i = 0; i < octree->leaf_count; i++) without += sl_length(octree->leaf[i].normal) == 0.0f;
+    return without;
+}
+
+static void opposite_surfaces_leave_a_voxel_without_a_normal(void **state) {
+    (void)state;
+    sl_octree *flat = slab(0.0f), *slanted = slab(0.3f);
+    assert_true(flat->leaf_count == 2 * 64 && leaves_without_normal(flat) == 0); /* a cell's face is between them */
+    assert_true(leaves_without_normal(slanted) > slanted->leaf_count / 2);
+    sl_octree_destroy(flat);
+    sl_octree_destroy(slanted);
+}
+
+static void grown_voxels_are_more(void **state) {
+    (void)state;
+    sl_scene *scene = sphere(20, 0.9f);
+    sl_octree *plain = octree_of(scene, 4, 1), *grown = NULL;
+    assert_int_equal(sl_octree_create(scene, 4, 0.25, 1, &grown, NULL), SL_OK);
+    assert_true(grown->leaf_count > plain->leaf_count * 5 / 4);
+    for (size_t i = 0; i < plain->leaf_count; i++) assert_true(sl_octree_find(grown, plain->leaf[i].morton) != SL_NO_INDEX);
+    sl_octree_destroy(grown);
+    assert_int_equal(sl_octree_create(scene, 0, 0.0, 1, &grown, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_octree_create(scene, 4, (double)NAN, 1, &grown, NULL), SL_ERROR_USAGE);
+    sl_octree_destroy(plain);
+    sl_scene_destroy(scene);
+}
+
+static void any_number_of_threads_builds_the_same_octree(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(10, 12);
+    sl_octree *one = octree_of(scene, 6, 1);
+    for (unsigned threads = 2; threads <= 3; threads++) {
+        sl_octree *other = octree_of(scene, 6, threads);
+        assert_true(one->leaf_count == other->leaf_count && one->triangle_count == other->triangle_count);
+        assert_memory_equal(one->leaf, other->leaf, one->leaf_count * sizeof *one->leaf);
+        assert_memory_equal(one->triangle, other->triangle, one->triangle_count * sizeof *one->triangle);
+        sl_octree_destroy(other);
+    }
+    assert_true(sizeof(sl_octree_leaf) == 48);
+    sl_octree_destroy(one);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_box_test_agrees_with_clipping),
+        cmocka_unit_test(boxes_are_closed),
+        cmocka_unit_test(morton_codes_come_back),
+        cmocka_unit_test(a_sphere_has_the_leaves_that_were_counted),
+        cmocka_unit_test(every_surface_sample_has_a_leaf_and_every_leaf_a_triangle),
+        cmocka_unit_test(huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf),
+        cmocka_unit_test(geometry_in_cell_faces_is_in_both_voxels_and_counted_once),
+        cmocka_unit_test(normals_and_centroids_do_not_depend_on_tessellation),
+        cmocka_unit_test(a_cut_is_the_shallower_octree),
+        cmocka_unit_test(opposite_surfaces_leave_a_voxel_without_a_normal),
+        cmocka_unit_test(grown_voxels_are_more),
+        cmocka_unit_test(any_number_of_threads_builds_the_same_octree),
+    };
+    return cmocka_run_group_tests_name("light octree: octree", tests, NULL, NULL);
+}
