@@ -1,0 +1,197 @@
+/* Pass 7: indirect light of receivers by (10), L_r = sum over photons f_r E_j.
+ *
+ * Where photons and receivers are Lambertian that is one sum of irradiances (the kernel in weight_kernels.c). Whatever else is wanted
+ * of a photon (its lobe, the receiver's, whether it is seen, which half of the photons it belongs to) is done with its weight
+ * first, photon by photon, in the same order and with the same bits. */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/direct_radiance/light_receivers.h"
+#include "cache/direct_radiance/receiver_kernels.h"
+#include "raster/fragments/pbuffer.h"
+
+enum { TEXTURE_WIDTH = 256, TEXTURES = SL_PHOTON_CHANNELS / 4 };
+
+typedef struct {
+    const sl_light_pass *pass;
+    sl_lit_picture *picture;
+    float *spread;
+    int width;
+    size_t count;
+    sl_photon_registers *photon;
+    sl_weight_form *form;
+    sl_weight_terms *terms;     /* NULL unless fragments compute all */
+    sl_lobe_registers *lobe;    /* NULL where all photons are Lambertian */
+    sl_photon_polygon *polygon; /* NULL unless polygons are wanted */
+    sl_pbuffer *texture[TEXTURES];
+    sl_photon_textures textures;
+    bool plain;                 /* Lambertian photons, seen or not, all of one form */
+    float share[2];             /* of an even and an odd photon in the difference of the two half sums */
+    sl_receiver_kernels kernels;
+} indirect_pass;
+
+/* ---- once a frame: the j-indexed values ---- */
+
+static bool make_tables(indirect_pass *p) {
+    const sl_map_photons *photons = p->pass->photons;
+    bool lobes = photons->lobe != NULL, polygons = p->pass->weight == SL_WEIGHT_POLYGON && photons->quad;
+    bool compute = p->pass->supply == SL_PHOTONS_BY_FRAGMENTS;
+    p->photon = sl_allocate(p->count, sizeof *p->photon);
+    p->form = sl_allocate(p->count, sizeof *p->form);
+    if (lobes) p->lobe = sl_allocate(p->count, sizeof *p->lobe);
+    if (polygons) p->polygon = sl_allocate(p->count, sizeof *p->polygon);
+    if (compute) p->terms = sl_allocate(p->count, sizeof *p->terms);
+    return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon) && (!compute || p->terms);
+}
+
+static void fill_tables(indirect_pass *p) {
+    const sl_map_photons *photons = p->pass->photons;
+    p->plain = !p->lobe;
+    for (size_t j = 0; j < p->count; j++) {
+        p->form[j] = sl_photon_load(photons, j, p->pass->weight, &p->photon[j]);
+        if (p->terms) p->terms[j] = sl_weight_terms_of(photons, j);
+        if (p->lobe) (void)sl_photon_with_lobe(photons, j, p->pass->weight, &p->lobe[j]);
+        if (p->form[j] != SL_FORM_POLYGON) continue;
+        sl_photon_polygon_of(photons, j, &p->polygon[j]);
+        p->plain = false;
+    }
+    size_t odd = p->count / 2, even = p->count - odd;
+    p->share[0] = 0.5f * (float)p->count / (float)even;
+    p->share[1] = odd ? -0.5f * (float)p->count / (float)odd : 0.0f;
+}
+
+/* Photons side by side, four channels a texture. */
+static sl_status make_textures(indirect_pass *p, sl_error *error) {
+    int height = (int)((p->count + TEXTURE_WIDTH - 1) / TEXTURE_WIDTH);
+    for (int t = 0; t < TEXTURES; t++) {
+        sl_status status = sl_pbuffer_create(TEXTURE_WIDTH, height, SL_PBUFFER_RGBA32F, &p->texture[t], error);
+        if (status != SL_OK) return status;
+        for (int c = 0; c < 4; c++) {
+            p->textures.plane[4 * t + c] = p->texture[t]->channel[c];
+            const float *values = (const float *)p->photon + 4 * t + c;
+            for (size_t j = 0; j < p->count; j++) p->texture[t]->channel[c][j] = values[SL_PHOTON_CHANNELS * j];
+        }
+    }
+    return SL_OK;
+}
+
+static sl_status upload(indirect_pass *p, sl_error *error) {
+    if (!make_tables(p)) return sl_fail_memory(error, "photons of a frame");
+    fill_tables(p);
+    return p->pass->supply == SL_PHOTONS_IN_TEXTURES ? make_textures(p, error) : SL_OK;
+}
+
+static void release(indirect_pass *p) {
+    sl_free(p->photon);
+    sl_free(p->form);
+    sl_free(p->terms);
+    sl_free(p->lobe);
+    sl_free(p->polygon);
+    for (int t = 0; t < TEXTURES; t++) sl_pbuffer_destroy(p->texture[t]);
+}
+
+/* ---- a photon and what is done with its weight ---- */
+
+/* One photon as the fragments get it. */
+static sl_photon_registers supply(const indirect_pass *p, size_t j) {
+    if (p->pass->supply == SL_PHOTONS_IN_REGISTERS) return p->photon[j];
+    sl_photon_registers r;
+    if (p->pass->supply == SL_PHOTONS_BY_FRAGMENTS) {
+        (void)sl_photon_load(p->pass->photons, j, p->pass->weight, &r);
+    } else {
+        for (size_t c = 0; c < SL_PHOTON_CHANNELS; c++) ((float *)&r)[c] = p->textures.plane[c][j];
+    }
+    return r;
+}
+
+static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j, const sl_photon_registers *r, float *weight) {
+    if (p->form[j] != SL_FORM_POLYGON) {
+        p->kernels.weigh(tile, r, p->form[j] == SL_FORM_COSINE, weight);
+        return;
+    }
+    const sl_light_points points = sl_receiver_tile_points(tile);
+    float pi[2][SL_TILE_PIXELS];
+    for (int t = 0; t < 2; t++) p->kernels.light.polygon(&points, &p->polygon[j].triangle[t], pi[t]);
+    for (size_t i = 0; i < tile->padded; i++) pi[0][i] += pi[1][i];
+    p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
+}
+
+/* colour times weight, to a sum and, with its sign, to the difference of the half sums. */
+static void add(const indirect_pass *p, size_t count, size_t j, sl_rgb colour, const float *weight, const float *visible,
+                float (*sum)[SL_TILE_PIXELS], float (*difference)[SL_TILE_PIXELS]) {
+    p->kernels.light.accumulate(count, colour, weight, visible, sum[0], sum[1], sum[2]);
+    if (!p->spread) return;
+    sl_rgb signed_colour = sl_rgb_scale(colour, p->share[j % 2]);
+    p->kernels.light.accumulate(count, signed_colour, weight, visible, difference[0], difference[1], difference[2]);
+}
+
+static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_light *sum,
+                       sl_tile_light *difference) {
+    const sl_photon_registers r = supply(p, j);
+    const sl_rgb colour = {r.red, r.green, r.blue};
+    const size_t count = tile->padded;
+    float weight[SL_TILE_PIXELS], visible[SL_TILE_PIXELS], of_photon[SL_TILE_PIXELS], of_receiver[SL_TILE_PIXELS];
+    weigh(p, tile, j, &r, weight);
+    for (size_t i = 0; i < count; i++) visible[i] = 1.0f;
+    add(p, count, j, colour, weight, visible, sum->irradiance, difference->irradiance);
+    if (p->lobe) {
+        p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
+        p->kernels.multiply(count, weight, of_photon);
+        add(p, count, j, p->lobe[j].colour, of_photon, visible, sum->irradiance, difference->irradiance);
+    }
+    if (!glossy) return;
+    p->kernels.receiver_lobe(tile, sl_v3(r.x, r.y, r.z), false, of_receiver);
+    p->kernels.multiply(count, of_receiver, weight);
+    add(p, count, j, colour, weight, visible, sum->lobe, difference->lobe);
+    if (!p->lobe) return;
+    p->kernels.multiply(count, of_receiver, of_photon);
+    add(p, count, j, p->lobe[j].colour, of_photon, visible, sum->lobe, difference->lobe);
+}
+
+/* ---- a tile ---- */
+
+static void sum_plainly(const indirect_pass *p, const sl_receiver_tile *tile, sl_tile_light *sum) {
+    const sl_photon_weight weight = p->pass->weight;
+    const bool cosine = sl_weight_is_cosine(weight);
+    if (p->pass->supply == SL_PHOTONS_IN_TEXTURES)
+        p->kernels.fetch(tile, &p->textures, p->count, cosine, sum->irradiance);
+    else if (p->pass->supply == SL_PHOTONS_BY_FRAGMENTS)
+        p->kernels.compute(tile, p->pass->photons->photon, p->terms, p->count, weight, sum->irradiance);
+    else
+        p->kernels.sum(tile, p->photon, p->count, cosine, sum->irradiance);
+}
+
+static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, const sl_tile_light *difference) {
+    float radiance[3][SL_TILE_PIXELS];
+    sl_receiver_tile_radiance(tile, difference, glossy, radiance);
+    for (size_t i = 0; i < tile->count; i++)
+        p->spread[tile->pixel[i]] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
+}
+
+static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const indirect_pass *p = context;
+    sl_tile_light sum = {.irradiance = {{0.0f}}}, difference = {.irradiance = {{0.0f}}};
+    if (p->plain && !glossy && !p->spread) {
+        sum_plainly(p, tile, &sum);
+    } else {
+        for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &sum, &difference);
+    }
+    sl_receiver_tile_reflect(tile, &sum, glossy, p->width, p->picture->indirect);
+    if (p->spread) set_spread(p, tile, glossy, &difference);
+    sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
+    if (p->pass->supply == SL_PHOTONS_IN_TEXTURES) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, TEXTURES * tile->count * p->count);
+}
+
+sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, float *spread,
+                              sl_counters *counters, sl_error *error) {
+    if (!pass->photons || pass->photons->count == 0) return SL_OK;
+    indirect_pass p = {.pass = pass, .picture = picture, .spread = spread, .width = receivers->width, .count = pass->photons->count,
+                       .kernels = sl_receiver_kernels_for(sl_isa_best())};
+    sl_receiver_kinds kinds = {.of_material = NULL};
+    sl_status status = upload(&p, error);
+    if (status == SL_OK) status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);
+    if (status == SL_OK) status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
+    sl_receiver_kinds_release(&kinds);
+    release(&p);
+    return status;
+}

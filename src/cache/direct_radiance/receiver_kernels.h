@@ -1,0 +1,72 @@
+/* The fragment programs of passes 6 and 7: loops over a tile's receivers that are compiled for every instruction set. */
+#ifndef SL_CACHE_DIRECT_RADIANCE_RECEIVER_KERNELS_H
+#define SL_CACHE_DIRECT_RADIANCE_RECEIVER_KERNELS_H
+
+#include "cache/direct_radiance/receiver_tiles.h"
+#include "cache/direct_radiance/weights.h"
+
+/* Photons as textures: channel c of photon j is at plane[c][j]. */
+typedef struct sl_photon_textures {
+    const float *plane[SL_PHOTON_CHANNELS];
+} sl_photon_textures;
+
+/* (10) over Lambertian photons in index order: adds to the tile's irradiance. All of them give the same bits.
+ * sums: from registers; fetches: from textures; computes: everything by the fragment. */
+typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
+                                  float (*irradiance)[SL_TILE_PIXELS]);
+typedef void sl_photon_fetch_kernel(const sl_receiver_tile *tile, const sl_photon_textures *photons, size_t count, bool cosine,
+                                    float (*irradiance)[SL_TILE_PIXELS]);
+typedef void sl_photon_compute_kernel(const sl_receiver_tile *tile, const sl_map_photon *photons, const sl_weight_terms *terms,
+                                      size_t count, sl_photon_weight weight, float (*irradiance)[SL_TILE_PIXELS]);
+/* One photon's weight, or its polygon's where pi (its Pi by Lambert's formula) is given. */
+typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, bool cosine, float *weight);
+typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
+                                     const float *pi, float *weight);
+/* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards a point, or in a direction. */
+typedef void sl_photon_lobe_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
+                                   float *power);
+typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, sl_vec3 towards, bool direction, float *power);
+/* a_i *= b_i */
+typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
+
+typedef struct sl_receiver_kernels {
+    sl_photon_sum_kernel *sum;
+    sl_photon_fetch_kernel *fetch;
+    sl_photon_compute_kernel *compute;
+    sl_photon_weigh_kernel *weigh;
+    sl_polygon_weigh_kernel *weigh_polygon;
+    sl_photon_lobe_kernel *photon_lobe;
+    sl_receiver_lobe_kernel *receiver_lobe;
+    sl_multiply_kernel *multiply;
+    sl_light_kernels light;
+} sl_receiver_kernels;
+
+#define SL_DECLARE_RECEIVER_KERNELS(isa)                  \
+    sl_photon_sum_kernel sl_photons_sum_##isa;            \
+    sl_photon_fetch_kernel sl_photons_fetch_##isa;        \
+    sl_photon_compute_kernel sl_photons_compute_##isa;    \
+    sl_photon_weigh_kernel sl_photon_weigh_##isa;         \
+    sl_polygon_weigh_kernel sl_photon_polygon_##isa;      \
+    sl_photon_lobe_kernel sl_photon_lobe_power_##isa;     \
+    sl_receiver_lobe_kernel sl_receiver_lobe_power_##isa; \
+    sl_multiply_kernel sl_receivers_multiply_##isa
+
+SL_DECLARE_RECEIVER_KERNELS(baseline);
+SL_DECLARE_RECEIVER_KERNELS(avx2);
+SL_DECLARE_RECEIVER_KERNELS(avx512);
+
+static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
+#define SL_RECEIVER_KERNELS_OF(name)                                                                                       \
+    (sl_receiver_kernels) {                                                                                                \
+        sl_photons_sum_##name, sl_photons_fetch_##name, sl_photons_compute_##name, sl_photon_weigh_##name,                 \
+            sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
+            sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \
+    }
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return SL_RECEIVER_KERNELS_OF(avx512);
+    if (isa == SL_ISA_AVX2) return SL_RECEIVER_KERNELS_OF(avx2);
+#endif
+    return SL_RECEIVER_KERNELS_OF(baseline);
+}
+
+#endif

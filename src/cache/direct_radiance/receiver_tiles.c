@@ -1,0 +1,193 @@
+#include "cache/direct_radiance/receiver_tiles.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "trace/bsdf.h"
+
+sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds, sl_error *error) {
+    *kinds = (sl_receiver_kinds){.scene = scene, .trick_albedo = trick_albedo};
+    kinds->of_material = sl_allocate(scene->material_count + 1, sizeof *kinds->of_material);
+    if (!kinds->of_material) return sl_fail_memory(error, "kinds of receivers");
+    bool trick = sl_rgb_max(trick_albedo) > 0.0f;
+    for (size_t m = 0; m < scene->material_count; m++) {
+        const sl_material *material = &scene->materials[m];
+        bool diffuse = sl_material_is_diffuse(material), glossy = sl_material_is_glossy(material);
+        bool mirror = trick && sl_material_is_mirror(material);
+        kinds->of_material[m] = glossy    ? SL_RECEIVER_GLOSSY
+                                : diffuse ? SL_RECEIVER_DIFFUSE
+                                : mirror  ? SL_RECEIVER_MIRROR
+                                          : SL_RECEIVER_NONE;
+        kinds->glossy |= glossy;
+    }
+    kinds->of_material[scene->material_count] = SL_RECEIVER_NONE;
+    return SL_OK;
+}
+
+void sl_receiver_kinds_release(sl_receiver_kinds *kinds) {
+    sl_free(kinds->of_material);
+    kinds->of_material = NULL;
+}
+
+static sl_receiver_kind kind_of(const sl_receiver_kinds *kinds, const sl_gbuffer *g, size_t pixel) {
+    size_t material = g->material[pixel], none = kinds->scene->material_count;
+    return (sl_receiver_kind)kinds->of_material[material < none ? material : none];
+}
+
+/* ---- filling ---- */
+
+/* A plane of the G-buffer and where a tile keeps it. */
+typedef struct {
+    const float *from;
+    float *to;
+} plane_copy;
+
+enum { PLAIN_PLANES = 12 };
+
+static void planes_of(const sl_gbuffer *g, sl_receiver_tile *t, plane_copy planes[PLAIN_PLANES]) {
+    const plane_copy all[PLAIN_PLANES] = {{g->position_x, t->x},            {g->position_y, t->y},
+                                          {g->position_z, t->z},            {g->geometric_x, t->geometric_x},
+                                          {g->geometric_y, t->geometric_y}, {g->geometric_z, t->geometric_z},
+                                          {g->normal_x, t->normal_x},       {g->normal_y, t->normal_y},
+                                          {g->normal_z, t->normal_z},       {g->diffuse_r, t->diffuse[0]},
+                                          {g->diffuse_g, t->diffuse[1]},    {g->diffuse_b, t->diffuse[2]}};
+    memcpy(planes, all, sizeof all);
+}
+
+/* Rows copied as they stand where every pixel is there, one by one otherwise. */
+static void fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
+    plane_copy planes[PLAIN_PLANES];
+    planes_of(g, t, planes);
+    for (int k = 0; k < PLAIN_PLANES; k++) {
+        const float *from = planes[k].from;
+        float *to = planes[k].to;
+        if (t->whole) {
+            for (size_t row = 0; row < SL_TILE_HEIGHT; row++)
+                memcpy(to + row * SL_TILE_WIDTH, from + t->pixel[row * SL_TILE_WIDTH], SL_TILE_WIDTH * sizeof *to);
+        } else {
+            for (size_t i = 0; i < t->count; i++) to[i] = from[t->pixel[i]];
+            for (size_t i = t->count; i < t->padded; i++) to[i] = 0.0f;
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < t->padded; i++) t->diffuse[c][i] *= (float)(1.0 / SL_PI);
+    }
+}
+
+static void set_trick(const sl_receiver_kinds *kinds, const sl_gbuffer *g, sl_receiver_tile *t) {
+    for (size_t i = 0; i < t->count; i++) {
+        if (kind_of(kinds, g, t->pixel[i]) != SL_RECEIVER_MIRROR) continue;
+        sl_rgb albedo = sl_rgb_mul(kinds->scene->materials[g->material[t->pixel[i]]].mirror, kinds->trick_albedo);
+        t->diffuse[0][i] = albedo.r * (float)(1.0 / SL_PI);
+        t->diffuse[1][i] = albedo.g * (float)(1.0 / SL_PI);
+        t->diffuse[2][i] = albedo.b * (float)(1.0 / SL_PI);
+    }
+}
+
+static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, sl_receiver_tile *t) {
+    for (size_t i = 0; i < t->padded; i++) {
+        t->mirrored_x[i] = t->mirrored_y[i] = t->mirrored_z[i] = t->exponent[i] = 0.0f;
+        t->specular[0][i] = t->specular[1][i] = t->specular[2][i] = 0.0f;
+        if (i >= t->count) continue;
+        const sl_material *m = &scene->materials[receivers->gbuffer->material[t->pixel[i]]];
+        sl_vec3 x = sl_v3(t->x[i], t->y[i], t->z[i]), n = sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
+        sl_vec3 to_eye = sl_normalize_or(sl_sub(sl_receiver_eye(receivers, t->pixel[i]), x), n);
+        sl_vec3 mirrored = sl_normalize_or(sl_reflect(to_eye, n), n);
+        float scale = (m->exponent + 2.0f) * (float)(0.5 / SL_PI);
+        t->mirrored_x[i] = mirrored.x, t->mirrored_y[i] = mirrored.y, t->mirrored_z[i] = mirrored.z;
+        t->exponent[i] = m->exponent;
+        t->specular[0][i] = m->specular.r * scale;
+        t->specular[1][i] = m->specular.g * scale;
+        t->specular[2][i] = m->specular.b * scale;
+    }
+}
+
+void sl_receiver_tile_fill(const sl_receivers *receivers, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0,
+                           sl_receiver_tile *t) {
+    const sl_gbuffer *g = receivers->gbuffer;
+    int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
+    int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
+    bool mirrors = false;
+    t->count = 0;
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
+            sl_receiver_kind kind = kind_of(kinds, g, pixel);
+            if (kind == SL_RECEIVER_NONE || (kind == SL_RECEIVER_GLOSSY) != glossy) continue;
+            mirrors |= kind == SL_RECEIVER_MIRROR;
+            t->pixel[t->count++] = (uint32_t)pixel;
+        }
+    }
+    t->whole = t->count == SL_TILE_PIXELS;
+    t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
+    if (t->count == 0) return;
+    fetch(g, t);
+    if (mirrors) set_trick(kinds, g, t);
+    if (glossy) set_lobes(receivers, kinds->scene, t);
+}
+
+sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
+    return (sl_light_points){t->padded,      t->x,           t->y,        t->z,        t->geometric_x,
+                             t->geometric_y, t->geometric_z, t->normal_x, t->normal_y, t->normal_z};
+}
+
+/* ---- what leaves ---- */
+
+void sl_receiver_tile_radiance(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]) {
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < t->padded; i++) radiance[c][i] = t->diffuse[c][i] * light->irradiance[c][i];
+        for (size_t i = 0; i < t->padded && glossy; i++) radiance[c][i] += t->specular[c][i] * light->lobe[c][i];
+    }
+}
+
+void sl_receiver_tile_reflect(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int width, float *const planes[3]) {
+    float radiance[3][SL_TILE_PIXELS];
+    sl_receiver_tile_radiance(t, light, glossy, radiance);
+    for (int c = 0; c < 3; c++) {
+        for (size_t row = 0; row < SL_TILE_HEIGHT && t->whole; row++) {
+            float *out = planes[c] + (size_t)t->pixel[0] + row * (size_t)width;
+            for (size_t x = 0; x < SL_TILE_WIDTH; x++) out[x] += radiance[c][row * SL_TILE_WIDTH + x];
+        }
+        for (size_t i = 0; i < t->count && !t->whole; i++) planes[c][t->pixel[i]] += radiance[c][i];
+    }
+}
+
+/* ---- all tiles ---- */
+
+typedef struct {
+    const sl_receivers *receivers;
+    const sl_receiver_kinds *kinds;
+    sl_tile_program *program;
+    void *context;
+    sl_counters *counters; /* one a strip */
+} strips;
+
+static void run_strip(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const strips *s = context;
+    sl_counters *counters = &s->counters[index];
+    sl_receiver_tile tile;
+    for (int x = 0; x < s->receivers->width; x += SL_TILE_WIDTH) {
+        for (int glossy = 0; glossy <= (s->kinds->glossy ? 1 : 0); glossy++) {
+            sl_receiver_tile_fill(s->receivers, s->kinds, glossy, x, (int)index * SL_TILE_HEIGHT, &tile);
+            if (tile.count == 0) continue;
+            s->program(s->context, &tile, glossy, counters);
+            sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
+        }
+    }
+}
+
+sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds, unsigned threads,
+                                sl_tile_program *program, void *context, sl_counters *counters, sl_error *error) {
+    size_t count = (size_t)((receivers->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
+    strips s = {receivers, kinds, program, context, sl_allocate(count, sizeof *s.counters)};
+    if (!s.counters) return sl_fail_memory(error, "light on receivers");
+    sl_parallel_for(sl_thread_count(threads), count, run_strip, &s);
+    for (size_t i = 0; i < count; i++) sl_counters_add(counters, &s.counters[i]);
+    sl_free(s.counters);
+    return SL_OK;
+}

@@ -1,0 +1,88 @@
+/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has one accumulator a channel: the
+ * order of every pixel's sum is the photons' own. */
+#include "cache/direct_radiance/receiver_kernels.h"
+
+static inline sl_vec3 receiver(const sl_receiver_tile *t, size_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
+static inline sl_vec3 geometric(const sl_receiver_tile *t, size_t i) {
+    return sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]);
+}
+static inline sl_vec3 shading(const sl_receiver_tile *t, size_t i) { return sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]); }
+
+/* One photon on lanes [first, end); cosine is a constant where this is inlined. */
+static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine, size_t first, size_t end,
+                              float (*irradiance)[SL_TILE_PIXELS]) {
+    const sl_photon_registers p = *photon;
+    float *restrict r = irradiance[0], *restrict g = irradiance[1], *restrict b = irradiance[2];
+#pragma omp simd aligned(r, g, b : 64)
+    for (size_t i = first; i < end; i++) {
+        float w = cosine ? sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i))
+                         : sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+        r[i] += p.red * w;
+        g[i] += p.green * w;
+        b[i] += p.blue * w;
+    }
+}
+
+void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
+                               float (*irradiance)[SL_TILE_PIXELS]) {
+    if (cosine) {
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, 0, tile->padded, irradiance);
+    } else {
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, 0, tile->padded, irradiance);
+    }
+}
+
+/* ---- sixteen fragments at a time, each of which reads its photons itself ---- */
+
+void SL_KERNEL(sl_photons_fetch)(const sl_receiver_tile *tile, const sl_photon_textures *photons, size_t count, bool cosine,
+                                 float (*irradiance)[SL_TILE_PIXELS]) {
+    for (size_t first = 0; first < tile->padded; first += SL_TILE_LANES) {
+        for (size_t j = 0; j < count; j++) {
+            const float *const *plane = photons->plane;
+            sl_photon_registers p = {plane[0][j], plane[1][j], plane[2][j], plane[3][j], plane[4][j],  plane[5][j],
+                                     plane[6][j], plane[7][j], plane[8][j], plane[9][j], plane[10][j], plane[11][j]};
+            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, irradiance);
+            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, irradiance);
+        }
+    }
+}
+
+void SL_KERNEL(sl_photons_compute)(const sl_receiver_tile *tile, const sl_map_photon *photons, const sl_weight_terms *terms, size_t count,
+                                   sl_photon_weight weight, float (*irradiance)[SL_TILE_PIXELS]) {
+    bool cosine = sl_weight_is_cosine(weight);
+    for (size_t first = 0; first < tile->padded; first += SL_TILE_LANES) {
+        for (size_t j = 0; j < count; j++) {
+            sl_photon_registers p = sl_photon_registers_of(&photons[j], weight, terms[j]);
+            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, irradiance);
+            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, irradiance);
+        }
+    }
+}
+
+/* ---- one photon, for those who have more to do with its weight ---- */
+
+void SL_KERNEL(sl_photon_weigh)(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine, float *restrict weight) {
+    const sl_photon_registers p = *photon;
+    const size_t count = t->padded;
+    if (cosine) {
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) weight[i] = sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+    } else {
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) weight[i] = sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+    }
+}
+
+void SL_KERNEL(sl_photon_polygon)(const sl_receiver_tile *t, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
+                                  const float *restrict pi, float *restrict weight) {
+    const sl_photon_registers p = *photon;
+    const sl_photon_polygon q = *polygon;
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) weight[i] = sl_polygon_weight(&p, &q, receiver(t, i), geometric(t, i), pi[i]);
+}
+
+void SL_KERNEL(sl_receivers_multiply)(size_t count, const float *restrict b, float *restrict a) {
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) a[i] *= b[i];
+}

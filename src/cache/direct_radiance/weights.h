@@ -1,0 +1,133 @@
+/* E_j(x): what photon j sends to receiver x, by the weights of sections 2.2 and 2.4, in the two forms that they have in common:
+ *
+ *                            (n_x . d)+ (-n_y . d)+                   d = y - x, r = |d|
+ *     disc    E_j = colour  ------------------------ ,                flux (the boxed formula), plain (A' = 0), (14)
+ *                               r^2 (a r^2 + b)
+ *
+ *     cosine  E_j = colour  (n_x . d)+ / r ,                          (11), (15): neither distance nor the photon's facing
+ *
+ * and a third one, the photon's footprint as a polygon. What does not depend on x is computed once a frame and uploaded as
+ * three registers a photon. The plain form and the lanes of the kernels are the functions of this page: they have the same bits. */
+#ifndef SL_CACHE_DIRECT_RADIANCE_WEIGHTS_H
+#define SL_CACHE_DIRECT_RADIANCE_WEIGHTS_H
+
+#include <float.h>
+
+#include "base/math.h"
+#include "cache/direct_radiance/photons.h"
+#include "cache/light/light_kernels.h"
+
+/* Three vectors of four floats. */
+typedef struct sl_photon_registers {
+    float x, y, z, a;
+    float red, green, blue, b; /* colour; of a photon with a lobe, of its diffuse part */
+    float nx, ny, nz, nearest; /* nearest: square of the distance below which the photon gives nothing */
+} sl_photon_registers;
+
+enum { SL_PHOTON_CHANNELS = sizeof(sl_photon_registers) / sizeof(float) };
+
+static inline bool sl_weight_is_cosine(sl_photon_weight weight) { return weight == SL_WEIGHT_EVEN || weight == SL_WEIGHT_BOX; }
+/* The printed weights are of L_o, the others of the flux Psi. */
+static inline bool sl_weight_is_printed(sl_photon_weight weight) { return sl_weight_is_cosine(weight) || weight == SL_WEIGHT_DISC; }
+
+/* What a weight takes from all photons together. */
+typedef struct sl_weight_terms {
+    float nearest_squared;
+    float per_sample;   /* (11): 2 pi / M, M of the photon's light */
+    float per_diagonal; /* (15): 1 / diagonal^2 */
+} sl_weight_terms;
+
+/* The j-indexed values of a photon. Of the polygon weight: those of the flux weight, which stands in for it. A photon that is not finite
+ * gets no colour. */
+static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *photon, sl_photon_weight weight, sl_weight_terms terms) {
+    const float area = photon->printed_area;
+    sl_rgb colour = sl_weight_is_printed(weight) ? photon->radiance : photon->flux;
+    float a = 0.0f, b = 1.0f, scale = 1.0f;
+    if (weight == SL_WEIGHT_PLAIN) {
+        a = 1.0f;
+        b = 0.0f;
+    } else if (weight == SL_WEIGHT_EVEN) {
+        scale = terms.per_sample;
+    } else if (weight == SL_WEIGHT_BOX) {
+        scale = area * photon->cos_alpha * terms.per_diagonal; /* A' = A cos alpha */
+    } else if (weight == SL_WEIGHT_DISC) {
+        a = area > 0.0f ? 1.0f / area : 0.0f; /* A cos cos' / (r^2 (A + r^2)); A may be infinite */
+        scale = area > 0.0f ? 1.0f : 0.0f;
+    } else {
+        a = scale = photon->cos_alpha;
+        b = photon->footprint * (float)(1.0 / SL_PI);
+    }
+    sl_rgb c = sl_rgb_scale(colour, scale);
+    bool good = sl_rgb_is_finite(c) && isfinite(a) && isfinite(b);
+    return (sl_photon_registers){photon->position.x, photon->position.y, photon->position.z, good ? a : 0.0f,
+                                 good ? c.r : 0.0f,  good ? c.g : 0.0f,  good ? c.b : 0.0f,  good ? b : 1.0f,
+                                 photon->normal.x,   photon->normal.y,   photon->normal.z,   terms.nearest_squared};
+}
+
+/* The two forms, without the colour. geometric: the receiver's geometric normal; normal: its shading normal. 0 below either horizon,
+ * at distances that are too small or beyond floats, and for all that is not a number. */
+static inline float sl_disc_weight(const sl_photon_registers *p, sl_vec3 x, sl_vec3 geometric, sl_vec3 normal) {
+    float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
+    float squared = dx * dx + dy * dy + dz * dz;
+    float above = geometric.x * dx + geometric.y * dy + geometric.z * dz;
+    float here = normal.x * dx + normal.y * dy + normal.z * dz, there = -(p->nx * dx + p->ny * dy + p->nz * dz);
+    float below = squared * (p->a * squared + p->b);
+    bool lit = (above > 0.0f) & (here > 0.0f) & (there > 0.0f) & (squared > p->nearest) & (below >= 0x1p-126f) & (below <= 0x1p126f);
+    float value = here * there / (lit ? below : 1.0f);
+    return lit ? value : 0.0f;
+}
+
+static inline float sl_cosine_weight(const sl_photon_registers *p, sl_vec3 x, sl_vec3 geometric, sl_vec3 normal) {
+    float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
+    float squared = dx * dx + dy * dy + dz * dz;
+    float above = geometric.x * dx + geometric.y * dy + geometric.z * dz, here = normal.x * dx + normal.y * dy + normal.z * dz;
+    bool lit = (above > 0.0f) & (here > 0.0f) & (squared > p->nearest) & (squared >= 0x1p-126f) & (squared <= 0x1p126f);
+    float value = here / sqrtf(lit ? squared : 1.0f);
+    return lit ? value : 0.0f;
+}
+
+/* A photon's footprint, as two triangles seen from its lit side. */
+typedef struct sl_photon_polygon {
+    sl_vec3 corner[4];
+    float over_area; /* 1 / A_q */
+    sl_polygon_light triangle[2];
+} sl_photon_polygon;
+
+/* Pi / A_q, where some of the polygon is above the receiver's plane. pi: Lambert's formula, above the shading normal's horizon. */
+static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_photon_polygon *polygon, sl_vec3 x, sl_vec3 geometric,
+                                      float pi) {
+    float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
+    float squared = dx * dx + dy * dy + dz * dz;
+    bool above = false;
+    for (int c = 0; c < 4; c++) {
+        const sl_vec3 q = polygon->corner[c];
+        above |= geometric.x * (q.x - x.x) + geometric.y * (q.y - x.y) + geometric.z * (q.z - x.z) > 0.0f;
+    }
+    float value = pi * polygon->over_area;
+    return above & (squared > p->nearest) & (value <= 0x1p126f) ? value : 0.0f;
+}
+
+/* ---- all photons of a frame ---- */
+
+/* How a photon with a lobe sends its flux (section 2.5): the light's direction mirrored, and the colour of the lobe. */
+typedef struct sl_lobe_registers {
+    float x, y, z, exponent;
+    sl_rgb colour;
+} sl_lobe_registers;
+
+/* Power of the cosine between a lobe's axis (unit) and the direction d of length r: 0 beyond a right angle. */
+static inline float sl_lobe_power(float along, float squared, float exponent) {
+    float cosine = along / sqrtf(squared > 0.0f ? squared : 1.0f);
+    return cosine > 0.0f ? sl_powf(cosine < 1.0f ? cosine : 1.0f, exponent) : 0.0f;
+}
+
+typedef enum sl_weight_form { SL_FORM_DISC, SL_FORM_COSINE, SL_FORM_POLYGON } sl_weight_form;
+
+sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon);
+/* A photon as it is looked up: with SL_FORM_POLYGON the colour is the flux, to be multiplied by Pi / A_q. */
+sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_photon_registers *registers);
+/* Of photons with lobes: the record whose flux and radiance are those of the lobe's diffuse part, and the lobe. */
+sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_lobe_registers *lobe);
+void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photon_polygon *polygon);
+
+#endif
