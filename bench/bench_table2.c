@@ -167,22 +167,31 @@ typedef struct trial {
     double part[3]; /* direct light, records, splats */
     double cpu, wall, rel_rmse, rel_mse;
     unsigned long long records;
-    char name[32];
+    char name[48];
 } trial;
 
 enum { TRIALS_MAX = 256 };
 
-static size_t make_trials(bool brief, trial *trials) {
-    static const double accuracies[] = {1.2, 0.8, 0.5, 0.3, 0.15};
-    static const int gathers[] = {12, 18, 28, 44};
-    static const uint32_t samples[] = {1, 2, 4, 16, 64};
+/* Every accuracy with every gather and every number of light samples; lists end with 0. */
+typedef struct trial_grid {
+    double accuracy[8];
+    int gather[8];
+    uint32_t samples[8];
+} trial_grid;
+
+static const trial_grid cornell_grid = {{1.2, 0.8, 0.5, 0.3, 0.15}, {12, 18, 28, 44}, {1, 2, 4, 16, 64}};
+static const trial_grid cornell_brief = {{1.2, 0.5, 0.15}, {12, 28}, {1, 4, 64}};
+static const trial_grid sponza_grid = {{0.8, 0.5, 0.35, 0.25}, {12, 16, 20, 28}, {1, 2, 4}};
+
+static size_t make_trials(const trial_grid *grid, trial *trials) {
     size_t count = 0;
-    for (size_t a = 0; a < 5; a += brief ? 2 : 1) {
-        for (size_t g = 0; g < 4; g += brief ? 2 : 1) {
-            for (size_t n = 0; n < 5; n += brief ? 2 : 1) {
+    for (size_t a = 0; grid->accuracy[a] > 0.0; a++) {
+        for (size_t g = 0; grid->gather[g]; g++) {
+            for (size_t n = 0; grid->samples[n]; n++) {
                 trial *t = &trials[count++];
-                *t = (trial){.s = {NULL, accuracies[a] < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL, accuracies[a], gathers[g], samples[n]}};
-                snprintf(t->name, sizeof t->name, "a %g N %d spp %u", accuracies[a], gathers[g], samples[n]);
+                double accuracy = grid->accuracy[a];
+                *t = (trial){.s = {NULL, accuracy < 0.3 ? SL_QUALITY_HIGH : SL_QUALITY_NORMAL, accuracy, grid->gather[g], grid->samples[n]}};
+                snprintf(t->name, sizeof t->name, "a %g N %d spp %u", accuracy, grid->gather[g], grid->samples[n]);
             }
         }
     }
@@ -294,7 +303,7 @@ static void beside_radiance_cornell(bench_report *r, const bench_options *o) {
     if (read_image(r, "../shared/refs/cornell512_1b_pbrt2048.pfm", &j.reference[0]) &&
         read_image(r, "../shared/refs/cornell512_1b_cycles256.pfm", &j.reference[1]) &&
         read_image(r, "../shared/refs/cornell512_mask.pfm", &j.mask)) {
-        size_t count = make_trials(o->brief, trials);
+        size_t count = make_trials(o->brief ? &cornell_brief : &cornell_grid, trials);
         run_trials(o, "cornell", scene, 512, trials, count, judge_cornell, &j);
         bench_say(r, "\nCornell box, 512 x 512, direct light and one diffuse bounce, under the mask; at equal or lower error in both columns\n");
         bench_table(r, "radiance-cornell", ratio_header);
@@ -360,7 +369,7 @@ static void beside_radiance_sponza(bench_report *r, const bench_options *o) {
         return;
     }
     if (read_image(r, "../shared/refs/sponza1000_1b_pbrt1024.pfm", &reference)) {
-        size_t count = make_trials(true, trials);
+        size_t count = make_trials(&sponza_grid, trials);
         run_trials(o, "sponza", scene, 1000, trials, count, judge_sponza, reference);
         bench_say(r, "\nSponza without textures, 1000 x 1000: relRMSE of the means of 20 x 20 pixels (Radiance's: against its own finest picture;\n"
                      "ours: against pbrt-v2's 1024 samples, blocks with a lamp in them left out); our relMSE is of single pixels and holds that reference's noise of 3e-4\n");
