@@ -8,6 +8,15 @@ sl_vec3 sl_reflect(sl_vec3 to_viewer, sl_vec3 normal) {
     return sl_sub(sl_scale(normal, 2.0f * sl_dot(normal, to_viewer)), to_viewer);
 }
 
+sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surface *surface) {
+    float size = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        sl_vec3 p = sl_scene_position(scene, scene->vertex[k][triangle]);
+        size = fmaxf(size, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
+    }
+    return sl_mad(surface->position, 6e-7f * size, surface->geometric_normal);
+}
+
 sl_bsdf sl_bsdf_make(const sl_surface *surface, sl_vec3 to_viewer, unsigned sampled_lobes) {
     sl_bsdf b = {.diffuse = surface->diffuse,
                  .specular = surface->material->specular,
@@ -47,7 +56,7 @@ sl_rgb sl_bsdf_reflect(const sl_bsdf *b, sl_vec3 to_light, unsigned lobes) {
     return sl_rgb_scale(f, cosine);
 }
 
-static sl_vec3 polar(sl_vec3 axis, float cosine, float turn) {
+sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn) {
     float sine = sqrtf(fmaxf(0.0f, 1.0f - cosine * cosine)), s, c;
     sl_sincos_turnf(turn, &s, &c);
     sl_frame frame = sl_frame_from_normal(axis);
@@ -57,9 +66,9 @@ static sl_vec3 polar(sl_vec3 axis, float cosine, float turn) {
 bool sl_bsdf_sample(const sl_bsdf *b, float lobe, float u1, float u2, sl_vec3 *to_light) {
     if (b->black) return false;
     if (lobe < b->diffuse_share) {
-        *to_light = polar(b->normal, sqrtf(1.0f - u1), u2);
+        *to_light = sl_direction_around(b->normal, sqrtf(1.0f - u1), u2);
     } else {
-        *to_light = polar(b->mirror_direction, sl_powf(1.0f - u1, 1.0f / (b->exponent + 1.0f)), u2);
+        *to_light = sl_direction_around(b->mirror_direction, sl_powf(1.0f - u1, 1.0f / (b->exponent + 1.0f)), u2);
     }
     return cosine_above(b, *to_light) > 0.0f;
 }

@@ -27,5 +27,10 @@ bool sl_bsdf_sample(const sl_bsdf *bsdf, float lobe, float u1, float u2, sl_vec3
 float sl_bsdf_pdf(const sl_bsdf *bsdf, sl_vec3 to_light);
 
 sl_vec3 sl_reflect(sl_vec3 to_viewer, sl_vec3 normal);
+/* Unit, at that cosine with the axis, `turn` in [0,1) of the way around it. */
+sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn);
+/* Where a ray leaves a surface: so far above its triangle that it is above it in spite of rounding. Interpolation errs by a few units
+ * in the last place of the largest coordinate involved. */
+sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surface *surface);
 
 #endif

@@ -71,17 +71,6 @@ static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint
 
 /* ---- leaving a vertex --------------------------------------------------------------------------------------------------- */
 
-/* A point this far above the triangle is above it in spite of rounding: interpolation errs by a few units in the last place of
- * the largest coordinate involved. */
-static sl_vec3 lift(const sl_scene *scene, uint32_t triangle, const sl_surface *s) {
-    float size = 0.0f;
-    for (int k = 0; k < 3; k++) {
-        sl_vec3 p = sl_scene_position(scene, scene->vertex[k][triangle]);
-        size = fmaxf(size, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
-    }
-    return sl_mad(s->position, 6e-7f * size, s->geometric_normal);
-}
-
 static void leave(walker *w, sl_vec3 origin, sl_vec3 direction, uint32_t triangle) {
     w->origin = origin;
     w->direction = direction;
@@ -111,7 +100,7 @@ static bool follow_mirror(const sl_path_walk *walk, walker *w, const sl_surface 
     sl_vec3 direction = sl_normalize_or(sl_reflect(to_viewer, s->normal), s->normal);
     if (!(sl_dot(direction, s->geometric_normal) > 0.0f)) return false;
     w->mirror_since = true;
-    leave(w, lift(walk->scene, triangle, s), direction, triangle);
+    leave(w, sl_surface_lift(walk->scene, triangle, s), direction, triangle);
     return true;
 }
 
@@ -202,7 +191,7 @@ static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface 
     surface_task task = task_at(walk, w);
     unsigned sampled = task.next_lobes | (task.met_by_chance ? task.direct_lobes : 0);
     sl_bsdf bsdf = sl_bsdf_make(s, to_viewer, sampled);
-    sl_vec3 origin = lift(walk->scene, triangle, s);
+    sl_vec3 origin = sl_surface_lift(walk->scene, triangle, s);
     if (task.direct_lobes) sample_light(walk, w, &bsdf, &task, origin, triangle, queue);
     return !bsdf.black && bounce(walk, w, &bsdf, &task, origin, triangle);
 }

@@ -16,12 +16,12 @@ typedef struct sl_photon {
 
 enum { SL_PHOTON_BOUNCES = 0xff, SL_PHOTON_CAUSTIC = 0x100 /* mirrors alone between the light and here */ };
 
-uint32_t sl_octahedral_encode(sl_vec3 unit); /* 16 + 16 bits; decoded, off by at most 5e-5 rad */
+uint32_t sl_octahedral_encode(sl_vec3 unit); /* 16 + 16 bits; decoded, off by at most 6.5e-5 rad */
 sl_vec3 sl_octahedral_decode(uint32_t code); /* unit */
 
 typedef struct sl_photon_options {
     uint64_t stored;          /* stop at the end of the chunk in which so many are stored */
-    uint64_t emitted_at_most; /* 0: 64 times stored, and at least 2^20: a scene that stores few must end too */
+    uint64_t emitted_at_most; /* 0: 8 times stored, and at least 2^20: a scene that stores few must end too */
     sl_photon_store store;
     uint64_t seed;
     unsigned threads;
@@ -29,17 +29,21 @@ typedef struct sl_photon_options {
 
 typedef struct sl_photon_list {
     size_t count;
+    size_t capacity;          /* room in `photon`: the tracing's affair, as are */
+    struct sl_photon_sources *sources; /* the lights, while not all is there; else NULL */
     sl_photon *photon;        /* in order of path, then bounce: a photon's id is its place here */
     uint64_t emitted;         /* paths */
     double cut_flux;          /* luminance W, of paths that ended at 64 bounces */
-    double emitted_flux;      /* luminance W, of all lights */
+    double emitted_flux;      /* luminance W, of all lights; parallel light counts what enters the scene's box */
 } sl_photon_list;
 
 enum { SL_PHOTON_CHUNK = 4096 };
 
-/* Paths in chunks of SL_PHOTON_CHUNK, each a pure function of (seed, path); the same list at any number of threads. Many batches of one
- * run may be made one after another: `*list` (NULL at first) grows until it holds options->stored; each call traces at most
- * `chunks` chunks more, *done tells whether all is there; fluxes are divided by the paths emitted so far. */
+/* Paths in chunks of SL_PHOTON_CHUNK, each a pure function of (seed, path); the same list at any number of threads and however it is cut
+ * into calls. `*list` (NULL at first) grows until it holds options->stored; each call traces at most `chunks` chunks more, *done tells
+ * whether all is there. Fluxes are divided by the emitted paths when all is there, not before: dividing anew with every call would
+ * round differently. In every chunk a light gets its share of paths, rounded up or down so that over the chunks nothing is
+ * lost, however weak the light. Without light, or where nothing could be stored, the list is empty and done at once. */
 sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options, size_t chunks,
                            sl_photon_list **list, bool *done, sl_counters *counters, sl_error *error);
 void sl_photon_list_destroy(sl_photon_list *list);

@@ -1,0 +1,455 @@
+/* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed (section 2.1). The 4,096 paths of a chunk
+ * go in step, bounce by bounce, sorted by where they are and where they go, so that the rays of a packet are neighbours. */
+#include "cache/light_octree/photons.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "cache/light_octree/photon_emission.h"
+#include "trace/bsdf.h"
+
+enum {
+    CHUNKS_AT_ONCE = 16,
+    BOUNCES_MAX = 64,
+    NUMBERS_A_BOUNCE = 8,
+    SORT_KEYS = SL_PHOTON_CHUNK
+};
+static const float survival_max = 0.99f, adjoint_max = 4.0f;
+
+/* ---- directions in 32 bits ------------------------------------------------------------------------------------------------------ */
+
+/* The sphere projected to an octahedron, whose lower half is folded over the upper one's square (Meyer et al. 2010). 65,534 steps instead
+ * of 65,535 make the axes exact. */
+static const float octahedral_steps = 32767.0f;
+
+static uint32_t octahedral_step(float v) {
+    float step = (v + 1.0f) * octahedral_steps + 0.5f;
+    return step > 0.0f ? step < 65534.0f ? (uint32_t)step : 65534u : 0u;
+}
+
+uint32_t sl_octahedral_encode(sl_vec3 unit) {
+    float size = fabsf(unit.x) + fabsf(unit.y) + fabsf(unit.z);
+    if (!(size > 0.0f) || !(size <= FLT_MAX)) return octahedral_step(0.0f) << 16 | octahedral_step(0.0f);
+    float u = unit.x / size, v = unit.y / size;
+    if (unit.z < 0.0f) {
+        float folded = copysignf(1.0f - fabsf(v), u);
+        v = copysignf(1.0f - fabsf(u), v);
+        u = folded;
+    }
+    return octahedral_step(u) << 16 | octahedral_step(v);
+}
+
+sl_vec3 sl_octahedral_decode(uint32_t code) {
+    float u = (float)(code >> 16) / octahedral_steps - 1.0f, v = (float)(code & 0xffffu) / octahedral_steps - 1.0f;
+    sl_vec3 d = sl_v3(u, v, 1.0f - fabsf(u) - fabsf(v));
+    if (d.z < 0.0f) {
+        d.x = copysignf(1.0f - fabsf(v), u);
+        d.y = copysignf(1.0f - fabsf(u), v);
+    }
+    return sl_normalize_or(d, sl_v3(0.0f, 0.0f, 1.0f));
+}
+
+/* ---- one chunk ------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct light_path {
+    sl_vec3 origin, direction;
+    sl_rgb flux;
+    uint32_t skip;
+    bool parallel, mirrors_alone;
+    uint64_t key;
+} light_path;
+
+/* A chunk's paths under way; a worker's. */
+typedef struct path_block {
+    light_path path[SL_PHOTON_CHUNK];
+    uint16_t alive[SL_PHOTON_CHUNK], sorted[SL_PHOTON_CHUNK], sort_key[SL_PHOTON_CHUNK];
+    uint32_t places[SORT_KEYS]; /* or of as many paths */
+} path_block;
+
+/* What a chunk leaves. */
+typedef struct chunk_result {
+    size_t count, capacity;
+    sl_photon *photon, *ordered; /* bounce by bounce, and path by path */
+    uint16_t *path;              /* of each photon */
+    double cut_flux;
+    sl_counters counters;
+    bool out_of_memory;
+} chunk_result;
+
+typedef struct photon_job {
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    const sl_photon_sources *sources;
+    sl_photon_store store;
+    uint64_t seed, first_chunk;
+    path_block *blocks;          /* a worker each */
+    chunk_result *results;       /* CHUNKS_AT_ONCE */
+} photon_job;
+
+static void release_result(chunk_result *r) {
+    sl_free(r->photon);
+    sl_free(r->ordered);
+    sl_free(r->path);
+}
+
+static bool make_room(chunk_result *r) {
+    if (r->count < r->capacity) return true;
+    size_t capacity = r->capacity > 0 ? 2 * r->capacity : 2 * SL_PHOTON_CHUNK;
+    chunk_result larger = {.photon = sl_allocate(capacity, sizeof *r->photon), .ordered = sl_allocate(capacity, sizeof *r->ordered),
+                           .path = sl_allocate(capacity, sizeof *r->path)};
+    if (!larger.photon || !larger.ordered || !larger.path) {
+        release_result(&larger);
+        r->out_of_memory = true;
+        return false;
+    }
+    if (r->count > 0) {
+        memcpy(larger.photon, r->photon, r->count * sizeof *r->photon);
+        memcpy(larger.path, r->path, r->count * sizeof *r->path);
+    }
+    release_result(r);
+    r->photon = larger.photon;
+    r->ordered = larger.ordered;
+    r->path = larger.path;
+    r->capacity = capacity;
+    return true;
+}
+
+static void random_numbers(uint64_t key, unsigned bounce, unsigned count, float *number) {
+    for (unsigned i = 0; i < count; i++) number[i] = sl_random_unit(key, (uint64_t)bounce * NUMBERS_A_BOUNCE + i);
+}
+
+/* Paths of a chunk are spread evenly over the lights' powers, from a start that fills the gaps of other chunks: in 2^m chunks a light gets
+ * its share of all 4096 2^m paths, rounded up or down. */
+static double chunk_offset(uint64_t seed, uint64_t chunk) {
+    uint32_t start = sl_random_bits(sl_random_key(seed, UINT64_MAX), 0);
+    return (double)(uint32_t)(sl_van_der_corput((uint32_t)chunk) + start) * 0x1p-32;
+}
+
+static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *block) {
+    double offset = chunk_offset(job->seed, chunk);
+    unsigned alive = 0;
+    for (unsigned i = 0; i < SL_PHOTON_CHUNK; i++) {
+        light_path *p = &block->path[i];
+        sl_emitted_photon photon;
+        float number[SL_EMISSION_NUMBERS];
+        p->key = sl_random_key(job->seed, chunk * SL_PHOTON_CHUNK + i);
+        random_numbers(p->key, 0, SL_EMISSION_NUMBERS, number);
+        if (!sl_photon_emit(job->sources, ((double)i + offset) / SL_PHOTON_CHUNK, number, &photon)) continue;
+        if (!sl_rgb_is_finite(photon.flux) || !sl_is_finite(photon.origin)) continue;
+        p->origin = photon.origin;
+        p->direction = photon.direction;
+        p->flux = photon.flux;
+        p->skip = photon.triangle;
+        p->parallel = photon.parallel;
+        p->mirrors_alone = true;
+        block->alive[alive++] = (uint16_t)i;
+    }
+    return alive;
+}
+
+/* ---- neighbours go together -------------------------------------------------------------------------------------------------------- */
+
+static uint32_t cell(float v, float low, float extent, uint32_t cells) {
+    float at = extent > 0.0f ? (v - low) / extent * (float)cells : 0.0f;
+    return at > 0.0f ? at < (float)cells ? (uint32_t)at : cells - 1 : 0;
+}
+
+/* Octant of the direction within a cell of 8 x 8 x 8 in space; from a light that is small, cells of direction instead. */
+static uint32_t sort_key(const sl_scene *scene, const light_path *p, bool by_direction) {
+    sl_vec3 d = p->direction;
+    if (by_direction) return cell(d.x, -1.0f, 2.0f, 16) << 8 | cell(d.y, -1.0f, 2.0f, 16) << 4 | cell(d.z, -1.0f, 2.0f, 16);
+    sl_vec3 low = scene->box_min, size = sl_sub(scene->box_max, low);
+    uint32_t place = cell(p->origin.x, low.x, size.x, 8) << 6 | cell(p->origin.y, low.y, size.y, 8) << 3 |
+                     cell(p->origin.z, low.z, size.z, 8);
+    return place << 3 | (d.x < 0.0f ? 4u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 1u : 0u);
+}
+
+/* Counting sort of the living. The order decides nothing but speed: rays are traced alike in any company. */
+static void sort_paths(const sl_scene *scene, path_block *block, unsigned alive, bool first) {
+    memset(block->places, 0, SORT_KEYS * sizeof *block->places);
+    for (unsigned i = 0; i < alive; i++) {
+        const light_path *p = &block->path[block->alive[i]];
+        block->sort_key[i] = (uint16_t)sort_key(scene, p, first && !p->parallel);
+        block->places[block->sort_key[i]]++;
+    }
+    uint32_t sum = 0;
+    for (unsigned k = 0; k < SORT_KEYS; k++) {
+        uint32_t count = block->places[k];
+        block->places[k] = sum;
+        sum += count;
+    }
+    for (unsigned i = 0; i < alive; i++) block->sorted[block->places[block->sort_key[i]]++] = block->alive[i];
+}
+
+/* ---- at a surface -------------------------------------------------------------------------------------------------------------------- */
+
+static void store_photon(chunk_result *r, unsigned path, const light_path *p, unsigned bounces, const sl_surface *surface) {
+    if (!make_room(r)) return;
+    sl_photon *photon = &r->photon[r->count];
+    *photon = (sl_photon){.position = {surface->position.x, surface->position.y, surface->position.z},
+                          .flux = {p->flux.r, p->flux.g, p->flux.b},
+                          .direction = sl_octahedral_encode(sl_neg(p->direction)),
+                          .normal = sl_octahedral_encode(surface->geometric_normal),
+                          .flags = bounces | (bounces > 0 && p->mirrors_alone ? SL_PHOTON_CAUSTIC : 0u)};
+    r->path[r->count++] = (uint16_t)path;
+}
+
+static bool is_stored(sl_photon_store store, unsigned bounces, bool mirrors_alone) {
+    switch (store) {
+    case SL_STORE_INDIRECT: return bounces > 0;
+    case SL_STORE_ALL: return true;
+    case SL_STORE_CAUSTIC: return bounces > 0 && mirrors_alone;
+    }
+    return false;
+}
+
+/* Light that goes from i to o is reflected by the shading normal's cosine with i, but arrives and leaves by the geometric one's (Veach 1997,
+ * section 5.3). Bounded, since it matters at grazing angles alone. */
+static float adjoint(const sl_surface *s, sl_vec3 in, sl_vec3 out) {
+    if (s->normal.x == s->geometric_normal.x && s->normal.y == s->geometric_normal.y && s->normal.z == s->geometric_normal.z) return 1.0f;
+    float up = sl_dot(s->normal, in) * sl_dot(s->geometric_normal, out);
+    float down = sl_dot(s->geometric_normal, in) * sl_dot(s->normal, out);
+    if (!(up > 0.0f) || !(down > 0.0f)) return 0.0f;
+    return up < adjoint_max * down ? up / down : adjoint_max;
+}
+
+/* The next direction, and by what the flux would be multiplied if no path were ended. False: absorbed. */
+static bool scatter(const sl_surface *s, sl_vec3 in, const float number[4], sl_vec3 *out, sl_rgb *weight) {
+    if (sl_material_is_mirror(s->material)) {
+        *out = sl_normalize_or(sl_reflect(in, s->normal), s->normal);
+        *weight = s->material->mirror;
+        if (!(sl_dot(*out, s->geometric_normal) > 0.0f)) return false;
+    } else {
+        sl_bsdf bsdf = sl_bsdf_make(s, in, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
+        if (!sl_bsdf_sample(&bsdf, number[0], number[1], number[2], out)) return false;
+        *weight = s->diffuse; /* f cos / pdf of a Lambertian surface */
+        if (bsdf.diffuse_share < 1.0f) {
+            float pdf = sl_bsdf_pdf(&bsdf, *out);
+            if (!(pdf > 0.0f)) return false;
+            *weight = sl_rgb_scale(sl_bsdf_reflect(&bsdf, *out, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), 1.0f / pdf);
+        }
+    }
+    *weight = sl_rgb_scale(*weight, adjoint(s, in, *out));
+    return sl_rgb_is_finite(*weight) && sl_rgb_max(*weight) > 0.0f;
+}
+
+/* Stores and scatters. False: the path ends. */
+static bool meet_surface(const photon_job *job, light_path *p, unsigned path, unsigned bounces, uint32_t triangle, float w1, float w2,
+                         chunk_result *r) {
+    sl_vec3 to_light = sl_neg(p->direction);
+    sl_surface surface;
+    sl_scene_surface(job->scene, triangle, w1, w2, to_light, &surface);
+    if (!sl_is_finite(surface.position)) return false;
+    if (!sl_material_is_mirror(surface.material)) {
+        if (is_stored(job->store, bounces, p->mirrors_alone)) store_photon(r, path, p, bounces, &surface);
+        if (job->store == SL_STORE_CAUSTIC) return false;
+        p->mirrors_alone = false;
+    }
+    float number[4];
+    sl_vec3 direction;
+    sl_rgb weight;
+    random_numbers(p->key, bounces + 1, 4, number);
+    if (!scatter(&surface, to_light, number, &direction, &weight)) return false;
+    if (bounces == BOUNCES_MAX) {
+        r->cut_flux += (double)sl_luminance(sl_rgb_mul(p->flux, weight));
+        return false;
+    }
+    /* Russian roulette: flux stays as it is where colours are grey. */
+    float survival = fminf(sl_rgb_max(weight), survival_max);
+    if (!(number[3] < survival)) return false;
+    p->flux = sl_rgb_scale(sl_rgb_mul(p->flux, weight), 1.0f / survival);
+    p->origin = sl_surface_lift(job->scene, triangle, &surface);
+    p->direction = direction;
+    p->skip = triangle;
+    return sl_rgb_is_finite(p->flux) && sl_is_finite(p->origin);
+}
+
+/* ---- bounce by bounce ------------------------------------------------------------------------------------------------------------------ */
+
+static void put_ray(sl_ray16 *rays, unsigned i, const light_path *p) {
+    rays->origin_x[i] = p->origin.x;
+    rays->origin_y[i] = p->origin.y;
+    rays->origin_z[i] = p->origin.z;
+    rays->direction_x[i] = p->direction.x;
+    rays->direction_y[i] = p->direction.y;
+    rays->direction_z[i] = p->direction.z;
+    rays->near[i] = 0.0f;
+    rays->far[i] = INFINITY;
+    rays->skip[i] = p->skip;
+}
+
+static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned alive, unsigned bounces, chunk_result *r) {
+    unsigned left = 0;
+    for (unsigned first = 0; first < alive; first += SL_PACKET) {
+        unsigned n = alive - first < SL_PACKET ? alive - first : SL_PACKET;
+        sl_ray16 rays;
+        sl_hit16 hits;
+        for (unsigned i = 0; i < n; i++) put_ray(&rays, i, &block->path[block->sorted[first + i]]);
+        sl_trace(job->tracer, &rays, n, bounces == 0, &hits, &r->counters);
+        for (unsigned i = 0; i < n; i++) {
+            unsigned path = block->sorted[first + i];
+            if (hits.triangle[i] == SL_NO_INDEX) continue;
+            if (!meet_surface(job, &block->path[path], path, bounces, hits.triangle[i], hits.w1[i], hits.w2[i], r)) continue;
+            block->alive[left++] = (uint16_t)path;
+        }
+    }
+    return left;
+}
+
+/* Photons in order of path, then bounce: a stable counting sort of what came bounce by bounce. */
+static void order_photons(path_block *block, chunk_result *r) {
+    memset(block->places, 0, SL_PHOTON_CHUNK * sizeof *block->places);
+    for (size_t i = 0; i < r->count; i++) block->places[r->path[i]]++;
+    uint32_t sum = 0;
+    for (unsigned p = 0; p < SL_PHOTON_CHUNK; p++) {
+        uint32_t count = block->places[p];
+        block->places[p] = sum;
+        sum += count;
+    }
+    for (size_t i = 0; i < r->count; i++) r->ordered[block->places[r->path[i]]++] = r->photon[i];
+}
+
+static void trace_chunk(void *context, size_t index, unsigned worker) {
+    const photon_job *job = context;
+    path_block *block = &job->blocks[worker];
+    chunk_result *r = &job->results[index];
+    r->count = 0;
+    r->cut_flux = 0.0;
+    r->counters = (sl_counters){{0}};
+    unsigned alive = emit_paths(job, job->first_chunk + index, block);
+    for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++) {
+        sort_paths(job->scene, block, alive, bounces == 0);
+        alive = bounce_paths(job, block, alive, bounces, r);
+    }
+    order_photons(block, r);
+}
+
+/* ---- the list -------------------------------------------------------------------------------------------------------------------------- */
+
+void sl_photon_list_destroy(sl_photon_list *list) {
+    if (!list) return;
+    sl_photon_sources_destroy(list->sources);
+    sl_free(list->photon);
+    sl_free(list);
+}
+
+static bool resize(sl_photon_list *list, size_t capacity) {
+    sl_photon *photon = sl_allocate(capacity, sizeof *photon);
+    if (!photon) return false;
+    if (list->count > 0) memcpy(photon, list->photon, list->count * sizeof *photon);
+    sl_free(list->photon);
+    list->photon = photon;
+    list->capacity = capacity;
+    return true;
+}
+
+static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters *counters, sl_error *error) {
+    if (r->out_of_memory) return sl_fail_memory(error, "photons");
+    size_t count = list->count + r->count;
+    if (count >= UINT32_MAX) return sl_fail(error, SL_ERROR_RESOURCES, "at most %u photons can be stored", UINT32_MAX - 1);
+    if (count > list->capacity && !resize(list, count + count / 2)) return sl_fail_memory(error, "photons");
+    if (r->count > 0) memcpy(list->photon + list->count, r->ordered, r->count * sizeof *r->ordered);
+    list->count = count;
+    list->emitted += SL_PHOTON_CHUNK;
+    list->cut_flux += r->cut_flux;
+    sl_counters_add(counters, &r->counters);
+    sl_count(counters, SL_COUNT_PHOTONS_EMITTED, SL_PHOTON_CHUNK);
+    sl_count(counters, SL_COUNT_PHOTONS_STORED, r->count);
+    return SL_OK;
+}
+
+/* Section 2.1: divided by the emitted photons, never by the stored ones. */
+static void divide_fluxes(sl_photon_list *list) {
+    double per_path = list->emitted > 0 ? 1.0 / (double)list->emitted : 0.0;
+    for (size_t i = 0; i < list->count; i++) {
+        for (int c = 0; c < 3; c++) list->photon[i].flux[c] = (float)((double)list->photon[i].flux[c] * per_path);
+    }
+    list->cut_flux *= per_path;
+    if (list->count < list->capacity) resize(list, list->count); /* only to give memory back */
+}
+
+static bool is_complete(const sl_photon_list *list, const sl_photon_options *options) {
+    uint64_t fallback = options->stored > (1u << 20) / 8 ? 8 * options->stored : 1u << 20;
+    return list->count >= options->stored || list->emitted >= (options->emitted_at_most > 0 ? options->emitted_at_most : fallback);
+}
+
+/* As many chunks as are surely needed, by how many photons they left so far: what is traced beyond the end is thrown away. */
+static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options *options, size_t allowed, unsigned threads) {
+    size_t chunks = CHUNKS_AT_ONCE;
+    if (list->count > 0) {
+        double a_chunk = (double)list->count / (double)(list->emitted / SL_PHOTON_CHUNK);
+        double needed = ceil((double)(options->stored - list->count) / a_chunk);
+        if (needed < (double)chunks) chunks = needed > (double)threads ? (size_t)needed : threads;
+    }
+    return chunks < allowed ? chunks : allowed;
+}
+
+static bool can_store(const sl_scene *scene, sl_photon_store store) {
+    bool reflects = false, mirrors = false, accepts = false;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        const sl_material *m = &scene->materials[i];
+        bool mirror = sl_material_is_mirror(m);
+        mirrors |= mirror;
+        accepts |= !mirror;
+        reflects |= mirror || sl_material_is_diffuse(m) || sl_material_is_glossy(m);
+    }
+    return scene->triangle_count > 0 && accepts &&
+           (store == SL_STORE_ALL || (store == SL_STORE_CAUSTIC ? mirrors : reflects));
+}
+
+/* Some chunks, committed in order up to the one with which the list is complete. */
+static sl_status trace_some(photon_job *job, const sl_photon_options *options, unsigned threads, size_t *chunks, sl_photon_list *list,
+                            sl_counters *counters, sl_error *error) {
+    size_t now = chunks_at_once(list, options, *chunks < CHUNKS_AT_ONCE ? *chunks : CHUNKS_AT_ONCE, threads);
+    job->first_chunk = list->emitted / SL_PHOTON_CHUNK;
+    sl_parallel_for(threads, now, trace_chunk, job);
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < now && status == SL_OK && !is_complete(list, options); i++) status = commit(list, &job->results[i], counters, error);
+    *chunks -= now;
+    return status;
+}
+
+static sl_status trace_chunks(photon_job *job, const sl_photon_options *options, size_t chunks, sl_photon_list *list, bool *done,
+                              sl_counters *counters, sl_error *error) {
+    unsigned threads = sl_thread_count(options->threads);
+    job->blocks = sl_allocate(threads, sizeof *job->blocks);
+    job->results = sl_allocate(CHUNKS_AT_ONCE, sizeof *job->results);
+    sl_status status = job->blocks && job->results ? SL_OK : sl_fail_memory(error, "photon paths");
+    while (status == SL_OK && chunks > 0 && !is_complete(list, options)) {
+        status = trace_some(job, options, threads, &chunks, list, counters, error);
+    }
+    for (size_t i = 0; job->results && i < CHUNKS_AT_ONCE; i++) release_result(&job->results[i]);
+    sl_free(job->results);
+    sl_free(job->blocks);
+    *done = status == SL_OK && is_complete(list, options);
+    if (*done) divide_fluxes(list);
+    return status;
+}
+
+sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options, size_t chunks,
+                           sl_photon_list **list, bool *done, sl_counters *counters, sl_error *error) {
+    *done = false;
+    if (!*list && !(*list = sl_allocate(1, sizeof **list))) return sl_fail_memory(error, "photons");
+    sl_photon_list *l = *list;
+    if (!l->sources) {
+        sl_status status = sl_photon_sources_create(scene, &l->sources, error);
+        if (status != SL_OK) return status;
+        l->emitted_flux = sl_photon_sources_power(l->sources);
+    }
+    sl_status status = SL_OK;
+    if (!(l->emitted_flux > 0.0) || !can_store(scene, options->store)) {
+        *done = true;
+    } else {
+        photon_job job = {.scene = scene, .tracer = tracer, .sources = l->sources, .store = options->store, .seed = options->seed};
+        status = trace_chunks(&job, options, chunks, l, done, counters, error);
+    }
+    if (*done) {
+        sl_photon_sources_destroy(l->sources);
+        l->sources = NULL;
+    }
+    return status;
+}

@@ -1,0 +1,605 @@
+/* Photon maps: what leaves the lights, where it lands and what it carries, against closed forms; and that nothing but scene and seed
+ * decides. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/light_octree/photons.h"
+#include "trace/bsdf.h"
+#include "trace_scenes.h"
+
+static sl_tracer *make_tracer(const sl_scene *scene, const char *config) {
+    sl_tracer *tracer;
+    sl_error error;
+    if (sl_tracer_create(scene, 1, config, &tracer, &error) != SL_OK) fail_msg("%s", error.message);
+    return tracer;
+}
+
+/* All of a run, `chunks` chunks a call. */
+static sl_photon_list *trace_with(const sl_scene *scene, const sl_tracer *tracer, sl_photon_options options, size_t chunks) {
+    sl_photon_list *list = NULL;
+    sl_counters counters = {{0}};
+    sl_error error;
+    if (options.threads == 0) options.threads = 2;
+    for (bool done = false; !done;) {
+        sl_status status = sl_photons_trace(scene, tracer, &options, chunks, &list, &done, &counters, &error);
+        if (status != SL_OK) fail_msg("%s", error.message);
+    }
+    assert_int_equal(counters.value[SL_COUNT_PHOTONS_STORED], list->count);
+    assert_int_equal(counters.value[SL_COUNT_PHOTONS_EMITTED], list->emitted);
+    for (size_t i = 0; i < list->count; i++) {
+        const sl_photon *p = &list->photon[i];
+        for (int c = 0; c < 3; c++) assert_true(isfinite(p->position[c]) && isfinite(p->flux[c]) && p->flux[c] >= 0.0f);
+    }
+    return list;
+}
+
+static sl_photon_list *trace_scene(const sl_scene *scene, sl_photon_options options) {
+    sl_tracer *tracer = make_tracer(scene, NULL);
+    sl_photon_list *list = trace_with(scene, tracer, options, SIZE_MAX);
+    sl_tracer_destroy(tracer);
+    return list;
+}
+
+/* So many chunks, whatever they store. */
+static sl_photon_options emitted(size_t chunks, sl_photon_store store) {
+    return (sl_photon_options){.stored = UINT32_MAX, .emitted_at_most = chunks * SL_PHOTON_CHUNK, .store = store, .seed = 1};
+}
+
+static unsigned bounces(const sl_photon *p) { return p->flags & SL_PHOTON_BOUNCES; }
+static bool is_caustic(const sl_photon *p) { return p->flags & SL_PHOTON_CAUSTIC; }
+
+static bool same_list(const sl_photon_list *a, const sl_photon_list *b) {
+    return a->count == b->count && a->emitted == b->emitted && a->cut_flux == b->cut_flux && a->emitted_flux == b->emitted_flux &&
+           memcmp(a->photon, b->photon, a->count * sizeof *a->photon) == 0;
+}
+
+static sl_light point_light(float x, float y, float z, sl_rgb intensity) {
+    return (sl_light){.type = SL_LIGHT_POINT, .position = {x, y, z}, .direction = {0, -1, 0}, .intensity = intensity};
+}
+
+static void add_light(trace_mesh *mesh, sl_light light) { mesh->lights[mesh->light_count++] = light; }
+
+static void add_point(trace_mesh *mesh, float x, float y, float z, float intensity) {
+    add_light(mesh, point_light(x, y, z, sl_grey(intensity)));
+}
+
+/* ---- closed forms -------------------------------------------------------------------------------------------------------------- */
+
+static sl_scene *diffuse_sphere(float albedo, unsigned rings) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_sphere(&mesh, sl_v3(1, 2, 3), 2.0f, rings, 0.0f, true, trace_mesh_material(&mesh, albedo, 0, 0, 0, 0));
+    add_point(&mesh, 1, 2, 3, 1.0f);
+    return trace_mesh_build(&mesh);
+}
+
+static void diffuse_sphere_has_the_light_of_an_integrating_sphere(void **state) {
+    (void)state;
+    const double albedos[] = {0.3, 0.5, 0.8};
+    for (int a = 0; a < 3; a++) {
+        double rho = albedos[a], power = 4.0 * SL_PI;
+        sl_scene *scene = diffuse_sphere((float)rho, 64);
+        sl_photon_list *list = trace_scene(scene, emitted(15, SL_STORE_INDIRECT));
+        double n = (double)list->emitted, flux = 0.0, cosine = 0.0, upper = 0.0;
+        for (size_t i = 0; i < list->count; i++) {
+            const sl_photon *p = &list->photon[i];
+            flux += (double)p->flux[1];
+            cosine += (double)sl_dot(sl_octahedral_decode(p->direction), sl_octahedral_decode(p->normal));
+            upper += p->position[1] > 2.0f ? (double)p->flux[1] : 0.0;
+        }
+        double count = (double)list->count, deviation = sqrt(rho / n) / (1.0 - rho);
+        assert_true(fabs(count / n - rho / (1.0 - rho)) < 3.0 * deviation);
+        assert_true(fabs(flux / power - rho / (1.0 - rho)) < 3.0 * deviation);
+        assert_true(fabs(cosine / count - 2.0 / 3.0) < 3.0 * sqrt(1.0 / 18.0 / count) + 1e-3);
+        assert_true(fabs(upper / flux - 0.5) < 3.0 * sqrt(0.25 / count)); /* uniform irradiance */
+        assert_true(list->cut_flux == 0.0);
+        sl_photon_list_destroy(list);
+        sl_scene_destroy(scene);
+    }
+}
+
+static sl_light spot_light(sl_rgb intensity) {
+    sl_light spot = point_light(0.1f, 0.2f, -0.1f, intensity);
+    spot.type = SL_LIGHT_SPOT;
+    spot.direction = sl_v3(0.6f, 0.0f, 0.8f);
+    spot.cos_inner = 0.9f;
+    spot.cos_outer = 0.5f;
+    return spot;
+}
+
+/* Sum of first hits, by channel. */
+static sl_vec3d first_flux(const sl_photon_list *list) {
+    sl_vec3d sum = {0, 0, 0};
+    for (size_t i = 0; i < list->count; i++) {
+        const float *f = list->photon[i].flux;
+        if (bounces(&list->photon[i]) == 0) sum = sl_addd(sum, sl_v3d((double)f[0], (double)f[1], (double)f[2]));
+    }
+    return sum;
+}
+
+static void power_of_every_light_in_a_closed_room_arrives(void **state) {
+    (void)state;
+    const sl_rgb intensity = {1.0f, 2.0f, 0.5f};
+    for (int kind = 0; kind < 4; kind++) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+        double extent = 4.0 * SL_PI;
+        if (kind == 0) add_light(&mesh, point_light(0.3f, 0, 0, intensity));
+        if (kind == 1) {
+            add_light(&mesh, spot_light(intensity));
+            extent = 2.0 * SL_PI * (1.0 - 0.5 * (0.9 + 0.5));
+        }
+        if (kind >= 2) {
+            uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
+            mesh.materials[lamp].emission = intensity;
+            mesh.materials[lamp].emission_two_sided = kind == 3;
+            trace_mesh_quad(&mesh, sl_v3(-0.5f, 0.5f, -0.5f), sl_v3(0.8f, 0.1f, 0), sl_v3(0, 0, 0.5f), lamp);
+            extent = SL_PI * sqrt(0.8 * 0.8 + 0.1 * 0.1) * 0.5 * (kind == 3 ? 2.0 : 1.0);
+        }
+        sl_scene *scene = trace_mesh_build(&mesh);
+        sl_photon_list *list = trace_scene(scene, emitted(2, SL_STORE_ALL));
+        sl_vec3d sum = first_flux(list);
+        assert_true(fabs(sum.x / extent - 1.0) < 1e-5);
+        assert_true(fabs(sum.y / extent - 2.0) < 1e-5);
+        assert_true(fabs(sum.z / extent - 0.5) < 1e-5);
+        double luminance = 0.2126 * sum.x + 0.7152 * sum.y + 0.0722 * sum.z;
+        assert_true(fabs(list->emitted_flux - luminance) < 1e-5 * luminance);
+        sl_photon_list_destroy(list);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+    add_light(&mesh, point_light(0, 0, 0, (sl_rgb){0, 1, 0}));
+    add_light(&mesh, point_light(0, 0.1f, 0, (sl_rgb){1e-4f * 0.7152f / 0.2126f, 0, 0})); /* a ten-thousandth of the luminance */
+    add_light(&mesh, point_light(0, 0.2f, 0, (sl_rgb){0, 0, 0}));
+    add_light(&mesh, point_light(0, 0.3f, 0, (sl_rgb){0, 0, 0.5f * 0.7152f / 0.0722f}));
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_photon_list *list = trace_scene(scene, emitted(16, SL_STORE_ALL));
+    double paths[3] = {0, 0, 0}, share[3] = {1e-4, 1.0, 0.5}, luminance[3] = {0.2126, 0.7152, 0.0722};
+    for (size_t i = 0; i < list->count; i++) {
+        if (bounces(&list->photon[i]) > 0) continue;
+        for (int c = 0; c < 3; c++) {
+            if (!(list->photon[i].flux[c] > 0.0f)) continue;
+            paths[c]++;
+            double power = luminance[c] * (double)list->photon[i].flux[c] * (double)list->emitted;
+            assert_true(fabs(power / list->emitted_flux - 1.0) < 1e-6); /* equal power, whatever the light */
+        }
+    }
+    for (int c = 0; c < 3; c++) assert_true(fabs(paths[c] - 65536.0 * share[c] / 1.5001) <= 1.0);
+    assert_true(paths[0] + paths[1] + paths[2] == 65536.0);
+    sl_photon_list_destroy(list);
+    sl_scene_destroy(scene);
+}
+
+/* Irradiance at a point of the floor, green: by the lights' own formulas. */
+static double floor_irradiance(const sl_scene *scene, sl_vec3 p) {
+    double sum = 0.0;
+    for (size_t l = 0; l < scene->light_count; l++) {
+        sl_vec3 to;
+        float distance;
+        sl_rgb e;
+        if (sl_light_illuminate(&scene->lights[l], p, &to, &distance, &e)) sum += (double)e.g * fmax((double)to.y, 0.0);
+    }
+    for (uint32_t t = 0; t < scene->emitter_count; t++) {
+        for (int k = 0; k < 256; k++) {
+            sl_light_sample s;
+            if (sl_emitter_sample(scene, t, p, ((float)(k / 16) + 0.5f) / 16.0f, ((float)(k % 16) + 0.5f) / 16.0f, &s)) {
+                sum += (double)s.radiance.g * fmax((double)s.to_light.y, 0.0) / 256.0;
+            }
+        }
+    }
+    const sl_environment *e = &scene->environment;
+    if (e->present && e->width == 0) sum += SL_PI * (double)e->constant.g;
+    for (int row = 0; e->present && row < e->height; row++) {
+        for (int column = 0; column < e->width; column++) {
+            sl_rgb radiance;
+            float solid_angle;
+            sl_vec3 d = sl_environment_texel(e, row, column, &radiance, &solid_angle);
+            sum += (double)radiance.g * (double)solid_angle * fmax((double)d.y, 0.0);
+        }
+    }
+    return sum;
+}
+
+/* First hits on the square [low, low + 1]^2 of the floor against the integral of irradiance over it. */
+static void compare_square(const sl_scene *scene, const sl_photon_list *list, float low_x, float low_z) {
+    double expected = 0.0, found = 0.0, squares = 0.0;
+    enum { STEPS = 16 };
+    for (int i = 0; i < STEPS * STEPS; i++) {
+        float x = low_x + ((float)(i % STEPS) + 0.5f) / STEPS, z = low_z + ((float)(i / STEPS) + 0.5f) / STEPS;
+        expected += floor_irradiance(scene, sl_v3(x, 0, z)) / (STEPS * STEPS);
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        const sl_photon *p = &list->photon[i];
+        if (bounces(p) > 0 || p->position[0] < low_x || p->position[0] >= low_x + 1.0f) continue;
+        if (p->position[2] < low_z || p->position[2] >= low_z + 1.0f || fabsf(p->position[1]) > 1e-4f) continue;
+        if (!(sl_octahedral_decode(p->normal).y > 0.0f)) continue; /* the floor is lit from below as well */
+        found += (double)p->flux[1];
+        squares += (double)p->flux[1] * (double)p->flux[1];
+    }
+    assert_true(expected > 0.0);
+    assert_true(fabs(found - expected) < 3.0 * sqrt(squares) + 2e-3 * expected);
+    assert_true(sqrt(squares) < 0.05 * expected);
+}
+
+static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **state) {
+    (void)state;
+    float texels[3 * 8 * 4];
+    for (int i = 0; i < 3 * 8 * 4; i++) texels[i] = i / 24 < 2 ? 0.5f + sl_random_unit(sl_random_key(5, 5), (uint64_t)i) : 3.0f;
+    texels[3 * 10 + 1] = 40.0f;
+    const sl_environment constant = {.present = true, .constant = {1.0f, 2.0f, 3.0f}};
+    const sl_environment picture = {.present = true, .width = 8, .height = 4, .texels = texels};
+    for (int kind = 0; kind < 6; kind++) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_quad(&mesh, sl_v3(-3, 0, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        sl_light light = point_light(0.3f, 1.5f, 0.2f, (sl_rgb){1, 2, 3});
+        if (kind == 1) {
+            light = spot_light((sl_rgb){1, 2, 3});
+            light.position.y = 2.0f;
+            light.direction = sl_v3(0.0f, -0.8f, 0.6f);
+        }
+        if (kind == 2) {
+            light.type = SL_LIGHT_DIRECTIONAL;
+            light.direction = sl_v3(0.36f, -0.8f, 0.48f);
+        }
+        if (kind < 3) add_light(&mesh, light);
+        if (kind == 3) {
+            trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0.2f, 1),
+                            trace_mesh_material(&mesh, 0, 0, 0, 0, 4.0f));
+        }
+        if (kind == 4) mesh.environment = &constant;
+        if (kind == 5) mesh.environment = &picture;
+        sl_scene *scene = trace_mesh_build(&mesh);
+        sl_photon_list *list = trace_scene(scene, emitted(24, SL_STORE_ALL));
+        compare_square(scene, list, 0.0f, 0.0f);
+        compare_square(scene, list, -1.5f, 0.5f);
+        compare_square(scene, list, 0.8f, 1.2f);
+        sl_photon_list_destroy(list);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* ---- scattering ------------------------------------------------------------------------------------------------------------------ */
+
+/* A closed room whose walls differ: coloured, glossy, mirroring. */
+static sl_scene *motley_room(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t coloured = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    mesh.materials[coloured].diffuse = (sl_rgb){0.8f, 0.4f, 0.2f};
+    uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 20.0f, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.7f, 0);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(0, 0, 1), sl_v3(1, 0, 0), coloured);
+    trace_mesh_quad(&mesh, sl_v3(0, 1, 0), sl_v3(0, 0, 1), sl_v3(1, 0, 0), coloured);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), glossy);
+    trace_mesh_quad(&mesh, sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), glossy);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), mirror);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 1), sl_v3(1, 0, 0), sl_v3(0, 1, 0), coloured);
+    add_point(&mesh, 0.5f, 0.6f, 0.4f, 1.0f);
+    return trace_mesh_build(&mesh);
+}
+
+enum { WALLS = 6, CHAINS = 20000, CHAIN_LENGTH = 40 };
+
+/* Flux that arrives at each pair of triangles after the first hit, by paths that never end: the mean, and its variance. */
+static void follow_chains(const sl_scene *scene, const sl_tracer *tracer, sl_vec3d *mean, sl_vec3d *variance) {
+    sl_counters counters = {{0}};
+    for (int w = 0; w < WALLS; w++) mean[w] = variance[w] = sl_v3d(0, 0, 0);
+    for (uint64_t i = 0; i < CHAINS; i++) {
+        uint64_t key = sl_random_key(99, i);
+        sl_vec3d at[WALLS] = {{0, 0, 0}};
+        sl_vec3 p = scene->lights[0].position;
+        sl_vec3 d = sl_direction_around(sl_v3(0, 1, 0), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
+        sl_rgb flux = sl_grey((float)(4.0 * SL_PI));
+        uint32_t skip = SL_NO_INDEX;
+        for (uint64_t b = 0; b < CHAIN_LENGTH; b++) {
+            sl_ray16 ray = {.origin_x = {p.x}, .origin_y = {p.y}, .origin_z = {p.z}, .direction_x = {d.x}, .direction_y = {d.y},
+                            .direction_z = {d.z}, .far = {INFINITY}, .skip = {skip}};
+            sl_hit16 hit;
+            sl_trace(tracer, &ray, 1, false, &hit, &counters);
+            if (hit.triangle[0] == SL_NO_INDEX) break;
+            skip = hit.triangle[0];
+            sl_surface s;
+            sl_scene_surface(scene, skip, hit.w1[0], hit.w2[0], sl_neg(d), &s);
+            p = sl_surface_lift(scene, skip, &s);
+            if (sl_material_is_mirror(s.material)) {
+                d = sl_reflect(sl_neg(d), s.normal);
+                flux = sl_rgb_mul(flux, s.material->mirror);
+                continue;
+            }
+            if (b > 0) at[skip / 2] = sl_addd(at[skip / 2], sl_v3d((double)flux.r, (double)flux.g, (double)flux.b));
+            sl_bsdf bsdf = sl_bsdf_make(&s, sl_neg(d), SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
+            if (!sl_bsdf_sample(&bsdf, sl_random_unit(key, 8 * b + 10), sl_random_unit(key, 8 * b + 11), sl_random_unit(key, 8 * b + 12), &d)) {
+                break;
+            }
+            sl_rgb f = sl_bsdf_reflect(&bsdf, d, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
+            flux = sl_rgb_scale(sl_rgb_mul(flux, f), 1.0f / sl_bsdf_pdf(&bsdf, d));
+        }
+        for (int w = 0; w < WALLS; w++) {
+            mean[w] = sl_addd(mean[w], sl_scaled(at[w], 1.0 / CHAINS));
+            variance[w] = sl_addd(variance[w], sl_scaled(sl_v3d(at[w].x * at[w].x, at[w].y * at[w].y, at[w].z * at[w].z),
+                                                         1.0 / ((double)CHAINS * CHAINS)));
+        }
+    }
+}
+
+static int wall_of(const sl_photon *p) {
+    int best = 0;
+    float nearest = INFINITY;
+    const float distance[WALLS] = {p->position[1], 1.0f - p->position[1], p->position[0], 1.0f - p->position[0], p->position[2],
+                                   1.0f - p->position[2]};
+    for (int w = 0; w < WALLS; w++) {
+        if (fabsf(distance[w]) < nearest) {
+            nearest = fabsf(distance[w]);
+            best = w;
+        }
+    }
+    return best;
+}
+
+static void roulette_keeps_the_flux_of_chains_that_never_end(void **state) {
+    (void)state;
+    sl_scene *scene = motley_room();
+    sl_tracer *tracer = make_tracer(scene, NULL);
+    sl_vec3d mean[WALLS], variance[WALLS], sum[WALLS] = {{0, 0, 0}}, squares[WALLS] = {{0, 0, 0}};
+    follow_chains(scene, tracer, mean, variance);
+    sl_photon_list *list = trace_with(scene, tracer, emitted(20, SL_STORE_INDIRECT), SIZE_MAX);
+    for (size_t i = 0; i < list->count; i++) {
+        sl_vec3d f = sl_v3d((double)list->photon[i].flux[0], (double)list->photon[i].flux[1], (double)list->photon[i].flux[2]);
+        int w = wall_of(&list->photon[i]);
+        sum[w] = sl_addd(sum[w], f);
+        /* Photons of one path lie together at most a few times: twice their squares bounds the variance. */
+        squares[w] = sl_addd(squares[w], sl_scaled(sl_v3d(f.x * f.x, f.y * f.y, f.z * f.z), 2.0));
+    }
+    for (int w = 0; w < WALLS; w++) {
+        if (w == 4) continue; /* the mirror stores nothing */
+        assert_true(sum[w].x > 0.3);
+        assert_true(fabs(sum[w].x - mean[w].x) < 3.0 * sqrt(variance[w].x + squares[w].x));
+        assert_true(fabs(sum[w].y - mean[w].y) < 3.0 * sqrt(variance[w].y + squares[w].y));
+        assert_true(fabs(sum[w].z - mean[w].z) < 3.0 * sqrt(variance[w].z + squares[w].z));
+    }
+    assert_true(sum[4].x == 0.0 && mean[4].x == 0.0);
+    sl_photon_list_destroy(list);
+    sl_tracer_destroy(tracer);
+    sl_scene_destroy(scene);
+}
+
+static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, 1.0f, 0, 0, 0, 0));
+    add_point(&mesh, 0, 0, 0, 1.0f);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_photon_list *list = trace_scene(scene, emitted(2, SL_STORE_ALL));
+    unsigned most = 0;
+    for (size_t i = 0; i < list->count; i++) most = bounces(&list->photon[i]) > most ? bounces(&list->photon[i]) : most;
+    assert_int_equal(most, 64);
+    assert_true(fabs(list->cut_flux / (4.0 * SL_PI) - 1.0) < 0.05); /* all that was emitted is still under way */
+    sl_photon_list_destroy(list);
+    sl_scene_destroy(scene);
+}
+
+/* ---- what is stored ---------------------------------------------------------------------------------------------------------------- */
+
+/* A floor, and a mirror that stands on its edge. */
+static sl_scene *mirror_over_floor(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_quad(&mesh, sl_v3(-4, 0, -4), sl_v3(0, 0, 8), sl_v3(8, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(2, 0.01f, -2), sl_v3(0, 0, 4), sl_v3(0, 2, 0), trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
+    add_point(&mesh, 0.5f, 1.0f, 0.0f, 1.0f);
+    return trace_mesh_build(&mesh);
+}
+
+static void caustic_photons_come_by_mirrors_alone(void **state) {
+    (void)state;
+    sl_scene *scene = mirror_over_floor();
+    sl_photon_list *list = trace_scene(scene, emitted(4, SL_STORE_ALL));
+    size_t caustics = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        const sl_photon *p = &list->photon[i];
+        if (!is_caustic(p)) continue;
+        caustics++;
+        assert_int_equal(bounces(p), 1);
+        assert_true(fabsf(p->position[1]) < 1e-5f);
+        /* Back along its direction, past the mirror's plane, lies the light's image at (3.5, 1, 0). */
+        sl_vec3 d = sl_octahedral_decode(p->direction);
+        sl_vec3 to = sl_sub(sl_v3(3.5f, 1.0f, 0.0f), sl_v3(p->position[0], p->position[1], p->position[2]));
+        assert_true(sl_length(sl_cross(d, to)) < 1e-3f * sl_length(to));
+        assert_true(fabs((double)p->flux[0] / (4.0 * SL_PI / (double)list->emitted) - 1.0) < 1e-5);
+    }
+    assert_true(caustics > 300);
+    sl_photon_list_destroy(list);
+    sl_scene_destroy(scene);
+}
+
+static void storage_rules_choose_from_the_same_photons(void **state) {
+    (void)state;
+    sl_scene *scenes[2] = {mirror_over_floor(), motley_room()};
+    for (int s = 0; s < 2; s++) {
+        sl_photon_list *all = trace_scene(scenes[s], emitted(3, SL_STORE_ALL));
+        sl_photon_list *indirect = trace_scene(scenes[s], emitted(3, SL_STORE_INDIRECT));
+        sl_photon_list *caustic = trace_scene(scenes[s], emitted(3, SL_STORE_CAUSTIC));
+        size_t i = 0, c = 0;
+        for (size_t k = 0; k < all->count; k++) {
+            const sl_photon *p = &all->photon[k];
+            if (bounces(p) > 0) assert_memory_equal(p, &indirect->photon[i++], sizeof *p);
+            if (is_caustic(p)) assert_memory_equal(p, &caustic->photon[c++], sizeof *p);
+        }
+        assert_int_equal(i, indirect->count);
+        assert_int_equal(c, caustic->count);
+        assert_true(c > 100 && all->count > i && (s == 0 || i > c));
+        sl_photon_list_destroy(all);
+        sl_photon_list_destroy(indirect);
+        sl_photon_list_destroy(caustic);
+        sl_scene_destroy(scenes[s]);
+    }
+}
+
+static void tracing_stops_with_the_chunk_that_stores_enough(void **state) {
+    (void)state;
+    sl_scene *scene = diffuse_sphere(0.5f, 16);
+    sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 30000, .seed = 3});
+    assert_true(list->count >= 30000 && list->count < 30000 + 6000);
+    assert_true(list->emitted % SL_PHOTON_CHUNK == 0);
+    sl_photon_list *less = trace_scene(scene, emitted(list->emitted / SL_PHOTON_CHUNK - 1, SL_STORE_INDIRECT));
+    sl_photon_options same_seed = emitted(list->emitted / SL_PHOTON_CHUNK - 1, SL_STORE_INDIRECT);
+    same_seed.seed = 3;
+    sl_photon_list_destroy(less);
+    less = trace_scene(scene, same_seed);
+    assert_true(less->count < 30000);
+    assert_memory_equal(less->photon[less->count - 1].position, list->photon[less->count - 1].position, 12);
+    sl_photon_list_destroy(list);
+    sl_photon_list_destroy(less);
+    sl_scene_destroy(scene);
+}
+
+/* ---- nothing to do ------------------------------------------------------------------------------------------------------------------- */
+
+static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_photon_store store) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0));
+    add_point(&mesh, 0, 0, 0, intensity);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .store = store, .seed = 1});
+    sl_scene_destroy(scene);
+    return list;
+}
+
+static void nothing_is_traced_where_nothing_can_be_stored(void **state) {
+    (void)state;
+    sl_photon_list *lists[] = {of_box(0.5f, 0, 0, SL_STORE_INDIRECT), of_box(0, 0, 1, SL_STORE_INDIRECT),
+                               of_box(0.5f, 0, 1, SL_STORE_CAUSTIC), of_box(0, 0.9f, 1, SL_STORE_ALL)};
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(lists[i]->count, 0);
+        assert_int_equal(lists[i]->emitted, 0);
+        sl_photon_list_destroy(lists[i]);
+    }
+    sl_photon_list *black = of_box(0, 0, 1, SL_STORE_ALL); /* but first hits lie on black walls too */
+    assert_true(black->count >= 1000);
+    sl_photon_list_destroy(black);
+}
+
+static void light_that_meets_nothing_ends_too(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_quad(&mesh, sl_v3(-1, 0, -1), sl_v3(0, 0, 2), sl_v3(2, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    add_point(&mesh, 0, 1, 0, 1.0f);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .seed = 1}); /* a single plane sees no bounce */
+    assert_int_equal(list->count, 0);
+    assert_int_equal(list->emitted, 1u << 20);
+    sl_photon_list_destroy(list);
+    sl_scene_destroy(scene);
+}
+
+/* ---- the same everywhere ---------------------------------------------------------------------------------------------------------------- */
+
+static sl_scene *bumpy_hall(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 2.0f, 40, 0.3f, true, trace_mesh_material(&mesh, 0.5f, 0.3f, 10, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(0.5f, 0, 0), 0.4f, 20, 0.2f, false, trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 1, -0.5f), sl_v3(0.8f, 0.1f, 0), sl_v3(0, 0, 0.5f), trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    add_light(&mesh, spot_light((sl_rgb){1, 2, 3}));
+    return trace_mesh_build(&mesh);
+}
+
+static void photons_are_the_same_at_any_number_of_threads_and_calls(void **state) {
+    (void)state;
+    sl_scene *scene = bumpy_hall();
+    sl_tracer *tracer = make_tracer(scene, NULL);
+    sl_photon_options options = {.stored = 50000, .seed = 7, .threads = 1};
+    sl_photon_list *first = trace_with(scene, tracer, options, SIZE_MAX);
+    for (unsigned run = 0; run < 4; run++) {
+        options.threads = run == 0 ? 2 : run == 1 ? 3 : 1;
+        sl_photon_list *again = trace_with(scene, tracer, options, run < 2 ? SIZE_MAX : run == 2 ? 1 : 3);
+        assert_true(same_list(first, again));
+        sl_photon_list_destroy(again);
+    }
+    options.seed = 8;
+    sl_photon_list *other = trace_with(scene, tracer, options, SIZE_MAX);
+    assert_false(same_list(first, other));
+    sl_photon_list_destroy(other);
+    sl_photon_list_destroy(first);
+    sl_tracer_destroy(tracer);
+    sl_scene_destroy(scene);
+}
+
+static void photons_are_the_same_on_every_instruction_set_of_embree(void **state) {
+    (void)state;
+    static const char *const configs[] = {NULL, "isa=sse2", "isa=avx", "isa=avx2"};
+    sl_scene *scene = bumpy_hall();
+    sl_photon_list *first = NULL;
+    for (int i = 0; i < 4; i++) {
+        sl_tracer *tracer = make_tracer(scene, configs[i]);
+        sl_photon_list *list = trace_with(scene, tracer, emitted(4, SL_STORE_ALL), SIZE_MAX);
+        if (i == 0) first = list;
+        else assert_true(same_list(first, list));
+        if (i > 0) sl_photon_list_destroy(list);
+        sl_tracer_destroy(tracer);
+    }
+    assert_true(first->count > 20000);
+    sl_photon_list_destroy(first);
+    sl_scene_destroy(scene);
+}
+
+/* ---- directions in 32 bits ------------------------------------------------------------------------------------------------------------- */
+
+static void directions_survive_their_32_bits(void **state) {
+    (void)state;
+    double worst = 0.0;
+    for (uint64_t i = 0; i < 200000; i++) {
+        uint64_t key = sl_random_key(11, i);
+        sl_vec3 d = sl_direction_around(sl_v3(0, 0, 1), 1.0f - 2.0f * sl_random_unit(key, 0), sl_random_unit(key, 1));
+        sl_vec3d a = sl_to_double(d), b = sl_to_double(sl_octahedral_decode(sl_octahedral_encode(d)));
+        worst = fmax(worst, sl_lengthd(sl_crossd(a, b)));
+        assert_true(sl_dotd(a, b) > 0.9);
+        assert_true(fabs(sl_dotd(b, b) - 1.0) < 1e-6);
+    }
+    assert_true(worst < 6.5e-5);
+    for (int i = 0; i < 6; i++) {
+        float sign = i < 3 ? 1.0f : -1.0f;
+        sl_vec3 axis = sl_v3(i % 3 == 0 ? sign : 0.0f, i % 3 == 1 ? sign : 0.0f, i % 3 == 2 ? sign : 0.0f);
+        sl_vec3 back = sl_octahedral_decode(sl_octahedral_encode(axis));
+        assert_true(back.x == axis.x && back.y == axis.y && back.z == axis.z);
+    }
+}
+
+static void what_is_no_direction_gets_one(void **state) {
+    (void)state;
+    const sl_vec3 odd[] = {{0, 0, 0}, {NAN, 0, 1}, {INFINITY, 0, 0}, {1e30f, -1e30f, 1e30f}, {1e-40f, 0, 0}};
+    for (int i = 0; i < 5; i++) {
+        sl_vec3 d = sl_octahedral_decode(sl_octahedral_encode(odd[i]));
+        assert_true(fabsf(sl_length(d) - 1.0f) < 1e-5f);
+    }
+    for (uint32_t code = 0; code < UINT32_MAX - 70000; code += 65111) assert_true(fabsf(sl_length(sl_octahedral_decode(code)) - 1.0f) < 1e-5f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(diffuse_sphere_has_the_light_of_an_integrating_sphere),
+        cmocka_unit_test(power_of_every_light_in_a_closed_room_arrives),
+        cmocka_unit_test(lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten),
+        cmocka_unit_test(direct_irradiance_on_a_plane_is_that_of_every_kind_of_light),
+        cmocka_unit_test(roulette_keeps_the_flux_of_chains_that_never_end),
+        cmocka_unit_test(white_room_is_cut_at_64_bounces_and_says_what_was_lost),
+        cmocka_unit_test(caustic_photons_come_by_mirrors_alone),
+        cmocka_unit_test(storage_rules_choose_from_the_same_photons),
+        cmocka_unit_test(tracing_stops_with_the_chunk_that_stores_enough),
+        cmocka_unit_test(nothing_is_traced_where_nothing_can_be_stored),
+        cmocka_unit_test(light_that_meets_nothing_ends_too),
+        cmocka_unit_test(photons_are_the_same_at_any_number_of_threads_and_calls),
+        cmocka_unit_test(photons_are_the_same_on_every_instruction_set_of_embree),
+        cmocka_unit_test(directions_survive_their_32_bits),
+        cmocka_unit_test(what_is_no_direction_gets_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
