@@ -304,6 +304,7 @@ void sl_raster_destroy(sl_raster *r) {
     for (int k = 0; k < 3; k++) sl_free(r->corner[k]);
     sl_free(r->triangle_masked);
     sl_free(r->cluster_of_triangle);
+    sl_vertex_sources_destroy(r->sources);
     sl_spares_destroy(r->spares);
     sl_free(r);
 }

@@ -88,6 +88,7 @@ struct sl_raster {
     uint8_t *triangle_masked;
     uint32_t *cluster_of_triangle; /* by the scene's index */
     size_t memory_bytes;
+    struct sl_vertex_sources *sources; /* of the vertices, once something moves (move.c); NULL before */
     struct sl_spares *spares; /* buffers between passes (spare.c); NULL where no pass over tiles runs */
 };
 
@@ -343,6 +344,7 @@ void sl_visible_sort(sl_visible *visible);
 sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error);
 /* Room for the clusters' bounds, and bounds around vertices (clusters.c). */
 bool sl_bounds_allocate(sl_raster *raster, size_t clusters);
+void sl_vertex_sources_destroy(struct sl_vertex_sources *sources);
 void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z, size_t count);
 
 /* Appends a triangle that needs no clipping. */

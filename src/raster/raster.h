@@ -19,13 +19,18 @@
 #include "base/isa.h"
 #include "scene/scene.h"
 
-/* The triangles as the hardware holds them: vertices, indices, clusters with bounds. Immutable; many passes at once. */
+/* The triangles as the hardware holds them: vertices, indices, clusters with bounds. Immutable but for sl_raster_move(); many passes at
+ * once. */
 typedef struct sl_raster sl_raster;
 
 /* The scene must outlive it. */
 sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error);
 void sl_raster_destroy(sl_raster *raster);
 size_t sl_raster_memory_bytes(const sl_raster *raster);
+/* Follows vertices that have moved in the scene's (or mesh's) arrays, be it whole objects or each vertex by itself: pictures are then, bit by
+ * bit, those of a rasterizer made anew; how much was culled may differ. No pass may be running; a sl_raster_scratch must be made anew.
+ * After a failure it can be destroyed, no more. */
+sl_status sl_raster_move(sl_raster *raster, unsigned threads, sl_error *error);
 
 typedef enum sl_depth_kind {
     SL_DEPTH_WINDOW,    /* z/w mapped to [0,1], smaller is nearer: what OpenGL stores */

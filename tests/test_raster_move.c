@@ -1,0 +1,267 @@
+/* Moved vertices: what is drawn afterwards is what a rasterizer made anew draws, and what the plain pipeline draws, bit by bit. */
+#include "raster/internal.h"
+#include "raster/plain.h"
+#include "raster_support.h"
+#include "scene/derive.h"
+
+enum { W = 200, H = 150, PIXELS = W * H, VIEWS = 6 };
+
+static uint32_t moved_id[PIXELS], fresh_id[PIXELS];
+static float moved_depth[PIXELS], fresh_depth[PIXELS];
+
+static sl_view view_number(uint64_t n) {
+    uint64_t key = sl_random_key(91, n);
+    sl_frame frame = sl_frame_from_normal(random_direction(key, 0));
+    sl_vec3 eye = sl_v3(random_between(key, 100, 0.5f, 3.5f), random_between(key, 101, 0.5f, 2.5f), random_between(key, 102, 0.5f, 4.5f));
+    if (n % 2) return sl_view_pyramid(&frame, eye, -1.5f, 2.0f, -1.0f, 1.0f, W, H, 1e-3f);
+    sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z), 1.3f};
+    return sl_view_camera(&camera, W, H, 0.05f, 50.0f);
+}
+
+static void assert_same_picture(const uint32_t *id, const float *depth, const uint32_t *other_id, const float *other_depth) {
+    for (int i = 0; i < PIXELS; i++) {
+        if (id[i] == other_id[i] && memcmp(&depth[i], &other_depth[i], 4) == 0) continue;
+        fail_msg("pixel %d,%d: %u at %.9g, not %u at %.9g", i % W, i / W, id[i], (double)depth[i], other_id[i], (double)other_depth[i]);
+    }
+}
+
+/* Pictures of the moved rasterizer against one made anew. Returns triangles submitted, over those of the other. */
+static double compare_with_fresh(const sl_raster *moved, const sl_scene *scene, const sl_raster_mesh *mesh) {
+    sl_raster *fresh = NULL;
+    assert_int_equal(scene ? sl_raster_create(scene, 1, &fresh, NULL) : sl_raster_create_mesh(mesh, 1, &fresh, NULL), SL_OK);
+    uint64_t submitted = 0, by_fresh = 0;
+    for (uint64_t n = 0; n < VIEWS; n++) {
+        sl_view view = view_number(n);
+        submitted += render(moved, &view, 2, moved_id, moved_depth).value[SL_COUNT_TRIANGLES_SUBMITTED];
+        by_fresh += render(fresh, &view, 1, fresh_id, fresh_depth).value[SL_COUNT_TRIANGLES_SUBMITTED];
+        assert_same_picture(moved_id, moved_depth, fresh_id, fresh_depth);
+    }
+    sl_view view = view_number(1);
+    sl_target target = {W, H, fresh_id, fresh_depth};
+    sl_plain_id(&fresh->mesh, scene, &view, &target);
+    render(moved, &view, 1, moved_id, moved_depth);
+    assert_same_picture(moved_id, moved_depth, fresh_id, fresh_depth);
+    sl_raster_destroy(fresh);
+    return by_fresh ? (double)submitted / (double)by_fresh : 1.0;
+}
+
+/* ---- motion ---- */
+
+/* Vertices of triangles [first, end), each once. */
+static void shift_vertices(sl_scene *scene, size_t first, size_t end, sl_vec3 by) {
+    bool *done = calloc(scene->vertex_count, sizeof *done);
+    assert_non_null(done);
+    for (size_t t = first; t < end; t++) {
+        for (int k = 0; k < 3; k++) {
+            uint32_t v = scene->vertex[k][t];
+            if (done[v]) continue;
+            done[v] = true;
+            scene->position_x[v] += by.x;
+            scene->position_y[v] += by.y;
+            scene->position_z[v] += by.z;
+        }
+    }
+    free(done);
+    sl_scene_derive(scene);
+}
+
+static void an_object_that_moved_is_drawn_as_if_it_had_always_been_there(void **state) {
+    (void)state;
+    enum { BALLS = 10, N = 6, ROOM = 12 * 8 * 8 };
+    sl_scene *scene = furnished_room(BALLS, N);
+    sl_raster *raster = raster_of(scene);
+    size_t each = 12 * (size_t)N * N;
+    for (uint64_t frame = 0; frame < 8; frame++) {
+        for (size_t b = 0; b < BALLS; b += 2) {
+            sl_vec3 by = sl_scale(random_direction(sl_random_key(92, frame), b), 0.2f);
+            shift_vertices(scene, ROOM + b * each, ROOM + (b + 1) * each, by);
+        }
+        assert_int_equal(sl_raster_move(raster, 1 + (unsigned)frame % 3, NULL), SL_OK);
+        double price = compare_with_fresh(raster, scene, NULL);
+        if (!(price < 1.3)) fail_msg("%g times the triangles", price);
+    }
+    sl_gbuffer *a = NULL, *b = NULL; /* what is resolved afterwards follows, too */
+    sl_raster *fresh = raster_of(scene);
+    sl_counters counters = {{0}};
+    sl_view view = view_number(0);
+    assert_int_equal(sl_gbuffer_create(W, H, &a, NULL), SL_OK);
+    assert_int_equal(sl_gbuffer_create(W, H, &b, NULL), SL_OK);
+    assert_int_equal(sl_raster_gbuffer(raster, &view, 2, a, &counters, NULL), SL_OK);
+    assert_int_equal(sl_raster_gbuffer(fresh, &view, 1, b, &counters, NULL), SL_OK);
+    assert_memory_equal(a->position_x, b->position_x, 4 * PIXELS);
+    assert_memory_equal(a->normal_y, b->normal_y, 4 * PIXELS);
+    sl_gbuffer_destroy(a);
+    sl_gbuffer_destroy(b);
+    sl_raster_destroy(fresh);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* By place, so that vertices that share one stay together. */
+static sl_vec3 wave(sl_vec3 p, float phase) {
+    return sl_v3(p.x + 0.15f * sinf(3.0f * p.y + phase), p.y + 0.1f * sinf(2.0f * p.z + 2.0f * phase), p.z + 0.15f * sinf(2.5f * p.x + phase));
+}
+
+static void a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(10, 6);
+    sl_raster *raster = raster_of(scene);
+    sl_vec3 *rest = malloc(scene->vertex_count * sizeof *rest);
+    assert_non_null(rest);
+    for (uint32_t v = 0; v < scene->vertex_count; v++) rest[v] = sl_scene_position(scene, v);
+    const struct sl_vertex_sources *sources = NULL;
+    for (int frame = 0; frame < 8; frame++) {
+        for (uint32_t v = 0; v < scene->vertex_count; v++) {
+            sl_vec3 p = wave(rest[v], (float)frame);
+            scene->position_x[v] = p.x;
+            scene->position_y[v] = p.y;
+            scene->position_z[v] = p.z;
+        }
+        sl_scene_derive(scene);
+        assert_int_equal(sl_raster_move(raster, 2, NULL), SL_OK);
+        assert_non_null(raster->sources); /* the clusters were kept */
+        if (sources) assert_ptr_equal(raster->sources, sources);
+        sources = raster->sources;
+        compare_with_fresh(raster, scene, NULL);
+    }
+    free(rest);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* ---- meshes of triangles of their own ---- */
+
+enum { COUNT = 1500 };
+typedef struct {
+    float x[3 * COUNT], y[3 * COUNT], z[3 * COUNT];
+    uint32_t vertex[3][COUNT];
+    sl_raster_mesh mesh;
+    sl_raster *raster;
+} soup;
+
+/* A sheet of triangles that touch, each with vertices of its own. */
+static void make_sheet(soup *s) {
+    const int columns = 30, di[6] = {0, 1, 1, 0, 1, 0}, dj[6] = {0, 0, 1, 0, 1, 1};
+    for (int n = 0; n < 3 * COUNT; n++) {
+        int square = n / 6, i = square % columns + di[n % 6], j = square / columns + dj[n % 6];
+        s->x[n] = 0.125f * (float)i;
+        s->y[n] = 1.0f + 0.0625f * (float)((i * 7 + j * 5) % 9);
+        s->z[n] = 0.1875f * (float)j;
+        s->vertex[n % 3][n / 3] = (uint32_t)n;
+    }
+    s->mesh = (sl_raster_mesh){3 * COUNT, COUNT, s->x, s->y, s->z, {s->vertex[0], s->vertex[1], s->vertex[2]}};
+    assert_int_equal(sl_raster_create_mesh(&s->mesh, 1, &s->raster, NULL), SL_OK);
+}
+
+static void shake(soup *s, uint64_t key, float by) {
+    for (uint64_t n = 0; n < 3 * COUNT; n++) {
+        s->x[n] += random_between(key, 3 * n, -by, by);
+        s->y[n] += random_between(key, 3 * n + 1, -by, by);
+        s->z[n] += random_between(key, 3 * n + 2, -by, by);
+    }
+}
+
+static void triangles_that_are_torn_apart_are_drawn_apart(void **state) {
+    (void)state;
+    static soup s;
+    make_sheet(&s);
+    size_t clusters = s.raster->cluster_count, first = 0, then = 0;
+    for (uint64_t frame = 0; frame < 4; frame++) {
+        for (size_t c = 0; frame == 1 && c < s.raster->cluster_count; c++) then += s.raster->vertices[c];
+        for (size_t c = 0; frame == 0 && c < s.raster->cluster_count; c++) first += s.raster->vertices[c];
+        shake(&s, sl_random_key(93, frame), 0.02f);
+        assert_int_equal(sl_raster_move(s.raster, 2, NULL), SL_OK);
+        compare_with_fresh(s.raster, NULL, &s.mesh);
+    }
+    assert_true(clusters > 4 && then == 3 * COUNT && 3 * first < then); /* they shared, and share no longer */
+    sl_raster_destroy(s.raster);
+}
+
+static void one_vertex_among_those_that_share_a_place_may_leave_it(void **state) {
+    (void)state;
+    static soup s;
+    for (size_t n = 0; n < 40; n++) {
+        make_sheet(&s);
+        s.x[97 * n % (3 * COUNT)] += 0.25f;
+        assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
+        compare_with_fresh(s.raster, NULL, &s.mesh);
+        sl_raster_destroy(s.raster);
+    }
+}
+
+static void positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew(void **state) {
+    (void)state;
+    static soup s;
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, -0.0f, 1e-42f};
+    make_sheet(&s);
+    for (uint64_t frame = 0; frame < 6; frame++) {
+        uint64_t key = sl_random_key(94, frame);
+        for (uint64_t n = 0; n < 60; n++) {
+            float *axis[3] = {s.x, s.y, s.z};
+            axis[n % 3][sl_random_bits(key, n) % (3 * COUNT)] = odd[sl_random_bits(key, 100 + n) % 6];
+        }
+        for (int k = 0; k < 3; k++) s.y[300 * frame + (size_t)k] = s.z[300 * frame + (size_t)k] = s.x[300 * frame + (size_t)k]; /* no area */
+        assert_int_equal(sl_raster_move(s.raster, 2, NULL), SL_OK);
+        compare_with_fresh(s.raster, NULL, &s.mesh);
+    }
+    sl_raster_destroy(s.raster);
+}
+
+static void clusters_that_motion_has_scattered_are_made_anew(void **state) {
+    (void)state;
+    static soup s;
+    make_sheet(&s);
+    shake(&s, sl_random_key(95, 0), 0.01f);
+    assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
+    for (uint64_t n = 0; n < COUNT; n++) { /* each triangle as it is, to a place of its own */
+        sl_vec3 by = sl_v3(random_between(96, 3 * n, -2, 2), random_between(96, 3 * n + 1, -1, 2), random_between(96, 3 * n + 2, -2, 2));
+        for (size_t k = 3 * n; k < 3 * n + 3; k++) s.x[k] += by.x, s.y[k] += by.y, s.z[k] += by.z;
+    }
+    assert_int_equal(sl_raster_move(s.raster, 1, NULL), SL_OK);
+    assert_true(compare_with_fresh(s.raster, NULL, &s.mesh) == 1.0);
+    sl_raster_destroy(s.raster);
+}
+
+static void moved_clusters_are_the_same_at_any_number_of_threads(void **state) {
+    (void)state;
+    static soup a, b;
+    make_sheet(&a);
+    make_sheet(&b);
+    for (uint64_t frame = 0; frame < 3; frame++) {
+        shake(&a, sl_random_key(97, frame), 0.003f);
+        shake(&b, sl_random_key(97, frame), 0.003f);
+        assert_int_equal(sl_raster_move(a.raster, 1, NULL), SL_OK);
+        assert_int_equal(sl_raster_move(b.raster, 3, NULL), SL_OK);
+        size_t bytes = a.raster->cluster_count * sizeof(float);
+        assert_int_equal(a.raster->cluster_count, b.raster->cluster_count);
+        assert_memory_equal(a.raster->centre_x, b.raster->centre_x, bytes);
+        assert_memory_equal(a.raster->half_z, b.raster->half_z, bytes);
+        assert_memory_equal(a.raster->radius, b.raster->radius, bytes);
+        assert_int_equal(sl_raster_memory_bytes(a.raster), sl_raster_memory_bytes(b.raster));
+    }
+    sl_raster_destroy(a.raster);
+    sl_raster_destroy(b.raster);
+}
+
+static void a_scene_without_triangles_can_be_moved(void **state) {
+    (void)state;
+    sl_raster_mesh none = {0};
+    sl_raster *raster = NULL;
+    assert_int_equal(sl_raster_create_mesh(&none, 1, &raster, NULL), SL_OK);
+    assert_int_equal(sl_raster_move(raster, 2, NULL), SL_OK);
+    sl_raster_destroy(raster);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_object_that_moved_is_drawn_as_if_it_had_always_been_there),
+        cmocka_unit_test(a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame),
+        cmocka_unit_test(triangles_that_are_torn_apart_are_drawn_apart),
+        cmocka_unit_test(one_vertex_among_those_that_share_a_place_may_leave_it),
+        cmocka_unit_test(positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew),
+        cmocka_unit_test(clusters_that_motion_has_scattered_are_made_anew),
+        cmocka_unit_test(moved_clusters_are_the_same_at_any_number_of_threads),
+        cmocka_unit_test(a_scene_without_triangles_can_be_moved),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
