@@ -27,14 +27,28 @@ typedef struct sl_clusters {
 void sl_cluster_directions(const sl_directions *directions, int wanted, double tolerance, uint8_t *of, double *scratch,
                            sl_clusters *clusters);
 
+/* Its parts: centres to start from, and one iteration, which returns how many points changed their cluster. */
+void sl_cluster_start(const sl_directions *directions, int wanted, double *scratch, sl_clusters *clusters);
+size_t sl_cluster_step(const sl_directions *directions, uint8_t *of, sl_clusters *clusters);
+
 /* 16 bytes: one RGBA32F texel. */
 typedef struct sl_directional_light {
     float color[3];      /* W/m^2 perpendicular to the direction, or on the surface */
     float packed;        /* the direction, an integer below 2^24: exact in a float */
 } sl_directional_light;
 
-/* Section 2.5: 254 and 256 steps (8 + 8 bits), or 12 + 12. */
+/* Section 2.5: 254 and 256 steps (8 + 8 bits), or 4094 and 4096 (12 + 12). Axes are exact. */
 float sl_direction_pack(sl_vec3d direction, bool wide);
 sl_vec3 sl_direction_unpack(float packed, bool wide);
+
+/* Unpacking by tables, as a shader does: the same bits. */
+typedef struct sl_direction_table {
+    uint32_t columns;             /* 256 or 4096 steps of phi */
+    uint32_t rows;                /* 255 or 4095 steps of theta */
+    double *sin_theta, *cos_theta, *sin_phi, *cos_phi;
+} sl_direction_table;
+sl_status sl_direction_table_create(bool wide, sl_direction_table **table, sl_error *error);
+void sl_direction_table_destroy(sl_direction_table *table);
+sl_vec3 sl_direction_table_unpack(const sl_direction_table *table, float packed);
 
 #endif

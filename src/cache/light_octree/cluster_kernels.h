@@ -1,0 +1,48 @@
+/* The loop over a voxel's photons that K-means consists of, compiled for every instruction set. */
+#ifndef SL_CACHE_LIGHT_OCTREE_CLUSTER_KERNELS_H
+#define SL_CACHE_LIGHT_OCTREE_CLUSTER_KERNELS_H
+
+#include "base/isa.h"
+#include "cache/light_octree/lights.h"
+
+/* Of each cluster's members: sum w omega, sum w, and how many. */
+typedef struct sl_cluster_sums {
+    double x[SL_VOXEL_LIGHTS_MAX], y[SL_VOXEL_LIGHTS_MAX], z[SL_VOXEL_LIGHTS_MAX], weight[SL_VOXEL_LIGHTS_MAX];
+    size_t members[SL_VOXEL_LIGHTS_MAX];
+} sl_cluster_sums;
+
+/* Puts every point into the cluster with the largest omega . d, ties to the lower one, and sums up; returns how many changed. */
+typedef size_t sl_assign_kernel(const sl_directions *directions, int clusters, const sl_vec3d *centre, uint8_t *of,
+                                sl_cluster_sums *sums);
+/* nearest[i] = min(nearest[i], |omega - centre|^2); returns the point with the largest w * nearest, ties to the lower, and its value. */
+typedef size_t sl_farthest_kernel(const sl_directions *directions, sl_vec3d centre, double *nearest, double *value);
+/* sum w angle(omega, d): d is the centre of the point's cluster; 2e-8 off at most. */
+typedef double sl_angles_kernel(const sl_directions *directions, const sl_vec3d *centre, const uint8_t *of);
+
+typedef struct sl_cluster_kernels {
+    sl_assign_kernel *assign;
+    sl_farthest_kernel *farthest;
+    sl_angles_kernel *angles;
+} sl_cluster_kernels;
+
+#define SL_DECLARE_CLUSTER_KERNELS(isa)          \
+    sl_assign_kernel sl_cluster_assign_##isa;    \
+    sl_farthest_kernel sl_cluster_farthest_##isa; \
+    sl_angles_kernel sl_cluster_angles_##isa
+
+SL_DECLARE_CLUSTER_KERNELS(baseline);
+SL_DECLARE_CLUSTER_KERNELS(avx2);
+SL_DECLARE_CLUSTER_KERNELS(avx512);
+
+static inline sl_cluster_kernels sl_cluster_kernels_for(sl_isa isa) {
+#define SL_CLUSTER_KERNELS_OF(name) \
+    (sl_cluster_kernels) { sl_cluster_assign_##name, sl_cluster_farthest_##name, sl_cluster_angles_##name }
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return SL_CLUSTER_KERNELS_OF(avx512);
+    if (isa == SL_ISA_AVX2) return SL_CLUSTER_KERNELS_OF(avx2);
+#endif
+    (void)isa;
+    return SL_CLUSTER_KERNELS_OF(baseline);
+}
+
+#endif
