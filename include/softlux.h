@@ -54,6 +54,7 @@ typedef struct sl_error {
 /* Deterministic: equal at any number of threads. sl_counter_name() gives the name used in JSON and metadata. */
 typedef enum sl_counter {
     SL_COUNT_RASTER_PASSES,        /* renders of the scene into some target */
+    SL_COUNT_RASTER_PASSES_SKIPPED, /* ... that were not needed: no geometry or no light there, or nothing to be lit by it */
     SL_COUNT_CLUSTERS_TESTED,
     SL_COUNT_CLUSTERS_CULLED,      /* rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
     SL_COUNT_TRIANGLES_SUBMITTED,  /* reached the transform */

@@ -2,6 +2,7 @@
 
 static const char *const counter_names[SL_COUNTERS] = {
     [SL_COUNT_RASTER_PASSES] = "raster_passes",
+    [SL_COUNT_RASTER_PASSES_SKIPPED] = "raster_passes_skipped",
     [SL_COUNT_CLUSTERS_TESTED] = "clusters_tested",
     [SL_COUNT_CLUSTERS_CULLED] = "clusters_culled",
     [SL_COUNT_TRIANGLES_SUBMITTED] = "triangles_submitted",

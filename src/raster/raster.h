@@ -111,6 +111,9 @@ sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *vi
 void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_target *target, sl_raster_scratch *scratch,
                         sl_counters *counters);
 
+/* False where no pass with this view can draw anything: all clusters' bounds lie outside one of its planes. Costs a fraction of a pass. */
+bool sl_raster_meets(const sl_raster *raster, const sl_view *view);
+
 /* Perspective-correct barycentric weights of corners 1 and 2 at the pixel's centre, for `count` pixels of a view given by
  * their linear indices (y*width + x) and ids; the viewport is taken as the whole
  * picture (x, y and scissor aside); pixels with SL_NO_INDEX get 0. Weights are clamped to the triangle. w1, w2: count values. */

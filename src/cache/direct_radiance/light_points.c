@@ -123,7 +123,7 @@ static rectangle cell_of(const rectangle *r, int n, int column, int row) {
 }
 
 size_t sl_map_light_divide(const sl_scene *scene, const sl_map_light *light, const uint32_t *emitter, int n, sl_map_light_point *point) {
-    rectangle r;
+    rectangle r = {0};
     double total = 0.0;
     size_t count = 0;
     point[0] = (sl_map_light_point){.position = light->position, .intensity = light->intensity};

@@ -1,0 +1,125 @@
+/* What a depth cube says (section 2.9), for many receivers at once.
+ *
+ * Reciprocal planar depth is linear across a picture: with the receiver P seen from the light and its normal n, both in the picture's axes,
+ * the receiver's plane has at the tangents (a, b)
+ *     1/z = (n_x a + n_y b + n_z) / n . P.
+ * So between P and the middle of a texel that lies da, db beside it, 1/z differs by at most
+ *     beta = (|n_x da| + |n_y db|) / |n . P|,
+ * exactly so if what the texel holds is the receiver's own plane. The receiver is lit if 1/z >= stored - beta, less what rounding makes.
+ * With the nearest texel alone, da and db are at most half a texel of 2/N: section 2.9's bound. Here the four texels around are asked, each
+ * with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves, Salesin and Cook 1987). */
+#include "cache/direct_radiance/shadow_cube_kernels.h"
+
+typedef struct {
+    int32_t texel[SL_SHADOW_BLOCK];                    /* lower left of the four */
+    float across[SL_SHADOW_BLOCK], up[SL_SHADOW_BLOCK]; /* place between the four, in [0,1] */
+    float depth[SL_SHADOW_BLOCK];                      /* of the receiver, in the units stored, with room for rounding */
+    float change_x[SL_SHADOW_BLOCK], change_y[SL_SHADOW_BLOCK]; /* of its plane, from texel to texel, not negative */
+} places;
+
+/* The texel whose middle lies at or below a continuous coordinate, so that the next one exists too; 0 for NaN. */
+static inline float cell(float position, float last) {
+    position = position > 0.0f ? position : 0.0f;
+    position = position < last ? position : last;
+    return (float)(int32_t)position;
+}
+
+static inline float fraction(float f) { return f > 0.0f ? (f < 1.0f ? f : 1.0f) : 0.0f; }
+
+static inline float not_zero(float v) { return v > 1e-30f ? v : 1e-30f; }
+
+static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float *restrict px, const float *restrict py,
+                           const float *restrict pz, const float *restrict nx, const float *restrict ny, const float *restrict nz,
+                           places *out) {
+    const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
+    const float size = (float)map->size, half = 0.5f * (size - 2.0f), middle = 0.5f * size - 0.5f, last = size - 2.0f;
+    const float tangent = 2.0f / (size - 2.0f), rounding = map->rounding;
+    const int32_t width = map->size;
+    const int32_t *restrict start = map->start, *restrict mask = map->mask;
+    int32_t *restrict texel = out->texel;
+    float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
+    float *restrict change_x = out->change_x, *restrict change_y = out->change_y;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        float dx = px[i] - eye.x, dy = py[i] - eye.y, dz = pz[i] - eye.z;
+        float x = ex.x * dx + ex.y * dy + ex.z * dz, y = ey.x * dx + ey.y * dy + ey.z * dz, z = ez.x * dx + ez.y * dy + ez.z * dz;
+        float a = ex.x * nx[i] + ex.y * ny[i] + ex.z * nz[i], b = ey.x * nx[i] + ey.y * ny[i] + ey.z * nz[i],
+              c = ez.x * nx[i] + ez.y * ny[i] + ez.z * nz[i];
+        float ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
+        bool ahead = az >= ax && az >= ay, sideways = !ahead && ax >= ay;
+        float major = ahead ? z : sideways ? x : y, s = ahead ? x : sideways ? y : x, t = ahead ? y : z;
+        float ns = ahead ? a : sideways ? b : a, nt = ahead ? b : c;
+        int32_t side = ahead ? (z < 0.0f ? SL_LIGHT_BACK : SL_LIGHT_AHEAD) : (sideways ? 1 : 3) + (major < 0.0f ? 1 : 0);
+        float over = 1.0f / not_zero(fabsf(major)), facing = 1.0f / not_zero(fabsf(a * x + b * y + c * z));
+        float column = s * over * half + middle, row = t * over * half + middle;
+        float left = cell(column, last), below = cell(row, last);
+        float cx = fabsf(ns) * facing * tangent, cy = fabsf(nt) * facing * tangent;
+        texel[i] = start[side] + (mask[side] & ((int32_t)below * width + (int32_t)left));
+        across[i] = fraction(column - left);
+        up[i] = fraction(row - below);
+        change_x[i] = cx * (1.0f + 1e-5f);
+        change_y[i] = cy * (1.0f + 1e-5f);
+        /* Rounded are the position, by a few units of its own size, and the unit normal, whose error a long way multiplies. */
+        depth[i] = over + (over * 1e-6f + facing * (rounding * over + 3e-7f)) + (cx + cy) * 4e-4f;
+    }
+}
+
+/* The same with depth instead of its reciprocal: a plane changes by n_x / n_z across. */
+static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const float *restrict px, const float *restrict py,
+                               const float *restrict pz, const float *restrict nx, const float *restrict ny, const float *restrict nz,
+                               places *out) {
+    const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
+    const float size = (float)map->size, middle = 0.5f * size - 0.5f, last = size - 2.0f;
+    const float scale_x = 0.5f * size / map->reach_x, scale_y = 0.5f * size / map->reach_y, scale_z = 0.5f / map->reach_z;
+    const float step_x = scale_z / scale_x, step_y = scale_z / scale_y, rounding = map->rounding * scale_z + 3e-7f;
+    const int32_t width = map->size, start = map->start[0], mask = map->mask[0];
+    int32_t *restrict texel = out->texel;
+    float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
+    float *restrict change_x = out->change_x, *restrict change_y = out->change_y;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        float dx = px[i] - eye.x, dy = py[i] - eye.y, dz = pz[i] - eye.z;
+        float x = ex.x * dx + ex.y * dy + ex.z * dz, y = ey.x * dx + ey.y * dy + ey.z * dz, z = ez.x * dx + ez.y * dy + ez.z * dz;
+        float a = ex.x * nx[i] + ex.y * ny[i] + ex.z * nz[i], b = ey.x * nx[i] + ey.y * ny[i] + ey.z * nz[i],
+              c = ez.x * nx[i] + ez.y * ny[i] + ez.z * nz[i];
+        float column = x * scale_x + middle, row = y * scale_y + middle, facing = 1.0f / not_zero(fabsf(c));
+        float left = cell(column, last), below = cell(row, last);
+        float cx = fabsf(a) * facing * step_x, cy = fabsf(b) * facing * step_y;
+        texel[i] = start + (mask & ((int32_t)below * width + (int32_t)left));
+        across[i] = fraction(column - left);
+        up[i] = fraction(row - below);
+        change_x[i] = cx * (1.0f + 1e-5f);
+        change_y[i] = cy * (1.0f + 1e-5f);
+        depth[i] = (0.5f - z * scale_z) + (1e-6f + facing * rounding) + (cx + cy) * 4e-4f;
+    }
+}
+
+/* Shares that are not lit are added up, so that where all four are lit the result is 1 exactly. */
+static void compare(const sl_shadow_cube *map, size_t count, const places *at, float *restrict lit) {
+    const float *restrict stored = map->depth;
+    const int32_t *restrict texel = at->texel;
+    const float *restrict across = at->across, *restrict up = at->up, *restrict depth = at->depth;
+    const float *restrict change_x = at->change_x, *restrict change_y = at->change_y;
+    const int32_t width = map->size;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        int32_t k = texel[i];
+        float right = across[i], left = 1.0f - right, above = up[i], below = 1.0f - above;
+        float to_left = right * change_x[i], to_right = left * change_x[i], down = above * change_y[i], upward = below * change_y[i];
+        float z = depth[i];
+        float dark = stored[k] > z + (to_left + down) ? left * below : 0.0f;
+        dark += stored[k + 1] > z + (to_right + down) ? right * below : 0.0f;
+        dark += stored[k + width] > z + (to_left + upward) ? left * above : 0.0f;
+        dark += stored[k + width + 1] > z + (to_right + upward) ? right * above : 0.0f;
+        float share = 1.0f - dark;
+        lit[i] *= share > 1e-6f ? share : 0.0f;
+    }
+}
+
+void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
+                                   const float *nx, const float *ny, const float *nz, float *lit) {
+    places at;
+    if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
+    else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
+    compare(cube, count, &at, lit);
+}

@@ -1,0 +1,40 @@
+/* The loop over receivers that look a light up, compiled for every instruction set. */
+#ifndef SL_CACHE_DIRECT_RADIANCE_SHADOW_CUBE_KERNELS_H
+#define SL_CACHE_DIRECT_RADIANCE_SHADOW_CUBE_KERNELS_H
+
+#include "base/isa.h"
+#include "cache/direct_radiance/light_sides.h"
+
+enum { SL_SHADOW_BLOCK = 128 };
+
+/* The depth pictures around a light point. A cube's hold 1/z, z along the picture's own axis, and have a border of one texel beyond 90
+ * degrees, so that a filter never leaves its picture; a directional light's one holds 1 - d, d in [0,1] linear in depth. So in both
+ * larger is nearer, 0 is empty, and a plane is a linear function. */
+typedef struct sl_shadow_cube {
+    float *depth;                    /* first a row of zeros, to which pictures without anything in them lead; then the pictures */
+    int32_t start[SL_LIGHT_SIDES];   /* where in depth each side's picture begins; 0: it has none */
+    int32_t mask[SL_LIGHT_SIDES];    /* all bits of a place in the picture, or none where there is no picture */
+    int size;
+    bool directional;
+    sl_vec3 eye;                     /* directional: the box's centre */
+    sl_frame frame;                  /* of the light */
+    float reach_x, reach_y, reach_z; /* directional: half extents */
+    float rounding;                  /* by how much a receiver's position may be rounded */
+} sl_shadow_cube;
+
+/* Receivers, at most SL_SHADOW_BLOCK; normals unit, on the lit side; lit is multiplied. */
+typedef void sl_shadow_cube_kernel(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
+                                   const float *nx, const float *ny, const float *nz, float *lit);
+
+sl_shadow_cube_kernel sl_shadow_cube_lit_baseline, sl_shadow_cube_lit_avx2, sl_shadow_cube_lit_avx512;
+
+static inline sl_shadow_cube_kernel *sl_shadow_cube_kernel_for(sl_isa isa) {
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return sl_shadow_cube_lit_avx512;
+    if (isa == SL_ISA_AVX2) return sl_shadow_cube_lit_avx2;
+#endif
+    (void)isa;
+    return sl_shadow_cube_lit_baseline;
+}
+
+#endif

@@ -1,0 +1,496 @@
+/* Depth cubes around lights (section 2.9 of the method): against rays, on lit planes, at contacts, and which of their faces are drawn. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "cache/direct_radiance/shadow_cube_kernels.h"
+#include "cache/direct_radiance/shadow_cubes.h"
+#include "trace/trace.h"
+#include "trace_scenes.h"
+
+/* ---- a scene with its cubes ---- */
+
+typedef struct {
+    sl_scene *scene;
+    sl_raster *raster;
+    sl_map_lights *lights;
+    sl_shadow_cubes *cubes;
+    sl_counters counters;
+} world;
+
+static world world_of(trace_mesh *mesh, int subdivision, int size, unsigned threads) {
+    world w = {.scene = trace_mesh_build(mesh)};
+    sl_error error = {0};
+    bool ok = sl_raster_create(w.scene, threads, &w.raster, &error) == SL_OK &&
+              sl_map_lights_find(w.scene, subdivision, &w.lights, &error) == SL_OK &&
+              sl_shadow_cubes_render(w.scene, w.raster, w.lights, size, threads, &w.cubes, &w.counters, &error) == SL_OK;
+    if (!ok) fail_msg("%s", error.message);
+    return w;
+}
+
+static void discard(world *w) {
+    sl_shadow_cubes_destroy(w->cubes);
+    sl_map_lights_destroy(w->lights);
+    sl_raster_destroy(w->raster);
+    sl_scene_destroy(w->scene);
+}
+
+static float lit_at(const world *w, size_t point, sl_vec3 p, sl_vec3 n) {
+    float lit = 1.0f;
+    sl_counters counters = {{0}};
+    sl_shadow_cubes_lit(w->cubes, point, 1, &p.x, &p.y, &p.z, &n.x, &n.y, &n.z, &lit, &counters);
+    return lit;
+}
+
+static sl_light point_light(float x, float y, float z) {
+    return (sl_light){.type = SL_LIGHT_POINT, .position = {x, y, z}, .intensity = {1, 1, 1}};
+}
+
+static uint32_t grey(trace_mesh *mesh) { return trace_mesh_material(mesh, 0.5f, 0, 0, 0, 0); }
+
+/* A room with boxes and balls. */
+static trace_mesh furnished(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = grey(&mesh);
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true, m);
+    trace_mesh_box(&mesh, sl_v3(0.5f, 0, 0.7f), sl_v3(1.2f, 1.1f, 1.6f), false, m);
+    trace_mesh_box(&mesh, sl_v3(2.9f, 0.4f, 3.1f), sl_v3(3.3f, 0.9f, 4.2f), false, m);
+    trace_mesh_sphere(&mesh, sl_v3(2.2f, 0.6f, 1.3f), 0.45f, 12, 0, false, m);
+    trace_mesh_sphere(&mesh, sl_v3(1.2f, 2.1f, 3.7f), 0.35f, 12, 0, false, m);
+    return mesh;
+}
+
+/* ---- against rays ---- */
+
+/* Is the light seen from p? */
+static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_map_light *light, uint32_t own) {
+    sl_ray16 ray = {0};
+    sl_counters counters = {{0}};
+    p = sl_mad(p, 1e-5f, n);
+    bool far = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
+    sl_vec3 d = far ? sl_neg(light->direction) : sl_sub(light->position, p);
+    ray.origin_x[0] = p.x, ray.origin_y[0] = p.y, ray.origin_z[0] = p.z;
+    ray.direction_x[0] = d.x, ray.direction_y[0] = d.y, ray.direction_z[0] = d.z;
+    ray.far[0] = far ? INFINITY : 1.0f - 1e-5f;
+    ray.skip[0] = own;
+    return !sl_trace_occluded(tracer, &ray, 1, false, &counters);
+}
+
+/* p moved within its plane by (i, k) times `step` as seen from the light. */
+static sl_vec3 beside(sl_vec3 p, sl_vec3 n, const sl_map_light *light, int i, int k, float step) {
+    bool far = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
+    sl_vec3 d = far ? light->direction : sl_sub(p, light->position);
+    float length = sl_length(d);
+    sl_frame f = sl_frame_from_normal(sl_scale(d, 1.0f / length));
+    sl_vec3 to = sl_mad(sl_mad(sl_v3(0, 0, 0), (float)i * step, f.x), (float)k * step, f.y);
+    if (far) return sl_mad(sl_add(p, to), -sl_dot(n, to) / sl_dot(n, f.z), f.z);
+    sl_vec3 ray = sl_mad(d, length, to);
+    return sl_mad(light->position, sl_dot(n, d) / sl_dot(n, ray), ray);
+}
+
+static sl_vec3 random_point(const sl_scene *s, uint64_t i, uint32_t *triangle) {
+    uint64_t key = sl_random_key(5, 0);
+    *triangle = (uint32_t)(sl_random_unit(key, 3 * i) * (float)s->triangle_count);
+    if (i % 2) *triangle %= 12; /* the walls, which are large */
+    float u = sl_random_unit(key, 3 * i + 1), v = sl_random_unit(key, 3 * i + 2);
+    if (u + v > 1.0f) u = 1.0f - u, v = 1.0f - v;
+    sl_vec3 a = sl_scene_position(s, s->vertex[0][*triangle]), b = sl_scene_position(s, s->vertex[1][*triangle]);
+    sl_vec3 c = sl_scene_position(s, s->vertex[2][*triangle]);
+    return sl_mad(sl_mad(a, u, sl_sub(b, a)), v, sl_sub(c, a));
+}
+
+static void compare_with_rays(sl_light light, int size, float step) {
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light;
+    world w = world_of(&mesh, 1, size, 2);
+    sl_tracer *tracer;
+    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
+    int compared = 0, dark = 0;
+    for (uint64_t i = 0; i < 6000; i++) {
+        uint32_t own;
+        const sl_map_light *l = &w.lights->light[0];
+        sl_vec3 p = random_point(w.scene, i, &own), n = sl_scene_geometric_normal(w.scene, own);
+        sl_vec3 to = l->kind == SL_MAP_LIGHT_DIRECTIONAL ? sl_neg(l->direction) : sl_sub(l->position, p);
+        if (sl_dot(n, to) < 0.0f) n = sl_neg(n);
+        if (sl_dot(n, to) < 0.02f * sl_length(to)) continue;
+        int visible = 0;
+        for (int k = 0; k < 25; k++) visible += seen(tracer, beside(p, n, l, k % 5 - 2, k / 5 - 2, step), n, l, own);
+        if (visible != 0 && visible != 25) continue;
+        float lit = lit_at(&w, 0, p, n);
+        if (lit != (visible ? 1.0f : 0.0f)) fail_msg("(%g %g %g): %g, rays say %d", p.x, p.y, p.z, lit, visible);
+        compared++;
+        dark += !visible;
+    }
+    assert_true(compared > 2500 && dark > 150);
+    sl_tracer_destroy(tracer);
+    discard(&w);
+}
+
+static void a_cube_says_what_rays_say_but_within_a_texel_of_edges(void **state) {
+    (void)state;
+    for (int size = 128; size <= 512; size *= 2) compare_with_rays(point_light(2.1f, 2.4f, 2.3f), size, 0.75f * 2.0f / (float)(size - 2));
+}
+
+static void a_directional_light_s_map_says_what_rays_say(void **state) {
+    (void)state;
+    sl_light light = {.type = SL_LIGHT_DIRECTIONAL, .direction = sl_normalize_or(sl_v3(0.3f, -1, 0.2f), sl_v3(0, -1, 0)), .intensity = {1, 1, 1}};
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = grey(&mesh);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 5), sl_v3(4, 0, 0), sl_v3(0, 0, -5), m);
+    trace_mesh_box(&mesh, sl_v3(0.5f, 0, 0.7f), sl_v3(1.2f, 1.1f, 1.6f), false, m);
+    trace_mesh_sphere(&mesh, sl_v3(2.2f, 1.0f, 2.3f), 0.7f, 12, 0, false, m);
+    mesh.lights[mesh.light_count++] = light;
+    world w = world_of(&mesh, 1, 256, 1);
+    sl_tracer *tracer;
+    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
+    int compared = 0, dark = 0;
+    for (uint64_t i = 0; i < 6000; i++) {
+        uint32_t own;
+        sl_vec3 p = random_point(w.scene, i, &own), n = sl_scene_geometric_normal(w.scene, own);
+        if (sl_dot(n, light.direction) > -0.02f) continue;
+        int visible = 0;
+        for (int k = 0; k < 25; k++) visible += seen(tracer, beside(p, n, &w.lights->light[0], k % 5 - 2, k / 5 - 2, 0.022f), n, &w.lights->light[0], own);
+        if (visible != 0 && visible != 25) continue;
+        assert_true(lit_at(&w, 0, p, n) == (visible ? 1.0f : 0.0f));
+        compared++;
+        dark += !visible;
+    }
+    assert_true(compared > 2500 && dark > 40);
+    sl_tracer_destroy(tracer);
+    discard(&w);
+}
+
+/* ---- planes ---- */
+
+static void a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces(void **state) {
+    (void)state;
+    for (int i = 0; i < 24; i++) {
+        uint64_t key = sl_random_key(9, (uint64_t)i);
+        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f, sl_random_unit(key, 2) - 0.5f), sl_v3(0, 1, 0));
+        sl_frame f = sl_frame_from_normal(n);
+        float away = i % 3 ? 0.3f : 0.02f; /* one in three is grazed */
+        sl_vec3 at = sl_v3(3, -2, 1), corner = sl_mad(sl_mad(sl_mad(at, -away, n), -2.0f, f.x), -2.0f, f.y);
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_quad(&mesh, corner, sl_scale(f.x, 4), sl_scale(f.y, 4), grey(&mesh));
+        mesh.lights[mesh.light_count++] = point_light(at.x, at.y, at.z);
+        world w = world_of(&mesh, 1, i % 2 ? 512 : 100, 1);
+        for (int k = 0; k < 120 * 120; k++) {
+            sl_vec3 p = sl_mad(sl_mad(corner, 4.0f * ((float)(k % 120) + 0.37f) / 120.0f, f.x), 4.0f * ((float)(k / 120) + 0.61f) / 120.0f, f.y);
+            assert_true(lit_at(&w, 0, p, n) == 1.0f);
+        }
+        discard(&w);
+    }
+}
+
+static void a_lit_plane_far_from_the_origin_does_not_shadow_itself(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    sl_vec3 n = sl_normalize_or(sl_v3(0.6f, 0.7f, 0.2f), sl_v3(0, 1, 0)), corner = sl_v3(20000, 3000, -50000);
+    sl_frame f = sl_frame_from_normal(n);
+    trace_mesh_quad(&mesh, corner, sl_scale(f.x, 4), sl_scale(f.y, 4), grey(&mesh));
+    sl_vec3 light = sl_mad(sl_mad(sl_mad(corner, 2, f.x), 2, f.y), 1.5f, n);
+    mesh.lights[mesh.light_count++] = point_light(light.x, light.y, light.z);
+    world w = world_of(&mesh, 1, 512, 1);
+    for (uint64_t i = 0; i < 5000; i++) {
+        uint32_t own;
+        sl_vec3 p = random_point(w.scene, 2 * i, &own), g = sl_scene_geometric_normal(w.scene, own);
+        assert_true(lit_at(&w, 0, p, sl_dot(g, n) < 0.0f ? sl_neg(g) : g) == 1.0f);
+    }
+    discard(&w);
+}
+
+static void a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel(void **state) {
+    (void)state;
+    const int sizes[] = {64, 128, 512};
+    for (int s = 0; s < 3; s++) {
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t m = grey(&mesh);
+        trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), m);
+        trace_mesh_quad(&mesh, sl_v3(0.3f, 0, -0.5f), sl_v3(0, 0.6f, 0), sl_v3(0, 0, 1), m);
+        mesh.lights[mesh.light_count++] = point_light(-0.35f, 1, 0.1f);
+        world w = world_of(&mesh, 1, sizes[s], 1);
+        float texel = 2.0f / (float)(sizes[s] - 2); /* on the floor, 1 below */
+        for (int i = 0; i < 400; i++) {
+            float z = -0.3f + 0.6f * (float)i / 400.0f;
+            assert_true(lit_at(&w, 0, sl_v3(0.3f + texel, 0, z), sl_v3(0, 1, 0)) < 0.5f);
+            assert_true(lit_at(&w, 0, sl_v3(0.3f + 2.0f * texel, 0, z), sl_v3(0, 1, 0)) == 0.0f);
+            assert_true(lit_at(&w, 0, sl_v3(0.3f - 2.0f * texel, 0, z), sl_v3(0, 1, 0)) == 1.0f);
+        }
+        discard(&w);
+    }
+}
+
+/* ---- across the borders of faces ---- */
+
+static void a_shadow_s_edge_runs_on_across_the_border_of_two_faces(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = grey(&mesh);
+    trace_mesh_box(&mesh, sl_v3(-2, -2, -2), sl_v3(2, 2, 2), true, m);
+    /* A blocker whose edge crosses from the face below to the one beside it, slanting. */
+    trace_mesh_quad(&mesh, sl_v3(0.7f, -0.7f, -0.7f), sl_v3(0.3f, 0.5f, 0), sl_v3(0, 0.02f, 0.71f), m);
+    trace_mesh_quad(&mesh, sl_v3(0.7f, -0.7f, -0.7f), sl_v3(-0.3f, -0.1f, 0), sl_v3(0, 0.02f, 0.71f), m);
+    mesh.lights[mesh.light_count++] = point_light(0, 0, 0);
+    world w = world_of(&mesh, 1, 256, 1);
+    float largest = 0.0f;
+    int partly = 0;
+    for (int i = 0; i < 4000; i++) { /* just below and just beside the room's edge, where x = -y */
+        float z = -2.0f + 4.0f * (float)i / 4000.0f, e = 1e-4f;
+        float below = lit_at(&w, 0, sl_v3(2 - e, -2, z), sl_v3(0, 1, 0)), side = lit_at(&w, 0, sl_v3(2, -2 + e, z), sl_v3(-1, 0, 0));
+        float step = fabsf(below - side);
+        largest = step > largest ? step : largest;
+        partly += below > 0.0f && below < 1.0f;
+    }
+    assert_true(partly > 0);
+    assert_true(largest < 0.6f); /* a texel of the one face is never half a texel off the other's */
+    discard(&w);
+}
+
+static void shadows_edges_are_smooth(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = grey(&mesh);
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), m);
+    trace_mesh_quad(&mesh, sl_v3(-1, 0.5f, 0), sl_v3(1.13f, 0, 0.2f), sl_v3(0, 0, -1), m);
+    mesh.lights[mesh.light_count++] = point_light(0, 1, 0);
+    world w = world_of(&mesh, 1, 128, 1);
+    float before = 1.0f, texel = 2.0f / 126.0f;
+    int between = 0;
+    for (int i = 0; i <= 1000; i++) {
+        float lit = lit_at(&w, 0, sl_v3(-1.0f + 0.002f * (float)i, 0, -0.5f), sl_v3(0, 1, 0));
+        if (i) assert_true(fabsf(lit - before) <= 0.002f / texel * 1.5f + 1e-5f);
+        before = lit;
+        between += lit > 0.0f && lit < 1.0f;
+    }
+    assert_true(between > 2);
+    discard(&w);
+}
+
+/* ---- area lights, spots, and what is skipped ---- */
+
+static uint64_t skipped(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES_SKIPPED]; }
+static uint64_t drawn(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES]; }
+
+static trace_mesh closed_room(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(-1, 0, -1), sl_v3(1, 2, 1), true, grey(&mesh));
+    return mesh;
+}
+
+static void an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn(void **state) {
+    (void)state;
+    trace_mesh mesh = closed_room();
+    trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.99f, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    world w = world_of(&mesh, 3, 128, 1);
+    assert_int_equal(w.lights->point_count, 9);
+    assert_int_equal(drawn(&w), 9 * 5);
+    assert_int_equal(skipped(&w), 9);
+    for (size_t point = 0; point < 9; point++) {
+        for (int i = 0; i < 900; i++) {
+            float u = -0.95f + 1.9f * (float)(i % 30) / 29.0f, v = -0.95f + 1.9f * (float)(i / 30) / 29.0f;
+            assert_true(lit_at(&w, point, sl_v3(u, 0, v), sl_v3(0, 1, 0)) == 1.0f);
+            assert_true(lit_at(&w, point, sl_v3(-1, 0.95f + v, u), sl_v3(1, 0, 0)) == 1.0f);
+        }
+    }
+    discard(&w);
+}
+
+static void a_two_sided_light_sees_both_its_sides(void **state) {
+    (void)state;
+    trace_mesh mesh = closed_room();
+    uint32_t both = trace_mesh_material(&mesh, 0, 0, 0, 0, 5), m = grey(&mesh);
+    mesh.materials[both].emission_two_sided = true;
+    trace_mesh_quad(&mesh, sl_v3(-0.3f, 1, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), both);
+    trace_mesh_quad(&mesh, sl_v3(-0.1f, 0.7f, -0.1f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), m);
+    trace_mesh_quad(&mesh, sl_v3(-0.9f, 1.1f, -0.2f), sl_v3(0, 0.2f, 0), sl_v3(0, 0, 0.4f), m);
+    world w = world_of(&mesh, 1, 256, 1);
+    assert_int_equal(drawn(&w), 10);
+    assert_true(lit_at(&w, 0, sl_v3(0, 0, 0), sl_v3(0, 1, 0)) == 0.0f);
+    assert_true(lit_at(&w, 0, sl_v3(0.8f, 0, 0), sl_v3(0, 1, 0)) == 1.0f);
+    assert_true(lit_at(&w, 0, sl_v3(0, 2, 0), sl_v3(0, -1, 0)) == 1.0f);
+    assert_true(lit_at(&w, 0, sl_v3(-1, 1.22f, 0), sl_v3(1, 0, 0)) == 0.0f);
+    assert_true(lit_at(&w, 0, sl_v3(-1, 0.78f, 0), sl_v3(1, 0, 0)) == 1.0f);
+    discard(&w);
+}
+
+static void a_bulging_lamp_does_not_shadow_itself(void **state) {
+    (void)state;
+    trace_mesh mesh = closed_room();
+    trace_mesh_sphere(&mesh, sl_v3(0, 1.2f, 0), 0.3f, 24, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    world w = world_of(&mesh, 1, 64, 2);
+    assert_true(w.lights->count > 32);
+    int looked = 0;
+    for (size_t i = 0; i < w.lights->point_count; i++) {
+        const sl_map_light *l = &w.lights->light[w.lights->point[i].light];
+        for (int k = 0; k < 100; k++) {
+            sl_vec3 p = sl_v3(-0.9f + 0.2f * (float)(k % 10), 0, -0.9f + 0.2f * (float)(k / 10)), d = sl_sub(p, w.lights->point[i].position);
+            if (sl_dot(d, l->direction) < 0.05f) continue;
+            assert_true(lit_at(&w, i, p, sl_v3(0, 1, 0)) == 1.0f);
+            looked++;
+        }
+    }
+    assert_true(looked > 1000);
+    discard(&w);
+}
+
+static void faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped(void **state) {
+    (void)state;
+    const float cosines[] = {0.9f, 0.72f, 0.6f, -0.5f, -0.6f, -1.0f};
+    const uint64_t faces[] = {1, 1, 5, 5, 6, 6};
+    for (int i = 0; i < 6; i++) {
+        trace_mesh mesh = closed_room();
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 1, 0}, .direction = {0, -1, 0}, .intensity = {1, 1, 1},
+                                                     .cos_inner = cosines[i], .cos_outer = cosines[i]};
+        world w = world_of(&mesh, 1, 64, 1);
+        assert_int_equal(drawn(&w), faces[i]);
+        assert_int_equal(skipped(&w), 6 - faces[i]);
+        discard(&w);
+    }
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, 0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, -1), grey(&mesh));
+    mesh.lights[mesh.light_count++] = point_light(0, 3, 0);
+    world w = world_of(&mesh, 1, 64, 1);
+    assert_int_equal(drawn(&w), 1);
+    assert_int_equal(skipped(&w), 5);
+    assert_true(lit_at(&w, 0, sl_v3(0, 5, 0), sl_v3(0, -1, 0)) == 1.0f);
+    /* A light that has gone out. */
+    w.lights->point[0].intensity = sl_grey(0.0f);
+    sl_shadow_cubes_destroy(w.cubes);
+    assert_int_equal(sl_shadow_cubes_render(w.scene, w.raster, w.lights, 64, 1, &w.cubes, &w.counters, NULL), SL_OK);
+    assert_int_equal(drawn(&w), 1);
+    assert_int_equal(skipped(&w), 5 + 6);
+    assert_true(lit_at(&w, 0, sl_v3(0, 0, 0), sl_v3(0, 1, 0)) == 1.0f);
+    discard(&w);
+}
+
+static void no_lights_means_no_cubes_and_no_cubes_means_all_lit(void **state) {
+    (void)state;
+    trace_mesh mesh = closed_room();
+    world w = world_of(&mesh, 1, 64, 1);
+    assert_int_equal(drawn(&w) + skipped(&w), 0);
+    float lit = 0.25f, zero = 0.0f;
+    sl_shadow_cubes_lit(NULL, 0, 1, &zero, &zero, &zero, &zero, &zero, &zero, &lit, &w.counters);
+    assert_true(lit == 0.25f);
+    sl_shadow_cubes *cubes;
+    assert_int_equal(sl_shadow_cubes_render(w.scene, w.raster, w.lights, 3, 1, &cubes, &w.counters, NULL), SL_ERROR_USAGE);
+    discard(&w);
+}
+
+/* ---- hard cases ---- */
+
+static void whatever_is_asked_the_answer_is_between_0_and_1(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = point_light(0.8f, 0.5f, 1.1f); /* inside a box */
+    mesh.lights[mesh.light_count++] = point_light(2, 0, 2);          /* in the floor */
+    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {1, 1, 1}};
+    world w = world_of(&mesh, 1, 64, 1);
+    const float v[] = {0.0f, -0.0f, 1.0f, 2.0f, 0.5f, 0.8f, 1e-30f, 1e30f, -1e38f, INFINITY, -INFINITY, NAN};
+    const int n = (int)(sizeof v / sizeof *v);
+    for (size_t point = 0; point < 3; point++) {
+        for (int i = 0; i < n * n * n; i++) {
+            sl_vec3 p = sl_v3(v[i % n], v[i / n % n], v[i / n / n]);
+            for (int k = 0; k < 3; k++) {
+                float lit = lit_at(&w, point, p, k == 0 ? sl_v3(0, 1, 0) : k == 1 ? sl_v3(0, 0, 0) : sl_v3(NAN, 1, 0));
+                assert_true(lit >= 0.0f && lit <= 1.0f);
+            }
+        }
+    }
+    for (uint64_t i = 0; i < 300; i++) { /* from inside the box nothing else is seen */
+        uint32_t own;
+        sl_vec3 p = random_point(w.scene, i * 2 + 1, &own);
+        assert_true(lit_at(&w, 0, p, sl_scene_geometric_normal(w.scene, own)) == 0.0f || p.y == 0.0f);
+    }
+    discard(&w);
+}
+
+static void points_already_dark_stay_so_and_are_not_counted(void **state) {
+    (void)state;
+    trace_mesh mesh = closed_room();
+    mesh.lights[mesh.light_count++] = point_light(0, 1, 0);
+    world w = world_of(&mesh, 1, 64, 1);
+    float x[300] = {0}, y[300] = {0}, z[300] = {0}, up[300], lit[300];
+    for (int i = 0; i < 300; i++) {
+        up[i] = 1.0f;
+        lit[i] = i < 128 ? 0.0f : i % 2 ? 0.5f : 0.0f;
+    }
+    sl_counters counters = {{0}};
+    sl_shadow_cubes_lit(w.cubes, 0, 300, x, y, z, z, up, z, lit, &counters);
+    for (int i = 0; i < 300; i++) assert_true(lit[i] == (i < 128 ? 0.0f : i % 2 ? 0.5f : 0.0f));
+    assert_int_equal(counters.value[SL_COUNT_SHADOW_LOOKUPS], 86);
+    discard(&w);
+}
+
+static void the_bits_are_the_same_at_any_number_of_threads(void **state) {
+    (void)state;
+    float *lit[3];
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        trace_mesh mesh = furnished();
+        mesh.lights[mesh.light_count++] = point_light(2.1f, 2.4f, 2.3f);
+        world w = world_of(&mesh, 1, 200, threads);
+        lit[threads - 1] = malloc(4000 * sizeof(float));
+        for (uint64_t i = 0; i < 4000; i++) {
+            uint32_t own;
+            sl_vec3 p = random_point(w.scene, i, &own);
+            lit[threads - 1][i] = lit_at(&w, 0, p, sl_scene_geometric_normal(w.scene, own));
+        }
+        discard(&w);
+    }
+    assert_memory_equal(lit[0], lit[1], 4000 * sizeof(float));
+    assert_memory_equal(lit[0], lit[2], 4000 * sizeof(float));
+    for (int i = 0; i < 3; i++) free(lit[i]);
+}
+
+static void every_instruction_set_gives_the_same_bits(void **state) {
+    (void)state;
+    enum { SIZE = 32 };
+    static float depth[64 + 6 * SIZE * SIZE];
+    uint64_t key = sl_random_key(3, 1);
+    for (size_t i = 64; i < sizeof depth / sizeof *depth; i++) depth[i] = sl_random_unit(key, i);
+    for (int directional = 0; directional < 2; directional++) {
+        sl_shadow_cube cube = {.depth = depth, .size = SIZE, .directional = directional, .eye = {0.1f, 0.2f, 0.3f}, .rounding = 1e-6f,
+                               .frame = sl_frame_from_normal(sl_normalize_or(sl_v3(1, 2, 3), sl_v3(0, 0, 1))), .reach_x = 3, .reach_y = 2, .reach_z = 3};
+        for (int side = 0; side < 5; side++) {
+            cube.start[side] = 64 + side * SIZE * SIZE;
+            cube.mask[side] = -1;
+        }
+        float p[6][SL_SHADOW_BLOCK], lit[SL_ISAS][SL_SHADOW_BLOCK];
+        for (size_t i = 0; i < SL_SHADOW_BLOCK; i++) {
+            for (size_t k = 0; k < 6; k++) p[k][i] = 4.0f * sl_random_unit(key, 6 * i + k) - 2.0f;
+            sl_vec3 n = sl_normalize_or(sl_v3(p[3][i], p[4][i], p[5][i]), sl_v3(0, 1, 0));
+            p[3][i] = n.x, p[4][i] = n.y, p[5][i] = n.z;
+        }
+        for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
+            for (int i = 0; i < SL_SHADOW_BLOCK; i++) lit[isa][i] = 1.0f;
+            sl_shadow_cube_kernel_for((sl_isa)isa)(&cube, 101, p[0], p[1], p[2], p[3], p[4], p[5], lit[isa]);
+            assert_memory_equal(lit[0], lit[isa], sizeof lit[0]);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cube_says_what_rays_say_but_within_a_texel_of_edges),
+        cmocka_unit_test(a_directional_light_s_map_says_what_rays_say),
+        cmocka_unit_test(a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces),
+        cmocka_unit_test(a_lit_plane_far_from_the_origin_does_not_shadow_itself),
+        cmocka_unit_test(a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel),
+        cmocka_unit_test(a_shadow_s_edge_runs_on_across_the_border_of_two_faces),
+        cmocka_unit_test(shadows_edges_are_smooth),
+        cmocka_unit_test(an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn),
+        cmocka_unit_test(a_two_sided_light_sees_both_its_sides),
+        cmocka_unit_test(a_bulging_lamp_does_not_shadow_itself),
+        cmocka_unit_test(faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped),
+        cmocka_unit_test(no_lights_means_no_cubes_and_no_cubes_means_all_lit),
+        cmocka_unit_test(whatever_is_asked_the_answer_is_between_0_and_1),
+        cmocka_unit_test(points_already_dark_stay_so_and_are_not_counted),
+        cmocka_unit_test(the_bits_are_the_same_at_any_number_of_threads),
+        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
