@@ -1,14 +1,17 @@
-/* Photons where the light is: texels are drawn in proportion to the luminance of their flux, so that dark and empty parts of the pictures
- * cost no photons and bright ones get many.
+/* Photons where the light is: dark and empty parts of the pictures cost no photons, bright ones get many.
  *
- * With prefix sums of luminance, number u in [0,1) picks the texel in whose share of the sum it falls, with probability p; its flux is divided
- * by N p, N numbers in all. The numbers are (i + 1/2) / N: the most even ones there are in one dimension. What is one dimension here is the
- * order of the texels, along a Hilbert curve: neighbours on the curve are neighbours in the picture, so numbers that are evenly
- * spaced are photons that are, too. A texel is drawn N p times, rounded up or down: every photon's luminance is the
- * N-th part of the light's, and the sum of luminances is exact, not only unbiased. */
+ * Texels lie in a row, along a Hilbert curve: neighbours on the curve are neighbours in the picture. With prefix sums of the luminance of
+ * their flux, every number u in [0,1) belongs to the texel in whose share of the sum it falls. N photons, as many as regular samples:
+ *
+ *   Single texels (the filters that look at a photon's own texel): the numbers (i + 1/2) / N, the most even ones there are in one
+ *   dimension, draw texels with probability p; a photon's flux is the texel's divided by N p. A texel is drawn N p times, rounded up or down,
+ *   and each time stands for the N-th part of the light's luminance: that sum is exact, not only unbiased.
+ *
+ *   Groups (the flux filter): the row is cut at i / N. Each part is one piece of the picture, takes the place of a regular sample's
+ *   block, and becomes a photon for every surface that it shows. Nothing is drawn, and nothing lost: the sum of Psi is exact. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/direct_radiance/photon_list.h"
+#include "cache/direct_radiance/photon_groups.h"
 
 /* Place `d` on the Hilbert curve through a square of side 2^k = size. */
 static void hilbert_place(uint32_t size, uint32_t d, int *column, int *row) {
@@ -38,21 +41,45 @@ static uint32_t enclosing_power_of_two(int width, int height) {
     return size;
 }
 
-/* luminance[texel - first] of the faces' texels; the sum of all. */
-static double read_luminances(const sl_photon_list *list, const sl_map_face *face, size_t face_count, double *luminance) {
-    double sum = 0.0;
-    for (const sl_map_face *f = face; f < face + face_count; f++) {
-        for (int row = 0; row < f->height; row++) {
-            for (int column = 0; column < f->width; column++) {
-                sl_map_texel t;
-                bool lit = sl_map_texel_read(list->scene, list->map, f, column, row, NULL, &t);
-                luminance[sl_map_texel_index(f, column, row) - face->first] = lit ? t.luminance : 0.0;
-                sum += lit ? t.luminance : 0.0;
-            }
-        }
-    }
-    return sum;
+/* The texels of a light's faces in their row. */
+typedef struct texel_row {
+    size_t count;
+    struct row_texel {
+        uint32_t face, column, row; /* face: of the light's */
+        double luminance, before; /* before: of all texels before it */
+        double block;             /* solid angle of its face's blocks, their mean */
+    } *texel;
+    double sum;
+    uint64_t numbers; /* N */
+} texel_row;
+
+static double mean_block_angle(const sl_radiance_map *map, const sl_map_face *face) {
+    double angle = 0.0;
+    size_t texels = (size_t)face->width * (size_t)face->height;
+    for (size_t i = 0; i < texels; i++) angle += (double)map->block_angle[face->first + i];
+    return angle / ((double)face->columns * face->rows);
 }
+
+/* Texels as they follow each other on the curve. */
+static void lay_out(const sl_photon_list *list, const sl_map_face *face, size_t face_count, texel_row *line) {
+    for (size_t f = 0; f < face_count; f++) {
+        uint32_t size = enclosing_power_of_two(face[f].width, face[f].height);
+        double block = mean_block_angle(list->map, &face[f]);
+        for (uint32_t d = 0; d < size * size; d++) {
+            int column, row;
+            hilbert_place(size, d, &column, &row);
+            if (column >= face[f].width || row >= face[f].height) continue;
+            sl_map_texel t;
+            bool lit = sl_map_texel_read(list->scene, list->map, &face[f], column, row, NULL, &t);
+            double luminance = lit ? t.luminance : 0.0;
+            line->texel[line->count++] = (struct row_texel){(uint32_t)f, (uint32_t)column, (uint32_t)row, luminance, line->sum, block};
+            line->sum += luminance;
+        }
+        line->numbers += (uint64_t)face[f].columns * (uint64_t)face[f].rows;
+    }
+}
+
+/* ---- single texels ---- */
 
 /* How many of the numbers (i + 1/2) / N fall below `share`. */
 static uint64_t numbers_below(double share, uint64_t numbers) {
@@ -60,66 +87,62 @@ static uint64_t numbers_below(double share, uint64_t numbers) {
     return below <= 0.0 ? 0 : below >= (double)numbers ? numbers : (uint64_t)below;
 }
 
-/* Draws: drawn[texel - first] counts. */
-static void draw(const sl_map_face *face, size_t face_count, const double *luminance, double sum, uint64_t numbers, uint32_t *drawn) {
-    double before = 0.0;
+/* A photon of a texel that was drawn: `times` the texel, as a part of the picture of as many times its area. */
+static void add_drawn(sl_photon_list *list, const sl_map_face *face, const struct row_texel *place, double times) {
+    double x = place->column + 0.5, y = place->row + 0.5, half = 0.5 * sqrt(times);
+    sl_map_texel t;
+    if (!sl_map_texel_read(list->scene, list->map, face, (int)place->column, (int)place->row, NULL, &t)) return;
+    sl_photon_sample sample = sl_photon_of_texel(list, &t, times, (sl_texel_rectangle){x - half, y - half, x + half, y + half});
+    double own = (double)list->map->block_angle[sl_map_texel_index(face, (int)place->column, (int)place->row)];
+    for (int k = 0; k < 3; k++) sample.radiance[k] *= times * own / place->block; /* printed weights count photons */
+    sl_photon_add(list, face, &sample);
+}
+
+static void draw_texels(sl_photon_list *list, const sl_map_face *face, const texel_row *line) {
     uint64_t done = 0;
-    size_t last = SIZE_MAX;
-    for (const sl_map_face *f = face; f < face + face_count; f++) {
-        uint32_t size = enclosing_power_of_two(f->width, f->height);
-        for (uint32_t d = 0; d < size * size; d++) {
-            int column, row;
-            hilbert_place(size, d, &column, &row);
-            if (column >= f->width || row >= f->height) continue;
-            size_t i = sl_map_texel_index(f, column, row) - face->first;
-            if (!(luminance[i] > 0.0)) continue;
-            before += luminance[i];
-            uint64_t below = numbers_below(before / sum, numbers);
-            drawn[i] = (uint32_t)(below - done);
-            done = below;
-            last = i;
-        }
+    for (size_t i = 0; i < line->count; i++) {
+        const struct row_texel *t = &line->texel[i];
+        uint64_t below = numbers_below((t->before + t->luminance) / line->sum, line->numbers);
+        if (below == done) continue;
+        double times = (double)(below - done) * (line->sum / t->luminance) / (double)line->numbers; /* 1 / (N p) for each */
+        add_drawn(list, &face[t->face], t, times);
+        done = below;
     }
-    if (last != SIZE_MAX) drawn[last] += (uint32_t)(numbers - done); /* which rounding of the sums left over */
 }
 
-/* A part of the picture of `times` the texel's area, around its middle. */
-static sl_texel_rectangle part_of_texel(int column, int row, double times) {
-    double x = column + 0.5, y = row + 0.5, half = 0.5 * sqrt(times);
-    return (sl_texel_rectangle){x - half, y - half, x + half, y + half};
+/* ---- groups ---- */
+
+/* The part of the row in which the texel's middle lies. */
+static uint64_t part_of(const texel_row *line, const struct row_texel *t) {
+    double u = (t->before + 0.5 * t->luminance) / line->sum * (double)line->numbers;
+    return u < (double)line->numbers ? (uint64_t)u : line->numbers - 1;
 }
 
-static sl_status take(sl_photon_list *list, const sl_map_face *face, size_t face_count, double *luminance, uint32_t *drawn) {
-    uint64_t numbers = 0;
-    for (size_t f = 0; f < face_count; f++) numbers += (uint64_t)face[f].columns * (uint64_t)face[f].rows;
-    double sum = read_luminances(list, face, face_count, luminance);
-    if (!(sum > 0.0) || !isfinite(sum)) {
-        list->photons->dropped += numbers;
-        return SL_OK;
+static void group_parts(sl_photon_list *list, const sl_map_face *face, const texel_row *line) {
+    sl_photon_groups groups = {.angle = 0.0};
+    for (size_t i = 0; i < line->count; i++) {
+        const struct row_texel *t = &line->texel[i];
+        const sl_map_face *f = &face[t->face];
+        sl_photon_groups_add(list, f, (int)t->column, (int)t->row, t->block, &groups);
+        bool ends = i + 1 == line->count || t[1].face != t->face || part_of(line, &t[1]) != part_of(line, t);
+        if (ends) sl_photon_groups_finish(list, f, &groups);
     }
-    draw(face, face_count, luminance, sum, numbers, drawn);
-    for (const sl_map_face *f = face; f < face + face_count; f++) {
-        for (int row = 0; row < f->height; row++) {
-            for (int column = 0; column < f->width; column++) {
-                size_t i = sl_map_texel_index(f, column, row) - face->first;
-                sl_map_texel t;
-                if (!drawn[i] || !sl_map_texel_read(list->scene, list->map, f, column, row, NULL, &t)) continue;
-                double times = (double)drawn[i] * (sum / luminance[i]) / (double)numbers; /* 1 / (N p) for each time */
-                sl_photon_sample sample = sl_photon_of_texel(list, &t, times, part_of_texel(column, row, times));
-                sl_photon_add(list, f, &sample);
-            }
-        }
-    }
-    return SL_OK;
 }
 
 sl_status sl_photons_by_importance(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error) {
-    const sl_map_face *last = &face[face_count - 1];
-    size_t texels = last->first + (size_t)last->width * (size_t)last->height - face->first;
-    double *luminance = sl_allocate(texels, sizeof *luminance);
-    uint32_t *drawn = sl_allocate(texels, sizeof *drawn);
-    sl_status status = luminance && drawn ? take(list, face, face_count, luminance, drawn) : sl_fail_memory(error, "importance of texels");
-    sl_free(luminance);
-    sl_free(drawn);
-    return status;
+    texel_row line = {.count = 0};
+    size_t texels = 0;
+    for (size_t f = 0; f < face_count; f++) texels += (size_t)face[f].width * (size_t)face[f].height;
+    line.texel = sl_allocate(texels, sizeof *line.texel);
+    if (!line.texel) return sl_fail_memory(error, "importance of texels");
+    lay_out(list, face, face_count, &line);
+    if (!(line.sum > 0.0) || !isfinite(line.sum)) {
+        list->photons->dropped += line.numbers;
+    } else if (list->grouped) {
+        group_parts(list, face, &line);
+    } else {
+        draw_texels(list, face, &line);
+    }
+    sl_free(line.texel);
+    return SL_OK;
 }

@@ -5,7 +5,7 @@
  *     flux       sums of Psi, which do: a photon for each surface that the block shows */
 #include "base/error.h"
 #include "base/math.h"
-#include "cache/direct_radiance/photon_list.h"
+#include "cache/direct_radiance/photon_groups.h"
 #include "raster/textures/textures.h"
 
 /* ---- radiance ---- */
@@ -59,42 +59,21 @@ sl_status sl_photons_of_filtered_radiance(sl_photon_list *list, const sl_map_fac
 
 /* ---- flux ---- */
 
-/* Facets of a curved surface whose normals differ by less than 20 degrees are one group. */
-#define GROUP_COS 0.94
-
-/* The group that the texel joins: the first one of its surface, or a new one, or where there are four already the one most like it. */
-static sl_photon_sum *group_of(sl_photon_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian) {
-    sl_photon_sum *nearest = group;
-    for (sl_photon_sum *g = group; g < group + SL_PHOTON_GROUPS; g++) {
-        if (!(g->luminance > 0.0)) return g;
-        bool same = g->object == t->object && (lambertian || g->material == t->material);
-        if (same && sl_dotd(g->first_normal, t->normal) >= GROUP_COS) return g;
-        if (sl_dotd(g->first_normal, t->normal) > sl_dotd(nearest->first_normal, t->normal)) nearest = g;
+static void group_block(sl_photon_list *list, const sl_map_face *f, int column, int row) {
+    int texels = sl_block_texels(f);
+    sl_photon_groups groups = {.angle = 0.0};
+    double block = sl_block_angle(list->map, f, column, row);
+    for (int y = row; y < row + texels; y++) {
+        for (int x = column; x < column + texels; x++) sl_photon_groups_add(list, f, x, y, block, &groups);
     }
-    return nearest;
+    if (!sl_photon_groups_finish(list, f, &groups)) list->photons->dropped++;
 }
 
 sl_status sl_photons_of_groups(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error) {
     (void)error;
-    const sl_radiance_map *map = list->map;
     for (const sl_map_face *f = face; f < face + face_count; f++) {
-        int texels = sl_block_texels(f);
-        for (int row = 0; row < f->height; row += texels) {
-            for (int column = 0; column < f->width; column += texels) {
-                sl_photon_sum group[SL_PHOTON_GROUPS] = {{.luminance = 0.0}};
-                double whole = sl_block_angle(map, f, column, row);
-                for (int y = row; y < row + texels; y++) {
-                    for (int x = column; x < column + texels; x++) {
-                        sl_map_texel t;
-                        if (!sl_map_texel_read(list->scene, map, f, x, y, NULL, &t)) continue;
-                        double of_block = (double)map->block_angle[sl_map_texel_index(f, x, y)] / whole;
-                        sl_photon_sum_add(group_of(group, &t, map->lambertian), &t, 1.0, of_block, x, y);
-                    }
-                }
-                size_t before = list->photons->count;
-                for (int g = 0; g < SL_PHOTON_GROUPS; g++) sl_photon_sum_finish(list, f, &group[g]);
-                if (list->photons->count == before) list->photons->dropped++;
-            }
+        for (int row = 0; row < f->height; row += sl_block_texels(f)) {
+            for (int column = 0; column < f->width; column += sl_block_texels(f)) group_block(list, f, column, row);
         }
     }
     return SL_OK;

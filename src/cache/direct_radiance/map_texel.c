@@ -26,42 +26,47 @@ void sl_map_face_ray(const sl_map_face *face, bool directional, double column, d
     *direction = directional ? z : sl_addd(z, aside);
 }
 
-/* A direction in which the light's image in a mirror shines, as the light itself does: the mirror's plane lies halfway between. */
-static sl_vec3d as_it_left(const sl_map_light *light, const sl_map_face *face, sl_vec3d direction) {
-    if (face->mirror == SL_NO_INDEX || light->kind == SL_MAP_LIGHT_DIRECTIONAL) return direction;
-    sl_vec3d normal = sl_subd(sl_to_double(light->position), sl_to_double(face->eye));
-    if (!make_unit(&normal)) return direction;
-    return sl_subd(direction, sl_scaled(normal, 2.0 * sl_dotd(direction, normal)));
-}
-
-/* Way, direction of arrival and perpendicular area of a texel; and the direction in which its light left the light. */
-static bool find_way(const sl_radiance_map *map, const sl_map_face *face, int column, int row, sl_map_texel *t, sl_vec3d *leaves) {
-    size_t i = sl_map_texel_index(face, column, row);
-    const sl_map_light *light = &map->lights->light[face->light];
-    bool directional = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
-    sl_vec3d origin, ray;
-    sl_map_face_ray(face, directional, (double)column + 0.5, (double)row + 0.5, &origin, &ray);
-    if (!make_unit(&ray)) return false;
+/* Way, direction of arrival and perpendicular area of a texel. */
+static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
     t->way = (double)map->path[i];
-    t->to_light = sl_scaled(ray, -1.0);
     t->footprint = (double)map->block_angle[i]; /* of a directional light: an area already */
     if (map->spread && map->spread[i] > 0.0f) {
-        t->to_light = plane_at(map->arrival, i);
         t->footprint = (double)map->spread[i];
-    } else if (!directional) {
+        t->to_light = plane_at(map->arrival, i);
+        if (!make_unit(&t->to_light)) return false;
+    } else if (map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL) {
+        t->to_light = sl_to_double(sl_neg(face->frame.z));
+    } else {
         t->to_light = sl_subd(sl_to_double(face->eye), t->position);
         t->way = sl_lengthd(t->to_light);
-        ray = sl_scaled(t->to_light, -1.0);
+        t->to_light = sl_scaled(t->to_light, 1.0 / t->way); /* at the light itself NaN, and near: dropped */
         t->footprint *= t->way * t->way;
     }
-    *leaves = as_it_left(light, face, ray);
-    return make_unit(&t->to_light) && make_unit(leaves) && t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
+    return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
+}
+
+/* The direction in which the texel's light left the light. Its image in a mirror shines as it does itself: the mirror's plane lies halfway
+ * between. What came by curved mirrors left along the picture's ray, and arrives from somewhere else. */
+static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, size_t i, const sl_map_texel *t) {
+    const sl_map_light *light = &map->lights->light[face->light];
+    sl_vec3d direction = sl_scaled(t->to_light, -1.0), origin;
+    if (map->spread && map->spread[i] > 0.0f) {
+        size_t texel = i - face->first, width = (size_t)face->width;
+        sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin, &direction);
+    }
+    sl_vec3d across = sl_subd(sl_to_double(light->position), sl_to_double(face->eye));
+    if (face->mirror != SL_NO_INDEX && make_unit(&across)) {
+        direction = sl_subd(direction, sl_scaled(across, 2.0 * sl_dotd(direction, across)));
+    }
+    return sl_normalize_or(sl_to_float(direction), sl_v3(0.0f, 0.0f, 1.0f));
 }
 
 /* I dOmega: what leaves the light within the texel, less the mirrors' share. */
-static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_vec3d leaves, sl_map_texel *t) {
+static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
     const sl_map_light *light = &map->lights->light[face->light];
-    sl_rgb intensity = sl_rgb_mul(sl_map_light_intensity(light, sl_to_float(leaves)), face->reflectance);
+    bool by_direction = light->kind == SL_MAP_LIGHT_SPOT || light->kind == SL_MAP_LIGHT_AREA;
+    sl_rgb intensity = by_direction ? sl_map_light_intensity(light, as_it_left(map, face, i, t)) : light->intensity;
+    intensity = sl_rgb_mul(intensity, face->reflectance);
     if (map->spread && map->spread[i] > 0.0f) {
         intensity = sl_rgb_mul(intensity, (sl_rgb){map->carried[0][i], map->carried[1][i], map->carried[2][i]});
     }
@@ -107,9 +112,8 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
                        const double *color, sl_map_texel *t) {
     size_t i = sl_map_texel_index(face, column, row);
     if (map->triangle[i] == SL_NO_INDEX) return false;
-    sl_vec3d leaves;
     t->position = plane_at(map->position, i);
-    if (!is_finite(t->position) || !find_way(map, face, column, row, t, &leaves)) return false;
+    if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
     bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
     if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)scene->diagonal) return false;
 
@@ -127,7 +131,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
         t->color[k] = color ? color[k] : (double)map->color[k][i];
         if (!(t->color[k] >= 0.0) || !isfinite(t->color[k])) return false;
     }
-    if (!find_arriving(map, face, i, leaves, t)) return false;
+    if (!find_arriving(map, face, i, t)) return false;
     find_flux(map, t);
     return t->luminance > 0.0 && isfinite(t->luminance);
 }

@@ -10,6 +10,10 @@ typedef struct sl_texel_rectangle {
     double left, bottom, right, top;
 } sl_texel_rectangle;
 
+static inline sl_texel_rectangle sl_texel_rectangle_join(sl_texel_rectangle a, sl_texel_rectangle b) {
+    return (sl_texel_rectangle){fmin(a.left, b.left), fmin(a.bottom, b.bottom), fmax(a.right, b.right), fmax(a.top, b.top)};
+}
+
 typedef struct sl_photon_sample {
     sl_vec3d position, normal, shading, to_light;
     double cos_alpha, footprint, way;
@@ -24,6 +28,8 @@ typedef struct sl_photon_list {
     const sl_scene *scene;
     const sl_radiance_map *map;
     sl_map_photons *photons;
+    bool grouped;            /* the flux filter */
+    bool steady;             /* steady.h */
 } sl_photon_list;
 
 /* Texels each way of a block. */
@@ -43,31 +49,12 @@ void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photo
 /* The regular sample of the block whose lower left texel that is; color (or NULL) stands in for its texel's. */
 void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row, const double *color);
 
-/* Several texels as one photon: sums of their flux and area, and means of all else, weighted by luminance. */
-typedef struct sl_photon_sum {
-    sl_vec3d position, normal, shading, to_light;
-    double luminance, way, area;
-    double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
-    sl_vec3d first_normal; /* of the texel that opened it */
-    uint32_t object;       /* likewise */
-    const sl_material *material;
-    sl_texel_rectangle rectangle;
-} sl_photon_sum;
-
-/* Adds `share` of texel (column, row); of_block: that share's part of the block's solid angle, for the mean radiance of printed weights. */
-void sl_photon_sum_add(sl_photon_sum *sum, const sl_map_texel *texel, double share, double of_block, int column, int row);
-/* Appends the sum as a photon; nothing where it is empty. */
-void sl_photon_sum_finish(sl_photon_list *list, const sl_map_face *face, const sl_photon_sum *sum);
-
-enum { SL_PHOTON_GROUPS = 4 }; /* of a block at most */
-
 /* The ways to take samples. Each appends the photons of a light's faces, which lie side by side in the map. */
 typedef sl_status sl_take_photons(sl_photon_list *list, const sl_map_face *face, size_t face_count, sl_error *error);
 sl_take_photons sl_photons_at_points;            /* photons.c */
 sl_take_photons sl_photons_of_filtered_radiance; /* map_filter.c */
 sl_take_photons sl_photons_of_groups;            /* map_filter.c */
 sl_take_photons sl_photons_by_importance;        /* importance.c */
-sl_take_photons sl_photons_steadily;             /* steady.c */
 
 /* The footprint's corners on the sample's tangent plane (photon_quad.c). */
 void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *sample, sl_photon_quad *quad);

@@ -4,7 +4,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/direct_radiance/photon_list.h"
+#include "cache/direct_radiance/photon_groups.h"
 
 /* A receiver that is as near as that to a photon gets nothing from it: its direction would be noise. */
 #define NEAREST_RECEIVER 1e-6
@@ -64,7 +64,7 @@ static size_t count_blocks(const sl_radiance_map *map) {
     return blocks;
 }
 
-/* Room for the most that the samples can be: four groups a block. */
+/* Room for the most that the samples can be: four groups a block; a part of the pictures that importance cuts out may end with each face. */
 static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_map_photons **photons, sl_error *error) {
     sl_map_photons *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "sample photons");
@@ -83,13 +83,14 @@ static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_
 sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
                               sl_map_photons **photons, sl_counters *counters, sl_error *error) {
     bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map), photons, error);
+    sl_status status = create(map, quads, SL_PHOTON_GROUPS * (count_blocks(map) + map->face_count), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->diagonal);
     p->box_diagonal = scene->diagonal;
 
-    sl_photon_list list = {.scene = scene, .map = map, .photons = p};
+    sl_photon_list list = {.scene = scene, .map = map, .photons = p, .grouped = settings->filter == SL_MAP_FILTER_FLUX,
+                           .steady = settings->steady_samples};
     sl_take_photons *take = way_to_take(settings);
     size_t face = 0;
     for (size_t light = 0; light < SL_MAP_LIGHTS_MAX && status == SL_OK; light++) {

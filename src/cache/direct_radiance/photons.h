@@ -35,7 +35,7 @@ typedef struct sl_photon_quad {
 
 typedef struct sl_map_photons {
     size_t count, room;      /* of the arrays */
-    sl_map_photon *photon;   /* in order of light, face, row, column, group: the order of every sum */
+    sl_map_photon *photon;   /* in order of light, face, row, column, group (by importance: of a curve through each face): of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
     size_t first_of_light[SL_MAP_LIGHTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
