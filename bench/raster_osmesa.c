@@ -64,7 +64,7 @@ static peer_pass *make_pass(int width, int height, int planes, const osmesa_form
     return pass;
 }
 
-static unsigned scene_program(const char *vertex, const char *fragment) {
+unsigned peer_scene_program(const char *vertex, const char *fragment) {
     char text[2048];
     snprintf(text, sizeof text, "%s%s", transform, vertex);
     return osmesa_program(text, fragment);
@@ -128,7 +128,7 @@ peer_pass *peer_ids(const peer_mesh *mesh, const sl_view *views, size_t count, b
         if (!target_of(pass, &views[i])) add_target(pass, views[i].width, views[i].height, ids ? 1 : 0, &format);
     }
     pass->mesh = ids ? upload_numbered(mesh) : upload(mesh, NULL, NULL);
-    pass->program = ids ? scene_program(id_vertex, id_fragment) : scene_program(depth_vertex, depth_fragment);
+    pass->program = ids ? peer_scene_program(id_vertex, id_fragment) : peer_scene_program(depth_vertex, depth_fragment);
     set_views(pass, views, count);
     return pass;
 }
@@ -138,7 +138,7 @@ peer_pass *peer_gbuffer(const peer_mesh *mesh, const sl_view *view) {
     const osmesa_format formats[3] = {PLANE_RGBA32F, PLANE_RGBA32F, PLANE_RGBA32F};
     peer_pass *pass = make_pass(view->width, view->height, 3, formats, true, false);
     pass->mesh = upload(mesh, mesh->normal, mesh->colour);
-    pass->program = scene_program(gbuffer_vertex, gbuffer_fragment);
+    pass->program = peer_scene_program(gbuffer_vertex, gbuffer_fragment);
     set_views(pass, view, 1);
     return pass;
 }
@@ -147,7 +147,7 @@ peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view, bool additiv
     if (!running) return NULL;
     peer_pass *pass = make_pass(view->width, view->height, 1, (osmesa_format[]){PLANE_RGBA32F}, !additive, additive);
     pass->mesh = upload(mesh, mesh->colour, NULL);
-    pass->program = scene_program(gouraud_vertex, gouraud_fragment);
+    pass->program = peer_scene_program(gouraud_vertex, gouraud_fragment);
     set_views(pass, view, 1);
     return pass;
 }
@@ -262,12 +262,12 @@ static void read_and_add(const peer_pass *pass, bool read) {
 /* ---- drawing --------------------------------------------------------------------------------------------------------- */
 
 /* OpenGL has a far plane: for views without one, z/w = 1 - 2 near/w. */
-static void set_view(const peer_pass *pass, const sl_view *view) {
+void peer_set_view(unsigned program, const sl_view *view) {
     float rows[4][4];
     memcpy(rows, view->clip, sizeof rows);
     if (view->depth == SL_DEPTH_INVERSE_W) rows[2][3] *= 2.0f;
-    osmesa_uniform_matrix(pass->program, "clip", (const float(*)[4])rows);
-    osmesa_uniform(pass->program, "origin", 3, &view->origin.x);
+    osmesa_uniform_matrix(program, "clip", (const float(*)[4])rows);
+    osmesa_uniform(program, "origin", 3, &view->origin.x);
 }
 
 static void begin(const peer_pass *pass) {
@@ -279,7 +279,7 @@ static void begin(const peer_pass *pass) {
 
 static void draw(const peer_pass *pass, size_t view, bool read) {
     const osmesa_target *target = pass->views ? target_of(pass, &pass->views[view]) : &pass->target[0];
-    if (pass->views) set_view(pass, &pass->views[view]);
+    if (pass->views) peer_set_view(pass->program, &pass->views[view]);
     if (!pass->add) osmesa_clear(target);
     osmesa_draw_all(pass->program, &pass->mesh);
     if (read) read_back(pass, target);

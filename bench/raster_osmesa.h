@@ -34,6 +34,10 @@ peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t c
 /* rgba: size x size; halved until final x final. final = 0: read back as it is and added up by the processor, the sums being plane 1. */
 peer_pass *peer_reduction(const float *rgba, int size, int final);
 
+/* For passes of one's own: a program whose vertex shader has to_clip() and the input `position` at location 0, and its view. */
+unsigned peer_scene_program(const char *vertex, const char *fragment);
+void peer_set_view(unsigned program, const sl_view *view);
+
 /* All views (one after another, each read back before the next is drawn), or one. Without reading, waits until all is drawn.
  * Additive passes add to what is there. */
 void peer_run(peer_pass *pass, bool read);

@@ -289,6 +289,10 @@ void osmesa_uniform(unsigned program, const char *name, int components, const fl
     else glUniform4fv(location, 1, values);
 }
 
+void osmesa_uniform_array(unsigned program, const char *name, int count, const float *values) {
+    glUniform4fv(uniform_location(program, name), count, values);
+}
+
 void osmesa_uniform_int(unsigned program, const char *name, int value) { glUniform1i(uniform_location(program, name), value); }
 
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) {
@@ -383,6 +387,12 @@ void osmesa_state(bool depth, bool add) {
     enable(GL_BLEND, add);
 }
 
+void osmesa_draw_order(osmesa_order order) {
+    GLboolean colour = order != ORDER_DEPTH_ALONE;
+    glColorMask(colour, colour, colour, colour);
+    glDepthFunc(order == ORDER_VISIBLE_ALONE ? GL_LEQUAL : GL_LESS);
+}
+
 void osmesa_draw(unsigned program, const osmesa_mesh *mesh, size_t first, size_t count, size_t instances) {
     glUseProgram(program);
     glBindVertexArray(mesh->array);
@@ -441,6 +451,10 @@ void osmesa_uniform(unsigned program, const char *name, int components, const fl
     (void)program, (void)name, (void)components, (void)values;
     missing();
 }
+void osmesa_uniform_array(unsigned program, const char *name, int count, const float *values) {
+    (void)program, (void)name, (void)count, (void)values;
+    missing();
+}
 void osmesa_uniform_int(unsigned program, const char *name, int value) { (void)program, (void)name, (void)value, missing(); }
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) { (void)program, (void)name, (void)rows, missing(); }
 unsigned osmesa_texture(int width, int height, const float *rgba) {
@@ -462,6 +476,7 @@ void osmesa_input(unsigned program, const char *sampler, int unit, unsigned text
     missing();
 }
 void osmesa_state(bool depth, bool add) { (void)depth, (void)add, missing(); }
+void osmesa_draw_order(osmesa_order order) { (void)order, missing(); }
 void osmesa_draw(unsigned program, const osmesa_mesh *mesh, size_t first, size_t count, size_t instances) {
     (void)program, (void)mesh, (void)first, (void)count, (void)instances;
     missing();

@@ -73,6 +73,7 @@ unsigned osmesa_program(const char *vertex_shader, const char *fragment_shader);
 void osmesa_program_destroy(unsigned program);
 /* Uniforms by name: 1..4 floats; an int; a matrix whose rows come first, as in sl_view. */
 void osmesa_uniform(unsigned program, const char *name, int components, const float *values);
+void osmesa_uniform_array(unsigned program, const char *name, int count, const float *values); /* of vec4 */
 void osmesa_uniform_int(unsigned program, const char *name, int value);
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]);
 
@@ -103,6 +104,10 @@ void osmesa_input(unsigned program, const char *sampler, int unit, unsigned text
 
 /* depth: GL_LESS and written; add: blending (ONE, ONE) on every plane. At first neither. Nothing is culled. */
 void osmesa_state(bool depth, bool add);
+/* With a depth plane, until told otherwise: depth is drawn alone, the colour planes being left as they are; or only what lies no deeper
+ * than what is there is drawn, so that with a depth pass first every pixel is shaded once. */
+typedef enum osmesa_order { ORDER_USUAL, ORDER_DEPTH_ALONE, ORDER_VISIBLE_ALONE } osmesa_order;
+void osmesa_draw_order(osmesa_order order);
 /* Draws `count` indices (or vertices) from `first` on, `instances` times (0: not instanced). */
 void osmesa_draw(unsigned program, const osmesa_mesh *mesh, size_t first, size_t count, size_t instances);
 /* The whole mesh once. */
