@@ -86,7 +86,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench bench-raster bench-splatting install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -145,6 +145,16 @@ $(SPLAT_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(SPLAT_BENCH) $(BUILD)
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
+DRM_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_drm_*.c))
+DRM_BENCH := $(BUILD)/o/bench/drm_run.o $(COMMON_BENCH)
+$(filter-out %table1,$(DRM_BENCHES)): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(DRM_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+$(BUILD)/bench/bench_drm_table1: $(BUILD)/o/bench/bench_drm_table1.o $(DRM_BENCH) $(BUILD)/o/bench/drm_osmesa.o $(BUILD)/o/bench/raster_osmesa.o \
+                                 $(OSMESA_HARNESS) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS) $(OSMESA_LIBS)
+
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
@@ -190,6 +200,10 @@ bench-raster: $(BUILD)/bench/bench_raster
 bench-splatting: all $(SPLAT_BENCHES)
 	@./bench/splatting.sh $(BUILD) $(if $(BRIEF),--brief)
 
+# The three on direct radiance mapping (docs/direct-radiance-experiments.md), beside OSMesa.
+bench-direct-radiance: all $(DRM_BENCHES)
+	@./bench/direct_radiance.sh $(BUILD) $(if $(BRIEF),--brief)
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
@@ -216,6 +230,7 @@ help:
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
 	@echo 'make bench      speed against error; make bench-raster: the rasterizer beside OSMesa and rays'
 	@echo 'make bench-splatting  the experiments on radiance cache splatting; BRIEF=1: a short form'
+	@echo 'make bench-direct-radiance  those on direct radiance mapping'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
 	@echo 'make clean      remove what was built and generated'
 	@echo

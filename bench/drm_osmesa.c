@@ -104,15 +104,21 @@ static unsigned scene_or_screen_program(bool screen, const char *fragment) {
 static unsigned shade_program(const drm_peer *peer, drm_shading shading, bool deferred) {
     static const int weights[DRM_SHADINGS] = {[DRM_EVEN] = 11, [DRM_BOX] = 15, [DRM_DISC] = 14};
     char text[8192];
-    snprintf(text, sizeof text, "#define SHADOWS %d\n#define WEIGHT %d\n#define PHOTONS %d\n#define AREA %d\n#define DEFERRED %d\n%s%s%s",
+    snprintf(text, sizeof text, "#define SHADOWS %d\n#define WEIGHT %d\n#define PHOTONS %d\n#define AREA %d\n#define DEFERRED %d\n%s%s%s%s",
              shading != DRM_LOCAL, weights[shading], peer->options.samples * peer->options.samples, peer->options.area, deferred,
-             light_functions, shade_functions, shade_fragment);
+             slope_function, light_functions, shade_functions, shade_fragment);
     return scene_or_screen_program(deferred, text);
 }
 
 static unsigned map_program(const drm_peer *peer) {
     char text[4096];
-    snprintf(text, sizeof text, "#define AREA %d\n%s%s", peer->options.area, light_functions, map_fragment);
+    snprintf(text, sizeof text, "#define AREA %d\n%s%s%s", peer->options.area, slope_function, light_functions, map_fragment);
+    return scene_or_screen_program(false, text);
+}
+
+static unsigned gbuffer_program(void) {
+    char text[2048];
+    snprintf(text, sizeof text, "%s%s", slope_function, gbuffer_fragment);
     return scene_or_screen_program(false, text);
 }
 
@@ -222,6 +228,7 @@ static void draw_deferred(drm_peer *peer, drm_shading shading) {
     unsigned program = peer->shade[shading][1];
     osmesa_state(true, false);
     osmesa_clear(&peer->surfaces);
+    osmesa_uniform(peer->gbuffer, "light", 3, &peer->options.position.x);
     draw_scene(peer, peer->gbuffer, ORDER_USUAL);
     osmesa_draw_to(&peer->picture);
     osmesa_state(false, false);
@@ -262,7 +269,7 @@ drm_peer *drm_peer_create(const sl_scene *scene, const drm_peer_options *o) {
     peer->surfaces = planes_target(o->size, o->size, 3);
     peer->depth = peer_scene_program(depth_vertex, depth_fragment);
     peer->map_program = map_program(peer);
-    peer->gbuffer = peer_scene_program(surface_vertex, gbuffer_fragment);
+    peer->gbuffer = gbuffer_program();
     for (int s = 0; s < DRM_SHADINGS; s++) {
         for (int deferred = 0; deferred < 2; deferred++) peer->shade[s][deferred] = shade_program(peer, (drm_shading)s, deferred);
     }

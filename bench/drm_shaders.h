@@ -21,6 +21,15 @@ static const char depth_vertex[] =
 static const char depth_fragment[] = "void main() {}\n";
 static const char screen_vertex[] =
     "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+/* beta of a receiver through p, from its geometric normal: by how much 1/w may be off within a texel, times the texels a side. */
+static const char slope_function[] =
+    "uniform vec3 light;\n"
+    "float slope(vec3 p) {\n"
+    "    vec3 q = p - light, g = cross(dFdx(p), dFdy(p)), a = abs(q), m = abs(g);\n"
+    "    float across = a.x >= a.y && a.x >= a.z ? m.y + m.z : a.y >= a.z ? m.z + m.x : m.x + m.y;\n"
+    "    return across / abs(dot(g, q));\n"
+    "}\n";
+
 static const char gbuffer_fragment[] =
     "in vec3 p, n;\n"
     "in vec4 c;\n"
@@ -29,13 +38,13 @@ static const char gbuffer_fragment[] =
     "layout(location = 2) out vec4 colour;\n"
     "void main() {\n"
     "    place = vec4(p, 1.0);\n"
-    "    direction = vec4(gl_FrontFacing ? n : -n, 0.0);\n"
+    "    direction = vec4(gl_FrontFacing ? n : -n, slope(p));\n"
     "    colour = c;\n"
     "}\n";
 
 /* Irradiance of the light at x: (4), (8). */
 static const char light_functions[] =
-    "uniform vec3 light, intensity;\n"
+    "uniform vec3 intensity;\n"
     "uniform vec3 axis;\n" /* an area light's normal */
     "float falloff(vec3 d, float inverse_square, float inverse) {\n"
     "#if AREA\n"
@@ -66,18 +75,17 @@ static const char shade_functions[] =
     "#if SHADOWS\n"
     "uniform sampler2D shadow;\n"
     "uniform vec3 shadow_size;\n" /* texels a side, near, slack */
-    "float lit(vec3 q, vec3 n) {\n"
-    "    vec3 a = abs(q), m = abs(n), f;\n"
+    "float lit(vec3 q, float slope) {\n"
+    "    vec3 a = abs(q), f;\n"
     "    float face;\n"
-    "    if (a.x >= a.y && a.x >= a.z) { f = q.yzx; m = m.yzx; face = 0.0; }\n"
-    "    else if (a.y >= a.z) { f = q.zxy; m = m.zxy; face = 2.0; }\n"
+    "    if (a.x >= a.y && a.x >= a.z) { f = q.yzx; face = 0.0; }\n"
+    "    else if (a.y >= a.z) { f = q.zxy; face = 2.0; }\n"
     "    else { f = q; face = 4.0; }\n"
     "    if (f.z < 0.0) face += 1.0;\n"
     "    float size = shadow_size.x, inverse = 1.0 / abs(f.z);\n"
     "    vec2 at = min(floor((f.xy * inverse * 0.5 + 0.5) * size), size - 1.0);\n"
     "    float stored = (1.0 - texelFetch(shadow, ivec2(int(at.x + face * size), int(at.y)), 0).r) / shadow_size.y;\n"
-    "    float beta = (m.x + m.y) / (size * abs(dot(n, q)));\n"
-    "    return inverse >= stored - beta * 1.00001 - shadow_size.z ? 1.0 : 0.0;\n"
+    "    return inverse >= stored - slope / size * 1.00001 - shadow_size.z ? 1.0 : 0.0;\n"
     "}\n"
     "#endif\n"
     "#if WEIGHT\n"
@@ -97,13 +105,13 @@ static const char shade_functions[] =
     "    return sum;\n"
     "}\n"
     "#endif\n"
-    "vec4 shade(vec3 x, vec3 n, vec4 c) {\n"
+    "vec4 shade(vec3 x, vec3 n, vec4 c, float slope) {\n"
     "    if (c.a > 0.5) return vec4(c.rgb, 1.0);\n" /* shines */
     "    vec3 d = light - x;\n"
     "    float inverse_square = 1.0 / dot(d, d), inverse = sqrt(inverse_square);\n"
     "    float received = max(dot(n, d) * inverse, 0.0) * falloff(d, inverse_square, inverse);\n"
     "#if SHADOWS\n"
-    "    if (received > 0.0) received *= lit(-d, n);\n"
+    "    if (received > 0.0) received *= lit(-d, slope);\n"
     "#endif\n"
     "    vec3 sum = intensity * received;\n"
     "#if WEIGHT\n"
@@ -119,12 +127,16 @@ static const char shade_fragment[] =
     "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
     "    vec4 x = texelFetch(places, at, 0);\n"
     "    if (x.w == 0.0) { result = vec4(0.0); return; }\n"
-    "    result = shade(x.xyz, normalize(texelFetch(normals, at, 0).xyz), texelFetch(colours, at, 0));\n"
+    "    vec4 direction = texelFetch(normals, at, 0);\n"
+    "    result = shade(x.xyz, normalize(direction.xyz), texelFetch(colours, at, 0), direction.w);\n"
     "}\n"
     "#else\n"
     "in vec3 p, n;\n"
     "in vec4 c;\n"
-    "void main() { vec3 unit = normalize(n); result = shade(p, gl_FrontFacing ? unit : -unit, c); }\n"
+    "void main() {\n"
+    "    vec3 unit = normalize(n);\n"
+    "    result = shade(p, gl_FrontFacing ? unit : -unit, c, slope(p));\n"
+    "}\n"
     "#endif\n";
 
 #endif
