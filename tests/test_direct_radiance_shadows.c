@@ -204,6 +204,29 @@ static void a_lit_plane_far_from_the_origin_does_not_shadow_itself(void **state)
     discard(&w);
 }
 
+static void the_corners_of_a_lit_room_have_no_dark_seams(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(-1.3f, -1, -0.9f), sl_v3(1, 1.2f, 1.1f), true, grey(&mesh));
+    trace_mesh_sphere(&mesh, sl_v3(7, 0, 0), 3, 24, 0, true, 0);
+    mesh.lights[mesh.light_count++] = point_light(0.2f, 0.3f, 0.1f);
+    mesh.lights[mesh.light_count++] = point_light(6.1f, 0.5f, 0.9f);
+    world w = world_of(&mesh, 1, 128, 1);
+    int wrong[2] = {0}, asked[2] = {0};
+    for (uint64_t i = 0; i < 12000; i++) { /* near the box's edges, anywhere in the sphere */
+        uint32_t own;
+        sl_vec3 p = random_point(w.scene, i, &own);
+        float edge[3] = {fminf(p.x + 1.3f, 1 - p.x), fminf(p.y + 1, 1.2f - p.y), fminf(p.z + 0.9f, 1.1f - p.z)};
+        bool ball = own >= 12;
+        if (!ball && (edge[0] < 0.03f) + (edge[1] < 0.03f) + (edge[2] < 0.03f) < 2) continue;
+        asked[ball]++;
+        wrong[ball] += lit_at(&w, ball, p, sl_scene_geometric_normal(w.scene, own)) < 1.0f;
+    }
+    assert_true(asked[0] > 200 && asked[1] > 4000);
+    if (wrong[0] * 100 > asked[0] || wrong[1] * 200 > asked[1]) fail_msg("%d of %d, %d of %d", wrong[0], asked[0], wrong[1], asked[1]);
+    discard(&w);
+}
+
 static void a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel(void **state) {
     (void)state;
     const int sizes[] = {64, 128, 512};
@@ -479,6 +502,7 @@ int main(void) {
         cmocka_unit_test(a_directional_light_s_map_says_what_rays_say),
         cmocka_unit_test(a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces),
         cmocka_unit_test(a_lit_plane_far_from_the_origin_does_not_shadow_itself),
+        cmocka_unit_test(the_corners_of_a_lit_room_have_no_dark_seams),
         cmocka_unit_test(a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel),
         cmocka_unit_test(a_shadow_s_edge_runs_on_across_the_border_of_two_faces),
         cmocka_unit_test(shadows_edges_are_smooth),

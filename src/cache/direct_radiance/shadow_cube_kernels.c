@@ -15,6 +15,7 @@ typedef struct {
     float across[SL_SHADOW_BLOCK], up[SL_SHADOW_BLOCK]; /* place between the four, in [0,1] */
     float depth[SL_SHADOW_BLOCK];                      /* of the receiver, in the units stored, with room for rounding */
     float change_x[SL_SHADOW_BLOCK], change_y[SL_SHADOW_BLOCK]; /* of its plane, from texel to texel, not negative */
+    float dark[SL_SHADOW_BLOCK];                       /* shares of the texels that hide it */
 } places;
 
 /* The texel whose middle lies at or below a continuous coordinate, so that the next one exists too; 0 for NaN. */
@@ -95,11 +96,12 @@ static void locate_in_parallel(const sl_shadow_cube *map, size_t count, const fl
 }
 
 /* Shares that are not lit are added up, so that where all four are lit the result is 1 exactly. */
-static void compare(const sl_shadow_cube *map, size_t count, const places *at, float *restrict lit) {
+static void compare(const sl_shadow_cube *map, size_t count, places *at) {
     const float *restrict stored = map->depth;
     const int32_t *restrict texel = at->texel;
     const float *restrict across = at->across, *restrict up = at->up, *restrict depth = at->depth;
     const float *restrict change_x = at->change_x, *restrict change_y = at->change_y;
+    float *restrict out = at->dark;
     const int32_t width = map->size;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -111,9 +113,44 @@ static void compare(const sl_shadow_cube *map, size_t count, const places *at, f
         dark += stored[k + 1] > z + (to_right + down) ? right * below : 0.0f;
         dark += stored[k + width] > z + (to_left + upward) ? left * above : 0.0f;
         dark += stored[k + width + 1] > z + (to_right + upward) ? right * above : 0.0f;
-        float share = 1.0f - dark;
-        lit[i] *= share > 1e-6f ? share : 0.0f;
+        out[i] = dark;
     }
+}
+
+/* ---- corners ---- */
+
+/* How what texel k holds changes along a row or a column (place: k's in it), told from its neighbour on the far side of the receiver, which
+ * lies `away` texels from k's middle: the near side is where the surface may end. */
+static float slope_at(const float *stored, int32_t k, int32_t step, int32_t place, int32_t size, float away) {
+    bool back = place > 0 && (away > 0.0f || place + 1 == size);
+    return back ? stored[k] - stored[k - step] : stored[k + step] - stored[k];
+}
+
+/* Does the receiver, `right` and `above` texels from the middle of texel k, lie before the plane of what that one holds? Not asked of what
+ * lies more than four texels' sizes before it: that is no corner. */
+static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, int32_t k, float right, float above) {
+    const float *stored = map->depth;
+    const int32_t size = map->size, place = k - (int32_t)sl_shadow_zeros(size), column = place % size, row = place / size % size;
+    const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) / (map->reach_z * (float)size)
+                                         : 2.0f / (float)(size - 2) * stored[k];
+    if (stored[k] - at->depth[i] > 4.0f * texel) return false;
+    float slope_x = slope_at(stored, k, 1, column, size, right), slope_y = slope_at(stored, k, size, row, size, above);
+    float there = stored[k] + slope_x * right + slope_y * above, room = 0.02f * (fabsf(slope_x) + fabsf(slope_y));
+    return there <= at->depth[i] + room;
+}
+
+/* The receiver's four texels once more, one by one. */
+static float dark_at_corner(const sl_shadow_cube *map, const places *at, size_t i) {
+    float dark = 0.0f;
+    for (int t = 0; t < 4; t++) {
+        int32_t column = t & 1, row = t >> 1, k = at->texel[i] + column + row * map->size;
+        float right = at->across[i] - (float)column, above = at->up[i] - (float)row;
+        float beta = fabsf(right) * at->change_x[i] + fabsf(above) * at->change_y[i];
+        float share = (1.0f - fabsf(right)) * (1.0f - fabsf(above));
+        bool hides = map->depth[k] > at->depth[i] + beta && !lies_before(map, at, i, k, right, above);
+        dark += hides ? share : 0.0f;
+    }
+    return dark;
 }
 
 void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
@@ -121,5 +158,11 @@ void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, con
     places at;
     if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
     else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
-    compare(cube, count, &at, lit);
+    compare(cube, count, &at);
+    for (size_t i = 0; i < count; i++) {
+        float dark = at.dark[i];
+        if (dark > 0.0f && dark < 1.0f - 1e-6f) dark = dark_at_corner(cube, &at, i);
+        float share = 1.0f - dark;
+        lit[i] *= share > 1e-6f ? share : 0.0f;
+    }
 }

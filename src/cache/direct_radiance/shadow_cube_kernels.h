@@ -22,6 +22,9 @@ typedef struct sl_shadow_cube {
     float rounding;                  /* by how much a receiver's position may be rounded */
 } sl_shadow_cube;
 
+/* Texels before the first picture. */
+static inline size_t sl_shadow_zeros(int size) { return ((size_t)size + 2 + 15) / 16 * 16; }
+
 /* Receivers, at most SL_SHADOW_BLOCK; normals unit, on the lit side; lit is multiplied. */
 typedef void sl_shadow_cube_kernel(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
                                    const float *nx, const float *ny, const float *nz, float *lit);

@@ -72,14 +72,14 @@ static size_t passes_of(const drawing *d, const sl_map_light_point *point, const
 /* ---- drawing ---- */
 
 static bool allocate(sl_shadow_cubes *cubes, sl_shadow_cube *cube, size_t pictures) {
-    size_t zeros = ((size_t)cube->size + 2 + 15) / 16 * 16, texels = (size_t)cube->size * (size_t)cube->size;
+    size_t zeros = sl_shadow_zeros(cube->size), texels = (size_t)cube->size * (size_t)cube->size;
     cube->depth = sl_allocate(zeros + pictures * texels, sizeof *cube->depth);
     cubes->texels += zeros + pictures * texels;
     return cube->depth != NULL;
 }
 
 static void give_picture(sl_shadow_cube *cube, int side, size_t *next) {
-    size_t zeros = ((size_t)cube->size + 2 + 15) / 16 * 16, texels = (size_t)cube->size * (size_t)cube->size;
+    size_t zeros = sl_shadow_zeros(cube->size), texels = (size_t)cube->size * (size_t)cube->size;
     if (cube->mask[side]) return;
     cube->start[side] = (int32_t)(zeros + (*next)++ * texels);
     cube->mask[side] = -1;
