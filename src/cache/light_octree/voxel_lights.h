@@ -42,7 +42,7 @@ typedef struct sl_voxel_set {
     float rms_angle, mean_angle; /* the spread of the clusters: radians, by weight */
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
-    bool both_sides;       /* photons on both sides of a sheet; or no other group faces the other way */
+    bool both_sides;       /* photons on both sides */
     bool from_parent;      /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
     bool done;
 } sl_voxel_set;

@@ -1,0 +1,105 @@
+#include "cache/light_octree/normal_groups.h"
+
+static const double COS_45 = 0.70710678118654752;
+
+typedef struct leaf_range {
+    size_t first, end;
+} leaf_range;
+
+static leaf_range leaves_of(const sl_octree *octree, const sl_octree *geometry, size_t index) {
+    int shift = 3 * (geometry->depth - octree->depth);
+    uint64_t code = octree->leaf[index].morton;
+    return (leaf_range){sl_octree_lower_bound(geometry, code << shift), sl_octree_lower_bound(geometry, (code + 1) << shift)};
+}
+
+size_t sl_voxel_pieces_max(const sl_octree *octree, const sl_octree *geometry) {
+    size_t most = 0;
+    for (size_t i = 0; i < octree->leaf_count; i++) {
+        leaf_range range = leaves_of(octree, geometry, i);
+        size_t count = 0;
+        for (size_t k = range.first; k < range.end; k++) count += geometry->leaf[k].triangle_count;
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+static size_t collect(const sl_cell_space *space, const sl_octree *geometry, leaf_range range, sl_vec3d base, sl_voxel_piece *pieces) {
+    size_t count = 0;
+    for (size_t k = range.first; k < range.end; k++) {
+        const sl_octree_leaf *leaf = &geometry->leaf[k];
+        uint32_t cell[3];
+        sl_morton_decode(leaf->morton, cell);
+        for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+            sl_cell_triangle t = sl_cell_space_triangle(space, geometry->triangle[leaf->first_triangle + i]);
+            sl_triangle_part part;
+            double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
+            area *= part.area;
+            if (!(area > 0.0 && length > 0.0)) continue;
+            pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length), sl_scaled(sl_subd(part.centroid, base), area), area, -1};
+        }
+    }
+    return count;
+}
+
+typedef struct group_sum {
+    sl_vec3d seed, vector, moment;
+    double area;
+} group_sum;
+
+static void join_group(group_sum *sums, int group, sl_voxel_piece *piece) {
+    piece->group = group;
+    sums[group].area += piece->area;
+    sums[group].vector = sl_addd(sums[group].vector, sl_scaled(piece->normal, piece->area));
+    sums[group].moment = sl_addd(sums[group].moment, piece->moment);
+}
+
+static void join_nearest(group_sum *sums, int groups, sl_voxel_piece *piece) {
+    int best = 0;
+    for (int g = 1; g < groups; g++) {
+        if (sl_dotd(sums[g].seed, piece->normal) > sl_dotd(sums[best].seed, piece->normal)) best = g;
+    }
+    join_group(sums, best, piece);
+}
+
+/* Returns whether a group was started and is worth keeping; what is not goes to others at the end. */
+static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least) {
+    size_t seed = count;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group < 0 && (seed == count || pieces[i].area > pieces[seed].area)) seed = i;
+    }
+    if (seed == count) return false;
+    sums[groups] = (group_sum){.seed = pieces[seed].normal};
+    double area = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group < 0 && sl_dotd(pieces[i].normal, sums[groups].seed) >= COS_45) area += pieces[i].area;
+    }
+    if (groups > 0 && area < least) return false;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group < 0 && sl_dotd(pieces[i].normal, sums[groups].seed) >= COS_45) join_group(sums, groups, &pieces[i]);
+    }
+    return true;
+}
+
+int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry, size_t index, sl_voxel_piece *pieces,
+                     sl_normal_group groups[SL_VOXEL_SETS_MAX]) {
+    uint32_t cell[3];
+    sl_morton_decode(octree->leaf[index].morton, cell);
+    double cells = (double)(1u << (geometry->depth - octree->depth)), total = 0.0;
+    sl_vec3d base = sl_scaled(sl_v3d(cell[0], cell[1], cell[2]), cells);
+    size_t pieces_here = collect(space, geometry, leaves_of(octree, geometry, index), base, pieces);
+    for (size_t i = 0; i < pieces_here; i++) total += pieces[i].area;
+    group_sum sums[SL_VOXEL_SETS_MAX];
+    int count = 0;
+    while (count < SL_VOXEL_SETS_MAX && start_group(sums, count, pieces, pieces_here, 0.01 * total)) count++;
+    for (size_t i = 0; count > 0 && i < pieces_here; i++) {
+        if (pieces[i].group < 0) join_nearest(sums, count, &pieces[i]);
+    }
+    for (int g = 0; g < count; g++) {
+        double length = sl_lengthd(sums[g].vector);
+        sl_vec3d centre = sl_addd(base, sl_scaled(sums[g].moment, 1.0 / sums[g].area));
+        groups[g].normal = sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
+        groups[g].centroid = sl_to_float(sl_addd(sl_scaled(centre, 1.0 / space->scale), space->origin));
+        groups[g].area = (float)(sums[g].area / (space->scale * space->scale));
+    }
+    return count;
+}

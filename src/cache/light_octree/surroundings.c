@@ -1,0 +1,161 @@
+#include "cache/light_octree/surroundings.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/light_octree/triangle_cells.h"
+
+/* ---- the nodes ---- */
+
+static sl_status make_level(sl_surroundings *s, int level, sl_error *error) {
+    const uint32_t *below = s->code[level + 1];
+    size_t count = 0, children = s->count[level + 1];
+    for (size_t i = 0; i < children; i++) count += i == 0 || below[i] >> 3 != below[i - 1] >> 3;
+    s->count[level] = count;
+    s->code[level] = sl_allocate(count, sizeof **s->code);
+    s->first_child[level] = sl_allocate(count + 1, sizeof **s->first_child);
+    if (!s->code[level] || !s->first_child[level]) return sl_fail_memory(error, "the octree's nodes");
+    size_t node = 0;
+    for (size_t i = 0; i < children; i++) {
+        if (i > 0 && below[i] >> 3 == below[i - 1] >> 3) continue;
+        s->code[level][node] = below[i] >> 3;
+        s->first_child[level][node++] = (uint32_t)i;
+    }
+    s->first_child[level][count] = (uint32_t)children;
+    return SL_OK;
+}
+
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, sl_surroundings **result,
+                                 sl_error *error) {
+    *result = NULL;
+    sl_surroundings *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "the octree's nodes");
+    *s = (sl_surroundings){.scene = scene, .octree = octree, .share = share};
+    int depth = octree->depth;
+    s->count[depth] = octree->leaf_count;
+    s->code[depth] = sl_allocate(octree->leaf_count, sizeof **s->code);
+    sl_status status = s->code[depth] ? SL_OK : sl_fail_memory(error, "the octree's nodes");
+    for (size_t i = 0; status == SL_OK && i < octree->leaf_count; i++) s->code[depth][i] = (uint32_t)octree->leaf[i].morton;
+    for (int level = depth - 1; status == SL_OK && level >= 0; level--) status = make_level(s, level, error);
+    if (status != SL_OK) sl_surroundings_destroy(s);
+    else *result = s;
+    return status;
+}
+
+void sl_surroundings_destroy(sl_surroundings *s) {
+    if (!s) return;
+    for (int level = 0; level <= SL_OCTREE_DEPTH_MAX; level++) {
+        sl_free(s->code[level]);
+        sl_free(s->first_child[level]);
+    }
+    sl_free(s);
+}
+
+size_t sl_surroundings_bytes(const sl_surroundings *s) {
+    size_t bytes = sizeof *s;
+    for (int level = 0; level <= s->octree->depth; level++) bytes += (2 * s->count[level] + 1) * sizeof(uint32_t);
+    return bytes;
+}
+
+/* ---- one ellipsoid ---- */
+
+typedef struct search {
+    const sl_surroundings *s;
+    const sl_ellipsoid *e;
+    sl_vec3d low, high;      /* the ellipsoid's box, in units of the root cube */
+    double least_cosine, stretch; /* stretch: 1/f^2 - 1 */
+    bool has_normal;
+    sl_surroundings_marks *marks;
+    sl_strewn_area area;
+    double front_height, back_height; /* area times the planes' heights above the centre */
+} search;
+
+/* delta^2, about the centre. */
+static inline double metric(const search *q, sl_vec3d p) {
+    double u = sl_dotd(p, q->e->normal);
+    return sl_dotd(p, p) + q->stretch * u * u;
+}
+
+static double area_inside(const search *q, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    double limit = q->e->radius * q->e->radius;
+    if (metric(q, a) <= limit && metric(q, b) <= limit && metric(q, c) <= limit) { /* convex */
+        return 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a)));
+    }
+    sl_ellipsoid at_origin = *q->e;
+    at_origin.centre = sl_v3d(0.0, 0.0, 0.0);
+    return sl_triangle_in_ellipsoid(&at_origin, a, b, c);
+}
+
+static void visit_triangle(search *q, uint32_t t) {
+    const sl_scene *scene = q->s->scene;
+    sl_vec3d n = sl_to_double(sl_scene_geometric_normal(scene, t));
+    double cosine = sl_dotd(n, q->e->normal);
+    if (q->has_normal && fabs(cosine) < q->least_cosine) return;
+    double share = q->s->share ? (double)q->s->share[t] : 1.0;
+    if (!(share > 0.0)) return;
+    sl_vec3d a = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[0][t])), q->e->centre);
+    sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[1][t])), q->e->centre);
+    sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[2][t])), q->e->centre);
+    double area = share * area_inside(q, a, b, c);
+    if (!(area > 0.0)) return;
+    if (q->has_normal && cosine < 0.0) {
+        q->area.back += area;
+        q->back_height += area * sl_dotd(n, a) / cosine;
+    } else {
+        q->area.front += area;
+        if (q->has_normal) q->front_height += area * sl_dotd(n, a) / cosine;
+    }
+}
+
+static void visit_leaf(search *q, uint32_t index) {
+    const sl_octree_leaf *leaf = &q->s->octree->leaf[index];
+    const uint32_t *triangle = q->s->octree->triangle + leaf->first_triangle;
+    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+        if (q->marks->mark[triangle[i]] == q->marks->query) continue;
+        q->marks->mark[triangle[i]] = q->marks->query;
+        visit_triangle(q, triangle[i]);
+    }
+}
+
+static void visit_node(search *q, int level, uint32_t node) {
+    uint32_t cell[3];
+    sl_morton_decode(q->s->code[level][node], cell);
+    double edge = 1.0 / (double)(1u << level);
+    if (cell[0] * edge > q->high.x || (cell[0] + 1) * edge < q->low.x || cell[1] * edge > q->high.y || (cell[1] + 1) * edge < q->low.y ||
+        cell[2] * edge > q->high.z || (cell[2] + 1) * edge < q->low.z) {
+        return;
+    }
+    if (level == q->s->octree->depth) {
+        visit_leaf(q, node);
+        return;
+    }
+    const uint32_t *first = q->s->first_child[level];
+    for (uint32_t child = first[node]; child < first[node + 1]; child++) visit_node(q, level + 1, child);
+}
+
+/* Half the ellipsoid's extent along an axis that has that cosine to its short one: R sqrt(1 - (1 - f^2) cos^2). */
+static double extent(const sl_ellipsoid *e, double cosine) {
+    double square = 1.0 - (1.0 - e->flatness * e->flatness) * cosine * cosine;
+    return e->radius * sqrt(square > 0.0 ? square : 0.0);
+}
+
+sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine, sl_surroundings_marks *marks) {
+    search q = {.s = s, .e = e, .least_cosine = least_cosine, .stretch = 1.0 / (e->flatness * e->flatness) - 1.0, .marks = marks};
+    q.has_normal = sl_dotd(e->normal, e->normal) > 0.0;
+    if (++marks->query == 0) { /* all numbers used up */
+        memset(marks->mark, 0, s->scene->triangle_count * sizeof *marks->mark);
+        marks->query = 1;
+    }
+    sl_vec3d reach = sl_v3d(extent(e, e->normal.x), extent(e, e->normal.y), extent(e, e->normal.z));
+    double scale = 1.0 / s->octree->edge, slack = 1e-6 / (double)(1u << s->octree->depth);
+    sl_vec3d margin = sl_v3d(slack, slack, slack);
+    q.low = sl_subd(sl_scaled(sl_subd(sl_subd(e->centre, reach), s->octree->origin), scale), margin);
+    q.high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, reach), s->octree->origin), scale), margin);
+    if (s->count[0] > 0) visit_node(&q, 0, 0);
+    /* Both windings at one height are one sheet whose triangles turn either way. */
+    double front = q.area.front, back = q.area.back;
+    bool both = front > 0.1 * back && back > 0.1 * front;
+    q.area.sheet = !both || fabs(q.front_height / front - q.back_height / back) < 1e-3 * e->radius;
+    return q.area;
+}

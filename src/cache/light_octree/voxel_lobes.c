@@ -1,0 +1,165 @@
+/* Section 2.4. A light's colour is the irradiance perpendicular to its direction, so that n . d in the shader turns it to any normal:
+ *
+ *     V_j = sum over its members of kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i
+ *     d_j = V_j / |V_j|,   c_j = |V_j| (sum Phi_i) / (sum Y(Phi_i))
+ *
+ * On a flat voxel sum c_j (n_v . d_j) is kappa sum Phi / A exactly. (The sum of the perpendicular irradiances themselves, instead of |V|,
+ * would be up to twice too bright.) */
+#include "cache/light_octree/voxel_lobes.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/light_octree/harmonic_basis.h"
+
+/* ---- photons as arrays ---- */
+
+sl_status sl_lobe_photons_create(size_t capacity, sl_lobe_photons *p, sl_error *error) {
+    *p = (sl_lobe_photons){0};
+    float *floats = sl_allocate(6 * capacity, sizeof *floats);
+    double *doubles = sl_allocate(4 * capacity, sizeof *doubles);
+    p->of = sl_allocate(capacity, sizeof *p->of);
+    p->x = floats;
+    p->luminance = doubles;
+    if (!floats || !doubles || !p->of) {
+        sl_lobe_photons_release(p);
+        return sl_fail_memory(error, "gathered photons");
+    }
+    p->y = floats + capacity;
+    p->z = floats + 2 * capacity;
+    for (size_t c = 0; c < 3; c++) p->flux[c] = floats + (3 + c) * capacity;
+    p->inverse_cosine = doubles + capacity;
+    p->weight = doubles + 2 * capacity;
+    p->nearest = doubles + 3 * capacity;
+    return SL_OK;
+}
+
+void sl_lobe_photons_release(sl_lobe_photons *p) {
+    sl_free(p->x);
+    sl_free(p->luminance);
+    sl_free(p->of);
+    *p = (sl_lobe_photons){0};
+}
+
+sl_lobe_photons sl_lobe_photons_from(const sl_lobe_photons *p, size_t first, size_t count) {
+    return (sl_lobe_photons){.count = count,
+                             .x = p->x + first,
+                             .y = p->y + first,
+                             .z = p->z + first,
+                             .flux = {p->flux[0] + first, p->flux[1] + first, p->flux[2] + first},
+                             .luminance = p->luminance + first,
+                             .inverse_cosine = p->inverse_cosine + first,
+                             .weight = p->weight + first,
+                             .nearest = p->nearest + first,
+                             .of = p->of + first};
+}
+
+void sl_lobe_photons_add(sl_lobe_photons *p, sl_vec3 direction, sl_vec3 normal, const float flux[3]) {
+    double y = 0.2126 * (double)flux[0] + 0.7152 * (double)flux[1] + 0.0722 * (double)flux[2];
+    double cosine = (double)sl_dot(direction, normal);
+    if (!(y > 0.0 && y <= DBL_MAX) || !isfinite(cosine)) return;
+    size_t i = p->count++;
+    p->x[i] = direction.x;
+    p->y[i] = direction.y;
+    p->z[i] = direction.z;
+    for (int c = 0; c < 3; c++) p->flux[c][i] = flux[c];
+    p->luminance[i] = y;
+    p->inverse_cosine[i] = 1.0 / (cosine > SL_GRAZING ? cosine : SL_GRAZING);
+}
+
+/* ---- directional lights ---- */
+
+typedef struct lobe {
+    sl_vec3d vector;          /* sum of perpendicular irradiances, without scale */
+    double flux[3], luminance;
+} lobe;
+
+static void sum_lobes(const sl_lobe_photons *p, int count, lobe *lobes) {
+    memset(lobes, 0, (size_t)count * sizeof *lobes);
+    for (size_t i = 0; i < p->count; i++) {
+        lobe *l = &lobes[p->of[i]];
+        double w = p->luminance[i] * p->inverse_cosine[i];
+        l->vector = sl_addd(l->vector, sl_scaled(sl_v3d((double)p->x[i], (double)p->y[i], (double)p->z[i]), w));
+        for (int c = 0; c < 3; c++) l->flux[c] += (double)p->flux[c][i];
+        l->luminance += p->luminance[i];
+    }
+}
+
+/* Makes up for what packing turns the direction by: it would change n . d. */
+static double packing_gain(sl_vec3d d, float packed, bool wide, sl_vec3 normal) {
+    sl_vec3d n = sl_to_double(normal);
+    double wanted = sl_dotd(n, d), got = sl_dotd(n, sl_to_double(sl_direction_unpack(packed, wide)));
+    return wanted > 0.2 && got > 0.2 ? wanted / got : 1.0;
+}
+
+static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_voxel_light_options *o, double scale, sl_vec3 normal) {
+    double length = sl_lengthd(l->vector);
+    bool perpendicular = o->lobes == SL_LOBES_PERPENDICULAR;
+    sl_vec3d d = perpendicular && length > 0.0 ? sl_scaled(l->vector, 1.0 / length) : centre;
+    sl_directional_light light = {.packed = sl_direction_pack(d, o->wide_directions)};
+    double gain = perpendicular ? length / l->luminance * packing_gain(d, light.packed, o->wide_directions, normal) : 1.0;
+    for (int c = 0; c < 3; c++) light.color[c] = (float)(scale * gain * l->flux[c]);
+    return light;
+}
+
+static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int room,
+                              sl_directional_light *light, sl_lobe_spread *spread) {
+    double sum = 0.0;
+    for (size_t i = 0; i < p->count; i++) {
+        p->weight[i] = o->unit_weights ? 1.0 : p->luminance[i] * p->inverse_cosine[i];
+        sum += p->weight[i];
+    }
+    sl_directions directions = {p->count, p->x, p->y, p->z, p->weight};
+    sl_clusters clusters;
+    sl_cluster_directions(&directions, room < o->lights ? room : o->lights, o->spread_tolerance, p->of, p->nearest, &clusters);
+    spread->cost += clusters.cost;
+    spread->angle += clusters.mean_angle * sum;
+    spread->weight += sum;
+    lobe lobes[SL_VOXEL_LIGHTS_MAX];
+    sum_lobes(p, clusters.count, lobes);
+    for (int j = 0; j < clusters.count; j++) light[j] = light_of(&lobes[j], clusters.centre[j], o, scale, normal);
+    return clusters.count;
+}
+
+/* ---- the other two ---- */
+
+static int one_irradiance(const sl_lobe_photons *p, double scale, sl_directional_light *light) {
+    double sum[3] = {0};
+    for (size_t i = 0; i < p->count; i++) {
+        for (int c = 0; c < 3; c++) sum[c] += (double)p->flux[c][i];
+    }
+    for (int c = 0; c < 3; c++) light->color[c] = (float)(scale * sum[c]);
+    return 1;
+}
+
+/* The perpendicular irradiances' projection: linear in the photons, so no clusters. Added to what is there. */
+static int harmonics(const sl_lobe_photons *p, int order, double scale, sl_directional_light *light) {
+    double sum[SL_LOBE_HARMONICS_MAX][3] = {{0}};
+    int count = sl_lobe_harmonics_count(order);
+    for (size_t i = 0; i < p->count; i++) {
+        float basis[SL_LOBE_HARMONICS_MAX];
+        sl_harmonic_basis(p->x[i], p->y[i], p->z[i], basis);
+        for (int k = 0; k < count; k++) {
+            for (int c = 0; c < 3; c++) sum[k][c] += (double)basis[k] * (double)p->flux[c][i] * p->inverse_cosine[i];
+        }
+    }
+    for (int k = 0; k < count; k++) {
+        for (int c = 0; c < 3; c++) light[k].color[c] += (float)(scale * sum[k][c]);
+    }
+    return count;
+}
+
+int sl_lobe_texels(const sl_voxel_light_options *o) {
+    if (o->lobes == SL_LOBES_NONE) return 1;
+    if (o->lobes == SL_LOBES_HARMONICS) return sl_lobe_harmonics_count(o->harmonics_order);
+    return o->lights;
+}
+
+int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int room,
+                        sl_directional_light *light, sl_lobe_spread *spread) {
+    if (p->count == 0 || room < 1 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
+    if (o->lobes == SL_LOBES_NONE) return one_irradiance(p, scale, light);
+    if (o->lobes == SL_LOBES_HARMONICS) return harmonics(p, o->harmonics_order, scale, light);
+    return directional_lights(p, o, scale, normal, room, light, spread);
+}
