@@ -1,4 +1,5 @@
-/* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened ellipsoid (section 2.2). */
+/* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened ellipsoid (section 2.2). Nodes are
+ * split at the median of the longest extent, by (coordinate, id), down to sixteen photons; each has its box. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_TREE_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_TREE_H
 
@@ -6,13 +7,15 @@
 
 typedef struct sl_photon_tree sl_photon_tree;
 
-/* Takes the photons over: reorders them in place, and destroys the list with the tree. */
+/* Takes the photons over: reorders them, and destroys the list with the tree. Where it fails the list stays the caller's. */
 sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **tree, sl_error *error);
 void sl_photon_tree_destroy(sl_photon_tree *tree);
 const sl_photon_list *sl_photon_tree_list(const sl_photon_tree *tree);
 /* The place in the list before it was reordered. */
 uint32_t sl_photon_tree_id(const sl_photon_tree *tree, size_t place);
 size_t sl_photon_tree_bytes(const sl_photon_tree *tree);
+
+enum { SL_NEIGHBOURS_MAX = 4096 };
 
 /* delta^2(p) = |p_t|^2 + (u / f)^2, u = (p - centre) . normal. */
 typedef struct sl_photon_query {
@@ -23,7 +26,7 @@ typedef struct sl_photon_query {
     double minimum;      /* R is at least that: coincident photons */
     double cos_acceptance; /* photon normals with a smaller cosine to `normal` are passed over; -1: none */
     bool both_sides;     /* the cosine's size alone counts: photons on the back of a sheet are found too */
-    size_t neighbours;   /* k */
+    size_t neighbours;   /* k; SL_NEIGHBOURS_MAX where it is more */
 } sl_photon_query;
 
 typedef struct sl_gathered_photons {
