@@ -21,6 +21,7 @@ typedef struct sl_atlas_settings {
 
 typedef struct sl_atlas {
     int size;
+    size_t triangle_count;
     size_t chart_count;
     uint32_t *chart;        /* of each triangle */
     float *coordinates;     /* s, t in [0,1] of corners 0, 1, 2: 6 floats a triangle */

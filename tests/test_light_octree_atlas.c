@@ -1,0 +1,652 @@
+/* The texture atlas of the light octree: what every atlas must be (each triangle mapped once, none flipped, none overlapping, gutters kept), on surfaces
+ * that are closed, torn, doubled, thin or flat. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "cache/light_octree/atlas/parts.h"
+#include "trace_scenes.h"
+
+#define BEND (75.0 * SL_PI / 180.0)
+
+static sl_atlas_settings usual(int size) { return (sl_atlas_settings){.size = size, .gutter = 2, .bend = BEND, .threads = 2}; }
+
+static sl_atlas *atlas_of(const sl_scene *scene, int size) {
+    sl_atlas_settings settings = usual(size);
+    sl_atlas *atlas = NULL;
+    sl_error error = {.message = ""};
+    sl_status status = sl_atlas_create(scene, &settings, &atlas, &error);
+    if (status != SL_OK) print_error("%s\n", error.message);
+    assert_int_equal(status, SL_OK);
+    return atlas;
+}
+
+/* ---- surfaces ---- */
+
+typedef void surface(float u, float v, float p[3]);
+
+/* A grid of columns x rows quads over u, v in [0,1]; corners that meet in space share no vertex if `torn`. */
+static void add_grid(trace_mesh *mesh, surface *at, unsigned columns, unsigned rows, bool torn) {
+    for (unsigned j = 0; j < rows; j++)
+        for (unsigned i = 0; i < columns; i++) {
+            uint32_t v[6];
+            static const unsigned quad[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+            for (int k = 0; k < 6; k++) {
+                float p[3];
+                at((float)(i + quad[k][0]) / (float)columns, (float)(j + quad[k][1]) / (float)rows, p);
+                v[k] = !torn && k == 3 ? v[0] : !torn && k == 4 ? v[2] : trace_mesh_vertex(mesh, p[0], p[1], p[2]);
+            }
+            trace_mesh_triangle(mesh, v[0], v[1], v[2], 0);
+            trace_mesh_triangle(mesh, v[3], v[4], v[5], 0);
+        }
+}
+
+static void tilted_plane(float u, float v, float p[3]) {
+    p[0] = 3.0f * u - 0.5f * v;
+    p[1] = 2.0f * v + 0.25f * u;
+    p[2] = 0.5f * u - 1.5f * v;
+}
+
+static void torus(float u, float v, float p[3]) { /* u = 0 and u = 1 are the same points, bit by bit */
+    float s, c, t, d;
+    sl_sincos_turnf(u < 1.0f ? u : 0.0f, &s, &c);
+    sl_sincos_turnf(v < 1.0f ? v : 0.0f, &t, &d);
+    p[0] = (2.0f + 0.7f * d) * c;
+    p[1] = (2.0f + 0.7f * d) * s;
+    p[2] = 0.7f * t;
+}
+
+static void third_of_a_cylinder(float u, float v, float p[3]) {
+    float s, c;
+    sl_sincos_turnf(u / 3.0f, &s, &c);
+    p[0] = c;
+    p[1] = s;
+    p[2] = 2.0f * v;
+}
+
+static void rough(float u, float v, float p[3]) {
+    uint32_t i = (uint32_t)(u * 40.0f + 0.5f), j = (uint32_t)(v * 40.0f + 0.5f);
+    p[0] = 4.0f * u;
+    p[1] = 4.0f * v;
+    p[2] = 0.25f * sl_random_unit(7, 41 * i + j);
+}
+
+static void bell(float u, float v, float p[3]) {
+    double x = 2.0 * (double)u - 1.0, y = 2.0 * (double)v - 1.0;
+    p[0] = (float)x;
+    p[1] = (float)y;
+    p[2] = (float)(0.6 * sl_exp(-4.0 * (x * x + y * y)));
+}
+
+static sl_scene *scene_of(surface *at, unsigned columns, unsigned rows) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    add_grid(&mesh, at, columns, rows, true);
+    return trace_mesh_build(&mesh);
+}
+
+/* ---- what every atlas must be ---- */
+
+/* The area that two triangles share, by cutting one with the sides of the other: nothing of the atlas's own predicates. */
+static double shared_area(const float *a, const float *b) {
+    double p[16][2], q[16][2], area = 0.0;
+    size_t n = 3;
+    for (size_t k = 0; k < 3; k++) p[k][0] = (double)a[2 * k], p[k][1] = (double)a[2 * k + 1];
+    for (size_t k = 0; k < 3; k++) {
+        const float *s = b + 2 * k, *e = b + 2 * ((k + 1) % 3);
+        size_t kept = 0;
+        for (size_t i = 0; i < n; i++) {
+            const double *x = p[i], *y = p[(i + 1) % n], dx = (double)e[0] - (double)s[0], dy = (double)e[1] - (double)s[1];
+            double f = dx * (x[1] - (double)s[1]) - dy * (x[0] - (double)s[0]), g = dx * (y[1] - (double)s[1]) - dy * (y[0] - (double)s[0]);
+            if (f >= 0.0) q[kept][0] = x[0], q[kept++][1] = x[1];
+            if ((f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0)) {
+                q[kept][0] = x[0] + (y[0] - x[0]) * (f / (f - g));
+                q[kept++][1] = x[1] + (y[1] - x[1]) * (f / (f - g));
+            }
+        }
+        n = kept;
+        memcpy(p, q, sizeof p);
+    }
+    for (size_t i = 2; i < n; i++) area += (p[i - 1][0] - p[0][0]) * (p[i][1] - p[0][1]) - (p[i - 1][1] - p[0][1]) * (p[i][0] - p[0][0]);
+    return 0.5 * area;
+}
+
+static bool boxes_meet(const float *a, const float *b) {
+    for (size_t d = 0; d < 2; d++) {
+        if (fmaxf(fmaxf(a[d], a[d + 2]), a[d + 4]) <= fminf(fminf(b[d], b[d + 2]), b[d + 4])) return false;
+        if (fmaxf(fmaxf(b[d], b[d + 2]), b[d + 4]) <= fminf(fminf(a[d], a[d + 2]), a[d + 4])) return false;
+    }
+    return true;
+}
+
+static void assert_one_to_one(const sl_atlas *atlas, const sl_scene *scene) {
+    const float *s = atlas->coordinates;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const float *t = s + 6 * i;
+        assert_true(atlas->chart[i] < atlas->chart_count);
+        for (size_t k = 0; k < 6; k++) {
+            double grid = (double)t[k] * SL_ATLAS_GRID;
+            assert_true(t[k] >= 0.0f && t[k] <= 1.0f && grid == floor(grid));
+        }
+        double area = ((double)t[2] - (double)t[0]) * ((double)t[5] - (double)t[1]) - ((double)t[3] - (double)t[1]) * ((double)t[4] - (double)t[0]);
+        assert_true(area > 0.0); /* exact: 25 bits times 25 bits */
+        for (size_t j = 0; j < i; j++)
+            if (boxes_meet(t, s + 6 * j)) assert_true(shared_area(t, s + 6 * j) < 1e-13);
+    }
+}
+
+/* No face turns farther from the mean normal of its chart than charts may bend; slivers, whose normals are noise, aside. */
+static void assert_bends_within(const sl_atlas *atlas, const sl_scene *scene, double bend) {
+    sl_atlas_faces faces;
+    sl_vec3d *sum = sl_allocate(atlas->chart_count, sizeof *sum);
+    assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
+    for (size_t f = 0; f < faces.count; f++) sum[atlas->chart[f]] = sl_addd(sum[atlas->chart[f]], sl_scaled(faces.normal[f], faces.area[f]));
+    for (size_t f = 0; f < faces.count; f++) {
+        sl_vec3d m = sum[atlas->chart[f]], n = faces.normal[f];
+        if (sl_dotd(n, n) > 0.0) assert_true(sl_dotd(m, n) >= (sl_cos(bend) - 1e-9) * sl_lengthd(m));
+    }
+    sl_atlas_faces_release(&faces);
+    sl_free(sum);
+}
+
+typedef struct texels {
+    uint32_t *triangle;
+    float *w1, *w2;
+} texels;
+
+static texels texels_of(const sl_atlas *atlas, const sl_scene *scene, int gutter) {
+    size_t count = (size_t)atlas->size * (size_t)atlas->size;
+    texels t = {sl_allocate(count, sizeof *t.triangle), sl_allocate(count, sizeof *t.w1), sl_allocate(count, sizeof *t.w2)};
+    assert_int_equal(sl_atlas_texels(atlas, scene, gutter, 2, t.triangle, t.w1, t.w2, NULL), SL_OK);
+    return t;
+}
+
+static void free_texels(texels *t) {
+    sl_free(t->triangle);
+    sl_free(t->w1);
+    sl_free(t->w2);
+}
+
+static void atlas_point(const sl_atlas *atlas, size_t triangle, double w1, double w2, double at[2]) {
+    const float *s = atlas->coordinates + 6 * triangle;
+    for (size_t d = 0; d < 2; d++) at[d] = atlas->size * ((1.0 - w1 - w2) * (double)s[d] + w1 * (double)s[2 + d] + w2 * (double)s[4 + d]);
+}
+
+/* A bilinear look-up at any point of a triangle reads, with any weight at all, only texels that hold points of the triangle's own chart. */
+static void assert_nothing_bleeds(const sl_atlas *atlas, const sl_scene *scene) {
+    texels map = texels_of(atlas, scene, 2);
+    for (uint32_t t = 0; t < scene->triangle_count; t++)
+        for (uint32_t n = 0; n < 12; n++) {
+            double w1 = n < 3 ? n == 1 : (double)sl_random_unit(1, 12 * (uint64_t)t + n), w2 = n < 3 ? n == 2 : (double)sl_random_unit(2, 12 * (uint64_t)t + n), at[2];
+            if (w1 + w2 > 1.0) w1 = 1.0 - w1, w2 = 1.0 - w2;
+            atlas_point(atlas, t, w1, w2, at);
+            int x = (int)floor(at[0] - 0.5), y = (int)floor(at[1] - 0.5);
+            for (int k = 0; k < 4; k++) {
+                int i = x + (k & 1), j = y + (k >> 1);
+                double weight = (1.0 - fabs(at[0] - 0.5 - i)) * (1.0 - fabs(at[1] - 0.5 - j));
+                if (weight < 1e-6) continue;
+                assert_true(i >= 0 && j >= 0 && i < atlas->size && j < atlas->size);
+                uint32_t owner = map.triangle[(size_t)j * (size_t)atlas->size + (size_t)i];
+                assert_true(owner != SL_NO_INDEX && atlas->chart[owner] == atlas->chart[t]);
+            }
+        }
+    free_texels(&map);
+}
+
+static void assert_sound(const sl_atlas *atlas, const sl_scene *scene) {
+    assert_one_to_one(atlas, scene);
+    assert_bends_within(atlas, scene, BEND);
+    assert_nothing_bleeds(atlas, scene);
+    assert_true(atlas->coverage > 0.0 && atlas->coverage < 1.0 && atlas->stretch >= 1.0 && atlas->stretch < 1e5);
+    assert_true(atlas->texels_per_unit > 0.0);
+}
+
+/* Builds, checks, and frees; returns the count of charts. */
+static size_t charts_of_sound_atlas(sl_scene *scene, int size) {
+    assert_non_null(scene);
+    sl_atlas *atlas = atlas_of(scene, size);
+    size_t charts = atlas->chart_count;
+    assert_sound(atlas, scene);
+    sl_atlas_destroy(atlas);
+    sl_scene_destroy(scene);
+    return charts;
+}
+
+/* ---- flattening ---- */
+
+static void a_planar_chart_is_a_similarity(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(tilted_plane, 17, 13);
+    sl_atlas_faces faces;
+    sl_atlas_charts charts;
+    assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
+    assert_int_equal(sl_atlas_charts_create(&faces, BEND, 1, &charts, NULL), SL_OK);
+    assert_int_equal(charts.count, 1);
+    uint32_t *local = sl_allocate(faces.count, sizeof *local);
+    double scale;
+    assert_true(sl_atlas_flatten(&charts, &faces, 0, local, &scale));
+    for (size_t h = 0; h < 3 * faces.count; h++) {
+        const double *a = charts.corner + 2 * h, *b = charts.corner + 2 * (size_t)sl_atlas_next((uint32_t)h);
+        double length = sl_lengthd(sl_subd(sl_atlas_corner(&faces, sl_atlas_next((uint32_t)h)), sl_atlas_corner(&faces, h)));
+        double mapped = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+        assert_true(fabs(mapped / length - 1.0) < 2e-6); /* positions are floats, so the plane is one to 1e-7 */
+    }
+    sl_free(local);
+    sl_atlas_charts_release(&charts);
+    sl_atlas_faces_release(&faces);
+    sl_scene_destroy(scene);
+}
+
+/* On the grid of whole numbers a plane is exact: so is its map. */
+static void exact_plane(float u, float v, float p[3]) {
+    p[0] = 16.0f * u;
+    p[1] = 16.0f * v;
+    p[2] = 32.0f * u + 32.0f * v;
+}
+
+static void a_plane_of_whole_numbers_is_a_similarity_to_1e_8(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(exact_plane, 16, 16);
+    sl_atlas_faces faces;
+    sl_atlas_charts charts;
+    double scale;
+    assert_int_equal(sl_atlas_faces_create(scene, &faces, NULL), SL_OK);
+    assert_int_equal(sl_atlas_charts_create(&faces, BEND, 1, &charts, NULL), SL_OK);
+    uint32_t *local = sl_allocate(faces.count, sizeof *local);
+    assert_true(sl_atlas_flatten(&charts, &faces, 0, local, &scale));
+    for (uint32_t h = 0; h < 3 * faces.count; h++) {
+        const double *a = charts.corner + 2 * (size_t)h, *b = charts.corner + 2 * (size_t)sl_atlas_next(h);
+        double length = sl_lengthd(sl_subd(sl_atlas_corner(&faces, sl_atlas_next(h)), sl_atlas_corner(&faces, h)));
+        assert_true(fabs(sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])) / length - 1.0) < 1e-8);
+    }
+    sl_free(local);
+    sl_atlas_charts_release(&charts);
+    sl_atlas_faces_release(&faces);
+    sl_scene_destroy(scene);
+}
+
+static void a_developable_surface_is_unrolled_without_stretch(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(third_of_a_cylinder, 24, 20);
+    sl_atlas *atlas = atlas_of(scene, 256);
+    assert_int_equal(atlas->chart_count, 1);
+    assert_true(atlas->stretch < 1.0001);
+    assert_sound(atlas, scene);
+    sl_atlas_destroy(atlas);
+    sl_scene_destroy(scene);
+}
+
+static void a_bell_is_one_nearly_conformal_chart(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(bell, 40, 40);
+    sl_atlas *atlas = atlas_of(scene, 256);
+    assert_int_equal(atlas->chart_count, 1);
+    assert_true(atlas->stretch < 1.02);
+    assert_sound(atlas, scene);
+    sl_atlas_destroy(atlas);
+    sl_scene_destroy(scene);
+}
+
+/* A = B B^* + I of a chain with branches, solved against a known x. */
+static void the_solver_needs_few_steps_to_1e_10(void **state) {
+    (void)state;
+    enum { SIDE = 23, N = SIDE * SIDE };
+    sl_hermitian a = {N, sl_allocate(N + 1, sizeof *a.first), sl_allocate(5 * N, sizeof *a.column), sl_allocate(5 * N, sizeof *a.re),
+                      sl_allocate(5 * N, sizeof *a.im)};
+    static double place[2 * N], truth[2 * N], b[2 * N], x[2 * N];
+    size_t at = 0;
+    unsigned steps;
+    for (int r = 0; r < N; r++) {
+        int i = r % SIDE, j = r / SIDE, to[5] = {j ? r - SIDE : -1, i ? r - 1 : -1, r, i + 1 < SIDE ? r + 1 : -1, j + 1 < SIDE ? r + SIDE : -1};
+        place[2 * r] = i, place[2 * r + 1] = j;
+        truth[2 * r] = sl_sin(0.1 * r), truth[2 * r + 1] = sl_cos(0.3 * r);
+        a.first[r] = at;
+        for (int k = 0; k < 5; k++) {
+            if (to[k] < 0) continue;
+            a.column[at] = (uint32_t)to[k];
+            a.re[at] = k == 2 ? 4.0001 : -0.8;
+            a.im[at++] = k == 2 ? 0.0 : (k < 2 ? 0.6 : -0.6); /* |entry| = 1; Hermitian */
+        }
+    }
+    a.first[N] = at;
+    for (size_t r = 0; r < N; r++)
+        for (size_t e = a.first[r]; e < a.first[r + 1]; e++) {
+            const double *t = truth + 2 * (size_t)a.column[e];
+            b[2 * r] += a.re[e] * t[0] - a.im[e] * t[1];
+            b[2 * r + 1] += a.re[e] * t[1] + a.im[e] * t[0];
+        }
+    assert_true(sl_hermitian_solve(&a, place, b, x, 1e-10, &steps));
+    assert_true(steps >= 1 && steps <= 3);
+    for (size_t i = 0; i < 2 * N; i++) assert_true(fabs(x[i] - truth[i]) < 1e-5);
+    assert_true(sl_hermitian_solve(&a, place, b, truth, 1e-10, &steps));
+    assert_int_equal(steps, 0); /* the first guess is good enough */
+    sl_free(a.first);
+    sl_free(a.column);
+    sl_free(a.re);
+    sl_free(a.im);
+}
+
+/* ---- surfaces of all kinds ---- */
+
+static void a_sphere_is_cut_into_few_charts(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_sphere(&mesh, sl_v3(0.0f, 0.0f, 0.0f), 1.0f, 24, 0.0f, false, 0);
+    size_t charts = charts_of_sound_atlas(trace_mesh_build(&mesh), 256);
+    assert_in_range(charts, 2, 8);
+}
+
+static void a_torus_is_cut_into_few_charts(void **state) {
+    (void)state;
+    assert_in_range(charts_of_sound_atlas(scene_of(torus, 48, 24), 256), 4, 16);
+}
+
+static void vertices_split_by_normals_hold_no_chart_apart(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    add_grid(&mesh, bell, 9, 9, true); /* no two faces share a vertex */
+    assert_int_equal(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 1);
+}
+
+static void a_box_has_a_chart_a_side_or_fewer(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_box(&mesh, sl_v3(-1.0f, -2.0f, -0.5f), sl_v3(1.0f, 2.0f, 0.5f), true, 0);
+    assert_in_range(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 2, 6);
+}
+
+static void a_rough_surface_keeps_all_promises(void **state) {
+    (void)state;
+    charts_of_sound_atlas(scene_of(rough, 40, 40), 256);
+}
+
+static void many_pages_at_one_edge_and_a_moebius_strip(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 9; i++) { /* a book */
+        float s, c;
+        sl_sincos_turnf((float)i / 9.0f, &s, &c);
+        trace_mesh_quad(&mesh, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f), sl_v3(c, s, 0.0f), 0);
+    }
+    uint32_t v[24];
+    for (int i = 0; i < 12; i++) { /* half a turn of the strip in a whole turn */
+        float s, c, t, d;
+        sl_sincos_turnf((float)i / 12.0f, &s, &c);
+        sl_sincos_turnf((float)i / 24.0f, &t, &d);
+        for (int e = 0; e < 2; e++) {
+            float r = 2.0f + (e ? 0.5f : -0.5f) * d;
+            v[2 * i + e] = trace_mesh_vertex(&mesh, 5.0f + r * c, r * s, (e ? 0.5f : -0.5f) * t);
+        }
+    }
+    for (int i = 0; i < 12; i++) {
+        uint32_t a = v[2 * i], b = v[2 * i + 1], c = i < 11 ? v[2 * i + 2] : v[1], d = i < 11 ? v[2 * i + 3] : v[0];
+        trace_mesh_triangle(&mesh, a, c, d, 0);
+        trace_mesh_triangle(&mesh, a, d, b, 0);
+    }
+    charts_of_sound_atlas(trace_mesh_build(&mesh), 256);
+}
+
+static void doubled_faces_lie_in_different_charts(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    add_grid(&mesh, bell, 8, 8, true);
+    add_grid(&mesh, bell, 8, 8, true);
+    size_t first = mesh.triangle_count;
+    for (size_t t = 0; t < first / 2; t++) /* and once more from behind */
+        trace_mesh_triangle(&mesh, mesh.indices[3 * t], mesh.indices[3 * t + 2], mesh.indices[3 * t + 1], 0);
+    assert_int_equal(charts_of_sound_atlas(trace_mesh_build(&mesh), 256), 3);
+}
+
+static void slivers_t_junctions_and_lone_triangles(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_quad(&mesh, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(1.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 0);
+    for (int i = 0; i < 7; i++) { /* beside it quads that meet its edge in between, and fans of thin faces that fill the seam */
+        float low = (float)i / 7.0f, high = (float)(i + 1) / 7.0f, off = (i % 2 ? 1e-7f : 0.0f);
+        uint32_t a = trace_mesh_vertex(&mesh, 1.0f, low, 0.0f), b = trace_mesh_vertex(&mesh, 2.0f, low, 0.0f);
+        uint32_t c = trace_mesh_vertex(&mesh, 2.0f, high, 0.0f), d = trace_mesh_vertex(&mesh, 1.0f, high, off);
+        trace_mesh_triangle(&mesh, a, b, c, 0);
+        trace_mesh_triangle(&mesh, a, c, d, 0);
+        trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, 1.0f, 0.0f, 0.0f), a, d, 0); /* some of no area at all: the scene drops them */
+    }
+    for (int i = 0; i < 40; i++) { /* triangles alone, ever thinner */
+        float thin = ldexpf(1.0f, -i), x = 3.0f + (float)i;
+        trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, x, 0.0f, 0.0f), trace_mesh_vertex(&mesh, x + 0.5f, 0.0f, 0.0f),
+                            trace_mesh_vertex(&mesh, x + 0.3f, thin, 0.0f), 0);
+    }
+    charts_of_sound_atlas(trace_mesh_build(&mesh), 256);
+}
+
+static void numbers_far_from_one(void **state) {
+    (void)state;
+    static const float scales[] = {1e-12f, 1e12f};
+    for (size_t n = 0; n < 2; n++) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+        add_grid(&mesh, torus, 12, 8, true);
+        for (size_t i = 0; i < 3 * mesh.vertex_count; i++) mesh.positions[i] *= scales[n];
+        charts_of_sound_atlas(trace_mesh_build(&mesh), 128);
+    }
+}
+
+/* ---- texels ---- */
+
+static void texels_name_the_point_that_lies_there(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(torus, 24, 12);
+    for (int size = 100; size <= 256; size += 156) { /* also where a texel is no whole number of grid units */
+        sl_atlas *atlas = atlas_of(scene, size);
+        texels bare = texels_of(atlas, scene, 0), map = texels_of(atlas, scene, 2);
+        size_t inside = 0, around = 0;
+        for (int j = 0; j < size; j++)
+            for (int i = 0; i < size; i++) {
+                size_t t = (size_t)j * (size_t)size + (size_t)i;
+                double at[2];
+                if (bare.triangle[t] != SL_NO_INDEX) {
+                    inside++;
+                    assert_int_equal(map.triangle[t], bare.triangle[t]);
+                    assert_true(map.w1[t] == bare.w1[t] && map.w2[t] == bare.w2[t]);
+                }
+                if (map.triangle[t] == SL_NO_INDEX) continue;
+                assert_true(map.w1[t] >= 0.0f && map.w2[t] >= 0.0f && map.w1[t] + map.w2[t] <= 1.0f);
+                atlas_point(atlas, map.triangle[t], (double)map.w1[t], (double)map.w2[t], at);
+                double off = fmax(fabs(at[0] - i - 0.5), fabs(at[1] - j - 0.5));
+                assert_true(off < (bare.triangle[t] != SL_NO_INDEX ? 1e-4 : 2.0 + 1e-4));
+                around += bare.triangle[t] == SL_NO_INDEX;
+            }
+        assert_true(inside > 0 && around > 0);
+        assert_true(fabs(atlas->coverage - (double)inside / ((double)size * size)) < 1e-12);
+        free_texels(&bare);
+        free_texels(&map);
+        sl_atlas_destroy(atlas);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void charts_stay_a_gutter_apart(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(torus, 24, 12);
+    for (int gutter = 1; gutter <= 5; gutter++) {
+        sl_atlas_settings settings = usual(256);
+        sl_atlas *atlas = NULL;
+        settings.gutter = gutter;
+        assert_int_equal(sl_atlas_create(scene, &settings, &atlas, NULL), SL_OK);
+        for (size_t a = 0; a < scene->triangle_count; a++)
+            for (size_t b = 0; b < a; b++) {
+                if (atlas->chart[a] == atlas->chart[b]) continue;
+                float grown[6], half = (float)gutter / 256.0f; /* the box of a's triangle may only reach b's if the triangles' bodies do not */
+                const float *s = atlas->coordinates + 6 * a;
+                float low[2] = {fminf(fminf(s[0], s[2]), s[4]) - half, fminf(fminf(s[1], s[3]), s[5]) - half};
+                float high[2] = {fmaxf(fmaxf(s[0], s[2]), s[4]) + half, fmaxf(fmaxf(s[1], s[3]), s[5]) + half};
+                memcpy(grown, (float[6]){low[0], low[1], high[0], low[1], high[0], high[1]}, sizeof grown);
+                if (!boxes_meet(grown, atlas->coordinates + 6 * b)) continue;
+                for (int k = 0; k < 3; k++) { /* a square of the gutter around each corner touches nothing of the other chart */
+                    const float *c = s + 2 * k;
+                    float h = half * 0.9999f;
+                    float square[12] = {c[0] - h, c[1] - h, c[0] + h, c[1] - h, c[0] + h, c[1] + h, c[0] - h, c[1] - h, c[0] + h, c[1] + h, c[0] - h, c[1] + h};
+                    assert_true(shared_area(atlas->coordinates + 6 * b, square) <= 1e-12);
+                    assert_true(shared_area(atlas->coordinates + 6 * b, square + 6) <= 1e-12);
+                }
+            }
+        sl_atlas_destroy(atlas);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* ---- limits ---- */
+
+static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 500; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0.0f, 0.0f), sl_v3(0.0f, 0.5f, 0.0f), sl_v3(0.0f, 0.0f, 0.25f), 0);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_atlas_settings settings = usual(16);
+    sl_atlas *atlas = NULL;
+    sl_error error = {.message = ""};
+    assert_int_equal(sl_atlas_create(scene, &settings, &atlas, &error), SL_ERROR_RESOURCES);
+    assert_null(atlas);
+    const char *size = strstr(error.message, "a size of ");
+    assert_non_null(size);
+    settings.size = atoi(size + strlen("a size of "));
+    assert_in_range(settings.size, 17, 200);
+    assert_int_equal(sl_atlas_create(scene, &settings, &atlas, &error), SL_OK);
+    assert_sound(atlas, scene);
+    assert_int_equal(atlas->chart_count, 500);
+    sl_atlas_destroy(atlas);
+    sl_scene_destroy(scene);
+}
+
+static void settings_that_make_no_sense_are_refused(void **state) {
+    (void)state;
+    sl_scene *scene = scene_of(bell, 4, 4);
+    sl_atlas *atlas = NULL;
+    sl_atlas_settings bad[] = {usual(0), usual(-5), usual(1 << 20), usual(64), usual(64), usual(64), usual(64), usual(64)};
+    bad[3].gutter = -1;
+    bad[4].gutter = 64;
+    bad[5].bend = 0.0;
+    bad[6].bend = 4.0;
+    bad[7].bend = NAN;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        sl_error error = {.message = ""};
+        assert_int_equal(sl_atlas_create(scene, &bad[i], &atlas, &error), SL_ERROR_USAGE);
+        assert_null(atlas);
+        assert_true(error.message[0] != 0);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void the_atlas_does_not_depend_on_the_number_of_threads(void **state) {
+    (void)state;
+    sl_scene *scenes[] = {scene_of(rough, 40, 40), scene_of(torus, 48, 24)};
+    for (size_t n = 0; n < 2; n++) {
+        sl_atlas *first = NULL;
+        for (unsigned threads = 1; threads <= 3; threads++) {
+            sl_atlas_settings settings = usual(256);
+            sl_atlas *atlas = NULL;
+            settings.threads = threads;
+            assert_int_equal(sl_atlas_create(scenes[n], &settings, &atlas, NULL), SL_OK);
+            if (first) {
+                assert_int_equal(atlas->chart_count, first->chart_count);
+                assert_memory_equal(atlas->chart, first->chart, scenes[n]->triangle_count * sizeof *atlas->chart);
+                assert_memory_equal(atlas->coordinates, first->coordinates, scenes[n]->triangle_count * 6 * sizeof *atlas->coordinates);
+                assert_true(atlas->stretch == first->stretch && atlas->coverage == first->coverage);
+                sl_atlas_destroy(atlas);
+            } else {
+                first = atlas;
+            }
+        }
+        assert_true(sl_atlas_bytes(first) >= 28 * scenes[n]->triangle_count);
+        sl_atlas_destroy(first);
+        sl_scene_destroy(scenes[n]);
+    }
+}
+
+/* ---- scenes ---- */
+
+static void assert_scene_fits(const char *path, size_t charts_max, double coverage_min, double stretch_max) {
+    sl_scene *scene = NULL;
+    if (sl_scene_load(path, &scene, NULL) != SL_OK) {
+        print_message("%s is not there: skipped\n", path);
+        return;
+    }
+    sl_atlas *atlas = atlas_of(scene, 1024);
+    size_t count = scene->triangle_count;
+    int64_t *corner = sl_allocate(count, 6 * sizeof *corner);
+    uint8_t *bad = sl_allocate(count, 1);
+    for (size_t i = 0; i < 6 * count; i++) corner[i] = (int64_t)((double)atlas->coordinates[i] * SL_ATLAS_GRID);
+    assert_int_equal(sl_atlas_overlap(corner, count, bad), 0); /* all charts together */
+    assert_bends_within(atlas, scene, BEND);
+    assert_nothing_bleeds(atlas, scene);
+    assert_in_range(atlas->chart_count, 1, charts_max);
+    assert_true(atlas->coverage >= coverage_min && atlas->stretch <= stretch_max);
+    sl_free(corner);
+    sl_free(bad);
+    sl_atlas_destroy(atlas);
+    sl_scene_destroy(scene);
+}
+
+static void whole_scenes_fill_most_of_a_texture(void **state) {
+    (void)state;
+    assert_scene_fits("scenes/generated/room.json", 1600, 0.45, 1.01);
+    assert_scene_fits("scenes/generated/cave.json", 800, 0.5, 1.06);
+}
+
+static void the_search_for_overlaps_finds_what_is_there(void **state) {
+    (void)state;
+    static const int64_t touching[] = {0, 0, 10, 0, 0, 10, 10, 0, 10, 10, 0, 10, 10, 0, 20, 0, 10, 10};
+    static const int64_t crossing[] = {0, 0, 10, 0, 0, 10, 9, 0, 10, 10, 0, 10};
+    static const int64_t inside[] = {0, 0, 100, 0, 0, 100, 10, 10, 12, 10, 10, 12};
+    static const int64_t flipped[] = {0, 0, 0, 10, 10, 0};
+    static const int64_t flat[] = {0, 0, 5, 5, 10, 10};
+    static const int64_t cross[] = {-100, -1, 100, 0, -100, 1, -1, -100, 1, -100, 0, 100}; /* no corner inside the other */
+    uint8_t bad[3];
+    assert_int_equal(sl_atlas_overlap(touching, 3, bad), 0);
+    assert_int_equal(sl_atlas_overlap(crossing, 2, bad), 1);
+    assert_int_equal(sl_atlas_overlap(inside, 2, bad), 1);
+    assert_int_equal(sl_atlas_overlap(flipped, 1, bad), 1);
+    assert_int_equal(sl_atlas_overlap(flat, 1, bad), 1);
+    assert_int_equal(sl_atlas_overlap(cross, 2, bad), 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_planar_chart_is_a_similarity),
+        cmocka_unit_test(a_plane_of_whole_numbers_is_a_similarity_to_1e_8),
+        cmocka_unit_test(a_developable_surface_is_unrolled_without_stretch),
+        cmocka_unit_test(a_bell_is_one_nearly_conformal_chart),
+        cmocka_unit_test(the_solver_needs_few_steps_to_1e_10),
+        cmocka_unit_test(the_search_for_overlaps_finds_what_is_there),
+        cmocka_unit_test(a_sphere_is_cut_into_few_charts),
+        cmocka_unit_test(a_torus_is_cut_into_few_charts),
+        cmocka_unit_test(vertices_split_by_normals_hold_no_chart_apart),
+        cmocka_unit_test(a_box_has_a_chart_a_side_or_fewer),
+        cmocka_unit_test(a_rough_surface_keeps_all_promises),
+        cmocka_unit_test(many_pages_at_one_edge_and_a_moebius_strip),
+        cmocka_unit_test(doubled_faces_lie_in_different_charts),
+        cmocka_unit_test(slivers_t_junctions_and_lone_triangles),
+        cmocka_unit_test(numbers_far_from_one),
+        cmocka_unit_test(texels_name_the_point_that_lies_there),
+        cmocka_unit_test(charts_stay_a_gutter_apart),
+        cmocka_unit_test(more_charts_than_texels_is_an_error_that_says_which_size_would_do),
+        cmocka_unit_test(settings_that_make_no_sense_are_refused),
+        cmocka_unit_test(the_atlas_does_not_depend_on_the_number_of_threads),
+        cmocka_unit_test(whole_scenes_fill_most_of_a_texture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
