@@ -1,0 +1,553 @@
+/* Regular sample photons of direct radiance maps, against what their surfaces reflect. */
+#include "radiance_maps.h"
+
+static sl_map_light point_light(sl_vec3 position) {
+    return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
+}
+
+static const sl_radiance_map_settings points = {.filter = SL_MAP_FILTER_POINT, .weight = SL_WEIGHT_FLUX};
+
+/* A box of side 2 around the origin, reflectance 0.5; some tests want its diagonal alone. */
+static sl_scene *room(float reflectance, float specular) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t material = trace_mesh_material(&mesh, reflectance, specular, 7.0f, 0, 0);
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, material);
+    return trace_mesh_build(&mesh);
+}
+
+/* The plane y = 0 below a light at height h, on face -y of its cube alone. */
+static void fill_floor(hand_map *h, float height) {
+    const sl_map_face *f = &h->face[3];
+    for (int i = 0; i < f->width * f->height; i++) {
+        sl_vec3d origin, ray;
+        sl_map_face_ray(f, false, i % f->width + 0.5, i / f->width + 0.5, &origin, &ray);
+        sl_vec3 p = sl_to_float(sl_addd(origin, sl_scaled(ray, (double)height)));
+        p.y = h->light.position.y - height;
+        hand_texel(h, f->first + (size_t)i, 0, p, sl_v3(0, 1, 0), (sl_rgb){0.5f, 0.25f, 0.0f});
+    }
+}
+
+static void assert_photons_are_sound(const sl_map_photons *photons) {
+    for (size_t j = 0; j < photons->count; j++) {
+        const sl_map_photon *p = &photons->photon[j];
+        assert_true(sl_is_finite(p->position) && sl_rgb_is_finite(p->flux) && sl_rgb_is_finite(p->radiance));
+        assert_true(fabsf(sl_length(p->normal) - 1.0f) < 1e-5f);
+        assert_true(p->footprint > 0 && isfinite(p->footprint) && isfinite(p->printed_area) && p->printed_area >= 0);
+        assert_true(p->cos_alpha > 0 && p->cos_alpha <= 1);
+        assert_true(p->flux.r >= 0 && p->flux.g >= 0 && p->flux.b >= 0 && sl_rgb_max(p->flux) > 0);
+        if (photons->quad && photons->quad[j].count) assert_true(photons->quad[j].area > 0 && isfinite(photons->quad[j].area));
+    }
+}
+
+/* ---- where ---- */
+
+static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    const int m = 3, texels = 5;
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, m * texels, m);
+    fill_floor(h, 0.5f);
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, m * m);
+    for (int k = 0; k < m; k++) {
+        for (int i = 0; i < m; i++) {
+            sl_vec3d origin, ray;
+            sl_map_face_ray(&h->face[3], false, (i + 0.5) * texels, (k + 0.5) * texels, &origin, &ray);
+            sl_vec3d expected = sl_addd(origin, sl_scaled(ray, 0.5));
+            sl_vec3d found = sl_to_double(photons->photon[k * m + i].position);
+            assert_true(sl_lengthd(sl_subd(found, expected)) < 1e-6);
+        }
+    }
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+static void an_even_block_takes_the_lower_left_of_its_middle_four(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 8, 2);
+    fill_floor(h, 0.5f);
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, 4);
+    size_t texel = h->face[3].first + 1 * 8 + 5; /* of block (1, 0): columns 4 to 7, rows 0 to 3 */
+    assert_true(photons->photon[1].position.x == h->map.position[0][texel]);
+    assert_true(photons->photon[1].position.z == h->map.position[2][texel]);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+/* ---- how much ---- */
+
+static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    for (int m = 1; m <= 8; m *= 2) {
+        hand_map *h = hand_map_begin(point_light(sl_v3(0.3f, -0.8f, 0.1f)), 6, 16, m);
+        hand_map_render(h, raster);
+        sl_map_photons *photons = take_photons(scene, &h->map, &points);
+        assert_int_equal(photons->count, 6 * m * m);
+        assert_photons_are_sound(photons);
+        double sum = 0, s = 2.0 / m;
+        for (int j = 0; j < 6 * m * m; j++) {
+            double x = -1 + s * (j % m), y = -1 + s * (j / m % m), angle = sl_rectangle_solid_angle(x, y, x + s, y + s);
+            const sl_map_photon *p = &photons->photon[j];
+            assert_true(fabs((double)p->flux.r / (0.5 * 2.0 * angle / SL_PI) - 1) < 1e-5);
+            assert_true(fabs((double)p->flux.b / (0.5 * 5.0 * angle / SL_PI) - 1) < 1e-5);
+            double b2 = sl_dotd(sl_subd(sl_to_double(p->position), sl_to_double(h->light.position)),
+                                sl_subd(sl_to_double(p->position), sl_to_double(h->light.position)));
+            assert_true(fabs((double)p->footprint / (b2 * angle) - 1) < 1e-5);
+            sum += (double)p->flux.g;
+        }
+        assert_true(fabs(sum / (0.5 * 3.0 * 4.0) - 1) < 1e-5); /* rho I 4 pi / pi */
+        sl_map_photons_destroy(photons);
+        hand_map_end(h);
+    }
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* Inside a diffuse sphere cos cos' / r^2 is 1 / 4 R^2 for any two points: E = rho Phi / (4 pi R^2) everywhere, for any photons. */
+static void inside_a_sphere_any_photons_light_all_points_alike(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t material = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 96, 0, true, material);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    hand_map *h = hand_map_begin(point_light(sl_v3(0.4f, 0.2f, -0.3f)), 6, 18, 3);
+    hand_map_render(h, raster);
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, 54);
+    for (int i = 0; i < 200; i++) {
+        double z = -1 + 2 * (i + 0.5) / 200, r = sqrt(1 - z * z), turn = 2 * SL_PI * i * 0.618034;
+        sl_vec3d x = sl_v3d(r * sl_cos(turn), z, r * sl_sin(turn));
+        double sum = 0;
+        for (size_t j = 0; j < photons->count; j++) {
+            sl_vec3d d = sl_subd(sl_to_double(photons->photon[j].position), x);
+            double r2 = sl_dotd(d, d);
+            if (r2 < 0.05) { /* facets, seen at grazing angles: the sphere's own value */
+                sum += (double)photons->photon[j].flux.r / 4;
+                continue;
+            }
+            sum += (double)photons->photon[j].flux.r * -sl_dotd(x, d) * -sl_dotd(sl_to_double(photons->photon[j].normal), d) / (r2 * r2);
+        }
+        assert_true(fabs(sum / (0.6 * 2.0) - 1) < 0.01); /* rho 4 pi I / (4 pi R^2) */
+    }
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+static void printed_areas_are_those_of_12_and_13(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    const int m = 4;
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 12, m);
+    fill_floor(h, 0.5f);
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    for (size_t j = 0; j < photons->count; j++) {
+        const sl_map_photon *p = &photons->photon[j];
+        sl_vec3d way = sl_subd(sl_to_double(p->position), sl_to_double(h->light.position));
+        double b = sl_lengthd(way), side = 2 * b * sl_tan(SL_PI / 4 / m); /* 90 degrees / 2m */
+        assert_true(fabs((double)p->printed_area * (0.5 / b) / (side * side) - 1) < 1e-5);
+        assert_true(fabs((double)p->cos_alpha - 0.5 / b) < 1e-6);
+        assert_true(fabs((double)p->radiance.r / (0.5 * 2.0 * (0.5 / b) / (SL_PI * b * b)) - 1) < 1e-5);
+    }
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+static void photons_of_parallel_light_have_equal_footprints(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    sl_map_light sun = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, 0.8f}, .intensity = {4, 4, 4}};
+    hand_map *h = hand_map_begin(sun, 1, 8, 4);
+    sl_map_face *f = &h->face[0];
+    f->frame = (sl_frame){sl_v3(1, 0, 0), sl_v3(0, 0.8f, 0.6f), sun.direction};
+    f->eye = sl_v3(0, 3, -4);
+    for (int i = 0; i < 64; i++) {
+        sl_vec3d origin, ray;
+        sl_map_face_ray(f, true, i % 8 + 0.5, i / 8 + 0.5, &origin, &ray);
+        sl_vec3 p = sl_to_float(sl_addd(origin, sl_scaled(ray, -origin.y / ray.y)));
+        hand_texel(h, (size_t)i, 0, p, sl_v3(0, 1, 0), sl_grey(1));
+        h->map.block_angle[i] = 0.25f * 0.25f;
+        for (int c = 0; c < 3; c++) h->map.color[c][i] = 0.5f * 4.0f * 0.6f / (float)SL_PI;
+    }
+    sl_radiance_map_settings polygons = points;
+    polygons.weight = SL_WEIGHT_POLYGON;
+    sl_map_photons *photons = take_photons(scene, &h->map, &polygons);
+    assert_int_equal(photons->count, 16);
+    assert_photons_are_sound(photons);
+    for (int j = 0; j < 16; j++) {
+        const sl_map_photon *p = &photons->photon[j];
+        assert_true(fabsf(p->footprint - 0.25f) < 1e-6f && fabsf(p->cos_alpha - 0.6f) < 1e-6f);
+        assert_true(fabs((double)p->flux.r - 0.5 * 4.0 * 0.25 / SL_PI) < 1e-6);
+        assert_int_equal(photons->quad[j].count, 4);
+        assert_true(fabsf(photons->quad[j].area - 0.25f / 0.6f) < 1e-5f);
+    }
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+/* ---- lights one after another, mirrors ---- */
+
+static void photons_of_several_lights_are_those_of_each_alone(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 8, 2);
+    hand_map_render(h, raster);
+    sl_map_photons *alone = take_photons(scene, &h->map, &points);
+    assert_int_equal(alone->first_of_light[0], 0);
+    assert_int_equal(alone->first_of_light[1], alone->count);
+
+    /* The same pictures as three lights': 0 has the first four, 1 none, 2 the others. */
+    sl_map_light light[3] = {h->light, h->light, h->light};
+    sl_map_lights three = {.count = 3, .light = light};
+    h->map.lights = &three;
+    h->face[4].light = h->face[5].light = 2;
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, alone->count);
+    assert_memory_equal(photons->photon, alone->photon, alone->count * sizeof *alone->photon);
+    const size_t first[] = {0, 16, 16, 24};
+    for (int l = 0; l < 4; l++) assert_int_equal(photons->first_of_light[l], first[l]);
+    assert_int_equal(photons->first_of_light[SL_MAP_LIGHTS_MAX], 24);
+    sl_map_photons_destroy(photons);
+    sl_map_photons_destroy(alone);
+    hand_map_end(h);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0.25f);
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    hand_map *h = hand_map_begin(point_light(sl_v3(0.1f, 0.2f, 0)), 6, 8, 4);
+    h->map.lambertian = false;
+    hand_map_render(h, raster);
+    for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
+        sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter, .weight = SL_WEIGHT_FLUX};
+        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+        assert_photons_are_sound(photons);
+        double sum = 0;
+        for (size_t j = 0; j < photons->count; j++) {
+            const sl_photon_lobe *lobe = &photons->lobe[j];
+            assert_true(fabsf(lobe->diffuse.g - 0.5f) < 1e-6f && fabsf(lobe->specular.b - 0.25f) < 1e-6f);
+            assert_true(fabsf(lobe->exponent - 7.0f) < 1e-5f);
+            sl_vec3 to_light = sl_normalize_or(sl_sub(h->light.position, photons->photon[j].position), sl_v3(0, 0, 0));
+            assert_true(sl_dot(lobe->to_light, to_light) > 0.999f);
+            assert_true(photons->photon[j].radiance.r == 0.0f);
+            sum += (double)photons->photon[j].flux.g;
+        }
+        assert_true(fabs(sum / (3.0 * 4.0 * SL_PI) - 1) < 1e-5);
+        sl_map_photons_destroy(photons);
+    }
+    hand_map_end(h);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* A mirror x = 1 shows an area light at the origin that shines towards +x: its image at (2, 0, 0) shines towards -x. */
+static void a_lights_image_in_a_mirror_shines_as_the_light_does(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0.25f);
+    sl_map_light panel = {.kind = SL_MAP_LIGHT_AREA, .direction = {1, 0, 0}, .intensity = {1, 1, 1}, .area = 0.01f};
+    hand_map *h = hand_map_begin(panel, 6, 4, 4);
+    h->map.lambertian = false;
+    sl_map_face *f = &h->face[1]; /* towards -x */
+    f->eye = sl_v3(2, 0, 0);
+    f->mirror = 0;
+    f->reflectance = sl_grey(0.8f);
+    h->map.mirrored_light = true;
+    sl_vec3 y = sl_v3(-1, 0.75f, 0);
+    hand_texel(h, f->first + 5, 0, y, sl_v3(1, 0, 0), sl_grey(0.5f));
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, 1);
+    double angle = (double)h->map.block_angle[f->first + 5], b2 = 9 + 0.75 * 0.75, cosine = 3 / sqrt(b2);
+    assert_true(fabs((double)photons->photon[0].flux.r / (0.8 * cosine * angle) - 1) < 1e-5);
+    assert_true(fabs((double)photons->photon[0].footprint / (b2 * angle) - 1) < 1e-5);
+    assert_true(fabs((double)photons->photon[0].cos_alpha - cosine) < 1e-6);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+static void traced_texels_arrive_from_where_they_say(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
+    hand_texel(h, 0, 0, sl_v3(0, -1, 0), sl_v3(0, 1, 0), sl_grey(0.5f));
+    h->map.spread = hand_plane(h->map.texels);
+    for (int c = 0; c < 3; c++) {
+        h->map.arrival[c] = hand_plane(h->map.texels);
+        h->map.carried[c] = hand_plane(h->map.texels);
+        h->map.carried[c][0] = 0.9f;
+        h->map.color[c][0] = 0.1f; /* L_o */
+    }
+    h->map.spread[0] = 0.02f;
+    h->map.arrival[0][0] = 0.6f;
+    h->map.arrival[1][0] = 0.8f;
+    h->map.path[0] = 3.0f;
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, 1);
+    assert_true(fabsf(photons->photon[0].cos_alpha - 0.8f) < 1e-6f);
+    assert_true(fabsf(photons->photon[0].footprint - 0.02f) < 1e-7f);
+    assert_true(fabsf(photons->photon[0].flux.r - 0.1f * 0.02f / 0.8f) < 1e-7f);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+/* ---- polygons ---- */
+
+static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    sl_radiance_map_settings polygons = points;
+    polygons.weight = SL_WEIGHT_POLYGON;
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 15, 3);
+    fill_floor(h, 0.5f);
+    for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
+        polygons.filter = (sl_map_filter)filter;
+        sl_map_photons *photons = take_photons(scene, &h->map, &polygons);
+        assert_int_equal(photons->count, 9);
+        for (size_t j = 0; j < 9; j++) { /* a square of 1 x 1 below the light, in nine */
+            const sl_photon_quad *q = &photons->quad[j];
+            assert_int_equal(q->count, 4);
+            assert_true(fabsf(q->area - 1.0f / 9.0f) < 1e-5f);
+            for (int c = 0; c < 4; c++) assert_true(fabsf(q->corner[c].y) < 1e-5f);
+            sl_vec3 turn = sl_cross(sl_sub(q->corner[1], q->corner[0]), sl_sub(q->corner[2], q->corner[1]));
+            assert_true(turn.y > 0); /* counter-clockwise as the light sees them */
+        }
+        sl_map_photons_destroy(photons);
+    }
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+static void a_polygon_whose_corners_run_away_is_left_out(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    sl_radiance_map_settings polygons = points;
+    polygons.weight = SL_WEIGHT_POLYGON;
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 3, 3);
+    sl_vec3 normal = sl_normalize_or(sl_v3(-0.1f, 1, 0), sl_v3(0, 1, 0)); /* nearly edge-on */
+    hand_texel(h, 4, 0, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
+    hand_texel(h, h->face[1].first + 4, 0, sl_v3(-1, 0, 0), sl_neg(normal), sl_grey(0.5f));
+    hand_texel(h, h->face[4].first + 4, 0, sl_v3(0, 0, 1), sl_normalize_or(sl_v3(0, 1, -0.05f), normal), sl_grey(0.5f));
+    sl_map_photons *photons = take_photons(scene, &h->map, &polygons);
+    assert_int_equal(photons->count, 3);
+    assert_photons_are_sound(photons);
+    assert_int_equal(photons->quad[0].count, 4);
+    for (int j = 1; j < 3; j++) assert_int_equal(photons->quad[j].count, 0);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+/* ---- hard cases ---- */
+
+static void texels_without_geometry_are_no_photons(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
+        for (int importance = 0; importance < 2; importance++) {
+            sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter, .importance_samples = importance};
+            hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 8, 4);
+            sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+            assert_int_equal(photons->count, 0);
+            assert_int_equal(photons->dropped, 6 * 16);
+            assert_int_equal(photons->first_of_light[SL_MAP_LIGHTS_MAX], 0);
+            sl_map_photons_destroy(photons);
+            fill_floor(h, 0.5f);
+            photons = take_photons(scene, &h->map, &settings);
+            assert_true(photons->count > 0 && photons->count <= 6 * 16);
+            for (size_t j = 0; j < photons->count; j++) assert_true(fabsf(photons->photon[j].position.y) < 1e-6f);
+            sl_map_photons_destroy(photons);
+            hand_map_end(h);
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_map_without_faces_has_no_photons(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 4, 2);
+    h->map.face_count = 0;
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, 0);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+static void photons_too_near_to_their_light_are_dropped_and_counted(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0); /* of diagonal 3.46 */
+    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
+    hand_texel(h, 0, 0, sl_v3(3.4e-4f, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
+    hand_texel(h, 1, 0, sl_v3(3.5e-4f, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
+    hand_texel(h, 2, 0, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.0f)); /* black */
+    hand_texel(h, 3, 0, sl_v3(0, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f)); /* at the light */
+    sl_map_photons *photons = take_photons(scene, &h->map, &points);
+    assert_int_equal(photons->count, 1);
+    assert_true(photons->photon[0].position.x == 3.5e-4f);
+    assert_int_equal(photons->dropped, 6 * 4 - 1);
+    assert_photons_are_sound(photons);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
+static void grazing_texels_keep_their_flux(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
+        sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter, .weight = SL_WEIGHT_POLYGON};
+        double tilts[] = {0.5, 0.01, 1e-3, 1e-4};
+        for (int i = 0; i < 4; i++) {
+            hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 1, 1);
+            sl_vec3 n = sl_to_float(sl_v3d(-tilts[i], sqrt(1 - tilts[i] * tilts[i]), 0));
+            hand_texel(h, 0, 0, sl_v3(1, 0, 0), n, sl_grey(0.5f));
+            sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+            assert_int_equal(photons->count, 1);
+            assert_photons_are_sound(photons);
+            assert_true(fabs((double)photons->photon[0].flux.g / (0.5 * 3.0 * (4 * SL_PI / 6) / SL_PI) - 1) < 1e-3);
+            double e = flux_irradiance(photons, sl_v3d(1.0, 1e-3, 0), sl_v3d(0, -1, 0)); /* a finger above it: at most pi L_o */
+            assert_true(isfinite(e) && e >= 0);
+            sl_map_photons_destroy(photons);
+            hand_map_end(h);
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Shading normals turned to the light where the facet is seen edge-on: L_o A grows without bound; what arrives does not. */
+static void a_rounded_silhouette_sends_on_no_more_than_arrives(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    for (int lambertian = 0; lambertian < 2; lambertian++) {
+        hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 1, 1);
+        h->map.lambertian = lambertian;
+        hand_texel(h, 0, 0, sl_v3(1, 0, 0), sl_v3(-1e-3f, 1, 0), sl_grey(0.5f));
+        for (int c = 0; c < 3; c++) {
+            h->map.normal[c] = hand_plane(h->map.texels);
+            h->map.normal[c][0] = c == 0 ? -1.0f : 0.0f;
+            if (lambertian) h->map.color[c][0] = 0.5f * 3.0f / (float)SL_PI; /* cos_s = 1 */
+        }
+        sl_map_photons *photons = take_photons(scene, &h->map, &points);
+        assert_int_equal(photons->count, 1);
+        double angle = 4 * SL_PI / 6, reflected = (double)photons->photon[0].flux.g * (lambertian ? SL_PI : 0.5);
+        assert_true(reflected <= 3.0 * angle * (1 + 1e-6));
+        assert_true(reflected > 0.3 * 3.0 * angle);
+        sl_map_photons_destroy(photons);
+        hand_map_end(h);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Section 7: a light that comes down to a floor. Its photons' irradiance at a receiver beside settles. */
+static void the_irradiance_settles_as_a_light_comes_near_a_surface(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    double before = 0;
+    for (int i = 0; i < 8; i++) {
+        float height = 0.05f / (float)(1 << i);
+        hand_map *h = hand_map_begin(point_light(sl_v3(0, height, 0)), 6, 16, 8);
+        fill_floor(h, height);
+        sl_radiance_map_settings settings = {.filter = SL_MAP_FILTER_FLUX};
+        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+        double e = flux_irradiance(photons, sl_v3d(0, 1, 0.3), sl_v3d(0, -1, 0));
+        assert_true(isfinite(e) && e > 0);
+        if (i > 3) assert_true(fabs(e / before - 1) < 0.01);
+        before = e;
+        sl_map_photons_destroy(photons);
+        hand_map_end(h);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void broken_texels_are_no_photons(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    const float broken[] = {NAN, INFINITY, -INFINITY, 3e38f};
+    for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
+        for (int importance = 0; importance < 2; importance++) {
+            for (int b = 0; b < 4; b++) {
+                for (int plane = 0; plane < 4; plane++) {
+                    sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter, .weight = SL_WEIGHT_POLYGON,
+                                                         .importance_samples = importance, .steady_samples = b & 1};
+                    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 4, 4);
+                    fill_floor(h, 0.5f);
+                    float *planes[4] = {h->map.position[0], h->map.geometric[1], h->map.color[2], h->map.block_angle};
+                    planes[plane][h->face[3].first + 5] = broken[b];
+                    sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+                    assert_photons_are_sound(photons);
+                    sl_map_photons_destroy(photons);
+                    hand_map_end(h);
+                }
+            }
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+static void huge_and_tiny_scenes_have_the_same_photons(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        float size = i ? 1e6f : 1e-4f;
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t material = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+        trace_mesh_box(&mesh, sl_v3(-size, -size, -size), sl_v3(size, size, size), true, material);
+        sl_scene *scene = trace_mesh_build(&mesh);
+        hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f * size, 0)), 6, 12, 4);
+        fill_floor(h, 0.5f * size);
+        sl_map_photons *photons = take_photons(scene, &h->map, &points);
+        assert_int_equal(photons->count, 16);
+        double sum = 0;
+        for (int j = 0; j < 16; j++) sum += (double)photons->photon[j].flux.r;
+        assert_true(fabs(sum / (0.5 * 2.0 * 4.0 / 6.0) - 1) < 1e-5);
+        assert_photons_are_sound(photons);
+        sl_map_photons_destroy(photons);
+        hand_map_end(h);
+        sl_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(photon_i_k_lies_at_the_middle_of_its_block),
+        cmocka_unit_test(an_even_block_takes_the_lower_left_of_its_middle_four),
+        cmocka_unit_test(flux_is_reflectance_times_intensity_times_solid_angle_over_pi),
+        cmocka_unit_test(inside_a_sphere_any_photons_light_all_points_alike),
+        cmocka_unit_test(printed_areas_are_those_of_12_and_13),
+        cmocka_unit_test(photons_of_parallel_light_have_equal_footprints),
+        cmocka_unit_test(photons_of_several_lights_are_those_of_each_alone),
+        cmocka_unit_test(glossy_scenes_keep_the_flux_that_arrives_and_the_lobe),
+        cmocka_unit_test(a_lights_image_in_a_mirror_shines_as_the_light_does),
+        cmocka_unit_test(traced_texels_arrive_from_where_they_say),
+        cmocka_unit_test(polygons_are_where_corner_rays_meet_the_tangent_plane),
+        cmocka_unit_test(a_polygon_whose_corners_run_away_is_left_out),
+        cmocka_unit_test(texels_without_geometry_are_no_photons),
+        cmocka_unit_test(a_map_without_faces_has_no_photons),
+        cmocka_unit_test(photons_too_near_to_their_light_are_dropped_and_counted),
+        cmocka_unit_test(grazing_texels_keep_their_flux),
+        cmocka_unit_test(a_rounded_silhouette_sends_on_no_more_than_arrives),
+        cmocka_unit_test(the_irradiance_settles_as_a_light_comes_near_a_surface),
+        cmocka_unit_test(broken_texels_are_no_photons),
+        cmocka_unit_test(huge_and_tiny_scenes_have_the_same_photons),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
