@@ -108,7 +108,12 @@ static bool find_sources(sl_raster *r, unsigned threads) {
 
 /* ---- moving ---- */
 
-static bool same_bits(float a, float b) { return memcmp(&a, &b, sizeof a) == 0; }
+static uint32_t bits_that_differ(float a, float b) {
+    uint32_t x, y;
+    memcpy(&x, &a, sizeof x);
+    memcpy(&y, &b, sizeof y);
+    return x ^ y;
+}
 
 /* False where vertices that were one have come apart. */
 static bool move_cluster(sl_raster *r, size_t cluster) {
@@ -120,7 +125,7 @@ static bool move_cluster(sl_raster *r, size_t cluster) {
     const uint16_t *local = s->local + at;
     float *x = r->vertex_x + r->first_vertex[cluster], *y = r->vertex_y + r->first_vertex[cluster];
     float *z = r->vertex_z + r->first_vertex[cluster];
-    bool together = true;
+    uint32_t differing = 0;
     for (uint32_t n = 0; n < own; n++) {
         x[n] = m->x[vertex[n]];
         y[n] = m->y[vertex[n]];
@@ -128,10 +133,10 @@ static bool move_cluster(sl_raster *r, size_t cluster) {
     }
     for (uint32_t n = own; n < count; n++) {
         const uint32_t v = vertex[n], l = local[n];
-        together &= same_bits(m->x[v], x[l]) & same_bits(m->y[v], y[l]) & same_bits(m->z[v], z[l]);
+        differing |= bits_that_differ(m->x[v], x[l]) | bits_that_differ(m->y[v], y[l]) | bits_that_differ(m->z[v], z[l]);
     }
     sl_bound_cluster(r, cluster, x, y, z, own);
-    return together;
+    return differing == 0;
 }
 
 static void move_group(void *context, size_t group, unsigned worker) {
@@ -139,7 +144,7 @@ static void move_group(void *context, size_t group, unsigned worker) {
     sl_raster *r = context;
     const size_t first = group * GROUP, end = first + GROUP < r->cluster_count ? first + GROUP : r->cluster_count;
     bool together = true;
-    for (size_t c = first; c < end; c++) together &= move_cluster(r, c);
+    for (size_t c = first; c < end; c++) together = move_cluster(r, c) && together;
     r->sources->torn[group] = !together;
 }
 

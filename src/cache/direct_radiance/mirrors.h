@@ -13,18 +13,24 @@ typedef struct sl_mirror_pass {
     const sl_mirrors *planar;
     const sl_light_pass *light;          /* how the cubes' faces are lit */
     int cube_size, reflections;
+    int generations;                     /* 0: 1 */
     bool indirect;                       /* cubes hold indirect light */
 } sl_mirror_pass;
 
-/* Cubes of the curved mirrors that `seen` (per object, or NULL: all) names, in scene order; inside a cube the other curved mirrors show their
- * cube of the generation before, and in generation 0 k_s times the cube's mean. */
+/* Cubes of the curved mirrors that `seen` shows (NULL: of all), in scene order. Where there are none nothing is made, and *mirrors is NULL,
+ * which all functions below take for none. Inside a cube the other curved mirrors show their cube of the generation before, and in
+ * generation 0 k_s times the mean of the cube in which they are seen; so do planar mirrors beyond the nesting limit. */
 sl_status sl_curved_mirrors_render(const sl_mirror_pass *pass, const sl_receivers *seen, sl_curved_mirrors **mirrors, sl_counters *counters,
                                    sl_error *error);
 void sl_curved_mirrors_destroy(sl_curved_mirrors *mirrors);
 size_t sl_curved_mirrors_bytes(const sl_curved_mirrors *mirrors);
 /* Adds, at the pixels of curved mirrors, k_s times what their cubes hold along the reflected eye vector: emission, direct and indirect light
- * apart, three planes each. */
+ * apart, three planes each; before the planar mirrors' throughput. */
 void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers, unsigned threads, float *const emission[3],
                                float *const direct[3], float *const indirect[3], sl_counters *counters);
+
+/* Section 2.8's trick: the indirect light that is missing in a cube is k_s (rho / pi) E at the reflected point. A curved mirror that receives
+ * it as if it were diffuse takes k_s times the mean diffuse albedo, by area, of all that is no mirror: this one. */
+sl_rgb sl_trick_albedo(const sl_scene *scene);
 
 #endif
