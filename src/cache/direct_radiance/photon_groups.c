@@ -48,7 +48,7 @@ static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
     sum->exponent += glossy * (double)t->material->exponent;
 }
 
-static void add_texel(sl_photon_sum *sum, const sl_map_texel *t, bool lambertian, double angle, double of_block) {
+static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, double angle, double of_block) {
     double weight = t->luminance;
     add_scaled(&sum->position, t->position, weight);
     add_scaled(&sum->normal, t->normal, weight);
@@ -59,9 +59,9 @@ static void add_texel(sl_photon_sum *sum, const sl_map_texel *t, bool lambertian
     sum->area += t->footprint / fmax(t->cos_alpha, SL_GROUP_COS_MIN);
     for (int k = 0; k < 3; k++) {
         sum->flux[k] += t->flux[k];
-        sum->radiance[k] += of_block * t->color[k];
+        sum->radiance[k] += of_block * sl_printed_radiance(map, t, k);
     }
-    if (lambertian) return;
+    if (map->lambertian) return;
     add_scaled(&sum->shading, t->shading, weight);
     add_lobe(sum, t);
 }
@@ -77,7 +77,7 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photo
     s.footprint = (list->steady ? sl_steady_area(sum->area, sum->angle / angle) : sum->area) * s.cos_alpha;
     for (int k = 0; k < 3; k++) {
         s.flux[k] = sum->flux[k];
-        s.radiance[k] = list->map->lambertian ? sum->radiance[k] : 0.0;
+        s.radiance[k] = sum->radiance[k];
         if (list->map->lambertian || !(sum->flux[k] > 0.0)) continue;
         s.diffuse[k] = sum->diffuse[k] / sum->flux[k];
         s.specular[k] = sum->specular[k] / sum->flux[k];
@@ -89,18 +89,17 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photo
 void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, int column, int row, double block,
                           sl_photon_groups *groups) {
     double angle = (double)list->map->block_angle[sl_map_texel_index(face, column, row)];
-    bool lambertian = list->map->lambertian;
     const sl_texel_rectangle place = {column, row, column + 1, row + 1};
     sl_map_texel t;
     groups->rectangle = groups->angle > 0.0 ? sl_texel_rectangle_join(groups->rectangle, place) : place;
     groups->angle += angle;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
-    sl_photon_sum *g = group_of(groups->group, &t, lambertian);
+    sl_photon_sum *g = group_of(groups->group, &t, list->map->lambertian);
     if (!(g->luminance > 0.0)) {
         *g = (sl_photon_sum){.first_position = t.position, .first_normal = t.normal, .object = t.object, .material = t.material,
                              .rectangle = place};
     }
-    add_texel(g, &t, lambertian, angle, angle / block);
+    add_texel(g, list->map, &t, angle, angle / block);
     g->rectangle = sl_texel_rectangle_join(g->rectangle, place);
 }
 

@@ -24,7 +24,7 @@ sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_tex
                           .rectangle = rectangle};
     for (int k = 0; k < 3; k++) {
         s.flux[k] = times * t->flux[k];
-        s.radiance[k] = list->map->lambertian ? t->color[k] : 0.0;
+        s.radiance[k] = sl_printed_radiance(list->map, t, k);
     }
     find_lobe(list->map, t, s.diffuse, s.specular, &s.exponent);
     return s;

@@ -41,6 +41,11 @@ static inline bool sl_face_is_directional(const sl_radiance_map *map, const sl_m
 /* Solid angle of the block whose lower left texel that is (directional: area). */
 double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int column, int row);
 
+/* L_o; with lobes, which need to know who looks, E. */
+static inline double sl_printed_radiance(const sl_radiance_map *map, const sl_map_texel *t, int channel) {
+    return map->lambertian ? t->color[channel] : t->flux[channel] * (t->cos_alpha / t->footprint);
+}
+
 /* `times` a texel: its flux and footprint scaled, all else as it stands. */
 sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *texel, double times, sl_texel_rectangle rectangle);
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */

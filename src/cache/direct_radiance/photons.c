@@ -58,9 +58,9 @@ static size_t faces_of_light(const sl_radiance_map *map, size_t first) {
     return end - first;
 }
 
-static size_t count_blocks(const sl_radiance_map *map) {
+static size_t count_blocks(const sl_map_face *face, size_t face_count) {
     size_t blocks = 0;
-    for (size_t f = 0; f < map->face_count; f++) blocks += (size_t)map->face[f].columns * (size_t)map->face[f].rows;
+    for (size_t f = 0; f < face_count; f++) blocks += (size_t)face[f].columns * (size_t)face[f].rows;
     return blocks;
 }
 
@@ -83,7 +83,7 @@ static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_
 sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
                               sl_map_photons **photons, sl_counters *counters, sl_error *error) {
     bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, quads, SL_PHOTON_GROUPS * (count_blocks(map) + map->face_count), photons, error);
+    sl_status status = create(map, quads, SL_PHOTON_GROUPS * (count_blocks(map->face, map->face_count) + map->face_count), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->diagonal);
@@ -97,6 +97,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
         p->first_of_light[light] = p->count;
         if (face == map->face_count || map->face[face].light != light) continue; /* no pictures of that light were needed */
         size_t faces = faces_of_light(map, face);
+        p->samples_of_light[light] = count_blocks(map->face + face, faces);
         status = take(&list, map->face + face, faces, error);
         face += faces;
     }

@@ -13,7 +13,8 @@ typedef struct sl_map_photon {
     float cos_alpha;      /* at y, towards the light; > 0 */
     sl_vec3 normal;       /* n_y, unit, on the lit side: the geometric one, which decides sides */
     float printed_area;   /* (13) with (12), for the printed weights: A of (14); its A' is printed_area * cos_alpha */
-    sl_rgb radiance;      /* L_o, for the printed weights. With lobes: 0 */
+    sl_rgb radiance;      /* for the printed weights: L_o, or with lobes the irradiance that is reflected; of a group, and of a texel drawn by
+                             importance, the share that it has in its sample's mean */
     uint32_t object;
 } sl_map_photon;
 
@@ -39,6 +40,7 @@ typedef struct sl_map_photons {
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
     size_t first_of_light[SL_MAP_LIGHTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
+    size_t samples_of_light[SL_MAP_LIGHTS_MAX];   /* M: a sample may have no photon, or a few groups of them */
     size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the scene's diagonal, or without light */
     float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's diagonal */
     float box_diagonal;      /* ||B_max - B_min|| of (15) */

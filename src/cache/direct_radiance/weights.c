@@ -4,15 +4,15 @@
 #include "cache/direct_radiance/receiver_kernels.h"
 #include "trace/bsdf.h"
 
-/* The photons that stand for the same light's hemisphere in (11), those included that were left out since nothing was there. */
+/* The samples that stand for the same light's hemisphere in (11), those included where nothing is; photons made by hand are a sample
+ * each. */
 static float samples_of_light(const sl_map_photons *photons, size_t photon) {
-    size_t own = photons->count;
+    size_t samples = 0;
     for (size_t l = 0; l < SL_MAP_LIGHTS_MAX; l++) {
         size_t first = photons->first_of_light[l], end = photons->first_of_light[l + 1];
-        if (photon >= first && photon < end) own = end - first;
+        if (photon >= first && photon < end) samples = photons->samples_of_light[l] ? photons->samples_of_light[l] : end - first;
     }
-    double all = (double)(photons->count + photons->dropped) / (double)photons->count;
-    return (float)((double)own * all);
+    return samples ? (float)samples : (float)photons->count;
 }
 
 sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon) {
@@ -38,13 +38,11 @@ sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_p
     return form;
 }
 
-/* L_o of the printed weights depends on where it is seen from: E at y is I cos alpha / b^2, and b^2 = A' / dOmega. */
+/* L_o of the printed weights depends on where it is seen from. */
 sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_lobe_registers *out) {
     const sl_photon_lobe *lobe = &photons->lobe[photon];
     sl_map_photon p = photons->photon[photon], glossy;
-    sl_rgb arriving = p.flux;
-    if (sl_weight_is_printed(weight))
-        arriving = sl_rgb_scale(arriving, p.footprint > 0.0f ? p.cos_alpha / p.footprint : 0.0f);
+    sl_rgb arriving = sl_weight_is_printed(weight) ? p.radiance : p.flux;
     glossy = p;
     glossy.flux = sl_rgb_mul(arriving, sl_rgb_scale(lobe->specular, (lobe->exponent + 2.0f) * (float)(0.5 / SL_PI)));
     glossy.radiance = glossy.flux;
