@@ -25,3 +25,18 @@ void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, sl_vec3 toward
         power[i] = sl_lobe_power(along, dx * dx + dy * dy + dz * dz, t->exponent[i]);
     }
 }
+
+void SL_KERNEL(sl_receiver_mirror_eye)(sl_receiver_tile *t) {
+    float *restrict mx = t->mirrored_x, *restrict my = t->mirrored_y, *restrict mz = t->mirrored_z;
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        sl_vec3 x = sl_v3(t->x[i], t->y[i], t->z[i]), n = sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
+        sl_vec3 to_eye = sl_normalize_or(sl_sub(sl_v3(mx[i], my[i], mz[i]), x), n);
+        /* In double before it is rounded, so that high exponents see a unit vector. */
+        sl_vec3 mirrored = sl_normalize_or(sl_sub(sl_scale(n, 2.0f * sl_dot(n, to_eye)), to_eye), n);
+        mx[i] = mirrored.x;
+        my[i] = mirrored.y;
+        mz[i] = mirrored.z;
+    }
+}

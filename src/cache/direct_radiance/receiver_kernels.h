@@ -26,6 +26,8 @@ typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_phot
 typedef void sl_photon_lobe_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
                                    float *power);
 typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, sl_vec3 towards, bool direction, float *power);
+/* The mirrored directions of the eye, from where the eye is, which they replace. */
+typedef void sl_mirror_eye_kernel(sl_receiver_tile *tile);
 /* a_i *= b_i */
 typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
 
@@ -37,6 +39,7 @@ typedef struct sl_receiver_kernels {
     sl_polygon_weigh_kernel *weigh_polygon;
     sl_photon_lobe_kernel *photon_lobe;
     sl_receiver_lobe_kernel *receiver_lobe;
+    sl_mirror_eye_kernel *mirror_eye;
     sl_multiply_kernel *multiply;
     sl_light_kernels light;
 } sl_receiver_kernels;
@@ -49,6 +52,7 @@ typedef struct sl_receiver_kernels {
     sl_polygon_weigh_kernel sl_photon_polygon_##isa;      \
     sl_photon_lobe_kernel sl_photon_lobe_power_##isa;     \
     sl_receiver_lobe_kernel sl_receiver_lobe_power_##isa; \
+    sl_mirror_eye_kernel sl_receiver_mirror_eye_##isa;    \
     sl_multiply_kernel sl_receivers_multiply_##isa
 
 SL_DECLARE_RECEIVER_KERNELS(baseline);
@@ -60,7 +64,7 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
     (sl_receiver_kernels) {                                                                                                \
         sl_photons_sum_##name, sl_photons_fetch_##name, sl_photons_compute_##name, sl_photon_weigh_##name,                 \
             sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
-            sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \
+            sl_receiver_mirror_eye_##name, sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \
     }
 #ifndef SL_BASELINE_ONLY
     if (isa == SL_ISA_AVX512) return SL_RECEIVER_KERNELS_OF(avx512);

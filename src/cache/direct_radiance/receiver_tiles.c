@@ -1,4 +1,4 @@
-#include "cache/direct_radiance/receiver_tiles.h"
+#include "cache/direct_radiance/receiver_kernels.h"
 
 #include <string.h>
 
@@ -7,7 +7,6 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "trace/bsdf.h"
 
 sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds, sl_error *error) {
     *kinds = (sl_receiver_kinds){.scene = scene, .trick_albedo = trick_albedo};
@@ -88,38 +87,48 @@ static void set_trick(const sl_receiver_kinds *kinds, const sl_gbuffer *g, sl_re
     }
 }
 
-static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, sl_receiver_tile *t) {
+static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, sl_receiver_kernels kernels, sl_receiver_tile *t) {
     for (size_t i = 0; i < t->padded; i++) {
-        t->mirrored_x[i] = t->mirrored_y[i] = t->mirrored_z[i] = t->exponent[i] = 0.0f;
-        t->specular[0][i] = t->specular[1][i] = t->specular[2][i] = 0.0f;
-        if (i >= t->count) continue;
-        const sl_material *m = &scene->materials[receivers->gbuffer->material[t->pixel[i]]];
-        sl_vec3 x = sl_v3(t->x[i], t->y[i], t->z[i]), n = sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
-        sl_vec3 to_eye = sl_normalize_or(sl_sub(sl_receiver_eye(receivers, t->pixel[i]), x), n);
-        sl_vec3 mirrored = sl_normalize_or(sl_reflect(to_eye, n), n);
+        size_t pixel = t->pixel[i < t->count ? i : 0];
+        const sl_material *m = &scene->materials[receivers->gbuffer->material[pixel]];
+        sl_vec3 eye = sl_receiver_eye(receivers, pixel);
         float scale = (m->exponent + 2.0f) * (float)(0.5 / SL_PI);
-        t->mirrored_x[i] = mirrored.x, t->mirrored_y[i] = mirrored.y, t->mirrored_z[i] = mirrored.z;
+        t->mirrored_x[i] = eye.x, t->mirrored_y[i] = eye.y, t->mirrored_z[i] = eye.z;
         t->exponent[i] = m->exponent;
         t->specular[0][i] = m->specular.r * scale;
         t->specular[1][i] = m->specular.g * scale;
         t->specular[2][i] = m->specular.b * scale;
     }
+    kernels.mirror_eye(t);
 }
 
-void sl_receiver_tile_fill(const sl_receivers *receivers, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0,
-                           sl_receiver_tile *t) {
+/* Most tiles show one material. */
+static bool is_uniform(const sl_gbuffer *g, int x0, int y0) {
+    if (x0 + SL_TILE_WIDTH > g->width || y0 + SL_TILE_HEIGHT > g->height) return false;
+    const uint32_t *first = g->material + (size_t)y0 * (size_t)g->width + (size_t)x0;
+    uint32_t differences = 0;
+    for (size_t row = 0; row < SL_TILE_HEIGHT; row++) {
+        const uint32_t *material = first + row * (size_t)g->width;
+        for (size_t x = 0; x < SL_TILE_WIDTH; x++) differences |= material[x] ^ *first;
+    }
+    return differences == 0;
+}
+
+static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_receiver_kernels kernels, bool glossy,
+                          int x0, int y0, sl_receiver_tile *t) {
     const sl_gbuffer *g = receivers->gbuffer;
     int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
     int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
-    bool mirrors = false;
+    bool mirrors = false, uniform = is_uniform(g, x0, y0);
+    sl_receiver_kind first = kind_of(kinds, g, (size_t)y0 * (size_t)g->width + (size_t)x0);
     t->count = 0;
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
             size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
-            sl_receiver_kind kind = kind_of(kinds, g, pixel);
-            if (kind == SL_RECEIVER_NONE || (kind == SL_RECEIVER_GLOSSY) != glossy) continue;
+            sl_receiver_kind kind = uniform ? first : kind_of(kinds, g, pixel);
             mirrors |= kind == SL_RECEIVER_MIRROR;
-            t->pixel[t->count++] = (uint32_t)pixel;
+            t->pixel[t->count] = (uint32_t)pixel;
+            t->count += kind != SL_RECEIVER_NONE && (kind == SL_RECEIVER_GLOSSY) == glossy ? 1 : 0;
         }
     }
     t->whole = t->count == SL_TILE_PIXELS;
@@ -127,7 +136,7 @@ void sl_receiver_tile_fill(const sl_receivers *receivers, const sl_receiver_kind
     if (t->count == 0) return;
     fetch(g, t);
     if (mirrors) set_trick(kinds, g, t);
-    if (glossy) set_lobes(receivers, kinds->scene, t);
+    if (glossy) set_lobes(receivers, kinds->scene, kernels, t);
 }
 
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
@@ -161,6 +170,7 @@ void sl_receiver_tile_reflect(const sl_receiver_tile *t, const sl_tile_light *li
 typedef struct {
     const sl_receivers *receivers;
     const sl_receiver_kinds *kinds;
+    sl_receiver_kernels kernels;
     sl_tile_program *program;
     void *context;
     sl_counters *counters; /* one a strip */
@@ -173,7 +183,7 @@ static void run_strip(void *context, size_t index, unsigned worker) {
     sl_receiver_tile tile;
     for (int x = 0; x < s->receivers->width; x += SL_TILE_WIDTH) {
         for (int glossy = 0; glossy <= (s->kinds->glossy ? 1 : 0); glossy++) {
-            sl_receiver_tile_fill(s->receivers, s->kinds, glossy, x, (int)index * SL_TILE_HEIGHT, &tile);
+            fill_tile(s->receivers, s->kinds, s->kernels, glossy, x, (int)index * SL_TILE_HEIGHT, &tile);
             if (tile.count == 0) continue;
             s->program(s->context, &tile, glossy, counters);
             sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
@@ -184,7 +194,7 @@ static void run_strip(void *context, size_t index, unsigned worker) {
 sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds, unsigned threads,
                                 sl_tile_program *program, void *context, sl_counters *counters, sl_error *error) {
     size_t count = (size_t)((receivers->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
-    strips s = {receivers, kinds, program, context, sl_allocate(count, sizeof *s.counters)};
+    strips s = {receivers, kinds, sl_receiver_kernels_for(sl_isa_best()), program, context, sl_allocate(count, sizeof *s.counters)};
     if (!s.counters) return sl_fail_memory(error, "light on receivers");
     sl_parallel_for(sl_thread_count(threads), count, run_strip, &s);
     for (size_t i = 0; i < count; i++) sl_counters_add(counters, &s.counters[i]);

@@ -51,9 +51,6 @@ typedef struct sl_receiver_kinds {
 sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds, sl_error *error);
 void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 
-/* The pixels from (x0, y0) of a tile that are glossy, or all others that receive light. */
-void sl_receiver_tile_fill(const sl_receivers *receivers, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0,
-                           sl_receiver_tile *tile);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 /* Radiance that leaves towards the eye. */
 void sl_receiver_tile_radiance(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);

@@ -104,7 +104,8 @@ static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_pho
         above |= geometric.x * (q.x - x.x) + geometric.y * (q.y - x.y) + geometric.z * (q.z - x.z) > 0.0f;
     }
     float value = pi * polygon->over_area;
-    return above & (squared > p->nearest) & (value <= 0x1p126f) ? value : 0.0f;
+    bool good = above & (squared > p->nearest) & (value <= 0x1p126f);
+    return good ? value : 0.0f;
 }
 
 /* ---- all photons of a frame ---- */
@@ -118,7 +119,8 @@ typedef struct sl_lobe_registers {
 /* Power of the cosine between a lobe's axis (unit) and the direction d of length r: 0 beyond a right angle. */
 static inline float sl_lobe_power(float along, float squared, float exponent) {
     float cosine = along / sqrtf(squared > 0.0f ? squared : 1.0f);
-    return cosine > 0.0f ? sl_powf(cosine < 1.0f ? cosine : 1.0f, exponent) : 0.0f;
+    float power = sl_powf(cosine < 1.0f ? cosine : 1.0f, exponent);
+    return cosine > 0.0f ? power : 0.0f;
 }
 
 typedef enum sl_weight_form { SL_FORM_DISC, SL_FORM_COSINE, SL_FORM_POLYGON } sl_weight_form;
