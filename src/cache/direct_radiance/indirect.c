@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "cache/direct_radiance/light_receivers.h"
 #include "cache/direct_radiance/receiver_kernels.h"
+#include "cache/direct_radiance/visibility.h"
 #include "raster/fragments/pbuffer.h"
 
 enum { TEXTURE_WIDTH = 256, TEXTURES = SL_PHOTON_CHANNELS / 4 };
@@ -25,8 +26,9 @@ typedef struct {
     sl_photon_polygon *polygon; /* NULL unless polygons are wanted */
     sl_pbuffer *texture[TEXTURES];
     sl_photon_textures textures;
-    bool plain;                 /* Lambertian photons, seen or not, all of one form */
+    bool plain;                 /* all photons are Lambertian, and of one form */
     float share[2];             /* of an even and an odd photon in the difference of the two half sums */
+    sl_sight *sight;            /* NULL: photons are seen from everywhere */
     sl_receiver_kernels kernels;
 } indirect_pass;
 
@@ -82,6 +84,7 @@ static sl_status upload(indirect_pass *p, sl_error *error) {
 }
 
 static void release(indirect_pass *p) {
+    sl_sight_destroy(p->sight);
     sl_free(p->photon);
     sl_free(p->form);
     sl_free(p->terms);
@@ -116,6 +119,11 @@ static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j
     p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
 }
 
+static void weigh_unseen(const void *context, const sl_receiver_tile *tile, size_t j, float *weight) {
+    const indirect_pass *p = context;
+    weigh(p, tile, j, &p->photon[j], weight);
+}
+
 /* colour times weight, to a sum and, with its sign, to the difference of the half sums. */
 static void add(const indirect_pass *p, size_t count, size_t j, sl_rgb colour, const float *weight, const float *visible,
                 float (*sum)[SL_TILE_PIXELS], float (*difference)[SL_TILE_PIXELS]) {
@@ -125,14 +133,15 @@ static void add(const indirect_pass *p, size_t count, size_t j, sl_rgb colour, c
     p->kernels.light.accumulate(count, signed_colour, weight, visible, difference[0], difference[1], difference[2]);
 }
 
-static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_light *sum,
-                       sl_tile_light *difference) {
+static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_sight *around,
+                       sl_tile_light *sum, sl_tile_light *difference, sl_counters *counters) {
     const sl_photon_registers r = supply(p, j);
     const sl_rgb colour = {r.red, r.green, r.blue};
     const size_t count = tile->padded;
     float weight[SL_TILE_PIXELS], visible[SL_TILE_PIXELS], of_photon[SL_TILE_PIXELS], of_receiver[SL_TILE_PIXELS];
     weigh(p, tile, j, &r, weight);
     for (size_t i = 0; i < count; i++) visible[i] = 1.0f;
+    if (p->sight) sl_sight_see(p->sight, tile, around, j, weight, visible, counters);
     add(p, count, j, colour, weight, visible, sum->irradiance, difference->irradiance);
     if (p->lobe) {
         p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
@@ -171,10 +180,12 @@ static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, boo
 static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
     const indirect_pass *p = context;
     sl_tile_light sum = {.irradiance = {{0.0f}}}, difference = {.irradiance = {{0.0f}}};
-    if (p->plain && !glossy && !p->spread) {
+    sl_tile_sight around;
+    if (p->plain && !p->sight && !glossy && !p->spread) {
         sum_plainly(p, tile, &sum);
     } else {
-        for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &sum, &difference);
+        if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
+        for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &sum, &difference, counters);
     }
     sl_receiver_tile_reflect(tile, &sum, glossy, p->width, p->picture->indirect);
     if (p->spread) set_spread(p, tile, glossy, &difference);
@@ -190,6 +201,8 @@ sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *rec
     sl_receiver_kinds kinds = {.of_material = NULL};
     sl_status status = upload(&p, error);
     if (status == SL_OK) status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);
+    if (status == SL_OK && pass->visibility != SL_VISIBILITY_NONE && pass->tracer)
+        status = sl_sight_create(pass, receivers, &kinds, weigh_unseen, &p, &p.sight, counters, error);
     if (status == SL_OK) status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
     sl_receiver_kinds_release(&kinds);
     release(&p);

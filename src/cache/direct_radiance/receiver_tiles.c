@@ -32,7 +32,7 @@ void sl_receiver_kinds_release(sl_receiver_kinds *kinds) {
     kinds->of_material = NULL;
 }
 
-static sl_receiver_kind kind_of(const sl_receiver_kinds *kinds, const sl_gbuffer *g, size_t pixel) {
+sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *g, size_t pixel) {
     size_t material = g->material[pixel], none = kinds->scene->material_count;
     return (sl_receiver_kind)kinds->of_material[material < none ? material : none];
 }
@@ -58,7 +58,8 @@ static void planes_of(const sl_gbuffer *g, sl_receiver_tile *t, plane_copy plane
 }
 
 /* Rows copied as they stand where every pixel is there, one by one otherwise. */
-static void fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
+void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
+    t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
     plane_copy planes[PLAIN_PLANES];
     planes_of(g, t, planes);
     for (int k = 0; k < PLAIN_PLANES; k++) {
@@ -79,7 +80,7 @@ static void fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
 
 static void set_trick(const sl_receiver_kinds *kinds, const sl_gbuffer *g, sl_receiver_tile *t) {
     for (size_t i = 0; i < t->count; i++) {
-        if (kind_of(kinds, g, t->pixel[i]) != SL_RECEIVER_MIRROR) continue;
+        if (sl_receiver_kind_at(kinds, g, t->pixel[i]) != SL_RECEIVER_MIRROR) continue;
         sl_rgb albedo = sl_rgb_mul(kinds->scene->materials[g->material[t->pixel[i]]].mirror, kinds->trick_albedo);
         t->diffuse[0][i] = albedo.r * (float)(1.0 / SL_PI);
         t->diffuse[1][i] = albedo.g * (float)(1.0 / SL_PI);
@@ -120,21 +121,20 @@ static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *ki
     int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
     int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
     bool mirrors = false, uniform = is_uniform(g, x0, y0);
-    sl_receiver_kind first = kind_of(kinds, g, (size_t)y0 * (size_t)g->width + (size_t)x0);
+    sl_receiver_kind first = sl_receiver_kind_at(kinds, g, (size_t)y0 * (size_t)g->width + (size_t)x0);
     t->count = 0;
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
             size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
-            sl_receiver_kind kind = uniform ? first : kind_of(kinds, g, pixel);
+            sl_receiver_kind kind = uniform ? first : sl_receiver_kind_at(kinds, g, pixel);
             mirrors |= kind == SL_RECEIVER_MIRROR;
             t->pixel[t->count] = (uint32_t)pixel;
             t->count += kind != SL_RECEIVER_NONE && (kind == SL_RECEIVER_GLOSSY) == glossy ? 1 : 0;
         }
     }
     t->whole = t->count == SL_TILE_PIXELS;
-    t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
     if (t->count == 0) return;
-    fetch(g, t);
+    sl_receiver_tile_fetch(g, t);
     if (mirrors) set_trick(kinds, g, t);
     if (glossy) set_lobes(receivers, kinds->scene, kernels, t);
 }

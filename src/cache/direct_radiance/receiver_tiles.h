@@ -51,6 +51,9 @@ typedef struct sl_receiver_kinds {
 sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_receiver_kinds *kinds, sl_error *error);
 void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 
+sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
+/* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
+void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, sl_receiver_tile *tile);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 /* Radiance that leaves towards the eye. */
 void sl_receiver_tile_radiance(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);

@@ -1,0 +1,233 @@
+/* Indirect shadows: rays between receivers and photons, one by one or for blocks of pixels. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "receiver_support.h"
+#include "trace_scenes.h"
+
+enum { WIDTH = 96, HEIGHT = 80, PIXELS = WIDTH * HEIGHT };
+
+/* A room of side 1 with a square plate of side 0.2 hanging in its middle. */
+typedef struct {
+    sl_scene *scene;
+    sl_tracer *tracer;
+    sl_receivers *receivers;
+} stage;
+
+static sl_vec3 floor_point(int x, int y) { return sl_v3(((float)x + 0.5f) / WIDTH, 0.0f, ((float)y + 0.5f) / HEIGHT); }
+
+static stage make_stage(bool plate) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    (void)trace_mesh_material(&mesh, 0.2f, 0.4f, 12.0f, 0.0f, 0.0f);
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), true, grey);
+    if (plate) trace_mesh_quad(&mesh, sl_v3(0.4f, 0.5f, 0.4f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), grey);
+    stage s = {.scene = trace_mesh_build(&mesh), .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.8f, 0.5f))};
+    assert_int_equal(sl_tracer_create(s.scene, 1, NULL, &s.tracer, NULL), SL_OK);
+    for (int y = 0; y < HEIGHT; y++) {
+        for (int x = 0; x < WIDTH; x++)
+            set_receiver(s.receivers, (size_t)(y * WIDTH + x), floor_point(x, y), sl_v3(0, 1, 0), sl_v3(0, 1, 0), sl_grey(0.5f), 0);
+    }
+    return s;
+}
+
+static void end_stage(stage *s) {
+    free_receivers(s->receivers);
+    sl_tracer_destroy(s->tracer);
+    sl_scene_destroy(s->scene);
+}
+
+/* Photons that shine downwards from below the ceiling. */
+static sl_map_photons *ceiling_photons(size_t count) {
+    sl_map_photons *p = make_photons(count, 1.7f);
+    for (size_t j = 0; j < count; j++) {
+        float x = count == 1 ? 0.5f : 0.2f + 0.6f * (float)j / (float)(count - 1);
+        p->photon[j] = (sl_map_photon){.position = {x, 1.0f, 0.5f}, .footprint = 1e-4f, .flux = {1.0f, 0.5f, 0.25f}, .cos_alpha = 0.9f,
+                                       .normal = {0, -1, 0}, .printed_area = 1e-4f, .radiance = {1.0f, 0.5f, 0.25f}};
+    }
+    return p;
+}
+
+static planes light_up(const stage *s, const sl_map_photons *photons, sl_photon_visibility visibility, unsigned threads,
+                       sl_counters *counters) {
+    sl_light_pass pass = {.scene = s->scene, .photons = photons, .weight = SL_WEIGHT_FLUX, .tracer = s->tracer,
+                          .visibility = visibility, .threads = threads};
+    planes p = make_planes(PIXELS);
+    sl_lit_picture picture = {.indirect = {p.value[0], p.value[1], p.value[2]}};
+    assert_int_equal(sl_light_indirectly(&pass, s->receivers, &picture, NULL, counters, NULL), SL_OK);
+    return p;
+}
+
+/* Distance on the floor to the edge of the plate's shadow from (1/2, 1, 1/2): a square of side 0.4; below 0 inside. */
+static float from_shadow(int x, int y) {
+    sl_vec3 p = floor_point(x, y);
+    return fmaxf(fabsf(p.x - 0.5f), fabsf(p.z - 0.5f)) - 0.2f;
+}
+
+static void rays_leave_the_plates_shadow_on_the_floor(void **state) {
+    (void)state;
+    stage s = make_stage(true);
+    sl_map_photons *photons = ceiling_photons(1);
+    sl_counters costs = {{0}}, none = {{0}};
+    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &none), traced = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
+    for (int i = 0; i < PIXELS; i++) {
+        float edge = from_shadow(i % WIDTH, i / WIDTH);
+        assert_true(open.value[0][i] > 0.0f);
+        if (fabsf(edge) < 1e-3f) continue;
+        for (int c = 0; c < 3; c++) assert_true(traced.value[c][i] == (edge > 0.0f ? open.value[c][i] : 0.0f));
+    }
+    assert_int_equal(none.value[SL_COUNT_SHADOW_RAYS], 0);
+    assert_int_equal(costs.value[SL_COUNT_SHADOW_RAYS], PIXELS);
+    free_planes(&open);
+    free_planes(&traced);
+    free_photons(photons);
+    end_stage(&s);
+}
+
+static void nothing_changes_where_nothing_is_in_the_way(void **state) {
+    (void)state;
+    stage s = make_stage(false);
+    sl_map_photons *photons = cube_photons(meet_unit_cube, NULL, sl_v3d(0.4, 0.7, 0.5), 6, 3, 0.7, sqrt(3.0));
+    sl_counters costs = {{0}};
+    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs), rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs),
+           blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
+    for (int c = 0; c < 3; c++) {
+        assert_memory_equal(open.value[c], rays.value[c], PIXELS * sizeof(float));
+        assert_memory_equal(open.value[c], blocks.value[c], PIXELS * sizeof(float));
+    }
+    free_planes(&open);
+    free_planes(&rays);
+    free_planes(&blocks);
+    free_photons(photons);
+    end_stage(&s);
+}
+
+static void no_ray_is_traced_where_no_light_would_arrive(void **state) {
+    (void)state;
+    stage s = make_stage(true);
+    sl_map_photons *photons = ceiling_photons(3);
+    for (size_t j = 0; j < photons->count; j++) photons->photon[j].normal = sl_v3(0, 1, 0);
+    for (int v = SL_VISIBILITY_RAYS; v <= SL_VISIBILITY_BLOCKS; v++) {
+        sl_counters costs = {{0}};
+        planes p = light_up(&s, photons, (sl_photon_visibility)v, 1, &costs);
+        assert_int_equal(costs.value[SL_COUNT_SHADOW_RAYS], 0);
+        for (int i = 0; i < PIXELS; i++) assert_true(p.value[0][i] == 0.0f);
+        free_planes(&p);
+    }
+    free_photons(photons);
+    end_stage(&s);
+}
+
+/* Shadows larger than a block come out as with a ray for each pixel; rays are spent at their edges. */
+static void blocks_give_the_same_shadow_for_fewer_rays(void **state) {
+    (void)state;
+    stage s = make_stage(true);
+    sl_map_photons *photons = ceiling_photons(1);
+    sl_counters of_rays = {{0}}, of_blocks = {{0}};
+    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &of_rays), blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &of_blocks);
+    uint64_t edge = 0;
+    for (int i = 0; i < PIXELS; i++) edge += fabsf(from_shadow(i % WIDTH, i / WIDTH)) < 8.0f / HEIGHT;
+    for (int c = 0; c < 3; c++) assert_memory_equal(rays.value[c], blocks.value[c], PIXELS * sizeof(float));
+    assert_true(of_blocks.value[SL_COUNT_SHADOW_RAYS] >= PIXELS / 16 + 100);
+    assert_true(of_blocks.value[SL_COUNT_SHADOW_RAYS] <= PIXELS / 16 + edge / 2);
+    assert_int_equal(of_rays.value[SL_COUNT_SHADOW_RAYS], PIXELS);
+    free_planes(&rays);
+    free_planes(&blocks);
+    free_photons(photons);
+    end_stage(&s);
+}
+
+/* A post one pixel wide before the floor, off the pixels that stand for blocks: its pixels must be traced themselves. */
+static void pixels_that_no_block_fits_ask_themselves(void **state) {
+    (void)state;
+    stage s = make_stage(true);
+    sl_map_photons *photons = ceiling_photons(1);
+    for (int y = 0; y < HEIGHT; y++) {
+        sl_vec3 p = floor_point(51, y);
+        p.y = 0.3f;
+        set_receiver(s.receivers, (size_t)(y * WIDTH + 51), p, sl_v3(0, 0.8f, 0.6f), sl_v3(0, 0.8f, 0.6f), sl_grey(0.5f), 0);
+    }
+    sl_counters costs = {{0}};
+    planes rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs), blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
+    int dark = 0, lit = 0;
+    for (int y = 0; y < HEIGHT; y++) {
+        size_t i = (size_t)(y * WIDTH + 51);
+        assert_true(rays.value[0][i] == blocks.value[0][i]);
+        dark += rays.value[0][i] == 0.0f;
+        lit += rays.value[0][i] > 0.0f;
+    }
+    assert_true(dark > 5 && lit > 5);
+    free_planes(&rays);
+    free_planes(&blocks);
+    free_photons(photons);
+    end_stage(&s);
+}
+
+/* The mean of a group of texels on a ball lies inside the ball. */
+static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_sphere(&mesh, sl_v3(0, 1, 0), 0.5f, 32, 0.0f, false, grey);
+    stage s = {.scene = trace_mesh_build(&mesh), .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0, 3, 0))};
+    assert_int_equal(sl_tracer_create(s.scene, 1, NULL, &s.tracer, NULL), SL_OK);
+    for (int i = 0; i < PIXELS; i++)
+        set_receiver(s.receivers, (size_t)i, sl_v3(0.001f * (float)(i % WIDTH), -1.0f, 0.001f * (float)(i / WIDTH)), sl_v3(0, 1, 0),
+                     sl_v3(0, 1, 0), sl_grey(0.5f), 0);
+    /* A cap of 20 degrees: its mean is 0.015 deep, and it stands for a disc of radius 0.5 sin 20. */
+    sl_map_photons *photons = ceiling_photons(1);
+    photons->photon[0].position = sl_v3(0.0f, 0.5f + 0.015f, 0.0f);
+    photons->photon[0].footprint = (float)(SL_PI * 0.171 * 0.171 * 0.9);
+    sl_counters costs = {{0}};
+    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs), rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
+    assert_true(open.value[0][0] > 0.0f);
+    assert_memory_equal(open.value[0], rays.value[0], PIXELS * sizeof(float));
+    free_planes(&open);
+    free_planes(&rays);
+    free_photons(photons);
+    end_stage(&s);
+}
+
+static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
+    (void)state;
+    static const char *const isas[] = {"baseline", "avx2", "avx512"};
+    stage s = make_stage(true);
+    for (int i = 0; i < PIXELS; i += 3) s.receivers->gbuffer->material[i] = i % 2 ? 1 : SL_NO_INDEX;
+    sl_map_photons *photons = ceiling_photons(40);
+    for (int v = SL_VISIBILITY_RAYS; v <= SL_VISIBILITY_BLOCKS; v++) {
+        sl_counters first = {{0}};
+        planes expected = light_up(&s, photons, (sl_photon_visibility)v, 1, &first);
+        for (unsigned k = 0; k < 3; k++) {
+            sl_counters costs = {{0}};
+            assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
+            planes got = light_up(&s, photons, (sl_photon_visibility)v, k + 1, &costs);
+            unsetenv("SOFTLUX_ISA");
+            for (int c = 0; c < 3; c++) assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
+            assert_memory_equal(&first, &costs, sizeof costs);
+            free_planes(&got);
+        }
+        free_planes(&expected);
+    }
+    free_photons(photons);
+    end_stage(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rays_leave_the_plates_shadow_on_the_floor),
+        cmocka_unit_test(nothing_changes_where_nothing_is_in_the_way),
+        cmocka_unit_test(no_ray_is_traced_where_no_light_would_arrive),
+        cmocka_unit_test(blocks_give_the_same_shadow_for_fewer_rays),
+        cmocka_unit_test(pixels_that_no_block_fits_ask_themselves),
+        cmocka_unit_test(photon_a_little_inside_its_curved_surface_is_seen),
+        cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
