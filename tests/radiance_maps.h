@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "base/memory.h"
+#include "base/random.h"
 #include "cache/direct_radiance/footprint.h"
 #include "cache/direct_radiance/map_texel.h"
 #include "cache/direct_radiance/photons.h"
