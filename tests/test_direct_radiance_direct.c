@@ -1,0 +1,347 @@
+/* Pass 6: direct light of receivers, (3) to (9), against closed forms. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "receiver_support.h"
+#include "trace_scenes.h"
+
+/* ---- lights by hand ---- */
+
+enum { LIGHTS = 4 };
+
+typedef struct {
+    sl_map_lights lights;
+    sl_map_light light[LIGHTS];
+    sl_map_light_point point[LIGHTS];
+} lamps;
+
+static void add_lamp(lamps *l, sl_map_light light) {
+    size_t i = l->lights.count++;
+    l->lights.point_count = l->lights.count;
+    l->light[i] = light;
+    l->point[i] = (sl_map_light_point){(uint32_t)i, light.position, light.intensity};
+    l->lights.light = l->light;
+    l->lights.point = l->point;
+}
+
+static sl_map_light point_light(sl_vec3 position) {
+    return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = position, .intensity = {3.0f, 2.0f, 1.0f}};
+}
+
+static sl_map_light area_light(sl_vec3 position, sl_vec3 normal, float area, bool two_sided) {
+    sl_rgb intensity = sl_rgb_scale((sl_rgb){3.0f, 2.0f, 1.0f}, area);
+    return (sl_map_light){.kind = SL_MAP_LIGHT_AREA, .position = position, .direction = normal, .intensity = intensity, .area = area,
+                          .two_sided = two_sided};
+}
+
+static planes light_up(const sl_scene *scene, lamps *l, const sl_receivers *receivers, const sl_shadow_cubes *cubes, unsigned threads) {
+    sl_light_pass pass = {.scene = scene, .lights = &l->lights, .cubes = cubes, .threads = threads};
+    planes p = make_planes((size_t)receivers->width * (size_t)receivers->height);
+    sl_lit_picture picture = {.direct = {p.value[0], p.value[1], p.value[2]}};
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_light_directly(&pass, receivers, &picture, &counters, NULL), SL_OK);
+    return p;
+}
+
+/* Radiance from one receiver of material m at x. */
+static sl_rgb radiance_at(const sl_scene *scene, sl_map_light light, sl_vec3 x, sl_vec3 n, sl_vec3 eye, uint32_t material) {
+    lamps l = {.lights = {.count = 0}};
+    add_lamp(&l, light);
+    sl_receivers *r = make_receivers(1, 1, eye);
+    set_receiver(r, 0, x, n, n, scene->materials[material].diffuse, material);
+    planes p = light_up(scene, &l, r, NULL, 1);
+    sl_rgb radiance = {p.value[0][0], p.value[1][0], p.value[2][0]};
+    free_planes(&p);
+    free_receivers(r);
+    return radiance;
+}
+
+static const sl_vec3 up = {0, 0, 1}, origin = {0, 0, 0};
+
+static double irradiance(const sl_scene *scene, sl_map_light light, sl_vec3 x, sl_vec3 n) {
+    return (double)radiance_at(scene, light, x, n, sl_v3(0, 0, 5), DIFFUSE_MATERIAL).r / 0.5 * SL_PI;
+}
+
+static void assert_near(double got, double expected) {
+    if (!(fabs(got - expected) <= 2e-6 * fabs(expected))) fail_msg("%.9g instead of %.9g", got, expected);
+}
+
+/* ---- irradiance ---- */
+
+static void point_light_falls_with_cosine_and_squared_distance(void **state) {
+    const sl_vec3 positions[] = {{0, 0, 2}, {1, 0, 2}, {-3, 4, 0.5f}, {0, 0, 1e4f}, {1e-4f, 0, 1e-4f}};
+    for (size_t i = 0; i < sizeof positions / sizeof *positions; i++) {
+        sl_vec3d d = sl_to_double(positions[i]);
+        double r = sl_lengthd(d);
+        assert_near(irradiance(*state, point_light(positions[i]), origin, up), 3.0 * (d.z / r) / (r * r));
+    }
+}
+
+/* The table of section 2.1: (9) over the exact irradiance of a square light of side s, at height d above a parallel plane, d / s = 0.5,
+ * 1, 2, 5. E of a square is the sum over four corners, (L/2) sum of x / sqrt(1 + x^2) atan(y / sqrt(1 + x^2)) + likewise. */
+static double corner_factor(double x, double y) {
+    double p = sqrt(1.0 + x * x), q = sqrt(1.0 + y * y);
+    return 0.5 * (x / p * atan(y / p) + y / q * atan(x / q));
+}
+
+static double rectangle_irradiance(double x0, double x1, double y0, double y1) {
+    return corner_factor(x1, y1) - corner_factor(x0, y1) - corner_factor(x1, y0) + corner_factor(x0, y0);
+}
+
+static void area_light_from_its_centre_has_the_error_of_a_very_distant_one(void **state) {
+    const double table[4][4] = {{0.5, 2.30, 0.951, 0.729}, {1, 1.33, 0.943, 0.915}, {2, 1.083, 0.981, 0.977}, {5, 1.013, 0.997, 0.996}};
+    for (int i = 0; i < 4; i++) {
+        double d = table[i][0], half = 0.5 / d;
+        sl_map_light light = area_light(sl_v3(0, 0, (float)d), sl_v3(0, 0, -1), 1.0f, false);
+        for (int aside = 0; aside < 3; aside++) {
+            double got = irradiance(*state, light, sl_v3((float)(aside * d), 0, 0), up);
+            double exact = 3.0 * rectangle_irradiance(-half - aside, half - aside, -half, half);
+            if (!(fabs(got / exact - table[i][1 + aside]) < 0.006 * table[i][1 + aside]))
+                fail_msg("d/s = %g, %d d aside: %g", d, aside, got / exact);
+        }
+    }
+}
+
+/* Flux Phi: a point's intensity is Phi / 4 pi, an area light's along its normal Phi / pi. */
+static void area_light_is_four_times_a_point_light_of_equal_flux_on_its_axis(void **state) {
+    sl_map_light point = point_light(sl_v3(0, 0, 2)), area = area_light(sl_v3(0, 0, 2), sl_v3(0, 0, -1), 1.0f, false);
+    area.intensity = sl_rgb_scale(point.intensity, 4.0f);
+    assert_near(irradiance(*state, area, origin, up), 4.0 * irradiance(*state, point, origin, up));
+}
+
+static void emitters_back_is_dark_unless_it_has_two_sides(void **state) {
+    sl_vec3 l = sl_v3(0.5f, 0, 2);
+    double front = irradiance(*state, area_light(l, sl_v3(0, 0, -1), 1.0f, true), origin, up);
+    assert_near(irradiance(*state, area_light(l, sl_v3(0, 0, -1), 1.0f, false), origin, up), front);
+    assert_true(irradiance(*state, area_light(l, sl_v3(0, 0, 1), 1.0f, false), origin, up) == 0.0);
+    assert_near(irradiance(*state, area_light(l, sl_v3(0, 0, 1), 1.0f, true), origin, up), front);
+}
+
+/* A smoothstep of the cosine between the cones; flux 2 pi I (1 - cos) inside, 0 outside. */
+static void spot_has_a_smooth_edge(void **state) {
+    sl_map_light spot = {.kind = SL_MAP_LIGHT_SPOT, .position = {0, 0, 2}, .direction = {0, 0, -1}, .intensity = {3, 2, 1},
+                         .cos_inner = 0.95f, .cos_outer = 0.8f};
+    for (int i = 0; i < 60; i++) {
+        double x = 0.05 * i, r = sqrt(4.0 + x * x), cosine = 2.0 / r;
+        double t = fmin(1.0, fmax(0.0, (cosine - (double)0.8f) / ((double)0.95f - (double)0.8f)));
+        double expected = 3.0 * cosine / (r * r) * (t * t * (3.0 - 2.0 * t)), got = irradiance(*state, spot, sl_v3((float)x, 0, 0), up);
+        assert_true(fabs(got - expected) < 3e-6);
+        if (cosine < 0.7999) assert_true(got == 0.0);
+    }
+}
+
+static void directional_light_does_not_fall_with_distance(void **state) {
+    sl_map_light sun = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}};
+    assert_near(irradiance(*state, sun, origin, up), 3.0 * (double)0.8f);
+    assert_near(irradiance(*state, sun, sl_v3(500, 3, -100), up), 3.0 * (double)0.8f);
+    assert_true(irradiance(*state, sun, origin, sl_v3(0, 0, -1)) == 0.0);
+}
+
+static void lights_add_up(void **state) {
+    sl_map_light all[3] = {point_light(sl_v3(1, 1, 2)), area_light(sl_v3(-1, 0, 1), sl_v3(0.6f, 0, -0.8f), 0.5f, false),
+                           {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}}};
+    lamps l = {.lights = {.count = 0}};
+    sl_receivers *r = make_receivers(1, 1, sl_v3(0, 0, 5));
+    set_receiver(r, 0, origin, up, up, sl_grey(0.5f), DIFFUSE_MATERIAL);
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        add_lamp(&l, all[i]);
+        sum += (double)radiance_at(*state, all[i], origin, up, sl_v3(0, 0, 5), DIFFUSE_MATERIAL).r;
+    }
+    planes p = light_up(*state, &l, r, NULL, 1);
+    assert_near((double)p.value[0][0], sum);
+    free_planes(&p);
+    free_receivers(r);
+}
+
+/* ---- lobes ---- */
+
+static void glossy_receiver_has_the_modified_phong_lobe(void **state) {
+    sl_vec3 eye = sl_v3(1.0f, 0.3f, 1.5f), light = sl_v3(-1.2f, 0.1f, 1.4f);
+    sl_vec3d v = sl_to_double(eye), l = sl_to_double(light);
+    double r = sl_lengthd(l), cosine = (-v.x * l.x - v.y * l.y + v.z * l.z) / (sl_lengthd(v) * r), e = 3.0 * l.z / (r * r * r);
+    double expected = e * ((double)0.3f / SL_PI + (double)0.4f * 22.0 / (2.0 * SL_PI) * pow(cosine, 20.0));
+    sl_rgb got = radiance_at(*state, point_light(light), origin, up, eye, GLOSSY_MATERIAL);
+    assert_true(fabs((double)got.r - expected) < 1e-5 * expected);
+}
+
+/* The brightest pixel of a glossy floor lies where the mirrored eye sees the light; two eyes in one picture, path by path. */
+static void highlight_moves_with_the_eye(void **state) {
+    enum { N = 200 };
+    sl_receivers *r = make_receivers(N, 2, sl_v3(-1, 0, 1));
+    r->eye[1] = sl_v3(0.1f, 0, 3);
+    r->path = calloc(2 * N, 1);
+    assert_non_null(r->path);
+    for (int i = 0; i < 2 * N; i++) {
+        r->path[i] = (uint8_t)(i / N);
+        set_receiver(r, (size_t)i, sl_v3(-1.0f + 2.0f * ((float)(i % N) + 0.5f) / N, 0, 0), up, up, sl_grey(0), GLOSSY_MATERIAL);
+    }
+    lamps l = {.lights = {.count = 0}};
+    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {-0.2f / sqrtf(1.04f), 0, -1.0f / sqrtf(1.04f)},
+                                .intensity = {1, 1, 1}});
+    planes p = light_up(*state, &l, r, NULL, 1);
+    for (int path = 0; path < 2; path++) {
+        int best = 0;
+        for (int i = 1; i < N; i++) best = p.value[0][path * N + i] > p.value[0][path * N + best] ? i : best;
+        double x = -1.0 + 2.0 * (best + 0.5) / N, mirrored = (double)r->eye[path].x + 0.2 * (double)r->eye[path].z;
+        assert_true(fabs(x - mirrored) < 1.5 / N);
+    }
+    free_planes(&p);
+    free(r->path);
+    free_receivers(r);
+}
+
+/* (n+2) / (2 pi) is 1 / pi for n = 0. */
+static void lobe_of_exponent_0_is_lambertian(void **state) {
+    sl_vec3 eye = sl_v3(0.5f, 0, 2), light = sl_v3(-0.3f, 0.4f, 1.5f);
+    sl_rgb flat = radiance_at(*state, point_light(light), origin, up, eye, FLAT_LOBE_MATERIAL);
+    sl_rgb lambertian = radiance_at(*state, point_light(light), origin, up, eye, DIFFUSE_MATERIAL);
+    assert_near((double)flat.g, (double)lambertian.g);
+}
+
+/* ---- what stays as it is, hard cases, shadows ---- */
+
+static void mirrors_black_surfaces_and_background_stay_as_they_are(void **state) {
+    sl_receivers *r = make_receivers(4, 1, sl_v3(0, 0, 5));
+    const uint32_t materials[4] = {MIRROR_MATERIAL, BLACK_MATERIAL, SL_NO_INDEX, DIFFUSE_MATERIAL};
+    for (size_t i = 0; i < 4; i++) set_receiver(r, i, origin, up, up, sl_grey(i == 3 ? 0.5f : 0.0f), materials[i]);
+    lamps l = {.lights = {.count = 0}};
+    add_lamp(&l, point_light(sl_v3(0, 0, 2)));
+    sl_light_pass pass = {.scene = *state, .lights = &l.lights, .threads = 1};
+    float value[3][4] = {{7, 7, 7, 7}, {7, 7, 7, 7}, {7, 7, 7, 7}};
+    sl_lit_picture picture = {.direct = {value[0], value[1], value[2]}};
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_light_directly(&pass, r, &picture, &counters, NULL), SL_OK);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < 3; i++) assert_true(value[c][i] == 7.0f);
+        assert_true(value[c][3] > 7.0f);
+    }
+    assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_SHADED], 1);
+    free_receivers(r);
+}
+
+static void lights_on_the_surface_or_behind_it_give_nothing(void **state) {
+    const sl_vec3 lights[] = {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}, {0, 0, -1e-30f}, {0, 0, 1e-38f}, {NAN, 0, 1}, {0, 0, INFINITY}};
+    for (size_t i = 0; i < sizeof lights / sizeof *lights; i++) {
+        for (uint32_t material = DIFFUSE_MATERIAL; material <= GLOSSY_MATERIAL; material++) {
+            sl_rgb p = radiance_at(*state, point_light(lights[i]), origin, up, sl_v3(0, 0, 1), material);
+            sl_rgb a = radiance_at(*state, area_light(lights[i], sl_v3(0, 0, -1), 1.0f, true), origin, up, sl_v3(0, 0, 1), material);
+            assert_true(p.r == 0.0f && p.g == 0.0f && p.b == 0.0f && a.r == 0.0f && a.g == 0.0f && a.b == 0.0f);
+        }
+    }
+}
+
+/* Scaling a scene by s divides irradiance from points by s^2. */
+static void scale_of_the_scene_does_not_matter(void **state) {
+    double unit = irradiance(*state, point_light(sl_v3(0.3f, 0.2f, 0.7f)), origin, up);
+    for (int e = -4; e <= 4; e += 8) {
+        float s = e < 0 ? 1e-4f : 1e4f;
+        sl_scene scene = *(sl_scene *)*state;
+        scene.diagonal *= s;
+        double got = irradiance(&scene, point_light(sl_v3(0.3f * s, 0.2f * s, 0.7f * s)), origin, up) * (double)s * (double)s;
+        assert_near(got, unit);
+    }
+}
+
+static void shadow_cubes_darken_what_the_light_does_not_see(void **state) {
+    (void)state;
+    enum { N = 64 };
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);
+    trace_mesh_quad(&mesh, sl_v3(-0.2f, -0.2f, 0.5f), sl_v3(0.4f, 0, 0), sl_v3(0, 0.4f, 0), grey);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_raster *raster = NULL;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    lamps l = {.lights = {.count = 0}};
+    add_lamp(&l, point_light(sl_v3(0, 0, 1)));
+    sl_shadow_cubes *cubes = NULL;
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_shadow_cubes_render(scene, raster, &l.lights, 512, 1, &cubes, &counters, NULL), SL_OK);
+    sl_receivers *r = make_receivers(N, N, sl_v3(0, 0, 2));
+    for (int i = 0; i < N * N; i++) {
+        sl_vec3 x = sl_v3(-0.98f + 1.96f * (float)(i % N) / (N - 1), -0.98f + 1.96f * (float)(i / N) / (N - 1), 0.0f);
+        set_receiver(r, (size_t)i, x, up, up, sl_grey(0.5f), grey);
+    }
+    planes open = light_up(scene, &l, r, NULL, 1), shadowed = light_up(scene, &l, r, cubes, 2);
+    for (int i = 0; i < N * N; i++) {
+        float edge = fmaxf(fabsf(r->gbuffer->position_x[i]), fabsf(r->gbuffer->position_y[i])) - 0.4f;
+        if (fabsf(edge) < 0.02f) continue;
+        assert_true(shadowed.value[0][i] == (edge > 0.0f ? open.value[0][i] : 0.0f));
+        assert_true(open.value[0][i] > 0.0f);
+    }
+    free_planes(&open);
+    free_planes(&shadowed);
+    free_receivers(r);
+    sl_shadow_cubes_destroy(cubes);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
+    enum { WIDTH = 77, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
+    static const char *const isas[] = {"baseline", "avx2", "avx512"};
+    sl_receivers *r = make_receivers(WIDTH, HEIGHT, sl_v3(0, 0, 2));
+    uint64_t key = sl_random_key(3, 3);
+    for (uint64_t i = 0; i < PIXELS; i++) {
+        if (i % 11 == 0) continue;
+        sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 8 * i) - 0.5f, sl_random_unit(key, 8 * i + 1) - 0.5f, 0.4f), up);
+        sl_vec3 x = sl_v3(sl_random_unit(key, 8 * i + 2), sl_random_unit(key, 8 * i + 3), sl_random_unit(key, 8 * i + 4));
+        set_receiver(r, i, x, n, n, sl_grey(sl_random_unit(key, 8 * i + 5)), i / 40 % 2 ? GLOSSY_MATERIAL : DIFFUSE_MATERIAL);
+    }
+    lamps l = {.lights = {.count = 0}};
+    add_lamp(&l, point_light(sl_v3(0.5f, 0.2f, 2)));
+    add_lamp(&l, area_light(sl_v3(0, 0, 2), sl_v3(0.6f, 0, -0.8f), 0.3f, true));
+    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}});
+    add_lamp(&l, (sl_map_light){.kind = SL_MAP_LIGHT_SPOT, .position = {0, 0, 2}, .direction = {0, 0, -1}, .intensity = {3, 2, 1},
+                                .cos_inner = 0.95f, .cos_outer = 0.8f});
+    planes expected = light_up(*state, &l, r, NULL, 1);
+    for (unsigned k = 0; k < 3; k++) {
+        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
+        planes got = light_up(*state, &l, r, NULL, k + 1);
+        unsetenv("SOFTLUX_ISA");
+        for (int c = 0; c < 3; c++) assert_memory_equal(expected.value[c], got.value[c], PIXELS * sizeof(float));
+        free_planes(&got);
+    }
+    free_planes(&expected);
+    free_receivers(r);
+}
+
+static int make_scene(void **state) {
+    *state = receiver_scene();
+    return 0;
+}
+
+static int destroy_scene(void **state) {
+    sl_scene_destroy(*state);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(point_light_falls_with_cosine_and_squared_distance),
+        cmocka_unit_test(area_light_from_its_centre_has_the_error_of_a_very_distant_one),
+        cmocka_unit_test(area_light_is_four_times_a_point_light_of_equal_flux_on_its_axis),
+        cmocka_unit_test(emitters_back_is_dark_unless_it_has_two_sides),
+        cmocka_unit_test(spot_has_a_smooth_edge),
+        cmocka_unit_test(directional_light_does_not_fall_with_distance),
+        cmocka_unit_test(lights_add_up),
+        cmocka_unit_test(glossy_receiver_has_the_modified_phong_lobe),
+        cmocka_unit_test(highlight_moves_with_the_eye),
+        cmocka_unit_test(lobe_of_exponent_0_is_lambertian),
+        cmocka_unit_test(mirrors_black_surfaces_and_background_stay_as_they_are),
+        cmocka_unit_test(lights_on_the_surface_or_behind_it_give_nothing),
+        cmocka_unit_test(scale_of_the_scene_does_not_matter),
+        cmocka_unit_test(shadow_cubes_darken_what_the_light_does_not_see),
+        cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
+    };
+    return cmocka_run_group_tests(tests, make_scene, destroy_scene);
+}
