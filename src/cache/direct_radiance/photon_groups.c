@@ -4,9 +4,9 @@
 #include "cache/direct_radiance/steady.h"
 
 /* Facets of a curved surface whose normals differ by less than 20 degrees are one group, where they lie one beside the other: a table and
- * the floor below it have one normal, often one object, and nothing of either is halfway between them. (A group of both moved
- * by half a table's height whenever a few of the block's texels changed sides. Of the irradiance of a room where a light glides past a box, as
- * in tests/test_direct_radiance_steady.c, that was the largest change in a frame: 0.55 of the mean, and 0.19 without it.) */
+ * the floor below it have one normal, often one object, and nothing of either is halfway between them. (A photon of both moves by half the
+ * table's height as texels change sides: of the irradiance of a room where a light glides past a box, the largest change in a
+ * frame was 0.55 of the mean, and without such photons 0.19.) */
 #define GROUP_COS 0.94
 #define GROUP_SINE 0.25
 
