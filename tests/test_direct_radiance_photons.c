@@ -1,6 +1,8 @@
 /* Regular sample photons of direct radiance maps, against what their surfaces reflect. */
 #include "radiance_maps.h"
 
+#include "cache/direct_radiance/light_receivers.h"
+
 static sl_map_light point_light(sl_vec3 position) {
     return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
 }
@@ -342,6 +344,43 @@ static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) 
     sl_scene_destroy(scene);
 }
 
+/* Section 2.4: a receiver above a floor patch, at a tenth of its half side, where four photons' footprints meet. (What polygons
+ * lack is that the light falls off within each of them.) */
+static void close_to_a_patch_polygons_are_right_where_discs_are_not(void **state) {
+    (void)state;
+    sl_scene *scene = room(0.5f, 0);
+    double exact = 0;
+    const int fine = 600;
+    for (int i = 0; i < fine * fine; i++) { /* half side 1/2, light at 1/2, receiver at 0.05 and looking down */
+        double x = -0.5 + (i % fine + 0.5) / fine, z = -0.5 + (i / fine + 0.5) / fine, b2 = x * x + z * z + 0.25;
+        double r2 = (x - 1.0 / 6) * (x - 1.0 / 6) + (z - 1.0 / 6) * (z - 1.0 / 6) + 0.0025;
+        double radiance = 0.5 * 2.0 / SL_PI * (0.5 / sqrt(b2)) / b2;
+        exact += radiance * 0.0025 / (r2 * r2) / ((double)fine * fine);
+    }
+    const struct {
+        int m;
+        double polygon_low, polygon_high, flux_low, flux_high;
+    } expected[] = {{3, 0.80, 0.90, 0.05, 0.10}, {9, 0.95, 1.0, 0.3, 0.7}};
+    for (int k = 0; k < 2; k++) {
+        hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 3 * expected[k].m, expected[k].m);
+        fill_floor(h, 0.5f);
+        sl_radiance_map_settings polygons = {.filter = SL_MAP_FILTER_FLUX, .weight = SL_WEIGHT_POLYGON};
+        sl_map_photons *photons = take_photons(scene, &h->map, &polygons);
+        double e[2] = {0, 0};
+        for (size_t j = 0; j < photons->count; j++) {
+            sl_vec3 x = sl_v3(1.0f / 6, 0.05f, 1.0f / 6), down = sl_v3(0, -1, 0);
+            e[0] += (double)sl_photon_irradiance(photons, j, SL_WEIGHT_POLYGON, x, down, down).r;
+            e[1] += (double)sl_photon_irradiance(photons, j, SL_WEIGHT_FLUX, x, down, down).r;
+        }
+        print_message("m = %d: polygons %.3f, flux %.3f of the exact irradiance\n", expected[k].m, e[0] / exact, e[1] / exact);
+        assert_true(e[0] / exact > expected[k].polygon_low && e[0] / exact < expected[k].polygon_high);
+        assert_true(e[1] / exact > expected[k].flux_low && e[1] / exact < expected[k].flux_high);
+        sl_map_photons_destroy(photons);
+        hand_map_end(h);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void a_polygon_whose_corners_run_away_is_left_out(void **state) {
     (void)state;
     sl_scene *scene = room(0.5f, 0);
@@ -545,6 +584,7 @@ int main(void) {
         cmocka_unit_test(a_lights_image_in_a_mirror_shines_as_the_light_does),
         cmocka_unit_test(traced_texels_arrive_from_where_they_say),
         cmocka_unit_test(polygons_are_where_corner_rays_meet_the_tangent_plane),
+        cmocka_unit_test(close_to_a_patch_polygons_are_right_where_discs_are_not),
         cmocka_unit_test(a_polygon_whose_corners_run_away_is_left_out),
         cmocka_unit_test(texels_without_geometry_are_no_photons),
         cmocka_unit_test(a_map_without_faces_has_no_photons),
