@@ -14,8 +14,14 @@ typedef struct sl_unpacked_light {
     float direction[3], color[3];
 } sl_unpacked_light;
 
+/* Of a set: n_v, or (0,0,0); turn: it stands for the other side too. */
+typedef struct sl_array_facing {
+    sl_vec3 normal;
+    bool turn;
+} sl_array_facing;
+
 /* What the arrays hold: with split voxels their first texel is the group's normal, and how many groups the voxel has (0 but for the
- * first). Leaves without light share one array of zeros. */
+ * first), and whether that normal turns to the viewer. Leaves without light share one array of zeros. */
 typedef struct sl_voxel_texture {
     int depth;
     sl_vec3d origin;
@@ -23,13 +29,14 @@ typedef struct sl_voxel_texture {
     sl_volume *bricks;          /* RGBA8 */
     size_t brick_count;
     sl_voxel_lobes lobes;
+    int harmonics_order;
     int header;                 /* 1: split by normals */
     int lights;                 /* texels of an array without its header */
     int width, height;          /* of the texture of lights: arrays never wrap */
     size_t array_count;
     sl_directional_light *light; /* width * height texels */
     sl_unpacked_light *unpacked; /* the same, array after array: the CPU's short cut, as is */
-    sl_vec3 *normal;            /* of each array's set */
+    sl_array_facing *facing;    /* of each array's set */
     uint32_t *index;            /* an array's number for each cell of the deepest level, SL_NO_INDEX for void: may be NULL */
     bool wide_directions;
 } sl_voxel_texture;
@@ -42,5 +49,8 @@ size_t sl_voxel_texture_bytes(const sl_voxel_texture *texture); /* bricks and li
 /* The descent: the texel at which it ends, and the array's address where that is a leaf. fetches is added to. */
 uint32_t sl_voxel_texture_find(const sl_voxel_texture *texture, sl_vec3 p, uint32_t *address, uint64_t *fetches);
 const sl_directional_light *sl_voxel_texture_lights(const sl_voxel_texture *texture, uint32_t address);
+/* The same by cell of the deepest level: the texel (void outside the root); and the number of the array at an address. */
+uint32_t sl_voxel_texture_find_cell(const sl_voxel_texture *texture, const int32_t cell[3], uint64_t *fetches);
+size_t sl_voxel_texture_array(const sl_voxel_texture *texture, uint32_t address);
 
 #endif

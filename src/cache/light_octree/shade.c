@@ -1,0 +1,303 @@
+#include "cache/light_octree/shade.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/light_octree/shade_kernels.h"
+
+enum { TABLE = 2 * SL_OCTREE_BATCH, TILE = 64, NONE = -1 };
+
+static const uint64_t NOWHERE = UINT64_MAX;
+
+/* Where a point lies: its eight voxels are cell + {0,1}^3. */
+typedef struct voxel_place {
+    uint64_t key;          /* of cell, and whether the point is glossy; NOWHERE: it gets no light */
+    float t[3];
+} voxel_place;
+
+typedef struct voxel_group {
+    uint64_t key;
+    int32_t cell[3];
+    bool glossy;
+    uint32_t count, first;
+} voxel_group;
+
+struct sl_octree_scratch {
+    sl_shade_kernel *kernel;
+    sl_shade_block block;
+    sl_shade_cells cells;
+    voxel_place place[SL_OCTREE_BATCH];
+    voxel_group group[SL_OCTREE_BATCH];
+    int32_t group_of[SL_OCTREE_BATCH];
+    uint32_t order[SL_OCTREE_BATCH];
+    int32_t table[TABLE];
+    size_t groups;
+    /* A tile of a G-buffer. */
+    uint32_t pixel[SL_OCTREE_BATCH];
+    float point[16][SL_OCTREE_BATCH];
+    float out[3][SL_OCTREE_BATCH];
+};
+
+sl_status sl_octree_scratch_create(sl_octree_scratch **scratch, sl_error *error) {
+    *scratch = sl_allocate(1, sizeof **scratch);
+    if (!*scratch) return sl_fail_memory(error, "shading");
+    (*scratch)->kernel = sl_shade_kernel_for(sl_isa_best());
+    return SL_OK;
+}
+
+void sl_octree_scratch_destroy(sl_octree_scratch *scratch) { sl_free(scratch); }
+
+/* ---- points by voxel ---- */
+
+static bool is_glossy(const sl_octree_points *p, size_t i) {
+    return p->specular_r && (p->specular_r[i] > 0.0f || p->specular_g[i] > 0.0f || p->specular_b[i] > 0.0f);
+}
+
+/* b = floor(p 2^d - 1/2), or the cell itself with the nearest filter; 11 bits each, from -1 on. */
+static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_points *p, size_t i, int32_t cell[3]) {
+    const sl_voxel_texture *t = shading->texture;
+    double cells = (double)(1u << t->depth), scale = cells / t->edge;
+    bool nearest = shading->filter == SL_VOXEL_NEAREST;
+    const double u[3] = {((double)p->x[i] - t->origin.x) * scale, ((double)p->y[i] - t->origin.y) * scale, ((double)p->z[i] - t->origin.z) * scale};
+    float length = p->normal_x[i] * p->normal_x[i] + p->normal_y[i] * p->normal_y[i] + p->normal_z[i] * p->normal_z[i];
+    voxel_place place = {.key = NOWHERE};
+    if (!(length > 0.0f && length < 4.0f)) return place;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(u[axis] >= 0.0 && u[axis] < cells)) return place; /* outside, or NaN */
+        double at = nearest ? u[axis] : u[axis] - 0.5, low = floor(at);
+        cell[axis] = (int32_t)low;
+        place.t[axis] = (float)(at - low);
+    }
+    place.key = (uint64_t)(cell[0] + 1) | (uint64_t)(cell[1] + 1) << 11 | (uint64_t)(cell[2] + 1) << 22 | (uint64_t)is_glossy(p, i) << 33;
+    return place;
+}
+
+/* Neighbours mostly share a group, so the last one is asked first. */
+static int32_t find_group(sl_octree_scratch *s, uint64_t key, int32_t last, const int32_t cell[3]) {
+    if (last != NONE && s->group[last].key == key) return last;
+    uint32_t slot = (uint32_t)((key * 0x9e3779b97f4a7c15u) >> 40) % TABLE;
+    while (s->table[slot] != NONE && s->group[s->table[slot]].key != key) slot = (slot + 1) % TABLE;
+    if (s->table[slot] == NONE) {
+        s->table[slot] = (int32_t)s->groups;
+        s->group[s->groups++] = (voxel_group){.key = key, .cell = {cell[0], cell[1], cell[2]}, .glossy = key >> 33 & 1};
+    }
+    return s->table[slot];
+}
+
+/* Groups in order of their first point, their points in order. */
+static void group_points(const sl_octree_shading *shading, const sl_octree_points *p, size_t first, size_t count, sl_octree_scratch *s) {
+    int32_t last = NONE;
+    s->groups = 0;
+    for (size_t i = 0; i < TABLE; i++) s->table[i] = NONE;
+    for (size_t i = 0; i < count; i++) {
+        int32_t cell[3] = {0, 0, 0};
+        s->place[i] = place_of(shading, p, first + i, cell);
+        s->group_of[i] = NONE;
+        if (s->place[i].key == NOWHERE) continue;
+        s->group_of[i] = last = find_group(s, s->place[i].key, last, cell);
+        s->group[last].count++;
+    }
+    uint32_t at = 0;
+    for (size_t g = 0; g < s->groups; g++) {
+        s->group[g].first = at;
+        at += s->group[g].count;
+        s->group[g].count = 0;
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (s->group_of[i] == NONE) continue;
+        voxel_group *g = &s->group[s->group_of[i]];
+        s->order[g->first + g->count++] = (uint32_t)i;
+    }
+}
+
+/* ---- a group's voxels ---- */
+
+static int used_lights(const sl_voxel_texture *t, const sl_unpacked_light *light) {
+    int used = t->lights;
+    if (t->lobes == SL_LOBES_HARMONICS) return used;
+    while (used > 0 && light[used - 1].color[0] == 0.0f && light[used - 1].color[1] == 0.0f && light[used - 1].color[2] == 0.0f) used--;
+    return used;
+}
+
+static size_t array_at(const sl_voxel_texture *t, const int32_t cell[3], uint64_t *fetches) {
+    if (t->index) {
+        uint32_t cells = 1u << t->depth, x = (uint32_t)cell[0], y = (uint32_t)cell[1], z = (uint32_t)cell[2];
+        if (x >= cells || y >= cells || z >= cells) return SIZE_MAX;
+        uint32_t array = t->index[((size_t)z * cells + y) * cells + x];
+        ++*fetches;
+        return array == SL_NO_INDEX ? SIZE_MAX : array;
+    }
+    uint32_t texel = sl_voxel_texture_find_cell(t, cell, fetches);
+    return texel >> 24 == SL_TEXEL_LEAF ? sl_voxel_texture_array(t, texel & 0xffffffu) : SIZE_MAX;
+}
+
+static void fetch_corner(const sl_voxel_texture *t, size_t array, sl_shade_corner *corner, uint64_t *fetches) {
+    size_t texels = (size_t)(t->header + t->lights);
+    corner->sets = 0;
+    if (array == SIZE_MAX) return;
+    const sl_unpacked_light *light = t->unpacked + array * texels;
+    int sets = t->header ? (int)light->color[0] : 1;
+    for (int k = 0; k < sets && k < SL_VOXEL_SETS_MAX; k++, light += texels) {
+        const sl_array_facing *facing = &t->facing[array + (size_t)k];
+        corner->set[k] = (sl_shade_set){light + t->header, used_lights(t, light + t->header), facing->normal, facing->turn};
+    }
+    corner->sets = sets;
+    *fetches += (uint64_t)sets * texels;
+}
+
+static void fetch_cells(const sl_octree_shading *shading, const voxel_group *group, sl_shade_cells *cells, uint64_t *fetches) {
+    const sl_voxel_texture *t = shading->texture;
+    cells->corners = shading->filter == SL_VOXEL_NEAREST ? 1 : 8;
+    cells->lobes = t->lobes;
+    cells->harmonics_order = t->harmonics_order;
+    cells->keep_void_dark = shading->keep_void_dark;
+    cells->facing = shading->facing;
+    for (int k = 0; k < cells->corners; k++) {
+        const int32_t cell[3] = {group->cell[0] + (k & 1), group->cell[1] + (k >> 1 & 1), group->cell[2] + (k >> 2)};
+        fetch_corner(t, array_at(t, cell, fetches), &cells->corner[k], fetches);
+    }
+}
+
+/* ---- blocks of a group's points ---- */
+
+static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy, sl_shade_block *b, size_t at) {
+    b->tx[at] = place->t[0];
+    b->ty[at] = place->t[1];
+    b->tz[at] = place->t[2];
+    b->nx[at] = p->normal_x[i];
+    b->ny[at] = p->normal_y[i];
+    b->nz[at] = p->normal_z[i];
+    b->mx[at] = b->my[at] = b->mz[at] = b->exponent[at] = 0.0f;
+    if (!glossy) return;
+    sl_vec3 n = sl_v3(p->normal_x[i], p->normal_y[i], p->normal_z[i]), v = sl_v3(p->view_x[i], p->view_y[i], p->view_z[i]);
+    sl_vec3 mirrored = sl_sub(sl_scale(n, 2.0f * sl_dot(n, v)), v);
+    b->mx[at] = mirrored.x;
+    b->my[at] = mirrored.y;
+    b->mz[at] = mirrored.z;
+    b->exponent[at] = p->exponent[i];
+}
+
+/* kd / pi E + ks lobes. */
+static float reflect(const float *diffuse, const float *specular, size_t i, float irradiance, float lobe) {
+    float radiance = diffuse ? diffuse[i] * (float)(1.0 / SL_PI) * irradiance : irradiance;
+    return specular ? radiance + specular[i] * lobe : radiance;
+}
+
+static void shade_block(const sl_octree_points *p, size_t first, const voxel_group *group, size_t from, size_t count, sl_octree_scratch *s,
+                        float *const out[3]) {
+    static const size_t LANES = SL_SHADE_LANES;
+    const uint32_t *order = s->order + group->first + from;
+    size_t padded = (count + LANES - 1) / LANES * LANES;
+    for (size_t k = 0; k < padded; k++) {
+        uint32_t i = order[k < count ? k : count - 1];
+        load_point(p, &s->place[i], first + i, group->glossy, &s->block, k);
+    }
+    s->kernel(&s->cells, padded, group->glossy, &s->block);
+    const float *const diffuse[3] = {p->diffuse_r, p->diffuse_g, p->diffuse_b};
+    const float *const specular[3] = {p->specular_r, p->specular_g, p->specular_b};
+    for (size_t k = 0; k < count; k++) {
+        size_t i = first + order[k];
+        for (int c = 0; c < 3; c++) {
+            out[c][i] = reflect(diffuse[c], group->glossy ? specular[c] : NULL, i, s->block.irradiance[c][k], s->block.lobe[c][k]);
+        }
+    }
+}
+
+void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p, sl_octree_scratch *s, float *r, float *g, float *b,
+                     sl_counters *counters) {
+    float *const out[3] = {r, g, b};
+    for (size_t first = 0; first < p->count; first += SL_OCTREE_BATCH) {
+        size_t count = p->count - first < SL_OCTREE_BATCH ? p->count - first : SL_OCTREE_BATCH;
+        group_points(shading, p, first, count, s);
+        for (int c = 0; c < 3; c++) memset(out[c] + first, 0, count * sizeof *r);
+        for (size_t k = 0; k < s->groups; k++) {
+            const voxel_group *group = &s->group[k];
+            uint64_t fetches = 0;
+            fetch_cells(shading, group, &s->cells, &fetches);
+            sl_count(counters, SL_COUNT_TEXTURE_FETCHES, fetches * group->count); /* as each fragment would */
+            for (size_t from = 0; from < group->count; from += SL_SHADE_BLOCK) {
+                size_t left = group->count - from;
+                shade_block(p, first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, s, out);
+            }
+        }
+    }
+}
+
+/* ---- a G-buffer ---- */
+
+typedef struct tile_pass {
+    const sl_octree_shading *shading;
+    const sl_scene *scene;
+    const sl_gbuffer *gbuffer;
+    sl_vec3 eye;
+    float *const *out;
+    int tiles_across;
+    sl_octree_scratch **scratch;
+    sl_counters *counters;
+} tile_pass;
+
+static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octree_scratch *s) {
+    const sl_gbuffer *g = pass->gbuffer;
+    const sl_material *m = &pass->scene->materials[g->material[pixel]];
+    sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
+    sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
+    sl_vec3 v = sl_normalize_or(sl_sub(pass->eye, place), n);
+    const float values[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
+                              g->diffuse_b[pixel], m->specular.r, m->specular.g, m->specular.b, m->exponent};
+    for (int k = 0; k < 16; k++) s->point[k][at] = values[k];
+    s->pixel[at] = pixel;
+}
+
+static void shade_tile(void *context, size_t index, unsigned worker) {
+    const tile_pass *pass = context;
+    const sl_gbuffer *g = pass->gbuffer;
+    sl_octree_scratch *s = pass->scratch[worker];
+    int x0 = (int)(index % (size_t)pass->tiles_across) * TILE, y0 = (int)(index / (size_t)pass->tiles_across) * TILE;
+    int x1 = x0 + TILE < g->width ? x0 + TILE : g->width, y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
+    size_t count = 0;
+    bool any_glossy = false;
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            uint32_t pixel = (uint32_t)(y * g->width + x), material = g->material[pixel];
+            for (int c = 0; c < 3; c++) pass->out[c][pixel] = 0.0f;
+            if (material == SL_NO_INDEX || sl_material_is_mirror(&pass->scene->materials[material])) continue;
+            any_glossy |= sl_material_is_glossy(&pass->scene->materials[material]);
+            take_pixel(pass, pixel, count++, s);
+        }
+    }
+    float(*v)[SL_OCTREE_BATCH] = s->point;
+    sl_octree_points points = {count, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], NULL, NULL, NULL, v[15]};
+    if (any_glossy) {
+        points.specular_r = v[12];
+        points.specular_g = v[13];
+        points.specular_b = v[14];
+    }
+    sl_octree_shade(pass->shading, &points, s, s->out[0], s->out[1], s->out[2], &pass->counters[worker]);
+    for (size_t i = 0; i < count; i++) {
+        for (int c = 0; c < 3; c++) pass->out[c][s->pixel[i]] = s->out[c][i];
+    }
+    sl_count(&pass->counters[worker], SL_COUNT_FRAGMENTS_SHADED, count);
+}
+
+sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye,
+                                  unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error) {
+    threads = sl_thread_count(threads);
+    float *const out[3] = {r, g, b};
+    int across = (gbuffer->width + TILE - 1) / TILE, up = (gbuffer->height + TILE - 1) / TILE;
+    tile_pass pass = {.shading = shading, .scene = scene, .gbuffer = gbuffer, .eye = eye, .out = out, .tiles_across = across,
+                      .scratch = sl_allocate(threads, sizeof *pass.scratch), .counters = sl_allocate(threads, sizeof *pass.counters)};
+    sl_status status = pass.scratch && pass.counters ? SL_OK : sl_fail_memory(error, "shading");
+    for (unsigned i = 0; status == SL_OK && i < threads; i++) status = sl_octree_scratch_create(&pass.scratch[i], error);
+    if (status == SL_OK) {
+        sl_parallel_for(threads, (size_t)across * (size_t)up, shade_tile, &pass);
+        for (unsigned i = 0; i < threads; i++) sl_counters_add(counters, &pass.counters[i]);
+    }
+    for (unsigned i = 0; pass.scratch && i < threads; i++) sl_octree_scratch_destroy(pass.scratch[i]);
+    sl_free(pass.scratch);
+    sl_free(pass.counters);
+    return status;
+}

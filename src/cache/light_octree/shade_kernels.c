@@ -1,0 +1,197 @@
+/* Sixteen points at a time against lights that are the same for all of them. Colours are blended between voxels after they are reflected:
+ * directions of unrelated clusters must not be averaged (section 2.7). */
+#include "cache/light_octree/shade_kernels.h"
+
+#include "base/math.h"
+#include "cache/light_octree/harmonic_basis.h"
+
+enum { LANES = SL_SHADE_LANES };
+
+typedef float lanes __attribute__((vector_size(4 * SL_SHADE_LANES)));
+typedef int32_t masks __attribute__((vector_size(4 * SL_SHADE_LANES)));
+
+typedef struct light_sum {
+    lanes irradiance[3], lobe[3];
+} light_sum;
+
+/* What of the points the loops need. */
+typedef struct point_lanes {
+    lanes tx, ty, tz, nx, ny, nz, mx, my, mz, exponent;
+    const sl_shade_cells *cells;
+    bool glossy;
+} point_lanes;
+
+static inline lanes load(const float *p) { return *(const lanes *)p; }
+static inline lanes choose(masks m, lanes a, lanes b) { return (lanes)(((masks)a & m) | ((masks)b & ~m)); }
+static inline lanes positive(lanes a) { return (lanes)((masks)a & (a > 0.0f)); } /* NaN: 0 */
+
+/* Modified Phong: (e+2)/(2 pi) cos^e. */
+static inline lanes phong(lanes cosine, lanes exponent) {
+    float c[LANES] __attribute__((aligned(64))), e[LANES] __attribute__((aligned(64))), v[LANES] __attribute__((aligned(64)));
+    *(lanes *)c = cosine;
+    *(lanes *)e = exponent;
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) v[l] = (e[l] + 2.0f) * (float)(0.5 / SL_PI) * sl_powf(c[l], e[l]);
+    return *(lanes *)v;
+}
+
+/* L_o = sum f_r c (n . d)+, without kd / pi and ks; c without cosine where it is the irradiance on the surface (section 2.4). */
+static inline light_sum directional(const point_lanes *p, const sl_shade_set *set) {
+    light_sum s = {{{0}}, {{0}}};
+    bool cosine = p->cells->lobes == SL_LOBES_PERPENDICULAR;
+    for (int j = 0; j < set->lights; j++) {
+        const sl_unpacked_light *light = &set->light[j];
+        const float *d = light->direction;
+        lanes weight = positive(p->nx * d[0] + p->ny * d[1] + p->nz * d[2]);
+        if (!cosine) weight = weight * 0.0f + 1.0f;
+        for (int c = 0; c < 3; c++) s.irradiance[c] += weight * light->color[c];
+        if (!p->glossy) continue;
+        lanes reflected = weight * phong(positive(p->mx * d[0] + p->my * d[1] + p->mz * d[2]), p->exponent);
+        for (int c = 0; c < 3; c++) s.lobe[c] += reflected * light->color[c];
+    }
+    return s;
+}
+
+/* One irradiance has no direction: gloss reflects it as a diffuse surface would. */
+static inline light_sum one_colour(const sl_shade_set *set) {
+    light_sum s = {{{0}}, {{0}}};
+    for (int c = 0; c < 3; c++) {
+        float e = set->lights > 0 ? set->light[0].color[c] : 0.0f;
+        s.irradiance[c] += e;
+        s.lobe[c] += (float)(1.0 / SL_PI) * e;
+    }
+    return s;
+}
+
+/* Convolution with a lobe about an axis multiplies each band by its zonal coefficient (Ramamoorthi and Hanrahan 2001: pi, 2 pi / 3,
+ * pi / 4 and 0 for the clamped cosine). A Phong lobe times the cosine is taken for a lobe of the next power times (n . m). */
+static inline light_sum harmonics(const point_lanes *p, const sl_shade_set *set) {
+    static const float COSINE[4] = {(float)SL_PI, (float)(2.0 * SL_PI / 3.0), (float)(SL_PI / 4.0), 0.0f};
+    static const int BAND[16] = {0, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3};
+    float irradiance[3][LANES] __attribute__((aligned(64))), lobe[3][LANES] __attribute__((aligned(64)));
+    for (int l = 0; l < LANES; l++) {
+        float basis[16], sum[3] = {0}, gloss[3] = {0}, zonal[4];
+        sl_harmonic_basis(p->nx[l], p->ny[l], p->nz[l], basis);
+        for (int k = 0; k < set->lights; k++) {
+            for (int c = 0; c < 3; c++) sum[c] += COSINE[BAND[k]] * basis[k] * set->light[k].color[c];
+        }
+        if (p->glossy) {
+            float facing = p->nx[l] * p->mx[l] + p->ny[l] * p->my[l] + p->nz[l] * p->mz[l];
+            facing = facing > 0.0f ? facing : 0.0f;
+            sl_harmonic_basis(p->mx[l], p->my[l], p->mz[l], basis);
+            sl_harmonic_lobe(p->exponent[l] + 1.0f, zonal);
+            for (int k = 0; k < set->lights; k++) {
+                for (int c = 0; c < 3; c++) gloss[c] += facing * zonal[BAND[k]] * basis[k] * set->light[k].color[c];
+            }
+        }
+        for (int c = 0; c < 3; c++) { /* the series may fall below 0, light does not */
+            irradiance[c][l] = sum[c] > 0.0f ? sum[c] : 0.0f;
+            lobe[c][l] = gloss[c] > 0.0f ? gloss[c] : 0.0f;
+        }
+    }
+    light_sum s;
+    for (int c = 0; c < 3; c++) {
+        s.irradiance[c] = load(irradiance[c]);
+        s.lobe[c] = load(lobe[c]);
+    }
+    return s;
+}
+
+static inline light_sum of_set(const point_lanes *p, const sl_shade_set *set) {
+    if (p->cells->lobes == SL_LOBES_NONE) return one_colour(set);
+    if (p->cells->lobes == SL_LOBES_HARMONICS) return harmonics(p, set);
+    return directional(p, set);
+}
+
+static inline lanes cosine_to(const point_lanes *p, const sl_shade_set *set) {
+    lanes c = p->nx * set->normal.x + p->ny * set->normal.y + p->nz * set->normal.z;
+    return set->turn ? (lanes)((masks)c & 0x7fffffff) : c;
+}
+
+/* A split voxel: each point takes the group whose normal is nearest to its own; ties go to the first. */
+static inline light_sum of_corner(const point_lanes *p, const sl_shade_corner *corner) {
+    light_sum best = of_set(p, &corner->set[0]);
+    lanes nearest = cosine_to(p, &corner->set[0]);
+    for (int k = 1; k < corner->sets; k++) {
+        lanes cosine = cosine_to(p, &corner->set[k]);
+        masks closer = cosine > nearest;
+        light_sum s = of_set(p, &corner->set[k]);
+        nearest = choose(closer, cosine, nearest);
+        for (int c = 0; c < 3; c++) {
+            best.irradiance[c] = choose(closer, s.irradiance[c], best.irradiance[c]);
+            best.lobe[c] = choose(closer, s.lobe[c], best.lobe[c]);
+        }
+    }
+    return best;
+}
+
+/* ---- weights (section 2.7) ---- */
+
+static inline lanes trilinear(const point_lanes *p, int corner) {
+    if (p->cells->corners == 1) return p->tx * 0.0f + 1.0f;
+    lanes x = corner & 1 ? p->tx : 1.0f - p->tx, y = corner & 2 ? p->ty : 1.0f - p->ty, z = corner & 4 ? p->tz : 1.0f - p->tz;
+    return x * y * z;
+}
+
+/* (n . n_v)+; 1 where there is no normal. */
+static inline lanes facing_factor(const point_lanes *p, const sl_shade_corner *corner) {
+    const sl_vec3 n = corner->set[0].normal;
+    if (corner->sets > 1 || (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f)) return p->tx * 0.0f + 1.0f;
+    return positive(cosine_to(p, &corner->set[0]));
+}
+
+/* The voxel that the point itself lies in. */
+static inline masks own_voxel(const point_lanes *p, int corner) {
+    masks x = p->tx >= 0.5f, y = p->ty >= 0.5f, z = p->tz >= 0.5f;
+    return (corner & 1 ? x : ~x) & (corner & 2 ? y : ~y) & (corner & 4 ? z : ~z);
+}
+
+/* Weights of the eight voxels; facing ones fall back on the point's own voxel, and on plain ones where that is void. */
+static inline void weigh(const point_lanes *p, lanes weight[8]) {
+    const sl_shade_cells *cells = p->cells;
+    lanes zero = p->tx * 0.0f, faced = zero;
+    masks own_there = {0};
+    for (int k = 0; k < cells->corners; k++) {
+        weight[k] = cells->corner[k].sets > 0 ? trilinear(p, k) : zero;
+        if (!cells->facing || cells->corner[k].sets == 0) continue;
+        faced += weight[k] * facing_factor(p, &cells->corner[k]);
+        own_there |= own_voxel(p, k);
+    }
+    if (!cells->facing || cells->corners == 1) return;
+    masks enough = faced >= 1e-3f;
+    for (int k = 0; k < cells->corners; k++) {
+        if (cells->corner[k].sets == 0) continue;
+        lanes own = choose(own_voxel(p, k), zero + 1.0f, zero);
+        weight[k] = choose(enough, weight[k] * facing_factor(p, &cells->corner[k]), choose(own_there, own, weight[k]));
+    }
+}
+
+static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size_t first) {
+    const sl_shade_cells *cells = p->cells;
+    lanes weight[8], sum = p->tx * 0.0f;
+    light_sum total = {{{0}}, {{0}}};
+    weigh(p, weight);
+    for (int k = 0; k < cells->corners; k++) {
+        if (cells->corner[k].sets == 0) continue;
+        light_sum s = of_corner(p, &cells->corner[k]);
+        sum += weight[k];
+        for (int c = 0; c < 3; c++) {
+            total.irradiance[c] += weight[k] * s.irradiance[c];
+            total.lobe[c] += weight[k] * s.lobe[c];
+        }
+    }
+    masks some = sum > 0.0f;
+    lanes one = p->tx * 0.0f + 1.0f, scale = cells->keep_void_dark && !cells->facing ? one : positive(one / choose(some, sum, one));
+    for (int c = 0; c < 3; c++) {
+        *(lanes *)&block->irradiance[c][first] = total.irradiance[c] * scale;
+        *(lanes *)&block->lobe[c][first] = total.lobe[c] * scale;
+    }
+}
+
+void SL_KERNEL(sl_shade_block)(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *b) {
+    for (size_t i = 0; i < count; i += LANES) {
+        point_lanes p = {load(b->tx + i), load(b->ty + i), load(b->tz + i), load(b->nx + i), load(b->ny + i), load(b->nz + i),
+                         load(b->mx + i), load(b->my + i), load(b->mz + i), load(b->exponent + i), cells, glossy};
+        shade_lanes(&p, b, i);
+    }
+}

@@ -1,0 +1,55 @@
+/* The loop over points that share their eight voxels, compiled for every instruction set. */
+#ifndef SL_CACHE_LIGHT_OCTREE_SHADE_KERNELS_H
+#define SL_CACHE_LIGHT_OCTREE_SHADE_KERNELS_H
+
+#include "base/isa.h"
+#include "cache/light_octree/voxel_texture.h"
+
+enum { SL_SHADE_BLOCK = 64, SL_SHADE_LANES = 16 };
+
+typedef struct sl_shade_set {
+    const sl_unpacked_light *light;
+    int lights;            /* to be summed: used ones, or coefficients */
+    sl_vec3 normal;
+    bool turn;             /* its normal turns to the viewer */
+} sl_shade_set;
+
+typedef struct sl_shade_corner {
+    int sets;              /* 0: void */
+    sl_shade_set set[SL_VOXEL_SETS_MAX];
+} sl_shade_corner;
+
+/* Eight voxels, x lowest; with the nearest filter the first alone. */
+typedef struct sl_shade_cells {
+    sl_shade_corner corner[8];
+    int corners;           /* 8, or 1 */
+    sl_voxel_lobes lobes;
+    int harmonics_order;
+    bool keep_void_dark, facing;
+} sl_shade_cells;
+
+/* Points as arrays, filled up to whole groups of SL_SHADE_LANES with anything finite. */
+typedef struct sl_shade_block {
+    _Alignas(64) float tx[SL_SHADE_BLOCK];
+    float ty[SL_SHADE_BLOCK], tz[SL_SHADE_BLOCK];                         /* place between the voxels' centres */
+    float nx[SL_SHADE_BLOCK], ny[SL_SHADE_BLOCK], nz[SL_SHADE_BLOCK];
+    float mx[SL_SHADE_BLOCK], my[SL_SHADE_BLOCK], mz[SL_SHADE_BLOCK];     /* mirror direction of the view */
+    float exponent[SL_SHADE_BLOCK];
+    float irradiance[3][SL_SHADE_BLOCK];                                  /* out: sum c (n . d)+ */
+    float lobe[3][SL_SHADE_BLOCK];                                        /* out: sum (e+2)/(2 pi) (m . d)+^e c (n . d)+ */
+} sl_shade_block;
+
+typedef void sl_shade_kernel(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *block);
+
+sl_shade_kernel sl_shade_block_baseline, sl_shade_block_avx2, sl_shade_block_avx512;
+
+static inline sl_shade_kernel *sl_shade_kernel_for(sl_isa isa) {
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return sl_shade_block_avx512;
+    if (isa == SL_ISA_AVX2) return sl_shade_block_avx2;
+#endif
+    (void)isa;
+    return sl_shade_block_baseline;
+}
+
+#endif

@@ -1,0 +1,269 @@
+#include "cache/light_octree/voxel_texture.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/light_octree/triangle_cells.h"
+
+/* ---- bricks ---- */
+
+enum { BRICKS_A_SIDE = 256 }; /* a byte of address for each axis */
+
+/* Bricks are numbered level after level, in Morton order; these are the numbers' places in the 3D texture. */
+static void brick_place(const sl_volume *bricks, size_t brick, int place[3]) {
+    size_t across = (size_t)bricks->width / 2, up = (size_t)bricks->height / 2;
+    place[0] = (int)(brick % across);
+    place[1] = (int)(brick / across % up);
+    place[2] = (int)(brick / across / up);
+}
+
+static uint8_t *brick_texel(const sl_volume *bricks, size_t brick, unsigned cell) {
+    int place[3];
+    brick_place(bricks, brick, place);
+    size_t x = 2 * (size_t)place[0] + (cell & 1), y = 2 * (size_t)place[1] + (cell >> 1 & 1), z = 2 * (size_t)place[2] + (cell >> 2);
+    return bricks->bytes + 4 * ((z * (size_t)bricks->height + y) * (size_t)bricks->width + x);
+}
+
+static size_t nodes_at(const sl_octree *octree, int level) {
+    int shift = 3 * (octree->depth - level);
+    size_t count = 0;
+    for (size_t i = 0; i < octree->leaf_count; i++) {
+        count += i == 0 || octree->leaf[i].morton >> shift != octree->leaf[i - 1].morton >> shift;
+    }
+    return count;
+}
+
+/* As near to a cuboid without waste as it gets. */
+static sl_status create_bricks(sl_voxel_texture *t, const sl_octree *octree, sl_error *error) {
+    size_t count = 1, side = BRICKS_A_SIDE;
+    for (int level = 1; level < octree->depth; level++) count += nodes_at(octree, level);
+    size_t deep = (count + side * side - 1) / (side * side), high = (count + side * deep - 1) / (side * deep),
+           wide = (count + high * deep - 1) / (high * deep);
+    if (deep > side) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "the octree has %zu bricks, 24 bits address %zu: a smaller depth is needed", count,
+                       side * side * side);
+    }
+    t->brick_count = count;
+    return sl_volume_create(2 * (int)wide, 2 * (int)high, 2 * (int)deep, SL_VOLUME_RGBA8, &t->bricks, error);
+}
+
+static void put_node(sl_voxel_texture *t, size_t brick, unsigned cell, size_t child) {
+    uint8_t *texel = brick_texel(t->bricks, brick, cell);
+    int place[3];
+    brick_place(t->bricks, child, place);
+    for (int axis = 0; axis < 3; axis++) texel[axis] = (uint8_t)place[axis];
+    texel[3] = SL_TEXEL_NODE;
+}
+
+/* x and y in the texture of lights: 12 bits each. */
+static void put_leaf(sl_voxel_texture *t, size_t brick, unsigned cell, size_t array) {
+    uint8_t *texel = brick_texel(t->bricks, brick, cell);
+    size_t at = array * (size_t)(t->header + t->lights), x = at % (size_t)t->width, y = at / (size_t)t->width;
+    texel[0] = (uint8_t)(x >> 4);
+    texel[1] = (uint8_t)((x & 15) << 4 | y >> 8);
+    texel[2] = (uint8_t)(y & 255);
+    texel[3] = SL_TEXEL_LEAF;
+}
+
+/* A level's nodes are the codes' prefixes; their bricks hold the next level's. */
+static void fill_bricks(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *array_of_leaf) {
+    size_t first = 0;
+    for (int level = 0; level < octree->depth; level++) {
+        int shift = 3 * (octree->depth - level);
+        size_t nodes = level == 0 ? 1 : nodes_at(octree, level), node = 0, child = 0;
+        for (size_t i = 0; i < octree->leaf_count; i++) {
+            uint64_t code = octree->leaf[i].morton, before = i > 0 ? octree->leaf[i - 1].morton : code;
+            node += code >> shift != before >> shift;
+            child += code >> (shift - 3) != before >> (shift - 3);
+            unsigned cell = (unsigned)(code >> (shift - 3) & 7);
+            if (level + 1 == octree->depth) put_leaf(t, first + node, cell, array_of_leaf[i]);
+            else put_node(t, first + node, cell, first + nodes + child);
+        }
+        first += nodes;
+    }
+}
+
+/* ---- lights ---- */
+
+static bool is_dark(const sl_voxel_lights *lights, size_t leaf) {
+    for (uint32_t s = lights->first_set[leaf]; s < lights->first_set[leaf + 1]; s++) {
+        if (lights->set[s].lights > 0) return false;
+    }
+    return true;
+}
+
+/* Arrays in order of leaves; those without light share the first. Returns how many there are. */
+static size_t number_arrays(const sl_voxel_lights *lights, uint32_t *array_of_leaf) {
+    size_t arrays = 0;
+    for (size_t i = 0; i < lights->leaf_count && arrays == 0; i++) arrays = is_dark(lights, i);
+    for (size_t i = 0; i < lights->leaf_count; i++) {
+        bool dark = is_dark(lights, i);
+        array_of_leaf[i] = dark ? 0 : (uint32_t)arrays;
+        arrays += dark ? 0 : lights->first_set[i + 1] - lights->first_set[i];
+    }
+    return arrays;
+}
+
+static sl_status create_lights(sl_voxel_texture *t, size_t arrays, sl_error *error) {
+    size_t texels = (size_t)(t->header + t->lights), most = SL_LIGHT_TEXTURE_SIZE / texels;
+    if (arrays > most * SL_LIGHT_TEXTURE_SIZE) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "%zu arrays of lights, 24 bits address %zu of %zu texels: fewer lights or a smaller depth are needed",
+                       arrays, most * SL_LIGHT_TEXTURE_SIZE, texels);
+    }
+    size_t rows = arrays > 0 ? (arrays + most - 1) / most : 1, a_row = arrays > 0 ? (arrays + rows - 1) / rows : 1;
+    t->array_count = arrays;
+    t->width = (int)(a_row * texels);
+    t->height = (int)rows;
+    t->light = sl_allocate(a_row * rows * texels, sizeof *t->light);
+    t->unpacked = sl_allocate(a_row * rows * texels, sizeof *t->unpacked);
+    t->facing = sl_allocate(a_row * rows, sizeof *t->facing);
+    return t->light && t->unpacked && t->facing ? SL_OK : sl_fail_memory(error, "the texture of lights");
+}
+
+/* A normal may be turned to the viewer's side, unless another of the voxel's groups is there. */
+static bool may_turn(const sl_voxel_lights *lights, const sl_voxel_set *set) {
+    for (uint32_t s = lights->first_set[set->leaf]; s < lights->first_set[set->leaf + 1]; s++) {
+        if (sl_dot(lights->set[s].normal, set->normal) < -0.5f) return false;
+    }
+    return true;
+}
+
+static void put_array(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t array, uint32_t set_number, float sets) {
+    const sl_voxel_set *set = &lights->set[set_number];
+    sl_directional_light *light = t->light + array * (size_t)(t->header + t->lights);
+    bool turn = t->header ? may_turn(lights, set) : set->both_sides;
+    if (t->header) {
+        *light++ = (sl_directional_light){{sets, turn ? 1.0f : 0.0f, 0.0f}, sl_direction_pack(sl_to_double(set->normal), t->wide_directions)};
+    }
+    memcpy(light, lights->light + (size_t)set_number * (size_t)lights->texels, (size_t)t->lights * sizeof *light);
+    t->facing[array] = (sl_array_facing){set->normal, turn};
+}
+
+static void fill_lights(sl_voxel_texture *t, const sl_voxel_lights *lights, const uint32_t *array_of_leaf) {
+    if (t->header && t->light) t->light[0].color[0] = 1.0f; /* the dark array, where there is one */
+    for (size_t i = 0; i < lights->leaf_count; i++) {
+        if (is_dark(lights, i)) continue;
+        uint32_t first = lights->first_set[i], count = lights->first_set[i + 1] - first;
+        for (uint32_t s = 0; s < count; s++) put_array(t, lights, array_of_leaf[i] + s, first + s, s == 0 ? (float)count : 0.0f);
+    }
+}
+
+static sl_status unpack_lights(sl_voxel_texture *t, sl_error *error) {
+    sl_direction_table *table;
+    sl_status status = sl_direction_table_create(t->wide_directions, &table, error);
+    if (status != SL_OK) return status;
+    for (size_t i = 0; i < t->array_count * (size_t)(t->header + t->lights); i++) {
+        sl_vec3 d = sl_direction_table_unpack(table, t->light[i].packed);
+        t->unpacked[i] = (sl_unpacked_light){{d.x, d.y, d.z}, {t->light[i].color[0], t->light[i].color[1], t->light[i].color[2]}};
+    }
+    sl_direction_table_destroy(table);
+    return SL_OK;
+}
+
+static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *array_of_leaf, sl_error *error) {
+    size_t cells = (size_t)1 << octree->depth;
+    t->index = sl_allocate(cells * cells * cells, sizeof *t->index);
+    if (!t->index) return sl_fail_memory(error, "the octree's index");
+    memset(t->index, 0xff, cells * cells * cells * sizeof *t->index);
+    for (size_t i = 0; i < octree->leaf_count; i++) {
+        uint32_t c[3];
+        sl_morton_decode(octree->leaf[i].morton, c);
+        t->index[(c[2] * cells + c[1]) * cells + c[0]] = array_of_leaf[i];
+    }
+    return SL_OK;
+}
+
+/* ---- the whole ---- */
+
+static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_voxel_lights *lights, uint32_t *array_of_leaf, bool dense_index,
+                      sl_error *error) {
+    size_t arrays = number_arrays(lights, array_of_leaf);
+    sl_status status = create_bricks(t, octree, error);
+    if (status == SL_OK) status = create_lights(t, arrays, error);
+    if (status != SL_OK) return status;
+    fill_bricks(t, octree, array_of_leaf);
+    fill_lights(t, lights, array_of_leaf);
+    status = unpack_lights(t, error);
+    return status == SL_OK && dense_index ? fill_index(t, octree, array_of_leaf, error) : status;
+}
+
+sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index, sl_voxel_texture **result,
+                                  sl_error *error) {
+    *result = NULL;
+    sl_voxel_texture *t = sl_allocate(1, sizeof *t);
+    uint32_t *array_of_leaf = sl_allocate(octree->leaf_count, sizeof *array_of_leaf);
+    sl_status status = t && array_of_leaf ? SL_OK : sl_fail_memory(error, "the octree's texture");
+    if (status == SL_OK) {
+        *t = (sl_voxel_texture){.depth = octree->depth,
+                                .origin = octree->origin,
+                                .edge = octree->edge,
+                                .lobes = lights->options.lobes,
+                                .harmonics_order = lights->options.harmonics_order,
+                                .header = lights->options.split_by_normal,
+                                .lights = lights->texels,
+                                .wide_directions = lights->options.wide_directions};
+        status = fill(t, octree, lights, array_of_leaf, dense_index, error);
+    }
+    sl_free(array_of_leaf);
+    if (status != SL_OK) sl_voxel_texture_destroy(t);
+    else *result = t;
+    return status;
+}
+
+void sl_voxel_texture_destroy(sl_voxel_texture *t) {
+    if (!t) return;
+    sl_volume_destroy(t->bricks);
+    sl_free(t->light);
+    sl_free(t->unpacked);
+    sl_free(t->facing);
+    sl_free(t->index);
+    sl_free(t);
+}
+
+size_t sl_voxel_texture_bytes(const sl_voxel_texture *t) {
+    size_t texels = (size_t)t->bricks->width * (size_t)t->bricks->height * (size_t)t->bricks->depth;
+    return 4 * texels + (size_t)t->width * (size_t)t->height * sizeof *t->light;
+}
+
+/* ---- the descent ---- */
+
+/* cell = floor(2 frac(p 2^D)) is a bit of floor(p 2^d). Void ends it. */
+uint32_t sl_voxel_texture_find_cell(const sl_voxel_texture *t, const int32_t cell[3], uint64_t *fetches) {
+    int place[3] = {0, 0, 0};
+    uint32_t texel = 0, cells = 1u << t->depth;
+    if ((uint32_t)cell[0] >= cells || (uint32_t)cell[1] >= cells || (uint32_t)cell[2] >= cells) return 0;
+    for (int bit = t->depth - 1; bit >= 0; bit--) {
+        texel = sl_volume_fetch(t->bricks, 2 * place[0] + (cell[0] >> bit & 1), 2 * place[1] + (cell[1] >> bit & 1),
+                                2 * place[2] + (cell[2] >> bit & 1));
+        ++*fetches;
+        if (texel >> 24 != SL_TEXEL_NODE) break;
+        for (int axis = 0; axis < 3; axis++) place[axis] = (int)(texel >> 8 * axis & 255);
+    }
+    return texel;
+}
+
+uint32_t sl_voxel_texture_find(const sl_voxel_texture *t, sl_vec3 p, uint32_t *address, uint64_t *fetches) {
+    double cells = (double)(1u << t->depth);
+    sl_vec3d u = sl_scaled(sl_subd(sl_to_double(p), t->origin), cells / t->edge);
+    const double at[3] = {u.x, u.y, u.z};
+    int32_t cell[3];
+    *address = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(at[axis] >= 0.0 && at[axis] < cells)) return SL_TEXEL_VOID; /* outside, or NaN: no light */
+        cell[axis] = (int32_t)at[axis];
+    }
+    uint32_t texel = sl_voxel_texture_find_cell(t, cell, fetches);
+    if (texel >> 24 == SL_TEXEL_LEAF) *address = texel & 0xffffffu;
+    return texel;
+}
+
+size_t sl_voxel_texture_array(const sl_voxel_texture *t, uint32_t address) {
+    uint32_t r = address & 255, g = address >> 8 & 255, b = address >> 16 & 255;
+    size_t x = r << 4 | g >> 4, y = (g & 15) << 8 | b;
+    return (y * (size_t)t->width + x) / (size_t)(t->header + t->lights);
+}
+
+const sl_directional_light *sl_voxel_texture_lights(const sl_voxel_texture *t, uint32_t address) {
+    return t->light + sl_voxel_texture_array(t, address) * (size_t)(t->header + t->lights);
+}
