@@ -96,10 +96,247 @@ static void cube_room_has_the_ratios_of_each_weight(void **state) {
     }
 }
 
+/* Walls take up what the light sends out: the integral of E over a closed convex room is rho Phi = rho 4 pi, for any m. */
+static void energy_of_a_closed_convex_room_is_kept_by_the_plain_weight(void **state) {
+    (void)state;
+    enum { CELLS = 96 };
+    for (int m = 1; m <= 5; m += 2) {
+        sl_map_photons *photons = cube_photons(meet_unit_cube, NULL, sl_v3d(0.45, 0.4, 0.65), 6, m, 0.7, sqrt(3.0));
+        double sum = 0.0;
+        for (int k = 0; k < 6 * CELLS * CELLS; k++) {
+            sl_vec3d x, n;
+            double u = (k % CELLS + 0.5) / CELLS, v = (k / CELLS % CELLS + 0.5) / CELLS;
+            wall_point(36 * (k / (CELLS * CELLS)), &x, &n);
+            double *at[3] = {&x.x, &x.y, &x.z};
+            int axis = n.x != 0.0 ? 0 : n.y != 0.0 ? 1 : 2;
+            *at[(axis + 1) % 3] = u, *at[(axis + 2) % 3] = v;
+            sum += irradiance_at(photons, SL_WEIGHT_PLAIN, x, n);
+        }
+        double total = sum / (CELLS * CELLS) / (0.7 * 4.0 * SL_PI);
+        if (!(fabs(total - 1.0) < 2e-3)) fail_msg("m = %d: %g", m, total);
+        free_photons(photons);
+    }
+}
+
+/* ---- a floor patch below the light, and a receiver above it ---- */
+
+/* Ratio to the exact irradiance at a point over a floor of half side 1, lit from height 1 over its middle. */
+static double over_the_floor(sl_photon_weight weight, int m, sl_vec3d x) {
+    const sl_vec3d light = {0, 0, 1}, down = {0, 0, -1};
+    sl_map_photons *photons = cube_photons(meet_floor, NULL, light, 1, m, 0.7, 3.0);
+    double exact = exact_irradiance(meet_floor, NULL, light, 1, 401, 0.7, x, down), got = irradiance_at(photons, weight, x, down);
+    free_photons(photons);
+    return got / exact;
+}
+
+static void plain_weight_over_a_floor_patch_is_right_to_a_sixth_of_a_percent(void **state) {
+    (void)state;
+    assert_true(fabs(over_the_floor(SL_WEIGHT_PLAIN, 3, sl_v3d(0, 0, 2)) - 1.0) < 1.6e-3);
+}
+
+static void polygons_hold_close_to_the_floor_where_other_weights_fail(void **state) {
+    (void)state;
+    const struct {
+        sl_photon_weight weight;
+        double at_3, at_8;
+    } table[] = {{SL_WEIGHT_POLYGON, 0.96, 0.985}, {SL_WEIGHT_FLUX, 0.15, 0.57}, {SL_WEIGHT_DISC, 0.06, 0.28}};
+    const sl_vec3d close = {0.2, 0.1, 0.1};
+    for (int i = 0; i < 3; i++) {
+        double at_3 = over_the_floor(table[i].weight, 3, close), at_8 = over_the_floor(table[i].weight, 8, close);
+        if (!(fabs(at_3 - table[i].at_3) < 0.01) || !(fabs(at_8 - table[i].at_8) < 0.01))
+            fail_msg("weight %d: %.3f and %.3f", (int)table[i].weight, at_3, at_8);
+    }
+}
+
+/* ---- one photon straight ahead ---- */
+
+/* L_o = 1 and area A at the origin, lit from ahead, and looking along z. */
+static sl_map_photons *one_photon(double area) {
+    sl_map_photons *p = make_photons(1, 1.0f);
+    p->nearest = 1e-9f;
+    p->photon[0] = (sl_map_photon){.footprint = (float)area, .flux = sl_grey((float)area), .cos_alpha = 1.0f, .normal = {0, 0, 1},
+                                   .printed_area = (float)area, .radiance = {1, 1, 1}};
+    return p;
+}
+
+static double ahead(const sl_map_photons *p, sl_photon_weight weight, double r) {
+    return irradiance_at(p, weight, sl_v3d(0, 0, r), sl_v3d(0, 0, -1));
+}
+
+/* A coaxial disc's cosine-weighted solid angle is pi R^2 / (r^2 + R^2): what flux has. (14) has 1 for pi as its limit. */
+static void flux_weight_is_a_coaxial_disc_and_printed_14_is_not(void **state) {
+    (void)state;
+    sl_map_photons *p = one_photon(SL_PI); /* R = 1 */
+    for (double r = 1e-4; r < 1e4; r *= 1.7) {
+        double exact = SL_PI / (r * r + 1.0);
+        assert_true(fabs(ahead(p, SL_WEIGHT_FLUX, r) / exact - 1.0) < 1e-6);
+        assert_true(fabs(ahead(p, SL_WEIGHT_PLAIN, r) / (SL_PI / (r * r)) - 1.0) < 1e-6);
+        assert_true(fabs(ahead(p, SL_WEIGHT_DISC, r) / (SL_PI / (r * r + SL_PI)) - 1.0) < 1e-6);
+        double of_disc = fabs(ahead(p, SL_WEIGHT_DISC, r) / exact - 1.0), of_plain = fabs(ahead(p, SL_WEIGHT_PLAIN, r) / exact - 1.0);
+        if (r > 1.7 && r < 1e2) assert_true(of_disc > of_plain);
+        if (r < 1.6) assert_true(of_disc < of_plain);
+    }
+    assert_true(fabs(ahead(p, SL_WEIGHT_DISC, 1e-4) - 1.0) < 1e-6 && fabs(ahead(p, SL_WEIGHT_FLUX, 1e-4) - SL_PI) < 1e-6);
+    const double low[3][2] = {{8, 0.032}, {5, 0.076}, {10, 0.021}};
+    for (int i = 0; i < 3; i++) {
+        double r = low[i][0], exact = SL_PI / (r * r + 1.0);
+        assert_true(fabs(1.0 - ahead(p, SL_WEIGHT_DISC, r) / exact - low[i][1]) < 6e-4);
+    }
+    free_photons(p);
+}
+
+/* A square of half side a: 4 L q atan q, q = a / sqrt(a^2 + r^2). */
+static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
+    (void)state;
+    sl_map_photons *p = one_photon(4.0);
+    p->quad = calloc(1, sizeof *p->quad);
+    assert_non_null(p->quad);
+    for (int turn = 0; turn < 2; turn++) {
+        p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f};
+        if (turn) p->quad[0].corner[1] = sl_v3(-1, 1, 0), p->quad[0].corner[3] = sl_v3(1, -1, 0);
+        for (double r = 1e-3; r < 1e3; r *= 1.9) {
+            double q = 1.0 / sqrt(1.0 + r * r), exact = 4.0 * q * atan(q), got = ahead(p, SL_WEIGHT_POLYGON, r);
+            if (!(fabs(got / exact - 1.0) < 1e-4)) fail_msg("r = %g: %g instead of %g", r, got, exact);
+        }
+        /* Half of it below the horizon: two of its four quarters are left, as seen from the side. */
+        double upright = irradiance_at(p, SL_WEIGHT_POLYGON, sl_v3d(0, 0, 0.5), sl_v3d(1, 0, 0));
+        double q = 1.0 / sqrt(1.25), exact = 0.5 * 2.0 * (atan(2.0) - 0.5 * q * atan(q));
+        if (!(fabs(upright / exact - 1.0) < 1e-4)) fail_msg("upright %g instead of %g", upright, exact);
+    }
+    free_photons(p);
+}
+
+static void polygon_weight_falls_back_to_flux_without_a_polygon(void **state) {
+    (void)state;
+    sl_map_photons *p = cube_photons(meet_unit_cube, NULL, sl_v3d(0.5, 0.5, 0.9), 6, 3, 0.7, sqrt(3.0));
+    for (size_t j = 0; j < p->count; j++) p->quad[j].count = 0;
+    for (int k = 0; k < 216; k += 5) {
+        sl_vec3d x, n;
+        wall_point(k, &x, &n);
+        assert_true(irradiance_at(p, SL_WEIGHT_POLYGON, x, n) == irradiance_at(p, SL_WEIGHT_FLUX, x, n));
+    }
+    free_photons(p);
+}
+
+/* (11) 2 pi / M, M of the photon's light; (15) A' over the squared diagonal; both whatever way the photon faces. */
+static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
+    (void)state;
+    sl_map_photons *p = make_photons(5, 10.0f);
+    for (size_t j = 0; j < 5; j++)
+        p->photon[j] = (sl_map_photon){.position = {0, 0, 0}, .normal = {0, 0, j % 2 ? 1.0f : -1.0f}, .cos_alpha = 0.5f,
+                                       .printed_area = 4.0f, .radiance = {2, 2, 2}};
+    for (size_t l = 1; l <= SL_MAP_LIGHTS_MAX; l++) p->first_of_light[l] = l == 1 ? 2 : 5;
+    p->samples_of_light[0] = 4, p->samples_of_light[1] = 6;
+    for (size_t j = 0; j < 5; j++) {
+        double m = j < 2 ? 4.0 : 6.0;
+        for (double r = 1.0; r < 100.0; r *= 10.0) {
+            sl_vec3 x = sl_v3(0, 0, (float)-r), n = sl_v3(0.6f, 0, 0.8f);
+            double even = (double)sl_photon_irradiance(p, j, SL_WEIGHT_EVEN, x, n, n).r, expected = 2.0 * 0.8 * 2.0 * SL_PI / m;
+            double box = (double)sl_photon_irradiance(p, j, SL_WEIGHT_BOX, x, n, n).r;
+            if (!(fabs(even - expected) < 1e-6 * expected)) fail_msg("photon %d: %g instead of %g", (int)j, even, expected);
+            assert_true(fabs(box - 2.0 * 0.8 * 2.0 / 100.0) < 1e-7);
+        }
+    }
+    free_photons(p);
+}
+
+/* ---- hard cases ---- */
+
+static const sl_photon_weight all_weights[] = {SL_WEIGHT_FLUX, SL_WEIGHT_POLYGON, SL_WEIGHT_PLAIN, SL_WEIGHT_EVEN, SL_WEIGHT_DISC,
+                                               SL_WEIGHT_BOX};
+enum { WEIGHTS = sizeof all_weights / sizeof *all_weights };
+
+/* Coincident, coplanar, behind, infinitely far, not a number: 0, but for the two weights that do not ask on which side of the photon x is. */
+static void receivers_that_cannot_be_lit_get_nothing(void **state) {
+    (void)state;
+    sl_map_photons *p = one_photon(1e-3);
+    p->quad = calloc(1, sizeof *p->quad);
+    assert_non_null(p->quad);
+    p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f};
+    const sl_vec3 up = {0, 0, 1}, down = {0, 0, -1};
+    const struct {
+        sl_vec3 x, n, shading;
+        bool sided;
+    } cases[] = {{{0, 0, 0}, down, down, false},   {{0, 0, 0}, up, up, false},          {{0, 0, 5e-10f}, down, down, false},
+                 {{3, 2, 0}, up, up, false},       {{3, 2, 0}, {-1, 0, 0}, {-1, 0, 0}, true}, {{0, 0, 2}, up, up, false},
+                 {{0, 0, -2}, up, up, true},       {{2, 0, 1}, {0.8f, 0, -0.6f}, {0, 0, 1}, false},
+                 {{0, 0, INFINITY}, down, down, false}, {{NAN, 0, 1}, down, down, false}, {{0, 0, 1e30f}, down, down, false},
+                 {{0, 0, 1}, {0, 0, NAN}, down, false}, {{0, 0, 1}, down, {0, 0, NAN}, false}, {{0, 0, 1}, {0, 0, 0}, {0, 0, 0}, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        for (int w = 0; w < WEIGHTS; w++) {
+            if (cases[i].sided && (all_weights[w] == SL_WEIGHT_EVEN || all_weights[w] == SL_WEIGHT_BOX)) continue;
+            sl_rgb e = sl_photon_irradiance(p, 0, all_weights[w], cases[i].x, cases[i].n, cases[i].shading);
+            if (!(e.r == 0.0f && e.g == 0.0f && e.b == 0.0f)) fail_msg("case %d, weight %d: %g", (int)i, (int)all_weights[w], (double)e.r);
+        }
+    }
+    free_photons(p);
+}
+
+/* E_j <= pi L_o whatever the distance, the sizes and the tilts, in scenes of 1e-4 and 1e4; and lengths have no unit. */
+static void bounded_weights_are_bounded_at_every_scale(void **state) {
+    (void)state;
+    const float scales[3] = {1e-4f, 1.0f, 1e4f};
+    uint64_t key = sl_random_key(9, 9);
+    for (uint64_t i = 0; i < 3000; i++) {
+        float e[3][3];
+        sl_vec3 n = sl_to_float(unit_direction(key, 9 * i)), y_n = sl_to_float(unit_direction(key, 9 * i + 1));
+        float away = sl_exp2f(-30.0f * sl_random_unit(key, 90 * i + 80)), area = sl_exp2f(-30.0f * sl_random_unit(key, 90 * i + 81));
+        float alpha = sl_exp2f(-20.0f * sl_random_unit(key, 90 * i + 82));
+        sl_vec3 d = sl_scale(sl_to_float(unit_direction(key, 9 * i + 2)), away);
+        for (int k = 0; k < 3; k++) {
+            float s = scales[k];
+            sl_map_photons *p = make_photons(1, s);
+            p->photon[0] = (sl_map_photon){.position = sl_scale(d, s), .footprint = area * alpha * s * s, .cos_alpha = alpha, .normal = y_n,
+                                           .flux = sl_grey(area * s * s), .printed_area = area * s * s, .radiance = {1, 1, 1}};
+            const sl_photon_weight of[3] = {SL_WEIGHT_FLUX, SL_WEIGHT_DISC, SL_WEIGHT_EVEN};
+            for (int w = 0; w < 3; w++) {
+                e[k][w] = sl_photon_irradiance(p, 0, of[w], sl_v3(0, 0, 0), n, n).r;
+                assert_true(e[k][w] >= 0.0f && e[k][w] <= (w == 0 ? 3.1416f : w == 1 ? 1.000001f : 6.28319f));
+            }
+            assert_true(isfinite(sl_photon_irradiance(p, 0, SL_WEIGHT_PLAIN, sl_v3(0, 0, 0), n, n).r));
+            free_photons(p);
+        }
+        for (int w = 0; w < 3; w++) {
+            for (int k = 0; k < 3; k += 2) {
+                if (!(fabsf(e[k][w] - e[1][w]) <= 2e-4f * e[1][w] + 1e-12f))
+                    fail_msg("weight %d, scale %g: %g instead of %g", w, (double)scales[k], (double)e[k][w], (double)e[1][w]);
+            }
+        }
+    }
+}
+
+static void photons_that_are_not_finite_give_nothing(void **state) {
+    (void)state;
+    for (int k = 0; k < 7; k++) {
+        sl_map_photons *p = one_photon(1e-3);
+        float *bad[] = {&p->photon[0].position.x, &p->photon[0].footprint, &p->photon[0].flux.g, &p->photon[0].cos_alpha,
+                        &p->photon[0].normal.z,   &p->photon[0].radiance.b, &p->photon[0].printed_area};
+        for (int inf = 0; inf < 2; inf++) {
+            *bad[k] = inf ? INFINITY : NAN;
+            for (int w = 0; w < WEIGHTS; w++) {
+                sl_rgb e = sl_photon_irradiance(p, 0, all_weights[w], sl_v3(0, 0, 1), sl_v3(0, 0, -1), sl_v3(0, 0, -1));
+                if (!(sl_rgb_is_finite(e) && e.r >= 0.0f && e.g >= 0.0f && e.b >= 0.0f))
+                    fail_msg("field %d, weight %d: %g %g %g", k, (int)all_weights[w], (double)e.r, (double)e.g, (double)e.b);
+            }
+        }
+        free_photons(p);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plain_weight_is_exact_inside_a_diffuse_sphere),
         cmocka_unit_test(cube_room_has_the_ratios_of_each_weight),
+        cmocka_unit_test(energy_of_a_closed_convex_room_is_kept_by_the_plain_weight),
+        cmocka_unit_test(plain_weight_over_a_floor_patch_is_right_to_a_sixth_of_a_percent),
+        cmocka_unit_test(polygons_hold_close_to_the_floor_where_other_weights_fail),
+        cmocka_unit_test(flux_weight_is_a_coaxial_disc_and_printed_14_is_not),
+        cmocka_unit_test(polygon_weight_is_exact_for_a_uniform_square),
+        cmocka_unit_test(polygon_weight_falls_back_to_flux_without_a_polygon),
+        cmocka_unit_test(printed_11_and_15_know_neither_distance_nor_facing),
+        cmocka_unit_test(receivers_that_cannot_be_lit_get_nothing),
+        cmocka_unit_test(bounded_weights_are_bounded_at_every_scale),
+        cmocka_unit_test(photons_that_are_not_finite_give_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,24 +17,32 @@ static float samples_of_light(const sl_map_photons *photons, size_t photon) {
 
 sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon) {
     double nearest = (double)photons->nearest, diagonal = (double)photons->box_diagonal;
+    bool has_size = diagonal > 1e-12 && diagonal < 1e12;
+    int exponent = 0;
+    (void)frexp(diagonal, &exponent);
     return (sl_weight_terms){(float)(nearest * nearest), (float)(2.0 * SL_PI) / samples_of_light(photons, photon),
-                             diagonal > 0.0 ? (float)(1.0 / (diagonal * diagonal)) : 0.0f};
+                             diagonal > 0.0 ? (float)(1.0 / (diagonal * diagonal)) : 0.0f,
+                             has_size ? (float)ldexp(1.0, -2 * exponent) : 1.0f};
 }
 
-/* The polygon weight's place where the footprint is no polygon is taken by the flux weight. */
-static sl_weight_form form_of(const sl_map_photons *photons, size_t photon, sl_photon_weight *weight) {
+/* The polygon weight's place where the footprint is no polygon is taken by the flux weight. A polygon is multiplied by the flux as it is:
+ * the plain weight's colour, in units of 1. */
+static sl_weight_form form_of(const sl_map_photons *photons, size_t photon, sl_photon_weight *weight, sl_weight_terms *terms) {
+    *terms = sl_weight_terms_of(photons, photon);
     if (sl_weight_is_cosine(*weight)) return SL_FORM_COSINE;
     const sl_photon_quad *quad = *weight == SL_WEIGHT_POLYGON && photons->quad ? &photons->quad[photon] : NULL;
     if (!quad || quad->count != 4 || !(quad->area > 0.0f)) return SL_FORM_DISC;
-    *weight = SL_WEIGHT_PLAIN; /* whose colour is the flux as it is */
+    *weight = SL_WEIGHT_PLAIN;
+    terms->unit = 1.0f;
     return SL_FORM_POLYGON;
 }
 
 sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_photon_registers *registers) {
     sl_lobe_registers lobe;
-    sl_weight_form form = form_of(photons, photon, &weight);
+    sl_weight_terms terms;
     sl_map_photon p = photons->lobe ? sl_photon_with_lobe(photons, photon, weight, &lobe) : photons->photon[photon];
-    *registers = sl_photon_registers_of(&p, weight, sl_weight_terms_of(photons, photon));
+    sl_weight_form form = form_of(photons, photon, &weight, &terms);
+    *registers = sl_photon_registers_of(&p, weight, terms);
     return form;
 }
 
@@ -46,8 +54,9 @@ sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, 
     glossy = p;
     glossy.flux = sl_rgb_mul(arriving, sl_rgb_scale(lobe->specular, (lobe->exponent + 2.0f) * (float)(0.5 / SL_PI)));
     glossy.radiance = glossy.flux;
-    (void)form_of(photons, photon, &weight);
-    sl_photon_registers r = sl_photon_registers_of(&glossy, weight, sl_weight_terms_of(photons, photon));
+    sl_weight_terms terms;
+    (void)form_of(photons, photon, &weight, &terms);
+    sl_photon_registers r = sl_photon_registers_of(&glossy, weight, terms);
     sl_vec3 mirrored = sl_normalize_or(sl_reflect(lobe->to_light, lobe->normal), lobe->normal);
     *out = (sl_lobe_registers){mirrored.x, mirrored.y, mirrored.z, lobe->exponent, {r.red, r.green, r.blue}};
     p.flux = p.radiance = sl_rgb_mul(arriving, sl_rgb_scale(lobe->diffuse, (float)(1.0 / SL_PI)));

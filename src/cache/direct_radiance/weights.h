@@ -35,6 +35,7 @@ typedef struct sl_weight_terms {
     float nearest_squared;
     float per_sample;   /* (11): 2 pi / M, M of the photon's light */
     float per_diagonal; /* (15): 1 / diagonal^2 */
+    float unit;         /* a power of two near 1 / diagonal^2: the denominators of tiny and huge scenes stay within floats */
 } sl_weight_terms;
 
 /* The j-indexed values of a photon. Of the polygon weight: those of the flux weight, which stands in for it. A photon that is not finite
@@ -57,10 +58,15 @@ static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *ph
         a = scale = photon->cos_alpha;
         b = photon->footprint * (float)(1.0 / SL_PI);
     }
+    if (!sl_weight_is_cosine(weight)) { /* exactly the same quotient */
+        a *= terms.unit;
+        b *= terms.unit;
+        scale *= terms.unit;
+    }
     sl_rgb c = sl_rgb_scale(colour, scale);
-    bool good = sl_rgb_is_finite(c) && isfinite(a) && isfinite(b);
-    return (sl_photon_registers){photon->position.x, photon->position.y, photon->position.z, good ? a : 0.0f,
-                                 good ? c.r : 0.0f,  good ? c.g : 0.0f,  good ? c.b : 0.0f,  good ? b : 1.0f,
+    bool good = sl_rgb_is_finite(c) && isfinite(a) && isfinite(b) && sl_is_finite(photon->position) && sl_is_finite(photon->normal);
+    if (!good) return (sl_photon_registers){.b = 1.0f, .nearest = terms.nearest_squared};
+    return (sl_photon_registers){photon->position.x, photon->position.y, photon->position.z, a, c.r, c.g, c.b, b,
                                  photon->normal.x,   photon->normal.y,   photon->normal.z,   terms.nearest_squared};
 }
 
