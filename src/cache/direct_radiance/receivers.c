@@ -21,20 +21,6 @@ static sl_status render_plainly(const sl_raster *raster, const sl_view *view, un
 
 /* ---- with mirrors ---- */
 
-/* The id pass's planes become the receivers'. */
-static void take_planes(sl_mirrored_image *image, sl_receivers *r) {
-    uint32_t *id = r->gbuffer->id;
-    float *depth = r->gbuffer->depth;
-    r->gbuffer->id = image->id;
-    r->gbuffer->depth = image->depth;
-    image->id = id;
-    image->depth = depth;
-    r->path_count = image->path_count;
-    if (image->path_count == 1) return;
-    r->path = image->path;
-    image->path = NULL;
-}
-
 /* The product of k_s along each path; a path comes after the one that it prolongs. */
 static void throughputs_of(const sl_scene *scene, const sl_mirrors *mirrors, const sl_mirrored_image *image, sl_rgb *throughput) {
     throughput[0] = sl_grey(1.0f);
@@ -80,9 +66,12 @@ static sl_status spread_throughput(const sl_scene *scene, const sl_mirrors *mirr
 static sl_status render_mirrored(const sl_scene *scene, const sl_raster *raster, const sl_view *view, int reflections, unsigned threads,
                                  sl_receivers *r, sl_counters *counters, sl_error *error) {
     sl_mirrored_image *image = NULL;
-    sl_status status = sl_raster_mirrored(raster, view, r->mirrors, reflections, threads, &image, counters, error);
+    sl_status status = sl_raster_mirrored_into(raster, view, r->mirrors, reflections, threads, r->gbuffer->id, r->gbuffer->depth, &image,
+                                               counters, error);
     if (status != SL_OK) return status;
-    take_planes(image, r);
+    r->path_count = image->path_count;
+    r->path = image->path;
+    image->path = NULL;
     r->view = sl_allocate(r->path_count, sizeof *r->view);
     if (!r->view) status = sl_fail_memory(error, "the receivers' views");
     for (size_t p = 0; status == SL_OK && p < r->path_count; p++) {

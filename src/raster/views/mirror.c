@@ -107,6 +107,14 @@ static size_t list_flat_mirrors(const sl_scene *s, sized_triangle *list) {
     return count;
 }
 
+static void enclose(const sl_scene *s, uint32_t t, sl_vec3 *low, sl_vec3 *high) {
+    for (int k = 0; k < 3; k++) {
+        sl_vec3 p = sl_scene_position(s, s->vertex[k][t]);
+        *low = sl_v3(fminf(low->x, p.x), fminf(low->y, p.y), fminf(low->z, p.z));
+        *high = sl_v3(fmaxf(high->x, p.x), fmaxf(high->y, p.y), fmaxf(high->z, p.z));
+    }
+}
+
 /* Large triangles first: they tell their plane best. */
 static void assign(const sl_scene *s, size_t limit, sized_triangle *list, sl_mirrors *m) {
     size_t count = list_flat_mirrors(s, list);
@@ -120,9 +128,11 @@ static void assign(const sl_scene *s, size_t limit, sized_triangle *list, sl_mir
         if (k == m->count) {
             plane_of(s, t, &m->plane[k]);
             m->material[k] = s->material_index[t];
+            m->low[k] = m->high[k] = sl_scene_position(s, s->vertex[0][t]);
             m->count++;
         }
         m->of_triangle[t] = (uint32_t)k;
+        enclose(s, t, &m->low[k], &m->high[k]);
     }
 }
 
@@ -133,10 +143,12 @@ sl_status sl_mirrors_find(const sl_scene *scene, size_t limit, sl_mirrors **mirr
     if (m) {
         m->plane = sl_allocate(limit, sizeof *m->plane);
         m->material = sl_allocate(limit, sizeof *m->material);
+        m->low = sl_allocate(limit, sizeof *m->low);
+        m->high = sl_allocate(limit, sizeof *m->high);
         m->of_triangle = sl_allocate(scene->triangle_count, sizeof *m->of_triangle);
         m->offset = 4e-6 * (double)scene->diagonal;
     }
-    bool ok = m && list && m->plane && m->material && m->of_triangle;
+    bool ok = m && list && m->plane && m->material && m->low && m->high && m->of_triangle;
     if (ok) assign(scene, limit, list, m);
     sl_free(list);
     if (!ok) sl_mirrors_destroy(m);
@@ -148,6 +160,8 @@ void sl_mirrors_destroy(sl_mirrors *m) {
     if (!m) return;
     sl_free(m->plane);
     sl_free(m->material);
+    sl_free(m->low);
+    sl_free(m->high);
     sl_free(m->of_triangle);
     sl_free(m);
 }

@@ -49,6 +49,7 @@ typedef struct sl_mirrors {
     size_t count;
     sl_plane *plane;
     uint32_t *material;    /* of each */
+    sl_vec3 *low, *high;   /* box of each */
     uint32_t *of_triangle; /* the scene's triangles: index of the mirror, or SL_NO_INDEX */
     double offset;         /* for sl_view_mirrored() */
 } sl_mirrors;
@@ -73,7 +74,8 @@ typedef struct sl_mirrored_image {
     int width, height;
     uint32_t *id;   /* what is seen at the end of the path; a mirror's triangle where no more reflections are followed */
     float *depth;   /* of the path's view: path 0's kind as asked, the others' 1/w */
-    uint8_t *path;  /* the stencil: which path each pixel takes */
+    uint8_t *path;  /* the stencil: which path each pixel takes; NULL (in the caller's planes alone): no mirror is in sight, all take path 0 */
+    bool borrowed;  /* id and depth are the caller's */
     size_t path_count;
     sl_mirror_path paths[SL_MIRROR_PATHS];
 } sl_mirrored_image;
@@ -82,6 +84,10 @@ typedef struct sl_mirrored_image {
  * reflections. What would be path 256 is not followed. */
 sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
                              unsigned threads, sl_mirrored_image **image, sl_counters *counters, sl_error *error);
+/* The same into the caller's planes, of the view's size. */
+sl_status sl_raster_mirrored_into(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
+                                  unsigned threads, uint32_t *id, float *depth, sl_mirrored_image **image, sl_counters *counters,
+                                  sl_error *error);
 void sl_mirrored_image_destroy(sl_mirrored_image *image);
 
 #endif

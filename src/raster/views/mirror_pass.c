@@ -1,5 +1,6 @@
 /* The stencilled pass, and the picture of a scene with planar mirrors (mirror.h): path by path, each drawn where the
  * stencil holds its number. */
+#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -11,6 +12,9 @@ typedef struct {
 } rectangle;
 
 static const rectangle nothing = {INT32_MAX, INT32_MAX, 0, 0};
+
+static int larger(int a, int b) { return a > b ? a : b; }
+static int smaller(int a, int b) { return a < b ? a : b; }
 
 static void include(rectangle *r, int x, int y) {
     if (x < r->x0) r->x0 = x;
@@ -98,23 +102,64 @@ typedef struct {
     sl_counters *counters;
 } mirrored_pass;
 
+static size_t path_at(const sl_mirrored_image *image, size_t pixel) { return image->path ? image->path[pixel] : 0; }
+
 /* The mirror that a path's pixel shows, or SL_NO_INDEX. A mirror does not show itself; rounding is not to say otherwise. */
 static uint32_t mirror_at(const mirrored_pass *p, size_t path, size_t pixel) {
     const sl_mirrored_image *image = p->image;
     uint32_t id = image->id[pixel];
-    if (image->path[pixel] != path || id == SL_NO_INDEX) return SL_NO_INDEX;
+    if (path_at(image, pixel) != path || id == SL_NO_INDEX) return SL_NO_INDEX;
     uint32_t mirror = p->mirrors->of_triangle[id];
     return mirror == image->paths[path].mirror ? SL_NO_INDEX : mirror;
 }
 
+static double row_at(const float row[4], sl_vec3d q) {
+    return (double)row[0] * q.x + (double)row[1] * q.y + (double)row[2] * q.z + (double)row[3];
+}
+
+/* The pixels that a mirror may cover: those around its box's corners, with one to spare; all where the box reaches to the eye's plane. */
+static rectangle may_cover(const sl_view *view, sl_vec3 low, sl_vec3 high) {
+    double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY, nearest = INFINITY, farthest = -INFINITY;
+    for (int corner = 0; corner < 8; corner++) {
+        sl_vec3 p = sl_v3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+        sl_vec3d q = sl_subd(sl_to_double(p), sl_to_double(view->origin));
+        double w = row_at(view->clip[3], q), x = row_at(view->clip[0], q) / w, y = row_at(view->clip[1], q) / w;
+        nearest = fmin(nearest, w);
+        farthest = fmax(farthest, w);
+        x0 = fmin(x0, x);
+        x1 = fmax(x1, x);
+        y0 = fmin(y0, y);
+        y1 = fmax(y1, y);
+    }
+    if (farthest < 0.0) return nothing;
+    if (!(nearest > 1e-6 * farthest)) return (rectangle){0, 0, view->width, view->height};
+    const double width = (double)view->width, height = (double)view->height;
+    return (rectangle){(int)fmax(0.0, fmin(width, floor((x0 + 1.0) * 0.5 * width) - 1.0)),
+                       (int)fmax(0.0, fmin(height, floor((y0 + 1.0) * 0.5 * height) - 1.0)),
+                       (int)fmin(width, fmax(0.0, ceil((x1 + 1.0) * 0.5 * width) + 1.0)),
+                       (int)fmin(height, fmax(0.0, ceil((y1 + 1.0) * 0.5 * height) + 1.0))};
+}
+
+/* The part of a path's pixels that mirrors may cover. */
+static rectangle where_mirrors_may_be(const mirrored_pass *p, const sl_mirror_path *from) {
+    rectangle all = nothing;
+    for (size_t m = 0; m < p->mirrors->count; m++) {
+        rectangle r = may_cover(&from->view, p->mirrors->low[m], p->mirrors->high[m]);
+        if (r.x0 >= r.x1 || r.y0 >= r.y1) continue;
+        include(&all, r.x0, r.y0);
+        include(&all, r.x1 - 1, r.y1 - 1);
+    }
+    return (rectangle){larger(all.x0, from->x0), larger(all.y0, from->y0), smaller(all.x1, from->x1), smaller(all.y1, from->y1)};
+}
+
 static void find_mirrors(const mirrored_pass *p, size_t path) {
-    const sl_mirror_path *from = &p->image->paths[path];
+    const rectangle part = where_mirrors_may_be(p, &p->image->paths[path]);
     for (size_t m = 0; m < p->mirrors->count; m++) p->seen[m] = nothing;
-    for (int y = from->y0; y < from->y1; y++) {
+    for (int y = part.y0; y < part.y1; y++) {
         const size_t row = (size_t)y * (size_t)p->image->width;
         uint32_t id = SL_NO_INDEX, mirror = SL_NO_INDEX; /* mostly a pixel shows what its neighbour shows */
-        for (int x = from->x0; x < from->x1; x++) {
-            if (p->image->path[row + (size_t)x] != path) continue;
+        for (int x = part.x0; x < part.x1; x++) {
+            if (path_at(p->image, row + (size_t)x) != path) continue;
             if (p->image->id[row + (size_t)x] != id) {
                 id = p->image->id[row + (size_t)x];
                 mirror = mirror_at(p, path, row + (size_t)x);
@@ -131,6 +176,8 @@ static sl_status follow(const mirrored_pass *p, size_t path, uint32_t mirror, sl
     sl_view view;
     if (image->path_count == SL_MIRROR_PATHS) return SL_OK;
     if (!sl_view_mirrored(&image->paths[path].view, &p->mirrors->plane[mirror], p->mirrors->offset, &view)) return SL_OK;
+    if (!image->path) image->path = sl_allocate((size_t)image->width * (size_t)image->height, sizeof *image->path);
+    if (!image->path) return sl_fail_memory(error, "the paths of a picture with mirrors");
     uint8_t number = (uint8_t)image->path_count++;
     image->paths[number] = (sl_mirror_path){view, mirror, (uint8_t)path, image->paths[path].reflections + 1,
                                             r->x0, r->y0, r->x1, r->y1};
@@ -161,26 +208,27 @@ static sl_status follow_all(const mirrored_pass *p, const sl_view *view, int ref
     return status;
 }
 
-static sl_mirrored_image *allocate_image(int width, int height) {
+static sl_mirrored_image *allocate_image(int width, int height, uint32_t *id, float *depth) {
     sl_mirrored_image *image = sl_allocate(1, sizeof *image);
-    sl_target planes;
+    sl_target planes = {.id = id, .depth = depth};
     if (!image) return NULL;
-    bool ok = allocate_planes(&planes, width, height);
-    *image = (sl_mirrored_image){.width = width, .height = height, .id = planes.id, .depth = planes.depth,
-                                 .path = sl_allocate((size_t)width * (size_t)height, sizeof *image->path)};
-    if (ok && image->path) return image;
+    bool ok = id || allocate_planes(&planes, width, height);
+    *image = (sl_mirrored_image){.width = width, .height = height, .id = planes.id, .depth = planes.depth, .borrowed = id != NULL};
+    if (!id) image->path = sl_allocate((size_t)width * (size_t)height, sizeof *image->path);
+    if (ok && (id || image->path)) return image;
     sl_mirrored_image_destroy(image);
     return NULL;
 }
 
-sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
-                             unsigned threads, sl_mirrored_image **image, sl_counters *counters, sl_error *error) {
+sl_status sl_raster_mirrored_into(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
+                                  unsigned threads, uint32_t *id, float *depth, sl_mirrored_image **image, sl_counters *counters,
+                                  sl_error *error) {
     *image = NULL;
     if (view->width < 1 || view->height < 1 || view->x != 0 || view->y != 0) {
         return sl_fail(error, SL_ERROR_USAGE, "a picture with mirrors of %d x %d pixels at (%d, %d): at least 1 each way, at (0, 0)",
                        view->width, view->height, view->x, view->y);
     }
-    mirrored_pass p = {raster, mirrors, threads, allocate_image(view->width, view->height),
+    mirrored_pass p = {raster, mirrors, threads, allocate_image(view->width, view->height, id, depth),
                        sl_allocate(mirrors->count, sizeof(rectangle)), counters};
     sl_status status = p.image && p.seen ? follow_all(&p, view, reflections, error)
                                          : sl_fail_memory(error, "a picture with mirrors");
@@ -190,10 +238,17 @@ sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const
     return status;
 }
 
+sl_status sl_raster_mirrored(const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors, int reflections,
+                             unsigned threads, sl_mirrored_image **image, sl_counters *counters, sl_error *error) {
+    return sl_raster_mirrored_into(raster, view, mirrors, reflections, threads, NULL, NULL, image, counters, error);
+}
+
 void sl_mirrored_image_destroy(sl_mirrored_image *image) {
     if (!image) return;
-    sl_free(image->id);
-    sl_free(image->depth);
+    if (!image->borrowed) {
+        sl_free(image->id);
+        sl_free(image->depth);
+    }
     sl_free(image->path);
     sl_free(image);
 }
