@@ -130,6 +130,243 @@ static void lambertian_receiver_agrees_with_a_double_loop_in_double(void **state
     free_receivers(r);
 }
 
+/* ---- lobes ---- */
+
+static void free_all(planes *p, sl_receivers *r, sl_map_photons *photons) {
+    free_planes(p);
+    if (r->path) free(r->path);
+    free_receivers(r);
+    free_photons(photons);
+}
+
+/* One photon over a floor that looks up; what eye 0 sees in the first half of the picture and eye 1 in the second. */
+static sl_map_photons *photon_over_the_floor(void) {
+    sl_map_photons *p = make_photons(1, 2.0f);
+    p->photon[0] = (sl_map_photon){.position = {0, 0, 1}, .footprint = 1e-3f, .flux = {1, 1, 1}, .cos_alpha = 0.8f, .normal = {0, 0, -1},
+                                   .printed_area = 1e-3f / 0.8f, .radiance = {8, 8, 8}};
+    return p;
+}
+
+static sl_receivers *floor_row(sl_vec3 eye_0, sl_vec3 eye_1, int count, uint32_t material, float kd) {
+    sl_receivers *r = make_receivers(count, 2, eye_0);
+    r->eye[1] = eye_1;
+    r->path = calloc((size_t)(2 * count), 1);
+    assert_non_null(r->path);
+    for (int i = 0; i < 2 * count; i++) {
+        r->path[i] = (uint8_t)(i / count);
+        sl_vec3 x = sl_v3(-1.0f + 2.0f * ((float)(i % count) + 0.5f) / (float)count, 0, 0), up = sl_v3(0, 0, 1);
+        set_receiver(r, (size_t)i, x, up, up, sl_grey(kd), material);
+    }
+    return r;
+}
+
+/* L = (kd / pi + ks (n+2) / (2 pi) cos^n alpha) E, and the brightest pixel is elsewhere for each eye. */
+static void glossy_receivers_highlight_moves_with_the_eye(void **state) {
+    enum { N = 150 };
+    sl_receivers *r = floor_row(sl_v3(-1, 0, 1), sl_v3(1, 0, 2), N, GLOSSY_MATERIAL, 0.3f);
+    sl_map_photons *photons = photon_over_the_floor();
+    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
+    planes p = light_up(&pass, r, NULL, NULL);
+    int best[2] = {0, 0};
+    for (int i = 0; i < 2 * N; i++) {
+        best[i / N] = p.value[0][i] > p.value[0][i / N * N + best[i / N]] ? i % N : best[i / N];
+        sl_vec3 x = sl_v3(r->gbuffer->position_x[i], 0, 0), up = sl_v3(0, 0, 1);
+        sl_vec3d v = sl_subd(sl_to_double(r->eye[i / N]), sl_to_double(x)), d = sl_subd(sl_v3d(0, 0, 1), sl_to_double(x));
+        double cosine = (-v.x * d.x - v.y * d.y + v.z * d.z) / (sl_lengthd(v) * sl_lengthd(d));
+        double lobe = (double)0.4f * 22.0 / (2.0 * SL_PI) * (cosine > 0.0 ? pow(cosine, 20.0) : 0.0);
+        double expected = ((double)0.3f / SL_PI + lobe) * (double)sl_photon_irradiance(photons, 0, SL_WEIGHT_FLUX, x, up, up).r;
+        assert_true(fabs((double)p.value[0][i] - expected) < 1e-5 * expected);
+    }
+    assert_true(best[0] < N / 2 - 5 && best[1] > N / 2 + 5);
+    free_all(&p, r, photons);
+}
+
+static void lobe_of_exponent_0_is_lambertian_on_the_receiver(void **state) {
+    enum { N = 40 };
+    sl_receivers *flat = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, FLAT_LOBE_MATERIAL, 0.0f);
+    sl_receivers *diffuse = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, DIFFUSE_MATERIAL, 0.5f);
+    sl_map_photons *photons = photon_over_the_floor();
+    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
+    planes of_flat = light_up(&pass, flat, NULL, NULL), of_diffuse = light_up(&pass, diffuse, NULL, NULL);
+    for (int i = 0; i < 2 * N; i++) {
+        sl_vec3 x = sl_v3(flat->gbuffer->position_x[i], 0, 0);
+        if (fabsf(x.x) > 0.7f) continue; /* beyond, the light is more than a right angle from the mirrored eye */
+        assert_true(fabsf(of_flat.value[1][i] - of_diffuse.value[1][i]) <= 1e-6f * of_diffuse.value[1][i]);
+    }
+    free_all(&of_flat, flat, photons);
+    free_planes(&of_diffuse);
+    free(diffuse->path);
+    free_receivers(diffuse);
+}
+
+/* Section 2.5: f_r(y) for rho / pi. With n = 0, and light from the side, the lobe covers the hemisphere's part around the mirrored light. */
+static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light(void **state) {
+    enum { N = 150 };
+    sl_receivers *r = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, DIFFUSE_MATERIAL, 0.5f);
+    sl_map_photons *lambertian = photon_over_the_floor(), *lobed = photon_over_the_floor();
+    lambertian->photon[0].flux = sl_grey((float)(0.6 / SL_PI)); /* rho = 0.6, I dOmega = 1 */
+    lambertian->photon[0].radiance = sl_grey((float)(0.6 / SL_PI * 0.8 / 1e-3)); /* I cos / b^2 = I dOmega cos / A' */
+    lobed->photon[0].radiance = sl_grey((float)(0.8 / 1e-3)); /* of a lobe's photon: what arrives at it */
+    lobed->lobe = calloc(1, sizeof *lobed->lobe);
+    assert_non_null(lobed->lobe);
+    sl_vec3 down = sl_v3(0, 0, -1), to_light = sl_v3(-0.6f, 0, -0.8f);
+    for (int w = 0; w < WEIGHTS; w++) {
+        sl_light_pass pass = {.scene = *state, .photons = lambertian, .weight = all_weights[w], .threads = 1};
+        lobed->lobe[0] = (sl_photon_lobe){{0.2f, 0.2f, 0.2f}, {0.4f, 0.4f, 0.4f}, 0.0f, down, down};
+        planes expected = light_up(&pass, r, NULL, NULL);
+        pass.photons = lobed;
+        planes flat = light_up(&pass, r, NULL, NULL);
+        for (int i = 0; i < 2 * N; i++) {
+            double got = (double)flat.value[0][i], wanted = (double)expected.value[0][i];
+            if (!(fabs(got - wanted) <= 2e-6 * wanted)) fail_msg("pixel %d, weight %d: %g instead of %g", i, (int)all_weights[w], got, wanted);
+        }
+        /* Light arrives from x = -0.6 / 0.8: it leaves towards x = 0.75. */
+        lobed->lobe[0] = (sl_photon_lobe){{0, 0, 0}, {0.5f, 0.5f, 0.5f}, 1000.0f, to_light, down};
+        planes sharp = light_up(&pass, r, NULL, NULL);
+        int best = 0;
+        for (int i = 1; i < N; i++) best = sharp.value[0][i] > sharp.value[0][best] ? i : best;
+        assert_true(fabsf(r->gbuffer->position_x[best] - 0.75f) < 0.02f);
+        free_planes(&expected);
+        free_planes(&flat);
+        free_planes(&sharp);
+    }
+    planes nothing = make_planes(1);
+    free_photons(lobed);
+    free_all(&nothing, r, lambertian);
+}
+
+/* The plain form of a photon with a lobe, and the lanes. */
+static void lobed_photons_have_the_bits_of_the_plain_double_loop(void **state) {
+    sl_receivers *receivers = random_receivers(0);
+    sl_map_photons *all = room_photons(true);
+    for (int w = 0; w < WEIGHTS; w++) {
+        for (size_t j = 0; j < all->count; j += 7) {
+            sl_map_photons one = {.count = 1, .photon = &all->photon[j], .lobe = &all->lobe[j], .quad = &all->quad[j],
+                                  .nearest = all->nearest, .box_diagonal = all->box_diagonal};
+            sl_light_pass pass = {.scene = *state, .photons = &one, .weight = all_weights[w], .threads = 1};
+            planes lanes = light_up(&pass, receivers, NULL, NULL), loop = plain_loop(receivers, &one, all_weights[w]);
+            assert_same_bits(loop, lanes);
+            free_planes(&lanes);
+            free_planes(&loop);
+        }
+    }
+    free_photons(all);
+    free_receivers(receivers);
+}
+
+/* ---- who receives, spread, nothing to do ---- */
+
+static void curved_mirrors_receive_light_only_by_the_trick(void **state) {
+    sl_receivers *r = make_receivers(4, 1, sl_v3(0, 0, 3));
+    const uint32_t materials[4] = {MIRROR_MATERIAL, DIFFUSE_MATERIAL, BLACK_MATERIAL, SL_NO_INDEX};
+    for (size_t i = 0; i < 4; i++)
+        set_receiver(r, i, sl_v3(0.1f, 0, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), sl_grey(i == 1 ? 0.5f : 0.0f), materials[i]);
+    sl_map_photons *photons = photon_over_the_floor();
+    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
+    sl_counters without = {{0}}, with = {{0}};
+    planes plain = light_up(&pass, r, NULL, &without);
+    pass.trick_albedo = (sl_rgb){0.5f, 0.25f, 0.0f};
+    planes trick = light_up(&pass, r, NULL, &with);
+    for (int c = 0; c < 3; c++) {
+        const float share[3] = {0.5f, 0.25f, 0.0f};
+        assert_true(plain.value[c][0] == 0.0f && plain.value[c][1] > 0.0f && plain.value[c][2] == 0.0f && plain.value[c][3] == 0.0f);
+        assert_true(fabsf(trick.value[c][0] - 0.8f * share[c] / 0.5f * plain.value[c][1]) < 1e-6f);
+        assert_true(trick.value[c][1] == plain.value[c][1] && trick.value[c][2] == 0.0f && trick.value[c][3] == 0.0f);
+    }
+    assert_int_equal(without.value[SL_COUNT_PHOTON_LOOK_UPS], 1);
+    assert_int_equal(with.value[SL_COUNT_PHOTON_LOOK_UPS], 2);
+    free_planes(&plain);
+    free_all(&trick, r, photons);
+}
+
+/* Even and odd photons, each scaled to stand for all. */
+static void spread_is_half_the_difference_of_the_two_half_sums(void **state) {
+    for (uint32_t materials = 0; materials <= 2; materials += 2) {
+        sl_receivers *r = random_receivers(materials);
+        sl_map_photons *all = room_photons(false), *half = room_photons(false);
+        sl_light_pass pass = {.scene = *state, .photons = all, .weight = SL_WEIGHT_FLUX, .threads = 1};
+        float *spread = calloc(PIXELS, sizeof *spread);
+        assert_non_null(spread);
+        all->count = 33;
+        planes whole = light_up(&pass, r, NULL, NULL), with_spread = light_up(&pass, r, spread, NULL), of[2];
+        assert_same_bits(whole, with_spread);
+        for (size_t odd = 0; odd < 2; odd++) {
+            half->count = 0;
+            for (size_t j = odd; j < 33; j += 2) half->photon[half->count++] = all->photon[j];
+            pass.photons = half;
+            of[odd] = light_up(&pass, r, NULL, NULL);
+        }
+        for (int i = 0; i < PIXELS; i++) {
+            double l[2];
+            for (int k = 0; k < 2; k++)
+                l[k] = 33.0 / (k ? 16.0 : 17.0) *
+                       (double)sl_luminance((sl_rgb){of[k].value[0][i], of[k].value[1][i], of[k].value[2][i]});
+            assert_true(fabs((double)spread[i] - 0.5 * fabs(l[0] - l[1])) <= 2e-6 * (l[0] + l[1]));
+        }
+        free_planes(&whole);
+        free_planes(&with_spread);
+        free_planes(&of[0]);
+        free_planes(&of[1]);
+        free(spread);
+        free_photons(all);
+        free_photons(half);
+        free_receivers(r);
+    }
+}
+
+static void work_is_photons_times_receivers(void **state) {
+    sl_receivers *r = random_receivers(2);
+    sl_map_photons *photons = room_photons(false);
+    size_t lit = 0;
+    for (size_t i = 0; i < PIXELS; i++) lit += r->gbuffer->material[i] != SL_NO_INDEX;
+    for (size_t m = 0; m <= 64; m = m ? 4 * m : 1) {
+        photons->count = m;
+        sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_BOX, .threads = 1};
+        sl_counters costs = {{0}};
+        planes p = light_up(&pass, r, NULL, &costs);
+        assert_int_equal(costs.value[SL_COUNT_PHOTON_LOOK_UPS], m * lit);
+        assert_int_equal(costs.value[SL_COUNT_FRAGMENTS_SHADED], m ? lit : 0);
+        free_planes(&p);
+    }
+    free_photons(photons);
+    free_receivers(r);
+}
+
+/* Receivers that are anywhere but sound: in a photon, not finite, without normals; glossy or not. */
+static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
+    sl_receivers *r = random_receivers(2);
+    sl_map_photons *photons = room_photons(true);
+    float *spread = calloc(PIXELS, sizeof *spread);
+    assert_non_null(spread);
+    sl_gbuffer *g = r->gbuffer;
+    float *fields[9] = {g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z,
+                        g->geometric_x, g->geometric_y, g->geometric_z};
+    const float bad[6] = {NAN, INFINITY, -INFINITY, 0.0f, 3e38f, 1e-42f};
+    for (int i = 0; i < PIXELS; i++) {
+        if (i % 4 == 0) {
+            sl_vec3 y = photons->photon[(size_t)i % photons->count].position;
+            g->position_x[i] = y.x, g->position_y[i] = y.y, g->position_z[i] = y.z;
+        } else if (i % 4 == 1) {
+            fields[i % 9][i] = bad[i % 6];
+        }
+    }
+    r->eye[0] = sl_v3(g->position_x[3], g->position_y[3], g->position_z[3]);
+    for (int w = 0; w < WEIGHTS; w++) {
+        sl_light_pass pass = {.scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
+        planes p = light_up(&pass, r, spread, NULL);
+        for (int i = 0; i < PIXELS; i++) {
+            for (int c = 0; c < 3; c++) {
+                if (!(isfinite(p.value[c][i]) && p.value[c][i] >= 0.0f)) fail_msg("pixel %d, weight %d: %g", i, (int)all_weights[w], (double)p.value[c][i]);
+            }
+            assert_true(isfinite(spread[i]));
+        }
+        free_planes(&p);
+    }
+    free(spread);
+    free_photons(photons);
+    free_receivers(r);
+}
+
 /* ---- the same bits ---- */
 
 static void every_supply_of_photons_gives_the_same_bits(void **state) {
@@ -200,6 +437,14 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(picture_has_the_bits_of_the_plain_double_loop),
         cmocka_unit_test(lambertian_receiver_agrees_with_a_double_loop_in_double),
+        cmocka_unit_test(glossy_receivers_highlight_moves_with_the_eye),
+        cmocka_unit_test(lobe_of_exponent_0_is_lambertian_on_the_receiver),
+        cmocka_unit_test(photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light),
+        cmocka_unit_test(lobed_photons_have_the_bits_of_the_plain_double_loop),
+        cmocka_unit_test(curved_mirrors_receive_light_only_by_the_trick),
+        cmocka_unit_test(spread_is_half_the_difference_of_the_two_half_sums),
+        cmocka_unit_test(work_is_photons_times_receivers),
+        cmocka_unit_test(damaged_receivers_leave_no_value_that_is_not_finite),
         cmocka_unit_test(every_supply_of_photons_gives_the_same_bits),
         cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };

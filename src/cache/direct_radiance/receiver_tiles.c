@@ -58,6 +58,17 @@ static void planes_of(const sl_gbuffer *g, sl_receiver_tile *t, plane_copy plane
 }
 
 /* Rows copied as they stand where every pixel is there, one by one otherwise. */
+/* Lanes without a sound normal get none, and so no light. */
+static void drop_unsound_normals(sl_receiver_tile *t) {
+    float *gx = t->geometric_x, *gy = t->geometric_y, *gz = t->geometric_z, *nx = t->normal_x, *ny = t->normal_y, *nz = t->normal_z;
+    for (size_t i = 0; i < t->padded; i++) {
+        float g = gx[i] * gx[i] + gy[i] * gy[i] + gz[i] * gz[i], n = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
+        bool sound = (g <= 2.0f) & (n <= 2.0f);
+        gx[i] = sound ? gx[i] : 0.0f, gy[i] = sound ? gy[i] : 0.0f, gz[i] = sound ? gz[i] : 0.0f;
+        nx[i] = sound ? nx[i] : 0.0f, ny[i] = sound ? ny[i] : 0.0f, nz[i] = sound ? nz[i] : 0.0f;
+    }
+}
+
 void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
     t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
     plane_copy planes[PLAIN_PLANES];
@@ -73,6 +84,7 @@ void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
             for (size_t i = t->count; i < t->padded; i++) to[i] = 0.0f;
         }
     }
+    drop_unsound_normals(t);
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < t->padded; i++) t->diffuse[c][i] *= (float)(1.0 / SL_PI);
     }
