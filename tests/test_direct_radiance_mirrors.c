@@ -479,6 +479,15 @@ static void the_trick_is_direct_cubes_and_one_term_more(void **state) {
     assert_true(lit > 200);
     release(&a);
     release(&b);
+    size_t flat = 0; /* a flat mirror that is not followed has no part in it */
+    render_picture(&f, &(way){.cube_size = 32, .reflections = 0, .photons = &photons, .trick = true}, &a);
+    for (int i = 0; i < PIXELS; i++) {
+        if (material_at(&a, i) != MIRROR) continue;
+        assert_true(a.plane[INDIRECT][0][i] == 0.0f);
+        flat++;
+    }
+    assert_true(flat > 50);
+    release(&a);
     destroy(&f);
 }
 

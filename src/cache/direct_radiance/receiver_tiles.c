@@ -90,9 +90,13 @@ void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
     }
 }
 
-static void set_trick(const sl_receiver_kinds *kinds, const sl_gbuffer *g, sl_receiver_tile *t) {
+/* Curved mirrors alone: a planar one lies beyond the nesting limit, and nobody has left out indirect light on its account. */
+static void set_trick(const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_receiver_tile *t) {
+    const sl_gbuffer *g = receivers->gbuffer;
+    const sl_mirrors *planar = receivers->mirrors;
     for (size_t i = 0; i < t->count; i++) {
         if (sl_receiver_kind_at(kinds, g, t->pixel[i]) != SL_RECEIVER_MIRROR) continue;
+        if (planar && planar->of_triangle[g->id[t->pixel[i]]] != SL_NO_INDEX) continue;
         sl_rgb albedo = sl_rgb_mul(kinds->scene->materials[g->material[t->pixel[i]]].mirror, kinds->trick_albedo);
         t->diffuse[0][i] = albedo.r * (float)(1.0 / SL_PI);
         t->diffuse[1][i] = albedo.g * (float)(1.0 / SL_PI);
@@ -147,7 +151,7 @@ static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *ki
     t->whole = t->count == SL_TILE_PIXELS;
     if (t->count == 0) return;
     sl_receiver_tile_fetch(g, t);
-    if (mirrors) set_trick(kinds, g, t);
+    if (mirrors) set_trick(receivers, kinds, t);
     if (glossy) set_lobes(receivers, kinds->scene, kernels, t);
 }
 
