@@ -27,8 +27,10 @@ typedef struct {
 /* The cube of the curved mirror that the pixel shows, or SL_NO_INDEX. */
 static uint32_t cube_at(const reflecting *r, size_t pixel) {
     const sl_curved_mirrors *m = r->mirrors;
-    const uint32_t id = r->receivers->gbuffer->id[pixel];
-    if (id == SL_NO_INDEX || !sl_is_curved_mirror(m->scene, m->planar, id)) return SL_NO_INDEX;
+    const sl_gbuffer *g = r->receivers->gbuffer;
+    const uint32_t material = g->material[pixel], id = g->id[pixel];
+    if (material == SL_NO_INDEX || !sl_material_is_mirror(&m->scene->materials[material])) return SL_NO_INDEX;
+    if (!sl_is_curved_mirror(m->scene, m->planar, id)) return SL_NO_INDEX;
     return m->objects.cube_of[m->scene->object_index[id]];
 }
 

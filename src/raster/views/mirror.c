@@ -69,6 +69,12 @@ static int larger_first(const void *a, const void *b) {
     return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
 }
 
+static size_t count_mirror_triangles(const sl_scene *s) {
+    size_t count = 0;
+    for (size_t t = 0; t < s->triangle_count; t++) count += sl_material_is_mirror(&s->materials[s->material_index[t]]);
+    return count;
+}
+
 /* Shading normals within a degree of the plane's. */
 static bool is_flat(const sl_scene *s, uint32_t t, const sl_plane *plane) {
     for (int k = 0; k < 3; k++) {
@@ -139,7 +145,7 @@ static void assign(const sl_scene *s, size_t limit, sized_triangle *list, sl_mir
 sl_status sl_mirrors_find(const sl_scene *scene, size_t limit, sl_mirrors **mirrors, sl_error *error) {
     *mirrors = NULL;
     sl_mirrors *m = sl_allocate(1, sizeof *m);
-    sized_triangle *list = sl_allocate(scene->triangle_count, sizeof *list);
+    sized_triangle *list = sl_allocate(count_mirror_triangles(scene), sizeof *list);
     if (m) {
         m->plane = sl_allocate(limit, sizeof *m->plane);
         m->material = sl_allocate(limit, sizeof *m->material);
