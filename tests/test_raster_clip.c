@@ -110,6 +110,30 @@ static void vertex_at_the_eye_or_on_the_near_plane_is_harmless(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* The eye looks along a wall from just below a ceiling, and sees the room below a near plane that is level, not upright. Two corners of each
+ * of the wall's triangles are above it and some behind the eye: those are not before it for that. */
+static void an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye(void **state) {
+    (void)state;
+    static float xyz[9 * 12];
+    size_t count = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 3, 5), 1, NULL, NULL);
+    sl_scene *scene = scene_of_triangles(xyz, count);
+    sl_raster *raster = raster_of(scene);
+    const sl_vec3 sides[4] = {{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (int k = 0; k < 4; k++) {
+        sl_frame frame = {sl_v3(sides[k].z, 0, -sides[k].x), sl_v3(0, -1, 0), sides[k]};
+        sl_view view = sl_view_pyramid(&frame, sl_v3(2.1f, 2.99f, 1.6f), -1, 1, 0, 1, 64, 32, 1e-4f);
+        view.clip[2][0] = view.clip[2][2] = 0.0f;
+        view.clip[2][1] = -1.0f;
+        view.clip[2][3] = -1e-4f;
+        uint32_t id[64 * 32];
+        float depth[64 * 32];
+        render(raster, &view, 1, id, depth);
+        for (int i = 0; i < 64 * 32; i++) assert_int_not_equal(id[i], SL_NO_INDEX);
+    }
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
 static void vertices_that_are_not_finite_are_dropped_and_counted(void **state) {
     (void)state;
     float xyz[6 * 9];
@@ -255,6 +279,7 @@ int main(void) {
         cmocka_unit_test(camera_inside_a_box_sees_every_pixel_with_window_depth),
         cmocka_unit_test(plane_through_the_eyes_height_ends_at_the_horizon),
         cmocka_unit_test(vertex_at_the_eye_or_on_the_near_plane_is_harmless),
+        cmocka_unit_test(an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye),
         cmocka_unit_test(vertices_that_are_not_finite_are_dropped_and_counted),
         cmocka_unit_test(every_triangle_is_accounted_for),
         cmocka_unit_test(clipping_many_together_gives_the_pieces_of_clipping_one_by_one),

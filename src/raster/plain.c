@@ -57,15 +57,15 @@ static void transform(const sl_pass_view *view, sl_vec3 p, corner *c) {
 /* ---- 2 clip codes ------------------------------------------------------------------------------------------------ */
 
 /* NaN, infinities, and what is so large that differences would overflow: such triangles are dropped. A view with 1/w depth
- * has its near plane in z alone, and no far plane. A corner at the eye (so near that 1/w is not finite) or behind
- * it counts as before the near plane. */
+ * has its near plane in z alone, and no far plane. A corner at the eye (so near that 1/w is not finite) counts as before
+ * the near plane; one behind it is outside a side, but an oblique near plane (mirrors' views have them) may lie further back. */
 static void find_code(const sl_pass_view *view, corner *c) {
     c->code = 0;
     if (c->x > c->w) c->code |= SL_CLIP_RIGHT;
     if (c->x + c->w < 0.0f) c->code |= SL_CLIP_LEFT;
     if (c->y > c->w) c->code |= SL_CLIP_TOP;
     if (c->y + c->w < 0.0f) c->code |= SL_CLIP_BOTTOM;
-    if ((view->inverse_w ? c->z : c->z + c->w) < 0.0f || !(c->w >= SL_LEAST_W)) c->code |= SL_CLIP_NEAR;
+    if ((view->inverse_w ? c->z : c->z + c->w) < 0.0f || (!c->code && !(c->w >= SL_LEAST_W))) c->code |= SL_CLIP_NEAR;
     if (!view->inverse_w && c->z > c->w) c->code |= SL_CLIP_FAR;
     if (!(fabsf(c->x) + fabsf(c->y) + fabsf(c->z) + fabsf(c->w) < 0x1p60f)) c->code = SL_CLIP_INVALID;
 }

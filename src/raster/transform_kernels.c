@@ -38,7 +38,8 @@ static void transform_clip(const sl_pass_view *view, const float *restrict px, c
     }
 }
 
-/* A view without a far plane has its near plane's distance in z alone (near_w 0, else 1). The coordinates are valid
+/* A view without a far plane has its near plane's distance in z alone (near_w 0, else 1). What lies behind the eye is outside one of the
+ * sides, and need not lie before an oblique near plane: only a corner at the eye is counted as before it. The coordinates are valid
  * where none is NaN, infinite or huge. Selections of integers only, without truth values between: that is what
  * compilers vectorise. */
 static void clip_codes(const float *restrict xs, const float *restrict ys, const float *restrict zs,
@@ -49,10 +50,11 @@ static void clip_codes(const float *restrict xs, const float *restrict ys, const
         float x = xs[l], y = ys[l], z = zs[l], w = ws[l];
         int32_t right = x > w ? SL_CLIP_RIGHT : 0, left = 0.0f > x + w ? SL_CLIP_LEFT : 0;
         int32_t top = y > w ? SL_CLIP_TOP : 0, bottom = 0.0f > y + w ? SL_CLIP_BOTTOM : 0;
-        int32_t near = 0.0f > z + w * near_w ? SL_CLIP_NEAR : 0, behind = w >= SL_LEAST_W ? 0 : SL_CLIP_NEAR;
+        int32_t sides = right | left | top | bottom, at_eye = sides ? 0 : SL_CLIP_NEAR;
+        int32_t near = 0.0f > z + w * near_w ? SL_CLIP_NEAR : 0, behind = w >= SL_LEAST_W ? 0 : at_eye;
         int32_t far = z > w ? far_code : 0;
         float largest = fabsf(x) + fabsf(y) + fabsf(z) + fabsf(w);
-        int32_t all = right | left | top | bottom | near | behind | far;
+        int32_t all = sides | near | behind | far;
         codes[l] = largest < limit ? all : SL_CLIP_INVALID;
     }
 }
