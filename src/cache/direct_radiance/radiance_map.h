@@ -41,7 +41,7 @@ typedef struct sl_radiance_map {
     float *color[3];                 /* Lambertian scenes: L_o, W/(m^2 sr), as it leaves: mirrors on the light's way have had their share;
                                         others: true colour, kd with its texture, and nothing else */
     float *normal[3];                /* shading normals turned to the light; NULL where no weight or material asks for them */
-    float *geometric[3];             /* likewise; what decides sides */
+    float *geometric[3];             /* geometric ones, likewise turned; always there, as they decide sides */
     float *block_angle;              /* per texel: solid angle in sr (directional: area in m^2) of the texel itself, footprint.h */
     float *path;                     /* per texel: b, the way from the light; of traced mirrors the unfolded one */
     float *spread;                   /* per texel: NULL, or of traced light: the area perpendicular to the light's arrival that the texel
@@ -50,17 +50,21 @@ typedef struct sl_radiance_map {
     float *carried[3];               /* beside spread: the reflectances of the traced mirrors on the way, multiplied; NULL without */
     bool lambertian;                 /* color holds L_o */
     bool mirrored_light;             /* some faces are images in mirrors */
+    sl_map_shape shape;              /* as asked for */
+    double fov;
 } sl_radiance_map;
 
 typedef struct sl_radiance_map_options {
     const sl_mirrors *mirrors;       /* planar mirrors, or NULL */
     bool lambertian;                 /* no surface is glossy: radiance instead of true colour */
     bool normals;                    /* pass 2c */
+    const struct sl_tracer *tracer;  /* for settings->traced_light_mirrors; NULL: curved mirrors in a light's view stay dark */
     unsigned threads;
 } sl_radiance_map_options;
 
-/* Takes the pictures. settings are complete. Faces that meet no geometry, and lights without flux, are skipped and counted as such. The
- * light's own triangles are not in its pictures. */
+/* Takes the pictures. settings are complete. Faces that are dark, faces that meet no geometry, and all of lights without flux are skipped
+ * and counted as such. What lies lower than an area light's own triangles reach is not in its pictures. Lights that shine into one
+ * hemisphere have hemicubes where cubes are asked for; directional lights one parallel picture, whatever is asked for. */
 sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
                                  const sl_radiance_map_settings *settings, const sl_radiance_map_options *options, sl_radiance_map **map,
                                  sl_counters *counters, sl_error *error);

@@ -1,0 +1,139 @@
+#include "cache/direct_radiance/map_faces.h"
+
+#include "base/math.h"
+#include "cache/direct_radiance/light_sides.h"
+
+sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings) {
+    int m = settings->samples > 1 ? settings->samples : 1;
+    int texels = settings->map_size > m ? (settings->map_size + m - 1) / m : 1; /* w is rounded up to a multiple of m */
+    return (sl_face_shape){settings->shape, settings->map_fov, m, texels};
+}
+
+/* ---- pyramids ---- */
+
+typedef struct {
+    const sl_map_light *light;
+    const sl_face_shape *shape;
+    const float *clearance;
+    sl_planned_face *face;
+    int count, dark;
+} face_list;
+
+static void add(face_list *list, const sl_frame *frame, double reach, int rows, bool back) {
+    int m = list->shape->samples, k = list->shape->texels;
+    list->face[list->count++] = (sl_planned_face){
+        .face = {.mirror = SL_NO_INDEX, .eye = list->light->position, .reflectance = {1, 1, 1}, .frame = *frame, .left = -reach,
+                 .right = reach, .bottom = reach - 2.0 * reach * (double)rows / (double)m, .top = reach, .width = m * k, .height = rows * k,
+                 .columns = m, .rows = rows},
+        .back = back, .clearance = list->clearance[back]};
+}
+
+static void add_side(face_list *list, const sl_frame *frame, int side, int rows, bool back) {
+    sl_frame turned = sl_light_side(frame, side);
+    if (sl_light_shines_on(list->light, side)) add(list, &turned, 1.0, rows, back);
+    else list->dark++;
+}
+
+/* One whole face ahead and the upper halves of four; where m is odd their middle blocks reach below the horizon. */
+static void add_hemicube(face_list *list, const sl_frame *frame, bool back) {
+    int m = list->shape->samples;
+    for (int side = SL_LIGHT_AHEAD; side < SL_LIGHT_BACK; side++) add_side(list, frame, side, side ? (m + 1) / 2 : m, back);
+}
+
+static void add_cube(face_list *list, const sl_frame *frame) {
+    for (int side = 0; side < SL_LIGHT_SIDES; side++) add_side(list, frame, side, list->shape->samples, false);
+}
+
+/* ---- shapes ---- */
+
+/* A cone that one picture holds without stretching it too far. */
+static const float WIDEST_CONE = 0.5f;
+
+static sl_map_shape shape_for(const sl_map_light *light, sl_map_shape asked) {
+    switch (asked) {
+    case SL_MAP_AUTO:
+        if (light->kind == SL_MAP_LIGHT_AREA) return SL_MAP_HEMICUBE;
+        if (light->kind != SL_MAP_LIGHT_SPOT) return SL_MAP_CUBE;
+        return light->cos_outer >= WIDEST_CONE ? SL_MAP_FRUSTUM : light->cos_outer >= 0.0f ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
+    case SL_MAP_CUBE: /* what an area light lights is one hemisphere, or two */
+        return light->kind == SL_MAP_LIGHT_AREA ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
+    default: return asked;
+    }
+}
+
+/* tan(fov / 2), from 1e-3 to that of 170 degrees. */
+static double frustum_reach(const sl_map_light *light, double fov) {
+    double c = (double)light->cos_outer, reach = 1.0;
+    if (fov > 0.0) reach = sl_tan(0.5 * (fov < 2.96706 ? fov : 2.96706));
+    else if (light->kind == SL_MAP_LIGHT_SPOT) reach = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
+    return reach > 11.43 ? 11.43 : reach > 1e-3 ? reach : 1e-3;
+}
+
+static sl_frame frame_of(const sl_map_light *light, sl_map_shape shape, sl_vec3 aim) {
+    bool aimed = light->kind == SL_MAP_LIGHT_POINT && shape != SL_MAP_CUBE;
+    return aimed ? sl_frame_from_normal(aim) : sl_light_frame(light);
+}
+
+/* ---- parallel ---- */
+
+/* The picture lies as far before the box's middle as the box is deep. */
+static void add_parallel(face_list *list, const sl_scene *scene) {
+    sl_parallel_picture p = sl_parallel_picture_of(scene, list->light);
+    add(list, &p.frame, 1.0, list->shape->samples, false);
+    sl_map_face *f = &list->face[list->count - 1].face;
+    f->eye = sl_mad(p.centre, -2.0f * p.reach_z, p.frame.z);
+    f->left = -(double)p.reach_x;
+    f->right = (double)p.reach_x;
+    f->bottom = -(double)p.reach_y;
+    f->top = (double)p.reach_y;
+}
+
+int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim, const float clearance[2],
+                   sl_planned_face *face, int *dark) {
+    face_list list = {light, shape, clearance, face, 0, 0};
+    sl_map_shape form = shape_for(light, shape->shape);
+    sl_frame frame = frame_of(light, form, aim);
+    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) add_parallel(&list, scene);
+    else if (form == SL_MAP_CUBE) add_cube(&list, &frame);
+    else if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, false);
+    else add(&list, &frame, frustum_reach(light, shape->fov), shape->samples, false);
+    if (light->kind == SL_MAP_LIGHT_AREA && light->two_sided) {
+        frame.z = sl_neg(frame.z);
+        if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, true);
+        else add(&list, &frame, frustum_reach(light, shape->fov), shape->samples, true);
+    }
+    *dark = list.dark;
+    return list.count;
+}
+
+/* ---- views ---- */
+
+float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face) {
+    sl_map_light light = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = face->frame.z};
+    return sl_parallel_picture_of(scene, &light).reach_z;
+}
+
+static void set_row(float row[4], sl_vec3 axis, double low, double high) {
+    float scale = (float)(2.0 / (high - low));
+    row[0] = axis.x * scale;
+    row[1] = axis.y * scale;
+    row[2] = axis.z * scale;
+    row[3] = (float)(-(high + low) / (high - low));
+}
+
+static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
+    double depth = (double)sl_parallel_depth(scene, f);
+    sl_view view = {.origin = f->eye, .width = f->width, .height = f->height, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
+    set_row(view.clip[0], f->frame.x, f->left, f->right);
+    set_row(view.clip[1], f->frame.y, f->bottom, f->top);
+    set_row(view.clip[2], f->frame.z, depth, 3.0 * depth);
+    view.clip[3][3] = 1.0f;
+    return view;
+}
+
+sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned) {
+    const sl_map_face *f = &planned->face;
+    if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) return parallel_view(scene, f);
+    sl_light_picture picture = {f->eye, f->frame, f->left, f->right, f->bottom, f->top, f->width, f->height, planned->back, planned->clearance};
+    return sl_light_picture_view(scene, light, &picture);
+}

@@ -1,0 +1,304 @@
+#include "cache/direct_radiance/radiance_map.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/direct_radiance/footprint.h"
+#include "cache/direct_radiance/map_mirrors.h"
+#include "cache/direct_radiance/map_pictures.h"
+#include "cache/direct_radiance/map_traced.h"
+
+/* ---- planning ---- */
+
+typedef struct {
+    const sl_scene *scene;
+    const sl_raster *raster;
+    const sl_map_lights *lights;
+    const sl_radiance_map_options *options;
+    sl_face_shape shape;
+    sl_mirror_triangles mirror_triangles;
+    sl_planned_face *face;
+    size_t count, room, stencil_texels;
+    uint32_t *stencil;
+    sl_counters *counters;
+} planning;
+
+static sl_planned_face *next_face(planning *p, sl_error *error) {
+    if (p->count == p->room) {
+        size_t room = 2 * p->room + 16;
+        sl_planned_face *more = sl_allocate(room, sizeof *more);
+        if (!more) {
+            sl_fail_memory(error, "a radiance map's faces");
+            return NULL;
+        }
+        if (p->count) memcpy(more, p->face, p->count * sizeof *more);
+        sl_free(p->face);
+        p->face = more;
+        p->room = room;
+    }
+    return &p->face[p->count];
+}
+
+static void skip(planning *p, int passes) { sl_count(p->counters, SL_COUNT_RASTER_PASSES_SKIPPED, (uint64_t)passes); }
+
+static size_t texels_of(const sl_map_face *f) { return (size_t)f->width * (size_t)f->height; }
+
+/* The light's own picture in a mirror. */
+static sl_status plan_mirrored(planning *p, const sl_map_light *light, const sl_planned_face *of, uint32_t mirror, sl_error *error) {
+    sl_planned_face *next = next_face(p, error), mirrored;
+    if (!next) return SL_ERROR_RESOURCES;
+    if (!sl_map_face_in_mirror(p->scene, p->options->mirrors, &p->mirror_triangles, mirror, light, &p->shape, of, &mirrored)) return SL_OK;
+    if (!sl_raster_meets(p->raster, &mirrored.through) || !sl_raster_meets(p->raster, &mirrored.face.view)) {
+        skip(p, 1);
+        return SL_OK;
+    }
+    mirrored.stencil = p->stencil_texels;
+    p->stencil_texels += texels_of(&mirrored.face);
+    *next = mirrored;
+    p->count++;
+    return SL_OK;
+}
+
+/* Where the paper aims its light. */
+static sl_vec3 aim_of(const sl_scene *s, const sl_map_light *light) {
+    return sl_normalize_or(sl_sub(sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min)), light->position), sl_v3(0, -1, 0));
+}
+
+static bool is_dark(const sl_map_light *light) {
+    sl_rgb flux = sl_map_light_flux(light);
+    return !(sl_rgb_max(flux) > 0.0f) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->position);
+}
+
+static sl_status plan_light(planning *p, uint32_t index, sl_error *error) {
+    const sl_map_light *light = &p->lights->light[index];
+    sl_planned_face face[SL_LIGHT_FACES_MAX];
+    float clearance[2] = {0};
+    for (int back = 0; back < 2 && light->kind == SL_MAP_LIGHT_AREA; back++)
+        clearance[back] = sl_map_light_clearance(p->scene, p->lights, index, light->position, back);
+    int dark = 0, count = sl_light_faces(p->scene, light, &p->shape, aim_of(p->scene, light), clearance, face, &dark);
+    skip(p, is_dark(light) ? dark + count : dark);
+    if (is_dark(light)) return SL_OK;
+    for (int f = 0; f < count; f++) {
+        sl_planned_face *next = next_face(p, error);
+        if (!next) return SL_ERROR_RESOURCES;
+        face[f].face.light = index;
+        face[f].face.view = sl_map_face_view(p->scene, light, &face[f]);
+        if (sl_raster_meets(p->raster, &face[f].face.view)) {
+            *next = face[f];
+            p->count++;
+        } else {
+            skip(p, 1);
+        }
+    }
+    sl_status status = SL_OK;
+    for (uint32_t m = 0; p->options->mirrors && m < p->options->mirrors->count; m++) {
+        for (int f = 0; f < count && status == SL_OK; f++) status = plan_mirrored(p, light, &face[f], m, error);
+    }
+    return status;
+}
+
+/* ---- stencils ---- */
+
+static bool mirror_is_seen(const planning *p, const sl_planned_face *f) {
+    const uint32_t *seen = p->stencil + f->stencil;
+    for (size_t i = 0; i < texels_of(&f->face); i++) {
+        if (seen[i] != SL_NO_INDEX && p->options->mirrors->of_triangle[seen[i]] == f->face.mirror) return true;
+    }
+    return false;
+}
+
+/* Draws where the lights see mirrors; faces in which they see none are dropped. */
+static sl_status draw_stencils(planning *p, sl_error *error) {
+    size_t count = 0, kept = 0;
+    sl_view *views = sl_allocate(p->count, sizeof *views);
+    sl_target *targets = sl_allocate(p->count, sizeof *targets);
+    p->stencil = sl_allocate(p->stencil_texels, sizeof *p->stencil);
+    sl_status status = views && targets && p->stencil ? SL_OK : sl_fail_memory(error, "a radiance map's mirrors");
+    for (size_t f = 0; f < p->count && status == SL_OK; f++) {
+        const sl_planned_face *face = &p->face[f];
+        if (face->face.mirror == SL_NO_INDEX) continue;
+        views[count] = face->through;
+        targets[count++] = (sl_target){face->face.width, face->face.height, p->stencil + face->stencil, NULL};
+    }
+    if (status == SL_OK && count) status = sl_raster_ids(p->raster, count, views, p->options->threads, targets, p->counters, error);
+    for (size_t f = 0; f < p->count && status == SL_OK; f++) {
+        if (p->face[f].face.mirror == SL_NO_INDEX || mirror_is_seen(p, &p->face[f])) p->face[kept++] = p->face[f];
+        else skip(p, 1);
+    }
+    if (status == SL_OK) p->count = kept;
+    sl_free(views);
+    sl_free(targets);
+    return status;
+}
+
+static sl_status plan(planning *p, sl_error *error) {
+    sl_status status = sl_mirror_triangles_list(p->scene, p->options->mirrors, &p->mirror_triangles, error);
+    for (uint32_t i = 0; i < p->lights->count && status == SL_OK; i++) status = plan_light(p, i, error);
+    return status == SL_OK && p->stencil_texels ? draw_stencils(p, error) : status;
+}
+
+/* ---- the map ---- */
+
+static bool allocate_vectors(float *plane[3], size_t texels) {
+    for (int k = 0; k < 3; k++) plane[k] = sl_allocate(texels, sizeof *plane[k]);
+    return plane[0] && plane[1] && plane[2];
+}
+
+static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options, bool traced, sl_error *error) {
+    size_t n = map->texels;
+    map->triangle = sl_allocate(n, sizeof *map->triangle);
+    map->block_angle = sl_allocate(n, sizeof *map->block_angle);
+    map->path = sl_allocate(n, sizeof *map->path);
+    bool ok = map->triangle && map->block_angle && map->path && allocate_vectors(map->position, n) && allocate_vectors(map->color, n) &&
+              allocate_vectors(map->geometric, n);
+    if (options->normals) ok = ok && allocate_vectors(map->normal, n);
+    if (traced) {
+        map->spread = sl_allocate(n, sizeof *map->spread);
+        ok = ok && map->spread && allocate_vectors(map->arrival, n) && allocate_vectors(map->carried, n);
+    }
+    return ok ? SL_OK : sl_fail_memory(error, "a radiance map's pictures");
+}
+
+static bool same_texels(const sl_map_face *a, const sl_map_face *b) {
+    return a->left == b->left && a->right == b->right && a->bottom == b->bottom && a->top == b->top && a->width == b->width &&
+           a->height == b->height;
+}
+
+static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool parallel) {
+    double wide = (f->right - f->left) / (double)f->width, high = (f->top - f->bottom) / (double)f->height;
+    for (int y = 0; y < f->height; y++) {
+        for (int x = 0; x < f->width; x++) {
+            double x0 = f->left + wide * (double)x, y0 = f->bottom + high * (double)y;
+            double size = parallel ? wide * high : sl_rectangle_solid_angle(x0, y0, x0 + wide, y0 + high);
+            map->block_angle[f->first + (size_t)y * (size_t)f->width + (size_t)x] = (float)size;
+        }
+    }
+}
+
+/* Most faces are cut alike. */
+static void measure_faces(sl_radiance_map *map) {
+    for (size_t f = 0; f < map->face_count; f++) {
+        const sl_map_face *face = &map->face[f];
+        bool parallel = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+        size_t like = f > SL_LIGHT_FACES_MAX ? f - SL_LIGHT_FACES_MAX : 0;
+        while (like < f && (parallel || map->lights->light[map->face[like].light].kind == SL_MAP_LIGHT_DIRECTIONAL ||
+                            !same_texels(&map->face[like], face)))
+            like++;
+        if (like == f) measure_texels(map, face, parallel);
+        else memcpy(map->block_angle + face->first, map->block_angle + map->face[like].first, texels_of(face) * sizeof *map->block_angle);
+    }
+}
+
+static sl_status make_map(const planning *p, sl_radiance_map *map, bool traced, sl_error *error) {
+    map->face_count = p->count;
+    map->face = sl_allocate(p->count, sizeof *map->face);
+    if (!map->face) return sl_fail_memory(error, "a radiance map's faces");
+    for (size_t f = 0; f < p->count; f++) {
+        map->face[f] = p->face[f].face;
+        map->face[f].first = map->texels;
+        map->texels += texels_of(&map->face[f]);
+        map->mirrored_light |= map->face[f].mirror != SL_NO_INDEX;
+    }
+    sl_status status = allocate_planes(map, p->options, traced, error);
+    if (status == SL_OK) measure_faces(map);
+    return status;
+}
+
+/* Multiple render targets, or a pass for each picture. */
+static sl_status draw_map(const sl_map_drawing *d, sl_error *error) {
+    unsigned all = SL_PICTURE_POSITIONS | SL_PICTURE_COLORS | (d->map->normal[0] ? SL_PICTURE_NORMALS : 0u);
+    if (!d->settings->separate_passes) return sl_map_pictures_draw(d, all, error);
+    sl_status status = SL_OK;
+    for (unsigned picture = 1; picture <= all && status == SL_OK; picture *= 2) {
+        if (all & picture) status = sl_map_pictures_draw(d, picture, error);
+    }
+    return status;
+}
+
+static sl_status render(planning *p, const sl_radiance_map_settings *settings, sl_radiance_map *map, sl_error *error) {
+    bool traced = settings->traced_light_mirrors && p->options->tracer;
+    sl_status status = plan(p, error);
+    if (status == SL_OK) status = make_map(p, map, traced, error);
+    sl_map_drawing drawing = {p->scene, p->raster, settings, p->options, p->face, p->stencil, map, p->counters};
+    if (status == SL_OK) status = draw_map(&drawing, error);
+    if (status == SL_OK && traced) status = sl_map_trace_mirrors(&drawing, error);
+    return status;
+}
+
+static sl_status check(const sl_radiance_map_settings *s, sl_error *error) {
+    enum { LARGEST = 4096 };
+    if (s->samples >= 1 && s->samples <= LARGEST && s->map_size >= 1 && s->map_size <= LARGEST) return SL_OK;
+    return sl_fail(error, SL_ERROR_USAGE, "a radiance map of %d texels and %d samples a side: from 1 to %d each", s->map_size, s->samples,
+                   (int)LARGEST);
+}
+
+sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
+                                 const sl_radiance_map_settings *settings, const sl_radiance_map_options *options, sl_radiance_map **out,
+                                 sl_counters *counters, sl_error *error) {
+    *out = NULL;
+    sl_status status = check(settings, error);
+    if (status != SL_OK) return status;
+    planning p = {.scene = scene, .raster = raster, .lights = lights, .options = options, .shape = sl_face_shape_of(settings),
+                  .counters = counters};
+    sl_radiance_map *map = sl_allocate(1, sizeof *map);
+    if (!map) return sl_fail_memory(error, "a radiance map");
+    *map = (sl_radiance_map){.lights = lights, .lambertian = options->lambertian, .shape = settings->shape, .fov = settings->map_fov};
+    status = render(&p, settings, map, error);
+    sl_mirror_triangles_free(&p.mirror_triangles);
+    sl_free(p.face);
+    sl_free(p.stencil);
+    if (status != SL_OK) sl_radiance_map_destroy(map);
+    else *out = map;
+    return status;
+}
+
+void sl_radiance_map_destroy(sl_radiance_map *map) {
+    if (!map) return;
+    float *const *planes[] = {map->position, map->color, map->normal, map->geometric, map->arrival, map->carried};
+    for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
+        for (int k = 0; k < 3; k++) sl_free(planes[i][k]);
+    }
+    sl_free(map->face);
+    sl_free(map->triangle);
+    sl_free(map->block_angle);
+    sl_free(map->path);
+    sl_free(map->spread);
+    sl_free(map);
+}
+
+size_t sl_radiance_map_bytes(const sl_radiance_map *map) {
+    if (!map) return 0;
+    size_t planes = 12 + (map->normal[0] ? 3u : 0u) + (map->spread ? 7u : 0u);
+    return sizeof *map + map->face_count * sizeof *map->face + planes * map->texels * sizeof(float);
+}
+
+/* ---- captured flux ---- */
+
+/* Over one face: the intensity at the middles of many cells, times their solid angles. */
+static double flux_through(const sl_map_light *light, const sl_map_face *f) {
+    enum { CELLS = 96 };
+    double sum = 0.0, wide = (f->right - f->left) / CELLS, high = (f->top - f->bottom) / CELLS;
+    for (int i = 0; i < CELLS * CELLS; i++) {
+        double x = f->left + wide * (double)(i % CELLS), y = f->bottom + high * (double)(i / CELLS);
+        sl_vec3 d = sl_frame_to_world(&f->frame, sl_v3((float)(x + 0.5 * wide), (float)(y + 0.5 * high), 1.0f));
+        sl_rgb intensity = sl_map_light_intensity(light, sl_normalize_or(d, f->frame.z));
+        sum += (double)sl_rgb_mean(intensity) * sl_rectangle_solid_angle(x, y, x + wide, y + high);
+    }
+    return sum;
+}
+
+double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
+    const sl_map_light *l = &map->lights->light[light];
+    sl_face_shape shape = {map->shape, map->fov, 2, 1};
+    sl_planned_face face[SL_LIGHT_FACES_MAX];
+    const float clearance[2] = {0};
+    double flux = (double)sl_rgb_mean(sl_map_light_flux(l)), sum = 0.0;
+    int dark;
+    if (l->kind == SL_MAP_LIGHT_DIRECTIONAL || !(flux > 0.0)) return 1.0;
+    int count = sl_light_faces(NULL, l, &shape, sl_v3(0, -1, 0), clearance, face, &dark);
+    for (int f = 0; f < count; f++) sum += flux_through(l, &face[f].face);
+    return sum < flux ? sum / flux : 1.0;
+}

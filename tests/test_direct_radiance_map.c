@@ -1,0 +1,793 @@
+/* The direct radiance map (passes 2a to 2c): what its pictures hold, which directions they cover, and light by way of mirrors. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "base/math.h"
+#include "cache/direct_radiance/radiance_map.h"
+#include "trace/trace.h"
+#include "trace_scenes.h"
+
+/* ---- a scene with its map ---- */
+
+typedef struct {
+    sl_scene *scene;
+    sl_raster *raster;
+    sl_map_lights *lights;
+    sl_mirrors *mirrors;
+    sl_tracer *tracer;
+    sl_radiance_map *map;
+    sl_counters counters;
+} world;
+
+typedef struct {
+    sl_radiance_map_settings settings;
+    bool true_color, no_normals, planar, traced;
+    unsigned threads;
+} how;
+
+static how by_default(void) {
+    return (how){.settings = {.samples = 4, .map_size = 16, .reflections = 1}, .threads = 1};
+}
+
+static void take(world *w, const how *h) {
+    sl_error error = {0};
+    sl_radiance_map_options options = {.mirrors = w->mirrors, .lambertian = !h->true_color, .normals = !h->no_normals, .tracer = w->tracer,
+                                       .threads = h->threads};
+    sl_radiance_map_destroy(w->map);
+    w->counters = (sl_counters){{0}};
+    if (sl_radiance_map_render(w->scene, w->raster, w->lights, &h->settings, &options, &w->map, &w->counters, &error) != SL_OK)
+        fail_msg("%s", error.message);
+}
+
+static world world_of(trace_mesh *mesh, const how *h) {
+    world w = {.scene = trace_mesh_build(mesh)};
+    assert_int_equal(sl_raster_create(w.scene, 1, &w.raster, NULL), SL_OK);
+    assert_int_equal(sl_map_lights_find(w.scene, 1, &w.lights, NULL), SL_OK);
+    if (h->planar) assert_int_equal(sl_mirrors_find(w.scene, 8, &w.mirrors, NULL), SL_OK);
+    if (h->traced) assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &w.tracer, NULL), SL_OK);
+    take(&w, h);
+    return w;
+}
+
+static void discard(world *w) {
+    sl_radiance_map_destroy(w->map);
+    sl_tracer_destroy(w->tracer);
+    sl_mirrors_destroy(w->mirrors);
+    sl_map_lights_destroy(w->lights);
+    sl_raster_destroy(w->raster);
+    sl_scene_destroy(w->scene);
+}
+
+static sl_vec3 at(float *const plane[3], size_t i) { return sl_v3(plane[0][i], plane[1][i], plane[2][i]); }
+
+static sl_light light_at(sl_light_type type, float x, float y, float z) {
+    return (sl_light){.type = type, .position = {x, y, z}, .direction = {0, -1, 0}, .intensity = {3, 2, 1}, .cos_inner = 0.9f, .cos_outer = 0.7f};
+}
+
+/* A closed room of 4 x 3 x 5 with a box and a ball in it. */
+static trace_mesh furnished(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true, m);
+    trace_mesh_box(&mesh, sl_v3(0.5f, 0, 0.7f), sl_v3(1.2f, 1.1f, 1.6f), false, m);
+    trace_mesh_sphere(&mesh, sl_v3(2.2f, 0.6f, 1.3f), 0.45f, 12, 0, false, trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0));
+    return mesh;
+}
+
+static void add_panel(trace_mesh *mesh, float x, float y, float z, float size) {
+    trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size), trace_mesh_material(mesh, 0, 0, 0, 0, 5));
+}
+
+static uint64_t passes(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES]; }
+static uint64_t skipped(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES_SKIPPED]; }
+
+static size_t covered(const sl_radiance_map *map) {
+    size_t count = 0;
+    for (size_t i = 0; i < map->texels; i++) count += map->triangle[i] != SL_NO_INDEX;
+    return count;
+}
+
+static bool all_finite(const sl_radiance_map *map) {
+    bool finite = true;
+    for (size_t i = 0; i < map->texels; i++) {
+        finite &= sl_is_finite(at(map->position, i)) && sl_is_finite(at(map->color, i)) && sl_is_finite(at(map->geometric, i));
+        finite &= isfinite(map->path[i]) && isfinite(map->block_angle[i]) && map->block_angle[i] > 0.0f;
+        finite &= !map->normal[0] || sl_is_finite(at(map->normal, i));
+    }
+    return finite;
+}
+
+/* The unit direction of a texel's ray. */
+static sl_vec3 ray_of(const sl_map_face *f, size_t i) {
+    size_t x = (i - f->first) % (size_t)f->width, y = (i - f->first) / (size_t)f->width;
+    float u = (float)(f->left + (f->right - f->left) * ((double)x + 0.5) / f->width);
+    float v = (float)(f->bottom + (f->top - f->bottom) * ((double)y + 0.5) / f->height);
+    return sl_normalize_or(sl_frame_to_world(&f->frame, sl_v3(u, v, 1)), f->frame.z);
+}
+
+static size_t texels_of(const sl_map_face *f) { return (size_t)f->width * (size_t)f->height; }
+
+static double distance_to_triangle(const sl_scene *s, uint32_t t, sl_vec3 p) {
+    sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t])), b = sl_to_double(sl_scene_position(s, s->vertex[1][t]));
+    sl_vec3d c = sl_to_double(sl_scene_position(s, s->vertex[2][t])), q = sl_to_double(p), n = sl_crossd(sl_subd(b, a), sl_subd(c, a));
+    double area = sl_lengthd(n), worst = 0.0;
+    n = sl_scaled(n, 1.0 / area);
+    const sl_vec3d corner[3] = {a, b, c};
+    worst = fabs(sl_dotd(n, sl_subd(q, a)));
+    for (int k = 0; k < 3; k++) {
+        sl_vec3d edge = sl_subd(corner[(k + 1) % 3], corner[k]);
+        double outside = -sl_dotd(sl_crossd(n, edge), sl_subd(q, corner[k])) / sl_lengthd(edge);
+        worst = outside > worst ? outside : worst;
+    }
+    return worst;
+}
+
+/* ---- positions ---- */
+
+static void every_position_lies_on_its_triangle_where_its_ray_points(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
+    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    const sl_radiance_map *map = w.map;
+    assert_int_equal(map->face_count, 6 + 1 + 1 + 5);
+    for (size_t f = 0; f < map->face_count; f++) {
+        const sl_map_face *face = &map->face[f];
+        bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
+            if (map->triangle[i] == SL_NO_INDEX) continue;
+            sl_vec3 y = at(map->position, i), d = sl_sub(y, face->eye), g = at(map->geometric, i), n = at(map->normal, i);
+            assert_true(distance_to_triangle(w.scene, map->triangle[i], y) < 1e-5 * (double)w.scene->diagonal);
+            assert_true(sl_dot(g, directional ? face->frame.z : d) <= 1e-5f && sl_dot(g, n) > 0.0f);
+            assert_true(fabsf(sl_length(g) - 1.0f) < 1e-5f && fabsf(sl_length(n) - 1.0f) < 1e-5f);
+            if (directional) continue;
+            assert_true(fabsf(map->path[i] - sl_length(d)) < 1e-5f * map->path[i]);
+            /* What was drawn may lie a hundredth of a texel beside the ray, where vertices are snapped. */
+            assert_true(sl_length(sl_sub(sl_scale(d, 1.0f / map->path[i]), ray_of(face, i))) < 0.02f * 2.0f / 16.0f);
+        }
+    }
+    discard(&w);
+}
+
+static void eight_bit_positions_err_by_at_most_a_510th_of_the_box(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    float exact[3][6 * 256];
+    for (int k = 0; k < 3; k++) memcpy(exact[k], w.map->position[k], sizeof exact[k]);
+    h.settings.eight_bit_positions = true;
+    take(&w, &h);
+    const float extent[3] = {4, 3, 5};
+    for (int k = 0; k < 3; k++) {
+        float largest = 0.0f;
+        for (size_t i = 0; i < 6 * 256; i++) {
+            float error = fabsf(w.map->position[k][i] - exact[k][i]);
+            largest = error > largest ? error : largest;
+        }
+        assert_true(largest <= extent[k] / 510.0f * 1.0001f && largest > extent[k] / 2000.0f);
+    }
+    discard(&w);
+}
+
+/* ---- radiance ---- */
+
+/* (5) and (9) by hand. */
+static sl_rgb direct_radiance(const world *w, const sl_map_light *light, size_t i, sl_rgb kd) {
+    sl_vec3 y = at(w->map->position, i), to = sl_neg(light->direction), n = at(w->map->normal, i);
+    double r = 1.0, strength = 1.0;
+    if (light->kind != SL_MAP_LIGHT_DIRECTIONAL) {
+        sl_vec3 d = sl_sub(light->position, y);
+        r = (double)sl_length(d);
+        to = sl_scale(d, (float)(1.0 / r));
+    }
+    double c = -(double)sl_dot(to, light->direction), cosine = (double)sl_dot(n, to);
+    if (light->kind == SL_MAP_LIGHT_AREA) strength = c > 0.0 ? c : 0.0;
+    if (light->kind == SL_MAP_LIGHT_SPOT) {
+        double x = (c - (double)light->cos_outer) / ((double)light->cos_inner - (double)light->cos_outer);
+        x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
+        strength = x * x * (3.0 - 2.0 * x);
+    }
+    return sl_rgb_scale(sl_rgb_mul(kd, light->intensity), (float)(strength * (cosine > 0.0 ? cosine : 0.0) / (SL_PI * r * r)));
+}
+
+static void the_radiance_picture_is_direct_light_at_the_same_points(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
+    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    int lit = 0;
+    for (size_t f = 0; f < w.map->face_count; f++) {
+        const sl_map_face *face = &w.map->face[f];
+        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
+            if (w.map->triangle[i] == SL_NO_INDEX) continue;
+            sl_rgb kd = w.scene->materials[w.scene->material_index[w.map->triangle[i]]].diffuse;
+            sl_rgb expected = direct_radiance(&w, &w.lights->light[face->light], i, kd);
+            sl_vec3 found = at(w.map->color, i);
+            assert_true(fabsf(found.x - expected.r) <= 2e-5f * expected.r + 1e-7f && fabsf(found.z - expected.b) <= 2e-5f * expected.b + 1e-7f);
+            lit += found.x > 0.0f;
+        }
+    }
+    assert_true(lit > 2000);
+    assert_int_equal(w.counters.value[SL_COUNT_SHADOW_LOOKUPS], 0);
+    discard(&w);
+}
+
+static void true_colour_and_normals_are_there_exactly_when_asked_for(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    how h = by_default();
+    h.true_color = true;
+    world w = world_of(&mesh, &h);
+    assert_false(w.map->lambertian);
+    assert_non_null(w.map->normal[0]);
+    for (size_t i = 0; i < w.map->texels; i++) {
+        sl_rgb kd = w.scene->materials[w.scene->material_index[w.map->triangle[i]]].diffuse;
+        assert_true(w.map->color[0][i] == kd.r && w.map->color[2][i] == kd.b);
+    }
+    h.true_color = false;
+    h.no_normals = true;
+    size_t bytes = sl_radiance_map_bytes(w.map);
+    take(&w, &h);
+    assert_true(w.map->lambertian);
+    assert_null(w.map->normal[0]);
+    assert_null(w.map->spread);
+    assert_int_equal(bytes - sl_radiance_map_bytes(w.map), 3 * sizeof(float) * w.map->texels);
+    discard(&w);
+}
+
+/* ---- passes ---- */
+
+static bool same_planes(const sl_radiance_map *a, const sl_radiance_map *b) {
+    size_t bytes = a->texels * sizeof(float);
+    bool same = a->texels == b->texels && a->face_count == b->face_count && !memcmp(a->triangle, b->triangle, bytes) &&
+                !memcmp(a->path, b->path, bytes) && !memcmp(a->block_angle, b->block_angle, bytes);
+    for (int k = 0; k < 3 && same; k++) {
+        same = !memcmp(a->position[k], b->position[k], bytes) && !memcmp(a->color[k], b->color[k], bytes) &&
+               !memcmp(a->normal[k], b->normal[k], bytes) && !memcmp(a->geometric[k], b->geometric[k], bytes);
+    }
+    if (same && a->spread) same = b->spread && !memcmp(a->spread, b->spread, bytes) && !memcmp(a->arrival[1], b->arrival[1], bytes);
+    return same;
+}
+
+static void separate_passes_give_the_same_bits_for_three_times_the_geometry(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    sl_radiance_map *together = w.map;
+    sl_counters one = w.counters;
+    w.map = NULL;
+    h.settings.separate_passes = true;
+    take(&w, &h);
+    assert_true(same_planes(together, w.map));
+    assert_int_equal(passes(&w), 3 * one.value[SL_COUNT_RASTER_PASSES]);
+    assert_int_equal(w.counters.value[SL_COUNT_TRIANGLES_SUBMITTED], 3 * one.value[SL_COUNT_TRIANGLES_SUBMITTED]);
+    assert_int_equal(w.counters.value[SL_COUNT_FRAGMENTS_SHADED], 3 * one.value[SL_COUNT_FRAGMENTS_SHADED]);
+    assert_int_equal(w.counters.value[SL_COUNT_BYTES_READ_BACK], one.value[SL_COUNT_BYTES_READ_BACK]);
+    assert_int_equal(one.value[SL_COUNT_BYTES_READ_BACK], 6 * 256 * 48);
+    h.no_normals = true;
+    take(&w, &h);
+    assert_int_equal(passes(&w), 2 * one.value[SL_COUNT_RASTER_PASSES]);
+    sl_radiance_map_destroy(together);
+    discard(&w);
+}
+
+static void the_bits_are_the_same_at_any_number_of_threads(void **state) {
+    (void)state;
+    sl_radiance_map *maps[3];
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        trace_mesh mesh = furnished();
+        mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+        mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
+        trace_mesh_sphere(&mesh, sl_v3(3, 1, 3.5f), 0.4f, 12, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
+        trace_mesh_quad(&mesh, sl_v3(0.01f, 0.5f, 3), sl_v3(0, 1, 0), sl_v3(0, 0, 1), trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
+        how h = by_default();
+        h.threads = threads;
+        h.planar = h.traced = h.settings.traced_light_mirrors = true;
+        world w = world_of(&mesh, &h);
+        maps[threads - 1] = w.map;
+        assert_true(w.map->mirrored_light);
+        w.map = NULL;
+        discard(&w);
+    }
+    assert_true(same_planes(maps[0], maps[1]) && same_planes(maps[0], maps[2]));
+    for (int i = 0; i < 3; i++) sl_radiance_map_destroy(maps[i]);
+}
+
+/* ---- faces ---- */
+
+static double angles(const sl_radiance_map *map) {
+    double sum = 0.0;
+    for (size_t i = 0; i < map->texels; i++) sum += (double)map->block_angle[i];
+    return sum;
+}
+
+static void texels_solid_angles_add_up_to_those_of_cube_hemicube_and_frustum(void **state) {
+    (void)state;
+    static const double fovs[] = {0.6, SL_PI / 2, 2.0};
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    assert_true(fabs(angles(w.map) - 4.0 * SL_PI) < 1e-5);
+    h.settings.shape = SL_MAP_HEMICUBE;
+    take(&w, &h);
+    assert_true(fabs(angles(w.map) - 2.0 * SL_PI) < 1e-5);
+    h.settings.shape = SL_MAP_FRUSTUM;
+    for (int i = 0; i < 3; i++) {
+        h.settings.map_fov = fovs[i];
+        take(&w, &h);
+        double s = sl_sin(0.5 * fovs[i]);
+        assert_int_equal(w.map->face_count, 1);
+        assert_true(fabs(angles(w.map) - 4.0 * sl_asin(s * s)) < 1e-5);
+    }
+    discard(&w);
+}
+
+static void any_number_of_samples_cuts_faces_into_whole_blocks(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    static const int samples[] = {1, 2, 3, 5, 16, 20};
+    static const int width[] = {16, 16, 18, 20, 16, 20};
+    for (int i = 0; i < 6; i++) {
+        h.settings.samples = samples[i];
+        take(&w, &h);
+        assert_int_equal(w.map->face_count, 5);
+        for (size_t f = 0; f < 5; f++) {
+            const sl_map_face *face = &w.map->face[f];
+            int k = width[i] / samples[i];
+            assert_int_equal(face->width, width[i]);
+            assert_int_equal(face->columns, samples[i]);
+            assert_int_equal(face->rows, f ? (samples[i] + 1) / 2 : samples[i]);
+            assert_int_equal(face->height, face->rows * k);
+            assert_true(face->top == 1.0 && fabs(face->bottom - (1.0 - 2.0 * face->rows / samples[i])) < 1e-15);
+        }
+        assert_true(all_finite(w.map));
+    }
+    discard(&w);
+}
+
+static double captured(world *w, const how *base, sl_map_shape shape, double degrees) {
+    how h = *base;
+    h.settings.shape = shape;
+    h.settings.map_fov = degrees * SL_PI / 180.0;
+    take(w, &h);
+    return sl_radiance_map_captured(w->map, 0);
+}
+
+static void the_captured_share_of_the_flux_is_what_each_shape_can_hold(void **state) {
+    (void)state;
+    how h = by_default();
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    world w = world_of(&mesh, &h);
+    assert_true(fabs(captured(&w, &h, SL_MAP_AUTO, 0) - 1.0) < 5e-4);
+    assert_true(fabs(captured(&w, &h, SL_MAP_CUBE, 0) - 1.0) < 5e-4);
+    assert_true(fabs(captured(&w, &h, SL_MAP_FRUSTUM, 0) - 1.0 / 6.0) < 5e-4);
+    assert_true(fabs(captured(&w, &h, SL_MAP_FRUSTUM, 120) - 0.270) < 1e-3);
+    discard(&w);
+    mesh = furnished();
+    add_panel(&mesh, 1.7f, 2.99f, 1.2f, 0.8f);
+    w = world_of(&mesh, &h);
+    assert_true(fabs(captured(&w, &h, SL_MAP_AUTO, 0) - 1.0) < 5e-4);
+    assert_true(fabs(captured(&w, &h, SL_MAP_CUBE, 0) - 1.0) < 5e-4);
+    assert_true(fabs(captured(&w, &h, SL_MAP_FRUSTUM, 0) - 0.554) < 5e-4);
+    assert_true(fabs(captured(&w, &h, SL_MAP_FRUSTUM, 120) - 0.787) < 1e-3);
+    discard(&w);
+    for (int i = 0; i < 3; i++) { /* a spot's own frustum, hemicube, cube */
+        mesh = furnished();
+        mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 2.2f, 2, 2.6f);
+        mesh.lights[0].cos_outer = i == 0 ? 0.7f : i == 1 ? 0.2f : -0.8f;
+        w = world_of(&mesh, &h);
+        assert_true(fabs(captured(&w, &h, SL_MAP_AUTO, 0) - 1.0) < 1e-3);
+        assert_int_equal(w.map->face_count, i == 0 ? 1 : i == 1 ? 5 : 6);
+        discard(&w);
+    }
+}
+
+/* Everything that leaves arrives: L_o pi / rho is the irradiance, which over b^2 dOmega / cos alpha is the flux. */
+static void in_a_closed_room_all_of_the_flux_arrives(void **state) {
+    (void)state;
+    for (int area = 0; area < 2; area++) {
+        trace_mesh mesh = furnished();
+        if (area) add_panel(&mesh, 1.7f, 2.99f, 1.2f, 0.8f);
+        else mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+        how h = by_default();
+        h.settings.map_size = 64;
+        world w = world_of(&mesh, &h);
+        double sum = 0.0;
+        assert_true(covered(w.map) == w.map->texels);
+        for (size_t f = 0; f < w.map->face_count; f++) {
+            for (size_t i = w.map->face[f].first; i < w.map->face[f].first + texels_of(&w.map->face[f]); i++) {
+                float kd = w.scene->materials[w.scene->material_index[w.map->triangle[i]]].diffuse.r;
+                sl_vec3 to = sl_normalize_or(sl_sub(w.map->face[f].eye, at(w.map->position, i)), sl_v3(0, 1, 0));
+                double cosine = (double)sl_dot(to, at(w.map->normal, i)), b = (double)w.map->path[i];
+                if (cosine > 0.0) sum += SL_PI * (double)w.map->color[0][i] / (double)kd * b * b * (double)w.map->block_angle[i] / cosine;
+            }
+        }
+        assert_true(fabs(sum / (double)w.lights->flux.r - 1.0) < 2e-3);
+        discard(&w);
+    }
+}
+
+static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), m);
+    mesh.lights[mesh.light_count] = light_at(SL_LIGHT_SPOT, 0, 1, 0);
+    mesh.lights[mesh.light_count++].direction = sl_v3(0, 1, 0);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0, 2, 0);
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    assert_int_equal(passes(&w), 1);
+    assert_int_equal(skipped(&w), 1 + 5);
+    assert_int_equal(w.map->face_count, 1);
+    assert_int_equal(w.map->face[0].light, 1);
+    size_t seen = covered(w.map);
+    assert_int_equal(seen, 64); /* half of the picture each way */
+    for (size_t i = 0; i < w.map->texels; i++) {
+        if (w.map->triangle[i] == SL_NO_INDEX) assert_true(w.map->color[0][i] == 0.0f && w.map->path[i] == 0.0f);
+    }
+    /* A light that has gone out. */
+    w.lights->light[1].intensity = sl_grey(0.0f);
+    take(&w, &h);
+    assert_int_equal(w.map->face_count, 0);
+    assert_int_equal(passes(&w), 0);
+    assert_int_equal(skipped(&w), 1 + 6);
+    assert_true(sl_radiance_map_captured(w.map, 1) == 1.0);
+    discard(&w);
+}
+
+/* ---- area lights ---- */
+
+static void an_area_light_does_not_see_itself_and_what_lies_behind_it(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    add_panel(&mesh, 1.7f, 2.9f, 1.2f, 0.8f);
+    add_panel(&mesh, 0.4f, 2.7f, 3.2f, 0.8f); /* of another light: seen */
+    how h = by_default();
+    h.settings.map_size = 33;
+    h.settings.samples = 3;
+    world w = world_of(&mesh, &h);
+    int others = 0;
+    for (size_t f = 0; f < w.map->face_count; f++) {
+        for (size_t i = w.map->face[f].first; i < w.map->face[f].first + texels_of(&w.map->face[f]); i++) {
+            uint32_t t = w.map->triangle[i];
+            if (t == SL_NO_INDEX) continue;
+            uint32_t light = w.lights->light_of_triangle[t];
+            assert_int_not_equal(light, w.map->face[f].light);
+            others += light != SL_NO_INDEX;
+            assert_true(w.map->position[1][i] < w.map->face[f].eye.y + 1e-5f); /* a row of texels lies in the horizon itself */
+        }
+    }
+    assert_true(others > 0);
+    discard(&w);
+}
+
+static void a_two_sided_light_has_a_hemicube_on_either_side(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    trace_mesh_quad(&mesh, sl_v3(2, 1.7f, 2), sl_v3(0.5f, 0, 0), sl_v3(0, 0, 0.5f), trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    mesh.materials[mesh.material_count - 1].emission_two_sided = true;
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    assert_int_equal(w.map->face_count, 10);
+    assert_true(covered(w.map) == w.map->texels);
+    assert_true(fabs(sl_radiance_map_captured(w.map, 0) - 1.0) < 5e-4);
+    assert_true(fabs(angles(w.map) - 4.0 * SL_PI) < 1e-5);
+    h.settings.shape = SL_MAP_FRUSTUM;
+    take(&w, &h);
+    assert_int_equal(w.map->face_count, 2);
+    assert_true(fabs(sl_radiance_map_captured(w.map, 0) - 0.554) < 5e-4);
+    discard(&w);
+}
+
+static void a_lamp_of_many_triangles_lights_the_room_and_not_itself(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    uint32_t first = (uint32_t)mesh.triangle_count;
+    trace_mesh_sphere(&mesh, sl_v3(2.5f, 2, 3), 0.3f, 20, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    how h = by_default();
+    h.settings.map_size = h.settings.samples = 8;
+    world w = world_of(&mesh, &h);
+    double arrived = 0.0;
+    for (size_t f = 0; f < w.map->face_count; f++) {
+        const sl_map_face *face = &w.map->face[f];
+        const sl_map_light *light = &w.lights->light[face->light];
+        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
+            if (w.map->triangle[i] == SL_NO_INDEX) continue;
+            sl_rgb leaving = sl_map_light_intensity(light, ray_of(face, i));
+            if (leaving.r > 0.0f) assert_true(w.map->triangle[i] < first);
+            arrived += (double)leaving.r * (double)w.map->block_angle[i];
+        }
+    }
+    assert_true(fabs(arrived / (double)w.lights->flux.r - 1.0) < 0.02);
+    discard(&w);
+}
+
+/* ---- planar mirrors ---- */
+
+/* A floor, a wall at x = -1, and a mirror beside the light at x = 1 that faces both; reflectance 0.8. */
+static trace_mesh mirror_scene(bool with_mirror) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), m);
+    trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(0, 0, -2), sl_v3(0, 2, 0), m);
+    trace_mesh_quad(&mesh, sl_v3(1, 0.4f, 0.6f), sl_v3(0, 0, -1.2f), sl_v3(0, 1.2f, 0), with_mirror ? mirror : m);
+    return mesh;
+}
+
+/* What light that leaves in `direction` meets by way of one mirror, by rays; false where it does not meet that mirror first. */
+static bool by_rays(const world *w, const sl_map_light *light, sl_vec3 origin, sl_vec3 direction, sl_vec3 *y, float *way) {
+    sl_counters counters = {{0}};
+    *way = 0.0f;
+    (void)light;
+    for (int k = 0; k < 2; k++) {
+        sl_ray16 ray = {0};
+        sl_hit16 hit;
+        ray.origin_x[0] = origin.x, ray.origin_y[0] = origin.y, ray.origin_z[0] = origin.z;
+        ray.direction_x[0] = direction.x, ray.direction_y[0] = direction.y, ray.direction_z[0] = direction.z;
+        ray.near[0] = 1e-4f;
+        ray.far[0] = INFINITY;
+        ray.skip[0] = SL_NO_INDEX;
+        sl_trace(w->tracer, &ray, 1, false, &hit, &counters);
+        if (hit.triangle[0] == SL_NO_INDEX) return false;
+        bool mirror = w->mirrors->of_triangle[hit.triangle[0]] != SL_NO_INDEX;
+        *way += hit.t[0];
+        *y = sl_mad(origin, hit.t[0], direction);
+        if (k == 1) return !mirror;
+        if (!mirror) return false;
+        sl_vec3 n = sl_scene_geometric_normal(w->scene, hit.triangle[0]);
+        origin = *y;
+        direction = sl_mad(direction, -2.0f * sl_dot(direction, n), n);
+    }
+    return false;
+}
+
+static void a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances(void **state) {
+    (void)state;
+    trace_mesh mesh = mirror_scene(true);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
+    how h = by_default();
+    h.planar = h.traced = true;
+    world w = world_of(&mesh, &h);
+    assert_true(w.map->mirrored_light);
+    size_t mirrored = 0, agree = 0, lit = 0;
+    double angle = 0.0;
+    for (size_t f = 0; f < w.map->face_count; f++) {
+        const sl_map_face *face = &w.map->face[f];
+        if (face->mirror == SL_NO_INDEX) continue;
+        assert_true(sl_length(sl_sub(face->eye, sl_v3(1.6f, 1, 0.1f))) < 1e-5f);
+        assert_true(face->reflectance.r == 0.8f && face->columns >= 2 && face->width == 4 * face->columns && face->height == 4 * face->rows);
+        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
+            sl_vec3 d = ray_of(face, i), leaving = sl_v3(-d.x, d.y, d.z), y;
+            float way;
+            bool met = by_rays(&w, &w.lights->light[0], sl_v3(0.4f, 1, 0.1f), leaving, &y, &way), shown = w.map->triangle[i] != SL_NO_INDEX;
+            mirrored++;
+            agree += met == shown;
+            if (!shown) continue;
+            angle += (double)w.map->block_angle[i];
+            sl_vec3 p = at(w.map->position, i);
+            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
+            assert_true(fabsf(w.map->path[i] - sl_length(sl_sub(p, face->eye))) < 1e-5f);
+            if (!met) continue;
+            assert_true(sl_length(sl_sub(p, y)) < 0.02f && fabsf(way - w.map->path[i]) < 0.02f);
+            sl_vec3 arrival = sl_normalize_or(sl_sub(face->eye, p), sl_v3(0, 1, 0));
+            float cosine = sl_dot(arrival, at(w.map->normal, i)), b = w.map->path[i];
+            assert_true(fabsf(w.map->color[0][i] - 0.5f / (float)SL_PI * 3.0f * 0.8f * cosine / (b * b)) < 1e-5f);
+            lit += cosine > 0.0f;
+        }
+    }
+    assert_true(mirrored > 100 && lit > 60 && agree * 50 > mirrored * 49);
+    /* All of the rectangle that the mirror is, as the light sees it, shows the floor or the wall but for what passes them. */
+    assert_true(angle > 0.8);
+    discard(&w);
+}
+
+static void a_mirror_that_the_light_does_not_see_gives_no_faces(void **state) {
+    (void)state;
+    how h = by_default();
+    h.planar = true;
+    trace_mesh mesh = mirror_scene(true);
+    trace_mesh_quad(&mesh, sl_v3(0.9f, 0.2f, 0.9f), sl_v3(0, 0, -1.8f), sl_v3(0, 1.8f, 0), 0); /* a screen before it */
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
+    world w = world_of(&mesh, &h);
+    assert_false(w.map->mirrored_light);
+    discard(&w);
+    mesh = mirror_scene(true);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 1.0f, 1.9f, 0.1f); /* in its plane */
+    w = world_of(&mesh, &h);
+    assert_false(w.map->mirrored_light);
+    assert_true(all_finite(w.map));
+    discard(&w);
+    mesh = mirror_scene(false);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
+    w = world_of(&mesh, &h);
+    assert_false(w.map->mirrored_light);
+    discard(&w);
+}
+
+static void parallel_light_is_mirrored_too(void **state) {
+    (void)state;
+    trace_mesh mesh = mirror_scene(true);
+    sl_light light = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
+    light.direction = sl_normalize_or(sl_v3(1, -0.7f, 0.2f), sl_v3(0, -1, 0));
+    mesh.lights[mesh.light_count++] = light;
+    /* Light comes from the open side: the wall is taken away by being below. */
+    how h = by_default();
+    h.planar = h.traced = true;
+    h.settings.map_size = 32;
+    world w = world_of(&mesh, &h);
+    size_t lit = 0;
+    for (size_t f = 0; f < w.map->face_count; f++) {
+        const sl_map_face *face = &w.map->face[f];
+        if (face->mirror == SL_NO_INDEX) continue;
+        assert_true(fabsf(face->frame.z.x + light.direction.x) < 1e-6f && fabsf(face->frame.z.y - light.direction.y) < 1e-6f);
+        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
+            if (w.map->triangle[i] == SL_NO_INDEX) continue;
+            sl_vec3 p = at(w.map->position, i), back = sl_neg(face->frame.z);
+            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
+            /* Back along the light lies the mirror. */
+            float t = (1.0f - p.x) / back.x;
+            sl_vec3 m = sl_mad(p, t, back);
+            assert_true(t > 0.0f && m.y > 0.39f && m.y < 1.61f && fabsf(m.z) < 0.61f);
+            float cosine = sl_dot(back, at(w.map->normal, i));
+            assert_true(fabsf(w.map->color[1][i] - 0.5f / (float)SL_PI * 2.0f * 0.8f * (cosine > 0.0f ? cosine : 0.0f)) < 1e-5f);
+            lit++;
+        }
+    }
+    assert_true(lit > 20);
+    discard(&w);
+}
+
+/* ---- curved mirrors, traced ---- */
+
+/* Traced, a flat mirror gives what its picture gives. */
+static void a_traced_flat_mirror_spreads_light_as_its_unfolded_way_does(void **state) {
+    (void)state;
+    trace_mesh mesh = mirror_scene(true);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
+    how h = by_default();
+    h.traced = h.settings.traced_light_mirrors = true;
+    h.settings.map_size = 32;
+    world w = world_of(&mesh, &h);
+    size_t traced = 0;
+    for (size_t f = 0; f < w.map->face_count; f++) {
+        const sl_map_face *face = &w.map->face[f];
+        for (size_t i = face->first; i < face->first + texels_of(face); i++) {
+            if (!(w.map->spread[i] > 0.0f)) continue;
+            sl_vec3 p = at(w.map->position, i), image = sl_v3(1.6f, 1, 0.1f), to = sl_sub(image, p), arrival = at(w.map->arrival, i);
+            float b = sl_length(to);
+            assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
+            assert_true(fabsf(w.map->path[i] - b) < 1e-4f && sl_length(sl_sub(arrival, sl_scale(to, 1.0f / b))) < 1e-4f);
+            /* Exact for infinitely small texels; these are a sixteenth of a face. */
+            assert_true(fabsf(w.map->spread[i] / (b * b * w.map->block_angle[i]) - 1.0f) < 0.12f);
+            assert_true(w.map->carried[0][i] == 0.8f);
+            float cosine = sl_dot(arrival, at(w.map->normal, i)), angle = w.map->block_angle[i];
+            float expected = 0.5f / (float)SL_PI * 3.0f * 0.8f * angle / w.map->spread[i] * cosine;
+            assert_true(fabsf(w.map->color[0][i] - expected) < 1e-5f * expected + 1e-7f);
+            traced++;
+        }
+    }
+    assert_true(traced > 40);
+    assert_true(w.counters.value[SL_COUNT_RAYS] >= 10 * traced);
+    discard(&w);
+}
+
+static void a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    trace_mesh_sphere(&mesh, sl_v3(2.9f, 1.2f, 3.4f), 0.5f, 32, 0, false, trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    how h = by_default();
+    h.traced = h.settings.traced_light_mirrors = true;
+    h.settings.map_size = 32;
+    world w = world_of(&mesh, &h);
+    size_t traced = 0, wider = 0, missed = 0;
+    for (size_t i = 0; i < w.map->texels; i++) {
+        const sl_material *m = &w.scene->materials[w.scene->material_index[w.map->triangle[i]]];
+        if (!(w.map->spread[i] > 0.0f)) {
+            missed += sl_material_is_mirror(m);
+            continue;
+        }
+        traced++;
+        assert_false(sl_material_is_mirror(m));
+        assert_true(distance_to_triangle(w.scene, w.map->triangle[i], at(w.map->position, i)) < 1e-5 * (double)w.scene->diagonal);
+        assert_true(fabsf(sl_length(at(w.map->arrival, i)) - 1.0f) < 1e-5f && sl_dot(at(w.map->arrival, i), at(w.map->geometric, i)) > 0.0f);
+        wider += w.map->spread[i] > 1.5f * w.map->path[i] * w.map->path[i] * w.map->block_angle[i];
+    }
+    assert_true(missed * 20 < traced); /* at the ball's rim rays and pixels may differ */
+    assert_true(traced > 20 && wider * 10 > traced * 5);
+    assert_true(all_finite(w.map));
+    h.settings.traced_light_mirrors = false; /* without: dark */
+    take(&w, &h);
+    size_t dark = 0;
+    for (size_t i = 0; i < w.map->texels; i++) dark += w.map->color[0][i] == 0.0f;
+    assert_true(dark >= traced);
+    assert_null(w.map->spread);
+    discard(&w);
+}
+
+/* ---- hard cases ---- */
+
+static void lights_in_odd_places_leave_nothing_that_is_not_finite(void **state) {
+    (void)state;
+    static const float place[][3] = {{0.8f, 0.5f, 1.1f}, {2, 0, 2}, {0, 0, 0}, {2.2f, 0.6f, 1.3f}, {2, 1e-6f, 2}, {1e6f, 1e6f, 1e6f}, {4, 3, 5}};
+    for (size_t k = 0; k < sizeof place / sizeof *place; k++) {
+        trace_mesh mesh = furnished();
+        uint32_t a = trace_mesh_vertex(&mesh, 1, 1, 1), b = trace_mesh_vertex(&mesh, 2, 2, 2), c = trace_mesh_vertex(&mesh, 3, 3.0001f, 3);
+        trace_mesh_triangle(&mesh, a, b, c, 0); /* next to no area */
+        mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, place[k][0], place[k][1], place[k][2]);
+        mesh.lights[mesh.light_count] = light_at(SL_LIGHT_SPOT, place[k][0], place[k][1], place[k][2]);
+        mesh.lights[mesh.light_count].cos_inner = mesh.lights[mesh.light_count].cos_outer = 0.999999f;
+        mesh.light_count++;
+        how h = by_default();
+        h.settings.samples = k % 2 ? 1 : 3;
+        h.traced = h.planar = h.settings.traced_light_mirrors = true;
+        world w = world_of(&mesh, &h);
+        assert_true(all_finite(w.map));
+        for (size_t i = 0; i < w.map->texels; i++) assert_true(w.map->color[0][i] >= 0.0f);
+        discard(&w);
+    }
+}
+
+static void settings_that_make_no_sense_are_refused(void **state) {
+    (void)state;
+    trace_mesh mesh = furnished();
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    sl_radiance_map *map;
+    sl_radiance_map_options options = {.lambertian = true, .threads = 1};
+    h.settings.samples = 0;
+    assert_int_equal(sl_radiance_map_render(w.scene, w.raster, w.lights, &h.settings, &options, &map, &w.counters, NULL), SL_ERROR_USAGE);
+    assert_null(map);
+    assert_int_equal(w.map->face_count, 0); /* no lights */
+    discard(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_position_lies_on_its_triangle_where_its_ray_points),
+        cmocka_unit_test(eight_bit_positions_err_by_at_most_a_510th_of_the_box),
+        cmocka_unit_test(the_radiance_picture_is_direct_light_at_the_same_points),
+        cmocka_unit_test(true_colour_and_normals_are_there_exactly_when_asked_for),
+        cmocka_unit_test(separate_passes_give_the_same_bits_for_three_times_the_geometry),
+        cmocka_unit_test(the_bits_are_the_same_at_any_number_of_threads),
+        cmocka_unit_test(texels_solid_angles_add_up_to_those_of_cube_hemicube_and_frustum),
+        cmocka_unit_test(any_number_of_samples_cuts_faces_into_whole_blocks),
+        cmocka_unit_test(the_captured_share_of_the_flux_is_what_each_shape_can_hold),
+        cmocka_unit_test(in_a_closed_room_all_of_the_flux_arrives),
+        cmocka_unit_test(a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels),
+        cmocka_unit_test(an_area_light_does_not_see_itself_and_what_lies_behind_it),
+        cmocka_unit_test(a_two_sided_light_has_a_hemicube_on_either_side),
+        cmocka_unit_test(a_lamp_of_many_triangles_lights_the_room_and_not_itself),
+        cmocka_unit_test(a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances),
+        cmocka_unit_test(a_mirror_that_the_light_does_not_see_gives_no_faces),
+        cmocka_unit_test(parallel_light_is_mirrored_too),
+        cmocka_unit_test(a_traced_flat_mirror_spreads_light_as_its_unfolded_way_does),
+        cmocka_unit_test(a_ball_spreads_the_light_that_it_mirrors_onto_real_surfaces),
+        cmocka_unit_test(lights_in_odd_places_leave_nothing_that_is_not_finite),
+        cmocka_unit_test(settings_that_make_no_sense_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
