@@ -356,6 +356,28 @@ static void what_stands_in_an_object_beside_its_mirror_is_seen_in_it(void **stat
     destroy(&f);
 }
 
+/* A lamp that fills the middle half of a face, each way: 0.0641 of the sphere, where it is 1/24 of the texels. The ball beside shows k_s
+ * times that share. */
+static void a_mirror_in_a_mirror_shows_the_mean_over_solid_angle(void **state) {
+    (void)state;
+    static mesh m;
+    m.count = 0;
+    add_ball(&m, MIRROR, 0, sl_v3(0, 0, 0), 0.5f);
+    add_ball(&m, DIM_MIRROR, 1, sl_v3(2, 0, 2), 0.6f);
+    add_quad(&m, LAMP, 2, sl_v3(-3, 0, 0), sl_v3(0, 1.5f, 0), sl_v3(0, 0, 1.5f)); /* front towards +x */
+    fixture f = fixture_of(scene_of(&m, NULL, NULL), sl_v3(0, 0, 1.6f), sl_v3(0, 0, 0));
+    render_picture(&f, &(way){.cube_size = 64}, &a);
+    const double lamp = 4.0 * sl_atan2(0.25, sqrt(1.5)) / (4.0 * SL_PI), hidden = 0.5 * (1.0 - sqrt(1.0 - 0.36 / 8.0));
+    const double expected = lamp / (1.0 - hidden) * (double)lamp_radiance.r * (double)dim_ks.r;
+    size_t shown = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        if (material_at(&a, i) == MIRROR) shown += fabs((double)a.plane[EMISSION][0][i] - expected) < 0.01 * expected;
+    }
+    assert_true(shown > 5);
+    release(&a);
+    destroy(&f);
+}
+
 /* One ball in a red, one in a dark half: each sees the other by the mean of its own cube, or by the other's cube. */
 static void generations_carry_what_mirrors_show_each_other(void **state) {
     (void)state;
@@ -537,6 +559,7 @@ int main(void) {
         cmocka_unit_test(a_planar_mirror_is_seen_in_the_ball),
         cmocka_unit_test(in_a_furnace_mirrors_that_keep_nothing_cannot_be_seen),
         cmocka_unit_test(what_stands_in_an_object_beside_its_mirror_is_seen_in_it),
+        cmocka_unit_test(a_mirror_in_a_mirror_shows_the_mean_over_solid_angle),
         cmocka_unit_test(generations_carry_what_mirrors_show_each_other),
         cmocka_unit_test(a_camera_within_a_mirror_sees_finite_light),
         cmocka_unit_test(full_cubes_differ_from_direct_ones_at_curved_mirrors_alone),

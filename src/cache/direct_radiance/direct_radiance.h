@@ -9,10 +9,11 @@
  *   footprint.c         (12), (13), and what they should be
  *   photons.c           pass 3: sample photons; map_filter.c, importance.c: other ways to take them
  *   receivers.c         passes 5 and 6: what the eye sees, planar mirrors included
+ *   emission.c          light that is seen directly
  *   direct.c            pass 6: (5), (9)
  *   indirect.c          pass 7: (10), with (11), (14), (15)
  *   visibility.c        indirect shadows, which the paper leaves open
- *   mirrors.c           pass 4: curved mirrors
+ *   mirrors.c           pass 4: curved mirrors' environment cubes; mirror_objects.c, which; mirror_look_up.c, what they show
  *   compose.c           pass 8: the picture and its layers
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_H
