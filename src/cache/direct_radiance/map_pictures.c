@@ -6,7 +6,10 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-enum { PIXELS = 256 }; /* resolved together */
+enum {
+    PIXELS = 256, /* resolved together */
+    VIEWS = 8     /* drawn together */
+};
 
 /* ---- one texel ---- */
 
@@ -132,6 +135,14 @@ static void apply_stencil(const sl_map_drawing *d, const sl_map_face *face, cons
     }
 }
 
+sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views, const sl_target *targets, unsigned threads,
+                                sl_counters *counters, sl_error *error) {
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < count && status == SL_OK; i += VIEWS)
+        status = sl_raster_ids(raster, count - i < VIEWS ? count - i : VIEWS, views + i, threads, targets + i, counters, error);
+    return status;
+}
+
 static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
     sl_radiance_map *map = d->map;
     sl_view *views = sl_allocate(map->face_count, sizeof *views);
@@ -141,7 +152,7 @@ static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
         views[f] = map->face[f].view;
         targets[f] = (sl_target){map->face[f].width, map->face[f].height, map->triangle + map->face[f].first, NULL};
     }
-    if (status == SL_OK) status = sl_raster_ids(d->raster, map->face_count, views, d->options->threads, targets, d->counters, error);
+    if (status == SL_OK) status = sl_map_triangles_draw(d->raster, map->face_count, views, targets, d->options->threads, d->counters, error);
     for (size_t f = 0; f < map->face_count && status == SL_OK; f++) {
         if (map->face[f].mirror != SL_NO_INDEX) apply_stencil(d, &map->face[f], &d->planned[f]);
     }

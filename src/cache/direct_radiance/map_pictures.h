@@ -17,6 +17,10 @@ typedef struct sl_map_drawing {
     sl_counters *counters;
 } sl_map_drawing;
 
+/* sl_raster_ids() for any number of small views, some at a time: each view of a call takes a tile's memory. */
+sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views, const sl_target *targets, unsigned threads,
+                                sl_counters *counters, sl_error *error);
+
 /* Draws all faces and resolves the pictures asked for: together it is one pass with multiple render targets. No shadows are looked up: what
  * the light sees is lit. */
 sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, unsigned pictures, sl_error *error);

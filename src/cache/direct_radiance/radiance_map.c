@@ -123,7 +123,7 @@ static sl_status draw_stencils(planning *p, sl_error *error) {
         views[count] = face->through;
         targets[count++] = (sl_target){face->face.width, face->face.height, p->stencil + face->stencil, NULL};
     }
-    if (status == SL_OK && count) status = sl_raster_ids(p->raster, count, views, p->options->threads, targets, p->counters, error);
+    if (status == SL_OK) status = sl_map_triangles_draw(p->raster, count, views, targets, p->options->threads, p->counters, error);
     for (size_t f = 0; f < p->count && status == SL_OK; f++) {
         if (p->face[f].face.mirror == SL_NO_INDEX || mirror_is_seen(p, &p->face[f])) p->face[kept++] = p->face[f];
         else skip(p, 1);
