@@ -1,0 +1,307 @@
+/* One frame of Direct Radiance Mapping, pass by pass (section 1.1). */
+#include "cache/direct_radiance/direct_radiance.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/direct_radiance/emission.h"
+#include "cache/direct_radiance/light_receivers.h"
+#include "cache/direct_radiance/mirrors.h"
+#include "cache/direct_radiance/plan.h"
+
+#include <string.h>
+
+enum { PLANAR_MIRRORS_MAX = 64, PLANES = 10 };
+
+typedef struct radiance_state {
+    const sl_scene *scene;
+    sl_settings settings;
+    sl_radiance_plan plan;
+
+    sl_raster *raster;
+    sl_tracer *tracer;             /* visibility and traced mirrors alone */
+    sl_mirrors *planar;
+
+    sl_map_lights *lights;
+    sl_shadow_cubes *cubes;        /* pass 1 */
+    sl_radiance_map *map;          /* pass 2 */
+    sl_map_photons *photons;       /* pass 3 */
+    sl_curved_mirrors *curved;     /* pass 4 */
+    sl_receivers *receivers;       /* passes 5 and 6 */
+    float *planes;
+    sl_radiance_layers layers;
+
+    bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
+    bool lit;                      /* passes 1 to 3 as well */
+    sl_counters counters, announced; /* all so far, and what observers have been told of */
+} radiance_state;
+
+static void announce(radiance_state *s, const char *name, const char *source, int width, int height, const float *planes) {
+    sl_counters cost;
+    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = s->counters.value[i] - s->announced.value[i];
+    s->announced = s->counters;
+    sl_observe(s->settings.observer, "direct-radiance", name, source, width, height, planes ? 3 : 0, planes, true, &cost);
+}
+
+static void announce_picture(radiance_state *s, const char *name, const char *source, const float *planes) {
+    announce(s, name, source, s->settings.width, s->settings.height, planes);
+}
+
+/* ---- what depends on geometry alone ---- */
+
+static void forget_geometry(radiance_state *s) {
+    sl_mirrors_destroy(s->planar);
+    sl_tracer_destroy(s->tracer);
+    sl_raster_destroy(s->raster);
+    s->planar = NULL;
+    s->tracer = NULL;
+    s->raster = NULL;
+    s->placed = false;
+}
+
+static bool has_curved_mirrors(const sl_scene *scene, const sl_mirrors *planar) {
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        if (sl_material_is_mirror(&scene->materials[scene->material_index[t]]) && planar->of_triangle[t] == SL_NO_INDEX) return true;
+    }
+    return false;
+}
+
+/* Objects that have moved, and meshes that have changed their shape, cost a walk over the vertices. */
+static sl_status place(radiance_state *s, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    sl_mirrors_destroy(s->planar);
+    sl_tracer_destroy(s->tracer);
+    s->planar = NULL;
+    s->tracer = NULL;
+    sl_status status = s->raster ? sl_raster_move(s->raster, threads, error) : sl_raster_create(s->scene, threads, &s->raster, error);
+    if (status == SL_OK) status = sl_mirrors_find(s->scene, PLANAR_MIRRORS_MAX, &s->planar, error);
+    if (status == SL_OK) {
+        s->plan = sl_radiance_plan_make(s->scene, &s->settings, s->planar->count > 0, has_curved_mirrors(s->scene, s->planar));
+        if (s->plan.tracer) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    }
+    s->placed = status == SL_OK;
+    if (!s->placed) forget_geometry(s); /* a rasterizer that could not follow is of no use */
+    return status;
+}
+
+/* ---- passes 1 to 3: what depends on the lights ---- */
+
+static void darken(radiance_state *s) {
+    sl_map_photons_destroy(s->photons);
+    sl_radiance_map_destroy(s->map);
+    sl_shadow_cubes_destroy(s->cubes);
+    sl_map_lights_destroy(s->lights);
+    s->photons = NULL;
+    s->map = NULL;
+    s->cubes = NULL;
+    s->lights = NULL;
+    s->lit = false;
+}
+
+/* Texel for texel, faces one above another; those of a hemicube's sides are lower. */
+static void announce_map(radiance_state *s) {
+    const sl_radiance_map *map = s->map;
+    if (!s->settings.observer || !map->face_count) return;
+    size_t width = (size_t)map->face[0].width, rows = map->texels / width;
+    float *planes = sl_allocate(3 * map->texels, sizeof *planes);
+    if (!planes || rows * width != map->texels) {
+        sl_free(planes);
+        return;
+    }
+    const struct {
+        const char *name, *source;
+        float *const *plane;
+    } pictures[] = {{"map of positions", "section 3.1", map->position},
+                    {map->lambertian ? "map of radiance" : "map of true colour", "section 3.1", map->color},
+                    {"map of normals", "section 3.1", map->normal}};
+    for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; i++) {
+        if (!pictures[i].plane[0]) continue;
+        for (size_t k = 0; k < 3; k++) memcpy(planes + k * map->texels, pictures[i].plane[k], map->texels * sizeof *planes);
+        announce(s, pictures[i].name, pictures[i].source, (int)width, (int)rows, planes);
+    }
+    sl_free(planes);
+}
+
+static sl_status take_map(radiance_state *s, sl_error *error) {
+    sl_radiance_map_options options = {.mirrors = s->plan.planar ? s->planar : NULL,
+                                       .lambertian = !s->plan.glossy,
+                                       .normals = s->plan.normals,
+                                       .tracer = s->tracer,
+                                       .threads = s->settings.threads};
+    sl_status status = sl_radiance_map_render(s->scene, s->raster, s->lights, &s->settings.radiance_map, &options, &s->map, &s->counters, error);
+    if (status == SL_OK) announce_map(s);
+    if (status == SL_OK) status = sl_map_photons_take(s->scene, s->map, &s->settings.radiance_map, &s->photons, &s->counters, error);
+    return status;
+}
+
+static sl_status light_up(radiance_state *s, sl_error *error) {
+    const sl_radiance_map_settings *m = &s->settings.radiance_map;
+    sl_status status = sl_map_lights_find(s->scene, m->emitter_samples, &s->lights, error);
+    if (status == SL_OK && s->plan.shadows) {
+        status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, m->shadow_size, s->settings.threads, &s->cubes, &s->counters, error);
+        announce(s, "depth cubes", "section 2.3", 0, 0, NULL);
+    }
+    if (status == SL_OK && s->plan.map) status = take_map(s, error);
+    s->lit = status == SL_OK;
+    return status;
+}
+
+/* ---- passes 4 to 7: the picture ---- */
+
+static sl_light_pass lighting(const radiance_state *s) {
+    const sl_radiance_map_settings *m = &s->settings.radiance_map;
+    return (sl_light_pass){.scene = s->scene,
+                           .lights = s->lights,
+                           .cubes = s->cubes,
+                           .photons = s->photons,
+                           .weight = m->weight,
+                           .tracer = s->tracer,
+                           .visibility = m->visibility,
+                           .threads = s->settings.threads};
+}
+
+static sl_status show_mirrors(radiance_state *s, const sl_light_pass *light, sl_error *error) {
+    const sl_radiance_map_settings *m = &s->settings.radiance_map;
+    sl_mirror_pass pass = {.scene = s->scene,
+                           .raster = s->raster,
+                           .planar = s->planar,
+                           .light = light,
+                           .cube_size = m->cube_size,
+                           .reflections = m->reflections,
+                           .indirect = m->mirror_light == SL_MIRROR_LIGHT_FULL};
+    sl_status status = sl_curved_mirrors_render(&pass, s->receivers, &s->curved, &s->counters, error);
+    if (status != SL_OK || !s->curved) return status;
+    sl_curved_mirrors_reflect(s->curved, s->receivers, s->settings.threads, s->layers.emission, s->layers.direct, s->layers.indirect,
+                              &s->counters);
+    return status;
+}
+
+static void forget_picture(radiance_state *s) {
+    sl_curved_mirrors_destroy(s->curved);
+    sl_receivers_destroy(s->receivers);
+    s->curved = NULL;
+    s->receivers = NULL;
+}
+
+static sl_status draw_picture(radiance_state *s, sl_error *error) {
+    const sl_radiance_map_settings *m = &s->settings.radiance_map;
+    unsigned threads = s->settings.threads;
+    sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    memset(s->planes, 0, PLANES * (size_t)s->settings.width * (size_t)s->settings.height * sizeof *s->planes);
+    sl_status status = sl_receivers_render(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL, m->reflections, threads,
+                                           &s->receivers, &s->counters, error);
+    if (status != SL_OK) return status;
+    announce_picture(s, "what is seen", "section 4", s->receivers->gbuffer->position_x);
+    sl_add_emission(s->scene, s->receivers, threads, s->layers.emission, &s->counters);
+    sl_light_pass light = lighting(s);
+    sl_lit_picture picture = {{s->layers.direct[0], s->layers.direct[1], s->layers.direct[2]},
+                              {s->layers.indirect[0], s->layers.indirect[1], s->layers.indirect[2]}};
+    if (s->plan.receivers) status = sl_light_directly(&light, s->receivers, &picture, &s->counters, error);
+    announce_picture(s, "direct light", "(5), (9)", s->layers.direct[0]);
+    sl_light_pass tricked = light;
+    if (s->plan.curved && m->mirror_light == SL_MIRROR_LIGHT_TRICK) tricked.trick_albedo = sl_trick_albedo(s->scene);
+    if (status == SL_OK && s->photons)
+        status = sl_light_indirectly(&tricked, s->receivers, &picture, s->layers.spread, &s->counters, error);
+    announce_picture(s, "indirect light", "(10)", s->layers.indirect[0]);
+    if (status == SL_OK && s->plan.curved) {
+        status = show_mirrors(s, &light, error);
+        announce_picture(s, "curved mirrors", "section 5", s->layers.direct[0]);
+    }
+    return status;
+}
+
+/* ---- the method ---- */
+
+static void radiance_destroy(void *state) {
+    radiance_state *s = state;
+    if (!s) return;
+    forget_picture(s);
+    darken(s);
+    forget_geometry(s);
+    sl_free(s->planes);
+    sl_free(s);
+}
+
+static sl_status radiance_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                                 sl_error *error) {
+    (void)transport; /* its own: sl_radiance_transport() */
+    radiance_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "direct radiance mapping");
+    s->scene = scene;
+    s->settings = *settings;
+    size_t pixels = (size_t)settings->width * (size_t)settings->height;
+    s->planes = sl_allocate(PLANES * pixels, sizeof *s->planes);
+    sl_status status = s->planes ? place(s, error) : sl_fail_memory(error, "the picture");
+    if (status != SL_OK) {
+        radiance_destroy(s);
+        return status;
+    }
+    for (size_t k = 0; k < 3; k++) {
+        s->layers.emission[k] = s->planes + k * pixels;
+        s->layers.direct[k] = s->planes + (3 + k) * pixels;
+        s->layers.indirect[k] = s->planes + (6 + k) * pixels;
+    }
+    s->layers.spread = s->planes + 9 * pixels;
+    *state = s;
+    return SL_OK;
+}
+
+/* A whole frame: there is nothing to refine. */
+static sl_status radiance_update(void *state, sl_progress *progress, sl_error *error) {
+    radiance_state *s = state;
+    sl_status status = s->placed ? SL_OK : place(s, error);
+    if (status == SL_OK && !s->lit) status = light_up(s, error);
+    forget_picture(s);
+    if (status == SL_OK) status = draw_picture(s, error);
+    progress->fraction = 1.0;
+    progress->frame_done = progress->done = true;
+    return status;
+}
+
+static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error) {
+    radiance_state *s = state;
+    sl_progress ignored;
+    sl_status status = s->receivers ? SL_OK : radiance_update(s, &ignored, error);
+    if (status == SL_OK) status = sl_radiance_compose(&s->layers, s->receivers, s->settings.threads, image, error);
+    return status;
+}
+
+/* Passes 1 to 3 do not know the camera. */
+static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
+    (void)error;
+    radiance_state *s = state;
+    forget_picture(s);
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) darken(s);
+    if (changes & SL_CHANGED_OBJECTS) s->placed = false;
+    return SL_OK;
+}
+
+static const sl_counters *radiance_counters(const void *state) { return &((const radiance_state *)state)->counters; }
+
+static size_t radiance_memory_bytes(const void *state) {
+    const radiance_state *s = state;
+    size_t bytes = sizeof *s + PLANES * (size_t)s->settings.width * (size_t)s->settings.height * sizeof *s->planes;
+    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
+    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
+    if (s->map) bytes += sl_radiance_map_bytes(s->map);
+    if (s->photons) bytes += sl_map_photons_bytes(s->photons);
+    if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
+    if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
+    return bytes;
+}
+
+const sl_method_class sl_direct_radiance_method = {
+    .name = "direct-radiance",
+    .complete = sl_radiance_complete,
+    .create = radiance_create,
+    .destroy = radiance_destroy,
+    .update = radiance_update,
+    .resolve = radiance_resolve,
+    .edit = radiance_edit,
+    .counters = radiance_counters,
+    .memory_bytes = radiance_memory_bytes,
+    .transport = sl_radiance_transport,
+    .plan = sl_radiance_plan_write,
+    .any_transport = false,
+};

@@ -1,0 +1,92 @@
+/* Which passes run. Only what the plan asks for is made. */
+#include "cache/direct_radiance/plan.h"
+
+#include "base/math.h"
+#include "scene/features.h"
+
+enum { MAP_SIZE = 16, CUBE_SIZE = 128, SHADOW_SIZE = 512 };
+
+static int or_default(int value, int otherwise) { return value ? value : otherwise; }
+
+void sl_radiance_complete(sl_settings *settings) {
+    static const int samples[] = {[SL_QUALITY_DRAFT] = 3, [SL_QUALITY_NORMAL] = 4, [SL_QUALITY_HIGH] = 8};
+    sl_radiance_map_settings *m = &settings->radiance_map;
+    m->samples = or_default(m->samples, samples[settings->quality]);
+    m->map_size = or_default(m->map_size, MAP_SIZE);
+    /* Whole texels to a sample, and at least two each way. */
+    if (m->map_size < 2 * m->samples) m->map_size = 2 * m->samples;
+    m->map_size = (m->map_size + m->samples - 1) / m->samples * m->samples;
+    m->reflections = or_default(m->reflections, 1);
+    m->cube_size = or_default(m->cube_size, CUBE_SIZE);
+    m->shadow_size = or_default(m->shadow_size, SHADOW_SIZE);
+    m->emitter_samples = or_default(m->emitter_samples, 1);
+    if (m->weight == SL_WEIGHT_AUTO) m->weight = settings->quality == SL_QUALITY_HIGH ? SL_WEIGHT_POLYGON : SL_WEIGHT_FLUX;
+    if (m->filter == SL_MAP_FILTER_AUTO) m->filter = SL_MAP_FILTER_FLUX;
+}
+
+static bool weighs_facing(sl_photon_weight weight) { return weight != SL_WEIGHT_EVEN && weight != SL_WEIGHT_BOX; }
+
+sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar, bool curved) {
+    const sl_radiance_map_settings *m = &settings->radiance_map;
+    sl_features f = sl_scene_features(scene);
+    bool light = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
+    bool receivers = f.diffuse_triangles || f.glossy_triangles, indirect = light && receivers && !m->local_light_only;
+    return (sl_radiance_plan){
+        .receivers = receivers && light,
+        .shadows = indirect && !sl_scene_is_convex(scene),
+        .map = indirect,
+        .glossy = f.glossy_triangles > 0,
+        .normals = indirect && (f.glossy_triangles > 0 || weighs_facing(m->weight) || m->filter == SL_MAP_FILTER_FLUX),
+        .planar = planar,
+        .curved = curved,
+        .tracer = indirect && (m->visibility != SL_VISIBILITY_NONE || (m->traced_light_mirrors && f.mirror_triangles)),
+        .environment = f.environment,
+    };
+}
+
+/* L S* E, L D S* E, L D D S* E: exactly two events that are not mirrors. Light by way of mirrors (L S D) is computed where the mirrors are
+ * planar, but is no part of the declaration: a path tracer cannot find it from a light without extent. */
+void sl_radiance_transport(const sl_settings *settings, sl_transport *transport) {
+    const sl_radiance_map_settings *m = &settings->radiance_map;
+    *transport = (sl_transport){
+        .emission = true,
+        .eye_mirrors = true,
+        .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = m->local_light_only ? 0 : SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .bounce_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .bounces = 1,
+        .direct_visibility = !m->local_light_only,
+        .bounce_visibility = m->visibility != SL_VISIBILITY_NONE,
+        .filter = SL_FILTER_CENTRE,
+    };
+}
+
+/* ---- in words ---- */
+
+static const char *const weight_words[] = {"by quality",          "(14) of the photon's flux, put right", "the photon's footprint as a polygon",
+                                           "point to point",      "(11)",                                 "(14) as printed",
+                                           "(15) as printed"};
+static const char *const filter_words[] = {"by default", "the texel at each sample", "radiance from a MIP level", "the flux of all texels, in groups"};
+
+void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    const sl_radiance_map_settings *m = &settings->radiance_map;
+    sl_features f = sl_scene_features(scene);
+    sl_radiance_plan p = sl_radiance_plan_make(scene, settings, false, false);
+    size_t point_like = f.point_lights + f.spot_lights + f.directional_lights;
+    sl_plan_pass(writer, p.shadows, "depth cubes", "%s",
+                 p.shadows ? "of every light" : m->local_light_only ? "local light only" : "nothing can stand before a light");
+    sl_plan_pass(writer, p.map, "direct radiance maps", "%zu lights without extent, %zu emissive triangles; %d x %d texels a face",
+                 point_like, f.emitters, m->map_size, m->map_size);
+    sl_plan_pass(writer, p.map && p.glossy, "map of true colour", "%zu glossy triangles", f.glossy_triangles);
+    sl_plan_pass(writer, p.map && p.normals, "map of normals", "%s", p.normals ? "materials or weights ask for them" : "nothing asks for them");
+    sl_plan_pass(writer, p.map, "sample photons", "%d x %d a face, %s", m->samples, m->samples, filter_words[m->filter]);
+    sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
+    sl_plan_pass(writer, f.mirror_triangles > 0, "mirrors", "%zu mirror triangles: planar ones by the mirrored scene, curved ones by cubes of %d",
+                 f.mirror_triangles, m->cube_size);
+    sl_plan_pass(writer, p.receivers, "direct light", "each area light from %d x %d of its points", m->emitter_samples, m->emitter_samples);
+    sl_plan_pass(writer, p.map, "indirect light", "weight: %s", weight_words[m->weight]);
+    sl_plan_pass(writer, p.map && m->visibility != SL_VISIBILITY_NONE, "visibility of photons", "%s",
+                 m->visibility == SL_VISIBILITY_NONE ? "the paper has none: no indirect shadows" : "shadow rays");
+    sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
+                 f.environment ? ", environment (seen, but no light source to this method)" : "");
+}

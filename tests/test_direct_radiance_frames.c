@@ -1,0 +1,314 @@
+/* Whole frames of direct radiance mapping: what is computed for every frame, what is not, and how its layers add up. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/math.h"
+#include "matched.h"
+#include "rendering.h"
+#include "scene/scene.h"
+
+static sl_settings radiance_settings(int size) {
+    sl_settings s = small_settings("direct-radiance", size, size);
+    s.threads = 2;
+    return s;
+}
+
+static double mean_of(const sl_image *image, const char *layer) {
+    static const char *const ends[] = {"R", "G", "B"};
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++) {
+        char name[SL_CHANNEL_NAME_MAX];
+        snprintf(name, sizeof name, "%s%s", layer, ends[c]);
+        const float *plane = sl_image_channel(image, name);
+        assert_non_null(plane);
+        for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
+    }
+    return sum / (3.0 * (double)pixels);
+}
+
+static sl_method *open_method(const sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    sl_error error;
+    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
+    return method;
+}
+
+static sl_image *next_frame(sl_method *method, unsigned changes) {
+    sl_progress progress;
+    sl_image *image;
+    sl_error error;
+    if (changes && sl_method_edit(method, changes, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_method_update(method, &progress, &error) != SL_OK) fail_msg("%s", error.message);
+    assert_true(progress.done && progress.frame_done);
+    if (sl_method_resolve(method, &image, &error) != SL_OK) fail_msg("%s", error.message);
+    return image;
+}
+
+static uint64_t counted(const sl_method *method, sl_counter counter) { return sl_method_counters(method)->value[counter]; }
+
+/* ---- layers ---- */
+
+static void the_picture_is_emission_and_direct_and_indirect_light(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = radiance_settings(48);
+    sl_image *image = render(scene, &settings, NULL);
+    const char *const layers[] = {"emission.G", "direct.G", "indirect.G"};
+    assert_sound_picture(image, "the Cornell box");
+    for (size_t i = 0; i < 48 * 48; i++) {
+        float sum = 0.0f;
+        for (int k = 0; k < 3; k++) sum += sl_image_channel(image, layers[k])[i];
+        assert_true(sl_image_channel(image, "G")[i] == sum);
+    }
+    for (int k = 0; k < 3; k++) assert_true(mean_of(image, k == 0 ? "emission." : k == 1 ? "direct." : "indirect.") > 0.0);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* The same box, lit by a point light far from everything: direct light is exact, and the bounce close to that of the paths without
+ * visibility. */
+static void in_the_cornell_box_it_is_the_light_of_its_paths(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
+    sl_settings settings = radiance_settings(40), reference = small_settings("path", 40, 40);
+    settings.radiance_map.samples = 8;
+    reference.transport = "matched:direct-radiance";
+    reference.spp = 256;
+    sl_image *ours = render(scene, &settings, NULL), *truth = render(scene, &reference, NULL);
+    double direct = mean_of(ours, "direct."), whole = mean_of(ours, ""), wanted = mean_of(truth, "");
+    print_message("direct %.4f, whole %.4f, path tracer %.4f\n", direct, whole, wanted);
+    assert_true(fabs(whole - wanted) < 0.06 * wanted);
+    sl_image_destroy(ours);
+    sl_image_destroy(truth);
+    sl_scene_destroy(scene);
+}
+
+static const char two_lights[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s%s%s],"
+    " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 0.8, 0], \"fov_deg\": 50}}";
+static const char step_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                               "f 1 4 3 2\nf 1 2 6 5\nf 7 8 9 10\n";
+
+static sl_scene *lit_by(bool first, bool second) {
+    char json[1024];
+    snprintf(json, sizeof json, two_lights, first ? "{\"type\": \"point\", \"position\": [-1, 2, 1], \"intensity\": [3, 2, 1]}" : "",
+             first && second ? "," : "",
+             second ? "{\"type\": \"spot\", \"position\": [1.5, 2.5, 1], \"direction\": [-1, -1, -1], \"intensity\": [1, 2, 3], \"outer_deg\": 40}" : "");
+    return scene_from_text(json, step_obj);
+}
+
+static void the_light_of_two_lights_is_the_sum_of_each(void **state) {
+    (void)state;
+    sl_settings settings = radiance_settings(32);
+    sl_image *image[3];
+    for (int k = 0; k < 3; k++) {
+        sl_scene *scene = lit_by(k != 1, k != 0);
+        image[k] = render(scene, &settings, NULL);
+        sl_scene_destroy(scene);
+    }
+    for (size_t i = 0; i < 3 * 32 * 32; i++) {
+        float sum = image[0]->planes[i] + image[1]->planes[i];
+        assert_true(fabsf(image[2]->planes[i] - sum) <= 1e-5f * (1.0f + sum));
+    }
+    for (int k = 0; k < 3; k++) sl_image_destroy(image[k]);
+}
+
+/* ---- every frame anew ---- */
+
+static void frame_k_alone_is_frame_k_of_the_series(void **state) {
+    (void)state;
+    const char *const scenes[] = {"scenes/moving-light.json", "scenes/moving-ball.json"};
+    for (int k = 0; k < 2; k++) {
+        sl_scene *scene = load_scene(scenes[k]);
+        sl_settings settings = radiance_settings(32);
+        sl_method *method = open_method(scene, &settings);
+        sl_image *series = next_frame(method, 0);
+        for (int frame = 1; frame <= 3; frame++) {
+            unsigned changes;
+            sl_image_destroy(series);
+            assert_int_equal(sl_scene_set_time(scene, 0.7 * frame, &changes, NULL), SL_OK);
+            assert_true(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS));
+            series = next_frame(method, changes);
+        }
+        sl_image *alone = render(scene, &settings, NULL);
+        assert_true(same_picture(series, alone));
+        sl_image_destroy(alone);
+        sl_image_destroy(series);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void a_new_camera_keeps_what_the_lights_see(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = radiance_settings(32);
+    sl_method *method = open_method(scene, &settings);
+    sl_image_destroy(next_frame(method, 0));
+    uint64_t passes = counted(method, SL_COUNT_RASTER_PASSES), photons = counted(method, SL_COUNT_MAP_PHOTONS);
+    assert_true(photons > 0);
+    const float eye[3] = {200.0f, 300.0f, -700.0f}, target[3] = {278.0f, 250.0f, 280.0f}, up[3] = {0.0f, 1.0f, 0.0f};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, NULL), SL_OK);
+    sl_image_destroy(next_frame(method, SL_CHANGED_CAMERA));
+    assert_int_equal(counted(method, SL_COUNT_RASTER_PASSES), passes + 1);
+    assert_int_equal(counted(method, SL_COUNT_MAP_PHOTONS), photons);
+    sl_image_destroy(next_frame(method, SL_CHANGED_LIGHTS));
+    assert_int_equal(counted(method, SL_COUNT_MAP_PHOTONS), 2 * photons);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- only what is needed ---- */
+
+static sl_counters cost_of(const char *json, const char *obj) {
+    sl_scene *scene = scene_from_text(json, obj);
+    sl_settings settings = radiance_settings(16);
+    sl_counters counters;
+    sl_image_destroy(render(scene, &settings, &counters));
+    sl_scene_destroy(scene);
+    return counters;
+}
+
+static const char box_obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                              "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
+
+static void a_convex_room_needs_no_depth_cube(void **state) {
+    (void)state;
+    sl_counters c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": "
+                            "[0.5, 0.5, 0.5], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0.5, 0.5, 0.1], \"target\": [0.5, 0.5, 1], \"fov_deg\": 90}}",
+                            box_obj);
+    assert_int_equal(c.value[SL_COUNT_SHADOW_LOOKUPS], 0);
+    assert_true(c.value[SL_COUNT_MAP_PHOTONS] > 0);
+    c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": "
+                "[-1, 2, 1], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}", step_obj);
+    assert_true(c.value[SL_COUNT_SHADOW_LOOKUPS] > 0);
+}
+
+static void without_light_there_is_one_pass(void **state) {
+    (void)state;
+    sl_counters c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]},"
+                            " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}", step_obj);
+    assert_int_equal(c.value[SL_COUNT_RASTER_PASSES], 1);
+    assert_int_equal(c.value[SL_COUNT_MAP_PHOTONS], 0);
+}
+
+static void a_light_that_faces_the_void_gives_no_indirect_light(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"spot\", \"position\": [0, 2, 1], "
+                                      "\"direction\": [0, 1, 0], \"intensity\": [5, 5, 5], \"outer_deg\": 30}],"
+                                      " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}", step_obj);
+    sl_settings settings = radiance_settings(16);
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    assert_int_equal(counters.value[SL_COUNT_PHOTON_LOOK_UPS], 0);
+    assert_true(mean_of(image, "") == 0.0);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* ---- determinism ---- */
+
+static void frames_have_the_same_bits_at_any_number_of_threads(void **state) {
+    (void)state;
+    const char *const scenes[] = {"scenes/cornell-glossy.json", "scenes/mirror-balls.json"};
+    for (int k = 0; k < 2; k++) {
+        sl_scene *scene = load_scene(scenes[k]);
+        sl_settings settings = radiance_settings(40);
+        settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
+        sl_counters counters, other_counters;
+        settings.threads = 1;
+        sl_image *first = render(scene, &settings, &counters);
+        const unsigned threads[] = {2, 3};
+        for (int t = 0; t < 2; t++) {
+            settings.threads = threads[t];
+            sl_image *other = render(scene, &settings, &other_counters);
+            assert_true(same_picture(first, other));
+            assert_memory_equal(&counters, &other_counters, sizeof counters);
+            sl_image_destroy(other);
+        }
+        sl_image_destroy(first);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* ---- hard cases ---- */
+
+static void scenes_tiny_huge_and_far_away_give_the_same_picture(void **state) {
+    (void)state;
+    const struct {
+        double scale, shift, bound;
+    } cases[] = {{1.0, 0.0, 0.0}, {1e-4, 0.0, 1e-3}, {1e4, 0.0, 1e-3}, {1.0, 1e3, 0.02}};
+    double wanted = 0.0;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        double s = cases[k].scale, d = cases[k].shift;
+        char json[1024];
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": %g, \"translate\": [%g, 0, 0]}}], \"lights\": "
+                 "[{\"type\": \"point\", \"position\": [%.9g, %.9g, %.9g], \"intensity\": [%.9g, %.9g, %.9g]}], \"camera\": {\"eye\": [%.9g, %.9g, %.9g], "
+                 "\"target\": [%.9g, %.9g, 0], \"fov_deg\": 50}}",
+                 s, d, d - s, 2.0 * s, s, 3.0 * s * s, 2.0 * s * s, s * s, d, s, 4.0 * s, d, 0.8 * s);
+        sl_scene *scene = scene_from_text(json, step_obj);
+        sl_settings settings = radiance_settings(32);
+        sl_image *image = render(scene, &settings, NULL);
+        assert_sound_picture(image, json);
+        double mean = mean_of(image, "indirect.");
+        if (k == 0) wanted = mean;
+        print_message("scale %g, shift %g: indirect %.6g\n", s, d, mean);
+        assert_true(fabs(mean - wanted) <= cases[k].bound * wanted);
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void odd_lights_leave_no_hole_in_the_picture(void **state) {
+    (void)state;
+    const char *const lights[] = {
+        "{\"type\": \"point\", \"position\": [0, 0, 0.5], \"intensity\": [1, 1, 1]}",                 /* on the floor */
+        "{\"type\": \"point\", \"position\": [0, 1e-7, 0.5], \"intensity\": [1, 1, 1]}",              /* all but */
+        "{\"type\": \"point\", \"position\": [0.5, 0.5, 0], \"intensity\": [1, 1, 1]}",               /* in the board */
+        "{\"type\": \"point\", \"position\": [0, 2, 1], \"intensity\": [0, 0, 0]}",
+        "{\"type\": \"directional\", \"direction\": [0, -1, -0.5], \"irradiance\": [2, 2, 2]}",
+        "{\"type\": \"quad\", \"corner\": [-0.1, 0, -0.1], \"edge1\": [0.2, 0, 0], \"edge2\": [0, 0, 0.2], \"radiance\": [9, 9, 9]}", /* in the floor */
+    };
+    for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
+        char json[1024];
+        snprintf(json, sizeof json, two_lights, lights[k], "", "");
+        sl_scene *scene = scene_from_text(json, step_obj);
+        for (int weight = SL_WEIGHT_FLUX; weight <= SL_WEIGHT_BOX; weight++) {
+            sl_settings settings = radiance_settings(24);
+            settings.radiance_map.weight = (sl_photon_weight)weight;
+            settings.radiance_map.samples = 1 + weight;
+            sl_image *image = render(scene, &settings, NULL);
+            assert_sound_picture(image, lights[k]);
+            sl_image_destroy(image);
+        }
+        sl_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
+        cmocka_unit_test(in_the_cornell_box_it_is_the_light_of_its_paths),
+        cmocka_unit_test(the_light_of_two_lights_is_the_sum_of_each),
+        cmocka_unit_test(frame_k_alone_is_frame_k_of_the_series),
+        cmocka_unit_test(a_new_camera_keeps_what_the_lights_see),
+        cmocka_unit_test(a_convex_room_needs_no_depth_cube),
+        cmocka_unit_test(without_light_there_is_one_pass),
+        cmocka_unit_test(a_light_that_faces_the_void_gives_no_indirect_light),
+        cmocka_unit_test(frames_have_the_same_bits_at_any_number_of_threads),
+        cmocka_unit_test(scenes_tiny_huge_and_far_away_give_the_same_picture),
+        cmocka_unit_test(odd_lights_leave_no_hole_in_the_picture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,237 @@
+/* Whole pictures by the light octree: against the path tracer, from depth to depth, and whatever the threads. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "matched.h"
+#include "rendering.h"
+
+/* Few photons: a test takes a moment, not minutes. */
+static sl_settings octree_settings(int size) {
+    sl_settings s = small_settings("light-octree", size, size);
+    s.threads = 2;
+    s.quality = SL_QUALITY_DRAFT;
+    s.light_octree.photons = 40000;
+    s.light_octree.neighbours = 100;
+    return s;
+}
+
+static sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
+    sl_settings reference = small_settings("path", settings->width, settings->height);
+    reference.transport = "matched:light-octree";
+    reference.spp = spp;
+    reference.threads = 2;
+    sl_image *ours = render(scene, settings, NULL), *truth = render(scene, &reference, NULL);
+    sl_comparison c;
+    assert_sound_picture(ours, "by the light octree");
+    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
+    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias, 100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
+    sl_image_destroy(ours);
+    sl_image_destroy(truth);
+    return c;
+}
+
+static void the_cornell_box_is_lit_as_by_all_of_its_paths(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(40);
+    sl_comparison c = against_path_tracer(scene, &settings, 128);
+    assert_true(fabs(c.bias) < 0.02);
+    assert_true(c.rel_mse - c.rel_mse_noise < 0.02);
+    sl_scene_destroy(scene);
+}
+
+/* Albedo 1/2: the light reflected at least once is as much again as the direct light, everywhere. */
+static void an_integrating_sphere_holds_rho_over_one_minus_rho(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/sphere.json");
+    sl_settings settings = octree_settings(32);
+    settings.light_octree.indirect_only = true;
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    const float *plane = sl_image_channel(image, "indirect.G");
+    double sum = 0.0, square = 0.0;
+    for (int i = 0; i < 32 * 32; i++) sum += (double)plane[i], square += (double)plane[i] * (double)plane[i];
+    double mean = sum / 1024.0, scatter = sqrt(fmax(0.0, square / 1024.0 - mean * mean)) / mean;
+    print_message("radiance %.4f (0.5 / pi = 0.1592), scatter %.2f %%\n", mean, 100.0 * scatter);
+    assert_true(fabs(mean - 0.5 / 3.14159265) < 0.03 * 0.1592);
+    assert_true(scatter < 0.1);
+    assert_true(counters.value[SL_COUNT_SHADOW_RAYS] == 0);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* ---- depth by depth ---- */
+
+typedef struct {
+    int depths;
+    float *green[8];
+} seen_depths;
+
+static void keep_depth(void *context, const sl_pass *pass) {
+    seen_depths *seen = context;
+    if (!strstr(pass->name, "indirect light, depth") || !pass->buffer) return;
+    size_t pixels = (size_t)pass->buffer->width * (size_t)pass->buffer->height;
+    seen->green[seen->depths] = malloc(pixels * sizeof(float));
+    memcpy(seen->green[seen->depths++], sl_image_channel(pass->buffer, "G"), pixels * sizeof(float));
+}
+
+static void each_depth_on_the_way_is_what_that_depth_gives_alone(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(32);
+    seen_depths seen = {0, {NULL}};
+    sl_observer observer = {&seen, keep_depth};
+    settings.light_octree.depth = 6;
+    settings.light_octree.photons = 10000;
+    settings.observer = &observer;
+    sl_image_destroy(render(scene, &settings, NULL));
+    assert_int_equal(seen.depths, 3);
+    settings.observer = NULL;
+    for (int k = 0; k < 3; k++) {
+        settings.light_octree.depth = 4 + k;
+        sl_image *alone = render(scene, &settings, NULL);
+        assert_memory_equal(seen.green[k], sl_image_channel(alone, "indirect.G"), 32 * 32 * sizeof(float));
+        sl_image_destroy(alone);
+        free(seen.green[k]);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* ---- what is kept ---- */
+
+static void run_to_end(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+}
+
+static void a_new_camera_keeps_photons_and_voxels(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(24);
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    run_to_end(method);
+    sl_counters before = *sl_method_counters(method);
+    const float eye[3] = {200.0f, 300.0f, -700.0f}, target[3] = {278.0f, 250.0f, 280.0f}, up[3] = {0.0f, 1.0f, 0.0f};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    run_to_end(method);
+    sl_image *moved, *alone = render(scene, &settings, NULL);
+    assert_int_equal(sl_method_resolve(method, &moved, NULL), SL_OK);
+    assert_true(same_picture(moved, alone));
+    const sl_counters *after = sl_method_counters(method);
+    assert_int_equal(after->value[SL_COUNT_PHOTONS_EMITTED], before.value[SL_COUNT_PHOTONS_EMITTED]);
+    assert_int_equal(after->value[SL_COUNT_LEAVES], before.value[SL_COUNT_LEAVES]);
+    sl_image_destroy(moved);
+    sl_image_destroy(alone);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void pictures_have_the_same_bits_at_any_number_of_threads(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-mirror.json");
+    sl_settings settings = octree_settings(32);
+    sl_counters counters, other_counters;
+    settings.threads = 1;
+    sl_image *first = render(scene, &settings, &counters);
+    const unsigned threads[] = {2, 3};
+    for (int t = 0; t < 2; t++) {
+        settings.threads = threads[t];
+        sl_image *other = render(scene, &settings, &other_counters);
+        assert_true(same_picture(first, other));
+        assert_memory_equal(&counters, &other_counters, sizeof counters);
+        sl_image_destroy(other);
+    }
+    sl_image_destroy(first);
+    sl_scene_destroy(scene);
+}
+
+/* ---- mirrors, caustics, the stored paths ---- */
+
+static void mirrors_show_what_they_reflect(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-mirror.json");
+    sl_settings settings = octree_settings(40);
+    sl_comparison c = against_path_tracer(scene, &settings, 128);
+    assert_true(fabs(c.bias) < 0.03);
+    sl_scene_destroy(scene);
+}
+
+static double indirect_of(const sl_scene *scene, sl_photon_store store) {
+    sl_settings settings = octree_settings(32);
+    settings.light_octree.store = store;
+    settings.light_octree.indirect_only = true;
+    sl_image *image = render(scene, &settings, NULL);
+    double sum = 0.0;
+    for (int i = 0; i < 32 * 32; i++) sum += (double)sl_image_channel(image, "indirect.G")[i];
+    sl_image_destroy(image);
+    return sum / 1024.0;
+}
+
+static void caustics_are_a_part_of_indirect_light_and_that_of_all(void **state) {
+    (void)state;
+    sl_scene *mirror = load_scene("scenes/cornell-mirror.json"), *diffuse = load_scene("scenes/cornell.json");
+    double caustic = indirect_of(mirror, SL_STORE_CAUSTIC), indirect = indirect_of(mirror, SL_STORE_INDIRECT), all = indirect_of(mirror, SL_STORE_ALL);
+    print_message("caustic %.4f, indirect %.4f, all %.4f\n", caustic, indirect, all);
+    assert_true(0.0 < caustic && caustic < indirect && indirect < all);
+    assert_true(indirect_of(diffuse, SL_STORE_CAUSTIC) == 0.0);
+    sl_scene_destroy(mirror);
+    sl_scene_destroy(diffuse);
+}
+
+/* ---- nothing there ---- */
+
+static void without_light_or_reflection_no_photon_flies(void **state) {
+    (void)state;
+    static const char obj[] = "mtllib mesh.mtl\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n";
+    sl_scene *dark = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"black\"}], \"materials\": {\"black\": "
+                                     "{\"diffuse\": [0, 0, 0]}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": [1, 1, 1]}], "
+                                     "\"camera\": {\"eye\": [0, 2, 4], \"target\": [0, 0, 0], \"fov_deg\": 50}}", obj);
+    sl_settings settings = octree_settings(16);
+    sl_counters counters;
+    sl_image *image = render(dark, &settings, &counters);
+    assert_int_equal(counters.value[SL_COUNT_PHOTONS_EMITTED], 0);
+    for (int i = 0; i < 3 * 256; i++) assert_true(image->planes[i] == 0.0f);
+    sl_image_destroy(image);
+    sl_scene_destroy(dark);
+}
+
+/* A floor alone reflects everything into the void: the photons that are stored never become enough. */
+static void a_scene_that_stores_no_photon_ends_too(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": "
+                                      "[0, 1, 0], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 2, 4], \"target\": [0, 0, 0], \"fov_deg\": 50}}",
+                                      "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n");
+    sl_settings settings = octree_settings(16);
+    settings.light_octree.photons = 1000;
+    sl_image *image = render(scene, &settings, NULL);
+    assert_sound_picture(image, "a floor");
+    for (int i = 0; i < 256; i++) assert_true(sl_image_channel(image, "indirect.G")[i] == 0.0f);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_cornell_box_is_lit_as_by_all_of_its_paths),
+        cmocka_unit_test(an_integrating_sphere_holds_rho_over_one_minus_rho),
+        cmocka_unit_test(each_depth_on_the_way_is_what_that_depth_gives_alone),
+        cmocka_unit_test(a_new_camera_keeps_photons_and_voxels),
+        cmocka_unit_test(pictures_have_the_same_bits_at_any_number_of_threads),
+        cmocka_unit_test(mirrors_show_what_they_reflect),
+        cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
+        cmocka_unit_test(without_light_or_reflection_no_photon_flies),
+        cmocka_unit_test(a_scene_that_stores_no_photon_ends_too),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
