@@ -9,7 +9,12 @@
 #include "base/parallel.h"
 #include "cache/light_octree/shade_kernels.h"
 
-enum { TABLE = 2 * SL_OCTREE_BATCH, TILE = 64, NONE = -1 };
+enum {
+    TABLE = 2 * SL_OCTREE_BATCH,
+    TILE = 64,
+    NONE = -1,
+    ROW = SL_OCTREE_BATCH + 16 /* arrays a power of two apart would share the same lines of the cache */
+};
 
 static const uint64_t NOWHERE = UINT64_MAX;
 
@@ -38,8 +43,8 @@ struct sl_octree_scratch {
     size_t groups;
     /* A tile of a G-buffer. */
     uint32_t pixel[SL_OCTREE_BATCH];
-    float point[16][SL_OCTREE_BATCH];
-    float out[3][SL_OCTREE_BATCH];
+    float point[16][ROW];
+    float out[3][ROW];
 };
 
 sl_status sl_octree_scratch_create(sl_octree_scratch **scratch, sl_error *error) {
@@ -245,7 +250,7 @@ static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octr
     const sl_material *m = &pass->scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
-    sl_vec3 v = sl_normalize_or(sl_sub(pass->eye, place), n);
+    sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(pass->eye, place), n) : n;
     const float values[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
                               g->diffuse_b[pixel], m->specular.r, m->specular.g, m->specular.b, m->exponent};
     for (int k = 0; k < 16; k++) s->point[k][at] = values[k];
@@ -269,7 +274,7 @@ static void shade_tile(void *context, size_t index, unsigned worker) {
             take_pixel(pass, pixel, count++, s);
         }
     }
-    float(*v)[SL_OCTREE_BATCH] = s->point;
+    float(*v)[ROW] = s->point;
     sl_octree_points points = {count, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], NULL, NULL, NULL, v[15]};
     if (any_glossy) {
         points.specular_r = v[12];
