@@ -36,6 +36,7 @@ typedef struct sl_photon_search {
     sl_vec3 centre, normal;
     float stretch;       /* 1 / f^2 - 1: delta^2 = |p|^2 + stretch u^2, without a difference */
     float cos_acceptance;
+    float back;          /* what a cosine below 0 is multiplied by: -1 where both sides count, else 1 */
     float bound;         /* delta^2 of the farthest photon that may still count */
     size_t wanted, room; /* k, and keys: at least k + 2 SL_PHOTON_BUCKET */
     size_t count;

@@ -55,7 +55,7 @@ static void scan_bucket(const sl_photon_bucket *b, sl_photon_search *s) {
     float distance[SL_PHOTON_BUCKET];
     uint32_t near[SL_PHOTON_BUCKET], any = 0, bits[SL_PHOTON_BUCKET];
     const float cx = s->centre.x, cy = s->centre.y, cz = s->centre.z, nx = s->normal.x, ny = s->normal.y, nz = s->normal.z;
-    const float stretch = s->stretch, bound = s->bound, cos_acceptance = s->cos_acceptance;
+    const float stretch = s->stretch, bound = s->bound, cos_acceptance = s->cos_acceptance, back = s->back;
 #pragma omp simd reduction(| : any)
     for (int i = 0; i < SL_PHOTON_BUCKET; i++) {
         float x = b->x[i] - cx, y = b->y[i] - cy, z = b->z[i] - cz, u = x * nx + y * ny + z * nz;
@@ -67,6 +67,7 @@ static void scan_bucket(const sl_photon_bucket *b, sl_photon_search *s) {
 #pragma omp simd
     for (int i = 0; i < SL_PHOTON_BUCKET; i++) {
         float cosine = b->normal_x[i] * nx + b->normal_y[i] * ny + b->normal_z[i] * nz;
+        cosine = cosine < 0.0f ? cosine * back : cosine;
         near[i] = cosine >= cos_acceptance ? near[i] : 0u;
     }
     memcpy(bits, distance, sizeof bits);

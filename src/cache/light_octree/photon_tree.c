@@ -284,6 +284,7 @@ static sl_photon_search begin_search(const sl_photon_query *query, size_t wanted
     s.stretch = sphere ? 0.0f : (float)(1.0 / (f * f) - 1.0);
     /* A cosine of rounded unit vectors may be a little less than -1. */
     s.cos_acceptance = sphere || !(query->cos_acceptance > -1.0) ? -INFINITY : (float)query->cos_acceptance;
+    s.back = query->both_sides ? -1.0f : 1.0f;
     s.bound = query->radius >= 0.0 ? square < (double)FLT_MAX ? (float)square : FLT_MAX : -1.0f;
     s.room = 2 * wanted + 2 * SL_PHOTON_BUCKET;
     return s;

@@ -1,0 +1,60 @@
+/* What the light octree's tests share: octrees of scenes, and lights of voxels made by hand. */
+#ifndef TESTS_LIGHT_OCTREE_SUPPORT_H
+#define TESTS_LIGHT_OCTREE_SUPPORT_H
+
+#include "raster_support.h"
+
+#include <math.h>
+
+#include "base/math.h"
+#include "cache/light_octree/shade.h"
+#include "cache/light_octree/triangle_cells.h"
+
+static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
+    sl_octree *octree = NULL;
+    sl_error error;
+    if (sl_octree_create(scene, depth, 0.0, threads, &octree, &error) != SL_OK) fail_msg("%s", error.message);
+    return octree;
+}
+
+static inline sl_voxel_light_options plain_options(int lights) {
+    return (sl_voxel_light_options){.neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights,
+                                    .harmonics_order = 2};
+}
+
+/* All dark, without photons. */
+static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree *octree, const sl_voxel_light_options *options) {
+    sl_voxel_lights *lights = NULL;
+    sl_error error;
+    if (sl_voxel_lights_create(scene, octree, octree, NULL, options, 1, &lights, &error) != SL_OK) fail_msg("%s", error.message);
+    return lights;
+}
+
+static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_voxel_lights *lights, bool index) {
+    sl_voxel_texture *texture = NULL;
+    sl_error error;
+    if (sl_voxel_texture_create(octree, lights, index, &texture, &error) != SL_OK) fail_msg("%s", error.message);
+    return texture;
+}
+
+static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_vec3d direction, float r, float g, float b) {
+    lights->light[set * (size_t)lights->texels + (size_t)which] =
+        (sl_directional_light){{r, g, b}, sl_direction_pack(direction, lights->options.wide_directions)};
+    if (lights->set[set].lights <= which) lights->set[set].lights = (uint8_t)(which + 1);
+    lights->set[set].done = true;
+}
+
+/* A point of a triangle. */
+static inline sl_vec3 random_on(const sl_scene *scene, uint64_t key, uint64_t index, uint32_t *triangle) {
+    *triangle = sl_random_bits(key, 3 * index) % (uint32_t)scene->triangle_count;
+    float a = sl_random_unit(key, 3 * index + 1), b = sl_random_unit(key, 3 * index + 2);
+    if (a + b > 1.0f) {
+        a = 1.0f - a;
+        b = 1.0f - b;
+    }
+    sl_vec3 p0 = sl_scene_position(scene, scene->vertex[0][*triangle]), p1 = sl_scene_position(scene, scene->vertex[1][*triangle]),
+            p2 = sl_scene_position(scene, scene->vertex[2][*triangle]);
+    return sl_add(sl_add(sl_scale(p0, 1.0f - a - b), sl_scale(p1, a)), sl_scale(p2, b));
+}
+
+#endif

@@ -1,0 +1,468 @@
+/* Shading from the octree's lights, against sums written as the formulas stand. */
+#include "light_octree_support.h"
+
+#include "base/memory.h"
+#include "cache/light_octree/harmonic_basis.h"
+
+typedef struct world {
+    sl_scene *scene;
+    sl_octree *octree;
+    sl_voxel_lights *lights;
+    sl_voxel_texture *texture;
+    sl_octree_scratch *scratch;
+} world;
+
+/* Random lights in every leaf, or the same in all. */
+typedef enum light_kind { RANDOM_LIGHTS, EQUAL_LIGHTS } light_kind;
+
+static world new_world(int depth, sl_voxel_lobes lobes, light_kind kind, bool wide) {
+    world w = {.scene = furnished_room(8, 6)};
+    w.octree = octree_of(w.scene, depth, 2);
+    sl_voxel_light_options options = plain_options(4);
+    options.lobes = lobes;
+    options.wide_directions = wide;
+    w.lights = lights_of(w.scene, w.octree, &options);
+    uint64_t key = sl_random_key(3, 0);
+    for (size_t i = 0; i < w.octree->leaf_count; i++) {
+        int used = kind == EQUAL_LIGHTS ? 3 : (int)(sl_random_bits(key, 99 * i) % 5);
+        for (int j = 0; j < used && j < w.lights->texels; j++) {
+            uint64_t at = kind == EQUAL_LIGHTS ? 20 * (uint64_t)j : 99 * i + 20 * (uint64_t)j;
+            set_light(w.lights, i, j, sl_to_double(random_direction(key, at)), 0.5f + sl_random_unit(key, at + 1), sl_random_unit(key, at + 2), 0.3f);
+        }
+    }
+    w.texture = texture_of(w.octree, w.lights, false);
+    assert_int_equal(sl_octree_scratch_create(&w.scratch, NULL), SL_OK);
+    return w;
+}
+
+static void end_world(world *w) {
+    sl_octree_scratch_destroy(w->scratch);
+    sl_voxel_texture_destroy(w->texture);
+    sl_voxel_lights_destroy(w->lights);
+    sl_octree_destroy(w->octree);
+    sl_scene_destroy(w->scene);
+}
+
+enum { POINTS = 10000, PLANES = 16 };
+
+typedef struct points {
+    float plane[PLANES][POINTS];
+    float out[3][POINTS];
+    sl_octree_points arrays;
+} points;
+
+/* On surfaces, with any normal and view; every third is glossy. */
+static points *surface_points(const sl_scene *scene, uint64_t seed) {
+    points *p = calloc(1, sizeof *p);
+    assert_non_null(p);
+    uint64_t key = sl_random_key(seed, 0), more = sl_random_key(seed, 1);
+    for (uint64_t i = 0; i < POINTS; i++) {
+        uint32_t triangle;
+        sl_vec3 at = random_on(scene, key, i, &triangle), n = random_direction(more, 3 * i), v = random_direction(more, 3 * i + 1);
+        if (sl_dot(n, v) < 0.0f) v = sl_neg(v);
+        bool glossy = i % 3 == 0;
+        const float values[PLANES] = {at.x, at.y, at.z, n.x, n.y, n.z, v.x, v.y, v.z, 0.8f, 0.5f, 0.3f, glossy ? 0.2f : 0.0f, glossy ? 0.1f : 0.0f,
+                                      glossy ? 0.15f : 0.0f, 1.0f + 60.0f * sl_random_unit(key, 9 * i)};
+        for (int k = 0; k < PLANES; k++) p->plane[k][i] = values[k];
+    }
+    float(*v)[POINTS] = p->plane;
+    p->arrays = (sl_octree_points){POINTS, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], v[12], v[13], v[14], v[15]};
+    return p;
+}
+
+static sl_counters shade(const world *w, const sl_octree_shading *shading, points *p) {
+    sl_counters counters = {{0}};
+    sl_octree_shade(shading, &p->arrays, w->scratch, p->out[0], p->out[1], p->out[2], &counters);
+    return counters;
+}
+
+/* ---- the formulas as they stand, in double ---- */
+
+static void add_voxel(const world *w, const sl_directional_light *light, const points *p, size_t i, double weight, double sum[3]) {
+    sl_vec3d n = sl_v3d((double)p->plane[3][i], (double)p->plane[4][i], (double)p->plane[5][i]);
+    sl_vec3d v = sl_v3d((double)p->plane[6][i], (double)p->plane[7][i], (double)p->plane[8][i]);
+    sl_vec3d m = sl_subd(sl_scaled(n, 2.0 * sl_dotd(n, v)), v);
+    double e = (double)p->plane[15][i];
+    for (int j = 0; j < w->texture->lights; j++) {
+        sl_vec3d d = sl_to_double(sl_direction_unpack(light[j].packed, w->texture->wide_directions));
+        double cosine = sl_dotd(n, d), alpha = sl_dotd(m, d);
+        cosine = w->texture->lobes == SL_LOBES_SURFACE ? 1.0 : cosine > 0.0 ? cosine : 0.0;
+        double lobe = alpha > 0.0 ? (e + 2.0) / (2.0 * SL_PI) * pow(alpha, e) : 0.0;
+        for (int c = 0; c < 3; c++) {
+            double reflect = (double)p->plane[9 + c][i] / SL_PI + (double)p->plane[12 + c][i] * lobe;
+            sum[c] += weight * reflect * (double)light[j].color[c] * cosine;
+        }
+    }
+}
+
+static void expected(const world *w, const sl_octree_shading *shading, const points *p, size_t i, double result[3]) {
+    double total = 0.0, u[3];
+    const double origin[3] = {w->octree->origin.x, w->octree->origin.y, w->octree->origin.z};
+    bool nearest = shading->filter == SL_VOXEL_NEAREST;
+    for (int d = 0; d < 3; d++) u[d] = ((double)p->plane[d][i] - origin[d]) / sl_octree_voxel(w->octree) - (nearest ? 0.0 : 0.5);
+    result[0] = result[1] = result[2] = 0.0;
+    for (int k = 0; k < (nearest ? 1 : 8); k++) {
+        double weight = 1.0;
+        sl_vec3d centre;
+        double *at[3] = {&centre.x, &centre.y, &centre.z};
+        for (int d = 0; d < 3; d++) {
+            double f = u[d] - floor(u[d]);
+            if (!nearest) weight *= k >> d & 1 ? f : 1.0 - f;
+            *at[d] = origin[d] + (floor(u[d]) + (k >> d & 1) + 0.5) * sl_octree_voxel(w->octree);
+        }
+        uint32_t address;
+        uint64_t fetches = 0;
+        if (sl_voxel_texture_find(w->texture, sl_to_float(centre), &address, &fetches) >> 24 != SL_TEXEL_LEAF) continue;
+        add_voxel(w, sl_voxel_texture_lights(w->texture, address), p, i, weight, result);
+        total += weight;
+    }
+    assert_true(total >= 0.125 - 1e-6); /* the point's own voxel is a leaf */
+    if (!shading->keep_void_dark) {
+        for (int c = 0; c < 3; c++) result[c] /= total;
+    }
+}
+
+static void pixels_are_the_sums_of_the_formulas(void **state) {
+    (void)state;
+    const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE};
+    for (int k = 0; k < 8; k++) {
+        world w = new_world(k & 1 ? 5 : 3, lobes[k >> 1 & 1], RANDOM_LIGHTS, k & 1);
+        points *p = surface_points(w.scene, (uint64_t)k);
+        sl_octree_shading shading = {.texture = w.texture, .filter = k == 3 || k == 4 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR,
+                                     .keep_void_dark = k == 5};
+        shade(&w, &shading, p);
+        for (size_t i = 0; i < POINTS; i++) {
+            double truth[3];
+            expected(&w, &shading, p, i, truth);
+            for (int c = 0; c < 3; c++) {
+                if (!(fabs((double)p->out[c][i] - truth[c]) <= 2e-5 * truth[c] + 1e-5)) {
+                    fail_msg("case %d, point %zu: %.9g, not %.9g", k, i, (double)p->out[c][i], truth[c]);
+                }
+            }
+        }
+        free(p);
+        end_world(&w);
+    }
+}
+
+static void a_constant_field_stays_constant(void **state) {
+    (void)state;
+    for (int depth = 2; depth <= 6; depth++) {
+        world w = new_world(depth, SL_LOBES_NONE, EQUAL_LIGHTS, false);
+        for (size_t i = 0; i < w.lights->set_count; i++) set_light(w.lights, i, 0, sl_v3d(0, 0, 1), 2.0f, 3.0f, 0.7f);
+        sl_voxel_texture_destroy(w.texture);
+        w.texture = texture_of(w.octree, w.lights, depth & 1);
+        points *p = surface_points(w.scene, 8);
+        p->arrays.diffuse_r = p->arrays.diffuse_g = p->arrays.diffuse_b = NULL;
+        p->arrays.specular_r = p->arrays.specular_g = p->arrays.specular_b = NULL;
+        sl_octree_shading shading = {.texture = w.texture};
+        shade(&w, &shading, p);
+        for (size_t i = 0; i < POINTS; i++) {
+            assert_true(fabsf(p->out[0][i] - 2.0f) < 2e-6f && fabsf(p->out[1][i] - 3.0f) < 3e-6f && fabsf(p->out[2][i] - 0.7f) < 1e-6f);
+        }
+        shading.keep_void_dark = true; /* the paper's holes */
+        shade(&w, &shading, p);
+        float least = 2.0f;
+        for (size_t i = 0; i < POINTS; i++) least = p->out[0][i] < least ? p->out[0][i] : least;
+        assert_true(least < 1.2f && least >= 0.25f - 1e-6f);
+        free(p);
+        end_world(&w);
+    }
+}
+
+static void light_is_continuous_along_a_surface(void **state) {
+    (void)state;
+    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS, false);
+    points *p = surface_points(w.scene, 4);
+    float jump = 0.0f, most = 0.0f;
+    for (size_t i = 0; i < POINTS; i++) { /* a slanted line on the floor y = 0, some voxels long, in steps of a thousandth */
+        p->plane[0][i] = 0.3f + 1.9e-4f * (float)i;
+        p->plane[1][i] = 0.0f;
+        p->plane[2][i] = 0.2f + 2.3e-4f * (float)i;
+        p->plane[3][i] = p->plane[5][i] = 0.0f;
+        p->plane[4][i] = 1.0f;
+    }
+    p->arrays.specular_r = NULL;
+    sl_octree_shading shading = {.texture = w.texture};
+    shade(&w, &shading, p);
+    for (size_t i = 0; i < POINTS; i++) {
+        most = p->out[0][i] > most ? p->out[0][i] : most;
+        if (i > 0 && fabsf(p->out[0][i] - p->out[0][i - 1]) > jump) jump = fabsf(p->out[0][i] - p->out[0][i - 1]);
+    }
+    assert_true(most > 0.1f);
+    if (jump > 0.02f * most) fail_msg("a jump of %g, where %g is the most", (double)jump, (double)most);
+    shading.filter = SL_VOXEL_NEAREST; /* which is not */
+    shade(&w, &shading, p);
+    jump = 0.0f;
+    for (size_t i = 1; i < POINTS; i++) {
+        if (fabsf(p->out[0][i] - p->out[0][i - 1]) > jump) jump = fabsf(p->out[0][i] - p->out[0][i - 1]);
+    }
+    assert_true(jump > 0.2f * most);
+    free(p);
+    end_world(&w);
+}
+
+/* Section 6, X5: 8 (d + n) fetches, less where the descent ends in void. */
+static void fetches_are_those_of_the_hardware(void **state) {
+    (void)state;
+    world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS, false);
+    points *p = surface_points(w.scene, 4);
+    sl_octree_shading shading = {.texture = w.texture, .filter = SL_VOXEL_NEAREST};
+    assert_true(shade(&w, &shading, p).value[SL_COUNT_TEXTURE_FETCHES] == POINTS * (5 + 4));
+    shading.filter = SL_VOXEL_TRILINEAR;
+    uint64_t fetches = shade(&w, &shading, p).value[SL_COUNT_TEXTURE_FETCHES];
+    assert_true(fetches < POINTS * 8 * (5 + 4) && fetches > POINTS * 3 * (5 + 4));
+    free(p);
+    end_world(&w);
+}
+
+static void what_is_no_surface_point_is_black(void **state) {
+    (void)state;
+    world w = new_world(4, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS, false);
+    points *p = surface_points(w.scene, 4);
+    const float odd[] = {NAN, INFINITY, -INFINITY, 1e30f, -3.0f, 9.0f};
+    for (size_t i = 0; i < 6000; i++) p->plane[i % 6][i] = odd[i / 6 % 6];
+    sl_octree_shading shading = {.texture = w.texture};
+    for (int k = 0; k < 4; k++) {
+        shading.facing = k & 1;
+        shading.filter = k & 2 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR;
+        shade(&w, &shading, p);
+        for (size_t i = 0; i < POINTS; i++) {
+            for (int c = 0; c < 3; c++) assert_true(isfinite(p->out[c][i]) && p->out[c][i] >= 0.0f);
+            if (i < 6000 && i % 6 < 3 && i / 6 % 6 != 4) assert_true(p->out[0][i] == 0.0f);
+        }
+    }
+    free(p);
+    end_world(&w);
+}
+
+/* Two sheets: the floor's voxels must not take light from the wall's. */
+static void facing_voxels_alone_count_where_asked(void **state) {
+    (void)state;
+    const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,  /* floor, normal y */
+                         0, -1, 0, 0, 4, 0, 0, 4, 4, 0, -1, 0, 0, 4, 4, 0, -1, 4}; /* wall, normal x, on below the floor */
+    sl_scene *scene = scene_of_triangles(xyz, 4);
+    sl_octree *octree = octree_of(scene, 4, 1);
+    sl_voxel_light_options options = plain_options(1);
+    options.lobes = SL_LOBES_NONE;
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i < octree->leaf_count; i++) {
+        bool floor_leaf = fabsf(octree->leaf[i].normal.y) > 0.99f, wall = fabsf(octree->leaf[i].normal.x) > 0.99f;
+        set_light(lights, i, 0, sl_v3d(0, 1, 0), floor_leaf ? 1.0f : wall ? 100.0f : 1.0f, 1, 1);
+    }
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    sl_octree_scratch *scratch = NULL;
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    double voxel = sl_octree_voxel(octree), most[2] = {0};
+    for (int facing = 0; facing < 2; facing++) {
+        sl_octree_shading shading = {.texture = texture, .facing = facing};
+        for (int i = 0; i < 200; i++) {
+            float x = (float)(voxel * (0.01 + 0.01 * i)), y = 0.0f, z = 2.1f, n[3] = {0, 1, 0}, out[3];
+            sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
+            sl_counters counters = {{0}};
+            sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
+            most[facing] = (double)out[0] > most[facing] ? (double)out[0] : most[facing];
+        }
+    }
+    if (!(most[0] > 5.0 && most[1] < 1.001 && most[1] > 0.999)) fail_msg("%g, %g", most[0], most[1]);
+    sl_octree_scratch_destroy(scratch);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+/* A box's edge: each wall takes the light of its own group, right up to the edge. */
+static void split_voxels_give_each_normal_its_own_lights(void **state) {
+    (void)state;
+    float xyz[9 * 12];
+    size_t count = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(3, 3, 3), 1, NULL, NULL);
+    sl_scene *scene = scene_of_triangles(xyz, count);
+    sl_octree *octree = octree_of(scene, 3, 1);
+    sl_voxel_light_options options = plain_options(1);
+    options.lobes = SL_LOBES_NONE;
+    options.split_by_normal = true;
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    assert_true(lights->set_count == 6 * 64); /* faces are x, y, z twice: 64 voxels each, edges have two sets, corners three */
+    for (size_t i = 0; i < lights->set_count; i++) {
+        sl_vec3 n = lights->set[i].normal;
+        set_light(lights, i, 0, sl_v3d(0, 0, 1), fabsf(n.x) > 0.9f ? 1.0f : 0.0f, fabsf(n.y) > 0.9f ? 1.0f : 0.0f, fabsf(n.z) > 0.9f ? 1.0f : 0.0f);
+    }
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    sl_octree_scratch *scratch = NULL;
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    uint64_t key = sl_random_key(5, 5);
+    for (uint64_t i = 0; i < 3000; i++) {
+        uint32_t triangle;
+        sl_vec3 at = random_on(scene, key, i, &triangle), n = sl_scene_geometric_normal(scene, triangle);
+        if (i & 1) n = sl_neg(n); /* from either side */
+        float out[3];
+        sl_octree_points p = {.count = 1, .x = &at.x, .y = &at.y, .z = &at.z, .normal_x = &n.x, .normal_y = &n.y, .normal_z = &n.z};
+        sl_octree_shading shading = {.texture = texture, .filter = i & 2 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR};
+        sl_counters counters = {{0}};
+        sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
+        assert_true(fabsf(out[0] - fabsf(n.x)) < 1e-5f && fabsf(out[1] - fabsf(n.y)) < 1e-5f && fabsf(out[2] - fabsf(n.z)) < 1e-5f);
+    }
+    sl_octree_scratch_destroy(scratch);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+/* The series of one direction d: at n = d the bands of the clamped cosine sum to (pi 1 + 2 pi / 3 3 + pi / 4 5) / (4 pi) = 1.0625. */
+static void harmonics_give_the_irradiance_of_their_bands(void **state) {
+    (void)state;
+    world w = new_world(3, SL_LOBES_HARMONICS, EQUAL_LIGHTS, false);
+    sl_vec3 d = sl_v3(0.36f, 0.48f, 0.8f);
+    float basis[16];
+    sl_harmonic_basis(d.x, d.y, d.z, basis);
+    for (size_t i = 0; i < w.lights->set_count; i++) {
+        for (int k = 0; k < 9; k++) set_light(w.lights, i, k, sl_v3d(0, 0, 1), basis[k], 2.0f * basis[k], k == 0 ? 0.28209479f * 4.0f * (float)SL_PI : 0.0f);
+        w.lights->set[i].lights = 9;
+    }
+    sl_voxel_texture_destroy(w.texture);
+    w.texture = texture_of(w.octree, w.lights, false);
+    points *p = surface_points(w.scene, 4);
+    for (int k = 9; k < 12; k++) {
+        for (size_t i = 0; i < POINTS; i++) p->plane[k][i] = (float)SL_PI;
+    }
+    p->arrays.specular_r = NULL;
+    for (size_t i = 0; i < POINTS; i += 2) {
+        p->plane[3][i] = d.x;
+        p->plane[4][i] = d.y;
+        p->plane[5][i] = d.z;
+    }
+    sl_octree_shading shading = {.texture = w.texture};
+    shade(&w, &shading, p);
+    double error = 0.0;
+    for (size_t i = 0; i < POINTS; i++) {
+        double cosine = (double)(p->plane[3][i] * d.x + p->plane[4][i] * d.y + p->plane[5][i] * d.z);
+        /* pi/4pi + 2 pi/3 * 3/(4 pi) t + pi/4 * 5/(4 pi) P_2(t) */
+        double truth = 0.25 + 0.5 * cosine + 0.3125 * (1.5 * cosine * cosine - 0.5);
+        truth = truth > 0.0 ? truth : 0.0;
+        assert_true(fabs((double)p->out[0][i] - truth) < 1e-5 && fabs((double)p->out[1][i] - 2.0 * truth) < 2e-5);
+        assert_true(fabs((double)p->out[2][i] - SL_PI) < 1e-5); /* radiance 1 from everywhere */
+        if (i % 2 == 0) error = fmax(error, fabs((double)p->out[0][i] - 1.0625));
+    }
+    assert_true(error < 1e-5);
+    free(p);
+    end_world(&w);
+}
+
+/* ks (e+2)/(2 pi) times a uniform sky integrates to ks where the lobe is whole: both in the series and in the limit of many lights. */
+static void a_glossy_surface_under_an_even_sky_reflects_its_share(void **state) {
+    (void)state;
+    world w = new_world(3, SL_LOBES_HARMONICS, EQUAL_LIGHTS, false);
+    for (size_t i = 0; i < w.lights->set_count; i++) {
+        for (int k = 0; k < 9; k++) set_light(w.lights, i, k, sl_v3d(0, 0, 1), k == 0 ? 0.28209479f * 4.0f * (float)SL_PI : 0.0f, 0, 0);
+        w.lights->set[i].lights = 9;
+    }
+    sl_voxel_texture_destroy(w.texture);
+    w.texture = texture_of(w.octree, w.lights, false);
+    points *p = surface_points(w.scene, 4);
+    for (size_t i = 0; i < POINTS; i++) {
+        for (int k = 0; k < 3; k++) p->plane[6 + k][i] = p->plane[3 + k][i]; /* seen along the normal */
+    }
+    sl_octree_shading shading = {.texture = w.texture};
+    shade(&w, &shading, p);
+    for (size_t i = 0; i < POINTS; i += 3) assert_true(fabs((double)p->out[0][i] - (0.8 + 0.2)) < 1e-4);
+    free(p);
+    end_world(&w);
+}
+
+static void batches_instruction_sets_and_the_index_give_the_same_bits(void **state) {
+    (void)state;
+    const char *isas[] = {"baseline", "avx2", "avx512"};
+    const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE, SL_LOBES_HARMONICS};
+    for (int k = 0; k < 4; k++) {
+        world w = new_world(4, lobes[k], RANDOM_LIGHTS, false);
+        points *p = surface_points(w.scene, 4);
+        sl_octree_shading shading = {.texture = w.texture, .facing = k == 1};
+        shade(&w, &shading, p);
+        float(*before)[POINTS] = malloc(sizeof p->out);
+        assert_non_null(before);
+        memcpy(before, p->out, sizeof p->out);
+        for (int isa = 0; isa < 3; isa++) {
+            assert_int_equal(setenv("SOFTLUX_ISA", isas[isa], 1), 0);
+            sl_octree_scratch_destroy(w.scratch);
+            assert_int_equal(sl_octree_scratch_create(&w.scratch, NULL), SL_OK);
+            shade(&w, &shading, p);
+            assert_memory_equal(before, p->out, sizeof p->out);
+        }
+        unsetenv("SOFTLUX_ISA");
+        for (size_t i = 0; i < 300; i++) { /* alone */
+            sl_octree_points one = p->arrays;
+            const float **arrays[] = {&one.x, &one.y, &one.z, &one.normal_x, &one.normal_y, &one.normal_z, &one.view_x, &one.view_y, &one.view_z,
+                                      &one.diffuse_r, &one.diffuse_g, &one.diffuse_b, &one.specular_r, &one.specular_g, &one.specular_b, &one.exponent};
+            for (int a = 0; a < 16; a++) *arrays[a] += i;
+            one.count = 1;
+            float out[3];
+            sl_counters counters = {{0}};
+            sl_octree_shade(&shading, &one, w.scratch, &out[0], &out[1], &out[2], &counters);
+            for (int c = 0; c < 3; c++) assert_memory_equal(&out[c], &before[c][i], sizeof(float));
+        }
+        sl_voxel_texture_destroy(w.texture);
+        w.texture = texture_of(w.octree, w.lights, true);
+        shading.texture = w.texture;
+        shade(&w, &shading, p);
+        assert_memory_equal(before, p->out, sizeof p->out);
+        free(before);
+        free(p);
+        end_world(&w);
+    }
+}
+
+static void a_gbuffer_is_shaded_the_same_by_any_number_of_threads(void **state) {
+    (void)state;
+    enum { W = 150, H = 130 };
+    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS, false);
+    sl_raster *raster = raster_of(w.scene);
+    sl_camera camera;
+    assert_true(sl_camera_look_at(&camera, sl_v3(0.4f, 1.5f, 0.3f), sl_v3(3, 1, 4), sl_v3(0, 1, 0), 1.2f));
+    sl_view view = sl_view_camera(&camera, W, H, 0.01f, 20.0f);
+    sl_gbuffer *g = NULL;
+    assert_int_equal(sl_gbuffer_create(W, H, &g, NULL), SL_OK);
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_raster_gbuffer(raster, &view, 1, g, &counters, NULL), SL_OK);
+    float *out = malloc(6 * W * H * sizeof *out);
+    assert_non_null(out);
+    sl_octree_shading shading = {.texture = w.texture};
+    sl_counters first = {{0}};
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        float *r = out + (threads > 1 ? 3 * W * H : 0);
+        counters = (sl_counters){{0}};
+        assert_int_equal(sl_octree_shade_gbuffer(&shading, w.scene, g, camera.eye, threads, r, r + W * H, r + 2 * W * H, &counters, NULL), SL_OK);
+        if (threads == 1) first = counters;
+        assert_memory_equal(out, r, 3 * W * H * sizeof *out);
+        assert_memory_equal(&first, &counters, sizeof counters);
+    }
+    sl_octree_points p = {W * H, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, NULL, NULL, NULL,
+                          g->diffuse_r, g->diffuse_g, g->diffuse_b, NULL, NULL, NULL, NULL};
+    sl_octree_shade(&shading, &p, w.scratch, out + 3 * W * H, out + 4 * W * H, out + 5 * W * H, &counters);
+    double sum = 0.0;
+    for (size_t i = 0; i < 3 * W * H; i++) sum += (double)out[i];
+    assert_true(sum > 100.0);
+    assert_memory_equal(out, out + 3 * W * H, 3 * W * H * sizeof *out);
+    free(out);
+    sl_gbuffer_destroy(g);
+    sl_raster_destroy(raster);
+    end_world(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels_are_the_sums_of_the_formulas),
+        cmocka_unit_test(a_constant_field_stays_constant),
+        cmocka_unit_test(light_is_continuous_along_a_surface),
+        cmocka_unit_test(fetches_are_those_of_the_hardware),
+        cmocka_unit_test(what_is_no_surface_point_is_black),
+        cmocka_unit_test(facing_voxels_alone_count_where_asked),
+        cmocka_unit_test(split_voxels_give_each_normal_its_own_lights),
+        cmocka_unit_test(harmonics_give_the_irradiance_of_their_bands),
+        cmocka_unit_test(a_glossy_surface_under_an_even_sky_reflects_its_share),
+        cmocka_unit_test(batches_instruction_sets_and_the_index_give_the_same_bits),
+        cmocka_unit_test(a_gbuffer_is_shaded_the_same_by_any_number_of_threads),
+    };
+    return cmocka_run_group_tests_name("light octree: shading", tests, NULL, NULL);
+}

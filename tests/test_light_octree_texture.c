@@ -1,0 +1,223 @@
+/* The octree and its lights in textures: descent, addresses, bytes. */
+#include "light_octree_support.h"
+
+#include "base/memory.h"
+#include "trace_scenes.h"
+
+static void the_descent_ends_where_the_dense_index_says(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(10, 6);
+    for (int depth = 1; depth <= 6; depth++) {
+        sl_octree *octree = octree_of(scene, depth, 2);
+        sl_voxel_light_options options = plain_options(3);
+        sl_voxel_lights *lights = lights_of(scene, octree, &options);
+        for (size_t i = 0; i < octree->leaf_count; i++) {
+            if (i % 4) set_light(lights, i, 0, sl_v3d(0, 0, 1), (float)i, 1, 2); /* every fourth is dark */
+        }
+        sl_voxel_texture *texture = texture_of(octree, lights, true);
+        uint64_t key = sl_random_key(1, (uint64_t)depth), fetches = 0, leaves = 0, points = 100000;
+        double voxel = sl_octree_voxel(octree);
+        for (uint64_t i = 0; i < points; i++) {
+            float q[3];
+            const double origin[3] = {octree->origin.x, octree->origin.y, octree->origin.z};
+            uint32_t cell[3];
+            for (uint64_t d = 0; d < 3; d++) {
+                q[d] = (float)(origin[d] + octree->edge * (double)sl_random_unit(key, 3 * i + d));
+                cell[d] = (uint32_t)(((double)q[d] - origin[d]) / voxel);
+            }
+            uint32_t address, leaf = sl_octree_find(octree, sl_morton_encode(cell[0], cell[1], cell[2]));
+            uint64_t before = fetches;
+            uint32_t texel = sl_voxel_texture_find(texture, sl_v3(q[0], q[1], q[2]), &address, &fetches);
+            uint32_t index = texture->index[(((((size_t)cell[2] << depth) + cell[1]) << depth) + cell[0])];
+            if (leaf == SL_NO_INDEX) {
+                assert_true(texel == 0 && index == SL_NO_INDEX && fetches - before >= 1 && fetches - before <= (uint64_t)depth);
+                continue;
+            }
+            leaves++;
+            assert_true(texel >> 24 == SL_TEXEL_LEAF && (texel & 0xffffff) == address && fetches - before == (uint64_t)depth);
+            assert_true(sl_voxel_texture_array(texture, address) == index);
+            const sl_directional_light *light = sl_voxel_texture_lights(texture, address);
+            assert_true(light == texture->light + index * 3u);
+            assert_true(light->color[0] == (leaf % 4 ? (float)leaf : 0.0f));
+        }
+        assert_true(leaves > 100);
+        sl_voxel_texture_destroy(texture);
+        sl_voxel_lights_destroy(lights);
+        sl_octree_destroy(octree);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void what_is_outside_is_void(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(1, 2);
+    sl_octree *octree = octree_of(scene, 4, 1);
+    sl_voxel_light_options options = plain_options(1);
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    const sl_vec3 odd[] = {{-1, 1, 1}, {1, 6, 1}, {NAN, 1, 1}, {INFINITY, 0, 0}, {1, 1, -INFINITY}, {1e30f, 1, 1}};
+    uint64_t fetches = 0;
+    for (int k = 0; k < 6; k++) {
+        uint32_t address = 7;
+        assert_true(sl_voxel_texture_find(texture, odd[k], &address, &fetches) == SL_TEXEL_VOID && address == 0);
+    }
+    assert_true(fetches == 0);
+    uint32_t address;
+    assert_true(sl_voxel_texture_find(texture, scene->box_max, &address, &fetches) >> 24 == SL_TEXEL_LEAF);
+    assert_true(sl_voxel_texture_find(texture, scene->box_min, &address, &fetches) >> 24 == SL_TEXEL_LEAF);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+/* A flat sheet of 2^d x 2^d cells and more, each with its own number. */
+static sl_octree *made_octree(int depth, size_t leaves) {
+    sl_octree *octree = sl_allocate(1, sizeof *octree);
+    assert_non_null(octree);
+    *octree = (sl_octree){.depth = depth, .edge = 1.0, .leaf_count = leaves};
+    octree->leaf = sl_allocate(leaves, sizeof *octree->leaf);
+    octree->area_vector = sl_allocate(leaves, sizeof *octree->area_vector);
+    octree->triangle = sl_allocate(0, 1);
+    assert_true(octree->leaf && octree->area_vector && octree->triangle);
+    for (size_t i = 0; i < leaves; i++) octree->leaf[i] = (sl_octree_leaf){.morton = i, .area = 1.0f, .normal = {0, 0, 1}};
+    return octree;
+}
+
+static void every_array_comes_back_from_its_address(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(1, 1);
+    sl_octree *octree = made_octree(6, 30000);
+    for (int n = 1; n <= 8; n++) {
+        sl_voxel_light_options options = plain_options(n);
+        sl_voxel_lights *lights = lights_of(scene, octree, &options);
+        for (size_t i = 0; i < 30000; i++) {
+            for (int j = 0; j < n; j++) set_light(lights, i, j, sl_v3d(0, 0, 1), (float)(i * 8 + (size_t)j), 1, 1);
+        }
+        sl_voxel_texture *texture = texture_of(octree, lights, false);
+        assert_true(texture->width <= SL_LIGHT_TEXTURE_SIZE && texture->width % n == 0 && texture->array_count == 30000);
+        for (size_t i = 0; i < 30000; i++) {
+            uint32_t cell[3], address;
+            uint64_t fetches = 0;
+            sl_morton_decode(i, cell);
+            uint32_t texel = sl_voxel_texture_find(texture, sl_v3(((float)cell[0] + 0.5f) / 64, ((float)cell[1] + 0.5f) / 64, ((float)cell[2] + 0.5f) / 64),
+                                                   &address, &fetches);
+            assert_true(texel >> 24 == SL_TEXEL_LEAF);
+            const sl_directional_light *light = sl_voxel_texture_lights(texture, address);
+            for (int j = 0; j < n; j++) assert_true(light[j].color[0] == (float)(i * 8 + (size_t)j));
+            size_t x = (size_t)(light - texture->light) % (size_t)texture->width; /* an array never wraps */
+            assert_true(x + (size_t)n <= (size_t)texture->width);
+        }
+        sl_voxel_texture_destroy(texture);
+        sl_voxel_lights_destroy(lights);
+    }
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+/* Section 2.11: 5,705 bricks for the sphere of 17,072 leaves; two specks in the corners of the root add six bricks each at most. */
+static void bricks_and_bytes_are_those_that_were_counted(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
+    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1), trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
+    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1), trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 0.94f * 1.0001f, 150, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_octree *octree = octree_of(scene, 6, 2);
+    sl_voxel_light_options options = plain_options(4);
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 0, sl_v3d(0, 0, 1), 1, 1, 1);
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    assert_int_equal(octree->leaf_count, 17074);
+    if (texture->brick_count < 5705 || texture->brick_count > 5705 + 12) fail_msg("%zu bricks", texture->brick_count);
+    size_t bricks = 4 * (size_t)texture->bricks->width * (size_t)texture->bricks->height * (size_t)texture->bricks->depth;
+    assert_true(bricks >= 32 * texture->brick_count && bricks < 32 * (texture->brick_count + 64)); /* 178 KiB */
+    assert_true(sl_voxel_texture_bytes(texture) - bricks >= 17074 * 64 && sl_voxel_texture_bytes(texture) - bricks < 17074 * 64 + 65536);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+/* Section 2.11: 100,000 leaves of 4 lights take 6.1 MiB, and 1.0 MiB of bricks where three leaves share one. */
+static void a_hundred_thousand_leaves_take_what_was_derived(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(1, 1);
+    sl_octree *octree = made_octree(6, 100000);
+    for (size_t i = 0; i < octree->leaf_count; i++) octree->leaf[i].morton = i / 3 * 8 + i % 3; /* three to a brick */
+    sl_voxel_light_options options = plain_options(4);
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 3, sl_v3d(0, 0, 1), 1, 1, 1);
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    assert_true(texture->array_count == 100000);
+    assert_true((double)sl_voxel_texture_bytes(texture) < (6.11 + 1.17) * 1048576.0);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+static void dark_leaves_share_one_array(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(1, 1);
+    sl_octree *octree = made_octree(5, 5000);
+    sl_voxel_light_options options = plain_options(4);
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i < 5000; i += 50) set_light(lights, i, 0, sl_v3d(1, 0, 0), 1, 1, 1);
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    assert_true(texture->array_count == 101);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+static void more_arrays_than_addresses_are_refused_with_their_number(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(1, 1);
+    size_t most = 455 * 4096; /* arrays of 9 texels */
+    sl_octree *octree = made_octree(7, most + 1);
+    sl_voxel_light_options options = plain_options(4);
+    options.lobes = SL_LOBES_HARMONICS;
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i <= most; i++) lights->set[i].lights = 9;
+    sl_voxel_texture *texture = NULL;
+    sl_error error;
+    assert_int_equal(sl_voxel_texture_create(octree, lights, false, &texture, &error), SL_ERROR_RESOURCES);
+    assert_null(texture);
+    assert_non_null(strstr(error.message, "1863681 arrays"));
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+static void an_octree_without_leaves_is_void(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(1, 1);
+    sl_octree *octree = made_octree(4, 0);
+    sl_voxel_light_options options = plain_options(4);
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    sl_voxel_texture *texture = texture_of(octree, lights, true);
+    uint32_t address;
+    uint64_t fetches = 0;
+    assert_true(sl_voxel_texture_find(texture, sl_v3(0.3f, 0.4f, 0.5f), &address, &fetches) == SL_TEXEL_VOID && fetches == 1);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_descent_ends_where_the_dense_index_says),
+        cmocka_unit_test(what_is_outside_is_void),
+        cmocka_unit_test(every_array_comes_back_from_its_address),
+        cmocka_unit_test(bricks_and_bytes_are_those_that_were_counted),
+        cmocka_unit_test(a_hundred_thousand_leaves_take_what_was_derived),
+        cmocka_unit_test(dark_leaves_share_one_array),
+        cmocka_unit_test(more_arrays_than_addresses_are_refused_with_their_number),
+        cmocka_unit_test(an_octree_without_leaves_is_void),
+    };
+    return cmocka_run_group_tests_name("light octree: textures", tests, NULL, NULL);
+}
