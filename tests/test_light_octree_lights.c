@@ -137,7 +137,6 @@ static void tilted_surfaces_get_what_the_table_says(void **state) {
         for (int k = 0; k < 4; k++) {
             sl_voxel_light_options o = plain_options(k == 0 ? 4 : k == 1 ? 1 : k == 2 ? 4 : 8);
             o.lobes = k == 0 ? SL_LOBES_SURFACE : SL_LOBES_PERPENDICULAR;
-            o.unit_weights = true;
             double ratio = ratio_on_tilt(rows[r].field, &o, rows[r].tilt), wanted = rows[r].ratio[k];
             /* One light, all but grazing: a degree of its direction is half of the irradiance. */
             double tolerance = r == 3 && k == 1 ? 0.08 : 0.03 * wanted + 0.025;
