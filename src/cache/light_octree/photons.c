@@ -1,5 +1,5 @@
 /* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed (section 2.1). The 4,096 paths of a chunk
- * go in step, bounce by bounce, sorted by where they are and where they go, so that the rays of a packet are neighbours. */
+ * go in step, bounce by bounce. */
 #include "cache/light_octree/photons.h"
 
 #include <string.h>
@@ -66,7 +66,7 @@ typedef struct light_path {
 /* A chunk's paths under way; a worker's. */
 typedef struct path_block {
     light_path path[SL_PHOTON_CHUNK];
-    uint16_t alive[SL_PHOTON_CHUNK], sorted[SL_PHOTON_CHUNK], sort_key[SL_PHOTON_CHUNK];
+    uint16_t alive[SL_PHOTON_CHUNK], next[SL_PHOTON_CHUNK], sort_key[SL_PHOTON_CHUNK];
     uint32_t places[SORT_KEYS]; /* or of as many paths */
 } path_block;
 
@@ -158,22 +158,21 @@ static uint32_t cell(float v, float low, float extent, uint32_t cells) {
     return at > 0.0f ? at < (float)cells ? (uint32_t)at : cells - 1 : 0;
 }
 
-/* Octant of the direction within a cell of 8 x 8 x 8 in space; from a light that is small, cells of direction instead. */
-static uint32_t sort_key(const sl_scene *scene, const light_path *p, bool by_direction) {
-    sl_vec3 d = p->direction;
-    if (by_direction) return cell(d.x, -1.0f, 2.0f, 16) << 8 | cell(d.y, -1.0f, 2.0f, 16) << 4 | cell(d.z, -1.0f, 2.0f, 16);
-    sl_vec3 low = scene->box_min, size = sl_sub(scene->box_max, low);
-    uint32_t place = cell(p->origin.x, low.x, size.x, 8) << 6 | cell(p->origin.y, low.y, size.y, 8) << 3 |
-                     cell(p->origin.z, low.z, size.z, 8);
-    return place << 3 | (d.x < 0.0f ? 4u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 1u : 0u);
+/* Parallel light by the direction's octant, then by a cell of 8 x 8 x 8 in space; all else behind it, as it came. */
+static uint32_t sort_key(const sl_scene *scene, const light_path *p) {
+    if (!p->parallel) return SORT_KEYS - 1;
+    sl_vec3 d = p->direction, low = scene->box_min, size = sl_sub(scene->box_max, low);
+    uint32_t octant = (d.x < 0.0f ? 4u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 1u : 0u);
+    return octant << 9 | cell(p->origin.x, low.x, size.x, 8) << 6 | cell(p->origin.y, low.y, size.y, 8) << 3 |
+           cell(p->origin.z, low.z, size.z, 8);
 }
 
-/* Counting sort of the living. The order decides nothing but speed: rays are traced alike in any company. */
-static void sort_paths(const sl_scene *scene, path_block *block, unsigned alive, bool first) {
+/* Counting sort of the rays that leave the lights. Parallel ones that lie close together are followed faster as one packet, but others
+ * each alone, and then their order hardly matters. It decides nothing but speed: rays are traced alike in any company. */
+static void sort_first_rays(const sl_scene *scene, path_block *block, unsigned alive) {
     memset(block->places, 0, SORT_KEYS * sizeof *block->places);
     for (unsigned i = 0; i < alive; i++) {
-        const light_path *p = &block->path[block->alive[i]];
-        block->sort_key[i] = (uint16_t)sort_key(scene, p, first && !p->parallel);
+        block->sort_key[i] = (uint16_t)sort_key(scene, &block->path[block->alive[i]]);
         block->places[block->sort_key[i]]++;
     }
     uint32_t sum = 0;
@@ -182,7 +181,8 @@ static void sort_paths(const sl_scene *scene, path_block *block, unsigned alive,
         block->places[k] = sum;
         sum += count;
     }
-    for (unsigned i = 0; i < alive; i++) block->sorted[block->places[block->sort_key[i]]++] = block->alive[i];
+    for (unsigned i = 0; i < alive; i++) block->next[block->places[block->sort_key[i]]++] = block->alive[i];
+    memcpy(block->alive, block->next, alive * sizeof *block->alive);
 }
 
 /* ---- at a surface -------------------------------------------------------------------------------------------------------------------- */
@@ -288,13 +288,14 @@ static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned 
         unsigned n = alive - first < SL_PACKET ? alive - first : SL_PACKET;
         sl_ray16 rays;
         sl_hit16 hits;
-        for (unsigned i = 0; i < n; i++) put_ray(&rays, i, &block->path[block->sorted[first + i]]);
-        sl_trace(job->tracer, &rays, n, bounces == 0, &hits, &r->counters);
+        for (unsigned i = 0; i < n; i++) put_ray(&rays, i, &block->path[block->alive[first + i]]);
+        bool coherent = bounces == 0 && block->path[block->alive[first + n - 1]].parallel;
+        sl_trace(job->tracer, &rays, n, coherent, &hits, &r->counters);
         for (unsigned i = 0; i < n; i++) {
-            unsigned path = block->sorted[first + i];
+            unsigned path = block->alive[first + i];
             if (hits.triangle[i] == SL_NO_INDEX) continue;
             if (!meet_surface(job, &block->path[path], path, bounces, hits.triangle[i], hits.w1[i], hits.w2[i], r)) continue;
-            block->alive[left++] = (uint16_t)path;
+            block->alive[left++] = (uint16_t)path; /* left <= first + i */
         }
     }
     return left;
@@ -321,10 +322,8 @@ static void trace_chunk(void *context, size_t index, unsigned worker) {
     r->cut_flux = 0.0;
     r->counters = (sl_counters){{0}};
     unsigned alive = emit_paths(job, job->first_chunk + index, block);
-    for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++) {
-        sort_paths(job->scene, block, alive, bounces == 0);
-        alive = bounce_paths(job, block, alive, bounces, r);
-    }
+    sort_first_rays(job->scene, block, alive);
+    for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++) alive = bounce_paths(job, block, alive, bounces, r);
     order_photons(block, r);
 }
 
