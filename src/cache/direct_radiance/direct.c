@@ -67,7 +67,9 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
     const direct_pass *d = context;
     sl_tile_light light = {.irradiance = {{0.0f}}};
     for (size_t p = 0; p < d->pass->lights->point_count; p++) add_light_point(d, tile, glossy, p, &light, counters);
-    sl_receiver_tile_reflect(tile, &light, glossy, d->width, d->picture->direct);
+    float radiance[3][SL_TILE_PIXELS];
+    d->kernels.reflect(tile, &light, glossy, radiance);
+    sl_receiver_tile_add(tile, radiance, d->width, d->picture->direct);
 }
 
 sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, sl_counters *counters,

@@ -172,7 +172,7 @@ static void sum_plainly(const indirect_pass *p, const sl_receiver_tile *tile, sl
 
 static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, const sl_tile_light *difference) {
     float radiance[3][SL_TILE_PIXELS];
-    sl_receiver_tile_radiance(tile, difference, glossy, radiance);
+    p->kernels.reflect(tile, difference, glossy, radiance);
     for (size_t i = 0; i < tile->count; i++)
         p->spread[tile->pixel[i]] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
 }
@@ -187,7 +187,9 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
         if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
         for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &sum, &difference, counters);
     }
-    sl_receiver_tile_reflect(tile, &sum, glossy, p->width, p->picture->indirect);
+    float radiance[3][SL_TILE_PIXELS];
+    p->kernels.reflect(tile, &sum, glossy, radiance);
+    sl_receiver_tile_add(tile, radiance, p->width, p->picture->indirect);
     if (p->spread) set_spread(p, tile, glossy, &difference);
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
     if (p->pass->supply == SL_PHOTONS_IN_TEXTURES) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, TEXTURES * tile->count * p->count);

@@ -5,6 +5,11 @@
 #include "cache/direct_radiance/receiver_tiles.h"
 #include "cache/direct_radiance/weights.h"
 
+/* kd to kd / pi; lanes without a sound normal get none, and so no light. */
+typedef void sl_prepare_kernel(sl_receiver_tile *tile);
+/* Radiance that leaves towards the eye. */
+typedef void sl_reflect_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);
+
 /* Photons as textures: channel c of photon j is at plane[c][j]. */
 typedef struct sl_photon_textures {
     const float *plane[SL_PHOTON_CHANNELS];
@@ -32,6 +37,8 @@ typedef void sl_mirror_eye_kernel(sl_receiver_tile *tile);
 typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
 
 typedef struct sl_receiver_kernels {
+    sl_prepare_kernel *prepare;
+    sl_reflect_kernel *reflect;
     sl_photon_sum_kernel *sum;
     sl_photon_fetch_kernel *fetch;
     sl_photon_compute_kernel *compute;
@@ -45,6 +52,8 @@ typedef struct sl_receiver_kernels {
 } sl_receiver_kernels;
 
 #define SL_DECLARE_RECEIVER_KERNELS(isa)                  \
+    sl_prepare_kernel sl_receivers_prepare_##isa;         \
+    sl_reflect_kernel sl_receivers_reflect_##isa;         \
     sl_photon_sum_kernel sl_photons_sum_##isa;            \
     sl_photon_fetch_kernel sl_photons_fetch_##isa;        \
     sl_photon_compute_kernel sl_photons_compute_##isa;    \
@@ -62,7 +71,8 @@ SL_DECLARE_RECEIVER_KERNELS(avx512);
 static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
 #define SL_RECEIVER_KERNELS_OF(name)                                                                                       \
     (sl_receiver_kernels) {                                                                                                \
-        sl_photons_sum_##name, sl_photons_fetch_##name, sl_photons_compute_##name, sl_photon_weigh_##name,                 \
+        sl_receivers_prepare_##name, sl_receivers_reflect_##name, sl_photons_sum_##name, sl_photons_fetch_##name,          \
+            sl_photons_compute_##name, sl_photon_weigh_##name,                                                             \
             sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
             sl_receiver_mirror_eye_##name, sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \
     }
@@ -72,5 +82,8 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
 #endif
     return SL_RECEIVER_KERNELS_OF(baseline);
 }
+
+/* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
+void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, sl_receiver_kernels kernels, sl_receiver_tile *tile);
 
 #endif

@@ -58,18 +58,7 @@ static void planes_of(const sl_gbuffer *g, sl_receiver_tile *t, plane_copy plane
 }
 
 /* Rows copied as they stand where every pixel is there, one by one otherwise. */
-/* Lanes without a sound normal get none, and so no light. */
-static void drop_unsound_normals(sl_receiver_tile *t) {
-    float *gx = t->geometric_x, *gy = t->geometric_y, *gz = t->geometric_z, *nx = t->normal_x, *ny = t->normal_y, *nz = t->normal_z;
-    for (size_t i = 0; i < t->padded; i++) {
-        float g = gx[i] * gx[i] + gy[i] * gy[i] + gz[i] * gz[i], n = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
-        bool sound = (g <= 2.0f) & (n <= 2.0f);
-        gx[i] = sound ? gx[i] : 0.0f, gy[i] = sound ? gy[i] : 0.0f, gz[i] = sound ? gz[i] : 0.0f;
-        nx[i] = sound ? nx[i] : 0.0f, ny[i] = sound ? ny[i] : 0.0f, nz[i] = sound ? nz[i] : 0.0f;
-    }
-}
-
-void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
+void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_kernels kernels, sl_receiver_tile *t) {
     t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
     plane_copy planes[PLAIN_PLANES];
     planes_of(g, t, planes);
@@ -84,10 +73,7 @@ void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_tile *t) {
             for (size_t i = t->count; i < t->padded; i++) to[i] = 0.0f;
         }
     }
-    drop_unsound_normals(t);
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < t->padded; i++) t->diffuse[c][i] *= (float)(1.0 / SL_PI);
-    }
+    kernels.prepare(t);
 }
 
 /* Curved mirrors alone: a planar one lies beyond the nesting limit, and nobody has left out indirect light on its account. */
@@ -131,26 +117,45 @@ static bool is_uniform(const sl_gbuffer *g, int x0, int y0) {
     return differences == 0;
 }
 
+static bool receives(sl_receiver_kind kind, bool glossy) {
+    return kind != SL_RECEIVER_NONE && (kind == SL_RECEIVER_GLOSSY) == glossy;
+}
+
+/* All pixels of a tile of one material, if they are wanted; are they mirrors? */
+static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0, sl_receiver_tile *t) {
+    uint32_t first = (uint32_t)y0 * (uint32_t)g->width + (uint32_t)x0, width = (uint32_t)g->width;
+    sl_receiver_kind kind = sl_receiver_kind_at(kinds, g, first);
+    if (!receives(kind, glossy)) return false;
+    for (uint32_t y = 0; y < SL_TILE_HEIGHT; y++) {
+        for (uint32_t x = 0; x < SL_TILE_WIDTH; x++) t->pixel[y * SL_TILE_WIDTH + x] = first + y * width + x;
+    }
+    t->count = SL_TILE_PIXELS;
+    return kind == SL_RECEIVER_MIRROR;
+}
+
 static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_receiver_kernels kernels, bool glossy,
                           int x0, int y0, sl_receiver_tile *t) {
     const sl_gbuffer *g = receivers->gbuffer;
     int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
     int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
-    bool mirrors = false, uniform = is_uniform(g, x0, y0);
-    sl_receiver_kind first = sl_receiver_kind_at(kinds, g, (size_t)y0 * (size_t)g->width + (size_t)x0);
+    bool mirrors = false;
     t->count = 0;
-    for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < x1; x++) {
-            size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
-            sl_receiver_kind kind = uniform ? first : sl_receiver_kind_at(kinds, g, pixel);
-            mirrors |= kind == SL_RECEIVER_MIRROR;
-            t->pixel[t->count] = (uint32_t)pixel;
-            t->count += kind != SL_RECEIVER_NONE && (kind == SL_RECEIVER_GLOSSY) == glossy ? 1 : 0;
+    if (is_uniform(g, x0, y0)) {
+        mirrors = list_all(g, kinds, glossy, x0, y0, t);
+    } else {
+        for (int y = y0; y < y1; y++) {
+            for (int x = x0; x < x1; x++) {
+                size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
+                sl_receiver_kind kind = sl_receiver_kind_at(kinds, g, pixel);
+                mirrors |= kind == SL_RECEIVER_MIRROR;
+                t->pixel[t->count] = (uint32_t)pixel;
+                t->count += receives(kind, glossy) ? 1 : 0;
+            }
         }
     }
     t->whole = t->count == SL_TILE_PIXELS;
     if (t->count == 0) return;
-    sl_receiver_tile_fetch(g, t);
+    sl_receiver_tile_fetch(g, kernels, t);
     if (mirrors) set_trick(receivers, kinds, t);
     if (glossy) set_lobes(receivers, kinds->scene, kernels, t);
 }
@@ -162,16 +167,7 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
 
 /* ---- what leaves ---- */
 
-void sl_receiver_tile_radiance(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]) {
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < t->padded; i++) radiance[c][i] = t->diffuse[c][i] * light->irradiance[c][i];
-        for (size_t i = 0; i < t->padded && glossy; i++) radiance[c][i] += t->specular[c][i] * light->lobe[c][i];
-    }
-}
-
-void sl_receiver_tile_reflect(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int width, float *const planes[3]) {
-    float radiance[3][SL_TILE_PIXELS];
-    sl_receiver_tile_radiance(t, light, glossy, radiance);
+void sl_receiver_tile_add(const sl_receiver_tile *t, float (*radiance)[SL_TILE_PIXELS], int width, float *const planes[3]) {
     for (int c = 0; c < 3; c++) {
         for (size_t row = 0; row < SL_TILE_HEIGHT && t->whole; row++) {
             float *out = planes[c] + (size_t)t->pixel[0] + row * (size_t)width;

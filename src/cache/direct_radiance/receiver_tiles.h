@@ -52,13 +52,9 @@ sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_rgb trick_albedo, sl_
 void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 
 sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
-/* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
-void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, sl_receiver_tile *tile);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
-/* Radiance that leaves towards the eye. */
-void sl_receiver_tile_radiance(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);
-/* Adds it to three planes. */
-void sl_receiver_tile_reflect(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, int width, float *const planes[3]);
+/* Adds radiance that leaves towards the eye to three planes. */
+void sl_receiver_tile_add(const sl_receiver_tile *tile, float (*radiance)[SL_TILE_PIXELS], int width, float *const planes[3]);
 
 /* What is done with each tile that has pixels to be lit. Costs are counted apart for every strip of tiles. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);

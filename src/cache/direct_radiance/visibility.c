@@ -1,5 +1,7 @@
 #include "cache/direct_radiance/visibility.h"
 
+#include "cache/direct_radiance/receiver_kernels.h"
+
 #include <string.h>
 
 #include "base/counters.h"
@@ -112,7 +114,7 @@ static void trace_blocks(void *context, size_t index, unsigned worker) {
         tile.count += s->pixel[k] != SL_NO_INDEX ? 1 : 0;
     }
     if (tile.count == 0) return;
-    sl_receiver_tile_fetch(s->receivers->gbuffer, &tile);
+    sl_receiver_tile_fetch(s->receivers->gbuffer, sl_receiver_kernels_for(sl_isa_best()), &tile);
     keep_planes(s, &tile, block);
     for (size_t j = 0; j < s->pass->photons->count; j++) {
         float weight[SL_TILE_PIXELS], visible[SL_TILE_PIXELS];
