@@ -11,7 +11,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-enum { PACKINGS = 8 };
 /* What charts are expected to fill of the texture, before that is known. */
 #define EXPECTED 0.65
 /* A map that shrinks or grows a chart by more than this is none. */
@@ -34,31 +33,37 @@ typedef struct making {
 
 /* ---- flattening ---- */
 
-/* Looks for flips and overlaps in a chart, `corner` holding its coordinates as whole numbers. */
-static bool find_bad(making *m, const sl_atlas_chart *chart, const int64_t *corner) {
-    uint8_t *bad = sl_allocate(chart->count, sizeof *bad);
-    bool good = bad && sl_atlas_overlap(corner, chart->count, bad) != SIZE_MAX;
-    for (size_t i = 0; good && i < chart->count; i++) m->bad[m->charts.face[chart->first + i]] = bad[i];
+/* A chart's coordinates in whole grid units, at the density of the moment. They do not depend on where the chart will lie. */
+static void snap(const making *m, const sl_atlas_chart *c, int64_t *corner) {
+    double scale = m->density / m->settings->size * SL_ATLAS_GRID, larger = fmax(c->width, c->height);
+    if (larger * scale > 0x1p28) scale = 0x1p28 / larger; /* far too large for the atlas: only to see what overlaps */
+    for (size_t i = 0; i < 6 * c->count; i++)
+        corner[i] = (int64_t)floor(m->charts.corner[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] * scale + 0.5);
+}
+
+/* Marks what is flipped or overlaps in a chart. */
+static bool find_bad(making *m, const sl_atlas_chart *c) {
+    int64_t *corner = sl_allocate(c->count, 6 * sizeof *corner);
+    uint8_t *bad = sl_allocate(c->count, sizeof *bad);
+    bool good = corner && bad;
+    if (good) snap(m, c, corner);
+    good = good && sl_atlas_overlap(corner, c->count, bad) != SIZE_MAX;
+    for (size_t i = 0; good && i < c->count; i++) m->bad[m->charts.face[c->first + i]] = bad[i];
+    sl_free(corner);
     sl_free(bad);
     return good;
 }
 
+/* Charts that are flat already are looked at again, since the density has changed. */
 static void flatten_task(void *context, size_t index, unsigned worker) {
     making *m = context;
     (void)worker;
     uint32_t id = m->list[index];
     const sl_atlas_chart *chart = &m->charts.chart[id];
-    int64_t *corner = sl_allocate(chart->count, 6 * sizeof *corner);
-    double stretched = 0.0;
-    bool good = corner && sl_atlas_flatten(&m->charts, &m->faces, id, m->local, &stretched);
-    double scale = m->density / m->settings->size * SL_ATLAS_GRID, larger = fmax(chart->width, chart->height);
-    if (larger * scale > 0x1p28) scale = 0x1p28 / larger;
-    for (size_t i = 0; good && i < 6 * chart->count; i++)
-        corner[i] = (int64_t)floor(m->charts.corner[6 * (size_t)m->charts.face[chart->first + i / 6] + i % 6] * scale + 0.5);
-    m->failed[index] = !good || (chart->count > 1 && !find_bad(m, chart, corner));
-    if (chart->count > 1 && !(stretched * ASTRAY > 1.0 && stretched < ASTRAY))
+    double scale = 1.0;
+    m->failed[index] = (!chart->flat && !sl_atlas_flatten(&m->charts, &m->faces, id, m->local, &scale)) || (chart->count > 1 && !find_bad(m, chart));
+    if (chart->count > 1 && !(scale * ASTRAY > 1.0 && scale < ASTRAY))
         for (size_t i = 0; i < chart->count; i++) m->bad[m->charts.face[chart->first + i]] = 1;
-    sl_free(corner);
 }
 
 /* Few bad faces, all of them thin, may leave; else the chart is to be cut. */
@@ -71,14 +76,14 @@ static bool may_leave(const making *m, const sl_atlas_chart *c, size_t bad) {
     return true;
 }
 
-/* Takes bad faces out of their charts, or cuts the charts, as the case may be; everything bad leaves where `all` is set. */
-static sl_status mend(making *m, bool all, sl_error *error) {
+/* Takes bad faces out of their charts, or cuts the charts, as the case may be. */
+static sl_status mend(making *m, sl_error *error) {
     size_t cuts = 0;
     for (uint32_t id = 0; id < m->charts.count; id++) {
         const sl_atlas_chart *c = &m->charts.chart[id];
         size_t bad = 0;
         for (size_t i = c->first; i < c->first + c->count; i++) bad += m->bad[m->charts.face[i]];
-        if (!bad || all || may_leave(m, c, bad)) continue;
+        if (!bad || may_leave(m, c, bad)) continue;
         m->list[cuts++] = id;
         for (size_t i = c->first; i < c->first + c->count; i++) m->bad[m->charts.face[i]] = 0;
     }
@@ -88,17 +93,19 @@ static sl_status mend(making *m, bool all, sl_error *error) {
     return status == SL_OK ? sl_atlas_charts_unbend(&m->charts, &m->faces, sl_cos(m->settings->bend), m->threads, error) : status;
 }
 
-/* Until every chart is flat. */
-static sl_status flatten_all(making *m, sl_error *error) {
-    for (;;) {
+/* Until every chart is flat and without a bad face at the density of the moment. */
+static sl_status flatten_all(making *m, bool *changed, sl_error *error) {
+    *changed = false;
+    for (int round = 0;; round++) {
         m->listed = 0;
         for (uint32_t id = 0; id < m->charts.count; id++)
-            if (!m->charts.chart[id].flat) m->list[m->listed++] = id;
+            if (!round || !m->charts.chart[id].flat) m->list[m->listed++] = id;
         if (!m->listed) return SL_OK;
+        *changed = *changed || round;
         sl_parallel_for(m->threads, m->listed, flatten_task, m);
         for (size_t i = 0; i < m->listed; i++)
             if (m->failed[i]) return sl_fail_memory(error, "flattening an atlas's charts");
-        sl_status status = mend(m, false, error);
+        sl_status status = mend(m, error);
         if (status != SL_OK) return status;
     }
 }
@@ -123,46 +130,40 @@ static void place_task(void *context, size_t id, unsigned worker) {
     (void)worker;
     const sl_atlas_chart *c = &m->charts.chart[id];
     const sl_atlas_place *at = &m->place[id];
-    int64_t *corner = sl_allocate(c->count, 6 * sizeof *corner);
-    double size = m->settings->size, width = m->density * c->width, height = m->density * c->height, turned[2];
+    int64_t *corner = sl_allocate(c->count, 6 * sizeof *corner), low[2] = {INT64_MAX, INT64_MAX};
     m->failed[id] = corner == NULL;
     if (!corner) return;
-    for (size_t i = 0; i < 3 * c->count; i++) {
-        const double *u = m->charts.corner + 6 * (size_t)m->charts.face[c->first + i / 3] + 2 * (i % 3);
-        sl_atlas_turn(at->turns, width, height, m->density * u[0], m->density * u[1], turned);
-        corner[2 * i] = (int64_t)floor((at->x + turned[0]) / size * SL_ATLAS_GRID + 0.5);
-        corner[2 * i + 1] = (int64_t)floor((at->y + turned[1]) / size * SL_ATLAS_GRID + 0.5);
-    }
+    snap(m, c, corner);
     if (c->count == 1) thicken(corner);
-    else m->failed[id] = !find_bad(m, c, corner);
+    for (size_t i = 0; i < 6 * c->count; i += 2) { /* quarter turns about the origin, exactly */
+        int64_t x = corner[i], y = corner[i + 1];
+        corner[i] = at->turns == 0 ? x : at->turns == 1 ? -y : at->turns == 2 ? -x : y;
+        corner[i + 1] = at->turns == 0 ? y : at->turns == 1 ? x : at->turns == 2 ? -y : -x;
+        for (size_t k = 0; k < 2; k++) low[k] = corner[i + k] < low[k] ? corner[i + k] : low[k];
+    }
+    double unit = SL_ATLAS_GRID / m->settings->size;
+    int64_t origin[2] = {(int64_t)floor(at->x * unit + 0.5) - low[0], (int64_t)floor(at->y * unit + 0.5) - low[1]};
     for (size_t i = 0; i < 6 * c->count; i++)
-        m->coordinates[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] = (float)((double)corner[i] / SL_ATLAS_GRID);
+        m->coordinates[6 * (size_t)m->charts.face[c->first + i / 6] + i % 6] = (float)((double)(corner[i] + origin[i % 2]) / SL_ATLAS_GRID);
     sl_free(corner);
 }
 
-static sl_status place_all(making *m, bool *good, sl_error *error) {
-    sl_parallel_for(m->threads, m->charts.count, place_task, m);
-    *good = true;
-    for (size_t i = 0; i < m->charts.count; i++)
-        if (m->failed[i]) return sl_fail_memory(error, "an atlas's coordinates");
-    for (size_t f = 0; f < m->faces.count; f++) *good = *good && !m->bad[f];
-    return SL_OK;
-}
-
+/* Packs, and looks again at all charts at the density that came out, until nothing is left to mend. */
 static sl_status pack_all(making *m, sl_error *error) {
     int needed = 0;
-    bool good = false;
-    for (int round = 0; !good; round++) {
-        sl_status status = sl_atlas_pack(&m->charts, &m->faces, m->settings->size, m->settings->gutter, m->place, &m->density, &needed, error);
+    bool changed = true;
+    for (double hint = 0.0; changed; hint = m->density) {
+        sl_status status = sl_atlas_pack(&m->charts, &m->faces, m->settings->size, m->settings->gutter, hint, m->place, &m->density, &needed, error);
         if (status != SL_OK) return status;
         if (!(m->density > 0.0))
             return sl_fail(error, SL_ERROR_RESOURCES, "an atlas of %d x %d texels is too small for %zu charts: a size of %d would do", m->settings->size,
                            m->settings->size, m->charts.count, needed);
-        status = place_all(m, &good, error);
-        if (status == SL_OK && !good) status = mend(m, round >= PACKINGS, error);
-        if (status == SL_OK && !good) status = flatten_all(m, error);
+        status = flatten_all(m, &changed, error);
         if (status != SL_OK) return status;
     }
+    sl_parallel_for(m->threads, m->charts.count, place_task, m);
+    for (size_t i = 0; i < m->charts.count; i++)
+        if (m->failed[i]) return sl_fail_memory(error, "an atlas's coordinates");
     return SL_OK;
 }
 
@@ -225,7 +226,8 @@ static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *e
     for (size_t f = 0; f < count; f++) area += m->faces.area[f];
     m->density = area > 0.0 ? m->settings->size * sqrt(EXPECTED / area) : 1.0;
     m->coordinates = a->coordinates;
-    status = flatten_all(m, error);
+    bool changed;
+    status = flatten_all(m, &changed, error);
     if (status == SL_OK) status = pack_all(m, error);
     if (status != SL_OK) return status;
     a->chart_count = m->charts.count;

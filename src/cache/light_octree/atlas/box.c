@@ -44,7 +44,7 @@ static void extent(const double *p, size_t count, double c, double s, double low
     }
 }
 
-bool sl_atlas_smallest_box(double *point, size_t count, double *width, double *height) {
+bool sl_atlas_smallest_box(double *point, size_t count) {
     double *sorted = sl_allocate(count, 2 * sizeof *sorted), *hull = sl_allocate(2 * count + 2, 2 * sizeof *hull);
     double low[2], high[2], c = 1.0, s = 0.0, least = HUGE_VAL;
     bool good = sorted && hull;
@@ -64,11 +64,9 @@ bool sl_atlas_smallest_box(double *point, size_t count, double *width, double *h
     extent(point, count, c, s, low, high);
     bool lying = high[0] - low[0] > high[1] - low[1]; /* then a quarter turn more: (x, y) to (-y, x) */
     for (size_t i = 0; i < count; i++) {
-        double x = c * point[2 * i] + s * point[2 * i + 1] - low[0], y = c * point[2 * i + 1] - s * point[2 * i] - low[1];
-        point[2 * i] = lying ? high[1] - low[1] - y : x;
+        double x = c * point[2 * i] + s * point[2 * i + 1], y = c * point[2 * i + 1] - s * point[2 * i];
+        point[2 * i] = lying ? -y : x;
         point[2 * i + 1] = lying ? x : y;
     }
-    *width = lying ? high[1] - low[1] : high[0] - low[0];
-    *height = lying ? high[0] - low[0] : high[1] - low[1];
     return true;
 }

@@ -257,19 +257,26 @@ static void lay_out(const flattening *t) {
     t->u[4] = -w[2], t->u[5] = -w[3];
 }
 
-double sl_atlas_scale_to_area(sl_atlas_charts *charts, uint32_t id) {
+double sl_atlas_fit(sl_atlas_charts *charts, uint32_t id) {
     sl_atlas_chart *c = &charts->chart[id];
-    double twice = 0.0;
+    double twice = 0.0, low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
     for (size_t i = c->first; i < c->first + c->count; i++) {
         const double *p = charts->corner + 6 * (size_t)charts->face[i];
         twice += (p[2] - p[0]) * (p[5] - p[1]) - (p[3] - p[1]) * (p[4] - p[0]);
+        for (size_t k = 0; k < 6; k++) {
+            low[k % 2] = fmin(low[k % 2], p[k]);
+            high[k % 2] = fmax(high[k % 2], p[k]);
+        }
     }
-    if (!(twice > 0.0) || !(c->area > 0.0)) return 0.0;
-    double scale = sqrt(2.0 * c->area / twice);
-    for (size_t i = 6 * c->first; i < 6 * (c->first + c->count); i++) charts->corner[6 * (size_t)charts->face[i / 6] + i % 6] *= scale;
-    c->width *= scale;
-    c->height *= scale;
-    return scale;
+    bool sane = twice > 0.0 && c->area > 0.0;
+    double scale = sane ? sqrt(2.0 * c->area / twice) : 1.0;
+    for (size_t i = 6 * c->first; i < 6 * (c->first + c->count); i++) {
+        double *p = &charts->corner[6 * (size_t)charts->face[i / 6] + i % 6];
+        *p = scale * (*p - low[i % 2]);
+    }
+    c->width = scale * (high[0] - low[0]);
+    c->height = scale * (high[1] - low[1]);
+    return sane ? scale : 0.0;
 }
 
 /* Where no map is found (no border, numbers beyond all bounds) the projection stays: the search for overlaps finds what is wrong with it. */
@@ -301,11 +308,11 @@ bool sl_atlas_flatten(sl_atlas_charts *charts, const sl_atlas_faces *faces, uint
     good = t.u != NULL;
     if (good && t.count == 1) lay_out(&t);
     else good = good && map(&t);
-    good = good && sl_atlas_smallest_box(t.u, t.vertices, &chart->width, &chart->height);
+    good = good && sl_atlas_smallest_box(t.u, t.vertices);
     for (size_t c = 0; good && c < 3 * t.count; c++)
         memcpy(charts->corner + 6 * (size_t)t.face[c / 3] + 2 * (c % 3), t.u + 2 * (size_t)t.vertex[c], 2 * sizeof *t.u);
     chart->flat = good;
-    *scale = good ? sl_atlas_scale_to_area(charts, id) : 0.0;
+    *scale = good ? sl_atlas_fit(charts, id) : 0.0;
     sl_free(t.vertex);
     sl_free(t.corner);
     sl_free(t.border);

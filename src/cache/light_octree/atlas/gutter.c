@@ -116,7 +116,8 @@ static bool consider(const double a[2], const double d[2], double t, nearest *be
 /* max(|x|, |y|) along a segment is convex and piecewise linear: its minimum is at an end, at a zero of x or y, or where |x| = |y|. */
 static bool nearest_on_segment(const double a[2], const double b[2], nearest *best, double *t) {
     double d[2] = {b[0] - a[0], b[1] - a[1]}, square = d[0] * d[0] + d[1] * d[1];
-    bool found = consider(a, d, 0.0, best, t) | consider(a, d, 1.0, best, t);
+    bool found = consider(a, d, 0.0, best, t);
+    found |= consider(a, d, 1.0, best, t);
     if (d[0] != 0.0) found |= consider(a, d, -a[0] / d[0], best, t);
     if (d[1] != 0.0) found |= consider(a, d, -a[1] / d[1], best, t);
     if (d[0] != d[1]) found |= consider(a, d, (a[1] - a[0]) / (d[0] - d[1]), best, t);

@@ -1,6 +1,6 @@
 /* All charts in one texture (section 2.9; the horizon of Levy et al. 2002): from the tallest to the lowest, each is put where its top stays lowest,
- * in any of four quarter turns, on a horizon of one height a column; charts fit into each other as their outlines do. The density is the
- * highest at which the horizon stays inside. */
+ * in any of four quarter turns; charts fit into each other as their outlines do. The horizon remembers what is free below it, so that small
+ * charts come to lie in the holes that large ones left. The density is the highest at which all stay inside. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include <stdlib.h>
@@ -12,14 +12,34 @@
 
 /* A little more than the gutter, for what rounding takes. */
 #define SLACK 0x1p-8
+/* The horizon is kept CLASSES times: the one of class k forgets gaps lower than 2^k texels, so that thick charts need not look into thin gaps. */
+enum { CLASSES = 6 };
+enum { STEPS = 8 };
+/* Texels: nothing is put into gaps lower than this, tips of outlines aside. */
+#define THIN 2.0
+/* A chart that fills this much of its box looks the same upside down. */
+#define BOX_LIKE 0.97
 /* The search for the density ends when it is known this well. */
 #define PRECISION 1.003
-enum { TRIES = 16, SIZE_MOST = 1 << 16 };
+/* Charts lie this much denser than their boxes would: they fit into each other. */
+#define LIKELY 1.1
+#define STEP 1.05
+enum { TRIES = 40, SIZE_MOST = 1 << 16 };
 
 typedef struct sorted_chart {
     double height;
     uint32_t chart;
 } sorted_chart;
+
+/* What is taken of a column of texels, from the lowest up; gutters included. */
+typedef struct span {
+    double low, high;
+} span;
+
+typedef struct column {
+    span *taken;
+    size_t count, capacity;
+} column;
 
 typedef struct packing {
     const sl_atlas_charts *charts;
@@ -27,8 +47,11 @@ typedef struct packing {
     double *segment;        /* x, y, x, y */
     sorted_chart *order;
     int gutter;
-    int widest;             /* room of the scratch arrays, in columns */
-    double *horizon, *low, *high;
+    int widest;             /* room of the arrays, in columns */
+    column *horizon;        /* CLASSES x widest */
+    double *low, *high;     /* the outline at hand */
+    uint8_t *class_of;      /* of each of its columns */
+    double *gap, thin;      /* of each column of texels: see find_gaps() */
 } packing;
 
 static int by_height(const void *x, const void *y) {
@@ -106,126 +129,237 @@ static int outline(packing *p, uint32_t chart, double density, int turns) {
         sl_atlas_turn(turns, width, height, density * e[2], density * e[3], b);
         pass_segment(p, columns, a[0], a[1], b[0], b[1]);
     }
+    for (int i = 0; i < columns; i++) {
+        p->class_of[i] = 0;
+        while (p->class_of[i] + 1 < CLASSES && p->high[i] - p->low[i] >= (double)(2 << p->class_of[i])) p->class_of[i]++;
+    }
     return columns;
 }
 
 /* ---- the horizon ---- */
 
+static void release_horizon(packing *p) {
+    for (int i = 0; p->horizon && i < CLASSES * p->widest; i++) sl_free(p->horizon[i].taken);
+    sl_free(p->horizon);
+    sl_free(p->low);
+    sl_free(p->high);
+    sl_free(p->class_of);
+    sl_free(p->gap);
+}
+
+static bool widen_horizon(packing *p, int widest) {
+    release_horizon(p);
+    p->widest = widest;
+    p->horizon = sl_allocate(CLASSES * (size_t)widest, sizeof *p->horizon);
+    p->low = sl_allocate((size_t)widest, sizeof *p->low);
+    p->high = sl_allocate((size_t)widest, sizeof *p->high);
+    p->class_of = sl_allocate((size_t)widest, sizeof *p->class_of);
+    p->gap = sl_allocate((size_t)widest, sizeof *p->gap);
+    return p->horizon && p->low && p->high && p->class_of && p->gap;
+}
+
 typedef struct spot {
-    double top, lost, y;
+    double top, y;
     int x, turns;
 } spot;
 
-/* The best place for the outline in low[]; better than `best` or not at all. */
-static void try_turn(const packing *p, int room, int columns, double height, int turns, spot *best) {
-    for (int x = 0; x + columns <= room; x++) {
-        double y = 0.0, limit = best->top - height;
-        for (int c = 0; c < columns && y <= limit; c++) {
-            double above = p->horizon[x + c] - p->low[c];
-            y = above > y ? above : y;
+/* The lowest y >= `y` at which [y + low, y + high] is free in a column. */
+static double lift(const column *c, double y, double low, double high) {
+    for (size_t i = 0; i < c->count; i++) {
+        if (c->taken[i].high <= y + low) continue;
+        if (c->taken[i].low >= y + high) break;
+        y = c->taken[i].high - low;
+    }
+    return y;
+}
+
+/* For each column of texels the bottom of the lowest gap that is as high as the thinnest column of the outline (or THIN). */
+static void find_gaps(packing *p, int room, int columns) {
+    double thinnest = HUGE_VAL;
+    int class = 0;
+    for (int c = 0; c < columns; c++) thinnest = fmin(thinnest, p->high[c] - p->low[c]);
+    thinnest = fmax(thinnest, THIN);
+    while (class + 1 < CLASSES && thinnest >= (double)(2 << class)) class++;
+    for (int x = 0; x < room; x++) p->gap[x] = lift(&p->horizon[class * p->widest + x], 0.0, 0.0, thinnest);
+    p->thin = thinnest;
+}
+
+/* The lowest y for the outline at x, or something beyond the limit. */
+static double rest(const packing *p, int x, int columns, double limit) {
+    double y = 0.0;
+    for (int c = 0; c < columns; c++) y = p->gap[x + c] - p->low[c] > y ? p->gap[x + c] - p->low[c] : y;
+    for (int c = 0, settled = 0; settled < columns && y <= limit; c = c + 1 < columns ? c + 1 : 0) { /* until it has gone round without being lifted */
+        double lifted = lift(&p->horizon[p->class_of[c] * p->widest + x + c], y, p->low[c], p->high[c]);
+        settled = lifted > y ? 1 : settled + 1;
+        y = lifted;
+    }
+    return y;
+}
+
+/* The lowest place for the outline in low[] and high[] where its top is below the best one's. Wide outlines move in steps, and then to the left as far
+ * as they get without being lifted. */
+static void try_turn(packing *p, int room, int columns, double height, int turns, spot *best) {
+    int step = columns > STEPS ? columns / STEPS : 1;
+    bool found = false;
+    find_gaps(p, room, columns);
+    for (int x = 0; x + columns <= room; x += step) {
+        int blocked = columns - 1; /* the last column without any gap that would do: the outline cannot cover it */
+        while (blocked >= 0 && p->gap[x + blocked] + p->thin < best->top) blocked--;
+        if (blocked >= 0) {
+            x += blocked + 1 - step;
+            continue;
         }
-        if (y > limit) continue;
-        double lost = 0.0;
-        for (int c = 0; c < columns; c++) lost += fmin(y + p->low[c], 1e30) - p->horizon[x + c];
-        if (y + height < best->top || lost < best->lost) *best = (spot){y + height, lost, y, x, turns};
+        double limit = best->top - height, y = rest(p, x, columns, limit);
+        if (!(y < limit)) continue;
+        *best = (spot){y + height, y, x, turns};
+        found = true;
+    }
+    for (double y; found && step > 1 && best->x > 0; *best = (spot){y + height, y, best->x - 1, turns}) {
+        y = rest(p, best->x - 1, columns, best->y);
+        if (y > best->y) break;
     }
 }
 
-static void raise_horizon(packing *p, int room, int columns, const spot *s) {
-    for (int c = 0; c < columns; c++) {
-        double top = s->y + p->high[c] + (double)p->gutter + SLACK;
-        int from = s->x + c - p->gutter, to = s->x + c + p->gutter;
-        for (int i = from < 0 ? 0 : from; i <= to && i < room; i++)
-            if (top > p->horizon[i]) p->horizon[i] = top;
+/* Adds a span to a column and joins what is too near to leave room between. */
+static bool take(column *c, span s, double thinnest) {
+    size_t from = 0, to;
+    while (from < c->count && c->taken[from].high + thinnest < s.low) from++;
+    for (to = from; to < c->count && c->taken[to].low <= s.high + thinnest; to++) {
+        s.low = fmin(s.low, c->taken[to].low);
+        s.high = fmax(s.high, c->taken[to].high);
     }
+    if (to == from && c->count == c->capacity) {
+        span *taken = sl_allocate(2 * c->capacity + 4, sizeof *taken);
+        if (!taken) return false;
+        if (c->count) memcpy(taken, c->taken, c->count * sizeof *taken);
+        sl_free(c->taken);
+        c->taken = taken;
+        c->capacity = 2 * c->capacity + 4;
+    }
+    memmove(c->taken + from + 1, c->taken + to, (c->count - to) * sizeof *c->taken);
+    c->taken[from] = s;
+    c->count = c->count + 1 - (to - from);
+    return true;
 }
 
-/* The height that all charts need at a density, in a strip of `size` texels with half a gutter left free on both sides; infinite where one is wider. */
-static double pack_strip(packing *p, int size, double density, sl_atlas_place *place) {
+static bool take_spot(packing *p, int room, int columns, const spot *s) {
+    double around = (double)p->gutter + SLACK;
+    for (int i = s->x - p->gutter < 0 ? 0 : s->x - p->gutter; i < s->x + columns + p->gutter && i < room; i++) {
+        span taken = {HUGE_VAL, -HUGE_VAL};
+        for (int c = i - s->x - p->gutter; c <= i - s->x + p->gutter; c++) {
+            if (c < 0 || c >= columns) continue;
+            taken.low = fmin(taken.low, p->low[c]);
+            taken.high = fmax(taken.high, p->high[c]);
+        }
+        taken.low += s->y - around;
+        taken.high += s->y + around;
+        for (int k = 0; k < CLASSES; k++)
+            if (!take(&p->horizon[k * p->widest + i], taken, (double)(1 << k))) return false;
+    }
+    return true;
+}
+
+/* The height that all charts need at a density, in a strip of `size` texels with half a gutter left free on both sides; infinite where it would
+ * pass `most`. False: no memory. */
+static bool pack_strip(packing *p, int size, double density, double most, sl_atlas_place *place,
+                       double *highest) {
     int room = size - p->gutter;
-    double highest = 0.0;
-    for (int i = 0; i < room; i++) p->horizon[i] = 0.0;
+    *highest = 0.0;
+    for (int i = 0; i < CLASSES * p->widest; i++) p->horizon[i].count = 0;
     for (size_t i = 0; i < p->charts->count; i++) {
         uint32_t chart = p->order[i].chart;
         const sl_atlas_chart *c = &p->charts->chart[chart];
-        spot best = {HUGE_VAL, HUGE_VAL, 0.0, 0, 0};
-        for (int turns = 0; turns < 4; turns++) {
+        spot best = {most, 0.0, -1, 0};
+        for (int turns = 0; turns < (c->area > BOX_LIKE * c->width * c->height ? 2 : 4); turns++) {
             double across = density * (turns % 2 ? c->height : c->width);
             if (across + SLACK > (double)room) continue;
             try_turn(p, room, outline(p, chart, density, turns), density * (turns % 2 ? c->width : c->height), turns, &best);
         }
-        if (!(best.top < HUGE_VAL)) return HUGE_VAL;
-        raise_horizon(p, room, outline(p, chart, density, best.turns), &best);
-        highest = best.top > highest ? best.top : highest;
+        *highest = best.x < 0 ? HUGE_VAL : fmax(best.top, *highest);
+        if (best.x < 0) return true;
+        if (!take_spot(p, room, outline(p, chart, density, best.turns), &best)) return false;
         place[chart] = (sl_atlas_place){best.x + 0.5 * (p->gutter + SLACK), best.y + 0.5 * p->gutter, best.turns};
     }
-    return highest;
+    return true;
 }
 
 /* ---- the density ---- */
 
-/* Returns the highest density found between `least` and what the area allows, 0 if not even `least` fits. */
-static double search(packing *p, int size, double area, double least, sl_atlas_place *place, sl_atlas_place *trial) {
-    double room = (double)(size - p->gutter), most = room / sqrt(area), fits = 0.0, density = 0.8 * most;
-    size_t bytes = p->charts->count * sizeof *place;
-    for (int t = 0; t < TRIES && !(fits > 0.0 && most < PRECISION * fits); t++) {
-        if (density < least) density = least;
-        double height = pack_strip(p, size, density, trial);
-        double guess = density * sqrt(room / height); /* 0 where height is infinite */
+/* Where the boxes of all charts, gutters included, would fill the square: not far from what will fit. */
+static double likely_density(const packing *p, double room) {
+    double squares = 0.0, sides = 0.0; /* sum of (d w + g) (d h + g) = room^2 */
+    for (size_t i = 0; i < p->charts->count; i++) {
+        const sl_atlas_chart *c = &p->charts->chart[i];
+        squares += c->width * c->height;
+        sides += c->width + c->height;
+    }
+    double half = 0.5 * p->gutter * sides, rest = room * room - (double)p->charts->count * p->gutter * p->gutter;
+    if (!(squares > 0.0) || !(rest > 0.0)) return 0.0;
+    return rest / (half + sqrt(half * half + squares * rest));
+}
+
+/* The highest density found, at least `least`; 0 if not even that fits. Steps up or down until the answer is bracketed, then halves the bracket. With
+ * a hint: the first one that fits from there down. */
+static bool search(packing *p, int size, double hint, double least, sl_atlas_place *place, sl_atlas_place *trial, double *fits) {
+    double room = (double)(size - p->gutter), most = 0.0, density = fmax(hint > 0.0 ? hint : LIKELY * likely_density(p, room), least), height;
+    *fits = 0.0;
+    for (int t = 0; t < TRIES && !(*fits > 0.0 && most > 0.0 && most < PRECISION * *fits); t++) {
+        if (!pack_strip(p, size, density, room, trial, &height)) return false;
         if (height <= room) {
-            fits = density;
-            memcpy(place, trial, bytes);
+            *fits = density;
+            memcpy(place, trial, p->charts->count * sizeof *place);
         } else {
-            if (density <= least) return 0.0;
+            if (density <= least) return true;
             most = density;
         }
-        if (fits > 0.0) density = guess > 1.0005 * fits && guess < 0.9995 * most && t < 3 ? guess : sqrt(fits * most);
-        else density = guess > 0.5 * density ? 0.995 * guess : 0.7 * density;
+        if (hint > 0.0 && *fits > 0.0) return true;
+        if (*fits > 0.0 && most > 0.0) density = sqrt(*fits * most);
+        else density = *fits > 0.0 ? STEP * density : fmax(density / (hint > 0.0 ? PRECISION : STEP), least);
+        if (t == TRIES - 2 && !(*fits > 0.0)) density = least;
     }
-    return fits;
+    return true;
 }
 
 /* A size at which the density `least` fits. */
-static int sufficient_size(packing *p, int size, double least, sl_atlas_place *trial) {
-    while (size < SIZE_MOST) {
-        double height = pack_strip(p, size, least, trial);
-        if (height + p->gutter <= (double)size) return size;
-        double next = height < HUGE_VAL ? ceil(sqrt((double)size * (height + p->gutter))) : 1.25 * (double)size;
-        size = next > (double)SIZE_MOST ? SIZE_MOST : next > (double)size ? (int)next : size + 1;
+static bool sufficient_size(packing *p, double least, sl_atlas_place *trial, int *size) {
+    double height;
+    while (*size < SIZE_MOST) {
+        if (!widen_horizon(p, *size) || !pack_strip(p, *size, least, HUGE_VAL, trial, &height)) return false;
+        if (height + p->gutter <= (double)*size) return true;
+        double next = height < HUGE_VAL ? ceil(sqrt((double)*size * (height + p->gutter))) : 1.25 * (double)*size;
+        *size = next > (double)SIZE_MOST ? SIZE_MOST : next > (double)*size ? (int)next : *size + 1;
     }
-    return size;
+    return true;
 }
 
 static bool prepare(packing *p, const sl_atlas_faces *faces, int size) {
     size_t charts = p->charts->count;
-    p->widest = SIZE_MOST > size ? SIZE_MOST : size;
     p->first = sl_allocate(charts + 1, sizeof *p->first);
     p->order = sl_allocate(charts, sizeof *p->order);
-    p->horizon = sl_allocate((size_t)p->widest, sizeof *p->horizon);
-    p->low = sl_allocate((size_t)p->widest, sizeof *p->low);
-    p->high = sl_allocate((size_t)p->widest, sizeof *p->high);
-    if (!p->first || !p->order || !p->horizon || !p->low || !p->high || !gather_borders(p, faces)) return false;
+    if (!p->first || !p->order || !widen_horizon(p, size) || !gather_borders(p, faces)) return false;
     for (size_t i = 0; i < charts; i++) p->order[i] = (sorted_chart){p->charts->chart[i].height, (uint32_t)i};
     qsort(p->order, charts, sizeof *p->order, by_height);
     return true;
 }
 
-sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter, sl_atlas_place *place,
+static void release(packing *p) {
+    release_horizon(p);
+    sl_free(p->first);
+    sl_free(p->segment);
+    sl_free(p->order);
+}
+
+sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter, double hint, sl_atlas_place *place,
                         double *density, int *needed, sl_error *error) {
     packing p = {.charts = charts, .gutter = gutter};
     sl_atlas_place *trial = sl_allocate(charts->count, sizeof *trial);
-    bool good = trial && prepare(&p, faces, size);
     double area = 0.0;
     for (size_t i = 0; i < charts->count; i++) area += charts->chart[i].area;
     double least = area > 0.0 ? sqrt((double)charts->count / area) : 1.0;
-    *density = good ? search(&p, size, area > 0.0 ? area : 1.0, least, place, trial) : 0.0;
-    *needed = good && !(*density > 0.0) ? sufficient_size(&p, size, least, trial) : size;
+    bool good = trial && prepare(&p, faces, size) && search(&p, size, hint, least, place, trial, density);
+    *needed = size;
+    if (good && !(*density > 0.0)) good = sufficient_size(&p, least, trial, needed);
     sl_free(trial);
-    sl_free(p.first);
-    sl_free(p.segment);
-    sl_free(p.order);
-    sl_free(p.horizon);
-    sl_free(p.low);
-    sl_free(p.high);
+    release(&p);
     return good ? SL_OK : sl_fail_memory(error, "packing an atlas");
 }

@@ -93,8 +93,8 @@ sl_status sl_atlas_charts_set_apart(sl_atlas_charts *charts, const sl_atlas_face
 /* Fills the corners of a chart and its box. `local` is scratch of one number a face of the scene. *scale is what gave the chart the area of its
  * faces: far from 1 where the map has gone astray. False: no memory. */
 bool sl_atlas_flatten(sl_atlas_charts *charts, const sl_atlas_faces *faces, uint32_t chart, uint32_t *local, double *scale);
-/* Scales a chart so that it has the area of its faces; returns the scale, 0 where that cannot be (and nothing is done). */
-double sl_atlas_scale_to_area(sl_atlas_charts *charts, uint32_t chart);
+/* Scales a chart so that it has the area of its faces, moves it to begin at 0 and measures its box; returns the scale, 0 where there is none. */
+double sl_atlas_fit(sl_atlas_charts *charts, uint32_t chart);
 
 /* A Hermitian positive definite matrix, row by row, both halves, columns ascending. */
 typedef struct sl_hermitian {
@@ -108,8 +108,8 @@ typedef struct sl_hermitian {
  * nested dissection order (place: 2 coordinates a row, near rows being near). Returns false without memory. */
 bool sl_hermitian_solve(const sl_hermitian *a, const double *place, const double *b, double *x, double tolerance, unsigned *iterations);
 
-/* Turns points (2 numbers each) so that the area of their box is smallest, its longer side upright, and moves them to begin at 0. False: no memory. */
-bool sl_atlas_smallest_box(double *point, size_t count, double *width, double *height);
+/* Turns points (2 numbers each) so that the area of their box is smallest, its longer side upright. False: no memory. */
+bool sl_atlas_smallest_box(double *point, size_t count);
 
 /* ---- overlap.c ---- */
 
@@ -126,9 +126,10 @@ typedef struct sl_atlas_place {
 
 /* (x, y) of a chart as large as width x height after quarter turns counter-clockwise, its box still beginning at 0. */
 void sl_atlas_turn(int turns, double width, double height, double x, double y, double turned[2]);
-/* Places all charts in a square of size x size texels at the highest density found. Density 0: they do not fit with one texel a chart on the
+/* Places all charts in a square of size x size texels at the highest density found or, with a hint that is not 0, at
+ * the first density that fits from the hint down. Density 0: they do not fit with one texel a chart on the
  * mean; then *needed is a size that would do. */
-sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter, sl_atlas_place *place,
+sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter, double hint, sl_atlas_place *place,
                         double *density, int *needed, sl_error *error);
 
 /* ---- gutter.c ---- */

@@ -133,9 +133,7 @@ sl_status sl_atlas_charts_set_apart(sl_atlas_charts *charts, const sl_atlas_face
         good = commit_parts(charts, faces, id, part, next);
         if (leaving == c.count) continue;
         charts->chart[id].flat = c.flat && c.count - leaving > 1; /* one face alone is laid out as it is */
-        charts->chart[id].width = c.width;
-        charts->chart[id].height = c.height;
-        sl_atlas_scale_to_area(charts, id);
+        sl_atlas_fit(charts, id);
     }
     sl_free(part);
     return good ? SL_OK : sl_fail_memory(error, "taking faces out of an atlas's charts");
