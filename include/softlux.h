@@ -303,6 +303,7 @@ typedef struct sl_radiance_map_settings {
     bool eight_bit_positions;        /* the map's positions as 8-bit colours, scaled into the scene's box */
     bool separate_passes;            /* a geometry pass for each of the map's pictures, as without multiple render targets */
     bool local_light_only;           /* no shadows and no indirect light: what the paper compares its times with */
+    bool direct_light_only;          /* shadows, but no indirect light: likewise */
 } sl_radiance_map_settings;
 
 /* ---- the light octree ---- */

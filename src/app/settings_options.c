@@ -95,6 +95,7 @@ static void add_direct_radiance(sl_raw_settings *r, table *t) {
         {"8-bit-positions", 0, SL_OPTION_FLAG, &m->eight_bit_positions, NULL, NULL, "the map's positions as colours", 0, 0, NULL},
         {"separate-passes", 0, SL_OPTION_FLAG, &m->separate_passes, NULL, NULL, "a geometry pass for each of the map's pictures", 0, 0, NULL},
         {"local-light", 0, SL_OPTION_FLAG, &m->local_light_only, NULL, NULL, "no shadows and no indirect light", 0, 0, NULL},
+        {"direct-light", 0, SL_OPTION_FLAG, &m->direct_light_only, NULL, NULL, "no indirect light", 0, 0, NULL},
     };
     ADD(t, options);
 }

@@ -30,10 +30,11 @@ sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings 
     const sl_radiance_map_settings *m = &settings->radiance_map;
     sl_features f = sl_scene_features(scene);
     bool light = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
-    bool receivers = f.diffuse_triangles || f.glossy_triangles, indirect = light && receivers && !m->local_light_only;
+    bool receivers = f.diffuse_triangles || f.glossy_triangles, lit = light && receivers && !m->local_light_only;
+    bool indirect = lit && !m->direct_light_only;
     return (sl_radiance_plan){
         .receivers = receivers && light,
-        .shadows = indirect && !sl_scene_is_convex(scene),
+        .shadows = lit && !sl_scene_is_convex(scene),
         .map = indirect,
         .glossy = f.glossy_triangles > 0,
         .normals = indirect && (f.glossy_triangles > 0 || weighs_facing(m->weight) || m->filter == SL_MAP_FILTER_FLUX),
@@ -52,7 +53,7 @@ void sl_radiance_transport(const sl_settings *settings, sl_transport *transport)
         .emission = true,
         .eye_mirrors = true,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
-        .receiver_lobes = m->local_light_only ? 0 : SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = m->local_light_only || m->direct_light_only ? 0 : SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .bounce_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .bounces = 1,
         .direct_visibility = !m->local_light_only,
