@@ -30,6 +30,7 @@ typedef struct {
     float share[2];             /* of an even and an odd photon in the difference of the two half sums */
     sl_sight *sight;            /* NULL: photons are seen from everywhere */
     sl_receiver_kernels kernels;
+    sl_sight_kernels sight_kernels;
 } indirect_pass;
 
 /* ---- once a frame: the j-indexed values ---- */
@@ -133,6 +134,12 @@ static void add(const indirect_pass *p, size_t count, size_t j, sl_rgb colour, c
     p->kernels.light.accumulate(count, signed_colour, weight, visible, difference[0], difference[1], difference[2]);
 }
 
+/* Of this photon and the next ones. */
+static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t first, sl_tile_sight *around, sl_counters *counters) {
+    size_t left = p->count - first;
+    sl_sight_see(p->sight, tile, around, first, left < SL_SIGHT_PHOTONS ? left : SL_SIGHT_PHOTONS, counters);
+}
+
 static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_sight *around,
                        sl_tile_light *sum, sl_tile_light *difference, sl_counters *counters) {
     const sl_photon_registers r = supply(p, j);
@@ -141,7 +148,10 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
     float weight[SL_TILE_PIXELS], visible[SL_TILE_PIXELS], of_photon[SL_TILE_PIXELS], of_receiver[SL_TILE_PIXELS];
     weigh(p, tile, j, &r, weight);
     for (size_t i = 0; i < count; i++) visible[i] = 1.0f;
-    if (p->sight) sl_sight_see(p->sight, tile, around, j, weight, visible, counters);
+    if (p->sight) {
+        if (j % SL_SIGHT_PHOTONS == 0) see(p, tile, j, around, counters);
+        p->sight_kernels.tell(count, around, j % SL_SIGHT_PHOTONS, visible);
+    }
     add(p, count, j, colour, weight, visible, sum->irradiance, difference->irradiance);
     if (p->lobe) {
         p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
@@ -199,7 +209,7 @@ sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *rec
                               sl_counters *counters, sl_error *error) {
     if (!pass->photons || pass->photons->count == 0) return SL_OK;
     indirect_pass p = {.pass = pass, .picture = picture, .spread = spread, .width = receivers->width, .count = pass->photons->count,
-                       .kernels = sl_receiver_kernels_for(sl_isa_best())};
+                       .kernels = sl_receiver_kernels_for(sl_isa_best()), .sight_kernels = sl_sight_kernels_for(sl_isa_best())};
     sl_receiver_kinds kinds = {.of_material = NULL};
     sl_status status = upload(&p, error);
     if (status == SL_OK) status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);

@@ -4,12 +4,13 @@
 
 #include "cache/direct_radiance/receiver_tiles.h"
 
-/* The four blocks around each of a tile's pixels, and what those of them that fit say about 32 photons, a bit each. */
-enum { SL_SIGHT_BLOCKS = 4 };
+/* What a tile's receivers see of 32 photons, a bit each, and the four blocks around each of its pixels. */
+enum { SL_SIGHT_PHOTONS = 32, SL_SIGHT_BLOCKS = 4 };
 typedef struct sl_tile_sight {
-    _Alignas(64) int32_t block[SL_SIGHT_BLOCKS][SL_TILE_PIXELS];
-    uint32_t fits[SL_SIGHT_BLOCKS][SL_TILE_PIXELS]; /* all bits, or none */
+    _Alignas(64) uint32_t wanted[SL_TILE_PIXELS];   /* light would arrive */
     uint32_t seen[SL_TILE_PIXELS], unsure[SL_TILE_PIXELS];
+    int32_t block[SL_SIGHT_BLOCKS][SL_TILE_PIXELS];
+    uint32_t fits[SL_SIGHT_BLOCKS][SL_TILE_PIXELS]; /* all bits, or none */
 } sl_tile_sight;
 
 /* Of the pixels that stand for blocks: position, geometric normal, shading normal. */
@@ -20,21 +21,26 @@ typedef struct sl_block_planes {
 
 typedef void sl_sight_fit_kernel(const sl_receiver_tile *tile, const sl_block_planes *planes, const float *reach_squared,
                                  float offset_squared, sl_tile_sight *around);
-/* Of a word of every block's answers. A block knows of the photons that would send light to its pixel. */
+/* Of a word of every block's answers: seen is what the blocks that fit and know agree on, unsure the rest. A block knows of the
+ * photons that would send light to its pixel. */
 typedef void sl_sight_agree_kernel(size_t count, const uint32_t *known, const uint32_t *seen, size_t words, size_t word,
                                    sl_tile_sight *around);
-/* 1, 0, or -1 for unsure, by one bit; 0 where weight is. */
-typedef void sl_sight_tell_kernel(size_t count, const sl_tile_sight *around, unsigned bit, const float *weight, float *visible);
+/* wanted: adds the bit of a photon where its weight is more than 0. */
+typedef void sl_sight_want_kernel(size_t count, unsigned bit, const float *weight, sl_tile_sight *around);
+/* 1 or 0, by one bit. */
+typedef void sl_sight_tell_kernel(size_t count, const sl_tile_sight *around, unsigned bit, float *visible);
 
 typedef struct sl_sight_kernels {
     sl_sight_fit_kernel *fit;
     sl_sight_agree_kernel *agree;
+    sl_sight_want_kernel *want;
     sl_sight_tell_kernel *tell;
 } sl_sight_kernels;
 
 #define SL_DECLARE_SIGHT_KERNELS(isa)           \
     sl_sight_fit_kernel sl_sight_fit_##isa;     \
     sl_sight_agree_kernel sl_sight_agree_##isa; \
+    sl_sight_want_kernel sl_sight_want_##isa;   \
     sl_sight_tell_kernel sl_sight_tell_##isa
 
 SL_DECLARE_SIGHT_KERNELS(baseline);
@@ -42,12 +48,14 @@ SL_DECLARE_SIGHT_KERNELS(avx2);
 SL_DECLARE_SIGHT_KERNELS(avx512);
 
 static inline sl_sight_kernels sl_sight_kernels_for(sl_isa isa) {
+#define SL_SIGHT_KERNELS_OF(name) \
+    (sl_sight_kernels) { sl_sight_fit_##name, sl_sight_agree_##name, sl_sight_want_##name, sl_sight_tell_##name }
 #ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return (sl_sight_kernels){sl_sight_fit_avx512, sl_sight_agree_avx512, sl_sight_tell_avx512};
-    if (isa == SL_ISA_AVX2) return (sl_sight_kernels){sl_sight_fit_avx2, sl_sight_agree_avx2, sl_sight_tell_avx2};
+    if (isa == SL_ISA_AVX512) return SL_SIGHT_KERNELS_OF(avx512);
+    if (isa == SL_ISA_AVX2) return SL_SIGHT_KERNELS_OF(avx2);
 #endif
     (void)isa;
-    return (sl_sight_kernels){sl_sight_fit_baseline, sl_sight_agree_baseline, sl_sight_tell_baseline};
+    return SL_SIGHT_KERNELS_OF(baseline);
 }
 
 #endif

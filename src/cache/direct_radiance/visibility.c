@@ -10,12 +10,14 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-enum { BLOCK = 4, WORD_BITS = 32 };
+enum { BLOCK = 4 };
 
 struct sl_sight {
     const sl_light_pass *pass;
     const sl_receivers *receivers;
     sl_sight_kernels kernels;
+    sl_weigh_photon *weigh;
+    const void *context;
     float offset;
     sl_vec3 *end;             /* of a photon's rays */
     /* By blocks: */
@@ -47,26 +49,62 @@ static void set_ray(const sl_sight *s, const sl_receiver_tile *t, size_t i, sl_v
     rays->skip[k] = s->receivers->gbuffer->id[t->pixel[i]];
 }
 
-/* Rays of one photon, sixteen neighbours at a time. */
-static void trace(const sl_sight *s, const sl_receiver_tile *tile, size_t photon, size_t count, const uint32_t *lanes, float *visible,
-                  sl_counters *counters) {
+/* Rays on their way, sixteen at a time: neighbours towards one photon where there are so many. */
+typedef struct {
     sl_ray16 rays;
-    for (size_t first = 0; first < count; first += SL_PACKET) {
-        unsigned size = count - first < SL_PACKET ? (unsigned)(count - first) : SL_PACKET;
-        for (unsigned k = 0; k < size; k++) set_ray(s, tile, lanes[first + k], s->end[photon], k, &rays);
-        uint32_t occluded = sl_trace_occluded(s->pass->tracer, &rays, size, true, counters);
-        for (unsigned k = 0; k < size; k++) visible[lanes[first + k]] = occluded >> k & 1u ? 0.0f : 1.0f;
+    unsigned count;
+    uint8_t lane[SL_PACKET], bit[SL_PACKET];
+} packet;
+_Static_assert(SL_TILE_PIXELS <= UINT8_MAX + 1, "lanes are bytes");
+
+static void flush(const sl_sight *s, packet *p, uint32_t *seen, sl_counters *counters) {
+    if (p->count == 0) return;
+    uint32_t occluded = sl_trace_occluded(s->pass->tracer, &p->rays, p->count, true, counters);
+    for (unsigned k = 0; k < p->count; k++) seen[p->lane[k]] |= (~occluded >> k & 1u) << p->bit[k];
+    p->count = 0;
+}
+
+/* The k-th lane of a whole tile, squares of 4 x 4 pixels one after another: neighbours' rays meet the same triangles. */
+static size_t lane_in_squares(const sl_receiver_tile *tile, size_t k) {
+    return tile->whole ? k / BLOCK % BLOCK * SL_TILE_WIDTH + k / (BLOCK * BLOCK) * BLOCK + k % BLOCK : k;
+}
+_Static_assert((int)BLOCK == (int)SL_TILE_HEIGHT, "a tile is a row of squares");
+
+/* A ray for every bit of what is unsure; adds to what is seen. */
+static void ask(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, const uint32_t *unsure, uint32_t *seen,
+                sl_counters *counters) {
+    packet p = {.count = 0};
+    uint32_t any = 0;
+    for (size_t i = 0; i < tile->count; i++) any |= unsure[i];
+    for (unsigned bit = 0; bit < count; bit++) {
+        for (size_t k = 0; k < tile->count && (any >> bit & 1u); k++) {
+            size_t i = lane_in_squares(tile, k);
+            if (!(unsure[i] >> bit & 1u)) continue;
+            p.lane[p.count] = (uint8_t)i;
+            p.bit[p.count] = (uint8_t)bit;
+            set_ray(s, tile, i, s->end[first + bit], p.count++, &p.rays);
+            if (p.count == SL_PACKET) flush(s, &p, seen, counters);
+        }
+    }
+    flush(s, &p, seen, counters);
+}
+
+/* Which of the photons would send light to which receiver. */
+static void find_wanted(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, sl_tile_sight *around) {
+    float weight[SL_TILE_PIXELS];
+    memset(around->wanted, 0, sizeof around->wanted);
+    for (unsigned bit = 0; bit < count; bit++) {
+        s->weigh(s->context, tile, first + bit, weight);
+        s->kernels.want(tile->padded, bit, weight, around);
     }
 }
 
-/* Asks for those whose answer is still below 0. */
-static void trace_missing(const sl_sight *s, const sl_receiver_tile *tile, size_t photon, float *visible, sl_counters *counters) {
-    uint32_t lanes[SL_TILE_PIXELS];
-    size_t count = 0;
-    for (uint32_t i = 0; i < tile->count; i++) {
-        if (visible[i] < 0.0f) lanes[count++] = i;
-    }
-    trace(s, tile, photon, count, lanes, visible, counters);
+/* What a ray for each photon and receiver tells. */
+static void see_by_rays(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, sl_tile_sight *around,
+                        sl_counters *counters) {
+    find_wanted(s, tile, first, count, around);
+    memset(around->seen, 0, sizeof around->seen);
+    ask(s, tile, first, count, around->wanted, around->seen, counters);
 }
 
 /* ---- blocks ---- */
@@ -86,8 +124,6 @@ static uint32_t standing_pixel(const sl_receivers *r, const sl_receiver_kinds *k
 typedef struct {
     sl_sight *sight;
     const sl_receiver_kinds *kinds;
-    sl_weigh_photon *weigh;
-    const void *context;
     sl_counters *counters; /* one a task */
 } block_pass;
 
@@ -99,32 +135,45 @@ static void keep_planes(sl_sight *s, const sl_receiver_tile *t, const uint32_t *
     }
 }
 
-/* A tile's worth of blocks, one pixel of each, and all photons. */
+static size_t photons_of_word(const sl_sight *s, size_t word) {
+    size_t left = s->pass->photons->count - word * SL_SIGHT_PHOTONS;
+    return left < SL_SIGHT_PHOTONS ? left : SL_SIGHT_PHOTONS;
+}
+
+/* Pixels that stand for 32 x 4 blocks, squares of 4 x 4 blocks one after another; block: which they stand for. */
+static void list_blocks(const block_pass *b, int x0, int y0, sl_receiver_tile *tile, uint32_t block[SL_TILE_PIXELS]) {
+    sl_sight *s = b->sight;
+    for (int k = 0; k < SL_TILE_PIXELS; k++) {
+        int x = x0 + k / (BLOCK * BLOCK) * BLOCK + k % BLOCK, y = y0 + k / BLOCK % BLOCK;
+        if (x >= s->columns || y >= s->rows) continue;
+        uint32_t index = (uint32_t)(y * s->columns + x), pixel = standing_pixel(s->receivers, b->kinds, x, y);
+        s->pixel[index] = pixel;
+        block[tile->count] = index;
+        tile->pixel[tile->count] = pixel;
+        tile->count += pixel != SL_NO_INDEX ? 1 : 0;
+    }
+}
+
+static int tiles_across(const sl_sight *s) { return (s->columns + SL_TILE_WIDTH - 1) / SL_TILE_WIDTH; }
+
+/* A tile's worth of blocks, and all photons. */
 static void trace_blocks(void *context, size_t index, unsigned worker) {
     (void)worker;
     const block_pass *b = context;
     sl_sight *s = b->sight;
-    size_t blocks = (size_t)s->columns * (size_t)s->rows, first = index * SL_TILE_PIXELS;
     uint32_t block[SL_TILE_PIXELS];
     sl_receiver_tile tile = {.count = 0};
-    for (size_t k = first; k < first + SL_TILE_PIXELS && k < blocks; k++) {
-        s->pixel[k] = standing_pixel(s->receivers, b->kinds, (int)(k % (size_t)s->columns), (int)(k / (size_t)s->columns));
-        block[tile.count] = (uint32_t)k;
-        tile.pixel[tile.count] = s->pixel[k];
-        tile.count += s->pixel[k] != SL_NO_INDEX ? 1 : 0;
-    }
+    int across = tiles_across(s);
+    list_blocks(b, (int)index % across * SL_TILE_WIDTH, (int)index / across * SL_TILE_HEIGHT, &tile, block);
     if (tile.count == 0) return;
     sl_receiver_tile_fetch(s->receivers->gbuffer, sl_receiver_kernels_for(sl_isa_best()), &tile);
     keep_planes(s, &tile, block);
-    for (size_t j = 0; j < s->pass->photons->count; j++) {
-        float weight[SL_TILE_PIXELS], visible[SL_TILE_PIXELS];
-        b->weigh(b->context, &tile, j, weight);
-        for (size_t i = 0; i < tile.count; i++) visible[i] = weight[i] > 0.0f ? -1.0f : 0.0f;
-        trace_missing(s, &tile, j, visible, &b->counters[index]);
+    sl_tile_sight of_blocks;
+    for (size_t word = 0; word < s->words; word++) {
+        see_by_rays(s, &tile, word * SL_SIGHT_PHOTONS, photons_of_word(s, word), &of_blocks, &b->counters[index]);
         for (size_t i = 0; i < tile.count; i++) {
-            size_t word = block[i] * s->words + j / WORD_BITS;
-            s->known[word] |= (weight[i] > 0.0f ? 1u : 0u) << j % WORD_BITS;
-            s->seen[word] |= (visible[i] > 0.0f ? 1u : 0u) << j % WORD_BITS;
+            s->known[block[i] * s->words + word] = of_blocks.wanted[i];
+            s->seen[block[i] * s->words + word] = of_blocks.seen[i];
         }
     }
 }
@@ -133,8 +182,9 @@ static sl_status make_blocks(sl_sight *s, block_pass *pass, sl_counters *counter
     size_t photons = s->pass->photons->count;
     s->columns = (s->receivers->width + BLOCK - 1) / BLOCK;
     s->rows = (s->receivers->height + BLOCK - 1) / BLOCK;
-    s->words = (photons + WORD_BITS - 1) / WORD_BITS;
-    size_t blocks = (size_t)s->columns * (size_t)s->rows, tasks = (blocks + SL_TILE_PIXELS - 1) / SL_TILE_PIXELS;
+    s->words = (photons + SL_SIGHT_PHOTONS - 1) / SL_SIGHT_PHOTONS;
+    size_t blocks = (size_t)s->columns * (size_t)s->rows;
+    size_t tasks = (size_t)(tiles_across(s) * ((s->rows + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT));
     if (blocks * s->words > INT32_MAX) return sl_fail_memory(error, "visibility of photons"); /* lanes index by 32 bits */
     s->pixel = sl_allocate(blocks, sizeof *s->pixel);
     s->plane_memory = sl_allocate(blocks, SL_BLOCK_PLANES * sizeof *s->plane_memory);
@@ -156,10 +206,11 @@ sl_status sl_sight_create(const sl_light_pass *pass, const sl_receivers *receive
     sl_sight *s = *sight = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "visibility of photons");
     *s = (sl_sight){.pass = pass, .receivers = receivers, .offset = 1e-5f * pass->scene->diagonal,
-                    .kernels = sl_sight_kernels_for(sl_isa_best()), .end = sl_allocate(pass->photons->count, sizeof *s->end)};
+                    .kernels = sl_sight_kernels_for(sl_isa_best()), .weigh = weigh, .context = context,
+                    .end = sl_allocate(pass->photons->count, sizeof *s->end)};
     if (!s->end) return sl_fail_memory(error, "visibility of photons");
     for (size_t j = 0; j < pass->photons->count; j++) s->end[j] = ray_end(&pass->photons->photon[j], s->offset);
-    block_pass blocks = {s, kinds, weigh, context, NULL};
+    block_pass blocks = {s, kinds, NULL};
     return by_blocks(s) ? make_blocks(s, &blocks, counters, error) : SL_OK;
 }
 
@@ -207,13 +258,17 @@ void sl_sight_begin_tile(const sl_sight *s, const sl_receiver_tile *tile, sl_til
     s->kernels.fit(tile, &s->planes, reach, s->offset * s->offset, around);
 }
 
-void sl_sight_see(const sl_sight *s, const sl_receiver_tile *tile, sl_tile_sight *around, size_t photon, const float *weight,
-                  float *visible, sl_counters *counters) {
-    if (by_blocks(s)) {
-        if (photon % WORD_BITS == 0) s->kernels.agree(tile->padded, s->known, s->seen, s->words, photon / WORD_BITS, around);
-        s->kernels.tell(tile->padded, around, photon % WORD_BITS, weight, visible);
-    } else {
-        for (size_t i = 0; i < tile->padded; i++) visible[i] = weight[i] > 0.0f ? -1.0f : 0.0f;
+void sl_sight_see(const sl_sight *s, const sl_receiver_tile *tile, sl_tile_sight *around, size_t first, size_t count,
+                  sl_counters *counters) {
+    if (!by_blocks(s)) {
+        see_by_rays(s, tile, first, count, around, counters);
+        return;
     }
-    trace_missing(s, tile, photon, visible, counters);
+    find_wanted(s, tile, first, count, around);
+    s->kernels.agree(tile->padded, s->known, s->seen, s->words, first / SL_SIGHT_PHOTONS, around);
+    for (size_t i = 0; i < tile->count; i++) {
+        around->unsure[i] &= around->wanted[i];
+        around->seen[i] &= ~around->unsure[i];
+    }
+    ask(s, tile, first, count, around->unsure, around->seen, counters);
 }

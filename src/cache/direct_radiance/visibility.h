@@ -20,10 +20,10 @@ sl_status sl_sight_create(const sl_light_pass *pass, const sl_receivers *receive
                           sl_weigh_photon *weigh, const void *context, sl_sight **sight, sl_counters *counters, sl_error *error);
 void sl_sight_destroy(sl_sight *sight);
 
-/* Before a tile's photons, which are then asked for in index order. */
+/* Before a tile's photons. */
 void sl_sight_begin_tile(const sl_sight *sight, const sl_receiver_tile *tile, sl_tile_sight *around);
-/* 1 where the photon's light arrives, 0 where it does not, or where weight is 0. */
-void sl_sight_see(const sl_sight *sight, const sl_receiver_tile *tile, sl_tile_sight *around, size_t photon, const float *weight,
-                  float *visible, sl_counters *counters);
+/* Sets around->seen for photons first, first + 1, ...: count of them, at most SL_SIGHT_PHOTONS; first is a multiple of that. */
+void sl_sight_see(const sl_sight *sight, const sl_receiver_tile *tile, sl_tile_sight *around, size_t first, size_t count,
+                  sl_counters *counters);
 
 #endif

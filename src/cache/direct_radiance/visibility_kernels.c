@@ -48,12 +48,15 @@ void SL_KERNEL(sl_sight_agree)(size_t count, const uint32_t *restrict known, con
     }
 }
 
-void SL_KERNEL(sl_sight_tell)(size_t count, const sl_tile_sight *around, unsigned bit, const float *restrict weight,
-                              float *restrict visible) {
+void SL_KERNEL(sl_sight_want)(size_t count, unsigned bit, const float *restrict weight, sl_tile_sight *around) {
+    uint32_t *restrict wanted = around->wanted;
+    const uint32_t mask = 1u << bit;
 #pragma omp simd
-    for (size_t i = 0; i < count; i++) {
-        float answer = around->seen[i] >> bit & 1u ? 1.0f : 0.0f;
-        answer = around->unsure[i] >> bit & 1u ? -1.0f : answer;
-        visible[i] = weight[i] > 0.0f ? answer : 0.0f;
-    }
+    for (size_t i = 0; i < count; i++) wanted[i] |= weight[i] > 0.0f ? mask : 0u;
+}
+
+void SL_KERNEL(sl_sight_tell)(size_t count, const sl_tile_sight *around, unsigned bit, float *restrict visible) {
+    const uint32_t *restrict seen = around->seen;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) visible[i] = seen[i] >> bit & 1u ? 1.0f : 0.0f;
 }
