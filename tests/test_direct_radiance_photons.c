@@ -2,6 +2,7 @@
 #include "radiance_maps.h"
 
 #include "cache/direct_radiance/light_receivers.h"
+#include "trace/trace.h"
 
 static sl_map_light point_light(sl_vec3 position) {
     return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
@@ -317,6 +318,66 @@ static void traced_texels_arrive_from_where_they_say(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Photons of a map's radiance pictures, and of its true-colour pictures: Psi of one is kd / pi times the flux of the other, by every
+ * way: straight, by a planar mirror, by a mirror ball; of a point, a spot and a panel. */
+static void radiance_and_true_colour_give_the_same_photons(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t shining = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, white);
+    trace_mesh_quad(&mesh, sl_v3(0.9f, -0.5f, -0.5f), sl_v3(0, 0, 1), sl_v3(0, 1, 0), mirror);
+    trace_mesh_sphere(&mesh, sl_v3(-0.4f, -0.6f, 0.2f), 0.25f, 12, 0, false, mirror);
+    trace_mesh_quad(&mesh, sl_v3(-0.1f, 0.9f, -0.1f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), shining);
+    mesh.light_count = 2;
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.2f, -0.3f}, .intensity = {1, 2, 3}};
+    mesh.lights[1] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 0, 0.3f}, .direction = {0.8f, 0, 0.6f}, .intensity = {1, 2, 3},
+                                .cos_inner = 0.8f, .cos_outer = 0.6f};
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_raster *raster;
+    sl_mirrors *mirrors;
+    sl_map_lights *lights;
+    sl_tracer *tracer;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    assert_int_equal(sl_mirrors_find(scene, 8, &mirrors, NULL), SL_OK);
+    assert_int_equal(sl_map_lights_find(scene, 1, &lights, NULL), SL_OK);
+    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
+    for (int i = 0; i < 6; i++) {
+        sl_radiance_map_settings settings = {.samples = 8, .map_size = 32, .filter = (sl_map_filter)(SL_MAP_FILTER_POINT + i % 3),
+                                             .weight = SL_WEIGHT_POLYGON, .traced_light_mirrors = true, .importance_samples = i / 3};
+        sl_map_photons *photons[2];
+        bool mirrored = false;
+        for (int lambertian = 0; lambertian < 2; lambertian++) {
+            sl_radiance_map_options options = {.mirrors = mirrors, .lambertian = lambertian, .normals = true, .tracer = tracer, .threads = 1};
+            sl_radiance_map *map;
+            sl_counters counters = {{0}};
+            assert_int_equal(sl_radiance_map_render(scene, raster, lights, &settings, &options, &map, &counters, NULL), SL_OK);
+            photons[lambertian] = take_photons(scene, map, &settings);
+            assert_photons_are_sound(photons[lambertian]);
+            mirrored |= map->mirrored_light;
+            sl_radiance_map_destroy(map);
+        }
+        assert_true(mirrored && photons[0]->first_of_light[3] == photons[0]->count && photons[0]->count > 3 * 64);
+        if (settings.filter == SL_MAP_FILTER_RADIANCE) { /* means of colours are not means of radiance */
+            for (int k = 0; k < 2; k++) sl_map_photons_destroy(photons[k]);
+            continue;
+        }
+        assert_int_equal(photons[0]->count, photons[1]->count);
+        for (size_t j = 0; j < photons[0]->count; j++) {
+            const sl_map_photon *coloured = &photons[0]->photon[j], *radiant = &photons[1]->photon[j];
+            double psi = (double)coloured->flux.g * (double)photons[0]->lobe[j].diffuse.g / SL_PI;
+            assert_true(fabs((double)radiant->flux.g / psi - 1) < 1e-3);
+            assert_true(fabsf(radiant->footprint / coloured->footprint - 1) < 1e-4f);
+        }
+        for (int k = 0; k < 2; k++) sl_map_photons_destroy(photons[k]);
+    }
+    sl_tracer_destroy(tracer);
+    sl_map_lights_destroy(lights);
+    sl_mirrors_destroy(mirrors);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
 /* ---- polygons ---- */
 
 static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) {
@@ -583,6 +644,7 @@ int main(void) {
         cmocka_unit_test(glossy_scenes_keep_the_flux_that_arrives_and_the_lobe),
         cmocka_unit_test(a_lights_image_in_a_mirror_shines_as_the_light_does),
         cmocka_unit_test(traced_texels_arrive_from_where_they_say),
+        cmocka_unit_test(radiance_and_true_colour_give_the_same_photons),
         cmocka_unit_test(polygons_are_where_corner_rays_meet_the_tangent_plane),
         cmocka_unit_test(close_to_a_patch_polygons_are_right_where_discs_are_not),
         cmocka_unit_test(a_polygon_whose_corners_run_away_is_left_out),

@@ -38,29 +38,26 @@ static sl_map_light light_of_frame(int frame) {
                           .intensity = {1, 1, 1}};
 }
 
-/* One way to take photons. */
-typedef struct sampling {
-    int w, m;
-    sl_radiance_map_settings settings;
-} sampling;
-
-static sampling sampled(int w, int m, sl_map_filter filter) { return (sampling){w, m, {.filter = filter}}; }
-
-/* With what steady samples ask of the map: turned axes and more texels. */
-static sampling steadily(int w, int m) {
-    return (sampling){sl_steady_map_size(w), m, {.filter = SL_MAP_FILTER_FLUX, .steady_samples = true}};
+static sl_radiance_map_settings sampled(int w, int m, sl_map_filter filter, bool steady) {
+    return (sl_radiance_map_settings){.samples = m, .map_size = w, .filter = filter, .weight = SL_WEIGHT_FLUX, .steady_samples = steady};
 }
 
-static sl_map_photons *photons_of_frame(const sl_scene *scene, const sl_raster *raster, const sampling *s, int frame) {
-    hand_map *h = hand_map_begin(light_of_frame(frame), 6, s->w, s->m);
-    for (int f = 0; f < 6 && s->settings.steady_samples; f++) {
-        h->face[f].frame = sl_steady_cube_frame(h->face[f].frame);
-        h->face[f].view = sl_view_pyramid(&h->face[f].frame, h->light.position, -1, 1, -1, 1, s->w, s->w, 1e-4f);
-    }
-    hand_map_render(h, raster);
-    sl_map_photons *photons = take_photons(scene, &h->map, &s->settings);
-    hand_map_end(h);
+static sl_map_photons *photons_of_light(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings,
+                                        const sl_map_lights *lights) {
+    const sl_radiance_map_options options = {.lambertian = true, .normals = true, .threads = 1};
+    sl_radiance_map *map = NULL;
+    sl_counters counters = {{0}};
+    sl_error error;
+    if (sl_radiance_map_render(scene, raster, lights, &settings, &options, &map, &counters, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_map_photons *photons = take_photons(scene, map, &settings);
+    sl_radiance_map_destroy(map);
     return photons;
+}
+
+static sl_map_photons *photons_of_frame(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings, int frame) {
+    sl_map_light light = light_of_frame(frame);
+    const sl_map_lights lights = {.count = 1, .light = &light};
+    return photons_of_light(scene, raster, settings, &lights);
 }
 
 /* [frame][receiver]; of all photons together. */
@@ -68,11 +65,11 @@ typedef struct film {
     double e[FRAMES][RECEIVERS], mean;
 } film;
 
-static void shoot(const sl_scene *scene, const sl_raster *raster, sampling s, film *out) {
+static void shoot(const sl_scene *scene, const sl_raster *raster, sl_radiance_map_settings settings, film *out) {
     receivers r = on_the_walls();
     out->mean = 0;
     for (int k = 0; k < FRAMES; k++) {
-        sl_map_photons *photons = photons_of_frame(scene, raster, &s, k);
+        sl_map_photons *photons = photons_of_frame(scene, raster, settings, k);
         for (int i = 0; i < RECEIVERS; i++) {
             out->e[k][i] = flux_irradiance(photons, r.x[i], r.n[i]);
             out->mean += out->e[k][i] / (FRAMES * RECEIVERS);
@@ -110,13 +107,13 @@ static void a_gliding_light_flashes_with_points_less_with_groups_and_least_with_
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
     film *films = calloc(2, sizeof *films);
     assert_non_null(films);
-    shoot(scene, raster, sampled(48, 48, SL_MAP_FILTER_POINT), &films[0]);
+    shoot(scene, raster, sampled(48, 48, SL_MAP_FILTER_POINT, false), &films[0]);
     double natural = flashes_of(&films[0], &films[0]).change;
     print_message("largest change of 13,824 photons: %.3f of the mean irradiance\n", natural);
     for (int m = 3; m <= 8; m = m == 3 ? 4 : 2 * m) {
         int w = m == 3 ? 18 : 16;
-        const sampling ways[4] = {sampled(w, m, SL_MAP_FILTER_POINT), sampled(w, m, SL_MAP_FILTER_RADIANCE),
-                                  sampled(w, m, SL_MAP_FILTER_FLUX), steadily(w, m)};
+        const sl_radiance_map_settings ways[4] = {sampled(w, m, SL_MAP_FILTER_POINT, false), sampled(w, m, SL_MAP_FILTER_RADIANCE, false),
+                                                  sampled(w, m, SL_MAP_FILTER_FLUX, false), sampled(w, m, SL_MAP_FILTER_FLUX, true)};
         const char *const names[4] = {"point", "radiance", "flux", "steady"};
         flashes found[4];
         for (int i = 0; i < 4; i++) {
@@ -140,10 +137,10 @@ static void a_frame_alone_is_the_frame_of_a_sequence(void **state) {
     sl_scene *scene = room_with_box();
     sl_raster *raster;
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
-    sampling s = steadily(16, 4);
-    sl_map_photons *alone = photons_of_frame(scene, raster, &s, 7);
+    sl_radiance_map_settings settings = sampled(16, 4, SL_MAP_FILTER_FLUX, true);
+    sl_map_photons *alone = photons_of_frame(scene, raster, settings, 7);
     for (int k = 0; k <= 7; k++) {
-        sl_map_photons *photons = photons_of_frame(scene, raster, &s, k);
+        sl_map_photons *photons = photons_of_frame(scene, raster, settings, k);
         if (k == 7) {
             assert_int_equal(photons->count, alone->count);
             assert_memory_equal(photons->photon, alone->photon, alone->count * sizeof *alone->photon);
@@ -151,6 +148,39 @@ static void a_frame_alone_is_the_frame_of_a_sequence(void **state) {
         sl_map_photons_destroy(photons);
     }
     sl_map_photons_destroy(alone);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* Of every kind of light, the pictures still hold all of its flux, and photons all that meets a closed room. */
+static void steady_pictures_hold_all_the_light(void **state) {
+    (void)state;
+    sl_scene *scene = room_with_box();
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    sl_map_light lights[4] = {light_of_frame(3), light_of_frame(20), light_of_frame(20), light_of_frame(20)};
+    lights[1].kind = SL_MAP_LIGHT_SPOT;
+    lights[2].kind = SL_MAP_LIGHT_AREA;
+    lights[3].kind = SL_MAP_LIGHT_DIRECTIONAL;
+    const double exact[4] = {4.0, 2.0 * (1.0 - 0.5 * (0.8 + 0.6)), 1.0,
+                             1.3 / sqrt(0.91) / SL_PI}; /* Phi / pi: I = 1, or E = 1 on the cube's projection */
+    for (int k = 0; k < 4; k++) {
+        lights[k].direction = sl_normalize_or(sl_v3(0.3f, -0.9f, 0.1f), sl_v3(0, -1, 0));
+        lights[k].cos_inner = 0.8f;
+        lights[k].cos_outer = 0.6f;
+        lights[k].area = 0.01f;
+        const sl_map_lights one = {.count = 1, .light = &lights[k]};
+        double sum[2] = {0, 0};
+        for (int steady = 0; steady < 2; steady++) {
+            sl_map_photons *photons = photons_of_light(scene, raster, sampled(16, 4, SL_MAP_FILTER_FLUX, steady), &one);
+            for (size_t j = 0; j < photons->count; j++) sum[steady] += (double)photons->photon[j].flux.g / 0.7;
+            if (k == 0) assert_true(photons->samples_of_light[0] == 6 * 16);
+            sl_map_photons_destroy(photons);
+        }
+        print_message("light of kind %d: %.4f, steady %.4f\n", k, sum[0], sum[1]);
+        assert_true(fabs(sum[1] / sum[0] - 1) < 0.03);
+        assert_true(fabs(sum[1] / exact[k] - 1) < 0.02);
+    }
     sl_raster_destroy(raster);
     sl_scene_destroy(scene);
 }
@@ -186,6 +216,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_gliding_light_flashes_with_points_less_with_groups_and_least_with_steady_samples),
         cmocka_unit_test(a_frame_alone_is_the_frame_of_a_sequence),
+        cmocka_unit_test(steady_pictures_hold_all_the_light),
         cmocka_unit_test(turned_pictures_still_see_all_directions_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -292,7 +292,7 @@ static double flux_through(const sl_map_light *light, const sl_map_face *f) {
 
 double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
     const sl_map_light *l = &map->lights->light[light];
-    sl_face_shape shape = {map->shape, map->fov, 2, 1};
+    sl_face_shape shape = {map->shape, map->fov, 2, 1, false};
     sl_planned_face face[SL_LIGHT_FACES_MAX];
     const float clearance[2] = {0};
     double flux = (double)sl_rgb_mean(sl_map_light_flux(l)), sum = 0.0;

@@ -5,9 +5,9 @@
 
 #include "base/vec.h"
 
-/* The axes of a cube's face, turned: all six by the same rotation. */
-sl_frame sl_steady_cube_frame(sl_frame face);
-/* The axes of a single picture or a hemicube, turned about the way it looks. */
+/* The axes of a cube, or of one of its faces, turned: all by the same rotation. */
+sl_frame sl_steady_cube_frame(sl_frame frame);
+/* The axes of a single picture or of a hemicube, turned about the way it looks. */
 sl_frame sl_steady_roll(sl_frame picture);
 /* Texels a side of a face where there would be `size`. */
 int sl_steady_map_size(int size);
