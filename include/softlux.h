@@ -301,6 +301,7 @@ typedef struct sl_radiance_map_settings {
     int shadow_size;                 /* texels a side of a face of a depth cube; 512 */
     int emitter_samples;             /* an area light is lit from n x n points of it; 1, the paper's */
     bool eight_bit_positions;        /* the map's positions as 8-bit colours, scaled into the scene's box */
+    bool texture_photons;            /* fragments fetch photons from textures, instead of finding them in registers: the same bits */
     bool separate_passes;            /* a geometry pass for each of the map's pictures, as without multiple render targets */
     bool local_light_only;           /* no shadows and no indirect light: what the paper compares its times with */
     bool direct_light_only;          /* shadows, but no indirect light: likewise */

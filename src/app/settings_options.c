@@ -93,6 +93,7 @@ static void add_direct_radiance(sl_raw_settings *r, table *t) {
         {"shadow-size", 0, SL_OPTION_COUNT, &r->shadow_size, NULL, "N", "texels a side of a depth cube's face [512]", 8, 8192, NULL},
         {"emitter-samples", 0, SL_OPTION_COUNT, &r->emitter_samples, NULL, "N", "area lights from N x N points [1]", 1, 64, NULL},
         {"8-bit-positions", 0, SL_OPTION_FLAG, &m->eight_bit_positions, NULL, NULL, "the map's positions as colours", 0, 0, NULL},
+        {"texture-photons", 0, SL_OPTION_FLAG, &m->texture_photons, NULL, NULL, "photons fetched from textures, not held in registers", 0, 0, NULL},
         {"separate-passes", 0, SL_OPTION_FLAG, &m->separate_passes, NULL, NULL, "a geometry pass for each of the map's pictures", 0, 0, NULL},
         {"local-light", 0, SL_OPTION_FLAG, &m->local_light_only, NULL, NULL, "no shadows and no indirect light", 0, 0, NULL},
         {"direct-light", 0, SL_OPTION_FLAG, &m->direct_light_only, NULL, NULL, "no indirect light", 0, 0, NULL},

@@ -170,6 +170,7 @@ static void stamp_radiance_map(stamping *st, const sl_radiance_map_settings *m) 
     stamp_flag(st, "steady", m->steady_samples);
     stamp_flag(st, "light_mirrors", m->traced_light_mirrors);
     stamp_flag(st, "8_bit_positions", m->eight_bit_positions);
+    stamp_flag(st, "texture_photons", m->texture_photons);
     stamp_flag(st, "separate_passes", m->separate_passes);
     stamp_flag(st, "local_light", m->local_light_only);
     stamp_flag(st, "direct_light", m->direct_light_only);

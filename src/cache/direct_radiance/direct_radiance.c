@@ -31,6 +31,8 @@ typedef struct radiance_state {
     float *planes;
     sl_radiance_layers layers;
 
+    sl_rgb trick_albedo;           /* of curved mirrors that receive indirect light as if they were diffuse */
+
     bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */
     sl_counters counters, announced; /* all so far, and what observers have been told of */
@@ -79,6 +81,8 @@ static sl_status place(radiance_state *s, sl_error *error) {
         s->plan = sl_radiance_plan_make(s->scene, &s->settings, s->planar->count > 0, has_curved_mirrors(s->scene, s->planar));
         if (s->plan.tracer) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     }
+    if (status == SL_OK && s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK)
+        s->trick_albedo = sl_trick_albedo(s->scene);
     s->placed = status == SL_OK;
     if (!s->placed) forget_geometry(s); /* a rasterizer that could not follow is of no use */
     return status;
@@ -155,6 +159,7 @@ static sl_light_pass lighting(const radiance_state *s) {
                            .cubes = s->cubes,
                            .photons = s->photons,
                            .weight = m->weight,
+                           .supply = m->texture_photons ? SL_PHOTONS_IN_TEXTURES : SL_PHOTONS_IN_REGISTERS,
                            .tracer = s->tracer,
                            .visibility = m->visibility,
                            .threads = s->settings.threads};
@@ -199,7 +204,7 @@ static sl_status draw_picture(radiance_state *s, sl_error *error) {
     if (s->plan.receivers) status = sl_light_directly(&light, s->receivers, &picture, &s->counters, error);
     announce_picture(s, "direct light", "(5), (9)", s->layers.direct[0]);
     sl_light_pass tricked = light;
-    if (s->plan.curved && m->mirror_light == SL_MIRROR_LIGHT_TRICK) tricked.trick_albedo = sl_trick_albedo(s->scene);
+    if (s->plan.curved && m->mirror_light == SL_MIRROR_LIGHT_TRICK) tricked.trick_albedo = s->trick_albedo;
     if (status == SL_OK && s->photons)
         status = sl_light_indirectly(&tricked, s->receivers, &picture, s->layers.spread, &s->counters, error);
     announce_picture(s, "indirect light", "(10)", s->layers.indirect[0]);
