@@ -1,0 +1,271 @@
+/* Light in the texture atlas: what is put in at a surface point comes out at the pixels that show it, and nothing of its neighbours. */
+#include "light_octree_support.h"
+
+#include "base/memory.h"
+#include "cache/light_octree/atlas/bake.h"
+#include "trace_scenes.h"
+
+typedef struct stage {
+    sl_scene *scene;
+    sl_atlas *atlas;
+    sl_atlas_canvas *canvas;
+    sl_raster *raster;
+    sl_view view;
+    sl_gbuffer *gbuffer;
+    float *out[3];
+    sl_counters counters;
+} stage;
+
+enum { WIDTH = 160, HEIGHT = 120 };
+
+static stage stage_of(sl_scene *scene, int size) {
+    stage s = {.scene = scene, .raster = raster_of(scene), .view = sl_view_scene(scene, WIDTH, HEIGHT)};
+    sl_atlas_settings settings = {.size = size, .gutter = 2, .bend = 75.0 * SL_PI / 180.0, .threads = 2};
+    assert_int_equal(sl_atlas_create(scene, &settings, &s.atlas, NULL), SL_OK);
+    assert_int_equal(sl_atlas_canvas_create(s.atlas, scene, 2, &s.canvas, NULL), SL_OK);
+    assert_int_equal(sl_gbuffer_create(WIDTH, HEIGHT, &s.gbuffer, NULL), SL_OK);
+    assert_int_equal(sl_raster_gbuffer(s.raster, &s.view, 2, s.gbuffer, &s.counters, NULL), SL_OK);
+    for (int k = 0; k < 3; k++) s.out[k] = sl_allocate(WIDTH * HEIGHT, sizeof(float));
+    return s;
+}
+
+static void end_stage(stage *s) {
+    for (int k = 0; k < 3; k++) sl_free(s->out[k]);
+    sl_gbuffer_destroy(s->gbuffer);
+    sl_raster_destroy(s->raster);
+    sl_atlas_canvas_destroy(s->canvas);
+    sl_atlas_destroy(s->atlas);
+    sl_scene_destroy(s->scene);
+}
+
+static void apply(stage *s) {
+    assert_int_equal(sl_atlas_apply(s->canvas, s->raster, &s->view, s->gbuffer, s->scene, 2, s->out[0], s->out[1], s->out[2], &s->counters, NULL), SL_OK);
+}
+
+static sl_scene *scene_from(void fill(trace_mesh *)) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    fill(&mesh);
+    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(2.0f, 1.5f, 3.0f), sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 0.9f);
+    return trace_mesh_build(&mesh);
+}
+
+static void wall(trace_mesh *m) { trace_mesh_quad(m, sl_v3(-1.0f, -1.0f, 0.0f), sl_v3(2.0f, 0.0f, 0.0f), sl_v3(0.0f, 2.0f, 0.0f), 0); }
+static void wall_from_behind(trace_mesh *m) { trace_mesh_quad(m, sl_v3(-1.0f, -1.0f, 0.0f), sl_v3(0.0f, 2.0f, 0.0f), sl_v3(2.0f, 0.0f, 0.0f), 0); }
+static void ball_and_box(trace_mesh *m) {
+    trace_mesh_sphere(m, sl_v3(0.0f, 0.0f, 0.0f), 0.8f, 16, 0.0f, false, 0);
+    trace_mesh_box(m, sl_v3(-2.0f, -1.2f, -2.0f), sl_v3(2.0f, -1.0f, 2.0f), false, 0);
+}
+static void confetti(trace_mesh *m) { /* pieces smaller than texels */
+    for (int i = 0; i < 900; i++) {
+        float x = 0.06f * (float)(i % 30) - 0.9f, y = 0.06f * (float)(i / 30) - 0.9f;
+        trace_mesh_quad(m, sl_v3(x, y, 0.0f), sl_v3(0.05f, 0.0f, 0.0f), sl_v3(0.0f, 0.05f, 0.0f), 0);
+    }
+}
+
+/* ---- shaders ---- */
+
+static void constant(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r, float *g,
+                     float *b) {
+    const float *color = context;
+    (void)worker, (void)triangle, (void)w1, (void)w2;
+    for (size_t i = 0; i < count; i++) r[i] = color[0], g[i] = color[1], b[i] = color[2];
+}
+
+static void position(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r, float *g,
+                     float *b) {
+    const sl_scene *s = context;
+    (void)worker;
+    for (size_t i = 0; i < count; i++) {
+        sl_vec3 p[3];
+        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(s, s->vertex[k][triangle[i]]);
+        sl_vec3 at = sl_mad(sl_mad(sl_scale(p[0], 1.0f - w1[i] - w2[i]), w1[i], p[1]), w2[i], p[2]);
+        r[i] = at.x + 2.0f, g[i] = at.y + 2.0f, b[i] = at.z + 2.0f;
+    }
+}
+
+static void chart_number(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r,
+                         float *g, float *b) {
+    const sl_atlas *a = context;
+    (void)worker, (void)w1, (void)w2;
+    for (size_t i = 0; i < count; i++) r[i] = (float)(a->chart[triangle[i]] + 1), g[i] = (float)(a->chart[triangle[i]] & 1), b[i] = 1.0f;
+}
+
+static void damaged(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1, const float *w2, float *r, float *g,
+                    float *b) {
+    (void)context, (void)worker, (void)w1, (void)w2, (void)triangle;
+    for (size_t i = 0; i < count; i++) r[i] = NAN, g[i] = INFINITY, b[i] = i % 3 ? -INFINITY : 1.0f;
+}
+
+/* ---- tests ---- */
+
+static size_t lit_pixels(const stage *s) {
+    size_t lit = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) lit += s->gbuffer->material[i] != SL_NO_INDEX;
+    return lit;
+}
+
+static void a_constant_comes_out_as_it_went_in(void **state) {
+    (void)state;
+    float color[3] = {(float)SL_PI, 1.0f, 0.25f};
+    stage s = stage_of(scene_from(ball_and_box), 128);
+    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, constant, color, NULL), SL_OK);
+    uint64_t before = s.counters.value[SL_COUNT_TEXTURE_FETCHES];
+    apply(&s);
+    assert_true(lit_pixels(&s) > 1000);
+    assert_int_equal(s.counters.value[SL_COUNT_TEXTURE_FETCHES] - before, lit_pixels(&s)); /* one a pixel */
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++)
+        for (int k = 0; k < 3; k++) {
+            double expected = s.gbuffer->material[i] == SL_NO_INDEX ? 0.0 : 0.5 * (double)color[k] / SL_PI;
+            assert_true(fabs((double)s.out[k][i] - expected) <= 1e-6);
+        }
+    end_stage(&s);
+}
+
+static void what_varies_evenly_is_looked_up_exactly_but_for_the_rim(void **state) {
+    (void)state;
+    stage s = stage_of(scene_from(wall), 64);
+    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, position, s.scene, NULL), SL_OK);
+    apply(&s);
+    double texel = 1.0 / s.atlas->texels_per_unit;
+    size_t inside = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        if (s.gbuffer->material[i] == SL_NO_INDEX) continue;
+        double p[3] = {(double)s.gbuffer->position_x[i], (double)s.gbuffer->position_y[i], (double)s.gbuffer->position_z[i]};
+        bool rim = fmax(fabs(p[0]), fabs(p[1])) > 1.0 - 1.01 * texel;
+        inside += !rim;
+        for (int k = 0; k < 3; k++) {
+            double off = fabs((double)s.out[k][i] * 2.0 * SL_PI - p[k] - 2.0);
+            assert_true(off < (rim ? 1.01 * texel : 1e-4));
+        }
+    }
+    assert_true(inside > 1000);
+    end_stage(&s);
+}
+
+static void pixels_show_their_own_chart_alone(void **state) {
+    (void)state;
+    sl_scene *scenes[] = {scene_from(ball_and_box), scene_from(confetti)};
+    for (int n = 0; n < 2; n++) {
+        stage s = stage_of(scenes[n], n ? 150 : 64);
+        assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, chart_number, s.atlas, NULL), SL_OK);
+        assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_BACK, 2, chart_number, s.atlas, NULL), SL_OK);
+        apply(&s);
+        for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+            if (s.gbuffer->material[i] == SL_NO_INDEX) continue;
+            double chart = (double)s.out[0][i] * 2.0 * SL_PI - 1.0;
+            assert_true(fabs(chart - s.atlas->chart[s.gbuffer->id[i]]) < 2e-3);
+        }
+        end_stage(&s);
+    }
+}
+
+static void each_side_shows_its_own_light(void **state) {
+    (void)state;
+    float front[3] = {1.0f, 0.0f, 0.0f}, back[3] = {0.0f, 1.0f, 0.0f};
+    sl_scene *scenes[] = {scene_from(wall), scene_from(wall_from_behind)};
+    for (int n = 0; n < 2; n++) {
+        stage s = stage_of(scenes[n], 64);
+        size_t bytes = sl_atlas_canvas_bytes(s.canvas);
+        assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 1, constant, front, NULL), SL_OK);
+        assert_int_equal(sl_atlas_canvas_bytes(s.canvas) - bytes, 64 * 64 * 16);
+        for (int both = 0; both < 2; both++) {
+            if (both) assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_BACK, 1, constant, back, NULL), SL_OK);
+            apply(&s);
+            for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+                double lit = s.gbuffer->material[i] == SL_NO_INDEX ? 0.0 : 0.5 / SL_PI;
+                assert_true(fabs((double)s.out[0][i] - (n ? 0.0 : lit)) < 1e-6);
+                assert_true(fabs((double)s.out[1][i] - (n && both ? lit : 0.0)) < 1e-6);
+            }
+        }
+        end_stage(&s);
+    }
+}
+
+static void what_is_not_finite_becomes_black(void **state) {
+    (void)state;
+    stage s = stage_of(scene_from(ball_and_box), 64);
+    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, damaged, NULL, NULL), SL_OK);
+    for (size_t i = 0; i < 4 * 64 * 64; i++) assert_true(s.canvas->side[0]->texels[i] >= 0.0f && s.canvas->side[0]->texels[i] <= 1.0f);
+    end_stage(&s);
+}
+
+static void two_rings_surround_what_is_covered(void **state) {
+    (void)state;
+    enum { SIZE = 96 };
+    float color[3] = {2.0f, 3.0f, 5.0f};
+    stage s = stage_of(scene_from(ball_and_box), SIZE);
+    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, constant, color, NULL), SL_OK);
+    size_t listed = 0;
+    for (int y = 0; y < SIZE; y++)
+        for (int x = 0; x < SIZE; x++) {
+            const float *texel = s.canvas->side[0]->texels + 4 * (y * SIZE + x);
+            int ring = s.canvas->ring[y * SIZE + x], nearest = 99;
+            for (int j = y - 2; j <= y + 2; j++)
+                for (int i = x - 2; i <= x + 2; i++) {
+                    int distance = abs(i - x) > abs(j - y) ? abs(i - x) : abs(j - y);
+                    if (i >= 0 && j >= 0 && i < SIZE && j < SIZE && s.canvas->ring[j * SIZE + i] == 0 && distance < nearest) nearest = distance;
+                }
+            listed += ring == 0;
+            assert_int_equal(ring, nearest > 2 ? SL_ATLAS_VOID : nearest);
+            for (int k = 0; k < 3; k++) assert_true(texel[k] == (ring == SL_ATLAS_VOID ? 0.0f : color[k]));
+            assert_true(texel[3] == (ring == SL_ATLAS_VOID ? 0.0f : 1.0f));
+        }
+    assert_int_equal(listed, s.canvas->count);
+    end_stage(&s);
+}
+
+static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
+    (void)state;
+    stage s = stage_of(scene_from(ball_and_box), 128);
+    sl_octree *octree = octree_of(s.scene, 4, 2);
+    sl_voxel_light_options options = plain_options(4);
+    sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
+    uint64_t key = sl_random_key(5, 0);
+    for (size_t i = 0; i < octree->leaf_count; i++) {
+        sl_vec3d d = sl_v3d((double)sl_random_unit(key, 4 * i) - 0.5, 0.6, (double)sl_random_unit(key, 4 * i + 1) - 0.5);
+        set_light(lights, i, 0, sl_scaled(d, 1.0 / sl_lengthd(d)), 1.0f, sl_random_unit(key, 4 * i + 2), 0.5f);
+    }
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    sl_octree_shading shading = {.texture = texture, .filter = SL_VOXEL_TRILINEAR};
+    sl_octree_scratch *scratch;
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    float *first = sl_allocate(128 * 128, 4 * sizeof *first);
+    for (unsigned threads = 1; threads <= 3; threads++) { /* the same bits at any number of threads */
+        assert_int_equal(sl_atlas_bake_octree(s.canvas, SL_ATLAS_FRONT, s.scene, &shading, threads, &s.counters, NULL), SL_OK);
+        if (threads == 1) memcpy(first, s.canvas->side[0]->texels, 128 * 128 * 16);
+        else assert_memory_equal(first, s.canvas->side[0]->texels, 128 * 128 * 16);
+    }
+    size_t lit = 0;
+    for (size_t i = 0; i < s.canvas->count; i += 7) {
+        sl_surface surface;
+        uint32_t t = s.canvas->triangle[i];
+        sl_scene_surface(s.scene, t, s.canvas->w1[i], s.canvas->w2[i], sl_scene_geometric_normal(s.scene, t), &surface);
+        const sl_vec3 *p = &surface.position, *n = &surface.normal;
+        sl_octree_points point = {1, &p->x, &p->y, &p->z, &n->x, &n->y, &n->z, &n->x, &n->y, &n->z, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+        float rgb[3];
+        sl_octree_shade(&shading, &point, scratch, &rgb[0], &rgb[1], &rgb[2], &s.counters);
+        assert_memory_equal(rgb, s.canvas->side[0]->texels + 4 * (size_t)s.canvas->texel[i], sizeof rgb);
+        lit += rgb[0] > 0.0f;
+    }
+    assert_true(lit > 100);
+    sl_free(first);
+    sl_octree_scratch_destroy(scratch);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    end_stage(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_constant_comes_out_as_it_went_in),
+        cmocka_unit_test(what_varies_evenly_is_looked_up_exactly_but_for_the_rim),
+        cmocka_unit_test(pixels_show_their_own_chart_alone),
+        cmocka_unit_test(each_side_shows_its_own_light),
+        cmocka_unit_test(what_is_not_finite_becomes_black),
+        cmocka_unit_test(two_rings_surround_what_is_covered),
+        cmocka_unit_test(a_texel_is_what_the_octree_says_at_its_point),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
