@@ -183,10 +183,10 @@ static void take_photon(drm_peer *peer, int j, size_t texel, drm_shading shading
 }
 
 static void take_photons(drm_peer *peer, drm_shading shading) {
-    int m = peer->options.samples, width = peer->map.width, height = peer->map.height;
+    int m = peer->options.samples, width = peer->map.width, block = width / m;
     peer->photons = m * m;
-    for (int j = 0; j < m * m; j++) {
-        int x = (2 * (j % m) + 1) * width / (2 * m), y = (2 * (j / m) + 1) * height / (2 * m);
+    for (int j = 0; j < m * m; j++) { /* the middle texel of each block; the first of two that are as near */
+        int x = j % m * block + (block - 1) / 2, y = j / m * block + (block - 1) / 2;
         take_photon(peer, j, (size_t)y * (size_t)width + (size_t)x, shading);
     }
 }
