@@ -127,13 +127,16 @@ static float slope_at(const float *stored, int32_t k, int32_t step, int32_t plac
 }
 
 /* Does the receiver, `right` and `above` texels from the middle of texel k, lie before the plane of what that one holds? Not asked of what
- * lies more than four texels' sizes before it: that is no corner. */
+ * lies more than four texels' sizes before it: that is no corner. Nor where the receiver's own plane, seen at a grazing angle, rises as much
+ * from texel to texel: there facets are too narrow to tell their planes. */
 static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, int32_t k, float right, float above) {
     const float *stored = map->depth;
     const int32_t size = map->size, place = k - (int32_t)sl_shadow_zeros(size), column = place % size, row = place / size % size;
     const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) / (map->reach_z * (float)size)
                                          : 2.0f / (float)(size - 2) * stored[k];
-    if (stored[k] - at->depth[i] > 4.0f * texel) return false;
+    const float excess = stored[k] - at->depth[i];
+    if (excess <= at->change_x[i] + at->change_y[i]) return true;
+    if (excess > 4.0f * texel) return false;
     float slope_x = slope_at(stored, k, 1, column, size, right), slope_y = slope_at(stored, k, size, row, size, above);
     float there = stored[k] + slope_x * right + slope_y * above, room = 0.02f * (fabsf(slope_x) + fabsf(slope_y));
     return there <= at->depth[i] + room;
