@@ -142,7 +142,7 @@ static void odd_triangles_have_no_area_and_never_nan(void **state) {
     assert_true(isfinite(sl_section_area(&e, sl_v3d(0, 0, 1), 0.1)));
 }
 
-/* ---- photons strewn over surfaces --------------------------------------------------------------------------------------------------------- */
+/* ---- photons strewn over surfaces -------------------------------------------------------------------------------- */
 
 /* The floor z = 0 of a room's corner, x and y >= 0, and its walls; N photons a unit of area, each of flux 1/N: irradiance 1. */
 enum { PHOTONS_A_UNIT = 40000 };

@@ -70,7 +70,7 @@ static void add_point(trace_mesh *mesh, float x, float y, float z, float intensi
     add_light(mesh, point_light(x, y, z, sl_grey(intensity)));
 }
 
-/* ---- closed forms -------------------------------------------------------------------------------------------------------------- */
+/* ---- closed forms ------------------------------------------------------------------------------------------------ */
 
 static sl_scene *diffuse_sphere(float albedo, unsigned rings) {
     trace_mesh mesh = trace_mesh_begin();
@@ -269,7 +269,7 @@ static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **s
     }
 }
 
-/* ---- scattering ------------------------------------------------------------------------------------------------------------------ */
+/* ---- scattering -------------------------------------------------------------------------------------------------- */
 
 /* A closed room whose walls differ: coloured, glossy, mirroring. */
 static sl_scene *motley_room(void) {
@@ -388,7 +388,7 @@ static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state)
     sl_scene_destroy(scene);
 }
 
-/* ---- what is stored ---------------------------------------------------------------------------------------------------------------- */
+/* ---- what is stored ---------------------------------------------------------------------------------------------- */
 
 /* A floor, and a mirror that stands on its edge. */
 static sl_scene *mirror_over_floor(void) {
@@ -462,7 +462,7 @@ static void tracing_stops_with_the_chunk_that_stores_enough(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- nothing to do ------------------------------------------------------------------------------------------------------------------- */
+/* ---- nothing to do ----------------------------------------------------------------------------------------------- */
 
 static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_photon_store store) {
     trace_mesh mesh = trace_mesh_begin();
@@ -501,7 +501,7 @@ static void light_that_meets_nothing_ends_too(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- the same everywhere ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the same everywhere ----------------------------------------------------------------------------------------- */
 
 static sl_scene *bumpy_hall(void) {
     trace_mesh mesh = trace_mesh_begin();
@@ -551,7 +551,7 @@ static void photons_are_the_same_on_every_instruction_set_of_embree(void **state
     sl_scene_destroy(scene);
 }
 
-/* ---- directions in 32 bits ------------------------------------------------------------------------------------------------------------- */
+/* ---- directions in 32 bits --------------------------------------------------------------------------------------- */
 
 static void directions_survive_their_32_bits(void **state) {
     (void)state;

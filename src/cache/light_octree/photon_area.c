@@ -13,8 +13,8 @@ static double flatness_of(const sl_ellipsoid *e) {
 
 double sl_disc_area(const sl_ellipsoid *e) { return SL_PI * e->radius * e->radius; }
 
-/* A = pi R^2 (1 - h^2 / (R^2 s^2)) / sqrt(cos^2 b + sin^2 b / f^2), s^2 = sin^2 b + f^2 cos^2 b, b the angle between the normals. The root is
- * s / f. */
+/* A = pi R^2 (1 - h^2 / (R^2 s^2)) / sqrt(cos^2 b + sin^2 b / f^2), s^2 = sin^2 b + f^2 cos^2 b, b the angle between the
+ * normals. The root is s / f. */
 double sl_section_area(const sl_ellipsoid *e, sl_vec3d normal, double h) {
     double f = flatness_of(e), cosine = is_sphere(e) ? 1.0 : fabs(sl_dotd(e->normal, normal));
     cosine = cosine < 1.0 ? cosine : 1.0;
@@ -23,7 +23,7 @@ double sl_section_area(const sl_ellipsoid *e, sl_vec3d normal, double h) {
     return share > 0.0 ? sl_disc_area(e) * share * f / sqrt(s_squared) : 0.0;
 }
 
-/* ---- a triangle ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- a triangle -------------------------------------------------------------------------------------------------- */
 
 /* Where the ellipsoid is a sphere about the origin: stretched by 1 / f along the short axis. */
 static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
@@ -44,8 +44,8 @@ static double sector(const flat_disc *disc, sl_vec3d p, sl_vec3d q) {
 
 static double within_edge(double t) { return t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0; }
 
-/* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece of the edge inside, sectors over
- * those outside. */
+/* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece of the edge inside,
+ * sectors over those outside. */
 static double under_edge(const flat_disc *disc, sl_vec3d a, sl_vec3d b) {
     sl_vec3d edge = sl_subd(b, a);
     double length_squared = sl_dotd(edge, edge);

@@ -15,7 +15,7 @@ struct sl_photon_sources {
 
 static double luminance(sl_rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
 
-/* ---- parallel light enters the scene's box ---------------------------------------------------------------------------------- */
+/* ---- parallel light enters the scene's box ----------------------------------------------------------------------- */
 
 /* Areas of the box's three lit faces, as light of that direction sees them. */
 static sl_vec3d lit_faces(const sl_scene *scene, sl_vec3d direction) {
@@ -49,7 +49,7 @@ static sl_vec3 entry_point(const sl_scene *scene, sl_vec3d direction, float face
     return sl_to_float(sl_subd(p, sl_scaled(direction, 1e-2 * (double)scene->diagonal)));
 }
 
-/* ---- powers ------------------------------------------------------------------------------------------------------------------- */
+/* ---- powers ------------------------------------------------------------------------------------------------------ */
 
 /* Smoothstep's mean is a half; a spot without width gives nothing. */
 static double spot_solid_angle(const sl_light *light) {
@@ -130,7 +130,7 @@ void sl_photon_sources_destroy(sl_photon_sources *sources) {
 
 double sl_photon_sources_power(const sl_photon_sources *sources) { return sources->total; }
 
-/* ---- emission ------------------------------------------------------------------------------------------------------------------- */
+/* ---- emission ---------------------------------------------------------------------------------------------------- */
 
 /* The first source whose sum exceeds u: never one without power. Rounding may leave a gap at the end: it is the last source's. */
 static size_t choose(const sl_photon_sources *sources, double u) {

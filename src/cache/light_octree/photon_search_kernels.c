@@ -4,7 +4,7 @@
 
 enum { STACK = 64 };
 
-/* ---- the k smallest so far --------------------------------------------------------------------------------------------------------- */
+/* ---- the k smallest so far --------------------------------------------------------------------------------------- */
 
 static inline void swap_keys(uint64_t *a, uint64_t *b) {
     uint64_t c = *a;
@@ -49,7 +49,7 @@ static void tighten(sl_photon_search *s) {
     s->count = s->wanted;
 }
 
-/* ---- buckets and boxes -------------------------------------------------------------------------------------------------------------- */
+/* ---- buckets and boxes ------------------------------------------------------------------------------------------- */
 
 static void scan_bucket(const sl_photon_bucket *b, sl_photon_search *s) {
     float distance[SL_PHOTON_BUCKET];
@@ -112,7 +112,7 @@ static box_query box_query_of(const sl_photon_search *s) {
     return q;
 }
 
-/* ---- the tree ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- the tree ---------------------------------------------------------------------------------------------------- */
 
 typedef struct open_node {
     size_t node, leaf, leaves; /* its number, its first leaf, how many */

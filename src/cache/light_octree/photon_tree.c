@@ -19,7 +19,7 @@ struct sl_photon_tree {
 
 enum { BUCKETS_A_TASK = 256, SPLIT_LEVELS = 6, SAMPLE = 31 };
 
-/* ---- splitting ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- splitting --------------------------------------------------------------------------------------------------- */
 
 /* What of a photon the building moves about: its coordinates as integers of the same order, so that comparing needs no branch. */
 typedef struct tree_point {
@@ -162,7 +162,7 @@ static void split_all(tree_build *build, unsigned threads) {
     sl_parallel_for(threads, (size_t)1 << SPLIT_LEVELS, split_subtree, build);
 }
 
-/* ---- filling ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- filling ----------------------------------------------------------------------------------------------------- */
 
 /* Within a bucket by id, so that the photons' order depends on the set of them alone. */
 static void sort_by_id(tree_point *points, size_t count) {
@@ -232,19 +232,22 @@ static sl_status build_tree(sl_photon_tree *tree, unsigned threads, sl_error *er
 
 sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **out, sl_error *error) {
     *out = NULL;
-    if (list->count >= UINT32_MAX) return sl_fail(error, SL_ERROR_RESOURCES, "too many photons: %zu", list->count);
     sl_photon_tree *tree = sl_allocate(1, sizeof *tree);
-    if (!tree) return sl_fail_memory(error, "the photons' tree");
+    if (!tree) {
+        sl_photon_list_destroy(list);
+        return sl_fail_memory(error, "the photons' tree");
+    }
     tree->buckets = (list->count + SL_PHOTON_BUCKET - 1) / SL_PHOTON_BUCKET;
     tree->search = sl_photon_search_for(sl_isa_best());
     tree->bucket = sl_allocate(tree->buckets, sizeof *tree->bucket);
     tree->box = sl_allocate(2 * tree->buckets, sizeof *tree->box);
     tree->place_of_id = sl_allocate(list->count, sizeof *tree->place_of_id);
     tree->list = list;
-    sl_status status = tree->bucket && tree->box && tree->place_of_id ? build_tree(tree, sl_thread_count(threads), error)
-                                                                      : sl_fail_memory(error, "the photons' tree");
+    sl_status status = SL_OK;
+    if (list->count >= UINT32_MAX) status = sl_fail(error, SL_ERROR_RESOURCES, "too many photons: %zu", list->count);
+    else if (!tree->bucket || !tree->box || !tree->place_of_id) status = sl_fail_memory(error, "the photons' tree");
+    else status = build_tree(tree, sl_thread_count(threads), error);
     if (status != SL_OK) {
-        tree->list = NULL;
         sl_photon_tree_destroy(tree);
         return status;
     }
@@ -272,7 +275,7 @@ size_t sl_photon_tree_bytes(const sl_photon_tree *tree) {
            tree->buckets * (sizeof *tree->bucket + 2 * sizeof *tree->box);
 }
 
-/* ---- gathering ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- gathering --------------------------------------------------------------------------------------------------- */
 
 static const double flatness_least = 1e-3;
 

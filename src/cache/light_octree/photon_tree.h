@@ -7,7 +7,7 @@
 
 typedef struct sl_photon_tree sl_photon_tree;
 
-/* Takes the photons over: reorders them, and destroys the list with the tree. Where it fails the list stays the caller's. */
+/* Takes the photons over: reorders them, and destroys the list with the tree, or at once where it fails. */
 sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photon_tree **tree, sl_error *error);
 void sl_photon_tree_destroy(sl_photon_tree *tree);
 const sl_photon_list *sl_photon_tree_list(const sl_photon_tree *tree);

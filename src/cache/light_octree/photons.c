@@ -20,40 +20,7 @@ enum {
 };
 static const float survival_max = 0.99f, adjoint_max = 4.0f;
 
-/* ---- directions in 32 bits ------------------------------------------------------------------------------------------------------ */
-
-/* The sphere projected to an octahedron, whose lower half is folded over the upper one's square (Meyer et al. 2010). 65,534 steps instead
- * of 65,535 make the axes exact. */
-static const float octahedral_steps = 32767.0f;
-
-static uint32_t octahedral_step(float v) {
-    float step = (v + 1.0f) * octahedral_steps + 0.5f;
-    return step > 0.0f ? step < 65534.0f ? (uint32_t)step : 65534u : 0u;
-}
-
-uint32_t sl_octahedral_encode(sl_vec3 unit) {
-    float size = fabsf(unit.x) + fabsf(unit.y) + fabsf(unit.z);
-    if (!(size > 0.0f) || !(size <= FLT_MAX)) return octahedral_step(0.0f) << 16 | octahedral_step(0.0f);
-    float u = unit.x / size, v = unit.y / size;
-    if (unit.z < 0.0f) {
-        float folded = copysignf(1.0f - fabsf(v), u);
-        v = copysignf(1.0f - fabsf(u), v);
-        u = folded;
-    }
-    return octahedral_step(u) << 16 | octahedral_step(v);
-}
-
-sl_vec3 sl_octahedral_decode(uint32_t code) {
-    float u = (float)(code >> 16) / octahedral_steps - 1.0f, v = (float)(code & 0xffffu) / octahedral_steps - 1.0f;
-    sl_vec3 d = sl_v3(u, v, 1.0f - fabsf(u) - fabsf(v));
-    if (d.z < 0.0f) {
-        d.x = copysignf(1.0f - fabsf(v), u);
-        d.y = copysignf(1.0f - fabsf(u), v);
-    }
-    return sl_normalize_or(d, sl_v3(0.0f, 0.0f, 1.0f));
-}
-
-/* ---- one chunk ------------------------------------------------------------------------------------------------------------------- */
+/* ---- one chunk --------------------------------------------------------------------------------------------------- */
 
 typedef struct light_path {
     sl_vec3 origin, direction;
@@ -151,7 +118,7 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
     return alive;
 }
 
-/* ---- neighbours go together -------------------------------------------------------------------------------------------------------- */
+/* ---- neighbours go together -------------------------------------------------------------------------------------- */
 
 static uint32_t cell(float v, float low, float extent, uint32_t cells) {
     float at = extent > 0.0f ? (v - low) / extent * (float)cells : 0.0f;
@@ -185,7 +152,7 @@ static void sort_first_rays(const sl_scene *scene, path_block *block, unsigned a
     memcpy(block->alive, block->next, alive * sizeof *block->alive);
 }
 
-/* ---- at a surface -------------------------------------------------------------------------------------------------------------------- */
+/* ---- at a surface ------------------------------------------------------------------------------------------------ */
 
 static void store_photon(chunk_result *r, unsigned path, const light_path *p, unsigned bounces, const sl_surface *surface) {
     if (!make_room(r)) return;
@@ -207,12 +174,12 @@ static bool is_stored(sl_photon_store store, unsigned bounces, bool mirrors_alon
     return false;
 }
 
-/* Light that goes from i to o is reflected by the shading normal's cosine with i, but arrives and leaves by the geometric one's (Veach 1997,
- * section 5.3). Bounded, since it matters at grazing angles alone. */
+/* Light that goes from i to o is reflected by the shading normal's cosine with i, but arrives and leaves by the geometric one's
+ * (Veach 1997, section 5.3). Bounded, since it matters at grazing angles alone. */
 static float adjoint(const sl_surface *s, sl_vec3 in, sl_vec3 out) {
-    if (s->normal.x == s->geometric_normal.x && s->normal.y == s->geometric_normal.y && s->normal.z == s->geometric_normal.z) return 1.0f;
-    float up = sl_dot(s->normal, in) * sl_dot(s->geometric_normal, out);
-    float down = sl_dot(s->geometric_normal, in) * sl_dot(s->normal, out);
+    sl_vec3 n = s->normal, g = s->geometric_normal;
+    if (n.x == g.x && n.y == g.y && n.z == g.z) return 1.0f;
+    float up = sl_dot(n, in) * sl_dot(g, out), down = sl_dot(g, in) * sl_dot(n, out);
     if (!(up > 0.0f) || !(down > 0.0f)) return 0.0f;
     return up < adjoint_max * down ? up / down : adjoint_max;
 }
@@ -268,7 +235,7 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     return sl_rgb_is_finite(p->flux) && sl_is_finite(p->origin);
 }
 
-/* ---- bounce by bounce ------------------------------------------------------------------------------------------------------------------ */
+/* ---- bounce by bounce -------------------------------------------------------------------------------------------- */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const light_path *p) {
     rays->origin_x[i] = p->origin.x;
@@ -327,7 +294,7 @@ static void trace_chunk(void *context, size_t index, unsigned worker) {
     order_photons(block, r);
 }
 
-/* ---- the list -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the list ---------------------------------------------------------------------------------------------------- */
 
 void sl_photon_list_destroy(sl_photon_list *list) {
     if (!list) return;
@@ -407,7 +374,9 @@ static sl_status trace_some(photon_job *job, const sl_photon_options *options, u
     job->first_chunk = list->emitted / SL_PHOTON_CHUNK;
     sl_parallel_for(threads, now, trace_chunk, job);
     sl_status status = SL_OK;
-    for (size_t i = 0; i < now && status == SL_OK && !is_complete(list, options); i++) status = commit(list, &job->results[i], counters, error);
+    for (size_t i = 0; i < now && status == SL_OK && !is_complete(list, options); i++) {
+        status = commit(list, &job->results[i], counters, error);
+    }
     *chunks -= now;
     return status;
 }
