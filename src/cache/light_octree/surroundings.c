@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "cache/light_octree/triangle_cells.h"
 
 /* ---- the nodes ---- */
@@ -26,18 +27,103 @@ static sl_status make_level(sl_surroundings *s, int level, sl_error *error) {
     return SL_OK;
 }
 
-sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, sl_surroundings **result,
-                                 sl_error *error) {
+/* ---- small triangles ---- */
+
+enum { LEAVES_A_TASK = 256 };
+
+/* Of each leaf: how many of its triangles are small and its own, how many are large. */
+typedef struct surfel_task {
+    sl_surroundings *s;
+    bool fill;
+} surfel_task;
+
+static bool is_small(const sl_surroundings *s, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    double limit = s->small_edge * s->small_edge;
+    sl_vec3d ab = sl_subd(b, a), bc = sl_subd(c, b), ca = sl_subd(a, c);
+    return sl_dotd(ab, ab) <= limit && sl_dotd(bc, bc) <= limit && sl_dotd(ca, ca) <= limit;
+}
+
+static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3 centre, double area) {
+    sl_vec3 n = sl_scene_geometric_normal(s->scene, triangle);
+    const float values[7] = {centre.x, centre.y, centre.z, n.x, n.y, n.z, (float)(area * (s->share ? (double)s->share[triangle] : 1.0))};
+    float *const planes[7] = {s->surfels.x, s->surfels.y, s->surfels.z, s->surfels.normal_x, s->surfels.normal_y, s->surfels.normal_z,
+                              s->surfels.area};
+    for (int k = 0; k < 7; k++) planes[k][at] = values[k];
+}
+
+static void sort_leaf(const surfel_task *task, size_t index) {
+    sl_surroundings *s = task->s;
+    const sl_octree_leaf *leaf = &s->octree->leaf[index];
+    uint32_t small = 0, large = 0;
+    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+        uint32_t t = s->octree->triangle[leaf->first_triangle + i];
+        sl_vec3d a = sl_to_double(sl_scene_position(s->scene, s->scene->vertex[0][t])), b = sl_to_double(sl_scene_position(s->scene, s->scene->vertex[1][t])),
+                 c = sl_to_double(sl_scene_position(s->scene, s->scene->vertex[2][t]));
+        if (!is_small(s, a, b, c)) {
+            if (task->fill) s->large[s->first_large[index] + large] = t;
+            large++;
+            continue;
+        }
+        sl_vec3 centre = sl_to_float(sl_scaled(sl_addd(sl_addd(a, b), c), 1.0 / 3.0));
+        if (sl_octree_morton_at(s->octree, centre) != leaf->morton) continue;
+        if (task->fill) {
+            put_surfel(s, s->first_surfel[index] + small, t, centre, 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a))));
+        }
+        small++;
+    }
+    if (task->fill) return;
+    s->first_surfel[index + 1] = (small + SL_SURFEL_LANES - 1) / SL_SURFEL_LANES * SL_SURFEL_LANES;
+    s->first_large[index + 1] = large;
+}
+
+static void sort_leaves(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const surfel_task *task = context;
+    size_t end = (index + 1) * LEAVES_A_TASK < task->s->octree->leaf_count ? (index + 1) * LEAVES_A_TASK : task->s->octree->leaf_count;
+    for (size_t i = index * LEAVES_A_TASK; i < end; i++) sort_leaf(task, i);
+}
+
+/* Counts, prefix sums, then the values. */
+static sl_status make_surfels(sl_surroundings *s, unsigned threads, sl_error *error) {
+    size_t leaves = s->octree->leaf_count, tasks = (leaves + LEAVES_A_TASK - 1) / LEAVES_A_TASK;
+    s->first_surfel = sl_allocate(leaves + 1, sizeof *s->first_surfel);
+    s->first_large = sl_allocate(leaves + 1, sizeof *s->first_large);
+    if (!s->first_surfel || !s->first_large) return sl_fail_memory(error, "the octree's triangles");
+    surfel_task task = {s, false};
+    sl_parallel_for(threads, tasks, sort_leaves, &task);
+    uint64_t surfels = 0;
+    for (size_t i = 0; i < leaves; i++) {
+        surfels += s->first_surfel[i + 1];
+        s->first_surfel[i + 1] += s->first_surfel[i];
+        s->first_large[i + 1] += s->first_large[i];
+    }
+    if (surfels > UINT32_MAX) return sl_fail_memory(error, "the octree's triangles");
+    s->large = sl_allocate(s->first_large[leaves], sizeof *s->large);
+    s->surfels.x = sl_allocate(7 * (size_t)surfels, sizeof *s->surfels.x);
+    if (!s->large || !s->surfels.x) return sl_fail_memory(error, "the octree's triangles");
+    float **const planes[6] = {&s->surfels.y, &s->surfels.z, &s->surfels.normal_x, &s->surfels.normal_y, &s->surfels.normal_z, &s->surfels.area};
+    for (size_t k = 0; k < 6; k++) *planes[k] = s->surfels.x + (k + 1) * (size_t)surfels;
+    task.fill = true;
+    sl_parallel_for(threads, tasks, sort_leaves, &task);
+    return SL_OK;
+}
+
+/* ---- creating ---- */
+
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, double small_edge, unsigned threads,
+                                 sl_surroundings **result, sl_error *error) {
     *result = NULL;
     sl_surroundings *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "the octree's nodes");
-    *s = (sl_surroundings){.scene = scene, .octree = octree, .share = share};
+    *s = (sl_surroundings){.scene = scene, .octree = octree, .share = share, .small_edge = small_edge};
+    s->kernel = sl_surfel_kernel_for(sl_isa_best());
     int depth = octree->depth;
     s->count[depth] = octree->leaf_count;
     s->code[depth] = sl_allocate(octree->leaf_count, sizeof **s->code);
     sl_status status = s->code[depth] ? SL_OK : sl_fail_memory(error, "the octree's nodes");
     for (size_t i = 0; status == SL_OK && i < octree->leaf_count; i++) s->code[depth][i] = (uint32_t)octree->leaf[i].morton;
     for (int level = depth - 1; status == SL_OK && level >= 0; level--) status = make_level(s, level, error);
+    if (status == SL_OK) status = make_surfels(s, threads, error);
     if (status != SL_OK) sl_surroundings_destroy(s);
     else *result = s;
     return status;
@@ -49,13 +135,18 @@ void sl_surroundings_destroy(sl_surroundings *s) {
         sl_free(s->code[level]);
         sl_free(s->first_child[level]);
     }
+    sl_free(s->surfels.x);
+    sl_free(s->first_surfel);
+    sl_free(s->first_large);
+    sl_free(s->large);
     sl_free(s);
 }
 
 size_t sl_surroundings_bytes(const sl_surroundings *s) {
     size_t bytes = sizeof *s;
     for (int level = 0; level <= s->octree->depth; level++) bytes += (2 * s->count[level] + 1) * sizeof(uint32_t);
-    return bytes;
+    size_t leaves = s->octree->leaf_count;
+    return bytes + (2 * leaves + 2 + s->first_large[leaves] + 7 * (size_t)s->first_surfel[leaves]) * sizeof(uint32_t);
 }
 
 /* ---- one ellipsoid ---- */
@@ -65,10 +156,10 @@ typedef struct search {
     const sl_ellipsoid *e;
     sl_vec3d low, high;      /* the ellipsoid's box, in units of the root cube */
     double least_cosine, stretch; /* stretch: 1/f^2 - 1 */
-    bool has_normal;
+    bool has_normal, exact;
+    sl_surfel_query small;
     sl_surroundings_marks *marks;
-    sl_strewn_area area;
-    double front_height, back_height; /* area times the planes' heights above the centre */
+    sl_surfel_sums sums;     /* heights are those of the triangles' planes above the centre */
 } search;
 
 /* delta^2, about the centre. */
@@ -99,23 +190,27 @@ static void visit_triangle(search *q, uint32_t t) {
     sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[2][t])), q->e->centre);
     double area = share * area_inside(q, a, b, c);
     if (!(area > 0.0)) return;
+    double height = q->has_normal ? sl_dotd(n, a) / cosine : 0.0;
     if (q->has_normal && cosine < 0.0) {
-        q->area.back += area;
-        q->back_height += area * sl_dotd(n, a) / cosine;
+        q->sums.back += area;
+        q->sums.back_height += area * height;
     } else {
-        q->area.front += area;
-        if (q->has_normal) q->front_height += area * sl_dotd(n, a) / cosine;
+        q->sums.front += area;
+        q->sums.front_height += area * height;
     }
 }
 
 static void visit_leaf(search *q, uint32_t index) {
-    const sl_octree_leaf *leaf = &q->s->octree->leaf[index];
-    const uint32_t *triangle = q->s->octree->triangle + leaf->first_triangle;
-    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
+    const sl_surroundings *s = q->s;
+    const sl_octree_leaf *leaf = &s->octree->leaf[index];
+    const uint32_t *triangle = q->exact ? s->octree->triangle + leaf->first_triangle : s->large + s->first_large[index];
+    uint32_t count = q->exact ? leaf->triangle_count : s->first_large[index + 1] - s->first_large[index];
+    for (uint32_t i = 0; i < count; i++) {
         if (q->marks->mark[triangle[i]] == q->marks->query) continue;
         q->marks->mark[triangle[i]] = q->marks->query;
         visit_triangle(q, triangle[i]);
     }
+    if (!q->exact) s->kernel(&s->surfels, s->first_surfel[index], s->first_surfel[index + 1], &q->small, &q->sums);
 }
 
 static void visit_node(search *q, int level, uint32_t node) {
@@ -143,6 +238,9 @@ static double extent(const sl_ellipsoid *e, double cosine) {
 sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine, sl_surroundings_marks *marks) {
     search q = {.s = s, .e = e, .least_cosine = least_cosine, .stretch = 1.0 / (e->flatness * e->flatness) - 1.0, .marks = marks};
     q.has_normal = sl_dotd(e->normal, e->normal) > 0.0;
+    q.exact = !(e->radius * e->flatness >= s->small_edge);
+    q.small = (sl_surfel_query){sl_to_float(e->centre), sl_to_float(e->normal), (float)q.stretch, (float)(e->radius * e->radius),
+                                q.has_normal ? (float)least_cosine : -1.0f};
     if (++marks->query == 0) { /* all numbers used up */
         memset(marks->mark, 0, s->scene->triangle_count * sizeof *marks->mark);
         marks->query = 1;
@@ -154,8 +252,8 @@ sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid
     q.high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, reach), s->octree->origin), scale), margin);
     if (s->count[0] > 0) visit_node(&q, 0, 0);
     /* Both windings at one height are one sheet whose triangles turn either way. */
-    double front = q.area.front, back = q.area.back;
+    double front = q.sums.front, back = q.sums.back;
     bool both = front > 0.1 * back && back > 0.1 * front;
-    q.area.sheet = !both || fabs(q.front_height / front - q.back_height / back) < 1e-3 * e->radius;
-    return q.area;
+    bool sheet = !both || fabs(q.sums.front_height / front - q.sums.back_height / back) < 1e-3 * e->radius;
+    return (sl_strewn_area){front, back, sheet};
 }

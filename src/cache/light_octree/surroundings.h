@@ -4,19 +4,29 @@
 
 #include "cache/light_octree/octree.h"
 #include "cache/light_octree/photon_area.h"
+#include "cache/light_octree/surfel_kernels.h"
 
-/* The octree's inner nodes, which leaves in Morton order alone do not have. Immutable. */
+/* The octree's inner nodes, which leaves in Morton order alone do not have. Immutable.
+ *
+ * A fine mesh has thousands of triangles in an ellipsoid: those that are small against it count as points, whole or not at all, in
+ * the leaf that their centroid lies in. Where the ellipsoid is small against them they are cut exactly like all others. */
 typedef struct sl_surroundings {
     const sl_scene *scene;
     const sl_octree *octree;                            /* with triangles */
+    double small_edge;                                  /* small triangles have no longer edge */
+    sl_surfels surfels;
+    uint32_t *first_surfel;                             /* of each leaf: leaf_count + 1 */
+    uint32_t *first_large, *large;                      /* each leaf's triangles that are not small */
+    sl_surfel_kernel *kernel;
     size_t count[SL_OCTREE_DEPTH_MAX + 1];              /* nodes of each level; level 0: the root */
     uint32_t *code[SL_OCTREE_DEPTH_MAX + 1];            /* their Morton codes, ascending */
     uint32_t *first_child[SL_OCTREE_DEPTH_MAX + 1];     /* count + 1, in the next level */
     const float *share;                                 /* of each triangle's area that counts (coplanar duplicates); NULL: all */
 } sl_surroundings;
 
-sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, sl_surroundings **surroundings,
-                                 sl_error *error);
+/* small_edge 0: none is small. */
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, double small_edge, unsigned threads,
+                                 sl_surroundings **surroundings, sl_error *error);
 void sl_surroundings_destroy(sl_surroundings *surroundings);
 size_t sl_surroundings_bytes(const sl_surroundings *surroundings);
 

@@ -101,11 +101,13 @@ static voxel_gather gather_photons(const sl_voxel_work *work, const sl_photon_qu
     return gather;
 }
 
-/* A for the photons in front and behind. What is next to nothing (photons beside the geometry) is taken for the disc. */
-static void areas_of(const sl_voxel_work *work, const sl_voxel_light_options *o, const voxel_gather *gather, voxel_worker *w,
+/* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing (photons beside the geometry) is
+ * taken for the disc. */
+static double areas_of(const sl_voxel_work *work, const sl_voxel_light_options *o, const voxel_gather *gather, voxel_worker *w,
                      double area[2]) {
     const sl_ellipsoid *e = &gather->ellipsoid;
     double disc = sl_disc_area(e);
+    double all = 0.0;
     area[0] = area[1] = disc;
     if (o->area == SL_PHOTON_AREA_SECTION) {
         double length = sl_lengthd(gather->mean_normal);
@@ -116,12 +118,14 @@ static void areas_of(const sl_voxel_work *work, const sl_voxel_light_options *o,
     } else if (o->area == SL_PHOTON_AREA_CLIP) {
         sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
         bool together = strewn.sheet || !work->by_side;
-        area[0] = together ? strewn.front + strewn.back : strewn.front;
-        area[1] = together ? strewn.front + strewn.back : strewn.back;
+        all = strewn.front + strewn.back;
+        area[0] = together ? all : strewn.front;
+        area[1] = together ? all : strewn.back;
     }
     for (int side = 0; side < 2; side++) {
         if (!(area[side] > 1e-3 * disc)) area[side] = disc;
     }
+    return all > 1e-3 * disc ? all : area[0];
 }
 
 /* ---- P4: lights ---- */
@@ -130,7 +134,8 @@ typedef struct voxel_result {
     int lights;
     double irradiance[2];      /* E, luminance, on either side */
     sl_lobe_spread spread;
-    double area;
+    double surface;            /* area of all the surfaces that the photons were strewn over */
+    double density;            /* flux over that area: luminance */
 } voxel_result;
 
 static double luminance_of(const sl_lobe_photons *photons) {
@@ -154,7 +159,8 @@ static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_
                                 sl_vec3 normal, sl_directional_light *light) {
     double area[2], scale[2];
     voxel_result result = {0};
-    areas_of(work, o, gather, w, area);
+    result.surface = areas_of(work, o, gather, w, area);
+    result.density = gather->kappa * (luminance_of(&gather->front) + luminance_of(&gather->back)) / result.surface;
     const sl_lobe_photons *photons[2] = {&gather->front, &gather->back};
     for (int side = 0; side < 2; side++) {
         scale[side] = gather->kappa / area[side];
@@ -170,7 +176,6 @@ static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_
         int back = front_share(result.irradiance, room) < room ? room - result.lights : 0;
         result.lights += sl_lobes_of_photons(photons[1], o, scale[1], sl_neg(normal), back, light + result.lights, &result.spread);
     }
-    result.area = photons[1]->count == 0 ? area[0] : photons[0]->count == 0 ? area[1] : 0.5 * (area[0] + area[1]);
     return result;
 }
 
@@ -213,7 +218,8 @@ static float power_ratio(const voxel_gather *gather) {
 static void report_set(sl_voxel_set *set, const voxel_result *result) {
     const sl_lobe_spread *s = &result->spread;
     set->lights = (uint8_t)result->lights;
-    set->area = (float)result->area;
+    set->area = (float)result->surface;
+    set->density = (float)result->density;
     set->irradiance = (float)(result->irradiance[0] + result->irradiance[1]);
     set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
     set->mean_angle = s->weight > 0.0 ? (float)(s->angle / s->weight) : 0.0f;
@@ -333,7 +339,7 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     sl_status status = SL_OK;
     if (work->octree->depth > 1) status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
     if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP) {
-        status = sl_surroundings_create(work->scene, work->geometry, NULL, &work->surroundings, error);
+        status = sl_surroundings_create(work->scene, work->geometry, NULL, o->radius / 16.0, work->workers, &work->surroundings, error);
     }
     size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree, work->geometry) : 0;
     for (unsigned i = 0; status == SL_OK && i < work->workers; i++) status = create_worker(lights, pieces, &work->worker[i], error);
@@ -464,7 +470,7 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
         s->max_power_ratio = (double)set->power_ratio > s->max_power_ratio ? (double)set->power_ratio : s->max_power_ratio;
         s->rms_angle += e * rms * rms;
         s->mean_angle += e * (double)set->mean_angle;
-        s->flux += e * (double)octree->leaf[set->leaf].area / (double)in_leaf;
+        s->flux += (double)set->density * (double)octree->leaf[set->leaf].area / (double)in_leaf;
         weight += e;
     }
     double lit = s->lit > 0 ? (double)s->lit : 1.0;

@@ -37,8 +37,9 @@ typedef struct sl_voxel_set {
     uint32_t leaf;
     uint32_t photons;      /* gathered */
     float radius;          /* R */
-    float area;            /* A, both sides together where both are lit */
-    float irradiance;      /* E, luminance */
+    float area;            /* of the surfaces that the photons lie on, both faces of a wall together */
+    float irradiance;      /* E, luminance; the sum of both sides */
+    float density;         /* flux over that area */
     float rms_angle, mean_angle; /* the spread of the clusters: radians, by weight */
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
@@ -73,7 +74,7 @@ typedef struct sl_voxel_statistics {
     double rms_angle;        /* sqrt of the mean square, by irradiance: radians */
     double axis_angle;       /* the same along one tangent axis: rms / sqrt(2) */
     double mean_angle;
-    double flux;             /* sum of E times the voxel's own area: luminance, W */
+    double flux;             /* sum of flux density times the voxel's own area: luminance, W */
     double max_power_ratio;
 } sl_voxel_statistics;
 void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree, sl_voxel_statistics *statistics);
