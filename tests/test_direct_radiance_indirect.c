@@ -67,18 +67,19 @@ static void assert_same_bits(planes a, planes b) {
 
 static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) { return sl_v3(x[i], y[i], z[i]); }
 
-/* The double loop, in floats and in index order. */
+/* The double loop, in floats; even and odd photons in index order, and the sum of both. */
 static planes plain_loop(const sl_receivers *r, const sl_map_photons *photons, sl_photon_weight weight) {
     planes p = make_planes(PIXELS);
     const sl_gbuffer *g = r->gbuffer;
     for (size_t i = 0; i < PIXELS; i++) {
         if (g->material[i] == SL_NO_INDEX) continue;
-        sl_rgb e = {0.0f, 0.0f, 0.0f};
+        sl_rgb half[2] = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, e;
         for (size_t j = 0; j < photons->count; j++) {
-            e = sl_rgb_add(e, sl_photon_irradiance(photons, j, weight, at(g->position_x, g->position_y, g->position_z, i),
-                                                   at(g->geometric_x, g->geometric_y, g->geometric_z, i),
-                                                   at(g->normal_x, g->normal_y, g->normal_z, i)));
+            half[j % 2] = sl_rgb_add(half[j % 2], sl_photon_irradiance(photons, j, weight, at(g->position_x, g->position_y, g->position_z, i),
+                                                                   at(g->geometric_x, g->geometric_y, g->geometric_z, i),
+                                                                   at(g->normal_x, g->normal_y, g->normal_z, i)));
         }
+        e = sl_rgb_add(half[0], half[1]);
         p.value[0][i] = g->diffuse_r[i] * (float)(1.0 / SL_PI) * e.r;
         p.value[1][i] = g->diffuse_g[i] * (float)(1.0 / SL_PI) * e.g;
         p.value[2][i] = g->diffuse_b[i] * (float)(1.0 / SL_PI) * e.b;

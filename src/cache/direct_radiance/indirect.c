@@ -1,8 +1,9 @@
 /* Pass 7: indirect light of receivers by (10), L_r = sum over photons f_r E_j.
  *
- * Where photons and receivers are Lambertian that is one sum of irradiances (the kernel in weight_kernels.c). Whatever else is wanted
- * of a photon (its lobe, the receiver's, whether it is seen, which half of the photons it belongs to) is done with its weight
- * first, photon by photon, in the same order and with the same bits. */
+ * Where photons and receivers are Lambertian that is a sum of irradiances (the kernel in weight_kernels.c). Whatever else is wanted
+ * of a photon (its lobe, the receiver's, whether it is seen) is done with its weight first, photon by photon, in the same order and
+ * with the same bits. Even and odd photons have sums of their own, which are added at the end: their difference tells how much the
+ * whole depends on which photons were taken. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -27,7 +28,7 @@ typedef struct {
     sl_pbuffer *texture[TEXTURES];
     sl_photon_textures textures;
     bool plain;                 /* all photons are Lambertian, and of one form */
-    float share[2];             /* of an even and an odd photon in the difference of the two half sums */
+    float share[2];             /* of the even and the odd photons' sum in half the difference of what each would be alone */
     sl_sight *sight;            /* NULL: photons are seen from everywhere */
     sl_receiver_kernels kernels;
     sl_sight_kernels sight_kernels;
@@ -125,13 +126,9 @@ static void weigh_unseen(const void *context, const sl_receiver_tile *tile, size
     weigh(p, tile, j, &p->photon[j], weight);
 }
 
-/* colour times weight, to a sum and, with its sign, to the difference of the half sums. */
-static void add(const indirect_pass *p, size_t count, size_t j, sl_rgb colour, const float *weight, const float *visible,
-                float (*sum)[SL_TILE_PIXELS], float (*difference)[SL_TILE_PIXELS]) {
+static void add(const indirect_pass *p, size_t count, sl_rgb colour, const float *weight, const float *visible,
+                float (*sum)[SL_TILE_PIXELS]) {
     p->kernels.light.accumulate(count, colour, weight, visible, sum[0], sum[1], sum[2]);
-    if (!p->spread) return;
-    sl_rgb signed_colour = sl_rgb_scale(colour, p->share[j % 2]);
-    p->kernels.light.accumulate(count, signed_colour, weight, visible, difference[0], difference[1], difference[2]);
 }
 
 /* Of this photon and the next ones. */
@@ -141,7 +138,7 @@ static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t fir
 }
 
 static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_sight *around,
-                       sl_tile_light *sum, sl_tile_light *difference, sl_counters *counters) {
+                       sl_tile_light *sum, sl_counters *counters) {
     const sl_photon_registers r = supply(p, j);
     const sl_rgb colour = {r.red, r.green, r.blue};
     const size_t count = tile->padded;
@@ -152,55 +149,59 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
         if (j % SL_SIGHT_PHOTONS == 0) see(p, tile, j, around, counters);
         p->sight_kernels.tell(count, around, j % SL_SIGHT_PHOTONS, visible);
     }
-    add(p, count, j, colour, weight, visible, sum->irradiance, difference->irradiance);
+    add(p, count, colour, weight, visible, sum->irradiance);
     if (p->lobe) {
         p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
         p->kernels.multiply(count, weight, of_photon);
-        add(p, count, j, p->lobe[j].colour, of_photon, visible, sum->irradiance, difference->irradiance);
+        add(p, count, p->lobe[j].colour, of_photon, visible, sum->irradiance);
     }
     if (!glossy) return;
     p->kernels.receiver_lobe(tile, sl_v3(r.x, r.y, r.z), false, of_receiver);
     p->kernels.multiply(count, of_receiver, weight);
-    add(p, count, j, colour, weight, visible, sum->lobe, difference->lobe);
+    add(p, count, colour, weight, visible, sum->lobe);
     if (!p->lobe) return;
     p->kernels.multiply(count, of_receiver, of_photon);
-    add(p, count, j, p->lobe[j].colour, of_photon, visible, sum->lobe, difference->lobe);
+    add(p, count, p->lobe[j].colour, of_photon, visible, sum->lobe);
 }
 
 /* ---- a tile ---- */
 
-static void sum_plainly(const indirect_pass *p, const sl_receiver_tile *tile, sl_tile_light *sum) {
+static void sum_plainly(const indirect_pass *p, const sl_receiver_tile *tile, sl_tile_light half[2]) {
     const sl_photon_weight weight = p->pass->weight;
     const bool cosine = sl_weight_is_cosine(weight);
     if (p->pass->supply == SL_PHOTONS_IN_TEXTURES)
-        p->kernels.fetch(tile, &p->textures, p->count, cosine, sum->irradiance);
+        p->kernels.fetch(tile, &p->textures, p->count, cosine, half);
     else if (p->pass->supply == SL_PHOTONS_BY_FRAGMENTS)
-        p->kernels.compute(tile, p->pass->photons->photon, p->terms, p->count, weight, sum->irradiance);
+        p->kernels.compute(tile, p->pass->photons->photon, p->terms, p->count, weight, half);
     else
-        p->kernels.sum(tile, p->photon, p->count, cosine, sum->irradiance);
+        p->kernels.sum(tile, p->photon, p->count, cosine, half);
 }
 
-static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, const sl_tile_light *difference) {
+static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, const sl_tile_light half[2]) {
     float radiance[3][SL_TILE_PIXELS];
-    p->kernels.reflect(tile, difference, glossy, radiance);
+    sl_tile_light difference;
+    p->kernels.combine(tile->padded, glossy, half, p->share, &difference);
+    p->kernels.reflect(tile, &difference, glossy, radiance);
     for (size_t i = 0; i < tile->count; i++)
         p->spread[tile->pixel[i]] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
 }
 
 static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
     const indirect_pass *p = context;
-    sl_tile_light sum = {.irradiance = {{0.0f}}}, difference = {.irradiance = {{0.0f}}};
+    static const float whole[2] = {1.0f, 1.0f};
+    sl_tile_light half[2] = {{.irradiance = {{0.0f}}}, {.irradiance = {{0.0f}}}}, sum;
     sl_tile_sight around;
-    if (p->plain && !p->sight && !glossy && !p->spread) {
-        sum_plainly(p, tile, &sum);
+    if (p->plain && !p->sight && !glossy) {
+        sum_plainly(p, tile, half);
     } else {
         if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
-        for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &sum, &difference, counters);
+        for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &half[j % 2], counters);
     }
+    p->kernels.combine(tile->padded, glossy, half, whole, &sum);
     float radiance[3][SL_TILE_PIXELS];
     p->kernels.reflect(tile, &sum, glossy, radiance);
     sl_receiver_tile_add(tile, radiance, p->width, p->picture->indirect);
-    if (p->spread) set_spread(p, tile, glossy, &difference);
+    if (p->spread) set_spread(p, tile, glossy, half);
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
     if (p->pass->supply == SL_PHOTONS_IN_TEXTURES) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, TEXTURES * tile->count * p->count);
 }

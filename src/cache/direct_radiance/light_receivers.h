@@ -35,9 +35,9 @@ typedef struct sl_light_pass {
 /* Adds direct light to picture->direct. Pixels of mirrors, of emitters' black surfaces and of the background stay as they are. */
 sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, sl_counters *counters,
                             sl_error *error);
-/* Adds indirect light to picture->indirect: every pixel sums its photons in index order in eight fixed lanes and a fixed tree, or one
- * accumulator: the same bits at any number of threads. spread (a plane, or NULL) gets half the difference of the luminances that the even
- * and the odd photons alone would give: what the pixel's sum is uncertain by. */
+/* Adds indirect light to picture->indirect: every pixel sums its even and its odd photons, each in index order, and adds the two sums:
+ * the same bits at any number of threads. spread (a plane, or NULL) gets half the difference of the luminances that the even and the odd
+ * photons alone would give: what the pixel's sum is uncertain by. */
 sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, float *spread,
                               sl_counters *counters, sl_error *error);
 

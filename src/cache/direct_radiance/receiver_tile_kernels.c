@@ -37,3 +37,18 @@ void SL_KERNEL(sl_receivers_reflect)(const sl_receiver_tile *t, const sl_tile_li
         for (size_t i = 0; i < count; i++) out[i] += ks[i] * l[i];
     }
 }
+
+void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum) {
+    const float of_even = share[0], of_odd = share[1];
+    for (int c = 0; c < 3; c++) {
+        const float *restrict even = half[0].irradiance[c], *restrict odd = half[1].irradiance[c];
+        float *restrict out = sum->irradiance[c];
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) out[i] = of_even * even[i] + of_odd * odd[i];
+        const float *restrict even_lobe = half[0].lobe[c], *restrict odd_lobe = half[1].lobe[c];
+        float *restrict out_lobe = sum->lobe[c];
+        if (!glossy) continue;
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) out_lobe[i] = of_even * even_lobe[i] + of_odd * odd_lobe[i];
+    }
+}

@@ -1,5 +1,5 @@
-/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has one accumulator a channel: the
- * order of every pixel's sum is the photons' own. */
+/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has two accumulators a channel, for
+ * even and for odd photons: the order of every pixel's sums is the photons' own. */
 #include "cache/direct_radiance/receiver_kernels.h"
 
 static inline sl_vec3 receiver(const sl_receiver_tile *t, size_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
@@ -24,37 +24,37 @@ static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registe
 }
 
 void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
-                               float (*irradiance)[SL_TILE_PIXELS]) {
+                               sl_tile_light half[2]) {
     if (cosine) {
-        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, 0, tile->padded, irradiance);
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, 0, tile->padded, half[j % 2].irradiance);
     } else {
-        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, 0, tile->padded, irradiance);
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, 0, tile->padded, half[j % 2].irradiance);
     }
 }
 
 /* ---- sixteen fragments at a time, each of which reads its photons itself ---- */
 
 void SL_KERNEL(sl_photons_fetch)(const sl_receiver_tile *tile, const sl_photon_textures *photons, size_t count, bool cosine,
-                                 float (*irradiance)[SL_TILE_PIXELS]) {
+                                 sl_tile_light half[2]) {
     for (size_t first = 0; first < tile->padded; first += SL_TILE_LANES) {
         for (size_t j = 0; j < count; j++) {
             const float *const *plane = photons->plane;
             sl_photon_registers p = {plane[0][j], plane[1][j], plane[2][j], plane[3][j], plane[4][j],  plane[5][j],
                                      plane[6][j], plane[7][j], plane[8][j], plane[9][j], plane[10][j], plane[11][j]};
-            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, irradiance);
-            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, irradiance);
+            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, half[j % 2].irradiance);
+            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, half[j % 2].irradiance);
         }
     }
 }
 
 void SL_KERNEL(sl_photons_compute)(const sl_receiver_tile *tile, const sl_map_photon *photons, const sl_weight_terms *terms, size_t count,
-                                   sl_photon_weight weight, float (*irradiance)[SL_TILE_PIXELS]) {
+                                   sl_photon_weight weight, sl_tile_light half[2]) {
     bool cosine = sl_weight_is_cosine(weight);
     for (size_t first = 0; first < tile->padded; first += SL_TILE_LANES) {
         for (size_t j = 0; j < count; j++) {
             sl_photon_registers p = sl_photon_registers_of(&photons[j], weight, terms[j]);
-            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, irradiance);
-            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, irradiance);
+            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, half[j % 2].irradiance);
+            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, half[j % 2].irradiance);
         }
     }
 }
