@@ -134,6 +134,31 @@ static void an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye(void
     sl_scene_destroy(scene);
 }
 
+static void a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_nothing(void **state) {
+    (void)state;
+    sl_scene *scene = furnished_room(2, 3);
+    sl_raster *raster = raster_of(scene);
+    uint64_t key = sl_random_key(41, 0);
+    int nothing = 0, missed = 0;
+    for (uint64_t i = 0; i < 300; i++) { /* eyes in and around the room, looking anywhere */
+        sl_vec3 eye = sl_v3(random_between(key, 4 * i, -8, 12), random_between(key, 4 * i + 1, -8, 12), random_between(key, 4 * i + 2, -8, 12));
+        sl_frame frame = sl_frame_from_normal(random_direction(key + 1, i));
+        sl_view view = sl_view_pyramid(&frame, eye, -0.3f, 0.3f, -0.3f, 0.3f, 32, 32, 0.01f);
+        uint32_t id[32 * 32];
+        float depth[32 * 32];
+        render(raster, &view, 1, id, depth);
+        int drawn = 0;
+        for (int k = 0; k < 32 * 32; k++) drawn += id[k] != SL_NO_INDEX;
+        bool meets = sl_raster_meets(raster, &view);
+        if (!meets) assert_int_equal(drawn, 0);
+        nothing += !meets;
+        missed += meets && !drawn;
+    }
+    assert_true(nothing > 100 && missed < 20);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
 static void vertices_that_are_not_finite_are_dropped_and_counted(void **state) {
     (void)state;
     float xyz[6 * 9];
@@ -280,6 +305,7 @@ int main(void) {
         cmocka_unit_test(plane_through_the_eyes_height_ends_at_the_horizon),
         cmocka_unit_test(vertex_at_the_eye_or_on_the_near_plane_is_harmless),
         cmocka_unit_test(an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye),
+        cmocka_unit_test(a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_nothing),
         cmocka_unit_test(vertices_that_are_not_finite_are_dropped_and_counted),
         cmocka_unit_test(every_triangle_is_accounted_for),
         cmocka_unit_test(clipping_many_together_gives_the_pieces_of_clipping_one_by_one),
