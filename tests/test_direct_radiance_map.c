@@ -82,6 +82,15 @@ static void add_panel(trace_mesh *mesh, float x, float y, float z, float size) {
     trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size), trace_mesh_material(mesh, 0, 0, 0, 0, 5));
 }
 
+static world lit_by_every_kind(const how *h) {
+    trace_mesh mesh = furnished();
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
+    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
+    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
+    return world_of(&mesh, h);
+}
+
 static uint64_t passes(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES]; }
 static uint64_t skipped(const world *w) { return w->counters.value[SL_COUNT_RASTER_PASSES_SKIPPED]; }
 
@@ -130,13 +139,8 @@ static double distance_to_triangle(const sl_scene *s, uint32_t t, sl_vec3 p) {
 
 static void every_position_lies_on_its_triangle_where_its_ray_points(void **state) {
     (void)state;
-    trace_mesh mesh = furnished();
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
-    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
     how h = by_default();
-    world w = world_of(&mesh, &h);
+    world w = lit_by_every_kind(&h);
     const sl_radiance_map *map = w.map;
     assert_int_equal(map->face_count, 6 + 1 + 1 + 5);
     for (size_t f = 0; f < map->face_count; f++) {
@@ -202,13 +206,8 @@ static sl_rgb direct_radiance(const world *w, const sl_map_light *light, size_t 
 
 static void the_radiance_picture_is_direct_light_at_the_same_points(void **state) {
     (void)state;
-    trace_mesh mesh = furnished();
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 1.1f, 2, 2.2f);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
-    add_panel(&mesh, 2.7f, 2.99f, 1.2f, 0.8f);
     how h = by_default();
-    world w = world_of(&mesh, &h);
+    world w = lit_by_every_kind(&h);
     int lit = 0;
     for (size_t f = 0; f < w.map->face_count; f++) {
         const sl_map_face *face = &w.map->face[f];

@@ -391,6 +391,28 @@ static void faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped(v
     discard(&w);
 }
 
+/* A narrow spot's texels are as much smaller as its cone is narrower than a face: the edge of a shadow that falls across it lies where it
+ * should to a fraction of a cube's texel. */
+static void a_narrow_spot_has_all_of_its_texels_in_its_cone(void **state) {
+    (void)state;
+    for (int narrow = 0; narrow < 2; narrow++) {
+        trace_mesh mesh = closed_room();
+        trace_mesh_quad(&mesh, sl_v3(0.03f, 0.5f, 0.5f), sl_v3(0.5f, 0, 0), sl_v3(0, 0, -1), 0);
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT, .position = {0, 1, 0}, .direction = {0, -1, 0}, .intensity = {1, 1, 1},
+                                                     .cos_inner = 0.99f, .cos_outer = narrow ? 0.98f : 0.72f};
+        world w = world_of(&mesh, 1, 64, 1);
+        float first = 0.0f, last = 0.0f; /* the edge lies at 0.06 */
+        for (int i = 0; i < 2000; i++) {
+            float x = 0.0001f * (float)i, lit = lit_at(&w, 0, sl_v3(x, 0, 0.01f), sl_v3(0, 1, 0));
+            if (lit == 1.0f) first = x;
+            if (lit > 0.0f) last = x;
+        }
+        float texel = 2.0f / 62.0f * (narrow ? 0.203f : 0.964f);
+        assert_true(last - first < 1.1f * texel && first < 0.06f + texel && last > 0.06f - texel);
+        discard(&w);
+    }
+}
+
 static void no_lights_means_no_cubes_and_no_cubes_means_all_lit(void **state) {
     (void)state;
     trace_mesh mesh = closed_room();
@@ -476,7 +498,7 @@ static void every_instruction_set_gives_the_same_bits(void **state) {
     uint64_t key = sl_random_key(3, 1);
     for (size_t i = 64; i < sizeof depth / sizeof *depth; i++) depth[i] = sl_random_unit(key, i);
     for (int directional = 0; directional < 2; directional++) {
-        sl_shadow_cube cube = {.depth = depth, .size = SIZE, .directional = directional, .eye = {0.1f, 0.2f, 0.3f}, .rounding = 1e-6f,
+        sl_shadow_cube cube = {.depth = depth, .size = SIZE, .directional = directional, .eye = {0.1f, 0.2f, 0.3f}, .rounding = 1e-6f, .tangent = 0.8f,
                                .frame = sl_frame_from_normal(sl_normalize_or(sl_v3(1, 2, 3), sl_v3(0, 0, 1))), .reach_x = 3, .reach_y = 2, .reach_z = 3};
         for (int side = 0; side < 5; side++) {
             cube.start[side] = 64 + side * SIZE * SIZE;
@@ -510,6 +532,7 @@ int main(void) {
         cmocka_unit_test(a_two_sided_light_sees_both_its_sides),
         cmocka_unit_test(a_bulging_lamp_does_not_shadow_itself),
         cmocka_unit_test(faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped),
+        cmocka_unit_test(a_narrow_spot_has_all_of_its_texels_in_its_cone),
         cmocka_unit_test(no_lights_means_no_cubes_and_no_cubes_means_all_lit),
         cmocka_unit_test(whatever_is_asked_the_answer_is_between_0_and_1),
         cmocka_unit_test(points_already_dark_stay_so_and_are_not_counted),

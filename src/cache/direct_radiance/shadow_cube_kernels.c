@@ -33,8 +33,8 @@ static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float 
                            const float *restrict pz, const float *restrict nx, const float *restrict ny, const float *restrict nz,
                            places *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
-    const float size = (float)map->size, half = 0.5f * (size - 2.0f), middle = 0.5f * size - 0.5f, last = size - 2.0f;
-    const float tangent = 2.0f / (size - 2.0f), rounding = map->rounding;
+    const float size = (float)map->size, half = 0.5f * (size - 2.0f) / map->tangent, middle = 0.5f * size - 0.5f, last = size - 2.0f;
+    const float tangent = 2.0f * map->tangent / (size - 2.0f), rounding = map->rounding;
     const int32_t width = map->size;
     const int32_t *restrict start = map->start, *restrict mask = map->mask;
     int32_t *restrict texel = out->texel;
@@ -133,7 +133,7 @@ static bool lies_before(const sl_shadow_cube *map, const places *at, size_t i, i
     const float *stored = map->depth;
     const int32_t size = map->size, place = k - (int32_t)sl_shadow_zeros(size), column = place % size, row = place / size % size;
     const float texel = map->directional ? (map->reach_x > map->reach_y ? map->reach_x : map->reach_y) / (map->reach_z * (float)size)
-                                         : 2.0f / (float)(size - 2) * stored[k];
+                                         : 2.0f * map->tangent / (float)(size - 2) * stored[k];
     const float excess = stored[k] - at->depth[i];
     if (excess <= at->change_x[i] + at->change_y[i]) return true;
     if (excess > 4.0f * texel) return false;

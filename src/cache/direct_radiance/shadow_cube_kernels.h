@@ -9,13 +9,15 @@ enum { SL_SHADOW_BLOCK = 128 };
 
 /* The depth pictures around a light point. A cube's hold 1/z, z along the picture's own axis, and have a border of one texel beyond 90
  * degrees, so that a filter never leaves its picture; a directional light's one holds 1 - d, d in [0,1] linear in depth. So in both
- * larger is nearer, 0 is empty, and a plane is a linear function. */
+ * larger is nearer, 0 is empty, and a plane is a linear function. A spot whose cone fits in the picture ahead has that one alone, no wider than
+ * the cone. */
 typedef struct sl_shadow_cube {
     float *depth;                    /* first a row of zeros, to which pictures without anything in them lead; then the pictures */
     int32_t start[SL_LIGHT_SIDES];   /* where in depth each side's picture begins; 0: it has none */
     int32_t mask[SL_LIGHT_SIDES];    /* all bits of a place in the picture, or none where there is no picture */
     int size;
     bool directional;
+    float tangent;                   /* of a cube's pictures: half their width at distance 1, without the border: 1, or a spot's own */
     sl_vec3 eye;                     /* directional: the box's centre */
     sl_frame frame;                  /* of the light */
     float reach_x, reach_y, reach_z; /* directional: half extents */

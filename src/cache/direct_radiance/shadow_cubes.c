@@ -36,7 +36,7 @@ typedef struct {
 static sl_view view_of_side(const drawing *d, const sl_map_light_point *point, const sl_shadow_cube *cube, int side, int half,
                             const float clearance[2]) {
     const sl_map_light *light = &d->lights->light[point->light];
-    double reach = (double)cube->size / (double)(cube->size - 2);
+    double reach = (double)cube->tangent * (double)cube->size / (double)(cube->size - 2);
     bool back = side == SL_LIGHT_BACK || half < 0;
     sl_light_picture picture = {point->position, sl_light_side(&cube->frame, side), -reach, reach, -reach, reach, cube->size, cube->size,
                                 back, clearance[back]};
@@ -135,6 +135,13 @@ static int size_of(const sl_map_lights *lights, uint32_t light, int size) {
     return result > SMALLEST ? result : SMALLEST;
 }
 
+/* A cone that the picture ahead holds wastes none of it. */
+static float tangent_of(const sl_map_light *light) {
+    if (light->kind != SL_MAP_LIGHT_SPOT || sl_light_shines_on(light, 1)) return 1.0f;
+    double c = (double)light->cos_outer, tangent = c < 1.0 ? sqrt(1.0 - c * c) / c : 0.0;
+    return tangent < 0.001 ? 0.001f : tangent < 1.0 ? (float)tangent : 1.0f;
+}
+
 static float rounding_of(const sl_scene *s) {
     const float coordinate[6] = {s->box_min.x, s->box_min.y, s->box_min.z, s->box_max.x, s->box_max.y, s->box_max.z};
     float most = 0.0f;
@@ -149,7 +156,7 @@ static sl_status draw_all(sl_shadow_cubes *cubes, const drawing *d, int size, sl
         const sl_map_light *light = &d->lights->light[point->light];
         sl_shadow_cube *cube = &cubes->cube[i];
         *cube = (sl_shadow_cube){.size = size_of(d->lights, point->light, size), .eye = point->position,
-                                 .frame = sl_light_frame(light), .rounding = rounding};
+                                 .frame = sl_light_frame(light), .tangent = tangent_of(light), .rounding = rounding};
         sl_status status = SL_OK;
         if (is_dark(point->intensity) || !sl_is_finite(point->position)) {
             sl_count(d->counters, SL_COUNT_RASTER_PASSES_SKIPPED, light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 1 : SL_LIGHT_SIDES);

@@ -8,7 +8,8 @@
 
 typedef struct sl_shadow_cubes sl_shadow_cubes;
 
-/* A depth cube for every light point, a parallel map for a directional one; size texels a side of a face, and less where an area light is
+/* A depth cube for every light point, a parallel map for a directional one; size texels a side of a face (of a
+ * spot that fits in one face, over its cone alone), and less where an area light is
  * divided (its n x n cubes together have n times the texels of one) or lights are so many that their cubes would take more than 128 MiB.
  * Faces that no receiver can need (behind a one-sided area light, outside a spot's cone, without geometry) are not drawn, and counted as
  * skipped. */
