@@ -115,7 +115,11 @@ static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j
         return;
     }
     const sl_light_points points = sl_receiver_tile_points(tile);
-    float pi[2][SL_TILE_PIXELS];
+    float pi[2][SL_TILE_PIXELS], any = 0.0f;
+    for (size_t i = 0; i < tile->padded; i++) pi[0][i] = 1.0f;
+    p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
+    for (size_t i = 0; i < tile->padded; i++) any = weight[i] > any ? weight[i] : any;
+    if (!(any > 0.0f)) return; /* all of the tile is behind the photon: in a room, often */
     for (int t = 0; t < 2; t++) p->kernels.light.polygon(&points, &p->polygon[j].triangle[t], pi[t]);
     for (size_t i = 0; i < tile->padded; i++) pi[0][i] += pi[1][i];
     p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);

@@ -99,18 +99,19 @@ typedef struct sl_photon_polygon {
     sl_polygon_light triangle[2];
 } sl_photon_polygon;
 
-/* Pi / A_q, where some of the polygon is above the receiver's plane. pi: Lambert's formula, above the shading normal's horizon. */
+/* Pi / A_q, where the receiver is before the polygon and some of that above the receiver's plane. pi: Lambert's formula, above the
+ * shading normal's horizon. */
 static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_photon_polygon *polygon, sl_vec3 x, sl_vec3 geometric,
                                       float pi) {
     float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
-    float squared = dx * dx + dy * dy + dz * dz;
+    float squared = dx * dx + dy * dy + dz * dz, there = -(p->nx * dx + p->ny * dy + p->nz * dz);
     bool above = false;
     for (int c = 0; c < 4; c++) {
         const sl_vec3 q = polygon->corner[c];
         above |= geometric.x * (q.x - x.x) + geometric.y * (q.y - x.y) + geometric.z * (q.z - x.z) > 0.0f;
     }
     float value = pi * polygon->over_area;
-    bool good = above & (squared > p->nearest) & (value <= 0x1p126f);
+    bool good = above & (there > 0.0f) & (squared > p->nearest) & (value <= 0x1p126f);
     return good ? value : 0.0f;
 }
 
