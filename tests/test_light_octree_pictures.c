@@ -189,6 +189,47 @@ static void caustics_are_a_part_of_indirect_light_and_that_of_all(void **state) 
     sl_scene_destroy(diffuse);
 }
 
+/* ---- the atlas ---- */
+
+static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-mirror.json");
+    sl_settings settings = octree_settings(48);
+    settings.light_octree.photons = 20000;
+    sl_image *octree = render(scene, &settings, NULL);
+    settings.light_octree.atlas = true;
+    settings.light_octree.atlas_size = 512;
+    sl_image *atlas = render(scene, &settings, NULL);
+    sl_comparison c;
+    assert_int_equal(sl_image_compare(atlas, octree, NULL, &c, NULL, NULL), SL_OK);
+    print_message("relRMSE between the two %.2f %%, bias %.2f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
+    assert_true(!c.identical && c.rel_mse < 1e-3);
+    sl_image_destroy(octree);
+    sl_image_destroy(atlas);
+    sl_scene_destroy(scene);
+}
+
+static void a_new_camera_looks_its_light_up_in_the_atlas_that_is_there(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(24);
+    settings.light_octree.photons = 5000;
+    settings.light_octree.depth = 4;
+    settings.light_octree.atlas = true;
+    settings.light_octree.atlas_size = 256;
+    settings.light_octree.indirect_only = true;
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    run_to_end(method);
+    uint64_t baked = sl_method_counters(method)->value[SL_COUNT_TEXTURE_FETCHES];
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    run_to_end(method);
+    uint64_t looked_up = sl_method_counters(method)->value[SL_COUNT_TEXTURE_FETCHES] - baked;
+    assert_true(looked_up <= 24 * 24);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 /* ---- nothing there ---- */
 
 static void without_light_or_reflection_no_photon_flies(void **state) {
@@ -230,6 +271,8 @@ int main(void) {
         cmocka_unit_test(pictures_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(mirrors_show_what_they_reflect),
         cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
+        cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
+        cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),
         cmocka_unit_test(a_scene_that_stores_no_photon_ends_too),
     };

@@ -41,6 +41,7 @@ typedef struct octree_state {
     sl_photon_list *photons;    /* until the tree takes them */
     sl_photon_tree *tree;
     octree_level shown, next;
+    sl_lit_atlas *atlas;        /* as long as the geometry stays; NULL where it is not asked for */
 
     sl_gbuffer *gbuffer;
     sl_reflections *reflections;
@@ -85,6 +86,8 @@ static void forget_light(octree_state *s) {
 }
 
 static void forget_geometry(octree_state *s) {
+    sl_lit_atlas_destroy(s->atlas);
+    s->atlas = NULL;
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     s->tracer = NULL;
@@ -241,6 +244,7 @@ static sl_status finish_level(octree_state *s, sl_error *error) {
     forget_level(&s->shown);
     s->shown = s->next;
     s->next = (octree_level){NULL, NULL, NULL};
+    if (s->atlas) s->atlas->filled[SL_ATLAS_FRONT] = s->atlas->filled[SL_ATLAS_BACK] = false;
     s->phase = PHASE_SHADE;
     return status;
 }
@@ -254,16 +258,39 @@ static sl_status light_leaves(octree_state *s, sl_error *error) {
 
 /* ---- R1: pixels ---- */
 
+/* G2 to G4 once; its light is that of the octree that is shown. */
+static sl_status ready_atlas(octree_state *s, sl_error *error) {
+    if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
+    sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads, &s->atlas, error);
+    announce(s, "atlas", "section 4.2", NULL);
+    return status;
+}
+
+static sl_status light_pixels(octree_state *s, sl_error *error) {
+    const sl_light_octree_settings *o = &s->settings.light_octree;
+    sl_octree_shading shading = {.texture = s->shown.texture, .filter = o->filter, .keep_void_dark = o->keep_void_dark};
+    sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    sl_octree_pixels pixels = {.scene = s->scene,
+                               .raster = s->raster,
+                               .view = &view,
+                               .gbuffer = s->gbuffer,
+                               .reflections = s->reflections,
+                               .shading = &shading,
+                               .atlas = s->atlas,
+                               .eye = s->scene->camera.eye,
+                               .threads = s->settings.threads};
+    return sl_octree_light_pixels(&pixels, s->indirect_light, &s->counters, error);
+}
+
 static sl_status shade(octree_state *s, sl_error *error) {
-    sl_octree_shading shading = {.texture = s->shown.texture, .filter = s->settings.light_octree.filter,
-                                 .keep_void_dark = s->settings.light_octree.keep_void_dark};
-    sl_status status = sl_octree_shade_gbuffer(&shading, s->scene, s->gbuffer, s->scene->camera.eye, s->settings.threads, s->indirect_light[0],
-                                               s->indirect_light[1], s->indirect_light[2], &s->counters, error);
-    if (status != SL_OK) return status;
     char name[48];
-    snprintf(name, sizeof name, "indirect light, depth %d", s->shown.octree->depth);
+    int depth = s->shown.octree->depth;
+    sl_status status = ready_atlas(s, error);
+    if (status == SL_OK) status = light_pixels(s, error);
+    if (status != SL_OK) return status;
+    snprintf(name, sizeof name, "indirect light, depth %d", depth);
     announce(s, name, "section 4", s->indirect_light[0]);
-    s->depth = s->shown.octree->depth + 1;
+    s->depth = depth + 1;
     s->phase = s->depth <= s->settings.light_octree.depth ? PHASE_OCTREE : PHASE_DONE;
     return status;
 }
@@ -389,6 +416,7 @@ static size_t octree_memory_bytes(const void *state) {
     bytes += level_bytes(&s->shown) + level_bytes(&s->next);
     if (s->photons) bytes += s->photons->count * sizeof(sl_photon);
     if (s->tree) bytes += sl_photon_tree_bytes(s->tree);
+    if (s->atlas) bytes += sl_lit_atlas_bytes(s->atlas);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     return bytes;

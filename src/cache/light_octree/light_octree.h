@@ -10,8 +10,9 @@
  *   cluster.c         P4: K-means on their directions
  *   voxel_lights.c    P3 and P4 for every voxel
  *   voxel_texture.c   P5: all of it in textures, as the hardware holds it
- *   shade.c           R1: pixels lit from the octree
+ *   shade.c           R1: surface points lit from the octree
  *   atlas/            G2 to G4, R1' and R2: the same by way of a texture atlas
+ *   pixels.c          which pixels go which way
  *   reflect.c         what mirrors show
  *   direct_photons.c  the photon map shown as it is: what the octree is compared with
  */
@@ -19,6 +20,7 @@
 #define SL_CACHE_LIGHT_OCTREE_H
 
 #include "cache/direct/direct.h"
+#include "cache/light_octree/pixels.h"
 #include "cache/light_octree/plan.h"
 #include "cache/light_octree/reflect.h"
 #include "cache/light_octree/shade.h"
