@@ -154,7 +154,9 @@ size_t sl_surroundings_bytes(const sl_surroundings *s) {
 typedef struct search {
     const sl_surroundings *s;
     const sl_ellipsoid *e;
-    sl_vec3d low, high;      /* the ellipsoid's box, in units of the root cube */
+    sl_vec3d reach;          /* half the ellipsoid's box */
+    sl_vec3d low, high;      /* that box in units of the root cube */
+    int last_level;          /* nodes of that level are small against the ellipsoid: taken whole */
     double least_cosine, stretch; /* stretch: 1/f^2 - 1 */
     bool has_normal, exact;
     sl_surfel_query small;
@@ -178,6 +180,17 @@ static double area_inside(const search *q, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     return sl_triangle_in_ellipsoid(&at_origin, a, b, c);
 }
 
+static inline bool beyond(double a, double b, double c, double reach) {
+    return (a > reach && b > reach && c > reach) || (a < -reach && b < -reach && c < -reach);
+}
+
+/* Outside the ellipsoid's box, or of a plane that misses it: its extent along n is R sqrt(1 - (1 - f^2) cos^2). */
+static bool misses(const search *q, sl_vec3d a, sl_vec3d b, sl_vec3d c, sl_vec3d n, double cosine) {
+    double height = sl_dotd(n, a), f = q->e->flatness;
+    if (height * height > q->e->radius * q->e->radius * (1.0 - (1.0 - f * f) * cosine * cosine) * (1.0 + 1e-6)) return true;
+    return beyond(a.x, b.x, c.x, q->reach.x) || beyond(a.y, b.y, c.y, q->reach.y) || beyond(a.z, b.z, c.z, q->reach.z);
+}
+
 static void visit_triangle(search *q, uint32_t t) {
     const sl_scene *scene = q->s->scene;
     sl_vec3d n = sl_to_double(sl_scene_geometric_normal(scene, t));
@@ -188,6 +201,7 @@ static void visit_triangle(search *q, uint32_t t) {
     sl_vec3d a = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[0][t])), q->e->centre);
     sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[1][t])), q->e->centre);
     sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[2][t])), q->e->centre);
+    if (misses(q, a, b, c, n, cosine)) return;
     double area = share * area_inside(q, a, b, c);
     if (!(area > 0.0)) return;
     double height = q->has_normal ? sl_dotd(n, a) / cosine : 0.0;
@@ -200,17 +214,25 @@ static void visit_triangle(search *q, uint32_t t) {
     }
 }
 
-static void visit_leaf(search *q, uint32_t index) {
-    const sl_surroundings *s = q->s;
-    const sl_octree_leaf *leaf = &s->octree->leaf[index];
-    const uint32_t *triangle = q->exact ? s->octree->triangle + leaf->first_triangle : s->large + s->first_large[index];
-    uint32_t count = q->exact ? leaf->triangle_count : s->first_large[index + 1] - s->first_large[index];
+static void visit_list(search *q, const uint32_t *triangle, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         if (q->marks->mark[triangle[i]] == q->marks->query) continue;
         q->marks->mark[triangle[i]] = q->marks->query;
         visit_triangle(q, triangle[i]);
     }
-    if (!q->exact) s->kernel(&s->surfels, s->first_surfel[index], s->first_surfel[index + 1], &q->small, &q->sums);
+}
+
+/* Leaves in Morton order: what a node holds stands together. */
+static void visit_leaves(search *q, uint32_t first, uint32_t end) {
+    const sl_surroundings *s = q->s;
+    if (q->exact) {
+        const sl_octree_leaf *last = &s->octree->leaf[end - 1];
+        uint32_t from = s->octree->leaf[first].first_triangle;
+        visit_list(q, s->octree->triangle + from, last->first_triangle + last->triangle_count - from);
+        return;
+    }
+    visit_list(q, s->large + s->first_large[first], s->first_large[end] - s->first_large[first]);
+    s->kernel(&s->surfels, s->first_surfel[first], s->first_surfel[end], &q->small, &q->sums);
 }
 
 static void visit_node(search *q, int level, uint32_t node) {
@@ -221,12 +243,17 @@ static void visit_node(search *q, int level, uint32_t node) {
         cell[2] * edge > q->high.z || (cell[2] + 1) * edge < q->low.z) {
         return;
     }
-    if (level == q->s->octree->depth) {
-        visit_leaf(q, node);
+    if (level < q->last_level) {
+        const uint32_t *children = q->s->first_child[level];
+        for (uint32_t child = children[node]; child < children[node + 1]; child++) visit_node(q, level + 1, child);
         return;
     }
-    const uint32_t *first = q->s->first_child[level];
-    for (uint32_t child = first[node]; child < first[node + 1]; child++) visit_node(q, level + 1, child);
+    uint32_t first = node, end = node + 1;
+    for (int below = level; below < q->s->octree->depth; below++) {
+        first = q->s->first_child[below][first];
+        end = q->s->first_child[below][end];
+    }
+    visit_leaves(q, first, end);
 }
 
 /* Half the ellipsoid's extent along an axis that has that cosine to its short one: R sqrt(1 - (1 - f^2) cos^2). */
@@ -246,6 +273,8 @@ sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid
         marks->query = 1;
     }
     sl_vec3d reach = sl_v3d(extent(e, e->normal.x), extent(e, e->normal.y), extent(e, e->normal.z));
+    q.reach = sl_scaled(reach, 1.0 + 1e-6);
+    while (q.last_level < s->octree->depth && s->octree->edge > 0.5 * e->radius * (double)(1u << q.last_level)) q.last_level++;
     double scale = 1.0 / s->octree->edge, slack = 1e-6 / (double)(1u << s->octree->depth);
     sl_vec3d margin = sl_v3d(slack, slack, slack);
     q.low = sl_subd(sl_scaled(sl_subd(sl_subd(e->centre, reach), s->octree->origin), scale), margin);
