@@ -373,6 +373,64 @@ static void roulette_keeps_the_flux_of_chains_that_never_end(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A square metre of floor whose shading normals all lean to x, in a large black box, under a spot. */
+static sl_scene *leaning_floor(sl_vec3 lean) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(1, 0, 0), floor);
+    trace_mesh_box(&mesh, sl_v3(-50, -1, -50), sl_v3(50, 50, 50), true, black);
+    float normals[3 * 12] = {0};
+    for (int v = 0; v < 4; v++) {
+        normals[3 * v] = lean.x;
+        normals[3 * v + 1] = lean.y;
+        normals[3 * v + 2] = lean.z;
+    }
+    sl_light spot = spot_light((sl_rgb){1, 1, 1});
+    spot.position = sl_v3(2, 5, 0);
+    spot.direction = sl_normalize_or(sl_v3(-2, -5, 0), sl_v3(0, -1, 0));
+    spot.cos_inner = 0.985f;
+    spot.cos_outer = 0.98f;
+    const sl_scene_parts parts = {.vertex_count = mesh.vertex_count, .positions = mesh.positions, .normals = normals,
+                                  .triangle_count = mesh.triangle_count, .indices = mesh.indices, .material_index = mesh.material_index,
+                                  .material_count = mesh.material_count, .materials = mesh.materials, .light_count = 1, .lights = &spot};
+    sl_scene *scene;
+    sl_error error;
+    if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    trace_mesh_discard(&mesh);
+    return scene;
+}
+
+/* Radiance is rho/pi times the irradiance on the shading normal's plane, whatever carries it: light leaves by the geometric cosine, above
+ * both planes, and the integral of that cosine over the lune is pi (1 + cos b) / 2. */
+static void photons_see_shading_normals_as_the_eye_does(void **state) {
+    (void)state;
+    const sl_vec3 leans[] = {{0, 1, 0}, {0.6f, 0.8f, 0}, {-0.6f, 0.8f, 0}};
+    for (int k = 0; k < 3; k++) {
+        sl_scene *scene = leaning_floor(leans[k]);
+        enum { STEPS = 64 };
+        double irradiance = 0.0;
+        for (int i = 0; i < STEPS * STEPS; i++) {
+            sl_vec3 p = sl_v3(((float)(i % STEPS) + 0.5f) / STEPS - 0.5f, 0, ((float)(i / STEPS) + 0.5f) / STEPS - 0.5f), to;
+            float distance;
+            sl_rgb e;
+            if (sl_light_illuminate(&scene->lights[0], p, &to, &distance, &e)) {
+                irradiance += (double)e.g * fmax((double)sl_dot(to, leans[k]), 0.0) / (STEPS * STEPS);
+            }
+        }
+        double expected = 0.8 * irradiance * (1.0 + (double)leans[k].y) / 2.0, sum = 0.0, squares = 0.0;
+        sl_photon_list *list = trace_scene(scene, emitted(10, SL_STORE_INDIRECT));
+        for (size_t i = 0; i < list->count; i++) {
+            assert_int_equal(bounces(&list->photon[i]), 1);
+            sum += (double)list->photon[i].flux[1];
+            squares += (double)list->photon[i].flux[1] * (double)list->photon[i].flux[1];
+        }
+        assert_true(fabs(sum - expected) < 3.0 * sqrt(squares));
+        assert_true(sqrt(squares) < 0.02 * expected);
+        sl_photon_list_destroy(list);
+        sl_scene_destroy(scene);
+    }
+}
+
 static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -590,6 +648,7 @@ int main(void) {
         cmocka_unit_test(lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten),
         cmocka_unit_test(direct_irradiance_on_a_plane_is_that_of_every_kind_of_light),
         cmocka_unit_test(roulette_keeps_the_flux_of_chains_that_never_end),
+        cmocka_unit_test(photons_see_shading_normals_as_the_eye_does),
         cmocka_unit_test(white_room_is_cut_at_64_bounces_and_says_what_was_lost),
         cmocka_unit_test(caustic_photons_come_by_mirrors_alone),
         cmocka_unit_test(storage_rules_choose_from_the_same_photons),

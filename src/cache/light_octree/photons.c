@@ -18,7 +18,7 @@ enum {
     NUMBERS_A_BOUNCE = 8,
     SORT_KEYS = SL_PHOTON_CHUNK
 };
-static const float survival_max = 0.99f, adjoint_max = 4.0f;
+static const float survival_max = 0.99f, adjoint_max = 32.0f;
 
 /* ---- one chunk --------------------------------------------------------------------------------------------------- */
 
@@ -175,13 +175,26 @@ static bool is_stored(sl_photon_store store, unsigned bounces, bool mirrors_alon
 }
 
 /* Light that goes from i to o is reflected by the shading normal's cosine with i, but arrives and leaves by the geometric one's
- * (Veach 1997, section 5.3). Bounded, since it matters at grazing angles alone. */
-static float adjoint(const sl_surface *s, sl_vec3 in, sl_vec3 out) {
-    sl_vec3 n = s->normal, g = s->geometric_normal;
-    if (n.x == g.x && n.y == g.y && n.z == g.z) return 1.0f;
-    float up = sl_dot(n, in) * sl_dot(g, out), down = sl_dot(g, in) * sl_dot(n, out);
+ * (Veach 1997, section 5.3): the ratio of cosines, bounded, since it grows at grazing angles. */
+static float adjoint(float up, float down) {
     if (!(up > 0.0f) || !(down > 0.0f)) return 0.0f;
     return up < adjoint_max * down ? up / down : adjoint_max;
+}
+
+/* By the cosine about the geometric normal, as light leaves a Lambertian surface, so that the outgoing ratio is sampled away. */
+static bool scatter_diffusely(const sl_surface *s, sl_vec3 in, const float number[4], sl_vec3 *out, sl_rgb *weight) {
+    *out = sl_direction_around(s->geometric_normal, sqrtf(1.0f - number[1]), number[2]);
+    if (!(sl_dot(*out, s->normal) > 0.0f) || !(sl_dot(*out, s->geometric_normal) > 0.0f)) return false;
+    *weight = sl_rgb_scale(s->diffuse, adjoint(sl_dot(s->normal, in), sl_dot(s->geometric_normal, in)));
+    return true;
+}
+
+static bool scatter_by_lobes(const sl_surface *s, const sl_bsdf *bsdf, const float number[4], sl_vec3 *out, sl_rgb *weight) {
+    if (!sl_bsdf_sample(bsdf, number[0], number[1], number[2], out)) return false;
+    float pdf = sl_bsdf_pdf(bsdf, *out);
+    if (!(pdf > 0.0f)) return false;
+    *weight = sl_rgb_scale(sl_bsdf_reflect(bsdf, *out, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), 1.0f / pdf);
+    return sl_dot(*out, s->geometric_normal) > 0.0f;
 }
 
 /* The next direction, and by what the flux would be multiplied if no path were ended. False: absorbed. */
@@ -192,16 +205,14 @@ static bool scatter(const sl_surface *s, sl_vec3 in, const float number[4], sl_v
         if (!(sl_dot(*out, s->geometric_normal) > 0.0f)) return false;
     } else {
         sl_bsdf bsdf = sl_bsdf_make(s, in, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);
-        if (!sl_bsdf_sample(&bsdf, number[0], number[1], number[2], out)) return false;
-        *weight = s->diffuse; /* f cos / pdf of a Lambertian surface */
-        if (bsdf.diffuse_share < 1.0f) {
-            float pdf = sl_bsdf_pdf(&bsdf, *out);
-            if (!(pdf > 0.0f)) return false;
-            *weight = sl_rgb_scale(sl_bsdf_reflect(&bsdf, *out, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), 1.0f / pdf);
-        }
+        if (bsdf.black) return false;
+        if (!(bsdf.diffuse_share < 1.0f)) return scatter_diffusely(s, in, number, out, weight);
+        if (!scatter_by_lobes(s, &bsdf, number, out, weight)) return false;
     }
-    *weight = sl_rgb_scale(*weight, adjoint(s, in, *out));
-    return sl_rgb_is_finite(*weight) && sl_rgb_max(*weight) > 0.0f;
+    sl_vec3 n = s->normal, g = s->geometric_normal;
+    bool flat = n.x == g.x && n.y == g.y && n.z == g.z;
+    if (!flat) *weight = sl_rgb_scale(*weight, adjoint(sl_dot(n, in) * sl_dot(g, *out), sl_dot(g, in) * sl_dot(n, *out)));
+    return true;
 }
 
 /* Stores and scatters. False: the path ends. */
@@ -221,6 +232,7 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     sl_rgb weight;
     random_numbers(p->key, bounces + 1, 4, number);
     if (!scatter(&surface, to_light, number, &direction, &weight)) return false;
+    if (!sl_rgb_is_finite(weight) || !(sl_rgb_max(weight) > 0.0f)) return false;
     if (bounces == BOUNCES_MAX) {
         r->cut_flux += (double)sl_luminance(sl_rgb_mul(p->flux, weight));
         return false;
