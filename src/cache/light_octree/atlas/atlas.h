@@ -15,7 +15,7 @@
 typedef struct sl_atlas_settings {
     int size;          /* texels a side */
     int gutter;        /* texels between charts: 2 */
-    double bend;       /* radians that a chart may bend at most: 75 degrees */
+    double bend;       /* radians between a chart's axis and its faces' normals at most: 75 degrees */
     unsigned threads;
 } sl_atlas_settings;
 

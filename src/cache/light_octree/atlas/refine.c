@@ -11,7 +11,7 @@
 
 /* Charts are joined if what they share is at least this much of one's border. */
 #define SHARED 0.25
-enum { CUT_ROUNDS = 4, JOIN_PASSES = 16 };
+enum { CUT_ROUNDS = 4, JOIN_PASSES = 16, AXIS_STEPS = 12 };
 
 /* ---- cutting in two ---- */
 
@@ -149,13 +149,34 @@ static sl_vec3d add_normals(const sl_atlas_charts *charts, const sl_atlas_faces 
     return sum;
 }
 
-static bool within(const sl_atlas_charts *charts, const sl_atlas_faces *faces, const sl_atlas_chart *c, sl_vec3d sum, double cos_bend) {
-    double limit = cos_bend * sl_lengthd(sum);
+/* The face of a chart that turns farthest from an axis, if it is farther than the one that `least` is of. */
+static void farthest_turned(const sl_atlas_charts *charts, const sl_atlas_faces *faces, const sl_atlas_chart *c, sl_vec3d axis, double *least,
+                            sl_vec3d *normal) {
     for (size_t i = c->first; i < c->first + c->count; i++) {
         sl_vec3d n = faces->normal[charts->face[i]];
-        if (sl_dotd(n, n) > 0.0 && sl_dotd(n, sum) < limit) return false;
+        if (sl_dotd(n, n) == 0.0 || sl_dotd(n, axis) >= *least) continue;
+        *least = sl_dotd(n, axis);
+        *normal = n;
     }
-    return true;
+}
+
+/* Whether there is a cone about some axis that holds all normals of a chart (or of two). The axis is the mean normal first, then it moves towards
+ * what is farthest from it, by less and less (Badoiu, Clarkson 2003). */
+static bool bends_within(const sl_atlas_charts *charts, const sl_atlas_faces *faces, const sl_atlas_chart *a, const sl_atlas_chart *b,
+                         double cos_bend) {
+    sl_vec3d axis = add_normals(charts, faces, a, sl_v3d(0.0, 0.0, 0.0)), n = {0.0, 0.0, 0.0};
+    if (b) axis = add_normals(charts, faces, b, axis);
+    for (int step = 1; step <= AXIS_STEPS; step++) {
+        double length = sl_lengthd(axis), least = 2.0;
+        axis = length > 0.0 ? sl_scaled(axis, 1.0 / length) : sl_v3d(0.0, 0.0, 0.0);
+        farthest_turned(charts, faces, a, axis, &least, &n);
+        if (b) farthest_turned(charts, faces, b, axis, &least, &n);
+        if (least > 1.5) return true; /* slivers alone, which have no normals */
+        if (!(length > 0.0)) return false;
+        if (least >= cos_bend) return true;
+        axis = sl_addd(axis, sl_scaled(sl_subd(n, axis), 1.0 / (step + 1)));
+    }
+    return false;
 }
 
 sl_status sl_atlas_charts_unbend(sl_atlas_charts *charts, const sl_atlas_faces *faces, double cos_bend, unsigned threads, sl_error *error) {
@@ -166,8 +187,7 @@ sl_status sl_atlas_charts_unbend(sl_atlas_charts *charts, const sl_atlas_faces *
         size_t count = 0;
         for (size_t c = 0; c < charts->count; c++) {
             const sl_atlas_chart *chart = &charts->chart[c];
-            sl_vec3d sum = add_normals(charts, faces, chart, sl_v3d(0.0, 0.0, 0.0));
-            if (chart->count > 1 && !within(charts, faces, chart, sum, cos_bend)) split[count++] = (uint32_t)c;
+            if (chart->count > 1 && !bends_within(charts, faces, chart, NULL, cos_bend)) split[count++] = (uint32_t)c;
         }
         if (!count) break;
         status = sl_atlas_charts_split(charts, faces, split, count, threads, error);
@@ -229,8 +249,7 @@ static size_t join_pass(sl_atlas_charts *charts, const sl_atlas_faces *faces, do
         uint32_t a = pair[i].a, b = pair[i].b;
         const sl_atlas_chart *p = &charts->chart[a], *q = &charts->chart[b];
         if (into[a] != SL_NO_INDEX || into[b] != SL_NO_INDEX) continue;
-        sl_vec3d sum = add_normals(charts, faces, q, add_normals(charts, faces, p, sl_v3d(0.0, 0.0, 0.0)));
-        if (!within(charts, faces, p, sum, cos_bend) || !within(charts, faces, q, sum, cos_bend)) continue;
+        if (!bends_within(charts, faces, p, q, cos_bend)) continue;
         into[a] = into[b] = a;
         joined++;
     }
