@@ -311,6 +311,61 @@ static void grown_voxels_are_more(void **state) {
     sl_scene_destroy(scene);
 }
 
+static double total_area(const sl_octree *octree) {
+    double sum = 0.0;
+    for (size_t i = 0; i < octree->leaf_count; i++) sum += (double)octree->leaf[i].area;
+    return sum;
+}
+
+/* A sloping square of n x n cells from (low, low) to (high, high), either winding. */
+static size_t add_sheet(float *xyz, size_t at, float low, float high, int n, bool turned) {
+    size_t count = 0;
+    for (int i = 0; i < n * n; i++) {
+        for (int half = 0; half < 2; half++) {
+            const int x[2][3] = {{0, 1, 1}, {0, 1, 0}}, y[2][3] = {{0, 0, 1}, {0, 1, 1}};
+            for (int k = 0; k < 3; k++) {
+                int corner = turned ? 2 - k : k;
+                float *p = xyz + 9 * (at + count) + 3 * k, step = (high - low) / (float)n;
+                p[0] = low + step * (float)(i % n + x[half][corner]);
+                p[1] = low + step * (float)(i / n + (turned ? 1 - y[half][corner] : y[half][corner]));
+                p[2] = 0.25f * p[0] + 0.5f * p[1];
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
+static void coplanar_duplicates_count_once(void **state) {
+    (void)state;
+    static float xyz[9 * 2000];
+    const double unit = sqrt(1.0 + 0.0625 + 0.25); /* a unit square's area on the slope */
+    /* sheets: low, high, n, turned */
+    const struct {
+        float low[3], high[3];
+        int n[3];
+        bool turned[3];
+        double area;
+    } cases[] = {{{0, 0, 0}, {4, 4, 0}, {1, 1, 0}, {false}, 16},             /* the same twice */
+                 {{0, 0, 0}, {4, 4, 4}, {1, 1, 1}, {false, true, false}, 16}, /* three times, other diagonal and winding */
+                 {{0, 0, 0}, {4, 4, 0}, {8, 3, 0}, {false}, 16},              /* cut otherwise */
+                 {{0, 1, 0}, {4, 3, 0}, {2, 1, 0}, {false, true}, 16},        /* a decal */
+                 {{0, 2, 0}, {4, 6, 0}, {4, 4, 0}, {false}, 28},              /* half on half */
+                 {{0, 0, 0}, {4, 0, 0}, {16, 0, 0}, {false}, 16}};            /* alone */
+    for (int k = 0; k < 6; k++) {
+        size_t count = 0;
+        for (int s = 0; s < 3; s++) count += add_sheet(xyz, count, cases[k].low[s], cases[k].high[s], cases[k].n[s], cases[k].turned[s]);
+        sl_scene *scene = scene_of_triangles(xyz, count);
+        sl_octree *octree = octree_of(scene, 3, 2);
+        double area = total_area(octree) / unit;
+        if (fabs(area - cases[k].area) > 2e-3 * cases[k].area) fail_msg("case %d: an area of %.5f, not %g", k, area, cases[k].area);
+        assert_true((octree->share == NULL) == (k == 5));
+        assert_true(leaves_without_normal(octree) == 0);
+        sl_octree_destroy(octree);
+        sl_scene_destroy(scene);
+    }
+}
+
 static void any_number_of_threads_builds_the_same_octree(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(10, 12);
@@ -340,6 +395,7 @@ int main(void) {
         cmocka_unit_test(a_cut_is_the_shallower_octree),
         cmocka_unit_test(opposite_surfaces_leave_a_voxel_without_a_normal),
         cmocka_unit_test(grown_voxels_are_more),
+        cmocka_unit_test(coplanar_duplicates_count_once),
         cmocka_unit_test(any_number_of_threads_builds_the_same_octree),
     };
     return cmocka_run_group_tests_name("light octree: octree", tests, NULL, NULL);

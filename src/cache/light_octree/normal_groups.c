@@ -30,10 +30,11 @@ static size_t collect(const sl_cell_space *space, const sl_octree *geometry, lea
         uint32_t cell[3];
         sl_morton_decode(leaf->morton, cell);
         for (uint32_t i = 0; i < leaf->triangle_count; i++) {
-            sl_cell_triangle t = sl_cell_space_triangle(space, geometry->triangle[leaf->first_triangle + i]);
+            uint32_t number = geometry->triangle[leaf->first_triangle + i];
+            sl_cell_triangle t = sl_cell_space_triangle(space, number);
             sl_triangle_part part;
             double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
-            area *= part.area;
+            area *= geometry->share ? part.area * (double)geometry->share[number] : part.area;
             if (!(area > 0.0 && length > 0.0)) continue;
             pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length), sl_scaled(sl_subd(part.centroid, base), area), area, -1};
         }

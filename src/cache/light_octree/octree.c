@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/light_octree/coplanar.h"
 #include "cache/light_octree/octree_leaves.h"
 
 enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
@@ -181,9 +182,11 @@ static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_v
     sl_vec3d middle = sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
     double area = 0.0, touches = 0.0;
     for (uint32_t i = 0; i < leaf->triangle_count; i++) {
-        sl_cell_triangle t = sl_cell_space_triangle(&b->space, b->octree->triangle[leaf->first_triangle + i]);
+        uint32_t number = b->octree->triangle[leaf->first_triangle + i];
+        sl_cell_triangle t = sl_cell_space_triangle(&b->space, number);
         sl_triangle_part part;
         double share = sl_clip_to_cell(&b->space, &t, cell, b->dilate, &part) * part.area, length = sl_lengthd(t.normal);
+        if (b->octree->share) share *= (double)b->octree->share[number];
         if (part.count == 0 || !(length > 0.0)) continue;
         sl_vec3d n = sl_scaled(t.normal, 1.0 / length), c = sl_subd(part.centroid, middle);
         area += share;
@@ -293,7 +296,8 @@ sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsi
     if (status == SL_OK) {
         threads = sl_thread_count(threads);
         sl_parallel_for(threads, chunks, visit_chunk, &b);
-        status = make_leaves(&b, chunks, threads, error);
+        status = sl_coplanar_shares(scene, threads, &octree->share, error);
+        if (status == SL_OK) status = make_leaves(&b, chunks, threads, error);
         for (size_t i = 0; i < chunks; i++) free(b.chunk[i].pair);
     }
     sl_free(b.chunk);
@@ -392,6 +396,7 @@ void sl_octree_destroy(sl_octree *octree) {
     if (!octree) return;
     sl_free(octree->leaf);
     sl_free(octree->area_vector);
+    sl_free(octree->share);
     sl_free(octree->triangle);
     sl_free(octree);
 }

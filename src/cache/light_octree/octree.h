@@ -28,6 +28,7 @@ typedef struct sl_octree {
     size_t leaf_count;
     sl_octree_leaf *leaf;
     sl_vec3 *area_vector;   /* of each leaf: sum area n, for cuts */
+    float *share;           /* of each of the scene's triangles: which share of its area counts (coplanar.h); NULL: all of it, and in cuts */
     size_t triangle_count;
     uint32_t *triangle;     /* leaf by leaf, ascending in each; empty (counts 0) in cuts */
 } sl_octree;

@@ -45,7 +45,7 @@ static bool is_small(const sl_surroundings *s, sl_vec3d a, sl_vec3d b, sl_vec3d 
 
 static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3 centre, double area) {
     sl_vec3 n = sl_scene_geometric_normal(s->scene, triangle);
-    const float values[7] = {centre.x, centre.y, centre.z, n.x, n.y, n.z, (float)(area * (s->share ? (double)s->share[triangle] : 1.0))};
+    const float values[7] = {centre.x, centre.y, centre.z, n.x, n.y, n.z, (float)(area * (s->octree->share ? (double)s->octree->share[triangle] : 1.0))};
     float *const planes[7] = {s->surfels.x, s->surfels.y, s->surfels.z, s->surfels.normal_x, s->surfels.normal_y, s->surfels.normal_z,
                               s->surfels.area};
     for (int k = 0; k < 7; k++) planes[k][at] = values[k];
@@ -110,12 +110,12 @@ static sl_status make_surfels(sl_surroundings *s, unsigned threads, sl_error *er
 
 /* ---- creating ---- */
 
-sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, double small_edge, unsigned threads,
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, double small_edge, unsigned threads,
                                  sl_surroundings **result, sl_error *error) {
     *result = NULL;
     sl_surroundings *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "the octree's nodes");
-    *s = (sl_surroundings){.scene = scene, .octree = octree, .share = share, .small_edge = small_edge};
+    *s = (sl_surroundings){.scene = scene, .octree = octree, .small_edge = small_edge};
     s->kernel = sl_surfel_kernel_for(sl_isa_best());
     int depth = octree->depth;
     s->count[depth] = octree->leaf_count;
@@ -196,7 +196,7 @@ static void visit_triangle(search *q, uint32_t t) {
     sl_vec3d n = sl_to_double(sl_scene_geometric_normal(scene, t));
     double cosine = sl_dotd(n, q->e->normal);
     if (q->has_normal && fabs(cosine) < q->least_cosine) return;
-    double share = q->s->share ? (double)q->s->share[t] : 1.0;
+    double share = q->s->octree->share ? (double)q->s->octree->share[t] : 1.0;
     if (!(share > 0.0)) return;
     sl_vec3d a = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[0][t])), q->e->centre);
     sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[1][t])), q->e->centre);

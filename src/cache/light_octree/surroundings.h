@@ -21,11 +21,10 @@ typedef struct sl_surroundings {
     size_t count[SL_OCTREE_DEPTH_MAX + 1];              /* nodes of each level; level 0: the root */
     uint32_t *code[SL_OCTREE_DEPTH_MAX + 1];            /* their Morton codes, ascending */
     uint32_t *first_child[SL_OCTREE_DEPTH_MAX + 1];     /* count + 1, in the next level */
-    const float *share;                                 /* of each triangle's area that counts (coplanar duplicates); NULL: all */
 } sl_surroundings;
 
 /* small_edge 0: none is small. */
-sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, const float *share, double small_edge, unsigned threads,
+sl_status sl_surroundings_create(const sl_scene *scene, const sl_octree *octree, double small_edge, unsigned threads,
                                  sl_surroundings **surroundings, sl_error *error);
 void sl_surroundings_destroy(sl_surroundings *surroundings);
 size_t sl_surroundings_bytes(const sl_surroundings *surroundings);

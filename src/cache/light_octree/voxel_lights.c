@@ -339,7 +339,7 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     sl_status status = SL_OK;
     if (work->octree->depth > 1) status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
     if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP) {
-        status = sl_surroundings_create(work->scene, work->geometry, NULL, o->radius / 8.0, work->workers, &work->surroundings, error);
+        status = sl_surroundings_create(work->scene, work->geometry, o->radius / 8.0, work->workers, &work->surroundings, error);
     }
     size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree, work->geometry) : 0;
     for (unsigned i = 0; status == SL_OK && i < work->workers; i++) status = create_worker(lights, pieces, &work->worker[i], error);
