@@ -166,7 +166,7 @@ static void glossy_receivers_highlight_moves_with_the_eye(void **state) {
     enum { N = 150 };
     sl_receivers *r = floor_row(sl_v3(-1, 0, 1), sl_v3(1, 0, 2), N, GLOSSY_MATERIAL, 0.3f);
     sl_map_photons *photons = photon_over_the_floor();
-    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_FLUX, .threads = 1};
+    sl_light_pass pass = {.scene = *state, .photons = photons, .weight = SL_WEIGHT_PLAIN, .threads = 1};
     planes p = light_up(&pass, r, NULL, NULL);
     int best[2] = {0, 0};
     for (int i = 0; i < 2 * N; i++) {
@@ -175,11 +175,47 @@ static void glossy_receivers_highlight_moves_with_the_eye(void **state) {
         sl_vec3d v = sl_subd(sl_to_double(r->eye[i / N]), sl_to_double(x)), d = sl_subd(sl_v3d(0, 0, 1), sl_to_double(x));
         double cosine = (-v.x * d.x - v.y * d.y + v.z * d.z) / (sl_lengthd(v) * sl_lengthd(d));
         double lobe = (double)0.4f * 22.0 / (2.0 * SL_PI) * (cosine > 0.0 ? pow(cosine, 20.0) : 0.0);
-        double expected = ((double)0.3f / SL_PI + lobe) * (double)sl_photon_irradiance(photons, 0, SL_WEIGHT_FLUX, x, up, up).r;
+        double expected = ((double)0.3f / SL_PI + lobe) * (double)sl_photon_irradiance(photons, 0, SL_WEIGHT_PLAIN, x, up, up).r;
         assert_true(fabs((double)p.value[0][i] - expected) < 1e-5 * expected);
     }
     assert_true(best[0] < N / 2 - 5 && best[1] > N / 2 + 5);
     free_all(&p, r, photons);
+}
+
+/* A square of side 0.5 above a glossy floor, cut into n x n photons of radiance 1; what the eye sees at x, and with photons so small that
+ * they are points. */
+static sl_map_photons *square_photons(int n) {
+    sl_map_photons *p = make_photons((size_t)(n * n), 2.0f);
+    float side = 0.5f / (float)n, area = side * side;
+    for (int j = 0; j < n * n; j++)
+        p->photon[j] = (sl_map_photon){.position = {-0.25f + side * ((float)(j % n) + 0.5f), -0.25f + side * ((float)(j / n) + 0.5f), 0.6f},
+                                       .footprint = area, .flux = {area, area, area}, .cos_alpha = 1.0f, .normal = {0, 0, -1}};
+    return p;
+}
+
+static void photons_of_some_size_leave_no_spots_on_glossy_receivers(void **state) {
+    enum { N = 60 };
+    sl_receivers *r = floor_row(sl_v3(0.3f, 0, 1), sl_v3(0.3f, 0.4f, 1), N, GLOSSY_MATERIAL, 0.0f);
+    sl_map_photons *coarse = square_photons(2), *fine = square_photons(40);
+    sl_light_pass pass = {.scene = *state, .photons = fine, .weight = SL_WEIGHT_PLAIN, .threads = 1};
+    planes exact = light_up(&pass, r, NULL, NULL);
+    pass.photons = coarse;
+    planes points = light_up(&pass, r, NULL, NULL);
+    pass.weight = SL_WEIGHT_FLUX;
+    planes discs = light_up(&pass, r, NULL, NULL);
+    double of_points = 0.0, of_discs = 0.0, sum = 0.0, sum_of_discs = 0.0;
+    for (int i = 0; i < 2 * N; i++) {
+        of_points += fabs((double)points.value[0][i] - (double)exact.value[0][i]);
+        of_discs += fabs((double)discs.value[0][i] - (double)exact.value[0][i]);
+        sum += (double)exact.value[0][i];
+        sum_of_discs += (double)discs.value[0][i];
+    }
+    if (!(of_discs < 0.5 * of_points) || !(fabs(sum_of_discs - sum) < 0.04 * sum))
+        fail_msg("points %g, discs %g, sum %g of %g", of_points / sum, of_discs / sum, sum_of_discs, sum);
+    free_planes(&exact);
+    free_planes(&points);
+    free_photons(fine);
+    free_all(&discs, r, coarse);
 }
 
 static void lobe_of_exponent_0_is_lambertian_on_the_receiver(void **state) {
@@ -439,6 +475,7 @@ int main(void) {
         cmocka_unit_test(picture_has_the_bits_of_the_plain_double_loop),
         cmocka_unit_test(lambertian_receiver_agrees_with_a_double_loop_in_double),
         cmocka_unit_test(glossy_receivers_highlight_moves_with_the_eye),
+        cmocka_unit_test(photons_of_some_size_leave_no_spots_on_glossy_receivers),
         cmocka_unit_test(lobe_of_exponent_0_is_lambertian_on_the_receiver),
         cmocka_unit_test(photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light),
         cmocka_unit_test(lobed_photons_have_the_bits_of_the_plain_double_loop),

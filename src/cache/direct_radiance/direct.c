@@ -58,7 +58,8 @@ static void add_light_point(const direct_pass *d, const sl_receiver_tile *tile, 
     if (!glossy) return;
     bool parallel = of->kind == SL_MAP_LIGHT_DIRECTIONAL;
     float power[SL_TILE_PIXELS];
-    d->kernels.receiver_lobe(tile, parallel ? sl_neg(of->direction) : point->position, parallel, power);
+    const sl_lobe_target target = {.towards = parallel ? sl_neg(of->direction) : point->position, .direction = parallel};
+    d->kernels.receiver_lobe(tile, &target, power);
     d->kernels.multiply(tile->padded, power, lit);
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, l[0], l[1], l[2]);
 }

@@ -141,6 +141,14 @@ static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t fir
     sl_sight_see(p->sight, tile, around, first, left < SL_SIGHT_PHOTONS ? left : SL_SIGHT_PHOTONS, counters);
 }
 
+/* With the weights that know photons to have an area. */
+static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photon_registers *r) {
+    const sl_map_photon *photon = &p->pass->photons->photon[j];
+    bool disc = p->pass->weight == SL_WEIGHT_FLUX || p->pass->weight == SL_WEIGHT_POLYGON;
+    float extent = disc && photon->cos_alpha > 0.0f ? photon->footprint / photon->cos_alpha * (float)(0.25 / SL_PI) : 0.0f;
+    return (sl_lobe_target){{r->x, r->y, r->z}, false, {r->nx, r->ny, r->nz}, extent > 0.0f && isfinite(extent) ? extent : 0.0f};
+}
+
 static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_sight *around,
                        sl_tile_light *sum, sl_counters *counters) {
     const sl_photon_registers r = supply(p, j);
@@ -160,7 +168,8 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
         add(p, count, p->lobe[j].colour, of_photon, visible, sum->irradiance);
     }
     if (!glossy) return;
-    p->kernels.receiver_lobe(tile, sl_v3(r.x, r.y, r.z), false, of_receiver);
+    const sl_lobe_target target = target_of(p, j, &r);
+    p->kernels.receiver_lobe(tile, &target, of_receiver);
     p->kernels.multiply(count, of_receiver, weight);
     add(p, count, colour, weight, visible, sum->lobe);
     if (!p->lobe) return;

@@ -14,15 +14,27 @@ void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_
     }
 }
 
-/* A receiver's along the mirrored direction of the eye. */
-void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, sl_vec3 towards, bool direction, float *restrict power) {
-    const float keep = direction ? 0.0f : 1.0f;
+/* A receiver's stands along the mirrored direction of the eye. A photon is no point: a sharp lobe would show each of them as a spot. The
+ * lobe's mean over the photon's disc is a wider lobe: near its axis cos^n is a Gaussian of variance 1 / n, the disc of angular radius a
+ * adds a^2 / 4, so
+ *
+ *     n' = n / (1 + n a^2 / 4),    a^2 = A cos theta' / (pi r^2),    scaled by (n' + 2) / (n + 2) to keep its integral. */
+static inline float wider_exponent(float n, float extent, float there, float squared) {
+    float r = squared > 0.0f ? squared : 1.0f, cube = r * sqrtf(r);
+    float blur = extent * (there > 0.0f ? there : 0.0f) / (cube > 0x1p-126f ? cube : 0x1p-126f);
+    return n / (1.0f + n * (blur < 1e30f ? blur : 1e30f));
+}
+
+void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_target *target, float *restrict power) {
+    const sl_vec3 p = target->towards, m = target->normal;
+    const float keep = target->direction ? 0.0f : 1.0f, extent = target->extent;
     const size_t count = t->padded;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        float dx = towards.x - keep * t->x[i], dy = towards.y - keep * t->y[i], dz = towards.z - keep * t->z[i];
-        float along = t->mirrored_x[i] * dx + t->mirrored_y[i] * dy + t->mirrored_z[i] * dz;
-        power[i] = sl_lobe_power(along, dx * dx + dy * dy + dz * dz, t->exponent[i]);
+        float dx = p.x - keep * t->x[i], dy = p.y - keep * t->y[i], dz = p.z - keep * t->z[i];
+        float squared = dx * dx + dy * dy + dz * dz, along = t->mirrored_x[i] * dx + t->mirrored_y[i] * dy + t->mirrored_z[i] * dz;
+        float n = t->exponent[i], wide = wider_exponent(n, extent, -(m.x * dx + m.y * dy + m.z * dz), squared);
+        power[i] = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
     }
 }
 

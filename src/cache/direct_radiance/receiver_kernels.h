@@ -30,10 +30,18 @@ typedef void sl_photon_compute_kernel(const sl_receiver_tile *tile, const sl_map
 typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, bool cosine, float *weight);
 typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
                                      const float *pi, float *weight);
-/* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards a point, or in a direction. */
+/* Where a receiver's lobe looks: a point, or a direction. What has an area is a disc of that normal; extent: area / (4 pi), else 0. */
+typedef struct sl_lobe_target {
+    sl_vec3 towards;
+    bool direction;
+    sl_vec3 normal;
+    float extent;
+} sl_lobe_target;
+
+/* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards what lights them. */
 typedef void sl_photon_lobe_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
                                    float *power);
-typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, sl_vec3 towards, bool direction, float *power);
+typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, const sl_lobe_target *target, float *power);
 /* The mirrored directions of the eye, from where the eye is, which they replace. */
 typedef void sl_mirror_eye_kernel(sl_receiver_tile *tile);
 /* a_i *= b_i */
