@@ -461,6 +461,18 @@ static void batches_and_threads_give_the_same_bits(void **state) {
             assert_memory_equal(&first.counters, &other.counters, sizeof first.counters);
             end_lit(&other);
         }
+        const char *isas[] = {"baseline", "avx2", "avx512"};
+        for (int isa = 0; isa < 3; isa++) {
+            assert_int_equal(setenv("SOFTLUX_ISA", isas[isa], 1), 0);
+            sl_voxel_lights *other = NULL;
+            sl_counters counters = {{0}};
+            assert_int_equal(sl_voxel_lights_create(scene, first.octree, first.octree, first.tree, &o, 2, &other, NULL), SL_OK);
+            sl_voxel_lights_compute(other, 0, SIZE_MAX, 2, &counters);
+            assert_memory_equal(first.lights->light, other->light, first.lights->set_count * (size_t)first.lights->texels * 16);
+            assert_memory_equal(first.lights->set, other->set, first.lights->set_count * sizeof *first.lights->set);
+            sl_voxel_lights_destroy(other);
+        }
+        unsetenv("SOFTLUX_ISA");
         sl_voxel_lights *piecewise = NULL;
         assert_int_equal(sl_voxel_lights_create(scene, first.octree, first.octree, first.tree, &o, 2, &piecewise, NULL), SL_OK);
         sl_counters counters = {{0}};
@@ -475,6 +487,40 @@ static void batches_and_threads_give_the_same_bits(void **state) {
         end_lit(&first);
     }
     sl_scene_destroy(scene);
+}
+
+/* Small triangles are taken whole or not at all: on a fine floor each voxel's area is that of the coarse floor but for its rim. */
+static void fine_meshes_have_the_areas_of_coarse_ones(void **state) {
+    (void)state;
+    enum { FINE = 100 };
+    float coarse[18], *fine = malloc(18 * FINE * FINE * sizeof *fine), step = 4.0f / FINE;
+    assert_non_null(fine);
+    add_quad(coarse, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    for (size_t i = 0; i < FINE * FINE; i++) {
+        add_quad(fine, 2 * i, sl_v3(step * (float)(i % FINE), 0, step * (float)(i / FINE)), sl_v3(0, 0, step), sl_v3(step, 0, 0));
+    }
+    sl_scene *scenes[2] = {scene_of_triangles(coarse, 2), scene_of_triangles(fine, 2 * FINE * FINE)};
+    lit l[2];
+    for (int k = 0; k < 2; k++) {
+        sl_photon_list *list = new_list(20000);
+        strew_evenly(list, 20000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 1.0f, 3);
+        sl_voxel_light_options o = plain_options(4);
+        o.neighbours = 300;
+        l[k] = light_up(scenes[k], 4, list, &o, 1);
+    }
+    double error = 0.0, count = (double)l[0].lights->set_count;
+    assert_true(l[0].lights->set_count == l[1].lights->set_count);
+    for (size_t i = 0; i < l[0].lights->set_count; i++) {
+        double ratio = (double)l[1].lights->set[i].area / (double)l[0].lights->set[i].area - 1.0;
+        assert_true(fabs(ratio) < 0.06);
+        error += ratio * ratio / count;
+    }
+    assert_true(sqrt(error) < 0.012 && error > 0.0); /* a fifth of what 300 photons leave open */
+    for (int k = 0; k < 2; k++) {
+        end_lit(&l[k]);
+        sl_scene_destroy(scenes[k]);
+    }
+    free(fine);
 }
 
 /* A cut's lights use the deep octree's triangles: the same irradiance at every depth. */
@@ -552,6 +598,7 @@ int main(void) {
         cmocka_unit_test(a_bright_photon_among_dim_ones_is_reported),
         cmocka_unit_test(statistics_tell_spread_and_flux),
         cmocka_unit_test(batches_and_threads_give_the_same_bits),
+        cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),
         cmocka_unit_test(shallow_octrees_find_the_geometry_in_the_deepest),
         cmocka_unit_test(options_out_of_range_are_refused),
     };

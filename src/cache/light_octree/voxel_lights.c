@@ -68,14 +68,15 @@ static sl_photon_query query_of(const sl_voxel_work *work, const sl_voxel_light_
 static void split_sides(const sl_voxel_work *work, const sl_photon_query *query, voxel_worker *w, voxel_gather *gather) {
     const sl_photon_list *list = sl_photon_tree_list(work->tree);
     w->photons.count = 0;
-    size_t front = 0;
+    size_t front = 0, seen = 0;
     sl_vec3d normals = {0}, places = {0};
-    for (int back = 0; back < 2; back++) {
+    for (int back = 0; back < 2 && seen < w->gathered.count; back++) {
         for (size_t i = 0; i < w->gathered.count; i++) {
             const sl_photon *p = &list->photon[w->gathered.place[i]];
             sl_vec3 n = sl_octahedral_decode(p->normal);
             bool behind = query->both_sides && sl_dot(n, query->normal) < 0.0f;
             if (behind != (back == 1)) continue;
+            seen++;
             sl_lobe_photons_add(&w->photons, sl_octahedral_decode(p->direction), n, p->flux);
             sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
             places = sl_addd(places, sl_to_double(place));
