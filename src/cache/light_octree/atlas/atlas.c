@@ -15,6 +15,8 @@
 #define EXPECTED 0.65
 /* A map that shrinks or grows a chart by more than this is none. */
 #define ASTRAY 16.0
+/* Charts that stretch more than this on the mean are cut: corners of boxes, mostly, whose three sides have no conformal map but a bad one. */
+#define STRETCH 1.1
 
 typedef struct making {
     const sl_atlas_settings *settings;
@@ -32,6 +34,32 @@ typedef struct making {
 } making;
 
 /* ---- flattening ---- */
+
+/* Largest over smallest singular value of the map from a face's own plane to the atlas. */
+static double face_stretch(const sl_atlas_faces *f, size_t face, const double *s) {
+    sl_vec3d p = sl_atlas_corner(f, 3 * face), a = sl_subd(sl_atlas_corner(f, 3 * face + 1), p), b = sl_subd(sl_atlas_corner(f, 3 * face + 2), p);
+    double length = sl_lengthd(a), twice = sl_lengthd(sl_crossd(a, b));
+    if (!(length > 0.0) || !(twice > 0.0)) return 1.0;
+    double x = sl_dotd(a, b) / length, y = twice / length; /* corners (0,0), (length,0), (x,y) */
+    double du = (s[2] - s[0]) / length, dv = (s[3] - s[1]) / length;
+    double eu = (s[4] - s[0] - du * x) / y, ev = (s[5] - s[1] - dv * x) / y;
+    double square = du * du + dv * dv + eu * eu + ev * ev, twice_determinant = 2.0 * fabs(du * ev - dv * eu);
+    double sum = sqrt(square + twice_determinant), difference = sqrt(fmax(square - twice_determinant, 0.0));
+    double smallest = sum - difference;
+    return smallest > 1e-6 * sum ? (sum + difference) / smallest : 1e6;
+}
+
+/* The mean over a chart's area, slivers aside. */
+static double chart_stretch(const making *m, const sl_atlas_chart *c) {
+    double sum = 0.0, area = 0.0;
+    for (size_t i = c->first; i < c->first + c->count; i++) {
+        uint32_t f = m->charts.face[i];
+        if (sl_dotd(m->faces.normal[f], m->faces.normal[f]) == 0.0) continue;
+        sum += m->faces.area[f] * face_stretch(&m->faces, f, m->charts.corner + 6 * (size_t)f);
+        area += m->faces.area[f];
+    }
+    return area > 0.0 ? sum / area : 1.0;
+}
 
 /* A chart's coordinates in whole grid units, at the density of the moment. They do not depend on where the chart will lie. */
 static void snap(const making *m, const sl_atlas_chart *c, int64_t *corner) {
@@ -60,9 +88,11 @@ static void flatten_task(void *context, size_t index, unsigned worker) {
     (void)worker;
     uint32_t id = m->list[index];
     const sl_atlas_chart *chart = &m->charts.chart[id];
+    bool fresh = !chart->flat;
     double scale = 1.0;
-    m->failed[index] = (!chart->flat && !sl_atlas_flatten(&m->charts, &m->faces, id, m->local, &scale)) || (chart->count > 1 && !find_bad(m, chart));
-    if (chart->count > 1 && !(scale * ASTRAY > 1.0 && scale < ASTRAY))
+    m->failed[index] = (fresh && !sl_atlas_flatten(&m->charts, &m->faces, id, m->local, &scale)) || (chart->count > 1 && !find_bad(m, chart));
+    if (m->failed[index] || chart->count == 1 || !fresh) return;
+    if (!(scale * ASTRAY > 1.0 && scale < ASTRAY) || chart_stretch(m, chart) > STRETCH)
         for (size_t i = 0; i < chart->count; i++) m->bad[m->charts.face[chart->first + i]] = 1;
 }
 
@@ -169,27 +199,15 @@ static sl_status pack_all(making *m, sl_error *error) {
 
 /* ---- measures ---- */
 
-/* Largest over smallest singular value of the map from a face's own plane to the atlas. */
-static double face_stretch(const sl_atlas_faces *f, size_t face, const float *s) {
-    sl_vec3d p = sl_atlas_corner(f, 3 * face), a = sl_subd(sl_atlas_corner(f, 3 * face + 1), p), b = sl_subd(sl_atlas_corner(f, 3 * face + 2), p);
-    double length = sl_lengthd(a), twice = sl_lengthd(sl_crossd(a, b));
-    if (!(length > 0.0) || !(twice > 0.0)) return 1.0;
-    double x = sl_dotd(a, b) / length, y = twice / length; /* corners (0,0), (length,0), (x,y) */
-    double du = ((double)s[2] - (double)s[0]) / length, dv = ((double)s[3] - (double)s[1]) / length;
-    double eu = ((double)s[4] - (double)s[0] - du * x) / y, ev = ((double)s[5] - (double)s[1] - dv * x) / y;
-    double square = du * du + dv * dv + eu * eu + ev * ev, twice_determinant = 2.0 * fabs(du * ev - dv * eu);
-    double sum = sqrt(square + twice_determinant), difference = sqrt(fmax(square - twice_determinant, 0.0));
-    double smallest = sum - difference;
-    return smallest > 1e-6 * sum ? (sum + difference) / smallest : 1e6;
-}
-
 static bool measure(const making *m, sl_atlas *a) {
     size_t texels = (size_t)a->size * (size_t)a->size, covered = 0;
     uint32_t *triangle = sl_allocate(texels, sizeof *triangle);
     bool good = triangle && sl_atlas_cover(a, m->faces.count, m->threads, triangle, &covered);
     double sum = 0.0, area = 0.0;
     for (size_t f = 0; f < m->faces.count; f++) {
-        sum += m->faces.area[f] * face_stretch(&m->faces, f, a->coordinates + 6 * f);
+        double corner[6];
+        for (size_t k = 0; k < 6; k++) corner[k] = (double)a->coordinates[6 * f + k];
+        sum += m->faces.area[f] * face_stretch(&m->faces, f, corner);
         area += m->faces.area[f];
     }
     for (size_t c = 0; c < m->charts.count; c++) a->single += m->charts.chart[c].count == 1;

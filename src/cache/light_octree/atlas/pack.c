@@ -14,7 +14,9 @@
 #define SLACK 0x1p-8
 /* The horizon is kept CLASSES times: the one of class k forgets gaps lower than 2^k texels, so that thick charts need not look into thin gaps. */
 enum { CLASSES = 6 };
-enum { STEPS = 8 };
+/* Outlines wider than this many columns move in longer steps, so that they stop no oftener than this in a width of their own; a few charts may be
+ * tried everywhere. */
+enum { STEPS = 8, FEW_CHARTS = 256 };
 /* Texels: nothing is put into gaps lower than this, tips of outlines aside. */
 #define THIN 2.0
 /* A chart that fills this much of its box looks the same upside down. */
@@ -199,7 +201,7 @@ static double rest(const packing *p, int x, int columns, double limit) {
 /* The lowest place for the outline in low[] and high[] where its top is below the best one's. Wide outlines move in steps, and then to the left as far
  * as they get without being lifted. */
 static void try_turn(packing *p, int room, int columns, double height, int turns, spot *best) {
-    int step = columns > STEPS ? columns / STEPS : 1;
+    int step = columns > STEPS && p->charts->count > FEW_CHARTS ? columns / STEPS : 1;
     bool found = false;
     find_gaps(p, room, columns);
     for (int x = 0; x + columns <= room; x += step) {
