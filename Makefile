@@ -86,7 +86,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance bench-light-octree install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -155,6 +155,12 @@ $(BUILD)/bench/bench_drm_table1: $(BUILD)/o/bench/bench_drm_table1.o $(DRM_BENCH
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS) $(OSMESA_LIBS)
 
+OCTREE_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_octree_*.c))
+OCTREE_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/octree_*.c)) $(COMMON_BENCH)
+$(OCTREE_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(OCTREE_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
@@ -204,6 +210,10 @@ bench-splatting: all $(SPLAT_BENCHES)
 bench-direct-radiance: all $(DRM_BENCHES)
 	@./bench/direct_radiance.sh $(BUILD) $(if $(BRIEF),--brief)
 
+# Those on the light octree (docs/light-octree-experiments.md).
+bench-light-octree: all $(OCTREE_BENCHES)
+	@./bench/light_octree.sh $(BUILD) $(if $(BRIEF),--brief)
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
@@ -231,6 +241,7 @@ help:
 	@echo 'make bench      speed against error; make bench-raster: the rasterizer beside OSMesa and rays'
 	@echo 'make bench-splatting  the experiments on radiance cache splatting; BRIEF=1: a short form'
 	@echo 'make bench-direct-radiance  those on direct radiance mapping'
+	@echo 'make bench-light-octree  those on the light octree'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
 	@echo 'make clean      remove what was built and generated'
 	@echo

@@ -205,10 +205,9 @@ static sl_status trace_photons(octree_state *s, sl_error *error) {
 
 /* ---- G1: the octree, from the shallowest that is shown ---- */
 
-static sl_voxel_light_options light_options(const octree_state *s) {
-    const sl_light_octree_settings *o = &s->settings.light_octree;
+sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o, double radius) {
     return (sl_voxel_light_options){.neighbours = (size_t)o->neighbours,
-                                    .radius = s->radius,
+                                    .radius = radius,
                                     .flatness = o->flatness,
                                     .acceptance = o->acceptance,
                                     .area = o->area,
@@ -229,7 +228,7 @@ static sl_status start_level(octree_state *s, sl_error *error) {
     announce(s, "octree", "section 3.2", NULL);
     s->leaf = 0;
     s->radius = o->radius > 0.0 ? o->radius : sl_voxel_radius(s->next.octree, (size_t)o->neighbours, sl_photon_tree_list(s->tree)->count);
-    sl_voxel_light_options options = light_options(s);
+    sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
     s->phase = PHASE_LIGHTS;
     return sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads, &s->next.lights, error);
 }

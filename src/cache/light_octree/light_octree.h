@@ -26,6 +26,9 @@
 #include "cache/light_octree/shade.h"
 #include "cache/light_octree/voxel_lights.h"
 
+/* Of completed settings; radius: theirs, or that of the octree's density. */
+sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *settings, double radius);
+
 /* What a picture is made of; planes of the G-buffer's size, row 0 at the bottom. */
 typedef struct sl_octree_composition {
     const sl_scene *scene;
