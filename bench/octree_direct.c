@@ -49,7 +49,7 @@ double octree_direct(const octree_view *view, const bench_pixels *pixels, const 
     if (!surfaces || !to_viewer || !radiance || !marks.mark) bench_fail("surfaces", NULL);
     find_surfaces(view, pixels, octree, place, surfaces, to_viewer);
     double radius = sl_voxel_radius(octree, (size_t)settings->neighbours, sl_photon_tree_list(tree)->count);
-    if (sl_surroundings_create(view->scene, octree, NULL, radius / 16.0, 1, &surroundings, &error) != SL_OK) bench_fail("surroundings", &error);
+    if (sl_surroundings_create(view->scene, octree, radius / 16.0, 1, &surroundings, &error) != SL_OK) bench_fail("surroundings", &error);
     surface_area area = {surroundings, &marks, cos(settings->acceptance)};
     sl_direct_photons photons = {.tree = tree,
                                  .neighbours = (size_t)settings->neighbours,
