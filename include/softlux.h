@@ -351,6 +351,8 @@ typedef struct sl_light_octree_settings {
     bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
     bool atlas;                   /* light is rendered to a texture atlas first, and the picture looks it up there */
     int atlas_size;               /* texels a side; 1024 */
+    bool direct_sky;              /* all of the environment lights pixels directly, by light samples; else only what stands out of it, and the
+                                     octree holds the rest, without noise but blurred to the photons' distance */
     bool indirect_only;           /* direct light is left out */
 } sl_light_octree_settings;
 

@@ -189,6 +189,34 @@ static void caustics_are_a_part_of_indirect_light_and_that_of_all(void **state) 
     sl_scene_destroy(diffuse);
 }
 
+/* ---- the sky ---- */
+
+static const char floor_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n";
+
+/* A floor of albedo 1/2 alone under a sky of radiance 1. */
+static void a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], \"materials\": {\"grey\": "
+                                      "{\"diffuse\": [0.5, 0.5, 0.5]}}, \"environment\": {\"radiance\": [1, 1, 1]}, \"camera\": "
+                                      "{\"eye\": [0, 2, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}", floor_obj);
+    sl_settings settings = octree_settings(24);
+    sl_image *kept = render(scene, &settings, NULL);
+    settings.light_octree.direct_sky = true;
+    sl_image *sampled = render(scene, &settings, NULL);
+    double sum = 0.0;
+    for (int i = 0; i < 24 * 24; i++) {
+        assert_true(sl_image_channel(kept, "direct.G")[i] == 0.0f);
+        assert_true(sl_image_channel(sampled, "indirect.G")[i] == 0.0f);
+        assert_true(fabsf(sl_image_channel(kept, "G")[i] - 0.5f) < 0.1f);
+        sum += (double)sl_image_channel(kept, "G")[i];
+    }
+    print_message("radiance %.4f, wanted 0.5\n", sum / 576.0);
+    assert_true(fabs(sum / 576.0 - 0.5) < 0.01);
+    sl_image_destroy(kept);
+    sl_image_destroy(sampled);
+    sl_scene_destroy(scene);
+}
+
 /* ---- the atlas ---- */
 
 static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void **state) {
@@ -252,7 +280,7 @@ static void a_scene_that_stores_no_photon_ends_too(void **state) {
     (void)state;
     sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": "
                                       "[0, 1, 0], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 2, 4], \"target\": [0, 0, 0], \"fov_deg\": 50}}",
-                                      "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n");
+                                      floor_obj);
     sl_settings settings = octree_settings(16);
     settings.light_octree.photons = 1000;
     sl_image *image = render(scene, &settings, NULL);
@@ -271,6 +299,7 @@ int main(void) {
         cmocka_unit_test(pictures_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(mirrors_show_what_they_reflect),
         cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
+        cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
         cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),

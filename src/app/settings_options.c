@@ -107,7 +107,7 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
         HEADING("light-octree"),
         {"depth", 0, SL_OPTION_COUNT, &r->depth, NULL, "D", "of the octree [by quality]", 1, 8, NULL},
         {"stored-photons", 0, SL_OPTION_COUNT, &o->photons, NULL, "N", "photons to be stored [by quality]", 1, 1e9, NULL},
-        {"neighbours", 'k', SL_OPTION_COUNT, &r->neighbours, NULL, "K", "nearest photons that a voxel takes [by quality]", 1, 65535, NULL},
+        {"neighbours", 'k', SL_OPTION_COUNT, &r->neighbours, NULL, "K", "nearest photons that a voxel takes [by quality]", 1, 4096, NULL},
         {"radius", 0, SL_OPTION_REAL, &o->radius, NULL, "R", "how far it looks for them [by density]", 1e-12, 1e12, NULL},
         {"flatness", 0, SL_OPTION_REAL, &o->flatness, NULL, "F", "of the ellipsoid in which it looks [0.25]", 1e-3, 1.0, NULL},
         {"lights", 0, SL_OPTION_COUNT, &r->lights, NULL, "N", "virtual directional lights a voxel [4]", 1, 8, NULL},
@@ -124,6 +124,7 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
         {"void-dark", 0, SL_OPTION_FLAG, &o->keep_void_dark, NULL, NULL, "empty voxels count as black", 0, 0, NULL},
         {"atlas", 0, SL_OPTION_FLAG, &o->atlas, NULL, NULL, "light goes to a texture atlas first", 0, 0, NULL},
         {"atlas-size", 0, SL_OPTION_COUNT, &r->atlas_size, NULL, "N", "texels a side [1024]", 16, 16384, NULL},
+        {"direct-sky", 0, SL_OPTION_FLAG, &o->direct_sky, NULL, NULL, "the whole environment by light samples, none of it in the octree", 0, 0, NULL},
         {"indirect-only", 0, SL_OPTION_FLAG, &o->indirect_only, NULL, NULL, "direct light is left out", 0, 0, NULL},
     };
     ADD(t, options);

@@ -76,7 +76,7 @@ static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error 
     const bound bounds[] = {
         {"an octree's depth", o->depth, 1, 8, true},
         {"stored photons", (double)o->photons, 1, 1e9, true},
-        {"neighbours", o->neighbours, 1, 65535, true},
+        {"neighbours", o->neighbours, 1, 4096, true},
         {"a radius", o->radius, 1e-12, 1e12, true},
         {"a flatness", o->flatness, 1e-3, 1.0, true},
         {"lights a voxel", o->lights, 1, 8, true},
@@ -200,6 +200,7 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "void_dark", o->keep_void_dark);
     stamp_flag(st, "atlas", o->atlas);
     if (o->atlas) stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
+    stamp_flag(st, "direct_sky", o->direct_sky);
     stamp_flag(st, "indirect_only", o->indirect_only);
 }
 

@@ -20,6 +20,9 @@ enum {
     HARMONICS_ORDER = 2
 };
 
+/* How far the sky in the octree may rise above its own mean. */
+static const double sky_contrast = 10.0;
+
 typedef enum octree_phase { PHASE_GBUFFER, PHASE_DIRECT, PHASE_PHOTONS, PHASE_OCTREE, PHASE_LIGHTS, PHASE_SHADE, PHASE_DONE } octree_phase;
 
 /* A finished octree: what pixels are lit from. */
@@ -36,6 +39,7 @@ typedef struct octree_state {
 
     sl_raster *raster;
     sl_tracer *tracer;
+    sl_environment sky, sun;    /* of the scene's environment: in the octree, and direct light of pixels */
     sl_direct *direct;
 
     sl_photon_list *photons;    /* until the tree takes them */
@@ -80,6 +84,8 @@ static void forget_light(octree_state *s) {
     sl_photon_tree_destroy(s->tree);
     sl_photon_list_destroy(s->photons);
     sl_direct_destroy(s->direct);
+    sl_environment_release(&s->sky);
+    sl_environment_release(&s->sun);
     s->tree = NULL;
     s->photons = NULL;
     s->direct = NULL;
@@ -111,11 +117,22 @@ static sl_status make_geometry(octree_state *s, sl_error *error) {
     return status;
 }
 
-/* All of the environment is direct light where it meets the surface that is seen. */
+/* A smooth sky is in the octree, unless pixels are to have all direct light or none: then its first hits belong to another pass. */
+static bool keeps_sky(const octree_state *s) {
+    const sl_light_octree_settings *o = &s->settings.light_octree;
+    return s->plan.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT;
+}
+
 static sl_status make_light(octree_state *s, sl_error *error) {
+    sl_status status = SL_OK;
     if (!s->plan.direct) return SL_OK;
-    sl_direct_settings direct = {.light_samples = s->settings.spp, .seed = s->settings.seed, .threads = s->settings.threads,
-                                 .sun = s->scene->environment.present ? &s->scene->environment : NULL};
+    const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
+    if (keeps_sky(s)) {
+        status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
+        sampled = s->sun.present ? &s->sun : NULL;
+    }
+    if (status != SL_OK) return status;
+    sl_direct_settings direct = {.light_samples = s->settings.spp, .seed = s->settings.seed, .threads = s->settings.threads, .sun = sampled};
     return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
 }
 
@@ -197,7 +214,7 @@ static sl_status trace_photons(octree_state *s, sl_error *error) {
         return SL_OK;
     }
     sl_photon_options options = {.stored = s->settings.light_octree.photons, .store = s->settings.light_octree.store,
-                                 .seed = s->settings.seed, .threads = s->settings.threads};
+                                 .sky = s->sky.present ? &s->sky : NULL, .seed = s->settings.seed, .threads = s->settings.threads};
     bool done = false;
     sl_status status = sl_photons_trace(s->scene, s->tracer, &options, PHOTON_CHUNKS, &s->photons, &done, &s->counters, error);
     return status == SL_OK && done ? finish_photons(s, error) : status;

@@ -203,6 +203,7 @@ bool sl_photon_emit(const sl_photon_sources *sources, double select, const float
     const sl_scene *scene = sources->scene;
     if (!(sources->total > 0.0)) return false;
     size_t i = choose(sources, select * sources->total);
+    photon->environment = i >= scene->emitter_count + scene->light_count;
     if (i < scene->emitter_count) {
         const sl_emitter *emitter = &scene->emitters[i];
         photon->flux = shared_flux(sources, i, emitter->radiance, emitter_area(emitter));

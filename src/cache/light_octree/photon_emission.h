@@ -28,6 +28,7 @@ typedef struct sl_emitted_photon {
     sl_rgb flux;               /* W: if it were the only one */
     uint32_t triangle;         /* that it leaves, or SL_NO_INDEX */
     bool parallel;             /* of a directional light or the environment */
+    bool environment;
 } sl_emitted_photon;
 
 /* select in [0,1) decides the light: evenly spread numbers give each its share. False: nothing leaves there (an alpha mask). */

@@ -26,6 +26,7 @@ typedef struct light_path {
     sl_vec3 origin, direction;
     sl_rgb flux;
     uint32_t skip;
+    sl_rgb sky_share;  /* of the flux: stored at the first hit already; 0: nothing is */
     bool parallel, mirrors_alone;
     uint64_t key;
 } light_path;
@@ -52,6 +53,7 @@ typedef struct photon_job {
     const sl_tracer *tracer;
     const sl_photon_sources *sources;
     sl_photon_store store;
+    const sl_environment *sky;
     uint64_t seed, first_chunk;
     path_block *blocks;          /* a worker each */
     chunk_result *results;       /* CHUNKS_AT_ONCE */
@@ -96,6 +98,16 @@ static double chunk_offset(uint64_t seed, uint64_t chunk) {
     return (double)(uint32_t)(sl_van_der_corput((uint32_t)chunk) + start) * 0x1p-32;
 }
 
+static float share(float part, float whole) { return part > 0.0f && whole > 0.0f ? fminf(part / whole, 1.0f) : 0.0f; }
+
+/* Section 2.1 leaves direct light to others. What comes from a smooth sky is direct light that samples are bad at, and photons are good at. */
+static sl_rgb sky_share_of(const photon_job *job, const sl_emitted_photon *photon) {
+    if (!job->sky || !photon->environment || job->store != SL_STORE_INDIRECT) return sl_grey(0.0f);
+    sl_vec3 to_sky = sl_neg(photon->direction);
+    sl_rgb part = sl_environment_radiance(job->sky, to_sky), whole = sl_environment_radiance(&job->scene->environment, to_sky);
+    return (sl_rgb){share(part.r, whole.r), share(part.g, whole.g), share(part.b, whole.b)};
+}
+
 static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *block) {
     double offset = chunk_offset(job->seed, chunk);
     unsigned alive = 0;
@@ -110,6 +122,7 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
         p->origin = photon.origin;
         p->direction = photon.direction;
         p->flux = photon.flux;
+        p->sky_share = sky_share_of(job, &photon);
         p->skip = photon.triangle;
         p->parallel = photon.parallel;
         p->mirrors_alone = true;
@@ -154,11 +167,11 @@ static void sort_first_rays(const sl_scene *scene, path_block *block, unsigned a
 
 /* ---- at a surface ------------------------------------------------------------------------------------------------ */
 
-static void store_photon(chunk_result *r, unsigned path, const light_path *p, unsigned bounces, const sl_surface *surface) {
+static void store_photon(chunk_result *r, unsigned path, const light_path *p, sl_rgb flux, unsigned bounces, const sl_surface *surface) {
     if (!make_room(r)) return;
     sl_photon *photon = &r->photon[r->count];
     *photon = (sl_photon){.position = {surface->position.x, surface->position.y, surface->position.z},
-                          .flux = {p->flux.r, p->flux.g, p->flux.b},
+                          .flux = {flux.r, flux.g, flux.b},
                           .direction = sl_octahedral_encode(sl_neg(p->direction)),
                           .normal = sl_octahedral_encode(surface->geometric_normal),
                           .flags = bounces | (bounces > 0 && p->mirrors_alone ? SL_PHOTON_CAUSTIC : 0u)};
@@ -223,7 +236,8 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     sl_scene_surface(job->scene, triangle, w1, w2, to_light, &surface);
     if (!sl_is_finite(surface.position)) return false;
     if (!sl_material_is_mirror(surface.material)) {
-        if (is_stored(job->store, bounces, p->mirrors_alone)) store_photon(r, path, p, bounces, &surface);
+        if (is_stored(job->store, bounces, p->mirrors_alone)) store_photon(r, path, p, p->flux, bounces, &surface);
+        else if (sl_rgb_max(p->sky_share) > 0.0f) store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
         if (job->store == SL_STORE_CAUSTIC) return false;
         p->mirrors_alone = false;
     }
@@ -366,7 +380,8 @@ static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options
     return chunks < allowed ? chunks : allowed;
 }
 
-static bool can_store(const sl_scene *scene, sl_photon_store store) {
+static bool can_store(const sl_scene *scene, const sl_photon_options *options) {
+    sl_photon_store store = options->store;
     bool reflects = false, mirrors = false, accepts = false;
     for (size_t i = 0; i < scene->material_count; i++) {
         const sl_material *m = &scene->materials[i];
@@ -421,10 +436,11 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
         l->emitted_flux = sl_photon_sources_power(l->sources);
     }
     sl_status status = SL_OK;
-    if (!(l->emitted_flux > 0.0) || !can_store(scene, options->store)) {
+    if (!(l->emitted_flux > 0.0) || !can_store(scene, options)) {
         *done = true;
     } else {
-        photon_job job = {.scene = scene, .tracer = tracer, .sources = l->sources, .store = options->store, .seed = options->seed};
+        photon_job job = {.scene = scene, .tracer = tracer, .sources = l->sources, .store = options->store, .sky = options->sky,
+                          .seed = options->seed};
         status = trace_chunks(&job, options, chunks, l, done, counters, error);
     }
     if (*done) {

@@ -23,6 +23,7 @@ typedef struct sl_photon_options {
     uint64_t stored;          /* stop at the end of the chunk in which so many are stored */
     uint64_t emitted_at_most; /* 0: 8 times stored, and at least 2^20: a scene that stores few must end too */
     sl_photon_store store;
+    const sl_environment *sky; /* part of the environment; with SL_STORE_INDIRECT its first hits are stored too, with its share of their flux. NULL: none */
     uint64_t seed;
     unsigned threads;
 } sl_photon_options;

@@ -81,5 +81,7 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
     sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, followed by rays", f.mirror_triangles);
     sl_plan_pass(writer, p.direct, "direct light", "%u light samples a pixel", (unsigned)settings->spp);
+    bool sky = f.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT;
+    sl_plan_pass(writer, sky, "sky in the octree", "%s", sky ? "its first hits are photons too; what stands out of it is sampled" : f.environment ? "all of it is sampled" : "no environment");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");
 }
