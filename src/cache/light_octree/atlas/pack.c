@@ -17,6 +17,8 @@ enum { CLASSES = 6 };
 /* Outlines wider than this many columns move in longer steps, so that they stop no oftener than this in a width of their own; a few charts may be
  * tried everywhere. */
 enum { STEPS = 8, FEW_CHARTS = 256 };
+/* So many charts look into large gaps alone. */
+enum { MANY_CHARTS = 8192 };
 /* Texels: nothing is put into gaps lower than this, tips of outlines aside. */
 #define THIN 2.0
 /* A chart that fills this much of its box looks the same upside down. */
@@ -132,7 +134,7 @@ static int outline(packing *p, uint32_t chart, double density, int turns) {
         pass_segment(p, columns, a[0], a[1], b[0], b[1]);
     }
     for (int i = 0; i < columns; i++) {
-        p->class_of[i] = 0;
+        p->class_of[i] = p->charts->count > MANY_CHARTS ? CLASSES - 1 : 0;
         while (p->class_of[i] + 1 < CLASSES && p->high[i] - p->low[i] >= (double)(2 << p->class_of[i])) p->class_of[i]++;
     }
     return columns;
@@ -178,7 +180,7 @@ static double lift(const column *c, double y, double low, double high) {
 /* For each column of texels the bottom of the lowest gap that is as high as the thinnest column of the outline (or THIN). */
 static void find_gaps(packing *p, int room, int columns) {
     double thinnest = HUGE_VAL;
-    int class = 0;
+    int class = p->charts->count > MANY_CHARTS ? CLASSES - 1 : 0;
     for (int c = 0; c < columns; c++) thinnest = fmin(thinnest, p->high[c] - p->low[c]);
     thinnest = fmax(thinnest, THIN);
     while (class + 1 < CLASSES && thinnest >= (double)(2 << class)) class++;
