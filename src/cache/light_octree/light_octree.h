@@ -5,10 +5,12 @@
  *   light_octree.c    the passes of one picture, and the state between them
  *   photons.c         P1: photon tracing
  *   photon_tree.c     P2: the kd-tree, and the k nearest photons
- *   octree.c          G1: the voxels, on geometry
+ *   octree.c          G1: the voxels, on geometry (triangle_cells.c: who meets whom; coplanar.c: duplicates; octree_cuts.c: shallower ones)
  *   photon_area.c     P3: over which area the gathered photons were strewn
  *   cluster.c         P4: K-means on their directions
- *   voxel_lights.c    P3 and P4 for every voxel
+ *   voxel_gather.c    P3 for a voxel (surroundings.c: the geometry around it)
+ *   voxel_lobes.c     P4: what a cluster's colour means (direction_packing.c: its direction in a float)
+ *   voxel_lights.c    P3 and P4 for every voxel (voxel_sets.c, normal_groups.c: voxels split by normal)
  *   voxel_texture.c   P5: all of it in textures, as the hardware holds it
  *   shade.c           R1: surface points lit from the octree
  *   atlas/            G2 to G4, R1' and R2: the same by way of a texture atlas

@@ -1,0 +1,77 @@
+/* P3: a voxel's photons, side by side, and the area that they were strewn over (section 2.2). */
+#include "cache/light_octree/voxel_work.h"
+
+sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius) {
+    bool has_normal = sl_dot(normal, normal) > 0.0f;
+    return (sl_photon_query){.centre = centre,
+                             .normal = normal,
+                             .flatness = has_normal ? o->flatness : 1.0,
+                             .radius = radius,
+                             .minimum = 1e-3 * radius,
+                             .cos_acceptance = has_normal && work->by_side ? work->cos_acceptance : -1.0,
+                             .both_sides = has_normal && work->by_side,
+                             .neighbours = o->neighbours};
+}
+
+/* Two passes, so that each side's photons stand together in order of their ids. */
+static void split_sides(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w, sl_voxel_gather *gather) {
+    const sl_photon_list *list = sl_photon_tree_list(work->tree);
+    w->photons.count = 0;
+    size_t front = 0, seen = 0;
+    sl_vec3d normals = {0}, places = {0};
+    for (int back = 0; back < 2 && seen < w->gathered.count; back++) {
+        for (size_t i = 0; i < w->gathered.count; i++) {
+            const sl_photon *p = &list->photon[w->gathered.place[i]];
+            sl_vec3 n = sl_octahedral_decode(p->normal);
+            bool behind = query->both_sides && sl_dot(n, query->normal) < 0.0f;
+            if (behind != (back == 1)) continue;
+            seen++;
+            sl_lobe_photons_add(&w->photons, sl_octahedral_decode(p->direction), n, p->flux);
+            sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
+            places = sl_addd(places, sl_to_double(place));
+            normals = sl_addd(normals, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
+        }
+        if (back == 0) front = w->photons.count;
+    }
+    gather->front = sl_lobe_photons_from(&w->photons, 0, front);
+    gather->back = sl_lobe_photons_from(&w->photons, front, w->photons.count - front);
+    double count = w->gathered.count > 0 ? (double)w->gathered.count : 1.0;
+    gather->mean_normal = normals;
+    gather->mean_place = sl_scaled(places, 1.0 / count);
+}
+
+sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w) {
+    sl_photon_tree_gather(work->tree, query, &w->gathered);
+    size_t found = w->gathered.count;
+    sl_voxel_gather gather = {.found = found,
+                           .kappa = w->gathered.full && found > 0 ? (double)(found - 1) / (double)found : 1.0,
+                           .coincident = w->gathered.radius <= query->minimum,
+                           .ellipsoid = {sl_to_double(query->centre), sl_to_double(query->normal), query->flatness, w->gathered.radius}};
+    split_sides(work, query, w, &gather);
+    return gather;
+}
+
+double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
+                     double area[2]) {
+    const sl_ellipsoid *e = &gather->ellipsoid;
+    double disc = sl_disc_area(e);
+    double all = 0.0;
+    area[0] = area[1] = disc;
+    if (o->area == SL_PHOTON_AREA_SECTION) {
+        double length = sl_lengthd(gather->mean_normal);
+        if (length > 0.0) {
+            sl_vec3d n = sl_scaled(gather->mean_normal, 1.0 / length);
+            area[0] = area[1] = sl_section_area(e, n, sl_dotd(n, gather->mean_place));
+        }
+    } else if (o->area == SL_PHOTON_AREA_CLIP) {
+        sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
+        bool together = strewn.sheet || !work->by_side;
+        all = strewn.front + strewn.back;
+        area[0] = together ? all : strewn.front;
+        area[1] = together ? all : strewn.back;
+    }
+    for (int side = 0; side < 2; side++) {
+        if (!(area[side] > 1e-3 * disc)) area[side] = disc;
+    }
+    return all > 1e-3 * disc ? all : area[0];
+}

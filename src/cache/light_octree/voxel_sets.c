@@ -1,0 +1,163 @@
+/* Which sets of lights a voxel has, and memory for them all. */
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/light_octree/voxel_work.h"
+
+static sl_status check_options(const sl_voxel_light_options *o, sl_error *error) {
+    bool good = o->neighbours >= 2 && o->neighbours <= 1 << 20 && o->radius > 0.0 && o->radius <= DBL_MAX && o->flatness > 0.0 &&
+                o->flatness <= 1.0 && o->acceptance >= 0.0 && o->lights >= 1 && o->lights <= SL_VOXEL_LIGHTS_MAX &&
+                o->spread_tolerance >= 0.0;
+    if (o->lobes == SL_LOBES_HARMONICS) good &= o->harmonics_order == 2 || o->harmonics_order == 3;
+    if (good) return SL_OK;
+    return sl_fail(error, SL_ERROR_USAGE,
+                   "lights of voxels: %zu neighbours (2 at least), radius %g (> 0), flatness %g (0 to 1), %d lights (1 to %d)", o->neighbours,
+                   o->radius, o->flatness, o->lights, (int)SL_VOXEL_LIGHTS_MAX);
+}
+
+static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w, sl_error *error) {
+    size_t k = lights->options.neighbours;
+    w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
+    w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
+    if (lights->work->surroundings) w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
+    if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
+    bool good = w->gathered.place && w->gathered.distance && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0);
+    return good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
+}
+
+static void destroy_work(sl_voxel_work *work) {
+    if (!work) return;
+    for (unsigned i = 0; work->worker && i < work->workers; i++) {
+        sl_voxel_worker *w = &work->worker[i];
+        sl_free(w->gathered.place);
+        sl_free(w->gathered.distance);
+        sl_free(w->marks.mark);
+        sl_free(w->pieces);
+        sl_lobe_photons_release(&w->photons);
+    }
+    sl_free(work->worker);
+    sl_octree_destroy(work->parents);
+    sl_surroundings_destroy(work->surroundings);
+    sl_free(work);
+}
+
+static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error *error) {
+    sl_voxel_work *work = lights->work;
+    const sl_voxel_light_options *o = &lights->options;
+    work->by_side = o->acceptance < 3.1415;
+    work->cos_acceptance = work->by_side ? sl_cos(o->acceptance) : -1.0;
+    work->workers = sl_thread_count(threads);
+    work->worker = sl_allocate(work->workers, sizeof *work->worker);
+    if (!work->worker) return sl_fail_memory(error, "lights of voxels");
+    sl_status status = SL_OK;
+    if (work->octree->depth > 1) status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
+    if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP) {
+        status = sl_surroundings_create(work->scene, work->geometry, o->radius / 8.0, work->workers, &work->surroundings, error);
+    }
+    size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree, work->geometry) : 0;
+    for (unsigned i = 0; status == SL_OK && i < work->workers; i++) status = create_worker(lights, pieces, &work->worker[i], error);
+    return status;
+}
+
+/* ---- sets ---- */
+
+typedef struct group_task {
+    sl_voxel_lights *lights;
+    sl_cell_space space;
+    sl_normal_group (*groups)[SL_VOXEL_SETS_MAX];
+    uint8_t *count;
+} group_task;
+
+static void group_leaves(void *context, size_t index, unsigned worker) {
+    const group_task *task = context;
+    const sl_voxel_work *work = task->lights->work;
+    size_t end = (index + 1) * SL_LEAVES_A_TASK < task->lights->leaf_count ? (index + 1) * SL_LEAVES_A_TASK : task->lights->leaf_count;
+    for (size_t leaf = index * SL_LEAVES_A_TASK; leaf < end; leaf++) {
+        task->count[leaf] = (uint8_t)sl_normal_groups(&task->space, work->octree, work->geometry, leaf, work->worker[worker].pieces,
+                                                      task->groups[leaf]);
+    }
+}
+
+/* One set for a leaf of one group: then its own normal and centroid are as good. */
+static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl_error *error) {
+    const sl_octree *octree = lights->work->octree;
+    lights->first_set = sl_allocate(lights->leaf_count + 1, sizeof *lights->first_set);
+    if (!lights->first_set) return sl_fail_memory(error, "lights of voxels");
+    size_t sets = 0;
+    for (size_t i = 0; i < lights->leaf_count; i++) {
+        lights->first_set[i] = (uint32_t)sets;
+        sets += groups && groups->count[i] > 1 ? groups->count[i] : 1;
+    }
+    lights->first_set[lights->leaf_count] = (uint32_t)sets;
+    lights->set_count = sets;
+    lights->set = sl_allocate(sets, sizeof *lights->set);
+    lights->light = sl_allocate(sets * (size_t)lights->texels, sizeof *lights->light);
+    if (!lights->set || !lights->light) return sl_fail_memory(error, "lights of voxels");
+    for (size_t i = 0; i < lights->leaf_count; i++) {
+        uint32_t first = lights->first_set[i], count = lights->first_set[i + 1] - first;
+        for (uint32_t g = 0; g < count; g++) {
+            sl_voxel_set *set = &lights->set[first + g];
+            set->leaf = (uint32_t)i;
+            set->normal = count > 1 ? groups->groups[i][g].normal : octree->leaf[i].normal;
+            set->centroid = count > 1 ? groups->groups[i][g].centroid : octree->leaf[i].centroid;
+        }
+    }
+    return SL_OK;
+}
+
+static sl_status split_sets(sl_voxel_lights *lights, sl_error *error) {
+    const sl_voxel_work *work = lights->work;
+    group_task task = {.lights = lights,
+                       .space = sl_cell_space_of(work->scene, work->geometry->origin, work->geometry->edge, work->geometry->depth),
+                       .groups = sl_allocate(lights->leaf_count, sizeof *task.groups),
+                       .count = sl_allocate(lights->leaf_count, 1)};
+    sl_status status = task.groups && task.count ? SL_OK : sl_fail_memory(error, "normals of voxels");
+    if (status == SL_OK) {
+        sl_parallel_for(work->workers, (lights->leaf_count + SL_LEAVES_A_TASK - 1) / SL_LEAVES_A_TASK, group_leaves, &task);
+        status = make_sets(lights, &task, error);
+    }
+    sl_free(task.groups);
+    sl_free(task.count);
+    return status;
+}
+
+sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree, const sl_octree *geometry, const sl_photon_tree *tree,
+                                 const sl_voxel_light_options *options, unsigned threads, sl_voxel_lights **result, sl_error *error) {
+    *result = NULL;
+    sl_status status = check_options(options, error);
+    if (status != SL_OK) return status;
+    sl_voxel_lights *lights = sl_allocate(1, sizeof *lights);
+    if (!lights) return sl_fail_memory(error, "lights of voxels");
+    *lights = (sl_voxel_lights){.options = *options, .leaf_count = octree->leaf_count, .texels = sl_lobe_texels(options)};
+    lights->work = sl_allocate(1, sizeof *lights->work);
+    status = lights->work ? SL_OK : sl_fail_memory(error, "lights of voxels");
+    if (status == SL_OK) {
+        bool photons = tree && sl_photon_tree_list(tree)->count > 0;
+        *lights->work = (sl_voxel_work){.scene = scene, .octree = octree, .geometry = geometry, .tree = photons ? tree : NULL};
+        status = create_work(lights, threads, error);
+    }
+    if (status == SL_OK) status = options->split_by_normal ? split_sets(lights, error) : make_sets(lights, NULL, error);
+    if (status != SL_OK) sl_voxel_lights_destroy(lights);
+    else *result = lights;
+    return status;
+}
+
+void sl_voxel_lights_destroy(sl_voxel_lights *lights) {
+    if (!lights) return;
+    destroy_work(lights->work);
+    sl_free(lights->first_set);
+    sl_free(lights->set);
+    sl_free(lights->light);
+    sl_free(lights);
+}
+
+size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
+    const sl_voxel_work *work = lights->work;
+    size_t bytes = sizeof *lights + sizeof *work + (lights->leaf_count + 1) * sizeof *lights->first_set;
+    bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
+    bytes += work->parents ? sl_octree_bytes(work->parents) : 0;
+    bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
+    size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
+    return bytes + work->workers * (sizeof *work->worker + marks + lights->options.neighbours * 69);
+}

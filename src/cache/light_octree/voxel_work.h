@@ -1,0 +1,48 @@
+/* What the parts of lighting voxels share: voxel_gather.c (P3), voxel_lights.c (P4), voxel_sets.c (memory, and which sets a voxel has). */
+#ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
+#define SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
+
+#include "cache/light_octree/normal_groups.h"
+#include "cache/light_octree/surroundings.h"
+#include "cache/light_octree/voxel_lobes.h"
+
+enum { SL_LEAVES_A_TASK = 16 };
+
+/* A worker's own. */
+typedef struct sl_voxel_worker {
+    sl_gathered_photons gathered;
+    sl_lobe_photons photons;      /* both sides: room for twice k */
+    sl_surroundings_marks marks;
+    sl_voxel_piece *pieces;
+    sl_counters counters;
+} sl_voxel_worker;
+
+typedef struct sl_voxel_work {
+    const sl_scene *scene;
+    const sl_octree *octree, *geometry;
+    const sl_photon_tree *tree;
+    sl_octree *parents;           /* the cut above; NULL at depth 1 */
+    sl_surroundings *surroundings; /* clip area alone */
+    double cos_acceptance;
+    bool by_side;                 /* photons are taken side by side; off: all of them, whatever their normals */
+    unsigned workers;
+    sl_voxel_worker *worker;
+} sl_voxel_work;
+
+typedef struct sl_voxel_gather {
+    sl_ellipsoid ellipsoid;       /* R; f = 1 without a normal */
+    double kappa;
+    size_t found;
+    bool coincident;
+    sl_lobe_photons front, back;  /* by the side of n_v; all in front where sides are not told apart */
+    sl_vec3d mean_normal, mean_place; /* of the photons, turned to n_v's side; about the centre */
+} sl_voxel_gather;
+
+sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius);
+sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w);
+/* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing (photons beside the geometry) is
+ * taken for the disc. */
+double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
+                      double area[2]);
+
+#endif
