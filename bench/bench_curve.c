@@ -161,16 +161,15 @@ static curve envelope_of(const curve *all) {
     return e;
 }
 
-/* Seconds at an error, or error at seconds: log-log between neighbours, never beyond the ends (then 0). */
+static bench_series series_of(const curve *c, const char *name, const char *color, bool line) {
+    bench_series s = {.name = name, .color = color, .line = line};
+    for (size_t i = 0; i < c->count; i++) s.point[s.count++] = (bench_point){.seconds = c->trials[i].seconds, .rel_mse = c->trials[i].rel_mse};
+    return s;
+}
+
 static double between(const curve *c, double at, bool seconds_wanted) {
-    for (size_t i = 0; i + 1 < c->count; i++) {
-        const trial *p = &c->trials[i], *q = &c->trials[i + 1];
-        double x0 = seconds_wanted ? p->rel_mse : p->seconds, x1 = seconds_wanted ? q->rel_mse : q->seconds;
-        double y0 = seconds_wanted ? p->seconds : p->rel_mse, y1 = seconds_wanted ? q->seconds : q->rel_mse;
-        if ((at - x0) * (at - x1) > 0.0 || x0 == x1) continue;
-        return exp(log(y0) + (log(y1) - log(y0)) * (log(at) - log(x0)) / (log(x1) - log(x0)));
-    }
-    return 0.0;
+    bench_series s = series_of(c, NULL, NULL, false);
+    return bench_between(&s, at, seconds_wanted);
 }
 
 static const char *ratio_text(double ratio, char text[24]) {
@@ -215,82 +214,12 @@ static void all_rows(const bench_report *r, const char *scene, const curve *cach
     fclose(file);
 }
 
-/* ---- the drawing ---- */
-
-typedef struct drawing {
-    FILE *file;
-    double x0, x1, y0, y1; /* decades */
-} drawing;
-
-enum { LEFT = 80, RIGHT = 620, TOP = 40, BOTTOM = 420 };
-
-static double place_x(const drawing *d, double seconds) { return LEFT + (log10(seconds) - d->x0) / (d->x1 - d->x0) * (RIGHT - LEFT); }
-static double place_y(const drawing *d, double error) { return BOTTOM - (log10(error) - d->y0) / (d->y1 - d->y0) * (BOTTOM - TOP); }
-
-static void include(drawing *d, const curve *c) {
-    for (size_t i = 0; i < c->count; i++) {
-        const trial *t = &c->trials[i];
-        if (!(t->rel_mse > 0.0)) continue;
-        d->x0 = fmin(d->x0, floor(log10(t->seconds)));
-        d->x1 = fmax(d->x1, ceil(log10(t->seconds)));
-        d->y0 = fmin(d->y0, floor(log10(t->rel_mse)));
-        d->y1 = fmax(d->y1, ceil(log10(t->rel_mse)));
-    }
-}
-
-static void draw_axes(const drawing *d, const char *title) {
-    fprintf(d->file, "<text x=\"%d\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">%s</text>\n", (LEFT + RIGHT) / 2, title);
-    for (double x = d->x0; x <= d->x1; x++) {
-        double at = place_x(d, pow(10.0, x));
-        fprintf(d->file, "<path d=\"M%.1f %dV%d\" stroke=\"#ccc\"/><text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%g s</text>\n", at, TOP,
-                BOTTOM, at, BOTTOM + 20, pow(10.0, x));
-    }
-    for (double y = d->y0; y <= d->y1; y++) {
-        double at = place_y(d, pow(10.0, y));
-        fprintf(d->file, "<path d=\"M%d %.1fH%d\" stroke=\"#ccc\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">1e%g</text>\n", LEFT, at, RIGHT,
-                LEFT - 6, at + 4.0, y);
-    }
-    fprintf(d->file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">processor seconds</text>\n", (LEFT + RIGHT) / 2, BOTTOM + 42);
-    fprintf(d->file, "<text x=\"20\" y=\"%d\" text-anchor=\"middle\" transform=\"rotate(-90 20 %d)\">relMSE</text>\n", (TOP + BOTTOM) / 2,
-            (TOP + BOTTOM) / 2);
-}
-
-static void draw_line(const drawing *d, const curve *c, const char *color) {
-    char command = 'M';
-    fprintf(d->file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"", color);
-    for (size_t i = 0; i < c->count; i++) {
-        if (!(c->trials[i].rel_mse > 0.0)) continue;
-        fprintf(d->file, "%c%.1f %.1f", command, place_x(d, c->trials[i].seconds), place_y(d, c->trials[i].rel_mse));
-        command = 'L';
-    }
-    fprintf(d->file, "\"/>\n");
-}
-
-static void draw_points(const drawing *d, const curve *c, const char *color) {
-    for (size_t i = 0; i < c->count; i++) {
-        const trial *t = &c->trials[i];
-        if (t->rel_mse > 0.0)
-            fprintf(d->file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\" fill=\"%s\"/>\n", place_x(d, t->seconds), place_y(d, t->rel_mse), color);
-    }
-}
-
 static void draw(const bench_report *r, const char *scene, const curve *cache, const curve *envelope, const curve *path) {
-    char file_name[700];
-    snprintf(file_name, sizeof file_name, "%s/curve-%s.svg", r->folder, scene);
-    drawing d = {fopen(file_name, "w"), INFINITY, -INFINITY, INFINITY, -INFINITY};
-    if (!d.file) return;
-    include(&d, cache);
-    include(&d, path);
-    fprintf(d.file, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"660\" height=\"480\" font-family=\"sans-serif\" font-size=\"12\">\n"
-                    "<rect width=\"660\" height=\"480\" fill=\"white\"/>\n");
-    draw_axes(&d, scene);
-    draw_points(&d, cache, "#9bd");
-    draw_line(&d, envelope, "#06c");
-    draw_line(&d, path, "#c40");
-    draw_points(&d, path, "#c40");
-    fprintf(d.file, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\" fill=\"#06c\">radiance cache splatting</text>\n", RIGHT - 8, TOP + 18);
-    fprintf(d.file, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\" fill=\"#c40\">path tracer, same paths</text>\n</svg>\n", RIGHT - 8, TOP + 36);
-    fclose(d.file);
+    static bench_series series[3];
+    series[0] = series_of(cache, NULL, "#9bd", false);
+    series[1] = series_of(envelope, "radiance cache splatting", "#06c", true);
+    series[2] = series_of(path, "path tracer, same paths", "#c40", true);
+    bench_draw_curves(r, scene, series, 3);
 }
 
 /* ---- the experiment ---- */

@@ -3,6 +3,7 @@
  *   common_pixels.c  which pixels are compared: one of each block of a picture, and random points for gathers
  *   common_store.c   their reference values by the path tracer, in two independent halves, kept on disk
  *   common_error.c   errors, with the reference's own noise taken off
+ *   common_curve.c   speed against error: envelopes, and drawings
  *   common_report.c  options, tables as Markdown and CSV, pictures
  *
  * A picture's error needs a reference with far less noise than the picture has error. For every pixel that is hours of path tracing;
@@ -110,6 +111,27 @@ typedef struct bench_error {
 bench_error bench_compare(const float *x, const bench_reference *reference, const bench_reference *scale);
 /* "1.23e-05", or "(1.23e-05)" where it is not to be relied on. */
 const char *bench_mse_text(const bench_error *e, char text[32]);
+
+/* ---- speed against error (common_curve.c) ---- */
+
+enum { BENCH_POINTS = 128 };
+typedef struct bench_point {
+    double seconds, rel_mse;
+    char what[64];
+} bench_point;
+typedef struct bench_series {
+    const char *name, *color; /* name: NULL is left out of the drawing's legend */
+    bool line;                /* points are joined */
+    size_t count;
+    bench_point point[BENCH_POINTS];
+} bench_series;
+
+/* Those than which none is both faster and better, in order of their seconds. */
+bench_series bench_envelope(const bench_series *all);
+/* Seconds at an error, or error at seconds: log-log between neighbours, never beyond the ends (then 0). */
+double bench_between(const bench_series *series, double at, bool seconds_wanted);
+/* NAME-SCENE.svg, NAME the report's. */
+void bench_draw_curves(const bench_report *r, const char *scene, const bench_series *series, size_t count);
 
 /* ---- pictures ---- */
 

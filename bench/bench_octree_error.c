@@ -1,0 +1,300 @@
+/* How far the light octree's indirect light is from the path tracer's on the same paths: over depth, lights, photons and neighbours; with each
+ * remedy and without; and where the error comes from, by taking one approximation after the other away, down to the photon map itself.
+ *
+ * Every picture is made from photons of two seeds, x and y: with A and B halves of the reference, mean (x-A)(y-B) is what no number of such maps
+ * would average out (systematic), mean (x-y)^2 / 2 what would (random). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/math.h"
+#include "octree_bench.h"
+
+enum { SEEDS = 2, TREES = 16 };
+
+typedef struct world {
+    char name[64];
+    octree_view view;
+    bench_pixels pixels;
+    bench_reference reference;
+    sl_octree *octree[SL_OCTREE_DEPTH_MAX + 1];
+    struct {
+        uint64_t photons;
+        sl_photon_tree *tree[SEEDS];
+    } map[TREES];
+    int maps;
+    float *values[SEEDS];
+} world;
+
+typedef struct trial {
+    size_t leaves;
+    double mib, systematic, random;
+    bench_error error; /* of the first seed */
+} trial;
+
+/* ---- the world ---- */
+
+static bool open_world(bench_report *r, const bench_options *o, const char *path, world *w) {
+    int size = o->brief ? 128 : 256;
+    sl_settings settings = sl_settings_default();
+    sl_transport transport;
+    memset(w, 0, sizeof *w);
+    bench_scene_name(path, w->name);
+    if (!bench_wants(o, w->name) || !octree_view_open(r, path, size, size, &w->view)) return false;
+    sl_octree_transport(&settings, &transport);
+    transport.emission = false;
+    transport.direct_lobes = 0;
+    bench_pixels_make(w->view.scene, w->view.tracer, size, size, o->brief ? 8 : 6, &w->pixels);
+    bench_reference_get(w->view.scene, w->view.tracer, &transport, &w->pixels, o->brief ? 512 : 4096, &w->reference);
+    for (int seed = 0; seed < SEEDS; seed++) {
+        w->values[seed] = calloc(3 * w->pixels.count + 1, sizeof(float));
+        if (!w->values[seed]) bench_fail("values", NULL);
+    }
+    return true;
+}
+
+static void close_world(world *w) {
+    for (int seed = 0; seed < SEEDS; seed++) {
+        free(w->values[seed]);
+        for (int i = 0; i < w->maps; i++) sl_photon_tree_destroy(w->map[i].tree[seed]);
+    }
+    for (int depth = 0; depth <= SL_OCTREE_DEPTH_MAX; depth++) sl_octree_destroy(w->octree[depth]);
+    bench_reference_free(&w->reference);
+    bench_pixels_free(&w->pixels);
+    octree_view_close(&w->view);
+}
+
+static sl_octree *octree_of(world *w, int depth) {
+    double seconds;
+    if (!w->octree[depth]) w->octree[depth] = octree_voxels(w->view.scene, depth, 2, &seconds);
+    return w->octree[depth];
+}
+
+static const sl_photon_tree *photons_of(world *w, const sl_light_octree_settings *settings, int seed) {
+    int i = 0;
+    double seconds[2];
+    sl_counters counters = {{0}};
+    while (i < w->maps && w->map[i].photons != settings->photons) i++;
+    if (i == TREES) bench_fail("too many photon maps", NULL);
+    if (i == w->maps) w->map[w->maps++].photons = settings->photons;
+    if (!w->map[i].tree[seed])
+        w->map[i].tree[seed] = octree_photons(w->view.scene, w->view.tracer, settings, (uint64_t)seed, 2, seconds, &counters);
+    return w->map[i].tree[seed];
+}
+
+/* ---- a trial ---- */
+
+static void judge(const world *w, trial *t) {
+    const float *a = w->reference.half[0], *b = w->reference.half[1], *x = w->values[0], *y = w->values[1];
+    size_t count = 3 * w->pixels.count;
+    double both = 0.0, apart = 0.0, mean = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        double xa = (double)x[i] - (double)a[i], xb = (double)x[i] - (double)b[i], ya = (double)y[i] - (double)a[i], yb = (double)y[i] - (double)b[i];
+        both += 0.5 * (xa * yb + xb * ya);
+        apart += 0.5 * (xa - ya) * (xa - ya);
+        mean += 0.5 * ((double)a[i] + (double)b[i]);
+    }
+    t->error = bench_compare(x, &w->reference, NULL);
+    t->systematic = mean > 0.0 ? sqrt(fmax(0.0, both) * (double)count) / mean : 0.0;
+    t->random = mean > 0.0 ? sqrt(apart * (double)count) / mean : 0.0;
+}
+
+static trial try(const bench_report *r, world *w, const sl_light_octree_settings *settings, bool facing, const char *picture) {
+    trial t = {0};
+    sl_octree *octree = octree_of(w, settings->depth);
+    for (int seed = 0; seed < SEEDS; seed++) {
+        octree_light light;
+        octree_light_voxels(w->view.scene, octree, photons_of(w, settings, seed), settings, 2, &light);
+        sl_octree_shading shading = {.texture = light.texture, .filter = settings->filter, .keep_void_dark = settings->keep_void_dark,
+                                     .facing = facing};
+        octree_shade_view(&w->view, &shading, 2);
+        octree_view_pick(&w->view, &w->pixels, w->values[seed]);
+        if (picture && seed == 0) octree_view_write(&w->view, r, w->name, picture);
+        t.mib = (double)sl_voxel_texture_bytes(light.texture) / 1048576.0;
+        octree_light_free(&light);
+    }
+    t.leaves = octree->leaf_count;
+    judge(w, &t);
+    return t;
+}
+
+static trial try_direct(world *w, const sl_light_octree_settings *settings, octree_place place) {
+    trial t = {0};
+    for (int seed = 0; seed < SEEDS; seed++)
+        octree_direct(&w->view, &w->pixels, octree_of(w, settings->depth), photons_of(w, settings, seed), settings, place, w->values[seed]);
+    judge(w, &t);
+    return t;
+}
+
+static const char header[] = "scene|what|leaves|MiB|relRMSE %|systematic %|random %|bias %|relMSE|trimmed";
+
+static void row(bench_report *r, const world *w, const char *what, const trial *t) {
+    char size[64] = "|", text[32];
+    if (t->leaves) snprintf(size, sizeof size, "%zu|%.2f", t->leaves, t->mib);
+    bench_row(r, "%s|%s|%s|%.2f|%.2f|%.2f|%+.2f|%s|%.2e", w->name, what, size, 100.0 * t->error.rel_rmse, 100.0 * t->systematic,
+              100.0 * t->random, 100.0 * t->error.bias, bench_mse_text(&t->error, text), t->error.trimmed);
+}
+
+static sl_light_octree_settings base(const bench_options *o) {
+    sl_light_octree_settings s = octree_settings();
+    if (o->brief) s.photons = 150000, s.depth = 5;
+    return s;
+}
+
+/* ---- over depth, lights, photons and neighbours ---- */
+
+static void sweeps(bench_report *r, const bench_options *o, world *w) {
+    static const int lights[] = {1, 2, 3, 4, 6, 8}, neighbours[] = {50, 100, 300, 500};
+    static const uint64_t photons[] = {150000, 300000, 600000, 1200000, 2400000};
+    sl_light_octree_settings s;
+    char what[64];
+    int step = o->brief ? 2 : 1;
+    for (int depth = 3; depth <= base(o).depth + 1; depth++) {
+        s = base(o);
+        s.depth = depth;
+        trial t = try(r, w, &s, false, NULL);
+        snprintf(what, sizeof what, "depth %d", depth);
+        row(r, w, what, &t);
+    }
+    for (int i = 0; i < 6; i += step) {
+        s = base(o);
+        s.lights = lights[i];
+        trial t = try(r, w, &s, false, NULL);
+        snprintf(what, sizeof what, "n = %d", lights[i]);
+        row(r, w, what, &t);
+    }
+    for (int i = 0; i < (o->brief ? 3 : 5); i += step) {
+        s = base(o);
+        s.photons = photons[i];
+        trial t = try(r, w, &s, false, NULL);
+        snprintf(what, sizeof what, "%u thousand photons", (unsigned)(photons[i] / 1000));
+        row(r, w, what, &t);
+    }
+    for (int i = 0; i < 4; i += step) {
+        s = base(o);
+        s.neighbours = neighbours[i];
+        trial t = try(r, w, &s, false, NULL);
+        snprintf(what, sizeof what, "k = %d", neighbours[i]);
+        row(r, w, what, &t);
+    }
+}
+
+/* ---- remedies and choices, one at a time ---- */
+
+typedef struct choice {
+    const char *name, *picture;
+    void (*set)(sl_light_octree_settings *s);
+} choice;
+
+static void none(sl_light_octree_settings *s) { (void)s; }
+static void disc(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_DISC; }
+static void section(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_SECTION; }
+static void accept_all(sl_light_octree_settings *s) { s->acceptance = SL_PI; }
+static void paper(sl_light_octree_settings *s) {
+    s->area = SL_PHOTON_AREA_DISC;
+    s->acceptance = SL_PI;
+    s->unit_weights = true;
+}
+static void sphere(sl_light_octree_settings *s) { s->flatness = 1.0; }
+static void split(sl_light_octree_settings *s) { s->split_by_normal = true; }
+static void nearest(sl_light_octree_settings *s) { s->filter = SL_VOXEL_NEAREST; }
+static void void_dark(sl_light_octree_settings *s) { s->keep_void_dark = true; }
+static void wide(sl_light_octree_settings *s) { s->wide_directions = true; }
+static void unit(sl_light_octree_settings *s) { s->unit_weights = true; }
+static void spread(sl_light_octree_settings *s) { s->spread_tolerance = SL_PI / 18.0, s->lights = 8; }
+static void colour(sl_light_octree_settings *s) { s->lobes = SL_LOBES_NONE; }
+static void surface(sl_light_octree_settings *s) { s->lobes = SL_LOBES_SURFACE; }
+static void eight(sl_light_octree_settings *s) { s->lights = 8; }
+static void harmonics(sl_light_octree_settings *s) { s->lobes = SL_LOBES_HARMONICS; }
+static void split_harmonics(sl_light_octree_settings *s) {
+    s->lobes = SL_LOBES_HARMONICS;
+    s->split_by_normal = true;
+}
+
+static const choice choices[] = {
+    {"default", "octree", none}, {"the paper's: disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
+    {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
+    {"split by normal", "split", split}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
+    {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},
+    {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight}, {"8 lights or 10 degrees", NULL, spread},
+    {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, split by normal", NULL, split_harmonics},
+};
+
+static void remedies(bench_report *r, const bench_options *o, world *w) {
+    for (size_t i = 0; i < sizeof choices / sizeof *choices; i++) {
+        sl_light_octree_settings s = base(o);
+        choices[i].set(&s);
+        trial t = try(r, w, &s, false, o->pictures ? choices[i].picture : NULL);
+        row(r, w, choices[i].name, &t);
+    }
+    sl_light_octree_settings s = base(o);
+    trial t = try(r, w, &s, true, NULL);
+    row(r, w, "voxels weigh by facing", &t);
+}
+
+/* ---- where it comes from ---- */
+
+static void ladder(bench_report *r, const bench_options *o, world *w) {
+    sl_light_octree_settings s = base(o);
+    s.photons *= 4;
+    trial t = try_direct(w, &s, OCTREE_AT_PIXEL);
+    row(r, w, "photons at pixels, 4 times as many", &t);
+    s = base(o);
+    t = try_direct(w, &s, OCTREE_AT_PIXEL);
+    row(r, w, "photons at pixels: density", &t);
+    paper(&s);
+    t = try_direct(w, &s, OCTREE_AT_PIXEL);
+    row(r, w, "... with bleeding: disc, all photons", &t);
+    s = base(o);
+    t = try_direct(w, &s, OCTREE_AT_VOXEL);
+    row(r, w, "+ gathered at voxels", &t);
+    s.filter = SL_VOXEL_NEAREST;
+    s.wide_directions = true;
+    t = try(r, w, &s, false, NULL);
+    row(r, w, "+ 4 clusters", &t);
+    s.wide_directions = false;
+    t = try(r, w, &s, false, NULL);
+    row(r, w, "+ 8 + 8 bits", &t);
+    s.filter = SL_VOXEL_TRILINEAR;
+    t = try(r, w, &s, false, NULL);
+    row(r, w, "+ trilinear: all of it", &t);
+}
+
+/* ---- the experiment ---- */
+
+static void experiment(bench_report *r, const bench_options *o, const char *path) {
+    static world w;
+    char table[80];
+    if (!open_world(r, o, path, &w)) return;
+    sl_light_octree_settings s = base(o);
+    bench_say(r, "\n%s, %d x %d, %zu pixels, %u reference samples; where nothing else is said depth %d, %u thousand photons, k = %d, n = %d\n", w.name,
+              w.pixels.width, w.pixels.height, w.pixels.count, w.reference.samples, s.depth, (unsigned)(s.photons / 1000), s.neighbours, s.lights);
+    snprintf(table, sizeof table, "%s-remedies", w.name);
+    bench_table(r, table, header);
+    remedies(r, o, &w);
+    bench_say(r, "\nwhere it comes from, with one approximation after the other:\n");
+    snprintf(table, sizeof table, "%s-parts", w.name);
+    bench_table(r, table, header);
+    ladder(r, o, &w);
+    bench_say(r, "\nover depth, lights, photons, neighbours:\n");
+    snprintf(table, sizeof table, "%s-sweeps", w.name);
+    bench_table(r, table, header);
+    sweeps(r, o, &w);
+    close_world(&w);
+}
+
+int main(int argc, char **argv) {
+    bench_options o = bench_options_parse(argc, argv, "build/light-octree");
+    bench_report r;
+    bench_report_open(&r, &o, "octree_error");
+    experiment(&r, &o, "scenes/cornell.json");
+    experiment(&r, &o, "scenes/generated/room.json");
+    if (!o.brief || o.only) {
+        experiment(&r, &o, "scenes/generated/atrium.json");
+        experiment(&r, &o, "scenes/generated/cathedral.json");
+        experiment(&r, &o, "scenes/generated/figure.json");
+        experiment(&r, &o, "scenes/mirror-balls.json");
+    }
+    bench_report_close(&r);
+    return 0;
+}
