@@ -114,7 +114,7 @@ static drm_way best_way(peer_frames *f, unsigned threads) {
         timed[way] = (drm_timed){peer_camera, &each[way], 0.0, 0.0};
     }
     peer_all(f);
-    drm_time(timed, DRM_WAYS, threads, 0.2);
+    drm_time(timed, DRM_WAYS, threads, 1.0);
     for (int way = 1; way < DRM_WAYS; way++) {
         if (timed[way].ms < timed[best].ms) best = way;
     }
@@ -171,7 +171,7 @@ static void open_lane(lane *l, sl_scene *scene, const row *w, drm_peer *peer, un
     l->apart = difference(l->frames.image, drm_peer_frame(peer, l->peer.shading, l->peer.way, false));
 }
 
-static void write_pictures(const bench_report *r, const char *name, const table *t, int which, lane *l) {
+static void write_pictures(const bench_report *r, const char *name, int which, lane *l) {
     char what[64];
     sl_image *image;
     sl_error error;
@@ -187,7 +187,6 @@ static void write_pictures(const bench_report *r, const char *name, const table 
     snprintf(what, sizeof what, "%d-osmesa", which);
     bench_write_picture(r, name, what, image);
     sl_image_destroy(image);
-    (void)t;
 }
 
 static const char *number(double value, const char *unit, char text[24]) {
@@ -235,7 +234,7 @@ static void run_table(bench_report *r, const bench_options *o, const table *t, u
         for (int k = 0; k < OURS; k++) ours[i][k] = timed[count++];
         for (int k = 0; k < 2 && lanes[i].apart >= 0.0; k++) peer[i][k] = timed[count++];
         print_row(r, t, i, &lanes[i], ours, peer);
-        if (o->pictures && threads == 1) write_pictures(r, name, t, i, &lanes[i]);
+        if (o->pictures && threads == 1) write_pictures(r, name, i, &lanes[i]);
     }
     for (int i = 0; i < t->rows; i++) drm_frames_close(&lanes[i].frames);
     drm_peer_destroy(osmesa);

@@ -30,7 +30,7 @@ typedef struct bench_options {
 bench_options bench_options_parse(int argc, char **argv, const char *folder);
 bool bench_wants(const bench_options *o, const char *scene);
 /* Ends the program. */
-void bench_fail(const char *what, const sl_error *error);
+_Noreturn void bench_fail(const char *what, const sl_error *error);
 
 typedef struct bench_report {
     FILE *text, *table;    /* NAME.md; NAME-TABLE.csv, or NULL */

@@ -28,7 +28,7 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
 
 bool bench_wants(const bench_options *o, const char *scene) { return !o->only || strstr(scene, o->only); }
 
-void bench_fail(const char *what, const sl_error *error) {
+_Noreturn void bench_fail(const char *what, const sl_error *error) {
     fprintf(stderr, "%s: %s\n", what, error ? error->message : "failed");
     exit(1);
 }
