@@ -100,7 +100,7 @@ static void reflect_at(void *context, size_t index, unsigned worker) {
                              .key = sl_hash64(index + (t->key << 32))};
     sl_gather_radiance(t->gather, &point, t->scratch[worker], &irradiance, coefficients, &counters);
     uint32_t material = (uint32_t)(s.material - t->w->scene->materials);
-    sl_receivers receivers = {1, 1, &s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z, &receives};
+    sl_splat_receivers receivers = {1, 1, &s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z, &receives};
     sl_glossy_view view = {t->glossy, &receivers, &material, t->w->scene->camera.eye};
     sl_glossy_record record = {s.position, sl_frame_from_normal(s.normal), coefficients};
     t->kernel(&view, &record, 0, radiance);

@@ -23,7 +23,7 @@ static const double pi = 3.14159265358979323846;
 typedef struct {
     float px, py, pz, nx, ny, nz;
     uint32_t receives, material;
-    sl_receivers receivers;
+    sl_splat_receivers receivers;
     sl_material surface;
     sl_scene scene;
     sl_glossy *glossy;
@@ -85,7 +85,7 @@ static sl_vec3 unit(float x, float y, float z) { return sl_normalize_or(sl_v3(x,
 
 static void stage_open(stage *s, sl_vec3 record_normal, sl_vec3 pixel_normal) {
     *s = (stage){.receives = 1, .nx = pixel_normal.x, .ny = pixel_normal.y, .nz = pixel_normal.z};
-    s->receivers = (sl_receivers){1, 1, &s->px, &s->py, &s->pz, &s->nx, &s->ny, &s->nz, &s->receives};
+    s->receivers = (sl_splat_receivers){1, 1, &s->px, &s->py, &s->pz, &s->nx, &s->ny, &s->nz, &s->receives};
     s->surface = (sl_material){.specular = {1, 1, 1}, .exponent = 20.0f};
     s->scene = (sl_scene){.material_count = 1, .materials = &s->surface};
     assert_int_equal(sl_glossy_create(&s->scene, ORDER, &s->glossy, NULL), SL_OK);

@@ -16,7 +16,7 @@ enum { PIXELS = 40, FLOATS = 9 * SL_HSH_STRIDE_MAX };
 typedef struct view_of_pixels {
     float position[3][PIXELS], normal[3][PIXELS];
     uint32_t receives[PIXELS], material[PIXELS];
-    sl_receivers receivers;
+    sl_splat_receivers receivers;
     sl_material surfaces[2];
     sl_scene scene;
     sl_glossy *glossy;
@@ -42,7 +42,7 @@ static void open_view(view_of_pixels *v, int order) {
         v->receives[i] = 1;
         v->material[i] = i == PIXELS - 1;
     }
-    v->receivers = (sl_receivers){PIXELS, 1, v->position[0], v->position[1], v->position[2], v->normal[0], v->normal[1], v->normal[2],
+    v->receivers = (sl_splat_receivers){PIXELS, 1, v->position[0], v->position[1], v->position[2], v->normal[0], v->normal[1], v->normal[2],
                                   v->receives};
     v->scene = (sl_scene){.material_count = 2, .materials = v->surfaces};
     assert_int_equal(sl_glossy_create(&v->scene, order, &v->glossy, NULL), SL_OK);

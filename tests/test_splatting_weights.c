@@ -22,7 +22,7 @@ typedef struct {
     float px[PIXELS], py[PIXELS], pz[PIXELS], nx[PIXELS], ny[PIXELS], nz[PIXELS];
     uint32_t receives[PIXELS];
     float r[PIXELS], g[PIXELS], b[PIXELS], weight[PIXELS], count[PIXELS], coverage[PIXELS];
-    sl_receivers receivers;
+    sl_splat_receivers receivers;
 } patch;
 
 /* The patch as a tile of the screen; the sums of earlier splats come and go with it. */
@@ -49,7 +49,7 @@ static void out_of_tile(patch *p) {
 static void patch_clear(patch *p) {
     memset(p, 0, sizeof *p);
     for (int i = 0; i < PIXELS; i++) p->nz[i] = 1.0f, p->receives[i] = 1;
-    p->receivers = (sl_receivers){SIDE, SIDE, p->px, p->py, p->pz, p->nx, p->ny, p->nz, p->receives};
+    p->receivers = (sl_splat_receivers){SIDE, SIDE, p->px, p->py, p->pz, p->nx, p->ny, p->nz, p->receives};
 }
 
 /* The plane z = 0, one unit square. */

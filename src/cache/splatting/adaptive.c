@@ -10,7 +10,7 @@ static const float tolerated = 0.1f; /* of the larger one */
 
 /* The mean of the channels that a record tells a pixel. */
 static float said(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
-    const sl_receivers *p = &pass->receivers;
+    const sl_splat_receivers *p = &pass->receivers;
     const sl_record_terms k = sl_record_terms_of(record, &pass->weights);
     const sl_record_offsets o = sl_record_offsets_at(&k, p->position_x[pixel], p->position_y[pixel], p->position_z[pixel],
                                                      p->normal_x[pixel], p->normal_y[pixel], p->normal_z[pixel]);
@@ -40,7 +40,7 @@ static void find_nearest(const nearest_record *n, const sl_record *record) {
 
 /* The distance, as a radius, to the nearest pixel of which the record says something else than the nearest record there. */
 static float agreed_radius(const nearest_record *n, const sl_record *record) {
-    const sl_receivers *p = &n->pass->receivers;
+    const sl_splat_receivers *p = &n->pass->receivers;
     sl_splat_rect rect = sl_record_bounds(n->pass, record);
     float radius = record->radius;
     for (int y = rect.y0; y < rect.y1; y++) {

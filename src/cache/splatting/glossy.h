@@ -34,7 +34,7 @@ double sl_glossy_length(const sl_glossy *glossy, const float *coefficients);
 /* What a view's pixels are to the glossy part of the fragment program. */
 typedef struct sl_glossy_view {
     const sl_glossy *glossy;
-    const sl_receivers *receivers;
+    const sl_splat_receivers *receivers;
     const uint32_t *material; /* of every pixel */
     sl_vec3 eye;
 } sl_glossy_view;

@@ -85,7 +85,7 @@ static inline float reflect(const float *restrict w, const float *restrict lambd
 extern sl_glossy_kernel SL_KERNEL(sl_glossy_radiance);
 void SL_KERNEL(sl_glossy_radiance)(const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel, float radiance[3]) {
     const sl_glossy *g = view->glossy;
-    const sl_receivers *receivers = view->receivers;
+    const sl_splat_receivers *receivers = view->receivers;
     const sl_moved_lobe *lobe = g->lobe[view->material[pixel]];
     const sl_vec3 p = sl_v3(receivers->position_x[pixel], receivers->position_y[pixel], receivers->position_z[pixel]);
     const sl_vec3 n = sl_v3(receivers->normal_x[pixel], receivers->normal_y[pixel], receivers->normal_z[pixel]);

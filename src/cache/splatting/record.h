@@ -69,12 +69,12 @@ void sl_record_set_radius(sl_record *record, float radius);
 /* ---- weights ---- */
 
 /* What the fragment program reads per pixel: one class of receivers, bottom row first. */
-typedef struct sl_receivers {
+typedef struct sl_splat_receivers {
     int width, height;
     const float *position_x, *position_y, *position_z;
     const float *normal_x, *normal_y, *normal_z;
     const uint32_t *receives; /* 0: no geometry, or nothing to reflect */
-} sl_receivers;
+} sl_splat_receivers;
 
 typedef struct sl_weight_rules {
     float accuracy;           /* a: contributes iff D <= a, (3) with the threshold 1/a */
@@ -102,7 +102,7 @@ typedef struct sl_tile_planes {
 
 typedef struct sl_splat_kernels {
     /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile. */
-    void (*fetch)(const sl_receivers *receivers, int x, int y, sl_splat_rect region, sl_tile_planes *tile);
+    void (*fetch)(const sl_splat_receivers *receivers, int x, int y, sl_splat_rect region, sl_tile_planes *tile);
     /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile. Returns how many contributed. */
     uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, sl_tile_planes *tile);
     /* The same sum of weights alone, with the same bits. */
@@ -112,7 +112,7 @@ typedef struct sl_splat_kernels {
     uint64_t (*weights)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, const sl_tile_planes *tile,
                         float *weights);
     /* w at one pixel; 0 where the record does not contribute. */
-    float (*weight)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *receivers, size_t pixel);
+    float (*weight)(const sl_record *record, const sl_weight_rules *rules, const sl_splat_receivers *receivers, size_t pixel);
 } sl_splat_kernels;
 
 const sl_splat_kernels *sl_splat_kernels_for(sl_isa isa);

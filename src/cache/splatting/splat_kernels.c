@@ -113,7 +113,7 @@ static uint64_t SL_KERNEL(weights)(const sl_record *record, const sl_weight_rule
 
 /* ---- single pixels, and the way into a tile ---- */
 
-static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *rules, const sl_receivers *p, size_t i) {
+static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *rules, const sl_splat_receivers *p, size_t i) {
     const sl_record_terms k = sl_record_terms_of(record, rules);
     const float px = p->position_x[i], py = p->position_y[i], pz = p->position_z[i];
     float squared = sl_record_squared_distance(&k, px, py, pz);
@@ -122,7 +122,7 @@ static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *r
     return sl_record_weight_at(&k, squared, px, py, pz, p->normal_x[i], p->normal_y[i], p->normal_z[i]);
 }
 
-static void SL_KERNEL(fetch)(const sl_receivers *p, int x, int y, sl_splat_rect region, sl_tile_planes *tile) {
+static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region, sl_tile_planes *tile) {
     const int columns = region.x1 - region.x0;
     for (int row = region.y0; row < region.y1; row++) {
         const size_t from = (size_t)row * (size_t)p->width + (size_t)region.x0;

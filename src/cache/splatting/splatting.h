@@ -57,7 +57,7 @@ typedef struct sl_record_pass {
     const sl_tracer *tracer;  /* or NULL: records behind walls are not tested */
     sl_gather_scratch *const *scratch; /* one a thread */
     const sl_gbuffer *gbuffer;
-    sl_receivers receivers;
+    sl_splat_receivers receivers;
     sl_weight_rules weights;
     sl_radius_rules radii;
     size_t coefficient_count; /* floats of one record's coefficients; 0: irradiance records */
