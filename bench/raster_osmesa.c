@@ -184,7 +184,7 @@ static unsigned splat_texture(const peer_splat *splats, size_t count) {
     return texture;
 }
 
-static unsigned plane_texture(const sl_receivers *r, const float *x, const float *y, const float *z) {
+static unsigned plane_texture(const sl_splat_receivers *r, const float *x, const float *y, const float *z) {
     size_t pixels = (size_t)r->width * (size_t)r->height;
     float *texels = allocated(pixels, 4 * sizeof *texels);
     for (size_t i = 0; i < pixels; i++) put4(texels + 4 * i, x[i], y[i], z[i], r->receives[i] ? 1.0f : 0.0f);
@@ -194,7 +194,7 @@ static unsigned plane_texture(const sl_receivers *r, const float *x, const float
 }
 
 peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t count, const sl_weight_rules *rules,
-                       const sl_receivers *receivers) {
+                       const sl_splat_receivers *receivers) {
     if (!running) return NULL;
     const osmesa_format formats[2] = {PLANE_RGBA32F, PLANE_RGBA32F};
     peer_pass *pass = make_pass(width, height, receivers ? 2 : 1, formats, false, true);

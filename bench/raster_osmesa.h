@@ -30,7 +30,7 @@ typedef struct peer_splat {
 } peer_splat;
 /* (w E, w) in one RGBA32F and the count in another, or with receivers NULL one RGBA32F. */
 peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t count, const sl_weight_rules *rules,
-                       const sl_receivers *receivers);
+                       const sl_splat_receivers *receivers);
 /* rgba: size x size; halved until final x final. final = 0: read back as it is and added up by the processor, the sums being plane 1. */
 peer_pass *peer_reduction(const float *rgba, int size, int final);
 

@@ -1,9 +1,9 @@
 /* One frame of Direct Radiance Mapping, pass by pass (section 1.1). */
 #include "cache/direct_radiance/direct_radiance.h"
 
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "cache/announce.h"
 #include "cache/direct_radiance/emission.h"
 #include "cache/direct_radiance/light_receivers.h"
 #include "cache/direct_radiance/mirrors.h"
@@ -35,18 +35,12 @@ typedef struct radiance_state {
 
     bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */
-    sl_counters counters, announced; /* all so far, and what observers have been told of */
+    sl_counters counters;
+    sl_announcer announcer;
 } radiance_state;
 
-static void announce(radiance_state *s, const char *name, const char *source, int width, int height, const float *planes) {
-    sl_counters cost;
-    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = s->counters.value[i] - s->announced.value[i];
-    s->announced = s->counters;
-    sl_observe(s->settings.observer, "direct-radiance", name, source, width, height, planes ? 3 : 0, planes, true, &cost);
-}
-
 static void announce_picture(radiance_state *s, const char *name, const char *source, const float *planes) {
-    announce(s, name, source, s->settings.width, s->settings.height, planes);
+    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 3, planes, true);
 }
 
 /* ---- what depends on geometry alone ---- */
@@ -105,25 +99,18 @@ static void darken(radiance_state *s) {
 /* Texel for texel, faces one above another; those of a hemicube's sides are lower. */
 static void announce_map(radiance_state *s) {
     const sl_radiance_map *map = s->map;
-    if (!s->settings.observer || !map->face_count) return;
-    size_t width = (size_t)map->face[0].width, rows = map->texels / width;
-    float *planes = sl_allocate(3 * map->texels, sizeof *planes);
-    if (!planes || rows * width != map->texels) {
-        sl_free(planes);
-        return;
-    }
+    if (!map->face_count) return;
+    int width = map->face[0].width, rows = (int)(map->texels / (size_t)width);
+    if ((size_t)width * (size_t)rows != map->texels) return;
     const struct {
-        const char *name, *source;
+        const char *name;
         float *const *plane;
-    } pictures[] = {{"map of positions", "section 3.1", map->position},
-                    {map->lambertian ? "map of radiance" : "map of true colour", "section 3.1", map->color},
-                    {"map of normals", "section 3.1", map->normal}};
+    } pictures[] = {{"map of positions", map->position}, {map->lambertian ? "map of radiance" : "map of true colour", map->color}, {"map of normals", map->normal}};
     for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; i++) {
         if (!pictures[i].plane[0]) continue;
-        for (size_t k = 0; k < 3; k++) memcpy(planes + k * map->texels, pictures[i].plane[k], map->texels * sizeof *planes);
-        announce(s, pictures[i].name, pictures[i].source, (int)width, (int)rows, planes);
+        const float *const planes[3] = {pictures[i].plane[0], pictures[i].plane[1], pictures[i].plane[2]};
+        sl_announce_planes(&s->announcer, pictures[i].name, "section 3.1", width, rows, planes);
     }
-    sl_free(planes);
 }
 
 static sl_status take_map(radiance_state *s, sl_error *error) {
@@ -143,7 +130,7 @@ static sl_status light_up(radiance_state *s, sl_error *error) {
     sl_status status = sl_map_lights_find(s->scene, m->emitter_samples, &s->lights, error);
     if (status == SL_OK && s->plan.shadows) {
         status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, m->shadow_size, s->settings.threads, &s->cubes, &s->counters, error);
-        announce(s, "depth cubes", "section 2.3", 0, 0, NULL);
+        sl_announce_pass(&s->announcer, "depth cubes", "section 2.3");
     }
     if (status == SL_OK && s->plan.map) status = take_map(s, error);
     s->lit = status == SL_OK;
@@ -196,7 +183,7 @@ static sl_status draw_picture(radiance_state *s, sl_error *error) {
     sl_status status = sl_receivers_render(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL, m->reflections, threads,
                                            &s->receivers, &s->counters, error);
     if (status != SL_OK) return status;
-    announce_picture(s, "what is seen", "section 4", s->receivers->gbuffer->position_x);
+    sl_announce_gbuffer(&s->announcer, "section 4", s->receivers->gbuffer);
     sl_add_emission(s->scene, s->receivers, threads, s->layers.emission, &s->counters);
     sl_light_pass light = lighting(s);
     sl_lit_picture picture = {{s->layers.direct[0], s->layers.direct[1], s->layers.direct[2]},
@@ -234,6 +221,7 @@ static sl_status radiance_create(const sl_scene *scene, const sl_settings *setti
     if (!s) return sl_fail_memory(error, "direct radiance mapping");
     s->scene = scene;
     s->settings = *settings;
+    s->announcer = (sl_announcer){.observer = settings->observer, .method = "direct-radiance", .counters = &s->counters};
     size_t pixels = (size_t)settings->width * (size_t)settings->height;
     s->planes = sl_allocate(PLANES * pixels, sizeof *s->planes);
     sl_status status = s->planes ? place(s, error) : sl_fail_memory(error, "the picture");

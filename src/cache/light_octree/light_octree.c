@@ -5,9 +5,9 @@
  */
 #include "cache/light_octree/light_octree.h"
 
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "cache/announce.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -57,16 +57,14 @@ typedef struct octree_state {
     int direct_row;
     size_t leaf;
     double radius;
-    sl_counters counters, announced; /* all so far, and what observers have been told of */
+    sl_counters counters;
+    sl_announcer announcer;
 } octree_state;
 
 static size_t pixels_of(const octree_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
 
-static void announce(octree_state *s, const char *name, const char *source, const float *planes) {
-    sl_counters cost;
-    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = s->counters.value[i] - s->announced.value[i];
-    s->announced = s->counters;
-    sl_observe(s->settings.observer, "light-octree", name, source, s->settings.width, s->settings.height, planes ? 3 : 0, planes, true, &cost);
+static void announce_picture(octree_state *s, const char *name, const char *source, const float *planes) {
+    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 3, planes, true);
 }
 
 /* ---- what there is, and its end ---- */
@@ -143,6 +141,7 @@ static sl_status octree_create(const sl_scene *scene, const sl_settings *setting
     if (!s) return sl_fail_memory(error, "the light octree");
     s->scene = scene;
     s->settings = *settings;
+    s->announcer = (sl_announcer){.observer = settings->observer, .method = "light-octree", .counters = &s->counters};
     s->plan = sl_octree_plan_make(scene, settings);
     s->planes = sl_allocate(PLANES * pixels_of(s), sizeof *s->planes);
     sl_status status = s->planes ? sl_gbuffer_create(settings->width, settings->height, &s->gbuffer, error) : sl_fail_memory(error, "the picture");
@@ -170,7 +169,7 @@ static sl_status draw_gbuffer(octree_state *s, sl_error *error) {
     if (status == SL_OK && s->plan.mirrors)
         status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
     if (status != SL_OK) return status;
-    announce(s, "G-buffer", "section 5", s->gbuffer->position_x);
+    sl_announce_gbuffer(&s->announcer, "section 5", s->gbuffer);
     memset(s->planes, 0, PLANES * pixels_of(s) * sizeof *s->planes);
     s->direct_row = 0;
     s->phase = s->plan.direct ? PHASE_DIRECT : PHASE_PHOTONS;
@@ -183,7 +182,7 @@ static sl_status light_rows(octree_state *s, sl_error *error) {
                                       &s->counters, error);
     s->direct_row = end;
     if (status != SL_OK || end < s->settings.height) return status;
-    announce(s, "direct light", "section 5", s->direct_light[0]);
+    announce_picture(s, "direct light", "section 5", s->direct_light[0]);
     s->phase = PHASE_PHOTONS;
     return status;
 }
@@ -191,7 +190,7 @@ static sl_status light_rows(octree_state *s, sl_error *error) {
 /* ---- P1, P2: photons ---- */
 
 static sl_status finish_photons(octree_state *s, sl_error *error) {
-    announce(s, "photons", "section 3.1", NULL);
+    sl_announce_pass(&s->announcer, "photons", "section 3.1");
     sl_photon_list *list = s->photons;
     s->photons = NULL;
     if (!list || !list->count) {
@@ -242,7 +241,7 @@ static sl_status start_level(octree_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_octree_create(s->scene, s->depth, 0.0, threads, &s->next.octree, error);
     if (status != SL_OK) return status;
-    announce(s, "octree", "section 3.2", NULL);
+    sl_announce_pass(&s->announcer, "octree", "section 3.2");
     s->leaf = 0;
     s->radius = o->radius > 0.0 ? o->radius : sl_voxel_radius(s->next.octree, (size_t)o->neighbours, sl_photon_tree_list(s->tree)->count);
     sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
@@ -278,7 +277,7 @@ static sl_status light_leaves(octree_state *s, sl_error *error) {
 static sl_status ready_atlas(octree_state *s, sl_error *error) {
     if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
     sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads, &s->atlas, error);
-    announce(s, "atlas", "section 4.2", NULL);
+    sl_announce_pass(&s->announcer, "atlas", "section 4.2");
     return status;
 }
 
@@ -305,7 +304,7 @@ static sl_status shade(octree_state *s, sl_error *error) {
     if (status == SL_OK) status = light_pixels(s, error);
     if (status != SL_OK) return status;
     snprintf(name, sizeof name, "indirect light, depth %d", depth);
-    announce(s, name, "section 4", s->indirect_light[0]);
+    announce_picture(s, name, "section 4", s->indirect_light[0]);
     s->depth = depth + 1;
     s->phase = s->depth <= s->settings.light_octree.depth ? PHASE_OCTREE : PHASE_DONE;
     return status;

@@ -199,6 +199,7 @@ sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, co
     if (!s) return sl_fail_memory(error, "radiance cache splatting");
     s->scene = scene;
     s->settings = *settings;
+    s->announcer = (sl_announcer){.observer = settings->observer, .method = "splatting", .counters = &s->counters};
     s->plan = sl_splat_plan_make(scene, settings);
     sl_status status = create_transport(s, error);
     if (status == SL_OK) status = create_buffers(s, error);

@@ -26,34 +26,8 @@ enum { DIRECT_ROWS = 64 };
 
 /* ---- what observers are told ---- */
 
-/* A pass with the picture that it made; its cost is what the counters have grown by since the last one. */
 static void announce(sl_splat_state *s, const char *name, const char *source, int channels, const float *planes, bool bottom_first) {
-    sl_counters cost;
-    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = s->counters.value[i] - s->announced.value[i];
-    s->announced = s->counters;
-    sl_observe(s->settings.observer, "splatting", name, source, s->settings.width, s->settings.height, channels, planes,
-               bottom_first, &cost);
-}
-
-/* Three planes of the G-buffer as one picture; the pass is paid for by the first picture of it. */
-static void announce_triple(sl_splat_state *s, const char *name, const float *x, const float *y, const float *z) {
-    size_t pixels = sl_splat_pixels(s);
-    float *planes = sl_allocate(3 * pixels, sizeof *planes);
-    if (!planes) return;
-    memcpy(planes, x, pixels * sizeof *planes);
-    memcpy(planes + pixels, y, pixels * sizeof *planes);
-    memcpy(planes + 2 * pixels, z, pixels * sizeof *planes);
-    announce(s, name, "Algorithm 2, step 1", 3, planes, true);
-    sl_free(planes);
-}
-
-static void announce_gbuffer(sl_splat_state *s) {
-    const sl_gbuffer *g = s->gbuffer;
-    if (!s->settings.observer) return;
-    announce(s, "G-buffer: depth", "Algorithm 2, step 1", 1, g->depth, true);
-    announce_triple(s, "G-buffer: positions", g->position_x, g->position_y, g->position_z);
-    announce_triple(s, "G-buffer: normals", g->normal_x, g->normal_y, g->normal_z);
-    announce_triple(s, "G-buffer: albedo", g->diffuse_r, g->diffuse_g, g->diffuse_b);
+    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, channels, planes, bottom_first);
 }
 
 /* ---- steps 1 and 1b ---- */
@@ -95,7 +69,7 @@ static void announce_hidden(sl_splat_state *s) {
     sl_hidden_report r = sl_hidden_cache_report(s->hidden);
     snprintf(name, sizeof name, "%zu hidden records, %u bounces%s: the last changed them by at most %.2g", r.records,
              (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
-    announce(s, name, "section 9, more bounces", 0, NULL, true);
+    sl_announce_pass(&s->announcer, name, "section 9, more bounces");
 }
 
 /* Step 2 and 3: what is there from earlier views covers this one. */
@@ -117,7 +91,7 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status != SL_OK) return status;
-    announce_gbuffer(s);
+    sl_announce_gbuffer(&s->announcer, "Algorithm 2, step 1", s->gbuffer);
     classify_receivers(s);
     status = welcome_records(s, error);
     s->direct_row = 0;

@@ -2,6 +2,7 @@
 #ifndef SL_CACHE_SPLATTING_STATE_H
 #define SL_CACHE_SPLATTING_STATE_H
 
+#include "cache/announce.h"
 #include "cache/bounces/bounces.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/plan.h"
@@ -58,7 +59,8 @@ typedef struct sl_splat_state {
     int class;                  /* whose records are being made */
     int direct_row;
     uint64_t frame_records;     /* new ones since the frame began */
-    sl_counters counters, announced; /* all so far, and what observers have been told of */
+    sl_counters counters;
+    sl_announcer announcer;
 } sl_splat_state;
 
 /* ---- create.c ---- */

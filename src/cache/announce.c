@@ -1,0 +1,38 @@
+#include "cache/announce.h"
+
+#include "base/memory.h"
+#include "cache/method.h"
+
+#include <string.h>
+
+void sl_announce(sl_announcer *a, const char *name, const char *source, int width, int height, int channels, const float *planes,
+                 bool bottom_first) {
+    sl_counters cost;
+    if (!a->observer) return;
+    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = a->counters->value[i] - a->told.value[i];
+    a->told = *a->counters;
+    sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost);
+}
+
+void sl_announce_pass(sl_announcer *a, const char *name, const char *source) { sl_announce(a, name, source, 0, 0, 0, NULL, true); }
+
+void sl_announce_planes(sl_announcer *a, const char *name, const char *source, int width, int height, const float *const planes[3]) {
+    size_t pixels = (size_t)width * (size_t)height;
+    float *together = a->observer ? sl_allocate(3 * pixels, sizeof *together) : NULL;
+    if (!together) return;
+    for (size_t c = 0; c < 3; c++) memcpy(together + c * pixels, planes[c], pixels * sizeof *together);
+    sl_announce(a, name, source, width, height, 3, together, true);
+    sl_free(together);
+}
+
+void sl_announce_gbuffer(sl_announcer *a, const char *source, const sl_gbuffer *g) {
+    const struct {
+        const char *name;
+        const float *planes[3];
+    } pictures[] = {{"G-buffer: positions", {g->position_x, g->position_y, g->position_z}},
+                    {"G-buffer: normals", {g->normal_x, g->normal_y, g->normal_z}},
+                    {"G-buffer: albedo", {g->diffuse_r, g->diffuse_g, g->diffuse_b}}};
+    sl_announce(a, "G-buffer: depth", source, g->width, g->height, 1, g->depth, true);
+    for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; i++)
+        sl_announce_planes(a, pictures[i].name, source, g->width, g->height, pictures[i].planes);
+}

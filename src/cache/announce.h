@@ -1,0 +1,25 @@
+/* How methods tell observers of their passes: each with the picture that it made, and with what the counters have grown by since the
+ * last one. Without an observer it costs nothing. */
+#ifndef SL_CACHE_ANNOUNCE_H
+#define SL_CACHE_ANNOUNCE_H
+
+#include "raster/raster.h"
+
+typedef struct sl_announcer {
+    const sl_observer *observer; /* or NULL */
+    const char *method;
+    const sl_counters *counters; /* the method's own */
+    sl_counters told;            /* as they were at the last pass */
+} sl_announcer;
+
+/* planes: `channels` planes of width*height, one after another, bottom row first where bottom_first. */
+void sl_announce(sl_announcer *announcer, const char *name, const char *source, int width, int height, int channels, const float *planes,
+                 bool bottom_first);
+/* A pass that leaves no picture. */
+void sl_announce_pass(sl_announcer *announcer, const char *name, const char *source);
+/* Three planes that lie apart, bottom row first. */
+void sl_announce_planes(sl_announcer *announcer, const char *name, const char *source, int width, int height, const float *const planes[3]);
+/* Depth, positions, normals and albedo; the first picture pays for the pass. */
+void sl_announce_gbuffer(sl_announcer *announcer, const char *source, const sl_gbuffer *gbuffer);
+
+#endif
