@@ -3,17 +3,25 @@
  *
  *   plan.c              which passes a scene needs
  *   direct_radiance.c   the passes of one frame
- *   lights.c            the lights as points from which pictures are taken, (3), (6)
- *   shadow_cubes.c      pass 1: depth cubes
- *   radiance_map.c      pass 2: the direct radiance map
+ *
+ *   lights.c            the lights as points from which pictures are taken, (3), (6); light_groups.c, light_points.c: emissive triangles as
+ *                       few lights, and lights divided
+ *   shadow_cubes.c      pass 1: depth cubes, and what they say
+ *   radiance_map.c      pass 2: the direct radiance map; map_faces.c which pictures a light takes, map_pictures.c the pictures,
+ *                       map_mirrors.c and map_traced.c light by way of mirrors
  *   footprint.c         (12), (13), and what they should be
- *   photons.c           pass 3: sample photons; map_filter.c, importance.c: other ways to take them
- *   receivers.c         passes 5 and 6: what the eye sees, planar mirrors included
- *   emission.c          light that is seen directly
+ *   photons.c           pass 3: sample photons; map_texel.c what a texel tells, photon_quad.c footprints as polygons
+ *   map_filter.c        many texels to a photon: MIP levels, and photon_groups.c, a photon for each surface
+ *   importance.c        photons where the flux is
+ *   steady.c            photons that do not flash
+ *
+ *   mirrors.c           pass 4: curved mirrors; mirror_objects.c, mirror_look_up.c
+ *   receivers.c         passes 5 and 6: what the eye sees, planar mirrors included; receiver_tiles.c: in tiles, for lanes
+ *   emission.c          light seen directly
  *   direct.c            pass 6: (5), (9)
- *   indirect.c          pass 7: (10), with (11), (14), (15)
+ *   weights.c           what one photon sends to a receiver: (11), (14), (15), and (14) put right
+ *   indirect.c          pass 7: (10), the sum over all photons
  *   visibility.c        indirect shadows, which the paper leaves open
- *   mirrors.c           pass 4: curved mirrors' environment cubes; mirror_objects.c, which; mirror_look_up.c, what they show
  *   compose.c           pass 8: the picture and its layers
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_H
