@@ -67,7 +67,8 @@ static voxel_place place_of(const sl_octree_shading *shading, const sl_octree_po
     const sl_voxel_texture *t = shading->texture;
     double cells = (double)(1u << t->depth), scale = cells / t->edge;
     bool nearest = shading->filter == SL_VOXEL_NEAREST;
-    const double u[3] = {((double)p->x[i] - t->origin.x) * scale, ((double)p->y[i] - t->origin.y) * scale, ((double)p->z[i] - t->origin.z) * scale};
+    const double u[3] = {((double)p->x[i] - t->origin.x) * scale, ((double)p->y[i] - t->origin.y) * scale,
+                         ((double)p->z[i] - t->origin.z) * scale};
     float length = p->normal_x[i] * p->normal_x[i] + p->normal_y[i] * p->normal_y[i] + p->normal_z[i] * p->normal_z[i];
     voxel_place place = {.key = NOWHERE};
     if (!(length > 0.0f && length < 4.0f)) return place;

@@ -37,6 +37,10 @@ typedef struct surfel_task {
     bool fill;
 } surfel_task;
 
+static sl_vec3d corner_of(const sl_surroundings *s, int k, uint32_t t) {
+    return sl_to_double(sl_scene_position(s->scene, s->scene->vertex[k][t]));
+}
+
 static bool is_small(const sl_surroundings *s, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     double limit = s->small_edge * s->small_edge;
     sl_vec3d ab = sl_subd(b, a), bc = sl_subd(c, b), ca = sl_subd(a, c);
@@ -45,7 +49,8 @@ static bool is_small(const sl_surroundings *s, sl_vec3d a, sl_vec3d b, sl_vec3d 
 
 static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3 centre, double area) {
     sl_vec3 n = sl_scene_geometric_normal(s->scene, triangle);
-    const float values[7] = {centre.x, centre.y, centre.z, n.x, n.y, n.z, (float)(area * (s->octree->share ? (double)s->octree->share[triangle] : 1.0))};
+    double share = s->octree->share ? (double)s->octree->share[triangle] : 1.0;
+    const float values[7] = {centre.x, centre.y, centre.z, n.x, n.y, n.z, (float)(area * share)};
     float *const planes[7] = {s->surfels.x, s->surfels.y, s->surfels.z, s->surfels.normal_x, s->surfels.normal_y, s->surfels.normal_z,
                               s->surfels.area};
     for (int k = 0; k < 7; k++) planes[k][at] = values[k];
@@ -57,8 +62,7 @@ static void sort_leaf(const surfel_task *task, size_t index) {
     uint32_t small = 0, large = 0;
     for (uint32_t i = 0; i < leaf->triangle_count; i++) {
         uint32_t t = s->octree->triangle[leaf->first_triangle + i];
-        sl_vec3d a = sl_to_double(sl_scene_position(s->scene, s->scene->vertex[0][t])), b = sl_to_double(sl_scene_position(s->scene, s->scene->vertex[1][t])),
-                 c = sl_to_double(sl_scene_position(s->scene, s->scene->vertex[2][t]));
+        sl_vec3d a = corner_of(s, 0, t), b = corner_of(s, 1, t), c = corner_of(s, 2, t);
         if (!is_small(s, a, b, c)) {
             if (task->fill) s->large[s->first_large[index] + large] = t;
             large++;
@@ -101,7 +105,8 @@ static sl_status make_surfels(sl_surroundings *s, unsigned threads, sl_error *er
     s->large = sl_allocate(s->first_large[leaves], sizeof *s->large);
     s->surfels.x = sl_allocate(7 * (size_t)surfels, sizeof *s->surfels.x);
     if (!s->large || !s->surfels.x) return sl_fail_memory(error, "the octree's triangles");
-    float **const planes[6] = {&s->surfels.y, &s->surfels.z, &s->surfels.normal_x, &s->surfels.normal_y, &s->surfels.normal_z, &s->surfels.area};
+    float **const planes[6] = {&s->surfels.y,        &s->surfels.z,        &s->surfels.normal_x,
+                               &s->surfels.normal_y, &s->surfels.normal_z, &s->surfels.area};
     for (size_t k = 0; k < 6; k++) *planes[k] = s->surfels.x + (k + 1) * (size_t)surfels;
     task.fill = true;
     sl_parallel_for(threads, tasks, sort_leaves, &task);
@@ -198,9 +203,8 @@ static void visit_triangle(search *q, uint32_t t) {
     if (q->has_normal && fabs(cosine) < q->least_cosine) return;
     double share = q->s->octree->share ? (double)q->s->octree->share[t] : 1.0;
     if (!(share > 0.0)) return;
-    sl_vec3d a = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[0][t])), q->e->centre);
-    sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[1][t])), q->e->centre);
-    sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[2][t])), q->e->centre);
+    sl_vec3d a = sl_subd(corner_of(q->s, 0, t), q->e->centre), b = sl_subd(corner_of(q->s, 1, t), q->e->centre),
+             c = sl_subd(corner_of(q->s, 2, t), q->e->centre);
     if (misses(q, a, b, c, n, cosine)) return;
     double area = share * area_inside(q, a, b, c);
     if (!(area > 0.0)) return;

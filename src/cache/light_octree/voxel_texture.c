@@ -108,8 +108,8 @@ static size_t number_arrays(const sl_voxel_lights *lights, uint32_t *array_of_le
 static sl_status create_lights(sl_voxel_texture *t, size_t arrays, sl_error *error) {
     size_t texels = (size_t)(t->header + t->lights), most = SL_LIGHT_TEXTURE_SIZE / texels;
     if (arrays > most * SL_LIGHT_TEXTURE_SIZE) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "%zu arrays of lights, 24 bits address %zu of %zu texels: fewer lights or a smaller depth are needed",
-                       arrays, most * SL_LIGHT_TEXTURE_SIZE, texels);
+        return sl_fail(error, SL_ERROR_RESOURCES,
+                       "%zu arrays of lights, 24 bits address %zu of %zu texels: fewer lights or a smaller depth are needed", arrays, most * SL_LIGHT_TEXTURE_SIZE, texels);
     }
     size_t rows = arrays > 0 ? (arrays + most - 1) / most : 1, a_row = arrays > 0 ? (arrays + rows - 1) / rows : 1;
     t->array_count = arrays;
