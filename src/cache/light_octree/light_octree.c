@@ -233,7 +233,8 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .spread_tolerance = o->spread_tolerance,
                                     .unit_weights = o->unit_weights,
                                     .wide_directions = o->wide_directions,
-                                    .split_by_normal = o->split_by_normal};
+                                    .split_by_normal = o->split_by_normal,
+                                    .estimated_radius = o->estimated_radius};
 }
 
 static sl_status start_level(octree_state *s, sl_error *error) {

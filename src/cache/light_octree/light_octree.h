@@ -3,19 +3,21 @@
  *
  *   plan.c            which passes a scene needs
  *   light_octree.c    the passes of one picture, and the state between them
- *   photons.c         P1: photon tracing
+ *
+ *   photons.c         P1: photon tracing; photon_emission.c: from which lights
  *   photon_tree.c     P2: the kd-tree, and the k nearest photons
- *   octree.c          G1: the voxels, on geometry (triangle_cells.c: who meets whom; coplanar.c: duplicates; octree_cuts.c: shallower ones)
- *   photon_area.c     P3: over which area the gathered photons were strewn
+ *   octree.c          G1: the voxels, on geometry; triangle_cells.c, coplanar.c; octree_cuts.c: a shallower one
+ *   voxel_gather.c    P3: a voxel's photons, and over which area they were strewn: photon_area.c exactly, surroundings.c for all triangles
+ *   voxel_error.c     P3: how many photons, by an estimate of the error
  *   cluster.c         P4: K-means on their directions
- *   voxel_gather.c    P3 for a voxel (surroundings.c: the geometry around it)
- *   voxel_lobes.c     P4: what a cluster's colour means (direction_packing.c: its direction in a float)
- *   voxel_lights.c    P3 and P4 for every voxel (voxel_sets.c, normal_groups.c: voxels split by normal)
- *   voxel_texture.c   P5: all of it in textures, as the hardware holds it
+ *   voxel_lobes.c     P4: what each cluster's colour means
+ *   voxel_lights.c    P3 and P4 for every voxel; voxel_sets.c, normal_groups.c: several sets of lights in a voxel
+ *   direction_packing.c, voxel_texture.c   P5: all of it in textures, as the hardware holds it
  *   shade.c           R1: surface points lit from the octree
  *   atlas/            G2 to G4, R1' and R2: the same by way of a texture atlas
  *   pixels.c          which pixels go which way
  *   reflect.c         what mirrors show
+ *   compose.c         the picture and its layers
  *   direct_photons.c  the photon map shown as it is: what the octree is compared with
  */
 #ifndef SL_CACHE_LIGHT_OCTREE_H

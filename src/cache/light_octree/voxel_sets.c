@@ -17,12 +17,15 @@ static sl_status check_options(const sl_voxel_light_options *o, sl_error *error)
 }
 
 static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w, sl_error *error) {
-    size_t k = lights->options.neighbours;
+    size_t k = sl_voxel_most_neighbours(&lights->options);
+    bool ranks = lights->options.estimated_radius;
+    if (ranks) w->ranked = sl_allocate(k, sl_voxel_ranking_bytes());
     w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
     w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
     if (lights->work->surroundings) w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
     if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
-    bool good = w->gathered.place && w->gathered.distance && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0);
+    bool good = w->gathered.place && w->gathered.distance && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
+                (w->ranked || !ranks);
     return good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
 }
 
@@ -32,6 +35,7 @@ static void destroy_work(sl_voxel_work *work) {
         sl_voxel_worker *w = &work->worker[i];
         sl_free(w->gathered.place);
         sl_free(w->gathered.distance);
+        sl_free(w->ranked);
         sl_free(w->marks.mark);
         sl_free(w->pieces);
         sl_lobe_photons_release(&w->photons);
@@ -159,5 +163,5 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     bytes += work->parents ? sl_octree_bytes(work->parents) : 0;
     bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
     size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
-    return bytes + work->workers * (sizeof *work->worker + marks + lights->options.neighbours * 69);
+    return bytes + work->workers * (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * 69);
 }

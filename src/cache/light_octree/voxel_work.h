@@ -8,9 +8,12 @@
 
 enum { SL_LEAVES_A_TASK = 16 };
 
+struct ranked_photon;
+
 /* A worker's own. */
 typedef struct sl_voxel_worker {
     sl_gathered_photons gathered;
+    struct ranked_photon *ranked; /* estimated radius alone: as many */
     sl_lobe_photons photons;      /* both sides: room for twice k */
     sl_surroundings_marks marks;
     sl_voxel_piece *pieces;
@@ -44,5 +47,14 @@ sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_phot
  * taken for the disc. */
 double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
                       double area[2]);
+
+/* ---- voxel_error.c ---- */
+
+/* The largest k that any voxel can take. */
+size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o);
+/* The k with the least error in sight. Changes the worker's gather. */
+size_t sl_voxel_estimated_neighbours(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
+                                     sl_voxel_worker *w);
+size_t sl_voxel_ranking_bytes(void); /* for one photon */
 
 #endif
