@@ -217,6 +217,47 @@ static void a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it(void **
     sl_scene_destroy(scene);
 }
 
+static double scatter_on_the_floor(const sl_scene *scene, bool estimated) {
+    sl_settings settings = octree_settings(24);
+    settings.light_octree.neighbours = 40;
+    settings.light_octree.estimated_radius = estimated;
+    sl_image *image = render(scene, &settings, NULL);
+    double sum = 0.0, square = 0.0;
+    for (int i = 0; i < 24 * 24; i++) {
+        double v = (double)sl_image_channel(image, "G")[i];
+        sum += v;
+        square += v * v;
+    }
+    sl_image_destroy(image);
+    double mean = sum / 576.0;
+    return sqrt(fmax(0.0, square / 576.0 - mean * mean)) / mean;
+}
+
+/* Light is the same everywhere on the floor: nothing speaks against four times as many photons a voxel, and half the noise. */
+static void where_light_is_even_an_estimated_radius_is_wide(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]}, \"camera\": "
+                                      "{\"eye\": [0, 2, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}", floor_obj);
+    double fixed = scatter_on_the_floor(scene, false), estimated = scatter_on_the_floor(scene, true);
+    print_message("scatter %.3f, with an estimated radius %.3f\n", fixed, estimated);
+    assert_true(estimated < 0.7 * fixed);
+    sl_scene_destroy(scene);
+}
+
+/* ... and in a room with edges and shadows it takes fewer where they are near. */
+static void an_estimated_radius_errs_less_than_a_fixed_one(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(40);
+    settings.light_octree.photons = 100000;
+    settings.light_octree.neighbours = 40;
+    sl_comparison fixed = against_path_tracer(scene, &settings, 64);
+    settings.light_octree.estimated_radius = true;
+    sl_comparison estimated = against_path_tracer(scene, &settings, 64);
+    assert_true(estimated.rel_mse - estimated.rel_mse_noise < 0.75 * (fixed.rel_mse - fixed.rel_mse_noise));
+    sl_scene_destroy(scene);
+}
+
 /* ---- the atlas ---- */
 
 static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void **state) {
@@ -300,6 +341,8 @@ int main(void) {
         cmocka_unit_test(mirrors_show_what_they_reflect),
         cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
         cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
+        cmocka_unit_test(where_light_is_even_an_estimated_radius_is_wide),
+        cmocka_unit_test(an_estimated_radius_errs_less_than_a_fixed_one),
         cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),
