@@ -523,6 +523,31 @@ static void fine_meshes_have_the_areas_of_coarse_ones(void **state) {
     free(fine);
 }
 
+/* Boards that lie on it hide a floor: it is met by no photon, and must not dilute theirs. */
+static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
+    (void)state;
+    float xyz[36];
+    add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    add_quad(xyz, 2, sl_v3(0, -0.01f, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    sl_scene *scene = scene_of_triangles(xyz, 4);
+    sl_photon_list *list = new_list(60000);
+    strew_evenly(list, 60000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 3.0f, 7);
+    sl_voxel_light_options o = plain_options(4);
+    o.neighbours = 300;
+    lit l = light_up(scene, 4, list, &o, 1);
+    double sum = 0.0, count = 0.0;
+    for (size_t i = 0; i < l.octree->leaf_count; i++) {
+        sl_vec3 c = l.octree->leaf[i].centroid;
+        if (c.x < 0.5f || c.z < 0.5f || c.x > 3.5f || c.z > 3.5f) continue;
+        sum += irradiance_on(l.lights, i, sl_v3(0, 1, 0));
+        count += 1.0;
+    }
+    assert_true(count > 50.0);
+    if (fabs(sum / count / 3.0 - 1.0) > 0.05) fail_msg("%.4f on average, not 3", sum / count); /* the boards are above the centre */
+    end_lit(&l);
+    sl_scene_destroy(scene);
+}
+
 /* A cut's lights use the deep octree's triangles: the same irradiance at every depth. */
 static void shallow_octrees_find_the_geometry_in_the_deepest(void **state) {
     (void)state;
@@ -599,6 +624,7 @@ int main(void) {
         cmocka_unit_test(statistics_tell_spread_and_flux),
         cmocka_unit_test(batches_and_threads_give_the_same_bits),
         cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),
+        cmocka_unit_test(what_lies_under_a_surface_takes_none_of_its_light),
         cmocka_unit_test(shallow_octrees_find_the_geometry_in_the_deepest),
         cmocka_unit_test(options_out_of_range_are_refused),
     };

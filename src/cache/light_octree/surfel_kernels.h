@@ -20,9 +20,9 @@ typedef struct sl_surfel_query {
     float least_cosine;          /* of the normals' angle, whatever its sign */
 } sl_surfel_query;
 
-/* Sums by the sign of the cosine: area, and area times height above the centre's plane. Added to. */
+/* Sums by the sign of the cosine: area, area projected along the normal, and area times height above the centre's plane. Added to. */
 typedef struct sl_surfel_sums {
-    double front, back, front_height, back_height;
+    double front, back, front_flat, back_flat, front_height, back_height;
 } sl_surfel_sums;
 
 typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end, const sl_surfel_query *query, sl_surfel_sums *sums);

@@ -211,9 +211,11 @@ static void visit_triangle(search *q, uint32_t t) {
     double height = q->has_normal ? sl_dotd(n, a) / cosine : 0.0;
     if (q->has_normal && cosine < 0.0) {
         q->sums.back += area;
+        q->sums.back_flat -= area * cosine;
         q->sums.back_height += area * height;
     } else {
         q->sums.front += area;
+        q->sums.front_flat += area * cosine;
         q->sums.front_height += area * height;
     }
 }
@@ -266,6 +268,13 @@ static double extent(const sl_ellipsoid *e, double cosine) {
     return e->radius * sqrt(square > 0.0 ? square : 0.0);
 }
 
+/* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor below its boards, and photons
+ * met but one of them. */
+static double one_layer(const sl_ellipsoid *e, double area, double flat) {
+    double disc = sl_disc_area(e);
+    return flat > disc ? area * (disc / flat) : area;
+}
+
 sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine, sl_surroundings_marks *marks) {
     search q = {.s = s, .e = e, .least_cosine = least_cosine, .stretch = 1.0 / (e->flatness * e->flatness) - 1.0, .marks = marks};
     q.has_normal = sl_dotd(e->normal, e->normal) > 0.0;
@@ -288,5 +297,9 @@ sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid
     double front = q.sums.front, back = q.sums.back;
     bool both = front > 0.1 * back && back > 0.1 * front;
     bool sheet = !both || fabs(q.sums.front_height / front - q.sums.back_height / back) < 1e-3 * e->radius;
+    if (q.has_normal) {
+        front = one_layer(e, front, q.sums.front_flat);
+        back = one_layer(e, back, q.sums.back_flat);
+    }
     return (sl_strewn_area){front, back, sheet};
 }

@@ -35,7 +35,7 @@ typedef struct sl_surroundings_marks {
     uint32_t query;
 } sl_surroundings_marks;
 
-/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it. sheet: they are the same sheets, to be
+/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it; of layers that hide each other, one. sheet: they are the same sheets, to be
  * seen from both sides, and not the two faces of a wall: then each side's area is that of both. */
 typedef struct sl_strewn_area {
     double front, back;
