@@ -242,10 +242,6 @@ static void ladder(bench_report *r, const bench_options *o, world *w) {
     s = base(o);
     t = try_direct(w, &s, OCTREE_AT_PIXEL);
     row(r, w, "photons at pixels: density", &t);
-    paper(&s);
-    t = try_direct(w, &s, OCTREE_AT_PIXEL);
-    row(r, w, "... with bleeding: disc, all photons", &t);
-    s = base(o);
     t = try_direct(w, &s, OCTREE_AT_VOXEL);
     row(r, w, "+ gathered at voxels", &t);
     s.filter = SL_VOXEL_NEAREST;
@@ -257,7 +253,13 @@ static void ladder(bench_report *r, const bench_options *o, world *w) {
     row(r, w, "+ 8 + 8 bits", &t);
     s.filter = SL_VOXEL_TRILINEAR;
     t = try(r, w, &s, false, NULL);
-    row(r, w, "+ trilinear: all of it", &t);
+    row(r, w, "+ trilinear: the default", &t);
+    s.area = SL_PHOTON_AREA_DISC;
+    s.acceptance = SL_PI;
+    t = try(r, w, &s, false, NULL);
+    row(r, w, "+ disc, photons of all normals", &t);
+    t = try_direct(w, &s, OCTREE_AT_PIXEL);
+    row(r, w, "that bleeding alone, at pixels", &t);
 }
 
 /* ---- the experiment ---- */
