@@ -201,6 +201,7 @@ static void nearest(sl_light_octree_settings *s) { s->filter = SL_VOXEL_NEAREST;
 static void void_dark(sl_light_octree_settings *s) { s->keep_void_dark = true; }
 static void wide(sl_light_octree_settings *s) { s->wide_directions = true; }
 static void unit(sl_light_octree_settings *s) { s->unit_weights = true; }
+static void estimated(sl_light_octree_settings *s) { s->estimated_radius = true; }
 static void spread(sl_light_octree_settings *s) { s->spread_tolerance = SL_PI / 18.0, s->lights = 8; }
 static void colour(sl_light_octree_settings *s) { s->lobes = SL_LOBES_NONE; }
 static void surface(sl_light_octree_settings *s) { s->lobes = SL_LOBES_SURFACE; }
@@ -214,7 +215,8 @@ static void split_harmonics(sl_light_octree_settings *s) {
 static const choice choices[] = {
     {"default", "octree", none}, {"the paper's: disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
     {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
-    {"split by normal", "split", split}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
+    {"split by normal", "split", split},
+    {"k and radius by an estimate", NULL, estimated}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
     {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},
     {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight}, {"8 lights or 10 degrees", NULL, spread},
     {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, split by normal", NULL, split_harmonics},
@@ -278,10 +280,12 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     snprintf(table, sizeof table, "%s-parts", w.name);
     bench_table(r, table, header);
     ladder(r, o, &w);
-    bench_say(r, "\nover depth, lights, photons, neighbours:\n");
-    snprintf(table, sizeof table, "%s-sweeps", w.name);
-    bench_table(r, table, header);
-    sweeps(r, o, &w);
+    if (!o->once || o->brief || strcmp(w.name, "cornell") == 0) {
+        bench_say(r, "\nover depth, lights, photons, neighbours:\n");
+        snprintf(table, sizeof table, "%s-sweeps", w.name);
+        bench_table(r, table, header);
+        sweeps(r, o, &w);
+    }
     close_world(&w);
 }
 
