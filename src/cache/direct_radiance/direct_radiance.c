@@ -35,6 +35,7 @@ typedef struct radiance_state {
 
     bool placed;                   /* raster, tracer and planar mirrors are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */
+    bool drawn;                    /* receivers and layers are those of this frame */
     sl_counters counters;
     sl_announcer announcer;
 } radiance_state;
@@ -168,11 +169,11 @@ static sl_status show_mirrors(radiance_state *s, const sl_light_pass *light, sl_
     return status;
 }
 
+/* The G-buffer stays for the next frame. */
 static void forget_picture(radiance_state *s) {
     sl_curved_mirrors_destroy(s->curved);
-    sl_receivers_destroy(s->receivers);
     s->curved = NULL;
-    s->receivers = NULL;
+    s->drawn = false;
 }
 
 static sl_status draw_picture(radiance_state *s, sl_error *error) {
@@ -208,6 +209,7 @@ static void radiance_destroy(void *state) {
     radiance_state *s = state;
     if (!s) return;
     forget_picture(s);
+    sl_receivers_destroy(s->receivers);
     darken(s);
     forget_geometry(s);
     sl_free(s->planes);
@@ -246,6 +248,7 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
     if (status == SL_OK && !s->lit) status = light_up(s, error);
     forget_picture(s);
     if (status == SL_OK) status = draw_picture(s, error);
+    s->drawn = status == SL_OK;
     progress->fraction = 1.0;
     progress->frame_done = progress->done = true;
     return status;
@@ -254,7 +257,7 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
 static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error) {
     radiance_state *s = state;
     sl_progress ignored;
-    sl_status status = s->receivers ? SL_OK : radiance_update(s, &ignored, error);
+    sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
     if (status == SL_OK) status = sl_radiance_compose(&s->layers, s->receivers, s->settings.threads, image, error);
     return status;
 }

@@ -88,13 +88,25 @@ static sl_status render_mirrored(const sl_scene *scene, const sl_raster *raster,
 
 /* ---- the whole ---- */
 
+/* The G-buffer of an earlier frame of the same size, or a new one: all of it is written anew in either case. */
+static sl_status ready_gbuffer(sl_receivers *earlier, int width, int height, sl_gbuffer **gbuffer, sl_error *error) {
+    if (!earlier || !earlier->gbuffer || earlier->width != width || earlier->height != height)
+        return sl_gbuffer_create(width, height, gbuffer, error);
+    *gbuffer = earlier->gbuffer;
+    earlier->gbuffer = NULL;
+    return SL_OK;
+}
+
 sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error) {
+    sl_receivers *r = sl_allocate(1, sizeof *r), *earlier = *receivers;
     *receivers = NULL;
-    sl_receivers *r = sl_allocate(1, sizeof *r);
-    if (!r) return sl_fail_memory(error, "the receivers");
-    *r = (sl_receivers){.width = view->width, .height = view->height, .mirrors = mirrors && mirrors->count ? mirrors : NULL};
-    sl_status status = sl_gbuffer_create(view->width, view->height, &r->gbuffer, error);
+    sl_status status = r ? ready_gbuffer(earlier, view->width, view->height, &r->gbuffer, error) : sl_fail_memory(error, "the receivers");
+    sl_receivers_destroy(earlier);
+    if (!r) return status;
+    r->width = view->width;
+    r->height = view->height;
+    r->mirrors = mirrors && mirrors->count ? mirrors : NULL;
     if (status == SL_OK && r->mirrors && reflections > 0) {
         status = render_mirrored(scene, raster, view, reflections, threads, r, counters, error);
     } else if (status == SL_OK) {

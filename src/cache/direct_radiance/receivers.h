@@ -18,7 +18,8 @@ typedef struct sl_receivers {
 } sl_receivers;
 
 /* Passes 5 and 6's geometry: view, and up to `reflections` planar mirrors one behind another (mirrors may be NULL). Views may be cameras,
- * pyramids or a cube's faces. The mirrors must outlive what is made of them. */
+ * pyramids or a cube's faces. The mirrors must outlive what is made of them. *receivers: NULL, or those of an earlier frame, which are then
+ * replaced: fresh memory costs as much as a small scene. */
 sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
 void sl_receivers_destroy(sl_receivers *receivers);
