@@ -145,6 +145,16 @@ static void directional_light_does_not_fall_with_distance(void **state) {
     assert_true(irradiance(*state, sun, origin, sl_v3(0, 0, -1)) == 0.0);
 }
 
+static void directional_light_is_the_same_in_a_scene_of_any_size(void **state) {
+    sl_map_light sun = {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {3, 2, 1}};
+    const float sizes[] = {1e-8f, 1e-4f, 1e4f, 1e7f, 1e12f};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        sl_scene scene = *(sl_scene *)*state;
+        scene.diagonal *= sizes[i];
+        assert_near(irradiance(&scene, sun, origin, up), 3.0);
+    }
+}
+
 static void lights_add_up(void **state) {
     sl_map_light all[3] = {point_light(sl_v3(1, 1, 2)), area_light(sl_v3(-1, 0, 1), sl_v3(0.6f, 0, -0.8f), 0.5f, false),
                            {.kind = SL_MAP_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {3, 2, 1}}};
@@ -333,6 +343,7 @@ int main(void) {
         cmocka_unit_test(emitters_back_is_dark_unless_it_has_two_sides),
         cmocka_unit_test(spot_has_a_smooth_edge),
         cmocka_unit_test(directional_light_does_not_fall_with_distance),
+        cmocka_unit_test(directional_light_is_the_same_in_a_scene_of_any_size),
         cmocka_unit_test(lights_add_up),
         cmocka_unit_test(glossy_receiver_has_the_modified_phong_lobe),
         cmocka_unit_test(highlight_moves_with_the_eye),

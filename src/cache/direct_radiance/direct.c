@@ -42,11 +42,12 @@ static void add_light_point(const direct_pass *d, const sl_receiver_tile *tile, 
     const sl_light_points points = sl_receiver_tile_points(tile);
     const sl_light_source source = source_of(of, point);
     sl_arrivals arrivals;
+    const bool parallel = of->kind == SL_MAP_LIGHT_DIRECTIONAL; /* it has no distance, and stands on nothing */
     float lit[SL_TILE_PIXELS], any = 0.0f;
     arrive(d, &points, of, &source, &arrivals);
     for (size_t i = 0; i < tile->padded; i++) {
         float w = arrivals.weight[i];
-        lit[i] = w > 0.0f && w <= d->largest_weight ? 1.0f : 0.0f;
+        lit[i] = w > 0.0f && (parallel || w <= d->largest_weight) ? 1.0f : 0.0f;
         any += lit[i];
     }
     if (!(any > 0.0f)) return;
@@ -56,7 +57,6 @@ static void add_light_point(const direct_pass *d, const sl_receiver_tile *tile, 
     for (size_t i = 0; i < tile->padded; i++) arrivals.weight[i] = lit[i] > 0.0f ? arrivals.weight[i] : 0.0f;
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
     if (!glossy) return;
-    bool parallel = of->kind == SL_MAP_LIGHT_DIRECTIONAL;
     float power[SL_TILE_PIXELS];
     const sl_lobe_target target = {.towards = parallel ? sl_neg(of->direction) : point->position, .direction = parallel};
     d->kernels.receiver_lobe(tile, &target, power);
