@@ -296,6 +296,22 @@ static void odd_lights_leave_no_hole_in_the_picture(void **state) {
     }
 }
 
+/* The smallest depth cube that there is can be had; a smaller one is refused before a frame is begun. */
+static void too_small_a_depth_cube_is_refused_before_anything_is_drawn(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = radiance_settings(8);
+    sl_method *method = NULL;
+    settings.radiance_map.shadow_size = 15;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_ERROR_USAGE);
+    assert_null(method);
+    settings.radiance_map.shadow_size = 16;
+    sl_image *image = render(scene, &settings, NULL);
+    assert_sound_picture(image, "with small depth cubes");
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
@@ -309,6 +325,7 @@ int main(void) {
         cmocka_unit_test(frames_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(scenes_tiny_huge_and_far_away_give_the_same_picture),
         cmocka_unit_test(odd_lights_leave_no_hole_in_the_picture),
+        cmocka_unit_test(too_small_a_depth_cube_is_refused_before_anything_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

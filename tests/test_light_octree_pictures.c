@@ -331,6 +331,20 @@ static void a_scene_that_stores_no_photon_ends_too(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Of one photon (k - 1) / k leaves nothing; a message says so before any is traced. */
+static void one_neighbour_is_refused_before_anything_is_traced(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(8);
+    sl_method *method = NULL;
+    sl_error error;
+    settings.light_octree.neighbours = 1;
+    assert_int_equal(sl_method_create(scene, &settings, &method, &error), SL_ERROR_USAGE);
+    assert_null(method);
+    assert_non_null(strstr(error.message, "neighbours of 2"));
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_lit_as_by_all_of_its_paths),
@@ -347,6 +361,7 @@ int main(void) {
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),
         cmocka_unit_test(a_scene_that_stores_no_photon_ends_too),
+        cmocka_unit_test(one_neighbour_is_refused_before_anything_is_traced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,7 +66,7 @@ static sl_status check_radiance_map(const sl_radiance_map_settings *m, sl_error 
         {"a way to light mirrors", m->mirror_light, SL_MIRROR_LIGHT_FULL, SL_MIRROR_LIGHT_DIRECT, false},
         {"reflections", m->reflections, 1, 8, true},
         {"an environment cube", m->cube_size, 4, 4096, true},
-        {"a depth cube", m->shadow_size, 8, 8192, true},
+        {"a depth cube", m->shadow_size, 16, 8192, true},
         {"samples a side of an emitter", m->emitter_samples, 1, 64, true},
     };
     return CHECK(bounds, error);
@@ -76,7 +76,7 @@ static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error 
     const bound bounds[] = {
         {"an octree's depth", o->depth, 1, 8, true},
         {"stored photons", (double)o->photons, 1, 1e9, true},
-        {"neighbours", o->neighbours, 1, 4096, true},
+        {"neighbours", o->neighbours, 2, 4096, true},
         {"a radius", o->radius, 1e-12, 1e12, true},
         {"a flatness", o->flatness, 1e-3, 1.0, true},
         {"lights a voxel", o->lights, 1, 8, true},

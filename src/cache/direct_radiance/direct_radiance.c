@@ -135,6 +135,7 @@ static sl_status light_up(radiance_state *s, sl_error *error) {
     }
     if (status == SL_OK && s->plan.map) status = take_map(s, error);
     s->lit = status == SL_OK;
+    if (!s->lit) darken(s); /* what is half done would be made again over what there is */
     return status;
 }
 

@@ -198,9 +198,11 @@ static sl_status finish_photons(octree_state *s, sl_error *error) {
         s->phase = PHASE_DONE;
         return SL_OK;
     }
+    sl_status status = sl_photon_tree_create(list, s->settings.threads, &s->tree, error);
+    if (status != SL_OK) return status; /* without photons again */
     s->phase = PHASE_OCTREE;
     s->depth = s->plan.first_depth;
-    return sl_photon_tree_create(list, s->settings.threads, &s->tree, error);
+    return SL_OK;
 }
 
 static sl_status trace_photons(octree_state *s, sl_error *error) {
@@ -246,8 +248,10 @@ static sl_status start_level(octree_state *s, sl_error *error) {
     s->leaf = 0;
     s->radius = o->radius > 0.0 ? o->radius : sl_voxel_radius(s->next.octree, (size_t)o->neighbours, sl_photon_tree_list(s->tree)->count);
     sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
-    s->phase = PHASE_LIGHTS;
-    return sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads, &s->next.lights, error);
+    status = sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads, &s->next.lights, error);
+    if (status == SL_OK) s->phase = PHASE_LIGHTS;
+    else forget_level(&s->next);
+    return status;
 }
 
 /* ---- P3 to P5: lights of the voxels, and their textures ---- */
