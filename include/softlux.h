@@ -299,7 +299,7 @@ typedef struct sl_radiance_map_settings {
     int cube_size;                   /* texels a side of a curved mirror's environment cube; 128 */
     bool traced_light_mirrors;       /* light by way of curved mirrors, traced */
     int shadow_size;                 /* texels a side of a face of a depth cube; 512 */
-    int emitter_samples;             /* an area light is lit from n x n points of it; 1, the paper's */
+    int emitter_samples;             /* an area light shines from n x n points of it, and each takes pictures; 1, the paper's, or 2 at high quality */
     bool eight_bit_positions;        /* the map's positions as 8-bit colours, scaled into the scene's box */
     bool texture_photons;            /* fragments fetch photons from textures, instead of finding them in registers: the same bits */
     bool separate_passes;            /* a geometry pass for each of the map's pictures, as without multiple render targets */

@@ -71,7 +71,7 @@ sl_map_photons *make_photons(size_t count, float diagonal) {
     p->count = count;
     p->photon = calloc(count, sizeof *p->photon);
     assert_non_null(p->photon);
-    for (size_t l = 1; l <= SL_MAP_LIGHTS_MAX; l++) p->first_of_light[l] = count;
+    for (size_t l = 1; l <= SL_MAP_POINTS_MAX; l++) p->first_of_light[l] = count;
     p->nearest = 1e-6f * diagonal;
     p->box_diagonal = diagonal;
     return p;

@@ -223,7 +223,7 @@ static void photons_of_several_lights_are_those_of_each_alone(void **state) {
     assert_memory_equal(photons->photon, alone->photon, alone->count * sizeof *alone->photon);
     const size_t first[] = {0, 16, 16, 24};
     for (int l = 0; l < 4; l++) assert_int_equal(photons->first_of_light[l], first[l]);
-    assert_int_equal(photons->first_of_light[SL_MAP_LIGHTS_MAX], 24);
+    assert_int_equal(photons->first_of_light[SL_MAP_POINTS_MAX], 24);
     const size_t samples[] = {16, 0, 8};
     for (int l = 0; l < 3; l++) assert_int_equal(photons->samples_of_light[l], samples[l]);
     sl_map_photons_destroy(photons);
@@ -474,7 +474,7 @@ static void texels_without_geometry_are_no_photons(void **state) {
             sl_map_photons *photons = take_photons(scene, &h->map, &settings);
             assert_int_equal(photons->count, 0);
             assert_int_equal(photons->dropped, 6 * 16);
-            assert_int_equal(photons->first_of_light[SL_MAP_LIGHTS_MAX], 0);
+            assert_int_equal(photons->first_of_light[SL_MAP_POINTS_MAX], 0);
             sl_map_photons_destroy(photons);
             fill_floor(h, 0.5f);
             photons = take_photons(scene, &h->map, &settings);

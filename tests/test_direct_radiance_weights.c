@@ -225,7 +225,7 @@ static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
     for (size_t j = 0; j < 5; j++)
         p->photon[j] = (sl_map_photon){.position = {0, 0, 0}, .normal = {0, 0, j % 2 ? 1.0f : -1.0f}, .cos_alpha = 0.5f,
                                        .printed_area = 4.0f, .radiance = {2, 2, 2}};
-    for (size_t l = 1; l <= SL_MAP_LIGHTS_MAX; l++) p->first_of_light[l] = l == 1 ? 2 : 5;
+    for (size_t l = 1; l <= SL_MAP_POINTS_MAX; l++) p->first_of_light[l] = l == 1 ? 2 : 5;
     p->samples_of_light[0] = 4, p->samples_of_light[1] = 6;
     for (size_t j = 0; j < 5; j++) {
         double m = j < 2 ? 4.0 : 6.0;

@@ -22,7 +22,7 @@ typedef struct radiance_state {
     sl_tracer *tracer;             /* visibility and traced mirrors alone */
     sl_mirrors *planar;
 
-    sl_map_lights *lights;
+    sl_map_lights *lights, *divided; /* divided: each point of them as a light that takes pictures of its own; or NULL */
     sl_shadow_cubes *cubes;        /* pass 1 */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
@@ -89,10 +89,12 @@ static void darken(radiance_state *s) {
     sl_map_photons_destroy(s->photons);
     sl_radiance_map_destroy(s->map);
     sl_shadow_cubes_destroy(s->cubes);
+    sl_map_lights_destroy(s->divided);
     sl_map_lights_destroy(s->lights);
     s->photons = NULL;
     s->map = NULL;
     s->cubes = NULL;
+    s->divided = NULL;
     s->lights = NULL;
     s->lit = false;
 }
@@ -120,7 +122,10 @@ static sl_status take_map(radiance_state *s, sl_error *error) {
                                        .normals = s->plan.normals,
                                        .tracer = s->tracer,
                                        .threads = s->settings.threads};
-    sl_status status = sl_radiance_map_render(s->scene, s->raster, s->lights, &s->settings.radiance_map, &options, &s->map, &s->counters, error);
+    sl_status status = sl_map_lights_by_point(s->lights, &s->divided, error);
+    const sl_map_lights *lights = s->divided ? s->divided : s->lights;
+    if (status == SL_OK)
+        status = sl_radiance_map_render(s->scene, s->raster, lights, &s->settings.radiance_map, &options, &s->map, &s->counters, error);
     if (status == SL_OK) announce_map(s);
     if (status == SL_OK) status = sl_map_photons_take(s->scene, s->map, &s->settings.radiance_map, &s->photons, &s->counters, error);
     return status;

@@ -275,6 +275,37 @@ sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_ligh
     return status;
 }
 
+static void copy_points(const sl_map_lights *lights, sl_map_lights *out) {
+    out->count = out->point_count = lights->point_count;
+    out->emitter_count = lights->emitter_count;
+    out->flux = lights->flux;
+    if (out->emitter_count) memcpy(out->emitter, lights->emitter, out->emitter_count * sizeof *out->emitter);
+    for (size_t i = 0; i < out->count; i++) {
+        const sl_map_light_point *point = &lights->point[i];
+        out->light[i] = lights->light[point->light];
+        out->light[i].position = point->position;
+        out->light[i].intensity = point->intensity;
+        out->point[i] = (sl_map_light_point){(uint32_t)i, point->position, point->intensity};
+    }
+}
+
+sl_status sl_map_lights_by_point(const sl_map_lights *lights, sl_map_lights **by_point, sl_error *error) {
+    *by_point = NULL;
+    if (lights->point_count == lights->count || lights->point_count > SL_MAP_POINTS_MAX) return SL_OK;
+    sl_map_lights *out = sl_allocate(1, sizeof *out);
+    if (!out) return sl_fail_memory(error, "the lights' points");
+    out->light = sl_allocate(lights->point_count, sizeof *out->light);
+    out->point = sl_allocate(lights->point_count, sizeof *out->point);
+    out->emitter = sl_allocate(lights->emitter_count + 1, sizeof *out->emitter);
+    if (!out->light || !out->point || !out->emitter) {
+        sl_map_lights_destroy(out);
+        return sl_fail_memory(error, "the lights' points");
+    }
+    copy_points(lights, out);
+    *by_point = out;
+    return SL_OK;
+}
+
 void sl_map_lights_destroy(sl_map_lights *lights) {
     if (!lights) return;
     sl_free(lights->light);

@@ -13,7 +13,7 @@
 
 #include "scene/scene.h"
 
-enum { SL_MAP_LIGHTS_MAX = 64 };
+enum { SL_MAP_LIGHTS_MAX = 64, SL_MAP_POINTS_MAX = 256 };
 
 typedef enum sl_map_light_kind { SL_MAP_LIGHT_POINT, SL_MAP_LIGHT_SPOT, SL_MAP_LIGHT_DIRECTIONAL, SL_MAP_LIGHT_AREA } sl_map_light_kind;
 
@@ -50,6 +50,9 @@ typedef struct sl_map_lights {
 /* subdivision: n >= 1, see sl_radiance_map_settings.emitter_samples. The points' intensities add up to the light's. */
 sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights, sl_error *error);
 void sl_map_lights_destroy(sl_map_lights *lights);
+/* Every light point as a light of its own, for maps: what the middle of a large light does not see another part of it may. NULL where
+ * no light is divided, or the points are more than SL_MAP_POINTS_MAX. Its light_of_triangle is NULL. */
+sl_status sl_map_lights_by_point(const sl_map_lights *lights, sl_map_lights **by_point, sl_error *error);
 
 /* Radiant intensity (W/sr; directional: W/m^2) of a light in the unit direction away from it, as its map sees it. */
 sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction);

@@ -93,7 +93,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
                            .steady = settings->steady_samples};
     sl_take_photons *take = way_to_take(settings);
     size_t face = 0;
-    for (size_t light = 0; light < SL_MAP_LIGHTS_MAX && status == SL_OK; light++) {
+    for (size_t light = 0; light < SL_MAP_POINTS_MAX && status == SL_OK; light++) {
         p->first_of_light[light] = p->count;
         if (face == map->face_count || map->face[face].light != light) continue; /* no pictures of that light were needed */
         size_t faces = faces_of_light(map, face);
@@ -101,7 +101,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
         status = take(&list, map->face + face, faces, error);
         face += faces;
     }
-    p->first_of_light[SL_MAP_LIGHTS_MAX] = p->count;
+    p->first_of_light[SL_MAP_POINTS_MAX] = p->count;
     if (status != SL_OK) {
         sl_map_photons_destroy(p);
         *photons = NULL;

@@ -39,8 +39,8 @@ typedef struct sl_map_photons {
     sl_map_photon *photon;   /* in order of light, face, row, column, group (by importance: of a curve through each face): of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
-    size_t first_of_light[SL_MAP_LIGHTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
-    size_t samples_of_light[SL_MAP_LIGHTS_MAX];   /* M: a sample may have no photon, or a few groups of them */
+    size_t first_of_light[SL_MAP_POINTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
+    size_t samples_of_light[SL_MAP_POINTS_MAX];   /* M: a sample may have no photon, or a few groups of them */
     size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the scene's diagonal, or without light */
     float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's diagonal */
     float box_diagonal;      /* ||B_max - B_min|| of (15) */

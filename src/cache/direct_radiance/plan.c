@@ -19,7 +19,7 @@ void sl_radiance_complete(sl_settings *settings) {
     m->reflections = or_default(m->reflections, 1);
     m->cube_size = or_default(m->cube_size, CUBE_SIZE);
     m->shadow_size = or_default(m->shadow_size, SHADOW_SIZE);
-    m->emitter_samples = or_default(m->emitter_samples, 1);
+    m->emitter_samples = or_default(m->emitter_samples, settings->quality == SL_QUALITY_HIGH ? 2 : 1);
     if (m->weight == SL_WEIGHT_AUTO) m->weight = settings->quality == SL_QUALITY_HIGH ? SL_WEIGHT_POLYGON : SL_WEIGHT_FLUX;
     if (m->filter == SL_MAP_FILTER_AUTO) m->filter = SL_MAP_FILTER_FLUX;
 }

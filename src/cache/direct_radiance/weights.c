@@ -8,7 +8,7 @@
  * each. */
 static float samples_of_light(const sl_map_photons *photons, size_t photon) {
     size_t samples = 0;
-    for (size_t l = 0; l < SL_MAP_LIGHTS_MAX; l++) {
+    for (size_t l = 0; l < SL_MAP_POINTS_MAX; l++) {
         size_t first = photons->first_of_light[l], end = photons->first_of_light[l + 1];
         if (photon >= first && photon < end) samples = photons->samples_of_light[l] ? photons->samples_of_light[l] : end - first;
     }
