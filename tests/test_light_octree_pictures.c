@@ -167,6 +167,44 @@ static void mirrors_show_what_they_reflect(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A glossy floor, seen in a mirror that fills the picture, and the same floor from where the eye's image in the mirror stands: the picture
+ * is turned round, and its highlights are in the same places. */
+static sl_scene *glossy_floor(bool mirror) {
+    char json[1024], obj[512];
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"floor\"}%s], \"materials\": {\"floor\": {\"diffuse\": 0.1,"
+             " \"specular\": 0.8, \"exponent\": 40}%s}, \"lights\": [{\"type\": \"spot\", \"position\": [0.5, 2, 1], \"direction\": [0, -1, 1],"
+             " \"intensity\": 5, \"outer_deg\": 40}], \"camera\": {\"eye\": [0, 1, %d], \"target\": [0, 0.7, 0], \"fov_deg\": 60}}",
+             mirror ? ", {\"file\": \"mesh.obj\", \"name\": \"glass\", \"material\": \"glass\", \"transform\": {\"rotate_deg\": [-90, 0, 0]}}" : "",
+             mirror ? ", \"glass\": {\"mirror\": 1}" : "", mirror ? 1 : -1);
+    snprintf(obj, sizeof obj, "v -9 0 0\nv 9 0 0\nv 9 0 9\nv -9 0 9\nf 4 3 2 1\n");
+    return scene_from_text(json, obj);
+}
+
+static void highlights_in_mirrors_are_where_the_mirror_reflects_them(void **state) {
+    (void)state;
+    enum { SIZE = 24 };
+    sl_scene *mirrored = glossy_floor(true), *plain = glossy_floor(false);
+    sl_settings settings = octree_settings(SIZE);
+    settings.light_octree.store = SL_STORE_ALL;
+    sl_image *in_mirror = render(mirrored, &settings, NULL), *truth = render(plain, &settings, NULL);
+    const char *const layers[] = {"direct.G", "indirect.G"};
+    for (int k = 0; k < 2; k++) {
+        const float *a = sl_image_channel(in_mirror, layers[k]), *b = sl_image_channel(truth, layers[k]);
+        double apart = 0.0, sum = 0.0;
+        for (int i = 0; i < SIZE * SIZE; i++) {
+            apart += fabs((double)a[i] - (double)b[i / SIZE * SIZE + SIZE - 1 - i % SIZE]);
+            sum += (double)b[i];
+        }
+        print_message("%s: %.4f of %.4f\n", layers[k], apart / (SIZE * SIZE), sum / (SIZE * SIZE));
+        assert_true(sum > 0.0 && apart < (k == 0 ? 1e-3 : 0.2) * sum);
+    }
+    sl_image_destroy(in_mirror);
+    sl_image_destroy(truth);
+    sl_scene_destroy(mirrored);
+    sl_scene_destroy(plain);
+}
+
 static double indirect_of(const sl_scene *scene, sl_photon_store store) {
     sl_settings settings = octree_settings(32);
     settings.light_octree.store = store;
@@ -353,6 +391,7 @@ int main(void) {
         cmocka_unit_test(a_new_camera_keeps_photons_and_voxels),
         cmocka_unit_test(pictures_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(mirrors_show_what_they_reflect),
+        cmocka_unit_test(highlights_in_mirrors_are_where_the_mirror_reflects_them),
         cmocka_unit_test(caustics_are_a_part_of_indirect_light_and_that_of_all),
         cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
         cmocka_unit_test(where_light_is_even_an_estimated_radius_is_wide),

@@ -130,6 +130,7 @@ typedef struct sl_gbuffer {
     float *geometric_x, *geometric_y, *geometric_z; /* geometric, turned to the viewer */
     float *diffuse_r, *diffuse_g, *diffuse_b;       /* kd with texture */
     uint32_t *material;                             /* SL_NO_INDEX: background */
+    sl_vec3 *seen_from;                             /* where mirrors reflect to the eye what pixels show; NULL: all from the camera */
 } sl_gbuffer;
 
 sl_status sl_gbuffer_create(int width, int height, sl_gbuffer **gbuffer, sl_error *error); /* all planes */

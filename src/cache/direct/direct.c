@@ -153,7 +153,8 @@ sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *g, size_t 
         .triangle = g->id[i],
         .material = &direct->scene->materials[g->material[i]],
     };
-    at.to_viewer = sl_normalize_or(sl_sub(direct->scene->camera.eye, at.position), at.geometric_normal);
+    sl_vec3 viewer = g->seen_from ? g->seen_from[i] : direct->scene->camera.eye;
+    at.to_viewer = sl_normalize_or(sl_sub(viewer, at.position), at.geometric_normal);
     return at;
 }
 

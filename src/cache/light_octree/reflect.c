@@ -17,7 +17,6 @@ void sl_reflections_destroy(sl_reflections *r) {
     if (!r) return;
     sl_free(r->pixel);
     sl_free(r->throughput);
-    sl_free(r->from);
     sl_free(r->background);
     sl_free(r);
 }
@@ -30,10 +29,9 @@ static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_refl
     if (r) {
         r->pixel = sl_allocate(count, sizeof *r->pixel);
         r->throughput = sl_allocate(count, sizeof *r->throughput);
-        r->from = sl_allocate(count, sizeof *r->from);
         r->background = sl_allocate(count, sizeof *r->background);
     }
-    if (!r || !r->pixel || !r->throughput || !r->from || !r->background) {
+    if (!r || !r->pixel || !r->throughput || !r->background) {
         sl_reflections_destroy(r);
         return sl_fail_memory(error, "reflections");
     }
@@ -41,6 +39,15 @@ static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_refl
         if (shows_mirror(scene, g, i)) r->pixel[r->count++] = (uint32_t)i;
     }
     *reflections = r;
+    return SL_OK;
+}
+
+/* From the camera, as long as no mirror tells otherwise. */
+static sl_status place_viewers(const sl_scene *scene, sl_gbuffer *g, sl_error *error) {
+    size_t pixels = (size_t)g->width * (size_t)g->height;
+    g->seen_from = sl_allocate(pixels, sizeof *g->seen_from);
+    if (!g->seen_from) return sl_fail_memory(error, "reflections");
+    for (size_t i = 0; i < pixels; i++) g->seen_from[i] = scene->camera.eye;
     return SL_OK;
 }
 
@@ -92,7 +99,7 @@ static void show_surface(const reflecting *c, const reflected *ray, uint32_t tri
     g->normal_x[i] = s->normal.x, g->normal_y[i] = s->normal.y, g->normal_z[i] = s->normal.z;
     g->geometric_x[i] = s->geometric_normal.x, g->geometric_y[i] = s->geometric_normal.y, g->geometric_z[i] = s->geometric_normal.z;
     g->diffuse_r[i] = s->diffuse.r, g->diffuse_g[i] = s->diffuse.g, g->diffuse_b[i] = s->diffuse.b;
-    c->reflections->from[ray->slot] = ray->origin;
+    g->seen_from[i] = ray->origin;
 }
 
 /* Where the ray ends; or, at a mirror, the ray that goes on from there. */
@@ -148,14 +155,18 @@ static void reflect_packet(void *context, size_t index, unsigned worker) {
 sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads, sl_gbuffer *gbuffer,
                             sl_reflections **reflections, sl_counters *counters, sl_error *error) {
     *reflections = NULL;
+    sl_free(gbuffer->seen_from); /* of another view */
+    gbuffer->seen_from = NULL;
     sl_status status = list_pixels(scene, gbuffer, reflections, error);
     if (status != SL_OK || !*reflections) return status;
     size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
     reflecting c = {scene, tracer, gbuffer, *reflections, sl_allocate(packets, sizeof(sl_counters))};
-    if (!c.counters) {
+    status = c.counters ? place_viewers(scene, gbuffer, error) : sl_fail_memory(error, "reflections");
+    if (status != SL_OK) {
+        sl_free(c.counters);
         sl_reflections_destroy(*reflections);
         *reflections = NULL;
-        return sl_fail_memory(error, "reflections");
+        return status;
     }
     sl_parallel_for(threads, packets, reflect_packet, &c);
     for (size_t i = 0; i < packets; i++) sl_counters_add(counters, &c.counters[i]);

@@ -12,12 +12,11 @@ typedef struct sl_reflections {
     size_t count;            /* mirror pixels of the picture */
     uint32_t *pixel;         /* which, ascending */
     sl_rgb *throughput;      /* product of the mirrors' reflectances */
-    sl_vec3 *from;           /* origin of the last ray: from where the surface is seen */
     sl_rgb *background;      /* of rays that left the scene: the environment, throughput included; else 0 */
 } sl_reflections;
 
-/* Changes all planes of the G-buffer but depth; nothing in sight: id and material SL_NO_INDEX. Depth stays the mirror's. NULL in
- * *reflections where no pixel shows a mirror. */
+/* Changes all planes of the G-buffer but depth, and tells from where its surfaces are seen; nothing in sight: id and material SL_NO_INDEX.
+ * Depth stays the mirror's. NULL in *reflections where no pixel shows a mirror. */
 sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads, sl_gbuffer *gbuffer,
                             sl_reflections **reflections, sl_counters *counters, sl_error *error);
 void sl_reflections_destroy(sl_reflections *reflections);

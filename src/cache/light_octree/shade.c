@@ -251,7 +251,8 @@ static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octr
     const sl_material *m = &pass->scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
-    sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(pass->eye, place), n) : n;
+    sl_vec3 eye = g->seen_from ? g->seen_from[pixel] : pass->eye;
+    sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(eye, place), n) : n;
     const float values[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
                               g->diffuse_b[pixel], m->specular.r, m->specular.g, m->specular.b, m->exponent};
     for (int k = 0; k < 16; k++) s->point[k][at] = values[k];

@@ -33,7 +33,8 @@ void sl_octree_scratch_destroy(sl_octree_scratch *scratch);
 void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *points, sl_octree_scratch *scratch, float *r, float *g,
                      float *b, sl_counters *counters);
 
-/* A whole G-buffer seen from an eye, in tiles; planes as the G-buffer's, background and mirrors 0. Fails for want of memory alone. */
+/* A whole G-buffer seen from an eye (but for pixels that mirrors show), in tiles; planes as the G-buffer's, background and mirrors 0.
+ * Fails for want of memory alone. */
 sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye,
                                   unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error);
 

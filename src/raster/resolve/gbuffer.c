@@ -47,6 +47,7 @@ void sl_gbuffer_destroy(sl_gbuffer *g) {
     void **planes[17];
     list_planes(g, planes);
     for (int k = 0; k < 17 && planes[k]; k++) sl_free(*planes[k]);
+    sl_free(g->seen_from);
     sl_free(g);
 }
 
