@@ -335,6 +335,20 @@ static void too_small_a_depth_cube_is_refused_before_anything_is_drawn(void **st
     sl_scene_destroy(scene);
 }
 
+/* 1e37 W/sr a tenth of a millimetre away: 1e45 W/m^2 is beyond floats. */
+static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 1e-4}, \"material\": \"m\"}], \"materials\": {\"m\": "
+                                      "{\"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 20}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 1e-4, 0], "
+                                      "\"intensity\": 1e37}], \"camera\": {\"eye\": [0, 2e-4, 4e-4], \"target\": [0, 0, 0], \"fov_deg\": 50}}",
+                                      step_obj);
+    sl_settings settings = radiance_settings(16);
+    sl_image *image = render(scene, &settings, NULL);
+    assert_sound_picture(image, "beyond floats");
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
@@ -349,6 +363,7 @@ int main(void) {
         cmocka_unit_test(frames_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(scenes_tiny_huge_and_far_away_give_the_same_picture),
         cmocka_unit_test(odd_lights_leave_no_hole_in_the_picture),
+        cmocka_unit_test(light_beyond_floats_leaves_a_picture_of_numbers),
         cmocka_unit_test(too_small_a_depth_cube_is_refused_before_anything_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

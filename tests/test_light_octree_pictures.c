@@ -383,6 +383,22 @@ static void one_neighbour_is_refused_before_anything_is_traced(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* 1e37 W/sr a tenth of a millimetre away: 1e45 W/m^2 is beyond floats. */
+static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 1e-4}, \"material\": \"m\"}], \"materials\": {\"m\": "
+                                      "{\"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 20}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 1e-4, 0], "
+                                      "\"intensity\": 1e37}], \"camera\": {\"eye\": [0, 2e-4, 4e-4], \"target\": [0, 0, 0], \"fov_deg\": 50}}",
+                                      floor_obj);
+    sl_settings settings = octree_settings(16);
+    settings.light_octree.photons = 1000;
+    settings.light_octree.store = SL_STORE_ALL;
+    sl_image *image = render(scene, &settings, NULL);
+    assert_sound_picture(image, "beyond floats");
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_lit_as_by_all_of_its_paths),
@@ -400,6 +416,7 @@ int main(void) {
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),
         cmocka_unit_test(a_scene_that_stores_no_photon_ends_too),
+        cmocka_unit_test(light_beyond_floats_leaves_a_picture_of_numbers),
         cmocka_unit_test(one_neighbour_is_refused_before_anything_is_traced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

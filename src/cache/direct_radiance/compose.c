@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cache/direct_radiance/direct_radiance.h"
+#include "cache/picture_value.h"
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, SPREAD = 12, LAYERS };
 
@@ -25,14 +26,15 @@ static void compose_row(void *context, size_t row, unsigned worker) {
         const float *emission = c->layers->emission[k] + from, *direct = c->layers->direct[k] + from;
         const float *indirect = c->layers->indirect[k] + from, *throughput = r->throughput[k] ? r->throughput[k] + from : NULL;
         for (size_t x = 0; x < width; x++) {
-            float share = throughput ? throughput[x] : 1.0f, e = share * emission[x], d = share * direct[x], i = share * indirect[x];
+            float share = throughput ? throughput[x] : 1.0f, e = sl_picture_value(share * emission[x]);
+            float d = sl_picture_value(share * direct[x]), i = sl_picture_value(share * indirect[x]);
             c->out[(EMISSION + k) * pixels + to + x] = e;
             c->out[(DIRECT + k) * pixels + to + x] = d;
             c->out[(INDIRECT + k) * pixels + to + x] = i;
-            c->out[(PICTURE + k) * pixels + to + x] = e + d + i;
+            c->out[(PICTURE + k) * pixels + to + x] = sl_picture_value(e + d + i);
         }
     }
-    for (size_t x = 0; x < width; x++) c->out[SPREAD * pixels + to + x] = c->layers->spread[from + x];
+    for (size_t x = 0; x < width; x++) c->out[SPREAD * pixels + to + x] = sl_picture_value(c->layers->spread[from + x]);
 }
 
 sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, unsigned threads, sl_image **image,

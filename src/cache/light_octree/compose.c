@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cache/light_octree/light_octree.h"
+#include "cache/picture_value.h"
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, LAYERS = 12 };
 
@@ -34,11 +35,12 @@ static void put(const composing *c, size_t pixel, sl_rgb emission, sl_rgb share)
     size_t to = (height - 1 - pixel / width) * width + pixel % width;
     const float emitted[3] = {emission.r, emission.g, emission.b}, left[3] = {share.r, share.g, share.b};
     for (size_t k = 0; k < 3; k++) {
-        float d = left[k] * p->direct[k][pixel], i = left[k] * p->indirect[k][pixel];
-        c->out[(EMISSION + k) * pixels + to] = emitted[k];
+        float e = sl_picture_value(emitted[k]), d = sl_picture_value(left[k] * p->direct[k][pixel]);
+        float i = sl_picture_value(left[k] * p->indirect[k][pixel]);
+        c->out[(EMISSION + k) * pixels + to] = e;
         c->out[(DIRECT + k) * pixels + to] = d;
         c->out[(INDIRECT + k) * pixels + to] = i;
-        c->out[(PICTURE + k) * pixels + to] = emitted[k] + d + i;
+        c->out[(PICTURE + k) * pixels + to] = sl_picture_value(e + d + i);
     }
 }
 

@@ -1,0 +1,11 @@
+/* What a picture holds where radiance is beyond floats (a light of 1e37 W/sr a millimetre away): the largest float; and nothing where an
+ * infinite light met a zero, which is no number. */
+#ifndef SL_CACHE_PICTURE_VALUE_H
+#define SL_CACHE_PICTURE_VALUE_H
+
+#include <float.h>
+#include <math.h>
+
+static inline float sl_picture_value(float v) { return isfinite(v) ? v : v > 0.0f ? FLT_MAX : 0.0f; }
+
+#endif
