@@ -347,7 +347,7 @@ typedef struct sl_light_octree_settings {
     bool unit_weights;            /* K-means with equal weights */
     bool wide_directions;         /* 12 + 12 bits a direction instead of 8 + 8 */
     bool split_by_normal;         /* a set of lights for each group of normals in a voxel */
-    bool estimated_radius;        /* k and r by an error estimate, voxel by voxel */
+    bool estimated_radius;        /* k to 4 k photons, voxel by voxel, by an error estimate */
     bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
     bool atlas;                   /* light is rendered to a texture atlas first, and the picture looks it up there */
     int atlas_size;               /* texels a side; 1024 */

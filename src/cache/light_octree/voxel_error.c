@@ -2,12 +2,13 @@
  * density of n photons scatters by E / sqrt(n). Blur is not, but it shows: where more photons give another density than fewer ones did, and
  * noise does not explain it, the surroundings differ. So k grows as long as the confidence intervals of all densities so far have a value in
  * common (Goldenshluger and Nemirovski 1997, "On spatially adaptive estimation of nonparametric regression": intersection of confidence
- * intervals), from a quarter of k to four times k. */
+ * intervals), up to four times the k that was asked for. Not below it: where surfaces lie close together the nearest few photons are those of
+ * the surface under the voxel's centre alone, and their area is the least certain of all. */
 #include <stdlib.h>
 
 #include "cache/light_octree/voxel_work.h"
 
-enum { CANDIDATES = 5 }; /* k / 4, k / 2, k, 2 k, 4 k */
+enum { CANDIDATES = 3 }; /* k, 2 k, 4 k */
 
 /* Intervals of so many standard deviations. */
 static const double confidence = 2.0;
@@ -59,7 +60,7 @@ size_t sl_voxel_estimated_neighbours(const sl_voxel_work *work, const sl_voxel_l
     widest.neighbours = sl_voxel_most_neighbours(o);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &widest, w);
     double low = 0.0, high = INFINITY, sum = 0.0, squares = 0.0;
-    size_t chosen = o->neighbours / 4 > SL_VOXEL_FEW ? o->neighbours / 4 : SL_VOXEL_FEW, count = chosen, taken = 0;
+    size_t chosen = o->neighbours, count = chosen, taken = 0;
     rank_photons(work, &w->gathered, w->ranked);
     for (int k = 0; k < CANDIDATES && count <= gather.found; k++, count *= 2) {
         for (; taken < count; taken++) {
