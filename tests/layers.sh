@@ -23,8 +23,8 @@ allow cache/direct "($below|cache/(direct|light))/"
 allow cache/gather "($below|cache/(gather|light|harmonics))/"
 allow cache/bounces "($below|cache/(bounces|gather|light|harmonics|splatting/record|cache_file))"
 allow cache/splatting "($below|cache/(splatting|bounces|gather|direct|light|harmonics|method|announce|cache_file))"
-allow cache/direct_radiance "($below|cache/(direct_radiance|light|method|announce))"
-allow cache/light_octree "($below|cache/(light_octree|direct|light|method|announce))"
+allow cache/direct_radiance "($below|cache/(direct_radiance|light|method|announce|picture_value))"
+allow cache/light_octree "($below|cache/(light_octree|direct|light|method|announce|picture_value))"
 allow cache/reference "($below|cache/(reference|method))"
 allow app '(app|scene/features)'
 # Every symbol that the library shows begins with sl_.
