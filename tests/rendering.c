@@ -71,3 +71,19 @@ bool same_picture(const sl_image *a, const sl_image *b) {
     return a->width == b->width && a->height == b->height && a->channels == b->channels &&
            memcmp(a->planes, b->planes, values * sizeof(float)) == 0;
 }
+
+void assert_same_bits_with_any_threads(const sl_scene *scene, const sl_settings *settings) {
+    static const unsigned threads[] = {2, 3, 7};
+    sl_settings s = *settings;
+    sl_counters counters, other_counters;
+    s.threads = 1;
+    sl_image *first = render(scene, &s, &counters);
+    for (size_t t = 0; t < sizeof threads / sizeof threads[0]; t++) {
+        s.threads = threads[t];
+        sl_image *other = render(scene, &s, &other_counters);
+        assert_true(same_picture(first, other));
+        assert_memory_equal(&counters, &other_counters, sizeof counters);
+        sl_image_destroy(other);
+    }
+    sl_image_destroy(first);
+}

@@ -12,5 +12,7 @@ sl_settings small_settings(const char *method, int width, int height);
 sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters);
 /* Are all channels equal, bit for bit? */
 bool same_picture(const sl_image *a, const sl_image *b);
+/* The picture and the counters with 2, 3 and 7 threads are those with 1. */
+void assert_same_bits_with_any_threads(const sl_scene *scene, const sl_settings *settings);
 
 #endif

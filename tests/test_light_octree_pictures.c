@@ -141,18 +141,7 @@ static void pictures_have_the_same_bits_at_any_number_of_threads(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     sl_settings settings = octree_settings(32);
-    sl_counters counters, other_counters;
-    settings.threads = 1;
-    sl_image *first = render(scene, &settings, &counters);
-    const unsigned threads[] = {2, 3};
-    for (int t = 0; t < 2; t++) {
-        settings.threads = threads[t];
-        sl_image *other = render(scene, &settings, &other_counters);
-        assert_true(same_picture(first, other));
-        assert_memory_equal(&counters, &other_counters, sizeof counters);
-        sl_image_destroy(other);
-    }
-    sl_image_destroy(first);
+    assert_same_bits_with_any_threads(scene, &settings);
     sl_scene_destroy(scene);
 }
 

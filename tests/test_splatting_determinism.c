@@ -20,18 +20,7 @@ static void the_picture_has_the_same_bits_at_any_number_of_threads(void **state)
         sl_settings settings = small_settings("splatting", 40, 40);
         settings.gather = (sl_gather_kind)kind;
         settings.gather_size = 16;
-        settings.threads = 1;
-        sl_counters counters, other_counters;
-        sl_image *first = render(scene, &settings, &counters);
-        const unsigned threads[] = {2, 3, 7};
-        for (int t = 0; t < 3; t++) {
-            settings.threads = threads[t];
-            sl_image *other = render(scene, &settings, &other_counters);
-            assert_true(same_picture(first, other));
-            assert_memory_equal(&counters, &other_counters, sizeof counters);
-            sl_image_destroy(other);
-        }
-        sl_image_destroy(first);
+        assert_same_bits_with_any_threads(scene, &settings);
     }
     sl_scene_destroy(scene);
 }

@@ -115,17 +115,11 @@ static sl_status make_geometry(octree_state *s, sl_error *error) {
     return status;
 }
 
-/* A smooth sky is in the octree, unless pixels are to have all direct light or none: then its first hits belong to another pass. */
-static bool keeps_sky(const octree_state *s) {
-    const sl_light_octree_settings *o = &s->settings.light_octree;
-    return s->plan.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT;
-}
-
 static sl_status make_light(octree_state *s, sl_error *error) {
     sl_status status = SL_OK;
     if (!s->plan.direct) return SL_OK;
     const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
-    if (keeps_sky(s)) {
+    if (s->plan.sky) {
         status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
         sampled = s->sun.present ? &s->sun : NULL;
     }

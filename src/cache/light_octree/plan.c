@@ -44,6 +44,7 @@ sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *set
         .mirrors = f.mirror_triangles > 0,
         .direct = light && receivers && !o->indirect_only,
         .environment = f.environment,
+        .sky = f.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT,
         .first_depth = o->depth < SHALLOWEST_SHOWN ? o->depth : SHALLOWEST_SHOWN,
     };
 }
@@ -81,7 +82,6 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
     sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, followed by rays", f.mirror_triangles);
     sl_plan_pass(writer, p.direct, "direct light", "%u light samples a pixel", (unsigned)settings->spp);
-    bool sky = f.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT;
-    sl_plan_pass(writer, sky, "sky in the octree", "%s", sky ? "its first hits are photons too; what stands out of it is sampled" : f.environment ? "all of it is sampled" : "no environment");
+    sl_plan_pass(writer, p.sky, "sky in the octree", "%s", p.sky ? "its first hits are photons too; what stands out of it is sampled" : f.environment ? "all of it is sampled" : "no environment");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");
 }

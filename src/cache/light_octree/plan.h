@@ -10,6 +10,7 @@ typedef struct sl_octree_plan {
     bool mirrors;
     bool direct;       /* direct light of pixels */
     bool environment;
+    bool sky;          /* what is smooth of the environment is in the octree; off where pixels are to have all direct light, or none */
     int first_depth;   /* the shallowest octree that is shown */
 } sl_octree_plan;
 
