@@ -99,14 +99,14 @@ static void judge(const world *w, trial *t) {
     t->random = mean > 0.0 ? sqrt(apart * (double)count) / mean : 0.0;
 }
 
-static trial try(const bench_report *r, world *w, const sl_light_octree_settings *settings, bool facing, const char *picture) {
+static trial try(const bench_report *r, world *w, const sl_light_octree_settings *settings, const char *picture) {
     trial t = {0};
     sl_octree *octree = octree_of(w, settings->depth);
     for (int seed = 0; seed < SEEDS; seed++) {
         octree_light light;
         octree_light_voxels(w->view.scene, octree, photons_of(w, settings, seed), settings, 2, &light);
         sl_octree_shading shading = {.texture = light.texture, .filter = settings->filter, .keep_void_dark = settings->keep_void_dark,
-                                     .facing = facing};
+                                     .facing = settings->facing_voxels};
         octree_shade_view(&w->view, &shading, 2);
         octree_view_pick(&w->view, &w->pixels, w->values[seed]);
         if (picture && seed == 0) octree_view_write(&w->view, r, w->name, picture);
@@ -152,28 +152,28 @@ static void sweeps(bench_report *r, const bench_options *o, world *w) {
     for (int depth = 3; depth <= base(o).depth + 1; depth++) {
         s = base(o);
         s.depth = depth;
-        trial t = try(r, w, &s, false, NULL);
+        trial t = try(r, w, &s, NULL);
         snprintf(what, sizeof what, "depth %d", depth);
         row(r, w, what, &t);
     }
     for (int i = 0; i < 6; i += step) {
         s = base(o);
         s.lights = lights[i];
-        trial t = try(r, w, &s, false, NULL);
+        trial t = try(r, w, &s, NULL);
         snprintf(what, sizeof what, "n = %d", lights[i]);
         row(r, w, what, &t);
     }
     for (int i = 0; i < (o->brief ? 3 : 5); i += step) {
         s = base(o);
         s.photons = photons[i];
-        trial t = try(r, w, &s, false, NULL);
+        trial t = try(r, w, &s, NULL);
         snprintf(what, sizeof what, "%u thousand photons", (unsigned)(photons[i] / 1000));
         row(r, w, what, &t);
     }
     for (int i = 0; i < 4; i += step) {
         s = base(o);
         s.neighbours = neighbours[i];
-        trial t = try(r, w, &s, false, NULL);
+        trial t = try(r, w, &s, NULL);
         snprintf(what, sizeof what, "k = %d", neighbours[i]);
         row(r, w, what, &t);
     }
@@ -190,13 +190,15 @@ static void none(sl_light_octree_settings *s) { (void)s; }
 static void disc(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_DISC; }
 static void section(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_SECTION; }
 static void accept_all(sl_light_octree_settings *s) { s->acceptance = SL_PI; }
+static void whole(sl_light_octree_settings *s) { s->whole_voxels = true; }
+static void facing(sl_light_octree_settings *s) { s->facing_voxels = true; }
 static void paper(sl_light_octree_settings *s) {
+    s->whole_voxels = true;
     s->area = SL_PHOTON_AREA_DISC;
     s->acceptance = SL_PI;
     s->unit_weights = true;
 }
 static void sphere(sl_light_octree_settings *s) { s->flatness = 1.0; }
-static void split(sl_light_octree_settings *s) { s->split_by_normal = true; }
 static void nearest(sl_light_octree_settings *s) { s->filter = SL_VOXEL_NEAREST; }
 static void void_dark(sl_light_octree_settings *s) { s->keep_void_dark = true; }
 static void wide(sl_light_octree_settings *s) { s->wide_directions = true; }
@@ -207,31 +209,28 @@ static void colour(sl_light_octree_settings *s) { s->lobes = SL_LOBES_NONE; }
 static void surface(sl_light_octree_settings *s) { s->lobes = SL_LOBES_SURFACE; }
 static void eight(sl_light_octree_settings *s) { s->lights = 8; }
 static void harmonics(sl_light_octree_settings *s) { s->lobes = SL_LOBES_HARMONICS; }
-static void split_harmonics(sl_light_octree_settings *s) {
+static void whole_harmonics(sl_light_octree_settings *s) {
     s->lobes = SL_LOBES_HARMONICS;
-    s->split_by_normal = true;
+    s->whole_voxels = true;
 }
 
 static const choice choices[] = {
-    {"default", "octree", none}, {"the paper's: disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
+    {"default", "octree", none}, {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
     {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
-    {"split by normal", "split", split},
+    {"one set of lights a voxel", "whole", whole}, {"voxels weigh by facing", NULL, facing},
     {"k and radius by an estimate", NULL, estimated}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
     {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},
     {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight}, {"8 lights or 10 degrees", NULL, spread},
-    {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, split by normal", NULL, split_harmonics},
+    {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, one set a voxel", NULL, whole_harmonics},
 };
 
 static void remedies(bench_report *r, const bench_options *o, world *w) {
     for (size_t i = 0; i < sizeof choices / sizeof *choices; i++) {
         sl_light_octree_settings s = base(o);
         choices[i].set(&s);
-        trial t = try(r, w, &s, false, o->pictures ? choices[i].picture : NULL);
+        trial t = try(r, w, &s, o->pictures ? choices[i].picture : NULL);
         row(r, w, choices[i].name, &t);
     }
-    sl_light_octree_settings s = base(o);
-    trial t = try(r, w, &s, true, NULL);
-    row(r, w, "voxels weigh by facing", &t);
 }
 
 /* ---- where it comes from ---- */
@@ -242,24 +241,29 @@ static void ladder(bench_report *r, const bench_options *o, world *w) {
     trial t = try_direct(w, &s, OCTREE_AT_PIXEL);
     row(r, w, "photons at pixels, 4 times as many", &t);
     s = base(o);
+    s.whole_voxels = true;
     t = try_direct(w, &s, OCTREE_AT_PIXEL);
     row(r, w, "photons at pixels: density", &t);
     t = try_direct(w, &s, OCTREE_AT_VOXEL);
     row(r, w, "+ gathered at voxels", &t);
     s.filter = SL_VOXEL_NEAREST;
     s.wide_directions = true;
-    t = try(r, w, &s, false, NULL);
+    t = try(r, w, &s, NULL);
     row(r, w, "+ 4 clusters", &t);
     s.wide_directions = false;
-    t = try(r, w, &s, false, NULL);
+    t = try(r, w, &s, NULL);
     row(r, w, "+ 8 + 8 bits", &t);
     s.filter = SL_VOXEL_TRILINEAR;
-    t = try(r, w, &s, false, NULL);
-    row(r, w, "+ trilinear: the default", &t);
+    t = try(r, w, &s, NULL);
+    row(r, w, "+ trilinear: one set of lights a voxel", &t);
+    s.whole_voxels = false;
+    t = try(r, w, &s, NULL);
+    row(r, w, "- split by normals: the default", &t);
+    s.whole_voxels = true;
     s.area = SL_PHOTON_AREA_DISC;
     s.acceptance = SL_PI;
-    t = try(r, w, &s, false, NULL);
-    row(r, w, "+ disc, photons of all normals", &t);
+    t = try(r, w, &s, NULL);
+    row(r, w, "one set of lights, disc, photons of all normals", &t);
     t = try_direct(w, &s, OCTREE_AT_PIXEL);
     row(r, w, "that bleeding alone, at pixels", &t);
 }

@@ -346,9 +346,10 @@ typedef struct sl_light_octree_settings {
     sl_voxel_filter filter;
     bool unit_weights;            /* K-means with equal weights */
     bool wide_directions;         /* 12 + 12 bits a direction instead of 8 + 8 */
-    bool split_by_normal;         /* a set of lights for each group of normals in a voxel */
+    bool whole_voxels;            /* one set of lights a voxel, as the paper; else one for each group of normals in it */
     bool estimated_radius;        /* k to 4 k photons, voxel by voxel, by an error estimate */
     bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
+    bool facing_voxels;           /* in filtering voxels also weigh by the cosine between their normal and the point's */
     bool atlas;                   /* light is rendered to a texture atlas first, and the picture looks it up there */
     int atlas_size;               /* texels a side; 1024 */
     bool direct_sky;              /* all of the environment lights pixels directly, by light samples; else only what stands out of it, and the

@@ -54,8 +54,8 @@ same radiance-glossy scenes/cornell-glossy.json -m direct-radiance -q draft -s 9
 same radiance-balls scenes/mirror-balls.json -m direct-radiance -q normal --steady --visibility blocks -s 96x96
 same radiance-polygons scenes/cornell-lamp.json -m direct-radiance -q high --importance --visibility rays -s 64x64
 same octree-mirror scenes/cornell-mirror.json -m light-octree -q draft --stored-photons 30000 -s 96x96
-same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --split-by-normal --estimated-radius --lobes harmonics -s 64x64
-same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --atlas --atlas-size 256 -s 96x64
+same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --facing-voxels --estimated-radius --lobes harmonics -s 64x64
+same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --whole-voxels --atlas --atlas-size 256 -s 96x64
 same path-cornell scenes/cornell.json -m path --spp 4 -s 64x64
 same path-glossy scenes/cornell-glossy.json -m path --spp 4 -s 64x64
 same path-mirror scenes/cornell-mirror.json -m path --spp 4 -s 64x64

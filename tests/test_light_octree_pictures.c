@@ -27,6 +27,7 @@ static sl_settings octree_settings(int size) {
 static sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
     sl_settings reference = small_settings("path", settings->width, settings->height);
     reference.transport = "matched:light-octree";
+    reference.light_octree.indirect_only = settings->light_octree.indirect_only;
     reference.spp = spp;
     reference.threads = 2;
     sl_image *ours = render(scene, settings, NULL), *truth = render(scene, &reference, NULL);
@@ -285,6 +286,25 @@ static void an_estimated_radius_errs_less_than_a_fixed_one(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* ---- voxels split by normals, and whole ones ---- */
+
+static void lights_for_each_group_of_normals_err_less_than_whole_voxels(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(40);
+    settings.light_octree.indirect_only = true;
+    settings.light_octree.photons = 150000;
+    sl_comparison split = against_path_tracer(scene, &settings, 64);
+    settings.light_octree.whole_voxels = true;
+    sl_comparison whole = against_path_tracer(scene, &settings, 64);
+    settings.light_octree.facing_voxels = true;
+    sl_comparison facing = against_path_tracer(scene, &settings, 64);
+    assert_true(fabs(split.bias) < 0.5 * fabs(whole.bias));
+    assert_true(split.rel_mse - split.rel_mse_noise < 0.9 * (whole.rel_mse - whole.rel_mse_noise));
+    assert_true(facing.rel_mse - facing.rel_mse_noise < 0.95 * (whole.rel_mse - whole.rel_mse_noise));
+    sl_scene_destroy(scene);
+}
+
 /* ---- the atlas ---- */
 
 static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void **state) {
@@ -401,6 +421,7 @@ int main(void) {
         cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
         cmocka_unit_test(where_light_is_even_an_estimated_radius_is_wide),
         cmocka_unit_test(an_estimated_radius_errs_less_than_a_fixed_one),
+        cmocka_unit_test(lights_for_each_group_of_normals_err_less_than_whole_voxels),
         cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),
         cmocka_unit_test(without_light_or_reflection_no_photon_flies),

@@ -195,9 +195,10 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_text(st, "voxel_filter", filters[o->filter]);
     stamp_flag(st, "unit_weights", o->unit_weights);
     stamp_flag(st, "wide_directions", o->wide_directions);
-    stamp_flag(st, "split_by_normal", o->split_by_normal);
+    stamp_flag(st, "whole_voxels", o->whole_voxels);
     stamp_flag(st, "estimated_radius", o->estimated_radius);
     stamp_flag(st, "void_dark", o->keep_void_dark);
+    stamp_flag(st, "facing_voxels", o->facing_voxels);
     stamp_flag(st, "atlas", o->atlas);
     if (o->atlas) stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
     stamp_flag(st, "direct_sky", o->direct_sky);

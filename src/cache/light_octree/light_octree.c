@@ -229,7 +229,7 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .spread_tolerance = o->spread_tolerance,
                                     .unit_weights = o->unit_weights,
                                     .wide_directions = o->wide_directions,
-                                    .split_by_normal = o->split_by_normal,
+                                    .split_by_normal = !o->whole_voxels,
                                     .estimated_radius = o->estimated_radius};
 }
 
@@ -282,7 +282,8 @@ static sl_status ready_atlas(octree_state *s, sl_error *error) {
 
 static sl_status light_pixels(octree_state *s, sl_error *error) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
-    sl_octree_shading shading = {.texture = s->shown.texture, .filter = o->filter, .keep_void_dark = o->keep_void_dark};
+    sl_octree_shading shading = {.texture = s->shown.texture, .filter = o->filter, .keep_void_dark = o->keep_void_dark,
+                                 .facing = o->facing_voxels};
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_octree_pixels pixels = {.scene = s->scene,
                                .raster = s->raster,

@@ -74,7 +74,8 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
     sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
     sl_plan_pass(writer, p.photons, "octree", "depth %d, shown from depth %d on", o->depth, p.first_depth);
-    sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each voxel, spread over %s", o->neighbours, areas[o->area]);
+    sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each %s, spread over %s", o->neighbours,
+                 o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
     bool directional = o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE;
     sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel", lobes[o->lobes], o->lights);
     sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,
