@@ -85,6 +85,13 @@ typedef enum sl_counter {
     SL_COUNT_LEAVES_WITHOUT_PHOTONS,
     SL_COUNT_DIRECTIONAL_LIGHTS,   /* virtual ones, of all voxels */
     SL_COUNT_TEXTURE_FETCHES,      /* of the octree, its lights, and the atlas */
+    SL_COUNT_LIGHT_SAMPLES,        /* irradiance from one light at one vertex */
+    SL_COUNT_LIGHT_SAMPLES_SKIPPED, /* ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
+    SL_COUNT_COARSE_SAMPLES,       /* vertices of the coarse mesh, which gathers see */
+    SL_COUNT_INDIRECT_SAMPLES,     /* gathers of indirect irradiance at vertices */
+    SL_COUNT_SPLITS,               /* mesh triangles cut in four */
+    SL_COUNT_COLLAPSES,            /* ... and put together again */
+    SL_COUNT_PIXELS_REDRAWN,
     SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS
@@ -357,8 +364,45 @@ typedef struct sl_light_octree_settings {
     bool indirect_only;           /* direct light is left out */
 } sl_light_octree_settings;
 
+/* ---- multi-mesh caching ---- */
+
+/* How light arriving from an area light is sampled at a vertex. */
+typedef enum sl_light_estimator {
+    SL_LIGHT_RATIO,   /* in closed form, times the visible share by the light's own plane as a window: the default */
+    SL_LIGHT_WINDOW,  /* the same window's weights alone */
+    SL_LIGHT_LOOK_AT, /* the paper's frustum around the light, with the pixels' solid angles */
+    SL_LIGHT_RAYS     /* as SL_LIGHT_RATIO, the visible share by jittered shadow rays */
+} sl_light_estimator;
+/* Which mesh triangle is refined next. */
+typedef enum sl_mesh_selection {
+    SL_SELECT_HEAP,  /* the one that matters most */
+    SL_SELECT_CHAIN  /* the paper's random chain */
+} sl_mesh_selection;
+
+/* Multi-mesh caching with hardware sampling. 0, wherever it stands, is the default that is named. */
+typedef struct sl_multi_mesh_settings {
+    sl_light_estimator estimator;
+    int light_size;             /* N of N x N pixels around a light; 64, doubled up to 256 for points close to it */
+    int light_rays;             /* n of n x n jittered rays instead; 16 */
+    double gather_fov;          /* radians; 160 degrees */
+    bool undivided_gather;      /* the gather's loss beyond its field of view is not made up for: the paper's */
+    bool side_strips;           /* the rest of the hemisphere is drawn, too, where it may matter */
+    double threshold_scale;     /* times the threshold map of what an eye can tell; by quality 2, 1, 0.5 */
+    double exposure;            /* displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); by the light in the scene */
+    double leaf_area;           /* pixels squared: leaves larger than that are split whatever their edges say; by quality 64, 16, 16 */
+    double leaf_edge;           /* pixels: likewise; by quality 16, 8, 8 */
+    int max_depth;              /* of splits; 12 */
+    int coarse_depth;           /* of the coarse mesh; 3 */
+    double coarse_edge;         /* scene units: its edges; a twenty-fourth of the scene's diagonal */
+    sl_mesh_selection selection;
+    int batch;                  /* K leaves at a time; 32 */
+    bool joint_mesh;            /* light and radiance share one mesh: what the paper argues against */
+    bool plain_highlights;      /* the light as a point in the lobe, though it outshines the lamp: (6) as printed */
+    bool keep_hanging;          /* leaves ignore their neighbours' vertices on common edges: colours jump there */
+} sl_multi_mesh_settings;
+
 typedef struct sl_settings {
-    const char *method;    /* "splatting", "direct-radiance", "light-octree", "path" */
+    const char *method;    /* "splatting", "direct-radiance", "light-octree", "multi-mesh", "path" */
     const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
     int width, height;     /* 0: the scene's film */
@@ -367,7 +411,7 @@ typedef struct sl_settings {
     sl_quality quality;
     uint32_t spp;          /* path: samples a pixel; splatting: light samples a pixel; 0: by quality */
     double accuracy;       /* splatting: a of the paper; 0: by quality */
-    int gather_size;       /* N of an N x N gather; 0: by quality */
+    int gather_size;       /* splatting, multi-mesh: N of an N x N gather; 0: by quality */
     sl_gather_kind gather;
     sl_direct_kind direct;
     sl_pixel_filter filter;
@@ -375,12 +419,13 @@ typedef struct sl_settings {
     sl_radius_metric metric;
     double glossy_accuracy; /* splatting: a of the radiance records; 0: by quality */
     int harmonics_order;   /* splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
-    uint32_t bounces;      /* splatting: surfaces between the visible one and the light, 1 to 64; 0: 1 */
+    uint32_t bounces;      /* splatting, multi-mesh (1 or 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
     bool glossy_hits;      /* splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
     uint32_t hit_samples;  /* splatting: light samples for each thing that a gather sees; 0: by quality */
     uint32_t records_per_frame; /* splatting: a frame ends after so many new records (a walk-through); 0: no limit */
     sl_radiance_map_settings radiance_map; /* direct-radiance */
     sl_light_octree_settings light_octree; /* light-octree */
+    sl_multi_mesh_settings multi_mesh; /* multi-mesh */
     const sl_observer *observer; /* or NULL */
 } sl_settings;
 

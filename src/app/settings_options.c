@@ -18,6 +18,9 @@ static const char *const area_names[] = {"clip", "section", "disc", NULL};      
 static const char *const lobe_names[] = {"perpendicular", "surface", "none", "harmonics", NULL};            /* as sl_voxel_lobes */
 static const char *const voxel_filter_names[] = {"trilinear", "nearest", NULL};                             /* as sl_voxel_filter */
 
+static const char *const estimator_names[] = {"ratio", "window", "look-at", "rays", NULL};                   /* as sl_light_estimator */
+static const char *const selection_names[] = {"heap", "chain", NULL};                                       /* as sl_mesh_selection */
+
 static const double degree = 0.017453292519943295;
 
 typedef struct table {
@@ -37,7 +40,7 @@ static void add_common(sl_raw_settings *r, table *t) {
     sl_settings *s = &r->settings;
     const sl_option options[] = {
         HEADING("every method"),
-        {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree or path [splatting]", 0, 0, NULL},
+        {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree, multi-mesh or path [splatting]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, r->size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
         {"quality", 'q', SL_OPTION_CHOICE, &r->quality, NULL, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
@@ -56,14 +59,14 @@ static void add_splatting(sl_raw_settings *r, table *t) {
         HEADING("splatting"),
         {"accuracy", 'a', SL_OPTION_REAL, &s->accuracy, NULL, "A", "the records' a [by quality]", 1e-3, 2.0, NULL},
         {"gather", 0, SL_OPTION_CHOICE, &r->gather, NULL, "HOW", "auto, raster, hemicube or trace [auto]", 0, 0, gather_names},
-        {"gather-size", 0, SL_OPTION_COUNT, &r->gather_size, NULL, "N", "N x N samples a gather, N even [by quality]", 4, 1024, NULL},
+        {"gather-size", 0, SL_OPTION_COUNT, &r->gather_size, NULL, "N", "N x N samples a gather, N even; also of multi-mesh [by quality]", 4, 1024, NULL},
         {"direct", 0, SL_OPTION_CHOICE, &r->direct, NULL, "HOW", "auto, rays or shadow-maps [auto]", 0, 0, direct_names},
         {"order", 0, SL_OPTION_CHOICE, &r->order, NULL, "ORDER", "pixels coarse-to-fine or linear [coarse-to-fine]", 0, 0, order_names},
         {"metric", 0, SL_OPTION_CHOICE, &r->metric, NULL, "METRIC",
          "what decides how far records reach: auto, harmonic, minimum, hessian or adaptive [auto]", 0, 0, metric_names},
         {"glossy-accuracy", 0, SL_OPTION_REAL, &s->glossy_accuracy, NULL, "A", "a of the radiance records [by quality]", 1e-3, 2.0, NULL},
         {"harmonics", 0, SL_OPTION_COUNT, &r->harmonics_order, NULL, "N", "order of the radiance records' harmonics [by the lobes]", 1, 12, NULL},
-        {"bounces", 0, SL_OPTION_COUNT, &r->bounces, NULL, "N", "diffuse bounces; also of matched:splatting [1]", 1, 64, NULL},
+        {"bounces", 0, SL_OPTION_COUNT, &r->bounces, NULL, "N", "diffuse bounces; also of matched:splatting; multi-mesh: 1 or 2 [1]", 1, 64, NULL},
         {"glossy-hits", 0, SL_OPTION_FLAG, &s->glossy_hits, NULL, NULL, "gathers see glossy lobes too", 0, 0, NULL},
         {"hit-samples", 0, SL_OPTION_COUNT, &r->hit_samples, NULL, "N", "light samples for what a gather sees [by quality]", 1, 256, NULL},
         {"records-per-frame", 0, SL_OPTION_COUNT, &r->records_per_frame, NULL, "N",
@@ -131,6 +134,32 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
     ADD(t, options);
 }
 
+static void add_multi_mesh(sl_raw_settings *r, table *t) {
+    sl_multi_mesh_settings *m = &r->settings.multi_mesh;
+    const sl_option options[] = {
+        HEADING("multi-mesh"),
+        {"light-estimator", 0, SL_OPTION_CHOICE, &r->estimator, NULL, "HOW", "of area lights: ratio, window, look-at or rays [ratio]", 0, 0, estimator_names},
+        {"light-size", 0, SL_OPTION_COUNT, &r->light_size, NULL, "N", "N x N pixels around a light [64]", 8, 256, NULL},
+        {"light-rays", 0, SL_OPTION_COUNT, &r->light_rays, NULL, "N", "N x N shadow rays to a light, by rays [16]", 1, 256, NULL},
+        {"gather-fov", 0, SL_OPTION_REAL, &r->gather_fov, NULL, "DEGREES", "of an indirect gather [160]", 60.0, 178.0, NULL},
+        {"undivided-gather", 0, SL_OPTION_FLAG, &m->undivided_gather, NULL, NULL, "what lies beyond its field of view is lost, as in the paper", 0, 0, NULL},
+        {"side-strips", 0, SL_OPTION_FLAG, &m->side_strips, NULL, NULL, "gathers see the whole hemisphere where that may matter", 0, 0, NULL},
+        {"threshold", 0, SL_OPTION_REAL, &m->threshold_scale, NULL, "X", "times what an eye can tell [by quality]", 1e-3, 1e3, NULL},
+        {"exposure-of-thresholds", 0, SL_OPTION_REAL, &m->exposure, NULL, "E", "which radiance displays how bright [by the light in the scene]", 1e-30, 1e30, NULL},
+        {"leaf-area", 0, SL_OPTION_REAL, &m->leaf_area, NULL, "PIXELS", "larger mesh triangles are always split [by quality]", 1.0, 1e9, NULL},
+        {"leaf-edge", 0, SL_OPTION_REAL, &m->leaf_edge, NULL, "PIXELS", "likewise, by their longest edges [by quality]", 1.0, 1e9, NULL},
+        {"mesh-depth", 0, SL_OPTION_COUNT, &r->max_depth, NULL, "D", "splits of a triangle, one in another [12]", 1, 12, NULL},
+        {"coarse-depth", 0, SL_OPTION_COUNT, &r->coarse_depth, NULL, "D", "of the coarse mesh [3]", 1, 8, NULL},
+        {"coarse-edge", 0, SL_OPTION_REAL, &m->coarse_edge, NULL, "LENGTH", "of the coarse mesh [1/24 of the scene's diagonal]", 1e-12, 1e12, NULL},
+        {"selection", 0, SL_OPTION_CHOICE, &r->selection, NULL, "HOW", "what is refined next: heap or chain [heap]", 0, 0, selection_names},
+        {"batch", 0, SL_OPTION_COUNT, &r->batch, NULL, "K", "mesh triangles that are tested together [32]", 1, 65536, NULL},
+        {"joint-mesh", 0, SL_OPTION_FLAG, &m->joint_mesh, NULL, NULL, "light and radiance share one mesh", 0, 0, NULL},
+        {"plain-highlights", 0, SL_OPTION_FLAG, &m->plain_highlights, NULL, NULL, "highlights by (6) as printed", 0, 0, NULL},
+        {"keep-hanging", 0, SL_OPTION_FLAG, &m->keep_hanging, NULL, NULL, "T-vertices stay visible", 0, 0, NULL},
+    };
+    ADD(t, options);
+}
+
 void sl_settings_options(sl_raw_settings *raw, sl_option *options) {
     table t = {options, 0};
     *raw = (sl_raw_settings){.settings = sl_settings_default(), .quality = SL_QUALITY_NORMAL};
@@ -138,6 +167,7 @@ void sl_settings_options(sl_raw_settings *raw, sl_option *options) {
     add_splatting(raw, &t);
     add_direct_radiance(raw, &t);
     add_light_octree(raw, &t);
+    add_multi_mesh(raw, &t);
     options[t.count] = (sl_option){0};
 }
 
@@ -169,6 +199,17 @@ static void take_light_octree(const sl_raw_settings *r, sl_light_octree_settings
     o->atlas_size = (int)r->atlas_size;
 }
 
+static void take_multi_mesh(const sl_raw_settings *r, sl_multi_mesh_settings *m) {
+    m->estimator = (sl_light_estimator)r->estimator;
+    m->light_size = (int)r->light_size;
+    m->light_rays = (int)r->light_rays;
+    m->gather_fov = r->gather_fov * degree;
+    m->max_depth = (int)r->max_depth;
+    m->coarse_depth = (int)r->coarse_depth;
+    m->selection = (sl_mesh_selection)r->selection;
+    m->batch = (int)r->batch;
+}
+
 sl_settings sl_settings_taken(const sl_raw_settings *r) {
     sl_settings s = r->settings;
     s.width = r->size[0];
@@ -188,5 +229,6 @@ sl_settings sl_settings_taken(const sl_raw_settings *r) {
     s.threads = (unsigned)r->threads;
     take_direct_radiance(r, &s.radiance_map);
     take_light_octree(r, &s.light_octree);
+    take_multi_mesh(r, &s.multi_mesh);
     return s;
 }

@@ -16,9 +16,12 @@ typedef struct sl_raw_settings {
     int store, area, lobes, voxel_filter;
     uint64_t depth, neighbours, lights, atlas_size;
     double spread_tolerance, acceptance;
+    int estimator, selection;
+    uint64_t light_size, light_rays, max_depth, coarse_depth, batch;
+    double gather_fov;
 } sl_raw_settings;
 
-enum { SL_SETTINGS_OPTIONS = 96 }; /* room for all of them and the end of the table */
+enum { SL_SETTINGS_OPTIONS = 128 }; /* room for all of them and the end of the table */
 
 /* Sets raw to the defaults and writes the table of options, with the entry that ends it. raw must stay where it is. */
 void sl_settings_options(sl_raw_settings *raw, sl_option *options);

@@ -33,6 +33,13 @@ static const char *const counter_names[SL_COUNTERS] = {
     [SL_COUNT_LEAVES_WITHOUT_PHOTONS] = "leaves_without_photons",
     [SL_COUNT_DIRECTIONAL_LIGHTS] = "directional_lights",
     [SL_COUNT_TEXTURE_FETCHES] = "texture_fetches",
+    [SL_COUNT_LIGHT_SAMPLES] = "light_samples",
+    [SL_COUNT_LIGHT_SAMPLES_SKIPPED] = "light_samples_skipped",
+    [SL_COUNT_COARSE_SAMPLES] = "coarse_samples",
+    [SL_COUNT_INDIRECT_SAMPLES] = "indirect_samples",
+    [SL_COUNT_SPLITS] = "splits",
+    [SL_COUNT_COLLAPSES] = "collapses",
+    [SL_COUNT_PIXELS_REDRAWN] = "pixels_redrawn",
     [SL_COUNT_SAMPLES] = "samples",
     [SL_COUNT_NONFINITE] = "nonfinite",
 };

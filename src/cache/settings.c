@@ -91,11 +91,31 @@ static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error 
     return CHECK(bounds, error);
 }
 
+static sl_status check_multi_mesh(const sl_multi_mesh_settings *m, sl_error *error) {
+    const bound bounds[] = {
+        {"a light estimator", m->estimator, SL_LIGHT_RATIO, SL_LIGHT_RAYS, false},
+        {"pixels a side around a light", m->light_size, 8, 256, true},
+        {"rays a side to a light", m->light_rays, 1, 256, true},
+        {"a gather's field of view", m->gather_fov, 1.0, 3.11, true},
+        {"a threshold scale", m->threshold_scale, 1e-3, 1e3, true},
+        {"an exposure", m->exposure, 1e-30, 1e30, true},
+        {"a leaf's area", m->leaf_area, 1, 1e9, true},
+        {"a leaf's edge", m->leaf_edge, 1, 1e9, true},
+        {"a mesh depth", m->max_depth, 1, 12, true},
+        {"a coarse mesh's depth", m->coarse_depth, 1, 8, true},
+        {"a coarse mesh's edge", m->coarse_edge, 1e-12, 1e12, true},
+        {"a selection", m->selection, SL_SELECT_HEAP, SL_SELECT_CHAIN, false},
+        {"a batch", m->batch, 1, 65536, true},
+    };
+    return CHECK(bounds, error);
+}
+
 sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
     sl_status status = check_common(s, error);
     if (status == SL_OK) status = check_splatting(s, error);
     if (status == SL_OK) status = check_radiance_map(&s->radiance_map, error);
     if (status == SL_OK) status = check_light_octree(&s->light_octree, error);
+    if (status == SL_OK) status = check_multi_mesh(&s->multi_mesh, error);
     return status;
 }
 
@@ -205,6 +225,32 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "indirect_only", o->indirect_only);
 }
 
+static void stamp_multi_mesh(stamping *st, const sl_settings *s) {
+    static const char *const estimators[] = {"ratio", "window", "look-at", "rays"};
+    static const char *const selections[] = {"heap", "chain"};
+    const sl_multi_mesh_settings *m = &s->multi_mesh;
+    stamp_text(st, "light_estimator", estimators[m->estimator]);
+    stamp_count(st, "light_size", (uint64_t)m->light_size);
+    if (m->estimator == SL_LIGHT_RAYS) stamp_count(st, "light_rays", (uint64_t)m->light_rays);
+    stamp_count(st, "gather_size", (uint64_t)s->gather_size);
+    stamp_real(st, "gather_fov", m->gather_fov);
+    stamp_flag(st, "undivided_gather", m->undivided_gather);
+    stamp_flag(st, "side_strips", m->side_strips);
+    stamp_real(st, "threshold", m->threshold_scale);
+    stamp_real(st, "exposure_of_thresholds", m->exposure);
+    stamp_real(st, "leaf_area", m->leaf_area);
+    stamp_real(st, "leaf_edge", m->leaf_edge);
+    stamp_count(st, "mesh_depth", (uint64_t)m->max_depth);
+    stamp_count(st, "coarse_depth", (uint64_t)m->coarse_depth);
+    stamp_real(st, "coarse_edge", m->coarse_edge);
+    stamp_text(st, "selection", selections[m->selection]);
+    stamp_count(st, "batch", (uint64_t)m->batch);
+    stamp_count(st, "bounces", s->bounces);
+    stamp_flag(st, "joint_mesh", m->joint_mesh);
+    stamp_flag(st, "plain_highlights", m->plain_highlights);
+    stamp_flag(st, "keep_hanging", m->keep_hanging);
+}
+
 sl_status sl_settings_stamp(const sl_settings *s, sl_image *image, sl_error *error) {
     static const char *const qualities[] = {"draft", "normal", "high"};
     static const char *const filters[] = {"method", "box", "centre"};
@@ -218,5 +264,6 @@ sl_status sl_settings_stamp(const sl_settings *s, sl_image *image, sl_error *err
     if (strcmp(s->method, "splatting") == 0) stamp_splatting(&st, s);
     if (strcmp(s->method, "direct-radiance") == 0) stamp_radiance_map(&st, &s->radiance_map);
     if (strcmp(s->method, "light-octree") == 0) stamp_light_octree(&st, &s->light_octree);
+    if (strcmp(s->method, "multi-mesh") == 0) stamp_multi_mesh(&st, s);
     return st.status;
 }

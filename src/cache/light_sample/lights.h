@@ -1,0 +1,44 @@
+/* The lights of a scene as samplers of single lights see them: each of one colour, so that what arrives from it at a point is a number
+ * times that colour. An area light is the emissive triangles of one object that have one radiance and lie in one plane; where an object
+ * shines all around (a ball), all of them are one light that is not planar. */
+#ifndef SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
+#define SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
+
+#include "scene/scene.h"
+
+typedef enum sl_sampled_kind {
+    SL_SAMPLED_AREA,        /* planar: share F = E / (pi L), in [0,1] */
+    SL_SAMPLED_SOLID,       /* triangles in several planes: likewise */
+    SL_SAMPLED_POINT,       /* E / I, 1/m^2 */
+    SL_SAMPLED_SPOT,        /* likewise */
+    SL_SAMPLED_DIRECTIONAL  /* E / E_0, in [0,1] */
+} sl_sampled_kind;
+
+typedef struct sl_sampled_light {
+    sl_sampled_kind kind;
+    sl_rgb colour;              /* that F multiplies to irradiance: pi L, I, or E_0 */
+    sl_rgb radiance;            /* L of area lights; 0 of others */
+    bool two_sided;
+    size_t triangles;           /* area lights */
+    const sl_vec3 *corner;      /* three a triangle, counter-clockwise seen from where they shine */
+    const uint32_t *triangle;   /* their numbers in the scene, ascending */
+    sl_vec3 normal;             /* planar ones: unit, of the shining side */
+    sl_vec3 position;           /* of points and spots; the centroid of area lights */
+    sl_vec3 direction;          /* of spots and directional lights: unit, the way the light travels */
+    float cos_inner, cos_outer; /* spots */
+    uint32_t scene_light;       /* index into the scene's lights, or SL_NO_INDEX */
+    uint32_t object;            /* area lights: whose triangles they are */
+} sl_sampled_light;
+
+typedef struct sl_sampled_lights {
+    size_t count;
+    sl_sampled_light *light;    /* area lights in triangle order, then the scene's lights in theirs */
+    uint32_t *light_of_triangle; /* by scene triangle: of emitters; else SL_NO_INDEX */
+    sl_vec3 *corners;           /* behind light[i].corner */
+    uint32_t *triangles;        /* behind light[i].triangle */
+} sl_sampled_lights;
+
+sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error);
+void sl_sampled_lights_destroy(sl_sampled_lights *lights);
+
+#endif

@@ -1,0 +1,92 @@
+/* A mesh as the eye uses it: the direct diffuse, direct specular and indirect meshes. It knows which pixels show which leaf, which leaf
+ * matters most, when a leaf is fine enough, and redraws what has changed.
+ *
+ *   displayed.c      visible pixels down the quadtrees, sizes on the screen                         (P1b, P2b)
+ *   priorities.c     P = n_px (delta + delta_0), maxima up to the roots
+ *   selection.c      the heap over the roots; the paper's random chain
+ *   refine.c         the test of a leaf's edges, size criterion, split, undo
+ *   draw.c           Gouraud: a leaf's pixels from its vertices                                     (P3)
+ *
+ * One step of refinement:
+ *   leaf = sl_displayed_take(mesh)           the one that matters most; it is marked as taken
+ *   sl_displayed_request(mesh, leaf, ...)    vertices whose values its test wants: corners, then the middles of untested edges
+ *   (the caller samples them, in any order, into mesh->mesh->value and marks them KNOWN or INVALID)
+ *   sl_displayed_commit(mesh, leaf)          tests edges; splits, closes or collapses
+ */
+#ifndef SL_MULTI_MESH_DISPLAYED_H
+#define SL_MULTI_MESH_DISPLAYED_H
+
+#include "cache/multi_mesh/mesh.h"
+#include "cache/multi_mesh/perception.h"
+#include "cache/multi_mesh/pixels.h"
+
+typedef enum sl_component { SL_DIRECT_DIFFUSE, SL_DIRECT_SPECULAR, SL_INDIRECT, SL_COMPONENTS } sl_component;
+
+/* Radiance that a face shows at a point when one component has the given value there, all other components as they are now interpolated:
+ * reflectance included, and if textured the largest over the triangle. The method provides it. */
+typedef struct sl_shown_radiance {
+    const void *context;
+    sl_rgb (*radiance)(const void *context, sl_component component, uint32_t face, float w1, float w2, sl_rgb value);
+} sl_shown_radiance;
+
+typedef struct sl_displayed_settings {
+    sl_component component;
+    float leaf_area, leaf_edge;   /* pixels^2, pixels: the size criterion */
+    int max_depth;
+    sl_mesh_selection selection;
+    uint64_t seed;                /* of the chain */
+    bool hanging;                 /* neighbours' vertices on common edges are used */
+    sl_perception perception;
+    sl_shown_radiance shown;
+} sl_displayed_settings;
+
+typedef struct sl_displayed {
+    sl_displayed_settings settings;
+    sl_mesh *mesh;                /* its own; 3 channels */
+    const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
+    uint32_t *order;              /* pixels->count: indices into pixels' arrays; those of a leaf lie together */
+    uint32_t *first;              /* by node: its pixels are order[first .. first + node.pixels) */
+    size_t first_capacity;
+    /* selection */
+    uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
+    uint32_t *heap_place;         /* by entry */
+    size_t heap_count;
+    uint32_t chain_entry;
+    uint64_t chain_draws;
+    /* what is to be drawn again */
+    uint32_t *dirty;              /* leaves */
+    size_t dirty_count, dirty_capacity;
+} sl_displayed;
+
+sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings, sl_displayed **displayed, sl_error *error);
+void sl_displayed_destroy(sl_displayed *displayed);
+size_t sl_displayed_memory_bytes(const sl_displayed *displayed);
+
+/* A new view: makes roots for the faces in view that want(context, face) says this component has, hands the pixels down, sets priorities
+ * afresh, marks every visible leaf to be drawn. pixels must outlive the next call. Unknown vertices of visible leaves are listed by
+ * sl_displayed_missing(). */
+sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pixels, bool (*want)(const void *context, uint32_t face),
+                           const void *context, sl_error *error);
+/* Vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED; at most `room`. Returns how many. */
+size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t room);
+/* Priorities of visible leaves from what is known now: after values of missing vertices were filled in. */
+void sl_displayed_prioritise(sl_displayed *displayed);
+/* Throws the whole mesh away but for its memory, as specular radiance is when the eye moves (call sl_displayed_see() next). */
+void sl_displayed_restart(sl_displayed *displayed);
+
+/* The highest priority of all leaves that are not taken; 0: nothing is left to do. */
+float sl_displayed_priority(const sl_displayed *displayed);
+/* The leaf to be served next by the selection; node SL_NO_INDEX: none. Marks it. */
+sl_mesh_place sl_displayed_take(sl_displayed *displayed);
+/* Vertices that its test wants and whose state is UNKNOWN: they are marked REQUESTED and appended; vertex has room for 6. Returns how many. */
+sl_status sl_displayed_request(sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t *vertex, size_t *count, sl_error *error);
+/* All that it asked for is KNOWN or INVALID. */
+sl_status sl_displayed_commit(sl_displayed *displayed, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error);
+/* Levels from the root at which the size criterion is met here: as deep as irradiance meshes must be, whatever their edges say. */
+int sl_displayed_wanted_depth(const sl_displayed *displayed, const sl_mesh_place *leaf);
+
+/* Draws the pixels of all leaves that are marked into three planes (bottom row first); parallel over leaves. Where corners are not known the
+ * nearest ancestor that has them shows, else `fallback`. */
+void sl_displayed_draw(sl_displayed *displayed, unsigned threads, sl_rgb fallback, float *const planes[3], sl_counters *counters);
+
+#endif

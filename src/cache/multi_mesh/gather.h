@@ -1,0 +1,71 @@
+/* Indirect irradiance at a point: the coarse mesh of direct diffuse light, drawn as the point sees it under 160 degrees, times a weight
+ * texture, summed on the hardware.
+ *
+ *   coarse.c             the coarse mesh: what of it is to be sampled, colours with the bounce's reflectance
+ *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
+ *   gather.c             the render, the sums, what lies beyond the field of view
+ *   gather_kernels.c     a picture's pixels: colours between the coarse mesh's vertices, times weights
+ */
+#ifndef SL_MULTI_MESH_GATHER_H
+#define SL_MULTI_MESH_GATHER_H
+
+#include "cache/multi_mesh/mesh.h"
+#include "raster/raster.h"
+
+/* The coarse mesh: every face of the scene that may be seen (not a solid's inner side, not degenerate), split until its edges are short enough. A tree of
+ * values U_dd = sum E_d / pi, which the method samples through the same irradiance meshes as the picture's. */
+typedef struct sl_coarse_settings {
+    float edge;                /* scene units: longer edges are split, */
+    int depth;                 /* ... at most so often */
+} sl_coarse_settings;
+typedef struct sl_coarse sl_coarse;
+sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, const sl_coarse_settings *settings, sl_coarse **coarse,
+                           sl_error *error);
+void sl_coarse_destroy(sl_coarse *coarse);
+size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
+/* Its points, to be sampled: places in faces. Vertices of faces without diffuse reflectance are not wanted. */
+typedef struct sl_coarse_vertex {
+    uint32_t face;
+    uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_MESH_DYADIC */
+    uint8_t depth;             /* of the coarse triangle */
+} sl_coarse_vertex;
+size_t sl_coarse_vertex_count(const sl_coarse *coarse);
+const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *coarse);
+/* U_dd at vertex i; with two bounces U_dd + E_i / pi. */
+void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
+sl_rgb sl_coarse_get(const sl_coarse *coarse, size_t vertex);
+/* Colours times reflectance, in the form that gathers draw: after a round of sl_coarse_set(). */
+void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
+/* U_dd at a point of a face, between its coarse vertices. */
+sl_rgb sl_coarse_value(const sl_coarse *coarse, uint32_t face, float w1, float w2);
+sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
+
+typedef struct sl_mesh_gather_settings {
+    int size;                  /* N of N x N pixels, a power of two */
+    int reduced;               /* 16 */
+    float fov;                 /* radians, both ways */
+    bool undivided;            /* the share that lies beyond is not made up for */
+    bool strips;               /* the four sides as well, where (1 - C) pi L_max exceeds `noticed` */
+    float noticed;             /* W/m^2 */
+} sl_mesh_gather_settings;
+typedef struct sl_mesh_gather sl_mesh_gather;
+/* Emitters are black in it (their light is direct light), the environment is not. Scene, raster and coarse mesh must outlive it. */
+sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_coarse *coarse, const sl_mesh_gather_settings *settings,
+                                sl_mesh_gather **gather, sl_error *error);
+void sl_mesh_gather_destroy(sl_mesh_gather *gather);
+size_t sl_mesh_gather_memory_bytes(const sl_mesh_gather *gather);
+typedef struct sl_mesh_gather_scratch sl_mesh_gather_scratch;
+sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *gather, sl_mesh_gather_scratch **scratch, sl_error *error);
+void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *scratch);
+/* E_i in W/m^2; a pure function of the point and the coarse mesh. Counts SL_COUNT_INDIRECT_SAMPLES. */
+sl_rgb sl_mesh_gather_take(const sl_mesh_gather *gather, const sl_mesh_point *point, sl_mesh_gather_scratch *scratch, sl_counters *counters);
+/* The picture of the last one, before weights: N x N, bottom row first; for observers and tests. */
+void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]);
+
+/* The share of a hemisphere's irradiance that a square picture of half angle phi catches, C = 4/pi sin phi atan(sin phi). */
+double sl_gather_coverage(double phi);
+
+/* E_i before there is a coarse mesh: mean reflectance x power of all lights / area of all surfaces, exact in a sphere. */
+sl_rgb sl_ambient_irradiance(const sl_scene *scene);
+
+#endif

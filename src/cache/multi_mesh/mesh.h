@@ -1,0 +1,152 @@
+/* A mesh over all faces, refined on its own (the multi-mesh paper keeps several of them over the same triangles): a quadtree of triangles
+ * for each face, the sampled values at their corners.
+ *
+ *            2                      A split cuts a triangle at the middles of its edges. Children 0, 1, 2 keep the corner of that number,
+ *           / \                     child 3 is the middle one with its corners at the middles opposite to corners 0, 1, 2. Corners of
+ *          / 2 \                    children are in the order of the parent's, so that each child is the parent, halved and moved (child
+ *         /_____\  middles:         3: turned by half a turn).
+ *        / \ 3 / \   m0 of 1-2
+ *       / 0 \ / 1 \  m1 of 2-0      Vertices are shared: a vertex is known by where it lies, on a site, on an edge between two sites (at a
+ *      0 ----*---- 1 m2 of 0-1      dyadic fraction, counted from the lower site), or inside a face (at dyadic barycentrics). Its position is
+ *                                   computed from that alone, so neighbours have it with the same bits.
+ *
+ * Values live in vertices: `channels` floats each (irradiance from one light: 1; colours: 3). A vertex whose value is known and that lies in the
+ * middle of an edge counts for interpolation on both sides of it, be the triangles there split or not: so there are no T-vertices, and
+ * no step of colour along edges. */
+#ifndef SL_MULTI_MESH_MESH_H
+#define SL_MULTI_MESH_MESH_H
+
+#include "cache/multi_mesh/topology.h"
+
+enum { SL_MESH_DEPTH_MAX = 12, SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX /* what barycentrics of vertices are multiples of 1/ of */ };
+
+typedef enum sl_vertex_state {
+    SL_VERTEX_UNKNOWN,
+    SL_VERTEX_REQUESTED, /* someone is about to sample it */
+    SL_VERTEX_KNOWN,
+    SL_VERTEX_INVALID    /* sampled, and of no use (inside other geometry, not finite): its neighbours' mean stands in */
+} sl_vertex_state;
+
+/* Edge states, two bits each in flags: edge i is opposite to corner i. */
+typedef enum sl_edge_state { SL_EDGE_UNTESTED, SL_EDGE_CLOSED, SL_EDGE_SPLIT } sl_edge_state;
+enum {
+    SL_NODE_EDGES = 0x3f,      /* three edge states: edge i at bits 2 i, 2 i + 1 */
+    SL_NODE_TAKEN = 0x40,      /* chosen for a batch that is not done yet */
+    SL_NODE_DIRTY = 0x80,      /* its pixels are to be drawn again */
+    SL_NODE_BISECTED = 0x100,  /* two children instead of four: a sliver, cut at its longest edge (node flags bits 9, 10: which) */
+    SL_NODE_CUT_SHIFT = 9
+};
+
+typedef struct sl_mesh_node {
+    uint32_t child;            /* first of its children, which lie one after another; SL_NO_INDEX: a leaf */
+    uint32_t vertex[3];
+    float priority;            /* of a leaf: how much it matters to the eye; of others the largest of their children's */
+    uint32_t pixels;           /* of the id map that show it (displayed meshes) */
+    uint32_t flags;
+    float tested_size;         /* size in pixels when it collapsed: not opened again before it is twice that; 0: never */
+} sl_mesh_node;
+
+/* Where a vertex lies. kind SITE: a is the site; EDGE: sites a < b, p the fraction from a in 1/SL_MESH_DYADIC; FACE: face a, weights of
+ * corners 1 and 2 p and q in 1/SL_MESH_DYADIC. */
+typedef enum sl_vertex_kind { SL_VERTEX_ON_SITE, SL_VERTEX_ON_EDGE, SL_VERTEX_IN_FACE } sl_vertex_kind;
+typedef struct sl_vertex_key {
+    uint32_t a, b;
+    uint16_t p, q;
+    uint16_t kind, group;
+} sl_vertex_key;
+
+typedef struct sl_mesh {
+    const sl_topology *topology;
+    int channels, max_depth;
+    uint32_t *root_of_face;    /* 2 x triangles, or SL_NO_INDEX: not wanted yet */
+    sl_mesh_node *node;
+    size_t node_count, node_capacity; /* node_count: the highest ever used; those that collapse leave are used again first */
+    uint32_t *parent;          /* by block of four nodes: parent of nodes 4 i .. 4 i + 3. Roots are in blocks of their own: parent SL_NO_INDEX */
+    uint32_t *root_face;       /* by block of four nodes: the face of a root (its block's first node); SL_NO_INDEX in other blocks */
+    size_t free_blocks;
+    uint32_t first_free;       /* chain of free blocks through node.child */
+    size_t vertex_count, vertex_capacity;
+    sl_vertex_key *key;
+    float *value;              /* vertex_count x channels */
+    uint8_t *state;            /* sl_vertex_state */
+    uint32_t *slot;            /* hash of keys, a power of two, at most half full */
+    size_t slot_count;
+    size_t leaf_count;         /* of all roots */
+} sl_mesh;
+
+sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh, sl_error *error);
+void sl_mesh_destroy(sl_mesh *mesh);
+size_t sl_mesh_memory_bytes(const sl_mesh *mesh);
+
+/* The face's root, made if there is none yet; its vertices are UNKNOWN if they are new. SL_NO_INDEX with *status where memory ends. */
+uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error);
+static inline bool sl_mesh_is_leaf(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].child == SL_NO_INDEX; }
+static inline int sl_mesh_children(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].flags & SL_NODE_BISECTED ? 2 : 4; }
+static inline uint32_t sl_mesh_parent(const sl_mesh *mesh, uint32_t node) { return mesh->parent[node / 4]; }
+
+/* A node with where it lies: what walks hand on, so that nodes need not hold it. Corner i's weights of the face's corners 1 and 2 are
+ * p[i], q[i] in 1/SL_MESH_DYADIC. */
+typedef struct sl_mesh_place {
+    uint32_t node, face;
+    int depth;
+    uint16_t p[3], q[3];
+} sl_mesh_place;
+sl_mesh_place sl_mesh_root_place(const sl_mesh *mesh, uint32_t face);
+sl_mesh_place sl_mesh_child_place(const sl_mesh *mesh, const sl_mesh_place *parent, int child);
+/* From any node, upwards and down again. */
+sl_mesh_place sl_mesh_place_of(const sl_mesh *mesh, uint32_t node);
+/* The leaf that holds a point, and the point's weights of the leaf's own corners 1 and 2. SL_NO_INDEX in node: the face has no root. */
+sl_mesh_place sl_mesh_locate(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *leaf_w1, float *leaf_w2);
+
+/* The vertex in the middle of edge i of a node; made if there is none (UNKNOWN). SL_NO_INDEX: memory ended, or the depth is reached. */
+uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_status *status, sl_error *error);
+/* The same, if there is one. */
+uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, int edge);
+/* A vertex by a place within a face (weights in 1/SL_MESH_DYADIC), made if there is none. */
+uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q, sl_status *status, sl_error *error);
+
+/* Cuts a leaf in four (a sliver in two); children are leaves with all edges untested, but for the halves of closed edges, which are not tested
+ * again: state CLOSED. Fails at max_depth (SL_OK and nothing done: the node stays a leaf). Node pointers move. */
+sl_status sl_mesh_split(sl_mesh *mesh, const sl_mesh_place *place, sl_error *error);
+/* Children that are all leaves go; vertices and their values stay. */
+void sl_mesh_collapse(sl_mesh *mesh, uint32_t node);
+
+/* Where a vertex lies in the world: what samplers need. */
+typedef struct sl_mesh_point {
+    sl_vec3 position;
+    sl_vec3 normal;            /* shading, unit, on the face's side */
+    sl_vec3 geometric_normal;  /* of the face for vertices inside one; else as `normal` */
+    uint32_t triangle;         /* SL_NO_INDEX where several meet */
+    uint32_t face;             /* one of those that share it: the lowest */
+} sl_mesh_point;
+void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
+/* The same point, moved along its lowest face towards that face's middle by a share of the way (0.01, 0.05, 0.2): where it is asked for when it lies
+ * inside other geometry. */
+void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, double share, sl_mesh_point *point);
+
+/* The value at a point of a leaf (weights of its corners 1 and 2), `channels` floats. Linear between corners where no edge has a known middle;
+ * else a fan around the leaf's centre: with b the smallest of the three weights, the point lies s = 1 - 3 b of the way from the centre to a
+ * point of the edge opposite to that corner, and value = (1 - s) mean of the corners + s value on the edge, which is piecewise linear
+ * between its known vertices. hanging: false ignores them. Corners that are not known yet: false, and nothing is written. */
+bool sl_mesh_interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, float w1, float w2, bool hanging, float *value);
+/* The same for many points of one leaf: the known vertices on its edges are looked up once (SL_FAN_LEVELS halvings deep, on either side of an
+ * edge alike). */
+enum { SL_FAN_LEVELS = 6, SL_FAN_EDGE = (1 << SL_FAN_LEVELS) + 1 };
+typedef struct sl_mesh_fan {
+    int channels;
+    bool hanging;                          /* any edge has a known middle */
+    float corner[3][3], centre[3];         /* by corner, by channel */
+    int points[3];                         /* on edge i, ends included, from corner i + 1 to corner i + 2 (mod 3) */
+    float along[3][SL_FAN_EDGE];           /* 0 to 1 */
+    float on_edge[3][SL_FAN_EDGE][3];
+} sl_mesh_fan;
+bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hanging, sl_mesh_fan *fan);
+void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value);
+/* sl_mesh_locate() and sl_mesh_interpolate(). */
+bool sl_mesh_value(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *value);
+
+/* Leaves that touch edge i of a node on its other side, or end in it: those whose pixels change when the edge's middle becomes known. At most
+ * `room`; returns how many there are. */
+size_t sl_mesh_neighbours(const sl_mesh *mesh, const sl_mesh_place *place, int edge, uint32_t *leaf, size_t room);
+
+#endif

@@ -1,0 +1,23 @@
+/* Multi-mesh caching with hardware sampling: progressive global illumination from several meshes over the same triangles, each refined
+ * on its own. Read in this order:
+ *
+ *   plan.c           which passes a scene needs
+ *   multi_mesh.c     the passes of a picture, batch by batch
+ *   topology.c       faces, and which corners they share
+ *   mesh.c           a quadtree of triangles for each face; split, collapse; interpolation
+ *   pixels.c         visible sizes                                                             P1, P1b
+ *   displayed.c      a mesh as the eye uses it: priorities, tests, drawing                      P2b, P3
+ *   irradiance.c     a mesh for each light, refined only where radiance asks for it
+ *   direct.c         direct diffuse and specular radiance from them
+ *   coarse.c         the coarse mesh of the whole scene, which indirect gathers see
+ *   gather.c         the 160-degree gather
+ *   perception.c     what an eye can tell
+ *   merge.c          the five pictures into one                                                P4
+ *
+ * Single lights are sampled in cache/light_sample. */
+#ifndef SL_MULTI_MESH_MULTI_MESH_H
+#define SL_MULTI_MESH_MULTI_MESH_H
+
+#include "cache/method.h"
+
+#endif

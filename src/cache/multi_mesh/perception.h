@@ -1,0 +1,24 @@
+/* What an eye can tell apart on the display (the paper's threshold map). Errors are judged at the final pixel: radiance through the tone map
+ * to grey levels 0 to 255, a difference against the threshold of the darker of the two. */
+#ifndef SL_MULTI_MESH_PERCEPTION_H
+#define SL_MULTI_MESH_PERCEPTION_H
+
+#include "scene/scene.h"
+
+typedef struct sl_perception {
+    float exposure;         /* e: D = 255 (eL / (1 + eL))^(1/2.2). Never of a picture's content: thresholds would flicker */
+    float threshold_scale;
+} sl_perception;
+
+/* The exposure at which a radiance in the middle of what the scene's light makes of its surfaces displays as a middle grey: from power, area
+ * and mean reflectance alone; 1 where the scene has no light. */
+float sl_perception_exposure(const sl_scene *scene, float mean_radiance);
+
+/* D of a channel, in [0,255], monotone; negative, NaN: 0; infinite: 255. */
+float sl_display_level(const sl_perception *perception, float radiance);
+/* T at level D: 10 at 0, 6 at 32, 4 at 64, 3 from 128 on, linear between; times threshold_scale. */
+float sl_display_threshold(const sl_perception *perception, float level);
+/* Largest |D difference| / T (of the darker one) over the channels: above 1 an eye can tell. */
+float sl_display_contrast(const sl_perception *perception, sl_rgb a, sl_rgb b);
+
+#endif

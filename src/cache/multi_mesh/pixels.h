@@ -1,0 +1,29 @@
+/* The id map's pixels in the order of the faces that they show: what "visible sizes" (pass P1b) come to, and what a mesh hands down its
+ * quadtrees to know exactly which pixels show which leaf. */
+#ifndef SL_MULTI_MESH_PIXELS_H
+#define SL_MULTI_MESH_PIXELS_H
+
+#include "raster/raster.h"
+
+typedef struct sl_visible_face {
+    uint32_t face;
+    uint32_t first, count;     /* in the arrays below */
+} sl_visible_face;
+
+typedef struct sl_visible_pixels {
+    int width, height;
+    sl_view view;
+    size_t face_count;         /* faces in view, ascending */
+    sl_visible_face *face;
+    uint32_t *entry_of_face;   /* 2 x triangles: index into face, or SL_NO_INDEX */
+    size_t count;              /* pixels that show something */
+    uint32_t *pixel;           /* by face, ascending within one: bottom row first */
+    float *w1, *w2;            /* perspective-correct weights of the triangle's corners 1 and 2 there */
+} sl_visible_pixels;
+
+/* From an id plane (P1). Pixels of mirrors and of alpha masks are as the id map has them. The same at any number of threads. */
+sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
+                                 sl_visible_pixels **pixels, sl_counters *counters, sl_error *error);
+void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
+
+#endif

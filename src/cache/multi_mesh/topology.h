@@ -1,0 +1,37 @@
+/* The faces on which all meshes are built, and which corners they share.
+ *
+ * A face is a side of a scene triangle: 2 t is the front of triangle t, 2 t + 1 its back; light on them has nothing in common. Faces share
+ * the samples of a corner or an edge only inside one orientation group: the same position and the same shading normal there (up to 1e-4
+ * radians, so that coplanar triangles share theirs) and, where the caller says so, the same exponent. A crease has samples of its own on
+ * either side. Such a shared corner is a site. */
+#ifndef SL_MULTI_MESH_TOPOLOGY_H
+#define SL_MULTI_MESH_TOPOLOGY_H
+
+#include "scene/scene.h"
+#include "trace/trace.h"
+
+typedef struct sl_topology {
+    const sl_scene *scene;
+    size_t face_count;           /* 2 x triangles */
+    size_t site_count;
+    uint32_t *site[3];           /* by face: the sites of its triangle's corners 0, 1, 2 (in the triangle's order on both sides) */
+    sl_vec3 *site_position, *site_normal; /* normals unit, on the face's side */
+    uint8_t *degenerate;         /* by triangle: of no area (below 1e-12 of the scene's diagonal squared): receives nothing, hides light all the same */
+    uint8_t *solid;              /* by triangle: 0; or part of a closed, consistently wound surface that has no light inside, and its inner side is the
+                                    front (1) or the back (2). Nobody sees that side unless from inside */
+    /* Faces along an edge, whose two ends are sites: those of edge e are edge_face[edge_start[e] .. edge_start[e + 1]). */
+    uint32_t *edge[3];           /* by face: the edge opposite to corner 0, 1, 2 */
+    size_t edge_count;
+    uint32_t *edge_start, *edge_face;
+} sl_topology;
+
+/* by_exponent: sites of materials with different exponents are apart (radiance of lobes depends on them). The scene must outlive it. */
+sl_status sl_topology_create(const sl_scene *scene, bool by_exponent, sl_topology **topology, sl_error *error);
+void sl_topology_destroy(sl_topology *topology);
+size_t sl_topology_memory_bytes(const sl_topology *topology);
+
+/* Whether a point lies inside a solid (a table leg's end on the floor): light there is nobody's, and would darken what is around it. Not for
+ * points on the solid's own surface. */
+bool sl_topology_inside_solid(const sl_topology *topology, const sl_tracer *tracer, sl_vec3 p, sl_vec3 normal, sl_counters *counters);
+
+#endif
