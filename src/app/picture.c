@@ -113,13 +113,15 @@ static sl_status write_image(const sl_render_options *o, sl_image *image, double
     return ends_with(path, ".png") ? sl_image_write_png(image, path, tone, error) : sl_image_write(image, path, error);
 }
 
-/* *seconds: from `start` until the picture was there, writing it not included. */
-static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, double *seconds,
+/* *seconds: from `start` until the picture was there, writing it not included. warn: of what the method found out on its way. */
+static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, bool warn, double *seconds,
                                sl_error *error) {
     sl_image *image;
     sl_status status = sl_method_resolve(method, &image, error);
     if (status != SL_OK) return status;
     *seconds = now_seconds() - start;
+    const char *warning = sl_image_metadata(image, "softlux.warning");
+    if (warning && warn && !o->quiet) fprintf(stderr, "softlux: warning: %s\n", warning);
     status = write_image(o, image, *seconds, path, error);
     sl_image_destroy(image);
     return status;
@@ -172,7 +174,7 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
     watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = run(o, method, &progress, start, 0.0, error);
-    if (status == SL_OK) status = write_picture(o, method, start, o->output, &seconds, error);
+    if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &seconds, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
@@ -199,7 +201,7 @@ static sl_status render_frame(const sl_render_options *o, sl_method *method, uns
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
     frame_name(o->output, frame, name, sizeof name);
     sl_status status = run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !interrupted) status = write_picture(o, method, start, name, &seconds, error);
+    if (status == SL_OK && !interrupted) status = write_picture(o, method, start, name, frame == 0, &seconds, error);
     if (status == SL_OK && !interrupted && o->json)
         print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
     return status;

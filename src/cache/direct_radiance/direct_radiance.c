@@ -6,9 +6,11 @@
 #include "cache/announce.h"
 #include "cache/direct_radiance/emission.h"
 #include "cache/direct_radiance/light_receivers.h"
+#include "cache/direct_radiance/map_report.h"
 #include "cache/direct_radiance/mirrors.h"
 #include "cache/direct_radiance/plan.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { PLANAR_MIRRORS_MAX = 64, PLANES = 10 };
@@ -26,6 +28,8 @@ typedef struct radiance_state {
     sl_shadow_cubes *cubes;        /* pass 1 */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
+    sl_report_points *points;      /* where arriving flux is measured; spread once, as triangles keep their number */
+    sl_map_report report;
     sl_curved_mirrors *curved;     /* pass 4 */
     sl_receivers *receivers;       /* passes 5 and 6 */
     float *planes;
@@ -131,21 +135,6 @@ static sl_status take_map(radiance_state *s, sl_error *error) {
     return status;
 }
 
-static sl_status light_up(radiance_state *s, sl_error *error) {
-    const sl_radiance_map_settings *m = &s->settings.radiance_map;
-    sl_status status = sl_map_lights_find(s->scene, m->emitter_samples, &s->lights, error);
-    if (status == SL_OK && s->plan.shadows) {
-        status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, m->shadow_size, s->settings.threads, &s->cubes, &s->counters, error);
-        sl_announce_pass(&s->announcer, "depth cubes", "section 2.3");
-    }
-    if (status == SL_OK && s->plan.map) status = take_map(s, error);
-    s->lit = status == SL_OK;
-    if (!s->lit) darken(s); /* what is half done would be made again over what there is */
-    return status;
-}
-
-/* ---- passes 4 to 7: the picture ---- */
-
 static sl_light_pass lighting(const radiance_state *s) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
     return (sl_light_pass){.scene = s->scene,
@@ -158,6 +147,32 @@ static sl_light_pass lighting(const radiance_state *s) {
                            .visibility = m->visibility,
                            .threads = s->settings.threads};
 }
+
+/* With visibility no light arrives that ought not to. */
+static sl_status report_map(radiance_state *s, sl_error *error) {
+    s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map), .received = NAN,
+                                .way = sl_radiance_map_mean_way(s->map), .diagonal = (double)s->scene->diagonal};
+    if (s->settings.radiance_map.visibility != SL_VISIBILITY_NONE) return SL_OK;
+    sl_light_pass light = lighting(s);
+    sl_status status = s->points ? SL_OK : sl_report_points_spread(s->scene, &s->points, error);
+    return status == SL_OK ? sl_flux_received(&light, s->points, &s->report.received, error) : status;
+}
+
+static sl_status light_up(radiance_state *s, sl_error *error) {
+    const sl_radiance_map_settings *m = &s->settings.radiance_map;
+    sl_status status = sl_map_lights_find(s->scene, m->emitter_samples, &s->lights, error);
+    if (status == SL_OK && s->plan.shadows) {
+        status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, m->shadow_size, s->settings.threads, &s->cubes, &s->counters, error);
+        sl_announce_pass(&s->announcer, "depth cubes", "section 2.3");
+    }
+    if (status == SL_OK && s->plan.map) status = take_map(s, error);
+    if (status == SL_OK && s->plan.map) status = report_map(s, error);
+    s->lit = status == SL_OK;
+    if (!s->lit) darken(s); /* what is half done would be made again over what there is */
+    return status;
+}
+
+/* ---- passes 4 to 7: the picture ---- */
 
 static sl_status show_mirrors(radiance_state *s, const sl_light_pass *light, sl_error *error) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
@@ -218,6 +233,7 @@ static void radiance_destroy(void *state) {
     sl_receivers_destroy(s->receivers);
     darken(s);
     forget_geometry(s);
+    sl_report_points_destroy(s->points);
     sl_free(s->planes);
     sl_free(s);
 }
@@ -265,6 +281,7 @@ static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error
     sl_progress ignored;
     sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
     if (status == SL_OK) status = sl_radiance_compose(&s->layers, s->receivers, s->settings.threads, image, error);
+    if (status == SL_OK && s->map) status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
     return status;
 }
 
@@ -288,6 +305,7 @@ static size_t radiance_memory_bytes(const void *state) {
     if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
     if (s->map) bytes += sl_radiance_map_bytes(s->map);
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
+    bytes += sl_report_points_bytes(s->points);
     if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
     if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
     return bytes;

@@ -22,6 +22,7 @@
  *   weights.c           what one photon sends to a receiver: (11), (14), (15), and (14) put right
  *   indirect.c          pass 7: (10), the sum over all photons
  *   visibility.c        indirect shadows, which the paper leaves open
+ *   map_report.c, map_captured.c   how much light the map holds, and how much of the photons' arrives
  *   compose.c           pass 8: the picture and its layers
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_H

@@ -4,6 +4,8 @@
  * of a photon (its lobe, the receiver's, whether it is seen) is done with its weight first, photon by photon, in the same order and
  * with the same bits. Even and odd photons have sums of their own, which are added at the end: their difference tells how much the
  * whole depends on which photons were taken. */
+#include <string.h>
+
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -14,7 +16,7 @@
 
 enum { TEXTURE_WIDTH = 256, TEXTURES = SL_PHOTON_CHANNELS / 4 };
 
-typedef struct {
+struct sl_photon_sums {
     const sl_light_pass *pass;
     sl_lit_picture *picture;
     float *spread;
@@ -32,7 +34,8 @@ typedef struct {
     sl_sight *sight;            /* NULL: photons are seen from everywhere */
     sl_receiver_kernels kernels;
     sl_sight_kernels sight_kernels;
-} indirect_pass;
+};
+typedef sl_photon_sums indirect_pass;
 
 /* ---- once a frame: the j-indexed values ---- */
 
@@ -199,18 +202,25 @@ static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, boo
         p->spread[tile->pixel[i]] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
 }
 
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const indirect_pass *p = context;
+/* All photons, even and odd ones apart, and both together. */
+static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light half[2], sl_tile_light *sum,
+                        sl_counters *counters) {
     static const float whole[2] = {1.0f, 1.0f};
-    sl_tile_light half[2] = {{.irradiance = {{0.0f}}}, {.irradiance = {{0.0f}}}}, sum;
     sl_tile_sight around;
+    memset(half, 0, 2 * sizeof *half);
     if (p->plain && !p->sight && !glossy) {
         sum_plainly(p, tile, half);
     } else {
         if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
         for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &half[j % 2], counters);
     }
-    p->kernels.combine(tile->padded, glossy, half, whole, &sum);
+    p->kernels.combine(tile->padded, glossy, half, whole, sum);
+}
+
+static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const indirect_pass *p = context;
+    sl_tile_light half[2], sum;
+    sum_photons(p, tile, glossy, half, &sum, counters);
     float radiance[3][SL_TILE_PIXELS];
     p->kernels.reflect(tile, &sum, glossy, radiance);
     sl_receiver_tile_add(tile, radiance, p->width, p->picture->indirect);
@@ -233,4 +243,30 @@ sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *rec
     sl_receiver_kinds_release(&kinds);
     release(&p);
     return status;
+}
+
+/* ---- sums without a picture ---- */
+
+sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums, sl_error *error) {
+    *sums = sl_allocate(1, sizeof **sums);
+    if (!*sums) return sl_fail_memory(error, "photons of a frame");
+    **sums = (sl_photon_sums){.pass = pass, .count = pass->photons->count, .kernels = sl_receiver_kernels_for(sl_isa_best())};
+    sl_status status = upload(*sums, error);
+    if (status != SL_OK) {
+        sl_photon_sums_destroy(*sums);
+        *sums = NULL;
+    }
+    return status;
+}
+
+void sl_photon_sums_destroy(sl_photon_sums *sums) {
+    if (!sums) return;
+    release(sums);
+    sl_free(sums);
+}
+
+void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile, sl_tile_light *light) {
+    sl_tile_light half[2];
+    sl_counters ignored;
+    sum_photons(sums, tile, false, half, light, &ignored);
 }

@@ -3,7 +3,7 @@
 #define SL_CACHE_DIRECT_RADIANCE_LIGHT_RECEIVERS_H
 
 #include "cache/direct_radiance/photons.h"
-#include "cache/direct_radiance/receivers.h"
+#include "cache/direct_radiance/receiver_tiles.h"
 #include "cache/direct_radiance/shadow_cubes.h"
 #include "trace/trace.h"
 
@@ -40,6 +40,12 @@ sl_status sl_light_directly(const sl_light_pass *pass, const sl_receivers *recei
  * photons alone would give: what the pixel's sum is uncertain by. */
 sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, float *spread,
                               sl_counters *counters, sl_error *error);
+
+/* (10) alone, of receivers that are in no picture: without visibility. The pass must outlive its sums. */
+typedef struct sl_photon_sums sl_photon_sums;
+sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums, sl_error *error); /* with photons, not NULL */
+void sl_photon_sums_destroy(sl_photon_sums *sums);
+void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile, sl_tile_light *light);
 
 /* E_j(x) of one photon by one weight (sections 2.2, 2.4), W/m^2: the plain form that the lanes agree with bit by bit. n: the receiver's
  * geometric normal decides what is above its horizon, the shading normal `shading` gives the cosine. */

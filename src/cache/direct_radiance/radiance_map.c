@@ -274,31 +274,3 @@ size_t sl_radiance_map_bytes(const sl_radiance_map *map) {
     size_t planes = 12 + (map->normal[0] ? 3u : 0u) + (map->spread ? 7u : 0u);
     return sizeof *map + map->face_count * sizeof *map->face + planes * map->texels * sizeof(float);
 }
-
-/* ---- captured flux ---- */
-
-/* Over one face: the intensity at the middles of many cells, times their solid angles. */
-static double flux_through(const sl_map_light *light, const sl_map_face *f) {
-    enum { CELLS = 96 };
-    double sum = 0.0, wide = (f->right - f->left) / CELLS, high = (f->top - f->bottom) / CELLS;
-    for (int i = 0; i < CELLS * CELLS; i++) {
-        double x = f->left + wide * (double)(i % CELLS), y = f->bottom + high * (double)(i / CELLS);
-        sl_vec3 d = sl_frame_to_world(&f->frame, sl_v3((float)(x + 0.5 * wide), (float)(y + 0.5 * high), 1.0f));
-        sl_rgb intensity = sl_map_light_intensity(light, sl_normalize_or(d, f->frame.z));
-        sum += (double)sl_rgb_mean(intensity) * sl_rectangle_solid_angle(x, y, x + wide, y + high);
-    }
-    return sum;
-}
-
-double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
-    const sl_map_light *l = &map->lights->light[light];
-    sl_face_shape shape = {map->shape, map->fov, 2, 1, false};
-    sl_planned_face face[SL_LIGHT_FACES_MAX];
-    const float clearance[2] = {0};
-    double flux = (double)sl_rgb_mean(sl_map_light_flux(l)), sum = 0.0;
-    int dark;
-    if (l->kind == SL_MAP_LIGHT_DIRECTIONAL || !(flux > 0.0)) return 1.0;
-    int count = sl_light_faces(NULL, l, &shape, sl_v3(0, -1, 0), clearance, face, &dark);
-    for (int f = 0; f < count; f++) sum += flux_through(l, &face[f].face);
-    return sum < flux ? sum / flux : 1.0;
-}

@@ -1,0 +1,203 @@
+#include "cache/direct_radiance/map_report.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/direct_radiance/receiver_kernels.h"
+
+enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 }; /* each point is two receivers, one on either side */
+
+/* (15) is of no use in scenes so many times as large as the light's way. */
+static const double LARGEST_SCENE = 10.0;
+
+/* ---- how much of the lights' flux the maps hold ---- */
+
+double sl_radiance_maps_captured(const sl_radiance_map *map) {
+    double held = 0.0, flux = 0.0;
+    for (uint32_t l = 0; l < map->lights->count; l++) {
+        const sl_map_light *light = &map->lights->light[l];
+        double watts = light->kind == SL_MAP_LIGHT_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
+        if (!(watts > 0.0) || !isfinite(watts)) continue;
+        flux += watts;
+        held += watts * sl_radiance_map_captured(map, l);
+    }
+    return flux > 0.0 ? held / flux : 1.0;
+}
+
+double sl_radiance_map_mean_way(const sl_radiance_map *map) {
+    double sum = 0.0;
+    size_t count = 0;
+    for (size_t i = 0; i < map->texels; i++) {
+        if (map->triangle[i] == SL_NO_INDEX || !isfinite(map->path[i])) continue;
+        sum += (double)map->path[i];
+        count++;
+    }
+    return count ? sum / (double)count : 0.0;
+}
+
+/* ---- points all over the scene ---- */
+
+typedef struct report_point {
+    uint32_t triangle;
+    float w1, w2;
+    double area; /* of its triangle when points were spread */
+} report_point;
+
+struct sl_report_points {
+    const sl_scene *scene;
+    double share; /* of the receiving area for each point; 0: nothing receives */
+    report_point point[POINTS];
+};
+
+static double area_of(const sl_scene *s, uint32_t t) {
+    sl_vec3d a = sl_to_double(sl_scene_position(s, s->vertex[0][t]));
+    sl_vec3d b = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[1][t])), a);
+    sl_vec3d c = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[2][t])), a);
+    double x = b.y * c.z - b.z * c.y, y = b.z * c.x - b.x * c.z, z = b.x * c.y - b.y * c.x, area = 0.5 * sqrt(x * x + y * y + z * z);
+    return isfinite(area) ? area : 0.0;
+}
+
+static double receiving_area(const sl_scene *s, uint32_t t) {
+    const sl_material *m = &s->materials[s->material_index[t]];
+    return sl_material_is_diffuse(m) || sl_material_is_glossy(m) ? area_of(s, t) : 0.0;
+}
+
+/* Uniform over a triangle, from two numbers in [0,1): along it the point's place among those of the same triangle, across it
+ * multiples of the golden ratio, so that a wall of two triangles is covered as evenly as a mesh of thousands. */
+static report_point point_in(uint32_t triangle, double area, double along, size_t index) {
+    double across = (double)index * 0.61803398874989485, side = sqrt(along);
+    across -= floor(across);
+    return (report_point){triangle, (float)(side * (1.0 - across)), (float)(side * across), area};
+}
+
+/* The middles of equal shares of all area, triangle after triangle. */
+static void spread(const sl_scene *scene, sl_report_points *points) {
+    double total = 0.0, before = 0.0;
+    size_t next = 0;
+    for (uint32_t t = 0; t < scene->triangle_count; t++) total += receiving_area(scene, t);
+    points->share = total / POINTS;
+    for (uint32_t t = 0; t < scene->triangle_count && total > 0.0; t++) {
+        double area = receiving_area(scene, t);
+        for (; next < POINTS && ((double)next + 0.5) * points->share < before + area; next++)
+            points->point[next] = point_in(t, area, (((double)next + 0.5) * points->share - before) / area, next);
+        before += area;
+    }
+    for (size_t k = next; k < POINTS; k++) points->point[k] = k ? points->point[k - 1] : (report_point){0}; /* rounding of the sums */
+}
+
+sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **points, sl_error *error) {
+    *points = sl_allocate(1, sizeof **points);
+    if (!*points) return sl_fail_memory(error, "points of a report");
+    (*points)->scene = scene;
+    spread(scene, *points);
+    return SL_OK;
+}
+
+void sl_report_points_destroy(sl_report_points *points) { sl_free(points); }
+size_t sl_report_points_bytes(const sl_report_points *points) { return points ? sizeof *points : 0; }
+
+/* ---- how much of the photons' flux arrives ---- */
+
+static void put_receiver(sl_receiver_tile *tile, size_t i, sl_vec3 p, sl_vec3 n) {
+    tile->x[i] = p.x;
+    tile->y[i] = p.y;
+    tile->z[i] = p.z;
+    tile->geometric_x[i] = tile->normal_x[i] = n.x;
+    tile->geometric_y[i] = tile->normal_y[i] = n.y;
+    tile->geometric_z[i] = tile->normal_z[i] = n.z;
+}
+
+/* Fronts in even lanes, backs in odd ones. */
+static void fill(const sl_report_points *points, size_t tile_index, sl_receiver_tile *tile) {
+    const sl_scene *s = points->scene;
+    *tile = (sl_receiver_tile){.count = SL_TILE_PIXELS, .padded = SL_TILE_PIXELS};
+    for (size_t i = 0; i < SL_TILE_PIXELS / 2; i++) {
+        const report_point *r = &points->point[tile_index * (SL_TILE_PIXELS / 2) + i];
+        sl_vec3 corner[3], n = sl_scene_geometric_normal(s, r->triangle);
+        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(s, s->vertex[c][r->triangle]);
+        sl_vec3 p = sl_mad(sl_mad(corner[0], r->w1, sl_sub(corner[1], corner[0])), r->w2, sl_sub(corner[2], corner[0]));
+        put_receiver(tile, 2 * i, p, n);
+        put_receiver(tile, 2 * i + 1, p, sl_neg(n));
+    }
+}
+
+typedef struct {
+    const sl_report_points *points;
+    const sl_photon_sums *sums;
+    double arriving[TILES]; /* W */
+} receiving;
+
+/* A deformed triangle counts for what it has become. */
+static void receive_tile(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    receiving *r = context;
+    sl_receiver_tile tile;
+    sl_tile_light light;
+    double sum = 0.0;
+    fill(r->points, index, &tile);
+    sl_photon_sums_irradiance(r->sums, &tile, &light);
+    for (size_t i = 0; i < SL_TILE_PIXELS; i++) {
+        const report_point *p = &r->points->point[index * (SL_TILE_PIXELS / 2) + i / 2];
+        sl_rgb e = {light.irradiance[0][i], light.irradiance[1][i], light.irradiance[2][i]};
+        if (p->area > 0.0) sum += (double)sl_luminance(e) * r->points->share * (area_of(r->points->scene, p->triangle) / p->area);
+    }
+    r->arriving[index] = sum;
+}
+
+/* rho Phi: pi Psi, or what a material with a lobe reflects of what it receives. */
+static double reflected_flux(const sl_map_photons *photons) {
+    double sum = 0.0;
+    for (size_t j = 0; j < photons->count; j++) {
+        sl_rgb flux = photons->photon[j].flux;
+        if (photons->lobe) flux = sl_rgb_mul(flux, sl_rgb_add(photons->lobe[j].diffuse, photons->lobe[j].specular));
+        double watts = (double)sl_luminance(flux) * (photons->lobe ? 1.0 : SL_PI);
+        sum += isfinite(watts) ? watts : 0.0;
+    }
+    return sum;
+}
+
+sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, double *received, sl_error *error) {
+    *received = NAN;
+    double sent = pass->photons ? reflected_flux(pass->photons) : 0.0, sum = 0.0;
+    if (!(sent > 0.0) || !(points->share > 0.0)) return SL_OK;
+    receiving r = {.points = points};
+    sl_photon_sums *sums = NULL;
+    sl_status status = sl_photon_sums_create(pass, &sums, error);
+    if (status != SL_OK) return status;
+    r.sums = sums;
+    sl_parallel_for(sl_thread_count(pass->threads), TILES, receive_tile, &r);
+    sl_photon_sums_destroy(sums);
+    for (size_t i = 0; i < TILES; i++) sum += r.arriving[i];
+    *received = sum / sent;
+    return SL_OK;
+}
+
+/* ---- told with the picture ---- */
+
+void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size) {
+    text[0] = '\0';
+    if (weight != SL_WEIGHT_BOX || !(report->way > 0.0) || report->diagonal <= LARGEST_SCENE * report->way) return;
+    snprintf(text, size, "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean way of %.3g: next to no "
+                         "indirect light; weight flux does not depend on the scene's size",
+             report->diagonal / report->way, report->way);
+}
+
+static sl_status stamp_share(sl_image *image, const char *key, double share, sl_error *error) {
+    char text[32];
+    snprintf(text, sizeof text, "%.4f", share);
+    return isfinite(share) ? sl_image_set_metadata(image, key, text, error) : SL_OK;
+}
+
+sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image, sl_error *error) {
+    char text[256];
+    sl_map_report_warning(report, weight, text, sizeof text);
+    sl_status status = stamp_share(image, "softlux.flux_captured", report->captured, error);
+    if (status == SL_OK) status = stamp_share(image, "softlux.flux_received", report->received, error);
+    if (status == SL_OK && text[0]) status = sl_image_set_metadata(image, "softlux.warning", text, error);
+    return status;
+}

@@ -1,0 +1,161 @@
+/* What pictures of direct radiance mapping tell of their maps: flux that they hold, flux that arrives, and a warning where (15) is lost. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/math.h"
+#include "cache/direct_radiance/lights.h"
+#include "rendering.h"
+#include "trace_scenes.h"
+
+static sl_settings settings_with(sl_photon_weight weight, int samples) {
+    sl_settings s = small_settings("direct-radiance", 24, 24);
+    s.radiance_map.weight = weight;
+    s.radiance_map.samples = samples;
+    return s;
+}
+
+static double told(const sl_scene *scene, const sl_settings *settings, const char *key) {
+    sl_image *image = render(scene, settings, NULL);
+    const char *text = sl_image_metadata(image, key);
+    double value = text ? strtod(text, NULL) : NAN;
+    sl_image_destroy(image);
+    return value;
+}
+
+static bool warns(const sl_scene *scene, const sl_settings *settings) {
+    sl_image *image = render(scene, settings, NULL);
+    const char *text = sl_image_metadata(image, "softlux.warning");
+    bool warned = text && strstr(text, "weight 15");
+    sl_image_destroy(image);
+    return warned;
+}
+
+/* A closed room of 4 x 3 x 5 with a point light; specular: of its walls. */
+static trace_mesh room(float diffuse, float specular, sl_vec3 light) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true, trace_mesh_material(&mesh, diffuse, specular, 5, 0, 0));
+    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = light, .direction = sl_v3(0, -1, 0),
+                                                 .intensity = {3, 3, 3}, .cos_inner = 0.9f, .cos_outer = 0.8f};
+    mesh.has_camera = true;
+    mesh.camera = (sl_camera){.eye = sl_v3(2, 1.5f, 4.5f), .right = sl_v3(1, 0, 0), .up = sl_v3(0, 1, 0), .back = sl_v3(0, 0, 1),
+                              .vertical_fov = 1.2f};
+    return mesh;
+}
+
+/* ---- captured ---- */
+
+static void a_picture_tells_how_much_of_the_flux_its_map_holds(void **state) {
+    (void)state;
+    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
+    assert_true(told(scene, &s, "softlux.flux_captured") == 1.0);
+    s.radiance_map.shape = SL_MAP_FRUSTUM;
+    assert_true(fabs(told(scene, &s, "softlux.flux_captured") - 1.0 / 6.0) < 1e-4);
+    s.radiance_map.map_fov = 2.0 * SL_PI / 3.0;
+    assert_true(fabs(told(scene, &s, "softlux.flux_captured") - 0.270) < 1e-3);
+    s.radiance_map.direct_light_only = true; /* no map: nothing to tell */
+    assert_true(isnan(told(scene, &s, "softlux.flux_captured")));
+    sl_scene_destroy(scene);
+}
+
+/* One light held whole, and one of three times its flux by a sixth. */
+static void several_lights_count_by_their_flux(void **state) {
+    (void)state;
+    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
+    sl_light spot = mesh.lights[0];
+    spot.type = SL_LIGHT_SPOT;
+    mesh.lights[mesh.light_count++] = spot;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
+    s.radiance_map.shape = SL_MAP_FRUSTUM;
+    sl_map_lights *lights;
+    assert_int_equal(sl_map_lights_find(scene, 1, &lights, NULL), SL_OK);
+    double point = (double)sl_map_light_flux(&lights->light[0]).g, of_spot = (double)sl_map_light_flux(&lights->light[1]).g;
+    sl_map_lights_destroy(lights);
+    assert_true(fabs(told(scene, &s, "softlux.flux_captured") - (point / 6.0 + of_spot) / (point + of_spot)) < 1e-3);
+    sl_scene_destroy(scene);
+}
+
+/* ---- received ---- */
+
+/* A closed convex room loses nothing, whatever the number of photons; where their light has the inverse square alone. */
+static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
+    (void)state;
+    static const float specular[] = {0.0f, 0.3f};
+    for (int i = 0; i < 2; i++) {
+        trace_mesh mesh = room(0.5f, specular[i], sl_v3(2, 1.6f, 2.3f));
+        sl_scene *scene = trace_mesh_build(&mesh);
+        for (int m = 4; m <= 16; m *= 2) {
+            sl_settings plain = settings_with(SL_WEIGHT_PLAIN, m), flux = settings_with(SL_WEIGHT_FLUX, m);
+            double all = told(scene, &plain, "softlux.flux_received"), less = told(scene, &flux, "softlux.flux_received");
+            print_message("specular %.1f, m = %d: plain %.3f, flux %.3f\n", (double)specular[i], m, all, less);
+            if (i == 0) assert_true(fabs(all - 1.0) < 0.1);
+            else assert_true(all > 0.8 && all < 1.05); /* lobes lose what they send below the horizon */
+            assert_true(less > 0.75 && less < 1.0);
+        }
+        sl_scene_destroy(scene);
+    }
+}
+
+/* A wall across the room receives on both sides, and so does what lies behind it: light arrives twice and more. With visibility it does
+ * not, and there is no report of it. */
+static void a_wall_across_the_room_makes_light_arrive_again(void **state) {
+    (void)state;
+    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 1.3f));
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 2.5f), sl_v3(4, 0, 0), sl_v3(0, 3, 0), 0);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_settings s = settings_with(SL_WEIGHT_PLAIN, 8);
+    double received = told(scene, &s, "softlux.flux_received");
+    print_message("behind a wall: %.3f\n", received);
+    assert_true(received > 1.1 && received < 2.0);
+    s.radiance_map.visibility = SL_VISIBILITY_RAYS;
+    assert_true(isnan(told(scene, &s, "softlux.flux_received")));
+    sl_scene_destroy(scene);
+}
+
+static void a_floor_in_the_open_receives_nothing_of_its_own(void **state) {
+    (void)state;
+    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1, 2));
+    mesh.triangle_count = 0;
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 5), sl_v3(4, 0, 0), sl_v3(0, 0, -5), 0);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
+    assert_true(told(scene, &s, "softlux.flux_received") == 0.0);
+    sl_scene_destroy(scene);
+}
+
+/* ---- (15) ---- */
+
+static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **state) {
+    (void)state;
+    for (int far = 0; far < 2; far++) {
+        trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
+        if (far) trace_mesh_quad(&mesh, sl_v3(60, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0); /* outside, and far away */
+        sl_scene *scene = trace_mesh_build(&mesh);
+        sl_settings box = settings_with(SL_WEIGHT_BOX, 4), disc = settings_with(SL_WEIGHT_DISC, 4);
+        assert_true(warns(scene, &box) == (far == 1));
+        assert_false(warns(scene, &disc));
+        sl_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_picture_tells_how_much_of_the_flux_its_map_holds),
+        cmocka_unit_test(several_lights_count_by_their_flux),
+        cmocka_unit_test(in_a_convex_room_all_reflected_flux_arrives_once),
+        cmocka_unit_test(a_wall_across_the_room_makes_light_arrive_again),
+        cmocka_unit_test(a_floor_in_the_open_receives_nothing_of_its_own),
+        cmocka_unit_test(weight_15_warns_where_the_scene_is_ten_times_the_lights_way),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
