@@ -72,7 +72,7 @@ static double frame(const frames *f, unsigned threads) {
     if (!f->canvas) return octree_shade_view(v, &f->shading, threads);
     v->counters = (sl_counters){{0}};
     double from = octree_seconds(threads);
-    if (sl_atlas_apply(f->canvas, v->raster, &v->view, v->gbuffer, v->scene, threads, v->planes[0], v->planes[1], v->planes[2], &v->counters,
+    if (sl_atlas_apply(f->canvas, v->gbuffer, v->scene, threads, v->planes[0], v->planes[1], v->planes[2], &v->counters,
                        &error) != SL_OK)
         bench_fail("atlas", &error);
     return octree_seconds(threads) - from;

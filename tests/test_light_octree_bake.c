@@ -39,7 +39,7 @@ static void end_stage(stage *s) {
 }
 
 static void apply(stage *s) {
-    assert_int_equal(sl_atlas_apply(s->canvas, s->raster, &s->view, s->gbuffer, s->scene, 2, s->out[0], s->out[1], s->out[2], &s->counters, NULL), SL_OK);
+    assert_int_equal(sl_atlas_apply(s->canvas, s->gbuffer, s->scene, 2, s->out[0], s->out[1], s->out[2], &s->counters, NULL), SL_OK);
 }
 
 static sl_scene *scene_from(void fill(trace_mesh *)) {

@@ -284,10 +284,7 @@ static sl_status light_pixels(octree_state *s, sl_error *error) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     sl_octree_shading shading = {.texture = s->shown.texture, .filter = o->filter, .keep_void_dark = o->keep_void_dark,
                                  .facing = o->facing_voxels};
-    sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_octree_pixels pixels = {.scene = s->scene,
-                               .raster = s->raster,
-                               .view = &view,
                                .gbuffer = s->gbuffer,
                                .reflections = s->reflections,
                                .shading = &shading,

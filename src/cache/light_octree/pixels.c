@@ -64,6 +64,7 @@ static sl_atlas_side side_seen(const sl_octree_pixels *p, size_t i) {
 static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *error) {
     const sl_gbuffer *g = p->gbuffer;
     size_t pixels = (size_t)g->width * (size_t)g->height;
+    uint32_t last = SL_NO_INDEX;
     *w = (pixel_ways){.id = sl_allocate(pixels, sizeof *w->id), .material = sl_allocate(pixels, sizeof *w->material),
                       .others = sl_allocate(pixels, sizeof *w->others)};
     if (!w->id || !w->material || !w->others) return sl_fail_memory(error, "the atlas's pixels");
@@ -74,7 +75,8 @@ static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *e
     for (size_t i = 0; i < pixels; i++) {
         if (w->material[i] == SL_NO_INDEX) continue;
         if (sl_material_is_glossy(&p->scene->materials[w->material[i]])) leave_to_octree(w, g, i);
-        else w->seen[side_seen(p, i)] = true;
+        else if (w->id[i] != last) w->seen[side_seen(p, i)] = true; /* a triangle shows one side to a view */
+        last = w->id[i];
     }
     return SL_OK;
 }
@@ -118,7 +120,7 @@ static sl_status light_by_atlas(const sl_octree_pixels *p, const pixel_ways *w, 
     sl_gbuffer looked_up = *p->gbuffer;
     looked_up.id = w->id;
     looked_up.material = w->material;
-    status = sl_atlas_apply(p->atlas->canvas, p->raster, p->view, &looked_up, p->scene, p->threads, indirect[0], indirect[1], indirect[2],
+    status = sl_atlas_apply(p->atlas->canvas, &looked_up, p->scene, p->threads, indirect[0], indirect[1], indirect[2],
                             counters, error);
     return status == SL_OK && w->other_count ? shade_others(p, w, indirect, counters, error) : status;
 }

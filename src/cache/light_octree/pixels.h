@@ -20,8 +20,6 @@ size_t sl_lit_atlas_bytes(const sl_lit_atlas *atlas);
 
 typedef struct sl_octree_pixels {
     const sl_scene *scene;
-    const sl_raster *raster;
-    const sl_view *view;
     const sl_gbuffer *gbuffer;
     const sl_reflections *reflections; /* or NULL */
     const sl_octree_shading *shading;

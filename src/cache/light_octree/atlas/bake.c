@@ -1,5 +1,4 @@
-/* Render to the atlas, and from it (section 2.9, figure 11 of the paper): an atlas holds irradiance, which no camera changes; a pixel then costs one
- * look-up instead of a descent for each of eight voxels. */
+/* Pass R1', render to the atlas (section 2.9, figure 11 of the paper): an atlas holds irradiance, which no camera changes. */
 #include "cache/light_octree/atlas/bake.h"
 
 #include <string.h>
@@ -62,6 +61,7 @@ sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, u
         c->atlas = atlas;
         if (!list_texels(c, triangle, w, w + texels)) status = sl_fail_memory(error, "the canvas of an atlas");
     }
+    if (status == SL_OK) status = sl_atlas_maps_create(atlas, scene, threads, &c->map, error);
     sl_free(triangle);
     sl_free(w);
     *canvas = status == SL_OK ? c : NULL;
@@ -76,13 +76,14 @@ void sl_atlas_canvas_destroy(sl_atlas_canvas *c) {
     sl_free(c->w1);
     sl_free(c->w2);
     sl_free(c->ring);
+    sl_free(c->map);
     for (int s = 0; s < 2; s++) sl_texture_image_destroy(c->side[s]);
     sl_free(c);
 }
 
 size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *c) {
     size_t texels = (size_t)c->atlas->size * (size_t)c->atlas->size, sides = (size_t)(c->side[0] != NULL) + (c->side[1] != NULL);
-    return sizeof *c + c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) + texels * (1 + sides * 4 * sizeof(float));
+    return sizeof *c + c->atlas->triangle_count * sizeof *c->map + c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) + texels * (1 + sides * 4 * sizeof(float));
 }
 
 /* ---- R1': into the atlas ---- */
@@ -188,52 +189,4 @@ sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, cons
     sl_free(o.plane);
     sl_free(o.counters);
     return status;
-}
-
-/* ---- R2: from the atlas ---- */
-
-typedef struct application {
-    const sl_atlas_canvas *canvas;
-    const sl_gbuffer *gbuffer;
-    const sl_scene *scene;
-    float *irradiance[2][3], *out[3];
-    size_t *fetches;        /* of each row */
-} application;
-
-static void apply_row(void *context, size_t row, unsigned worker) {
-    const application *a = context;
-    const sl_gbuffer *g = a->gbuffer;
-    (void)worker;
-    for (size_t i = row * (size_t)g->width; i < (row + 1) * (size_t)g->width; i++) {
-        const float kd[3] = {g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]};
-        bool lit = g->material[i] != SL_NO_INDEX && !sl_material_is_mirror(&a->scene->materials[g->material[i]]);
-        int side = SL_ATLAS_FRONT;
-        if (lit && sl_dot(sl_scene_geometric_normal(a->scene, g->id[i]), sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i])) < 0.0f)
-            side = SL_ATLAS_BACK;
-        lit = lit && a->canvas->side[side];
-        a->fetches[row] += lit;
-        for (int k = 0; k < 3; k++) a->out[k][i] = lit ? kd[k] * (float)(1.0 / SL_PI) * a->irradiance[side][k][i] : 0.0f;
-    }
-}
-
-sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_raster *raster, const sl_view *view, const sl_gbuffer *gbuffer,
-                         const sl_scene *scene, unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error) {
-    size_t pixels = (size_t)gbuffer->width * (size_t)gbuffer->height;
-    float *planes = sl_allocate(pixels, 6 * sizeof *planes);
-    application a = {.canvas = canvas, .gbuffer = gbuffer, .scene = scene, .out = {r, g, b},
-                     .fetches = sl_allocate((size_t)gbuffer->height, sizeof *a.fetches)};
-    bool good = planes && a.fetches;
-    for (size_t s = 0; good && s < 2; s++) {
-        sl_textured_planes out = {{0}, {0}, NULL, NULL, NULL};
-        sl_textured_pass pass = {.single = canvas->side[s], .coordinates = canvas->atlas->coordinates,
-                                 .sampler = {SL_WRAP_CLAMP, SL_WRAP_CLAMP, SL_WRAP_CLAMP, true, SL_MIP_NONE}};
-        for (size_t k = 0; k < 3; k++) a.irradiance[s][k] = out.color[k] = planes + (3 * s + k) * pixels;
-        if (!canvas->side[s]) continue;
-        sl_raster_textured(raster, view, threads, gbuffer->id, &pass, &out, counters);
-    }
-    if (good) sl_parallel_for(sl_thread_count(threads), (size_t)gbuffer->height, apply_row, &a);
-    for (int y = 0; good && y < gbuffer->height; y++) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, a.fetches[y]); /* one a pixel */
-    sl_free(planes);
-    sl_free(a.fetches);
-    return good ? SL_OK : sl_fail_memory(error, "an atlas's look-ups");
 }

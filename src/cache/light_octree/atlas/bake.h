@@ -14,8 +14,17 @@
 
 typedef enum sl_atlas_side { SL_ATLAS_FRONT, SL_ATLAS_BACK } sl_atlas_side; /* front: counter-clockwise */
 
+/* Where a triangle lies in the atlas, as a function of the point: s = at[0] + along[0] . (p - centre), t likewise. No chart is flipped, so
+ * that along[0] x along[1] points to the front. */
+typedef struct sl_atlas_map {
+    sl_vec3 centre;
+    float at[2];
+    sl_vec3 along[2];
+} sl_atlas_map;
+
 typedef struct sl_atlas_canvas {
     const sl_atlas *atlas;
+    sl_atlas_map *map;          /* of each triangle */
     size_t count;               /* of texels that hold a surface point: those in a chart, and those around it that filtering reads */
     uint32_t *texel, *triangle; /* ascending; row * size + column */
     float *w1, *w2;
@@ -42,8 +51,10 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned th
 sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene, const sl_octree_shading *shading,
                                unsigned threads, sl_counters *counters, sl_error *error);
 
-/* Irradiance times kd / pi at the pixels of a G-buffer drawn in that view, bilinear; background, mirrors and sides that were never filled are 0. */
-sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_raster *raster, const sl_view *view, const sl_gbuffer *gbuffer,
-                         const sl_scene *scene, unsigned threads, float *r, float *g, float *b, sl_counters *counters, sl_error *error);
+/* apply.c: the map of each triangle; slivers have their centre's texel everywhere. */
+sl_status sl_atlas_maps_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, sl_atlas_map **maps, sl_error *error);
+/* Irradiance times kd / pi at the pixels of a G-buffer, bilinear, one look-up each; background, mirrors and sides that were never filled are 0. */
+sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const sl_scene *scene, unsigned threads, float *r, float *g,
+                         float *b, sl_counters *counters, sl_error *error);
 
 #endif
