@@ -168,13 +168,14 @@ static gather_error errors_of(const world *w, size_t points, const float *first,
 
 static size_t some_points(const world *w) { return w->count < 2000 ? w->count : 2000; }
 
-/* The hemisphere's error alone, of two gathers whose directions are equal (jitter would move them), at some of the points. */
+/* The hemisphere's error alone, of two gathers whose directions are equal (jitter would move them), at some of the points; and so is
+ * all where there are many light samples, which are as dear as they are many. */
 static gather_error measure(const world *w, const instrument *m, double *ms) {
-    size_t some = some_points(w);
+    size_t some = some_points(w), all = m->samples > 1 ? some : w->count;
     for (int i = 0; i < 2; i++) gather_points(w, m, false, 1 + (uint64_t)i, some, w->threads, w->gathered[i]);
     double hemisphere = errors_of(w, some, w->gathered[0], w->gathered[1]).hemisphere;
-    gather_points(w, m, true, 1, w->count, w->threads, w->gathered[0]);
-    gather_error e = errors_of(w, w->count, w->gathered[0], w->gathered[0]);
+    gather_points(w, m, true, 1, all, w->threads, w->gathered[0]);
+    gather_error e = errors_of(w, all, w->gathered[0], w->gathered[0]);
     e.hemisphere = hemisphere;
     *ms = gather_ms(w, m, w->gathered[0]);
     return e;

@@ -215,6 +215,79 @@ static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **sta
     sl_scene_destroy(scene);
 }
 
+/* ---- window frames
+ * -------------------------------------------------------------------------------------------------------------- */
+
+static bool faces(const sl_gbuffer *g, size_t i, sl_vec3 n) {
+    return g->material[i] != SL_NO_INDEX && sl_dot(sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]), n) > 0.99f;
+}
+
+/* A lamp eight metres wide, and two posts that stand on it, 0.2 m apart; seen is the inner face of one. */
+static sl_scene *posts_on_a_lamp(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t post = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(8, 0, 0), lamp); /* shines upwards */
+    trace_mesh_box(&mesh, sl_v3(-0.05f, 0, -2), sl_v3(0, 0.3f, 2), false, post);
+    trace_mesh_box(&mesh, sl_v3(0.2f, 0, -2), sl_v3(0.25f, 0.3f, 2), false, post);
+    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0.18f, 0.1f, 0), sl_v3(0, 0.08f, 0), sl_v3(0, 1, 0), 0.8f);
+    return trace_mesh_build(&mesh);
+}
+
+/* What lies between the posts is a fortieth of the lamp, but nearly all of what would arrive without them. */
+static void between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them(void **state) {
+    (void)state;
+    const sl_vec3d between[4] = {{0, 0, -0.5}, {0, 0, 0.5}, {0.2, 0, 0.5}, {0.2, 0, -0.5}};
+    sl_scene *scene = posts_on_a_lamp();
+    for (uint32_t samples = 4; samples <= 64; samples *= 4) {
+        picture *p = direct_light(scene, (options){samples, 1, 2, false, 64});
+        double sum = 0.0, truths = 0.0, square = 0.0;
+        size_t count = 0;
+        for (size_t i = 0; i < PIXELS; i++) {
+            const sl_gbuffer *g = p->gbuffer;
+            if (!faces(g, i, sl_v3(1, 0, 0))) continue;
+            sl_vec3d at = sl_v3d((double)g->position_x[i], (double)g->position_y[i], (double)g->position_z[i]);
+            double truth = 0.5 / SL_PI * 3.0 * sl_polygon_irradiance(at, sl_v3d(1, 0, 0), between, 4, NULL);
+            sum += (double)p->rgb[i];
+            truths += truth;
+            square += ((double)p->rgb[i] / truth - 1.0) * ((double)p->rgb[i] / truth - 1.0);
+            count++;
+        }
+        double rms = sqrt(square / (double)count), bias = sum / truths - 1.0;
+        print_message("%u samples: bias %+.4f, relative rms %.4f\n", samples, bias, rms);
+        assert_true(count > PIXELS / 2);
+        assert_true(fabs(bias) < 0.01);
+        assert_true(rms < 0.2 / sqrt((double)samples));
+        picture_free(p);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* A slab, 0.06 m high, in the penumbra of a roof; the floor behind it lies in full shadow. They are seen so nearly edge-on that neighbouring
+ * pixels show places half a metre apart. */
+static void no_penumbra_spreads_over_a_step(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 9.0f);
+    trace_mesh_quad(&mesh, sl_v3(-1, 3, -1), sl_v3(1, 0, 0), sl_v3(0, 0, 2), lamp);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, -9), sl_v3(0, 0, 18), sl_v3(9, 0, 0), grey);
+    trace_mesh_box(&mesh, sl_v3(-9, 0, -9), sl_v3(0, 0.06f, 9), false, grey);
+    trace_mesh_box(&mesh, sl_v3(-0.1f, 0.5f, -9), sl_v3(9, 0.55f, 9), false, grey);
+    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(-5, 0.81f, 0), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.05f);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    picture *p = direct_light(scene, (options){4, 1, 2, false, 64});
+    size_t shadowed = 0, partly = 0;
+    for (size_t i = 0; i < PIXELS; i++) {
+        if (!faces(p->gbuffer, i, sl_v3(0, 1, 0))) continue;
+        bool floor = p->gbuffer->position_y[i] < 0.01f;
+        shadowed += floor;
+        partly += !floor && p->rgb[i] > 0.0f;
+        if (floor) assert_true(p->rgb[i] == 0.0f);
+    }
+    assert_true(shadowed > 3 * SIZE && partly > 3 * SIZE);
+    picture_free(p);
+    sl_scene_destroy(scene);
+}
+
 /* ---- glossy lobes
  * --------------------------------------------------------------------------------------------------------------- */
 
@@ -329,13 +402,13 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
 static void threads_instruction_sets_and_strips_do_not_change_a_bit(void **state) {
     (void)state;
     const char *names[3] = {"baseline", "avx2", "avx512"};
-    for (int kind = 0; kind < 4; kind++) { /* penumbra and lobe, a lamp of many triangles, sun, maps */
+    for (int kind = 0; kind < 5; kind++) { /* penumbra and lobe, a lamp of many triangles, sun, maps, a near lamp */
         float *values = calloc(3 * WIDTH * HEIGHT, sizeof *values);
         assert_non_null(values);
         sl_environment day = a_day(values, 2, 300.0f);
         trace_mesh mesh = a_floor(0.5f, 0.3f, 12.0f);
         mesh.environment = &day;
-        sl_scene *scene = kind == 2 ? trace_mesh_build(&mesh) : kind == 1 ? lamps(5) : half_hidden(0.3f, 40.0f);
+        sl_scene *scene = kind == 2 ? trace_mesh_build(&mesh) : kind == 1 ? lamps(5) : kind == 4 ? posts_on_a_lamp() : half_hidden(0.3f, 40.0f);
         if (kind != 2) trace_mesh_discard(&mesh);
         picture *first = NULL;
         for (int run = 0; run < 5; run++) {
@@ -358,6 +431,8 @@ int main(void) {
         cmocka_unit_test(a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps),
         cmocka_unit_test(unoccluded_emitters_have_no_noise_and_many_have_no_bias),
         cmocka_unit_test(few_samples_of_a_penumbra_are_those_of_many_but_for_noise),
+        cmocka_unit_test(between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them),
+        cmocka_unit_test(no_penumbra_spreads_over_a_step),
         cmocka_unit_test(lobes_wide_and_narrow_are_unbiased),
         cmocka_unit_test(the_sun_on_an_open_plane_is_the_sum_of_its_texels),
         cmocka_unit_test(a_court_under_sky_and_sun_is_what_the_path_tracer_says),

@@ -9,6 +9,7 @@
 typedef struct {
     size_t sides;                                            /* that light some pixel of the block */
     uint32_t side[SL_EXACT_EMITTERS_MAX];
+    bool near[SL_EXACT_EMITTERS_MAX], any_near;              /* to some pixel of the block */
     float share[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];     /* irradiance for radiance 1 */
     float sums[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];      /* cumulative, in luminance */
 } weighed;
@@ -16,7 +17,9 @@ typedef struct {
 /* Weighs all sides for all points, and adds up what arrives unoccluded. */
 static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w, float exact[3][SL_LIGHT_BLOCK]) {
     sl_light_points points = sl_lit_points(block);
+    sl_block_box box = sl_lit_block_box(block);
     w->sides = 0;
+    w->any_near = false;
     for (size_t s = 0; s < direct->exact_count; s++) {
         float *share = w->share + w->sides * SL_LIGHT_BLOCK, *sum = w->sums + w->sides * SL_LIGHT_BLOCK;
         direct->light.polygon(&points, &direct->polygons[s], share);
@@ -31,6 +34,8 @@ static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w
             exact[1][i] += colour[1] * e;
             exact[2][i] += colour[2] * e;
         }
+        w->near[w->sides] = sl_emitter_is_near(&direct->polygons[s], &box);
+        w->any_near |= w->near[w->sides];
         w->side[w->sides++] = (uint32_t)s;
     }
 }
@@ -67,6 +72,7 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
                             s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
                             s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
         direct->kernels.aim(&aim);
+        if (w->any_near) sl_direct_aim_near(direct, block, w->near, &aim);
     }
 }
 

@@ -6,6 +6,8 @@
 
 enum { RADIUS = 2 };
 
+#define CHORD_SLOPE 0.05f
+
 typedef struct {
     const sl_direct_sums *sums;
     const sl_gbuffer *gbuffer;
@@ -31,14 +33,22 @@ static float scatter_of(const sl_direct_sums *s, size_t k) {
     return 0.25f * difference * difference;
 }
 
-/* Same plane, within a slope of 0.2, and alike normals. */
+/* The chord between two points of one smooth surface leans as far out of it at one end as into it at the other, so it is square to the sum
+ * of the normals. A step between two parallel surfaces is not, however small the angle at which they are seen. */
+static bool is_chord(sl_vec3 d, sl_vec3 sum) {
+    float out = sl_dot(d, sum);
+    return out * out <= CHORD_SLOPE * CHORD_SLOPE * 4.0f * sl_dot(d, d);
+}
+
+static sl_vec3 sum_of(const float *x, const float *y, const float *z, size_t i, size_t j) { return sl_v3(x[i] + x[j], y[i] + y[j], z[i] + z[j]); }
+
+/* Alike normals, and a chord by those that are smooth or by those that are true. */
 static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
     sl_vec3 d = sl_sub(sl_v3(g->position_x[j], g->position_y[j], g->position_z[j]),
                        sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
-    sl_vec3 n = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]);
-    float height = sl_dot(d, n),
-          alike = g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
-    return alike > 0.9f && height * height <= 0.04f * sl_dot(d, d);
+    float alike = g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
+    return alike > 0.9f && (is_chord(d, sum_of(g->geometric_x, g->geometric_y, g->geometric_z, i, j)) ||
+                            is_chord(d, sum_of(g->normal_x, g->normal_y, g->normal_z, i, j)));
 }
 
 typedef struct {

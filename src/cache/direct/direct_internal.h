@@ -4,6 +4,7 @@
  *     direct_maps.c     by shadow maps
  *     direct_rays.c     by shadow rays: the passes over a strip
  *     direct_exact.c    emitters and the sun: closed forms for all of their light, rays for the visible share
+ *     direct_near.c     better samples of emitters that are near
  *     direct_sampled.c  lights without extent; what is too much for closed forms
  *     direct_glossy.c   glossy lobes
  *     direct_filter.c   the visible share, smoothed where it is noise
@@ -105,6 +106,13 @@ void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_s
                         sl_counters *counters);
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
                        sl_counters *counters);
+/* Which emitters are near to some point of a block, and samples of them: `near` by side of the weighed, as `aim`'s. */
+typedef struct sl_block_box {
+    sl_vec3 low, high;
+} sl_block_box;
+sl_block_box sl_lit_block_box(const sl_lit_block *block);
+bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
+void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aim);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
                       sl_counters *counters);

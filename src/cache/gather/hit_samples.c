@@ -16,6 +16,7 @@
 #include "base/random.h"
 #include "cache/gather/hit_light.h"
 #include "cache/gather/light_scratch.h"
+#include "cache/light/spherical_triangle.h"
 
 /* How much of the budget is spread evenly over the hits. */
 #define EVEN_SHARE 0.2
@@ -157,38 +158,6 @@ static void spread_points(sl_light_scratch *s, uint64_t key) {
 
 /* ---- near emitters: points uniform in solid angle ---- */
 
-static sl_vec3d unit_towards(sl_vec3 corner, sl_vec3 p) {
-    sl_vec3d d = sl_subd(sl_to_double(corner), sl_to_double(p));
-    double length = sl_lengthd(d);
-    return length > 0.0 ? sl_scaled(d, 1.0 / length) : d;
-}
-
-/* cosine * axis + sine * (the unit vector towards v, square to the axis) */
-static sl_vec3d arc(sl_vec3d axis, sl_vec3d v, double cosine) {
-    sl_vec3d across = sl_subd(v, sl_scaled(axis, sl_dotd(v, axis)));
-    double length = sl_lengthd(across), sine = sqrt(fmax(0.0, 1.0 - cosine * cosine));
-    return length > 0.0 ? sl_addd(sl_scaled(axis, cosine), sl_scaled(across, sine / length)) : axis;
-}
-
-/* Uniform in the solid angle of the spherical triangle ABC (Arvo 1995): u1 cuts off a triangle of that share of its area, whose
- * corner C' moves along the side AC; u2 walks from B towards C'. False where the triangle is too small to tell its area. */
-static bool spherical_point(const sl_vec3d v[3], double u1, double u2, sl_vec3d *direction, double *solid_angle) {
-    sl_vec3d a = v[0], b = v[1], c = v[2];
-    double volume = fabs(sl_dotd(a, sl_crossd(b, c)));
-    double cos_c = sl_dotd(a, b), cos_b = sl_dotd(a, c);
-    double area = 2.0 * sl_atan2(volume, 1.0 + cos_c + cos_b + sl_dotd(b, c));
-    *solid_angle = area;
-    if (!(area > 1e-6)) return false;
-    double alpha = sl_atan2(volume, sl_dotd(b, c) - cos_c * cos_b), part = u1 * area - alpha;
-    double sin_alpha = sl_sin(alpha), cos_alpha = sl_cos(alpha), s = sl_sin(part), t = sl_cos(part);
-    double u = t - cos_alpha, w = s + sin_alpha * cos_c;
-    double denominator = (w * s + u * t) * sin_alpha;
-    double q = denominator != 0.0 ? ((w * t - u * s) * cos_alpha - w) / denominator : 1.0;
-    sl_vec3d moved = arc(a, c, fmin(fmax(q, -1.0), 1.0));
-    *direction = arc(b, moved, 1.0 - u2 * (1.0 - sl_dotd(moved, b)));
-    return true;
-}
-
 /* A near emitter that spans less than a millionth of a steradian is seen edge-on or is very small: it is left out. */
 static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q, size_t m) {
     const sl_scene *scene = view->gather->scene;
@@ -196,12 +165,12 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
     const sl_light_scratch *s = view->scratch->light;
     const sl_emitter *e = &scene->emitters[view->gather->sources->index[s->sample_source[m]]];
     size_t k = s->sample_slot[m];
-    sl_vec3 p = sl_hit_position(h, k);
-    sl_vec3d v[3], direction;
+    sl_vec3 p = sl_hit_position(h, k), corner[3];
+    sl_vec3d direction;
     double solid_angle;
     if (e->triangle == h->triangle[k]) return;
-    for (int c = 0; c < 3; c++) v[c] = unit_towards(sl_scene_position(scene, scene->vertex[c][e->triangle]), p);
-    if (!spherical_point(v, (double)s->u1[m], (double)s->u2[m], &direction, &solid_angle)) return;
+    for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
+    if (!sl_spherical_point(corner, p, (double)s->u1[m], (double)s->u2[m], &direction, &solid_angle)) return;
     sl_vec3d normal = sl_to_double(sl_scene_geometric_normal(scene, e->triangle));
     sl_vec3d first = sl_to_double(sl_scene_position(scene, scene->vertex[0][e->triangle]));
     double facing = -sl_dotd(normal, direction);
