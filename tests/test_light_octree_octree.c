@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "cache/light_octree/octree_leaves.h"
+#include "cache/light_octree/surroundings.h"
 #include "trace_scenes.h"
 
 static sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
@@ -382,6 +383,54 @@ static void any_number_of_threads_builds_the_same_octree(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A white floor y = 0 of 4 x 4 whose right half has a sheet of that material just above it, and a second such sheet high up. */
+static sl_scene *floor_under_sheets(float mirror, float diffuse) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), sheet = trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0);
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), white);
+    trace_mesh_quad(&mesh, sl_v3(0, 0.001f, -2), sl_v3(0, 0, 4), sl_v3(2, 0, 0), sheet);
+    trace_mesh_quad(&mesh, sl_v3(-2, 3, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sheet);
+    return trace_mesh_build(&mesh);
+}
+
+static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **state) {
+    (void)state;
+    const float materials[3][2] = {{0, 0.5f}, {0, 0}, {0.9f, 0}};
+    for (int k = 0; k < 3; k++) {
+        sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);
+        sl_octree *octree = octree_of(scene, 4, 2);
+        double area = 0.0, highest = -1.0;
+        for (size_t i = 0; i < octree->leaf_count; i++) {
+            area += (double)octree->leaf[i].area;
+            highest = fmax(highest, (double)octree->leaf[i].centroid.y);
+        }
+        assert_true(k == 0 ? highest > 2.9 : highest < 0.1);
+        assert_true(fabs(area - (k == 0 ? 40.0 : 16.0)) < 0.01);
+        sl_octree_destroy(octree);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* Photons were strewn over what such a surface leaves free: of the ellipsoid's disc one half; white sheets hide as much as they take. */
+static void what_lies_under_a_black_or_mirroring_surface_has_no_area(void **state) {
+    (void)state;
+    const float materials[3][2] = {{0, 0.5f}, {0, 0}, {0.9f, 0}};
+    for (int k = 0; k < 3; k++) {
+        sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);
+        sl_octree *octree = octree_of(scene, 4, 1);
+        sl_surroundings *surroundings;
+        assert_int_equal(sl_surroundings_create(scene, octree, 0.1, 1, &surroundings, NULL), SL_OK);
+        sl_surroundings_marks marks = {calloc(scene->triangle_count, sizeof *marks.mark), 0};
+        sl_ellipsoid e = {{0, 0, 0}, {0, 1, 0}, 0.25, 1.0};
+        double front = sl_surroundings_area(surroundings, &e, 0.5, &marks).front;
+        assert_true(fabs(front / sl_disc_area(&e) - (k == 0 ? 1.0 : 0.5)) < 1e-3);
+        free(marks.mark);
+        sl_surroundings_destroy(surroundings);
+        sl_octree_destroy(octree);
+        sl_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_box_test_agrees_with_clipping),
@@ -397,6 +446,8 @@ int main(void) {
         cmocka_unit_test(grown_voxels_are_more),
         cmocka_unit_test(coplanar_duplicates_count_once),
         cmocka_unit_test(any_number_of_threads_builds_the_same_octree),
+        cmocka_unit_test(cells_with_black_or_mirroring_surfaces_alone_are_no_leaves),
+        cmocka_unit_test(what_lies_under_a_black_or_mirroring_surface_has_no_area),
     };
     return cmocka_run_group_tests_name("light octree: octree", tests, NULL, NULL);
 }

@@ -373,10 +373,10 @@ static void roulette_keeps_the_flux_of_chains_that_never_end(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* A square metre of floor whose shading normals all lean to x, in a large black box, under a spot. */
+/* A square metre of floor whose shading normals all lean to x, in a large, almost black box, under a spot. */
 static sl_scene *leaning_floor(sl_vec3 lean) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(1, 0, 0), floor);
     trace_mesh_box(&mesh, sl_v3(-50, -1, -50), sl_v3(50, 50, 50), true, black);
     float normals[3 * 12] = {0};
@@ -535,15 +535,12 @@ static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_p
 static void nothing_is_traced_where_nothing_can_be_stored(void **state) {
     (void)state;
     sl_photon_list *lists[] = {of_box(0.5f, 0, 0, SL_STORE_INDIRECT), of_box(0, 0, 1, SL_STORE_INDIRECT),
-                               of_box(0.5f, 0, 1, SL_STORE_CAUSTIC), of_box(0, 0.9f, 1, SL_STORE_ALL)};
-    for (int i = 0; i < 4; i++) {
+                               of_box(0.5f, 0, 1, SL_STORE_CAUSTIC), of_box(0, 0.9f, 1, SL_STORE_ALL), of_box(0, 0, 1, SL_STORE_ALL)};
+    for (int i = 0; i < 5; i++) {
         assert_int_equal(lists[i]->count, 0);
         assert_int_equal(lists[i]->emitted, 0);
         sl_photon_list_destroy(lists[i]);
     }
-    sl_photon_list *black = of_box(0, 0, 1, SL_STORE_ALL); /* but first hits lie on black walls too */
-    assert_true(black->count >= 1000);
-    sl_photon_list_destroy(black);
 }
 
 static void light_that_meets_nothing_ends_too(void **state) {

@@ -215,6 +215,19 @@ static void measure_block(void *context, size_t index, unsigned worker) {
     for (size_t i = first; i < end; i++) measure_leaf(b, &b->octree->leaf[i], &b->octree->area_vector[i]);
 }
 
+/* Cells in which nothing takes photons are no leaves. */
+static size_t drop_dark_cells(const sl_scene *scene, uint64_t *pair, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0, end; i < count; i = end) {
+        bool takes = false;
+        for (end = i; end < count && pair[end] >> 32 == pair[i] >> 32; end++) {
+            takes |= sl_takes_photons(&scene->materials[scene->material_index[(uint32_t)pair[end]]]);
+        }
+        for (size_t k = i; takes && k < end; k++) pair[kept++] = pair[k];
+    }
+    return kept;
+}
+
 static size_t count_leaves(const uint64_t *pair, size_t count) {
     size_t leaves = 0;
     for (size_t i = 0; i < count; i++) leaves += i == 0 || pair[i] >> 32 != pair[i - 1] >> 32;
@@ -249,6 +262,7 @@ static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_err
             at += b->chunk[i].count;
         }
         sort_pairs(&pair, &spare, count, 3 * b->octree->depth);
+        count = drop_dark_cells(b->space.scene, pair, count);
         status = sl_octree_allocate_leaves(b->octree, count_leaves(pair, count), count, error);
     }
     if (status == SL_OK) {
@@ -267,6 +281,20 @@ static void set_root(sl_octree *octree, const sl_scene *scene) {
     if (!(edge > 0.0 && edge < 1e300)) edge = 1.0; /* no triangles */
     octree->edge = edge * (1.0 + 1e-4);
     octree->origin = sl_subd(sl_scaled(sl_addd(low, high), 0.5), sl_scaled(sl_v3d(1.0, 1.0, 1.0), 0.5 * octree->edge));
+}
+
+static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {
+    size_t dark = 0;
+    for (size_t i = 0; i < scene->triangle_count; i++) dark += !sl_takes_photons(&scene->materials[scene->material_index[i]]);
+    if (dark == 0) return SL_OK;
+    bool all = octree->share == NULL;
+    if (all) octree->share = sl_allocate(scene->triangle_count, sizeof *octree->share);
+    if (!octree->share) return sl_fail_memory(error, "the octree");
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        if (!sl_takes_photons(&scene->materials[scene->material_index[i]])) octree->share[i] = 0.0f;
+        else if (all) octree->share[i] = 1.0f;
+    }
+    return SL_OK;
 }
 
 sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **result, sl_error *error) {
@@ -288,6 +316,7 @@ sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsi
         threads = sl_thread_count(threads);
         sl_parallel_for(threads, chunks, visit_chunk, &b);
         status = sl_coplanar_shares(scene, threads, &octree->share, error);
+        if (status == SL_OK) status = drop_dark_shares(octree, scene, error);
         if (status == SL_OK) status = make_leaves(&b, chunks, threads, error);
         for (size_t i = 0; i < chunks; i++) free(b.chunk[i].pair);
     }

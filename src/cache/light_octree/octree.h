@@ -1,5 +1,7 @@
 /* The octree over the scene's geometry (section 2.8): a cell is split while it meets a triangle, down to a depth; leaves in Morton
- * order. A shallower octree is a cut of a deeper one.
+ * order. A shallower octree is a cut of a deeper one. There are leaves where a surface reflects diffusely or glossily: black ones (most lamps) and
+ * mirrors ask for no light, and photons there would only bleed onto what is near. They are in those leaves' lists nevertheless, since
+ * they may hide others.
  *
  * Boxes are closed, and wider by what rounding to float may have moved a vertex: every point of a surface, worked out in float, lies in a
  * leaf. */
@@ -21,6 +23,11 @@ typedef struct sl_octree_leaf {
 
 enum { SL_OCTREE_DEPTH_MAX = 10 };
 
+/* Where photons are stored. */
+static inline bool sl_takes_photons(const sl_material *m) {
+    return !sl_material_is_mirror(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m));
+}
+
 typedef struct sl_octree {
     int depth;
     sl_vec3d origin;        /* lower corner of the root cube: the scene's box made cubic and enlarged by 1e-4 */
@@ -28,7 +35,7 @@ typedef struct sl_octree {
     size_t leaf_count;
     sl_octree_leaf *leaf;
     sl_vec3 *area_vector;   /* of each leaf: sum area n, for cuts */
-    float *share;           /* of each of the scene's triangles: which share of its area counts (coplanar.h); NULL: all of it, and in cuts */
+    float *share;           /* of each of the scene's triangles: which share of its area counts, 0 where no photon is stored (and coplanar.h); NULL: all of it, and in cuts */
     size_t triangle_count;
     uint32_t *triangle;     /* leaf by leaf, ascending in each; empty (counts 0) in cuts */
 } sl_octree;

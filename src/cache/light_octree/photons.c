@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "cache/light_octree/octree.h"
 #include "cache/light_octree/photon_emission.h"
 #include "trace/bsdf.h"
 
@@ -236,8 +237,9 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     sl_scene_surface(job->scene, triangle, w1, w2, to_light, &surface);
     if (!sl_is_finite(surface.position)) return false;
     if (!sl_material_is_mirror(surface.material)) {
-        if (is_stored(job->store, bounces, p->mirrors_alone)) store_photon(r, path, p, p->flux, bounces, &surface);
-        else if (sl_rgb_max(p->sky_share) > 0.0f) store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
+        bool wanted = sl_takes_photons(surface.material);
+        if (wanted && is_stored(job->store, bounces, p->mirrors_alone)) store_photon(r, path, p, p->flux, bounces, &surface);
+        else if (wanted && sl_rgb_max(p->sky_share) > 0.0f) store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
         if (job->store == SL_STORE_CAUSTIC) return false;
         p->mirrors_alone = false;
     }
@@ -387,7 +389,7 @@ static bool can_store(const sl_scene *scene, const sl_photon_options *options) {
         const sl_material *m = &scene->materials[i];
         bool mirror = sl_material_is_mirror(m);
         mirrors |= mirror;
-        accepts |= !mirror;
+        accepts |= sl_takes_photons(m);
         reflects |= mirror || sl_material_is_diffuse(m) || sl_material_is_glossy(m);
     }
     return scene->triangle_count > 0 && accepts &&

@@ -133,11 +133,16 @@ static inline lanes trilinear(const point_lanes *p, int corner) {
     return x * y * z;
 }
 
-/* (n . n_v)+; 1 where there is no normal. */
+/* (n . n_v)+, of a split voxel that of the group that the point takes; 1 where there is no normal. */
 static inline lanes facing_factor(const point_lanes *p, const sl_shade_corner *corner) {
     const sl_vec3 n = corner->set[0].normal;
-    if (corner->sets > 1 || (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f)) return p->tx * 0.0f + 1.0f;
-    return positive(cosine_to(p, &corner->set[0]));
+    if (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f) return p->tx * 0.0f + 1.0f;
+    lanes nearest = cosine_to(p, &corner->set[0]);
+    for (int k = 1; k < corner->sets; k++) {
+        lanes cosine = cosine_to(p, &corner->set[k]);
+        nearest = choose(cosine > nearest, cosine, nearest);
+    }
+    return positive(nearest);
 }
 
 /* The voxel that the point itself lies in. */

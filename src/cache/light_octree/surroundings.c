@@ -47,6 +47,9 @@ static bool is_small(const sl_surroundings *s, sl_vec3d a, sl_vec3d b, sl_vec3d 
     return sl_dotd(ab, ab) <= limit && sl_dotd(bc, bc) <= limit && sl_dotd(ca, ca) <= limit;
 }
 
+/* No photon is stored on it, and none on what it lies on. */
+static bool hides(const sl_surroundings *s, uint32_t t) { return !sl_takes_photons(&s->scene->materials[s->scene->material_index[t]]); }
+
 static void put_surfel(sl_surroundings *s, size_t at, uint32_t triangle, sl_vec3 centre, double area) {
     sl_vec3 n = sl_scene_geometric_normal(s->scene, triangle);
     double share = s->octree->share ? (double)s->octree->share[triangle] : 1.0;
@@ -63,7 +66,7 @@ static void sort_leaf(const surfel_task *task, size_t index) {
     for (uint32_t i = 0; i < leaf->triangle_count; i++) {
         uint32_t t = s->octree->triangle[leaf->first_triangle + i];
         sl_vec3d a = corner_of(s, 0, t), b = corner_of(s, 1, t), c = corner_of(s, 2, t);
-        if (!is_small(s, a, b, c)) {
+        if (!is_small(s, a, b, c) || hides(s, t)) {
             if (task->fill) s->large[s->first_large[index] + large] = t;
             large++;
             continue;
@@ -167,6 +170,7 @@ typedef struct search {
     sl_surfel_query small;
     sl_surroundings_marks *marks;
     sl_surfel_sums sums;     /* heights are those of the triangles' planes above the centre */
+    double hidden[2];        /* of the disc, by what no photon is stored on: in front, behind */
 } search;
 
 /* delta^2, about the centre. */
@@ -202,10 +206,15 @@ static void visit_triangle(search *q, uint32_t t) {
     double cosine = sl_dotd(n, q->e->normal);
     if (q->has_normal && fabs(cosine) < q->least_cosine) return;
     double share = q->s->octree->share ? (double)q->s->octree->share[t] : 1.0;
-    if (!(share > 0.0)) return;
+    bool hiding = share == 0.0 && q->has_normal && hides(q->s, t);
+    if (!(share > 0.0) && !hiding) return;
     sl_vec3d a = sl_subd(corner_of(q->s, 0, t), q->e->centre), b = sl_subd(corner_of(q->s, 1, t), q->e->centre),
              c = sl_subd(corner_of(q->s, 2, t), q->e->centre);
     if (misses(q, a, b, c, n, cosine)) return;
+    if (hiding) {
+        q->hidden[cosine < 0.0] += fabs(cosine) * area_inside(q, a, b, c);
+        return;
+    }
     double area = share * area_inside(q, a, b, c);
     if (!(area > 0.0)) return;
     double height = q->has_normal ? sl_dotd(n, a) / cosine : 0.0;
@@ -269,10 +278,10 @@ static double extent(const sl_ellipsoid *e, double cosine) {
 }
 
 /* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor below its boards, and photons
- * met but one of them. */
-static double one_layer(const sl_ellipsoid *e, double area, double flat) {
-    double disc = sl_disc_area(e);
-    return flat > disc ? area * (disc / flat) : area;
+ * met but one of them; of a ceiling with a black lamp on it, what the lamp leaves free. */
+static double one_layer(const sl_ellipsoid *e, double area, double flat, double hidden) {
+    double disc = sl_disc_area(e), least = 0.01 * disc, free = disc - hidden > least ? disc - hidden : least;
+    return flat > free ? area * (free / flat) : area;
 }
 
 sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine, sl_surroundings_marks *marks) {
@@ -298,8 +307,8 @@ sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid
     bool both = front > 0.1 * back && back > 0.1 * front;
     bool sheet = !both || fabs(q.sums.front_height / front - q.sums.back_height / back) < 1e-3 * e->radius;
     if (q.has_normal) {
-        front = one_layer(e, front, q.sums.front_flat);
-        back = one_layer(e, back, q.sums.back_flat);
+        front = one_layer(e, front, q.sums.front_flat, q.hidden[0]);
+        back = one_layer(e, back, q.sums.back_flat, q.hidden[1]);
     }
     return (sl_strewn_area){front, back, sheet};
 }
