@@ -18,13 +18,17 @@
 
 #include "cache/multi_mesh/topology.h"
 
-enum { SL_MESH_DEPTH_MAX = 12, SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX /* what barycentrics of vertices are multiples of 1/ of */ };
+enum {
+    SL_MESH_DEPTH_MAX = 12,
+    SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX, /* what barycentrics of vertices are multiples of 1/ of */
+    SL_MESH_SLIVER = 20
+};
 
 typedef enum sl_vertex_state {
     SL_VERTEX_UNKNOWN,
     SL_VERTEX_REQUESTED, /* someone is about to sample it */
     SL_VERTEX_KNOWN,
-    SL_VERTEX_INVALID    /* sampled, and of no use (inside other geometry, not finite): its neighbours' mean stands in */
+    SL_VERTEX_INVALID    /* sampled, and of no use (inside other geometry, not finite): in each leaf the mean of the leaf's known corners stands in */
 } sl_vertex_state;
 
 /* Edge states, two bits each in flags: edge i is opposite to corner i. */
@@ -77,12 +81,19 @@ typedef struct sl_mesh {
 sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh, sl_error *error);
 void sl_mesh_destroy(sl_mesh *mesh);
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh);
+/* No roots, nodes and vertices any more; the memory stays for the next ones. */
+void sl_mesh_clear(sl_mesh *mesh);
 
 /* The face's root, made if there is none yet; its vertices are UNKNOWN if they are new. SL_NO_INDEX with *status where memory ends. */
 uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error);
 static inline bool sl_mesh_is_leaf(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].child == SL_NO_INDEX; }
 static inline int sl_mesh_children(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].flags & SL_NODE_BISECTED ? 2 : 4; }
 static inline uint32_t sl_mesh_parent(const sl_mesh *mesh, uint32_t node) { return mesh->parent[node / 4]; }
+/* Whether a number below node_count is a node as the mesh stands, not one of a block that is free or not full: for loops over all of them. */
+static inline bool sl_mesh_is_used(const sl_mesh *mesh, uint32_t node) {
+    uint32_t parent = sl_mesh_parent(mesh, node), in_block = node % 4;
+    return parent != SL_NO_INDEX ? in_block < (uint32_t)sl_mesh_children(mesh, parent) : in_block == 0 && mesh->root_face[node / 4] != SL_NO_INDEX;
+}
 
 /* A node with where it lies: what walks hand on, so that nodes need not hold it. Corner i's weights of the face's corners 1 and 2 are
  * p[i], q[i] in 1/SL_MESH_DYADIC. */
@@ -96,7 +107,12 @@ sl_mesh_place sl_mesh_child_place(const sl_mesh *mesh, const sl_mesh_place *pare
 /* From any node, upwards and down again. */
 sl_mesh_place sl_mesh_place_of(const sl_mesh *mesh, uint32_t node);
 /* The leaf that holds a point, and the point's weights of the leaf's own corners 1 and 2. SL_NO_INDEX in node: the face has no root. */
+/* Points on borders belong to the lower child; weights outside the face are first moved onto it (NaN: 0). */
 sl_mesh_place sl_mesh_locate(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *leaf_w1, float *leaf_w2);
+/* One step of that: the child (0 to 3) of a split node in which the point of the face lies. */
+int sl_mesh_child_at(const sl_mesh *mesh, const sl_mesh_place *place, float w1, float w2);
+/* A point's weights of a node's own corners 1 and 2, from those of the face's. Not rounded but at the end. */
+void sl_mesh_weights_within(const sl_mesh_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2);
 
 /* The vertex in the middle of edge i of a node; made if there is none (UNKNOWN). SL_NO_INDEX: memory ended, or the depth is reached. */
 uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_status *status, sl_error *error);
@@ -105,8 +121,9 @@ uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, in
 /* A vertex by a place within a face (weights in 1/SL_MESH_DYADIC), made if there is none. */
 uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q, sl_status *status, sl_error *error);
 
-/* Cuts a leaf in four (a sliver in two); children are leaves with all edges untested, but for the halves of closed edges, which are not tested
- * again: state CLOSED. Fails at max_depth (SL_OK and nothing done: the node stays a leaf). Node pointers move. */
+/* Cuts a leaf in four (a sliver, longer than SL_MESH_SLIVER times its height, in two); children are leaves with all edges untested, but for what is
+ * left of closed edges, which are not tested again: state CLOSED. At max_depth, and where a child would have no area (coordinates end, the triangle
+ * is degenerate), it returns SL_OK with nothing done: the node stays a leaf. Node pointers move. */
 sl_status sl_mesh_split(sl_mesh *mesh, const sl_mesh_place *place, sl_error *error);
 /* Children that are all leaves go; vertices and their values stay. */
 void sl_mesh_collapse(sl_mesh *mesh, uint32_t node);
@@ -127,7 +144,8 @@ void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, double share, sl
 /* The value at a point of a leaf (weights of its corners 1 and 2), `channels` floats. Linear between corners where no edge has a known middle;
  * else a fan around the leaf's centre: with b the smallest of the three weights, the point lies s = 1 - 3 b of the way from the centre to a
  * point of the edge opposite to that corner, and value = (1 - s) mean of the corners + s value on the edge, which is piecewise linear
- * between its known vertices. hanging: false ignores them. Corners that are not known yet: false, and nothing is written. */
+ * between its known vertices. hanging: false ignores them. Where a corner is not known yet, or all are invalid: false, and nothing is
+ * written. */
 bool sl_mesh_interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, float w1, float w2, bool hanging, float *value);
 /* The same for many points of one leaf: the known vertices on its edges are looked up once (SL_FAN_LEVELS halvings deep, on either side of an
  * edge alike). */

@@ -16,19 +16,34 @@ typedef struct sl_topology {
     size_t site_count;
     uint32_t *site[3];           /* by face: the sites of its triangle's corners 0, 1, 2 (in the triangle's order on both sides) */
     sl_vec3 *site_position, *site_normal; /* normals unit, on the face's side */
+    uint32_t *site_face;         /* the lowest face that has it */
+    uint8_t *site_shared;        /* whether others have it too */
     uint8_t *degenerate;         /* by triangle: of no area (below 1e-12 of the scene's diagonal squared): receives nothing, hides light all the same */
     uint8_t *solid;              /* by triangle: 0; or part of a closed, consistently wound surface that has no light inside, and its inner side is the
                                     front (1) or the back (2). Nobody sees that side unless from inside */
     /* Faces along an edge, whose two ends are sites: those of edge e are edge_face[edge_start[e] .. edge_start[e + 1]). */
     uint32_t *edge[3];           /* by face: the edge opposite to corner 0, 1, 2 */
     size_t edge_count;
-    uint32_t *edge_start, *edge_face;
+    uint32_t *edge_start, *edge_face; /* faces ascending */
+    uint32_t *site_edge_start, *edge_high; /* edges are in the order of their lower, then higher site: those with lower site s are
+                                              site_edge_start[s] .. site_edge_start[s + 1), and the other end of e is edge_high[e] */
+    /* The solids, and which of them a triangle is part of (or SL_NO_INDEX). */
+    size_t body_count;
+    uint32_t *body;
+    sl_vec3 *body_low, *body_high; /* bounding boxes */
 } sl_topology;
 
 /* by_exponent: sites of materials with different exponents are apart (radiance of lobes depends on them). The scene must outlive it. */
 sl_status sl_topology_create(const sl_scene *scene, bool by_exponent, sl_topology **topology, sl_error *error);
 void sl_topology_destroy(sl_topology *topology);
 size_t sl_topology_memory_bytes(const sl_topology *topology);
+/* The edge between sites low < high, or SL_NO_INDEX. */
+uint32_t sl_topology_find_edge(const sl_topology *topology, uint32_t low, uint32_t high);
+/* The unit geometric normal on a face's side. */
+static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
+    sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
+    return face & 1u ? sl_v3(-n.x, -n.y, -n.z) : n;
+}
 
 /* Whether a point lies inside a solid (a table leg's end on the floor): light there is nobody's, and would darken what is around it. Not for
  * points on the solid's own surface. */

@@ -1,0 +1,114 @@
+/* Values between vertices: linear, or where vertices hang on a leaf's edges a fan around the leaf's centre, so that both sides of an edge have the same
+ * values along it. Differences are added to a corner's value, so that what is constant stays so in every bit. */
+#include <math.h>
+#include <string.h>
+
+#include "cache/multi_mesh/mesh.h"
+
+typedef struct edge_end {
+    int at;       /* in 1/2^SL_FAN_LEVELS of the edge */
+    int p, q;     /* weights in 1/SL_MESH_DYADIC */
+} edge_end;
+
+/* The values of the leaf's corners; the mean of the known ones at those that are of no use. */
+static bool read_corners(const sl_mesh *mesh, const sl_mesh_place *leaf, sl_mesh_fan *fan) {
+    const uint32_t *vertex = mesh->node[leaf->node].vertex;
+    int known = 0;
+    float sum[3] = {0.0f, 0.0f, 0.0f};
+    for (int c = 0; c < 3; c++) {
+        if (mesh->state[vertex[c]] == SL_VERTEX_INVALID) continue;
+        if (mesh->state[vertex[c]] != SL_VERTEX_KNOWN) return false;
+        known++;
+        for (int i = 0; i < mesh->channels; i++) sum[i] += fan->corner[c][i] = mesh->value[(size_t)vertex[c] * (size_t)mesh->channels + (size_t)i];
+    }
+    if (known == 0) return false;
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < mesh->channels && mesh->state[vertex[c]] == SL_VERTEX_INVALID; i++) fan->corner[c][i] = sum[i] / (float)known;
+    return true;
+}
+
+static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {
+    int n = fan->points[edge]++;
+    fan->along[edge][n] = (float)at / (float)(SL_FAN_EDGE - 1);
+    for (int i = 0; i < fan->channels; i++) fan->on_edge[edge][n][i] = value[i];
+}
+
+/* The known vertices between two points of an edge, in order. Halves are looked at only where the middle is known, so both of an edge's sides find
+ * the same ones. */
+static void walk_edge(const sl_mesh *mesh, uint32_t face, int edge, edge_end from, edge_end to, sl_mesh_fan *fan) {
+    int p = from.p + to.p, q = from.q + to.q;
+    if (to.at - from.at < 2 || (p | q) % 2 != 0) return;
+    edge_end half = {(from.at + to.at) / 2, p / 2, q / 2};
+    sl_mesh_place place = {.face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
+    uint32_t vertex = sl_mesh_find_middle(mesh, &place, 0);
+    if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return;
+    walk_edge(mesh, face, edge, from, half, fan);
+    append(fan, edge, half.at, &mesh->value[(size_t)vertex * (size_t)mesh->channels]);
+    walk_edge(mesh, face, edge, half, to, fan);
+    fan->hanging = true;
+}
+
+bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hanging, sl_mesh_fan *fan) {
+    fan->channels = mesh->channels;
+    fan->hanging = false;
+    if (!read_corners(mesh, leaf, fan)) return false;
+    for (int i = 0; i < fan->channels; i++) {
+        float first = fan->corner[0][i];
+        fan->centre[i] = first + ((fan->corner[1][i] - first) + (fan->corner[2][i] - first)) * (1.0f / 3.0f);
+    }
+    for (int edge = 0; edge < 3; edge++) {
+        int j = (edge + 1) % 3, k = (edge + 2) % 3;
+        fan->points[edge] = 0;
+        append(fan, edge, 0, fan->corner[j]);
+        if (hanging) walk_edge(mesh, leaf->face, edge, (edge_end){0, leaf->p[j], leaf->q[j]}, (edge_end){SL_FAN_EDGE - 1, leaf->p[k], leaf->q[k]}, fan);
+        append(fan, edge, SL_FAN_EDGE - 1, fan->corner[k]);
+    }
+    return true;
+}
+
+static float clamp01(float x) { return x > 0.0f ? fminf(x, 1.0f) : 0.0f; }
+
+/* Piecewise linear between an edge's vertices, t from the first one. */
+static void edge_value(const sl_mesh_fan *fan, int edge, float t, float *value) {
+    const float *along = fan->along[edge];
+    int low = 0, high = fan->points[edge] - 1;
+    while (high - low > 1) {
+        int half = (low + high) / 2;
+        if (along[half] <= t) low = half;
+        else high = half;
+    }
+    float s = (t - along[low]) / (along[high] - along[low]);
+    for (int i = 0; i < fan->channels; i++) {
+        float a = fan->on_edge[edge][low][i], b = fan->on_edge[edge][high][i];
+        value[i] = s <= 0.5f ? a + s * (b - a) : b + (1.0f - s) * (a - b); /* exact at both ends */
+    }
+}
+
+void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
+    w1 = clamp01(w1);
+    w2 = clamp01(w2);
+    float w[3] = {clamp01(1.0f - w1 - w2), w1, w2};
+    if (!fan->hanging) {
+        for (int i = 0; i < fan->channels; i++)
+            value[i] = fan->corner[0][i] + (w1 * (fan->corner[1][i] - fan->corner[0][i]) + w2 * (fan->corner[2][i] - fan->corner[0][i]));
+        return;
+    }
+    int edge = w[0] <= w[1] && w[0] <= w[2] ? 0 : w[1] <= w[2] ? 1 : 2;
+    float least = w[edge], s = clamp01(1.0f - 3.0f * least), on_edge[3];
+    float first = w[(edge + 1) % 3] - least, second = w[(edge + 2) % 3] - least, sum = first + second;
+    edge_value(fan, edge, sum > 0.0f ? clamp01(second / sum) : 0.0f, on_edge);
+    for (int i = 0; i < fan->channels; i++) value[i] = fan->centre[i] + s * (on_edge[i] - fan->centre[i]);
+}
+
+bool sl_mesh_interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, float w1, float w2, bool hanging, float *value) {
+    sl_mesh_fan fan;
+    if (!sl_mesh_fan_make(mesh, leaf, hanging, &fan)) return false;
+    sl_mesh_fan_value(&fan, w1, w2, value);
+    return true;
+}
+
+bool sl_mesh_value(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *value) {
+    float leaf_w1, leaf_w2;
+    sl_mesh_place leaf = sl_mesh_locate(mesh, face, w1, w2, &leaf_w1, &leaf_w2);
+    return leaf.node != SL_NO_INDEX && sl_mesh_interpolate(mesh, &leaf, leaf_w1, leaf_w2, true, value);
+}
