@@ -1,0 +1,79 @@
+/* Indirect light before there is a coarse mesh: mean reflectance x power of all lights / area of all surfaces. In a closed cavity of one reflectance that is
+ * what one bounce brings on the average, and in a sphere what it brings everywhere. */
+#include "base/math.h"
+#include "cache/multi_mesh/gather.h"
+
+typedef struct rgbd {
+    double r, g, b;
+} rgbd;
+
+static void add(rgbd *sum, sl_rgb colour, double scale) {
+    if (!sl_rgb_is_finite(colour) || !(scale > 0.0 && scale < 1e300)) return;
+    sum->r += scale * (double)colour.r;
+    sum->g += scale * (double)colour.g;
+    sum->b += scale * (double)colour.b;
+}
+
+static double area_of(const sl_scene *s, size_t triangle) {
+    sl_vec3d p[3];
+    for (int k = 0; k < 3; k++) p[k] = sl_to_double(sl_scene_position(s, s->vertex[k][triangle]));
+    return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
+}
+
+/* The integral of k_d over all surfaces; texture at the middles of four equal parts of each triangle. */
+static rgbd reflecting_area(const sl_scene *scene, double *area) {
+    static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f}, {1.0f / 6.0f, 1.0f / 6.0f}, {2.0f / 3.0f, 1.0f / 6.0f}, {1.0f / 6.0f, 2.0f / 3.0f}};
+    rgbd sum = {0.0, 0.0, 0.0};
+    *area = 0.0;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        double a = area_of(scene, t);
+        *area += a;
+        for (int k = 0; k < 4; k++) add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
+    }
+    return sum;
+}
+
+/* What a light sends into the scene: of sunlight, what falls on the scene's box. */
+static double solid_angle_or_area(const sl_scene *scene, const sl_light *light) {
+    if (light->type == SL_LIGHT_POINT) return 4.0 * SL_PI;
+    if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */
+        return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
+    }
+    sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min)), d = sl_to_double(light->direction);
+    return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
+}
+
+static rgbd power_of_lights(const sl_scene *scene) {
+    rgbd power = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        const sl_emitter *e = &scene->emitters[i];
+        add(&power, e->radiance, SL_PI * (double)e->area * (e->two_sided ? 2.0 : 1.0));
+    }
+    for (size_t i = 0; i < scene->light_count; i++) add(&power, scene->lights[i].intensity, solid_angle_or_area(scene, &scene->lights[i]));
+    return power;
+}
+
+/* The environment shows in gathers itself: its mean over all directions, as if nothing stood before it. */
+static rgbd environment_irradiance(const sl_environment *e) {
+    rgbd sum = {0.0, 0.0, 0.0};
+    if (!e->present) return sum;
+    if (e->width <= 0) add(&sum, e->constant, SL_PI);
+    for (int row = 0; row < e->height && e->width > 0; row++) {
+        double share = 0.5 * (sl_cos(SL_PI * row / e->height) - sl_cos(SL_PI * (row + 1) / e->height)) / e->width; /* of a texel */
+        for (int column = 0; column < e->width; column++) {
+            const float *t = e->texels + 3 * ((size_t)row * (size_t)e->width + (size_t)column);
+            add(&sum, (sl_rgb){t[0], t[1], t[2]}, SL_PI * share);
+        }
+    }
+    return sum;
+}
+
+sl_rgb sl_ambient_irradiance(const sl_scene *scene) {
+    double area;
+    rgbd reflecting = reflecting_area(scene, &area), power = power_of_lights(scene), sky = environment_irradiance(&scene->environment);
+    double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
+    double e[3] = {reflecting.r * over * power.r * over + sky.r, reflecting.g * over * power.g * over + sky.g,
+                   reflecting.b * over * power.b * over + sky.b};
+    for (int k = 0; k < 3; k++) e[k] = e[k] > 0.0 && e[k] < 1e37 ? e[k] : 0.0;
+    return (sl_rgb){(float)e[0], (float)e[1], (float)e[2]};
+}

@@ -1,0 +1,205 @@
+/* The coarse mesh: which faces it has, how finely they are cut, and its vertices, each listed once. */
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/multi_mesh/coarse_tables.h"
+
+/* ---- what is to be sampled --------------------------------------------------------------------------------------------------- */
+
+/* Can light that leaves this face be seen, and does any leave it? */
+static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32_t face) {
+    uint32_t triangle = face / 2;
+    if (topology->degenerate[triangle]) return false;
+    if (topology->solid[triangle] && face % 2 == (topology->solid[triangle] == 1 ? 0u : 1u)) return false;
+    return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
+}
+
+static double longest_edge(const sl_scene *scene, uint32_t triangle) {
+    double longest = 0.0;
+    for (int k = 0; k < 3; k++) {
+        sl_vec3 a = sl_scene_position(scene, scene->vertex[k][triangle]), b = sl_scene_position(scene, scene->vertex[(k + 1) % 3][triangle]);
+        double length = sl_lengthd(sl_subd(sl_to_double(b), sl_to_double(a)));
+        if (length > longest) longest = length;
+    }
+    return longest;
+}
+
+static uint8_t level_of(const sl_scene *scene, uint32_t triangle, const sl_coarse_settings *settings) {
+    double length = longest_edge(scene, triangle);
+    int level = 0;
+    for (; level < settings->depth && length > (double)settings->edge; level++) length *= 0.5;
+    return (uint8_t)level;
+}
+
+static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
+    for (uint32_t face = 0; face < c->topology->face_count; face++) {
+        c->level[face] = SL_COARSE_ABSENT;
+        if (!is_wanted(c->scene, c->topology, face)) continue;
+        uint8_t level = c->level[face] = level_of(c->scene, face / 2, settings);
+        for (int k = 0; k < 3; k++) {
+            uint8_t *along = &c->edge_level[c->topology->edge[k][face]];
+            if (level > *along) *along = level;
+        }
+    }
+}
+
+/* ---- vertices ------------------------------------------------------------------------------------------------------------------ */
+
+/* The k-th of n equal steps from the first to the second end of the edge opposite to a face's corner; on the edge, steps count from its lower site. */
+static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, int k, int n) {
+    const sl_topology *t = c->topology;
+    uint32_t edge = t->edge[corner][face];
+    bool forwards = t->site[(corner + 1) % 3][face] <= t->site[(corner + 2) % 3][face];
+    int steps = forwards ? k : n - k, finer = c->edge_level[edge] - c->level[face];
+    return c->edge_vertex[edge] + (uint32_t)(steps << finer) - 1;
+}
+
+uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int j) {
+    int n = c->face[face].rows, h = n - i - j;
+    if (h == n) return c->site_vertex[c->topology->site[0][face]];
+    if (i == n) return c->site_vertex[c->topology->site[1][face]];
+    if (j == n) return c->site_vertex[c->topology->site[2][face]];
+    if (h == 0) return vertex_on_edge(c, face, 0, j, n);
+    if (i == 0) return vertex_on_edge(c, face, 1, h, n);
+    if (j == 0) return vertex_on_edge(c, face, 2, i, n);
+    return c->inner_vertex[face] + (uint32_t)((j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1);
+}
+
+/* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest faces along it: coarser ones use every second
+ * of them, every fourth, ... */
+static size_t number_vertices(sl_coarse *c) {
+    const sl_topology *t = c->topology;
+    size_t count = 0;
+    for (size_t s = 0; s < t->site_count; s++) c->site_vertex[s] = SL_NO_INDEX;
+    for (size_t e = 0; e < t->edge_count; e++) c->edge_vertex[e] = SL_NO_INDEX;
+    for (uint32_t face = 0; face < t->face_count; face++) {
+        if (c->level[face] == SL_COARSE_ABSENT) continue;
+        size_t n = (size_t)1 << c->level[face];
+        for (int k = 0; k < 3; k++) {
+            uint32_t *vertex = &c->site_vertex[t->site[k][face]];
+            if (*vertex == SL_NO_INDEX) *vertex = (uint32_t)count++;
+        }
+        for (int k = 0; k < 3; k++) {
+            uint32_t edge = t->edge[k][face], *vertex = &c->edge_vertex[edge];
+            if (c->level[face] < c->edge_level[edge] || *vertex != SL_NO_INDEX) continue;
+            *vertex = (uint32_t)count;
+            count += n - 1;
+        }
+        c->inner_vertex[face] = (uint32_t)count;
+        count += (n - 1) * (n - 2) / 2;
+        if (count >= SL_NO_INDEX) return SIZE_MAX;
+    }
+    return count;
+}
+
+/* Each vertex by the first of the finest faces that have it. */
+static void place_vertices(sl_coarse *c) {
+    for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].face = SL_NO_INDEX;
+    for (uint32_t face = 0; face < c->topology->face_count; face++) {
+        if (c->level[face] == SL_COARSE_ABSENT) continue;
+        int n = c->face[face].rows, step = SL_MESH_DYADIC / n;
+        for (int j = 0; j <= n; j++) {
+            for (int i = 0; i <= n - j; i++) {
+                sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
+                if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) continue;
+                *vertex = (sl_coarse_vertex){face, (uint16_t)(i * step), (uint16_t)(j * step), c->level[face]};
+            }
+        }
+    }
+}
+
+/* ---- making it ------------------------------------------------------------------------------------------------------------------ */
+
+/* After those that stand for absent faces and for nothing. */
+static size_t number_triangles(sl_coarse *c) {
+    size_t count = SL_COARSE_FIRST;
+    for (size_t face = 0; face < c->topology->face_count; face++) {
+        bool absent = c->level[face] == SL_COARSE_ABSENT;
+        int rows = absent ? 1 : 1 << c->level[face];
+        c->face[face] = (sl_coarse_face){absent ? SL_COARSE_BLACK : (int32_t)count, rows};
+        if (!absent) count += (size_t)rows * (size_t)rows;
+        if (count > (size_t)INT32_MAX / SL_COARSE_FLOATS) return SIZE_MAX; /* kernels index floats by int32_t */
+    }
+    for (size_t side = 0; side < 2; side++) c->face[c->topology->face_count + side] = (sl_coarse_face){SL_COARSE_NOTHING, 1};
+    return count;
+}
+
+/* A constant environment is a colour like others. One that is a picture is looked up by direction. */
+static void colour_nothing(sl_coarse *c) {
+    const sl_environment *e = &c->scene->environment;
+    if (!e->present || e->width > 0 || !sl_rgb_is_finite(e->constant)) return;
+    float *colour = c->colour + SL_COARSE_NOTHING * SL_COARSE_FLOATS;
+    colour[0] = e->constant.r;
+    colour[1] = e->constant.g;
+    colour[2] = e->constant.b;
+}
+
+static bool allocate_faces(sl_coarse *c) {
+    const sl_topology *t = c->topology;
+    c->level = sl_allocate(t->face_count, sizeof *c->level);
+    c->edge_level = sl_allocate(t->edge_count, sizeof *c->edge_level);
+    c->site_vertex = sl_allocate(t->site_count, sizeof *c->site_vertex);
+    c->edge_vertex = sl_allocate(t->edge_count, sizeof *c->edge_vertex);
+    c->inner_vertex = sl_allocate(t->face_count, sizeof *c->inner_vertex);
+    c->face = sl_allocate(t->face_count + 2, sizeof *c->face);
+    c->block_brightest = sl_allocate(t->face_count / SL_COARSE_BLOCK + 1, sizeof *c->block_brightest);
+    return c->level && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex && c->face && c->block_brightest;
+}
+
+static bool allocate_values(sl_coarse *c) {
+    c->vertex = sl_allocate(c->vertex_count, sizeof *c->vertex);
+    c->value = sl_allocate(c->vertex_count, sizeof *c->value);
+    c->valid = sl_allocate(c->vertex_count, sizeof *c->valid);
+    c->reflectance = sl_allocate(c->triangle_count, sizeof *c->reflectance);
+    c->colour = sl_allocate(c->triangle_count, SL_COARSE_FLOATS * sizeof *c->colour);
+    return c->vertex && c->value && c->valid && c->reflectance && c->colour;
+}
+
+static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
+    if (settings->depth < 0 || settings->depth > SL_MESH_DEPTH_MAX || !(settings->edge >= 0.0f)) {
+        return sl_fail(error, SL_ERROR_USAGE, "coarse mesh: depth must be 0 to %d and edge not negative", SL_MESH_DEPTH_MAX);
+    }
+    if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
+    choose_levels(c, settings);
+    c->vertex_count = number_vertices(c);
+    c->triangle_count = number_triangles(c);
+    if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "the coarse mesh has too many triangles: raise its edge or lower its depth");
+    }
+    if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
+    place_vertices(c);
+    colour_nothing(c);
+    return SL_OK;
+}
+
+sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, const sl_coarse_settings *settings, sl_coarse **coarse,
+                           sl_error *error) {
+    *coarse = NULL;
+    sl_coarse *c = sl_allocate(1, sizeof *c);
+    if (!c) return sl_fail_memory(error, "the coarse mesh");
+    c->scene = scene;
+    c->topology = topology;
+    sl_status status = make(c, settings, error);
+    if (status == SL_OK) *coarse = c;
+    else sl_coarse_destroy(c);
+    return status;
+}
+
+void sl_coarse_destroy(sl_coarse *c) {
+    if (!c) return;
+    void *blocks[] = {c->level, c->edge_level, c->site_vertex, c->edge_vertex, c->inner_vertex, c->vertex, c->value, c->valid,
+                      c->face,  c->reflectance, c->colour,     c->block_brightest};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
+    sl_free(c);
+}
+
+size_t sl_coarse_memory_bytes(const sl_coarse *c) {
+    const sl_topology *t = c->topology;
+    size_t by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face, by_edge = sizeof *c->edge_level + sizeof *c->edge_vertex;
+    size_t by_vertex = sizeof *c->vertex + sizeof *c->value + sizeof *c->valid;
+    size_t by_triangle = sizeof *c->reflectance + SL_COARSE_FLOATS * sizeof *c->colour;
+    return sizeof *c + t->face_count * by_face + t->edge_count * by_edge + t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
+           c->triangle_count * by_triangle;
+}
+
+size_t sl_coarse_vertex_count(const sl_coarse *c) { return c->vertex_count; }
+const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *c) { return c->vertex; }

@@ -1,0 +1,143 @@
+/* The coarse mesh's colours: what bounces off it, k_d(x') U_dd(x'). The paper's equation (7) lacks k_d(x'), without which no colour would bleed and
+ * indirect light would be too bright by 1 / k_d. */
+#include "base/parallel.h"
+#include "cache/multi_mesh/coarse_tables.h"
+
+static const float VALUE_MAX = 1e30f; /* products and sums of N^2 of them stay finite when scaled by weights */
+
+static float sane(float value) { return value > 0.0f ? (value < VALUE_MAX ? value : VALUE_MAX) : 0.0f; }
+
+void sl_coarse_set(sl_coarse *c, size_t vertex, sl_rgb value) {
+    c->valid[vertex] = sl_rgb_is_finite(value);
+    c->value[vertex] = c->valid[vertex] ? (sl_rgb){sane(value.r), sane(value.g), sane(value.b)} : sl_grey(0.0f);
+}
+
+sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) { return c->value[vertex]; }
+
+/* ---- reflectance --------------------------------------------------------------------------------------------------------------- */
+
+enum { SAMPLES_MAX = 16 }; /* squared: a texture's samples in a coarse triangle */
+
+/* As many steps along an edge as make a sample of each texel. */
+static int samples_along(const sl_scene *scene, uint32_t triangle, int rows) {
+    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    if (m->texture == SL_NO_INDEX) return 1;
+    const sl_texture *texture = &scene->textures[m->texture];
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) {
+        u[k] = (double)scene->texture_u[scene->vertex[k][triangle]];
+        v[k] = (double)scene->texture_v[scene->vertex[k][triangle]];
+    }
+    double area = fabs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) * texture->width * texture->height;
+    double along = sqrt(0.5 * area) / (double)rows;
+    return along < SAMPLES_MAX ? 1 + (int)along : SAMPLES_MAX; /* NaN: the most */
+}
+
+/* The mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha mask lets one see them. */
+static sl_rgb mean_reflectance(const sl_scene *scene, uint32_t triangle, const sl_coarse_place *p, int rows, int m) {
+    double r = 0.0, g = 0.0, b = 0.0, count = 0.0;
+    for (int s = 0; s < m * m; s++) {
+        int j = 0, at = s;
+        for (; at >= 2 * (m - j) - 1; j++) at -= 2 * (m - j) - 1;
+        double third = at % 2 ? 2.0 / 3.0 : 1.0 / 3.0, x = (at / 2 + third) / m, y = (j + third) / m;
+        float w1 = (float)((p->i[0] + x * (p->i[1] - p->i[0]) + y * (p->i[2] - p->i[0])) / rows);
+        float w2 = (float)((p->j[0] + x * (p->j[1] - p->j[0]) + y * (p->j[2] - p->j[0])) / rows);
+        if (!sl_scene_is_opaque(scene, triangle, w1, w2)) continue;
+        sl_rgb k = sl_scene_diffuse_nearest(scene, triangle, w1, w2);
+        r += (double)k.r;
+        g += (double)k.g;
+        b += (double)k.b;
+        count += 1.0;
+    }
+    if (!(count > 0.0)) return sl_grey(0.0f); /* all of it is holes */
+    return (sl_rgb){sane((float)(r / count)), sane((float)(g / count)), sane((float)(b / count))};
+}
+
+/* ---- colours ------------------------------------------------------------------------------------------------------------------- */
+
+/* U_dd at a coarse triangle's corners; where one has none, the mean of the others. */
+static void corner_values(const sl_coarse *c, uint32_t face, const sl_coarse_place *p, sl_rgb value[3]) {
+    sl_rgb sum = sl_grey(0.0f);
+    int valid[3], count = 0;
+    for (int k = 0; k < 3; k++) {
+        uint32_t vertex = sl_coarse_lattice_vertex(c, face, p->i[k], p->j[k]);
+        valid[k] = c->valid[vertex];
+        value[k] = c->value[vertex];
+        if (valid[k]) sum = sl_rgb_add(sum, value[k]);
+        count += valid[k];
+    }
+    sl_rgb mean = sl_rgb_scale(sum, count ? 1.0f / (float)count : 0.0f);
+    for (int k = 0; k < 3; k++) value[k] = valid[k] ? value[k] : mean;
+}
+
+static sl_rgb brighter(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r > b.r ? a.r : b.r, a.g > b.g ? a.g : b.g, a.b > b.b ? a.b : b.b}; }
+
+static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *p, size_t at, int samples, sl_rgb *brightest) {
+    if (!c->reflectance_known) c->reflectance[at] = mean_reflectance(c->scene, face / 2, p, c->face[face].rows, samples);
+    sl_rgb colour[3];
+    corner_values(c, face, p, colour);
+    for (int k = 0; k < 3; k++) {
+        colour[k] = sl_rgb_mul(colour[k], c->reflectance[at]);
+        *brightest = brighter(*brightest, colour[k]);
+    }
+    float *out = c->colour + at * SL_COARSE_FLOATS;
+    for (int k = 0; k < 3; k++) {
+        sl_rgb rgb = k ? sl_rgb_sub(colour[k], colour[0]) : colour[0];
+        out[3 * k] = rgb.r;
+        out[3 * k + 1] = rgb.g;
+        out[3 * k + 2] = rgb.b;
+    }
+}
+
+static void finish_face(sl_coarse *c, uint32_t face, sl_rgb *brightest) {
+    int n = c->face[face].rows, samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, n);
+    size_t at = (size_t)c->face[face].first;
+    for (int j = 0; j < n; j++) {
+        for (int k = 0; k < 2 * (n - j) - 1; k++) {
+            sl_coarse_place place = sl_coarse_place_of(k / 2, j, k % 2);
+            finish_triangle(c, face, &place, at++, samples, brightest);
+        }
+    }
+}
+
+static void finish_block(void *context, size_t block, unsigned worker) {
+    (void)worker;
+    sl_coarse *c = context;
+    sl_rgb brightest = sl_grey(0.0f);
+    size_t end = (block + 1) * SL_COARSE_BLOCK < c->topology->face_count ? (block + 1) * SL_COARSE_BLOCK : c->topology->face_count;
+    for (size_t face = block * SL_COARSE_BLOCK; face < end; face++) {
+        if (c->level[face] != SL_COARSE_ABSENT) finish_face(c, (uint32_t)face, &brightest);
+    }
+    c->block_brightest[block] = brightest;
+}
+
+void sl_coarse_finish(sl_coarse *c, unsigned threads) {
+    size_t blocks = (c->topology->face_count + SL_COARSE_BLOCK - 1) / SL_COARSE_BLOCK;
+    sl_parallel_for(sl_thread_count(threads), blocks, finish_block, c);
+    c->reflectance_known = true;
+    c->brightest = sl_grey(0.0f);
+    for (size_t b = 0; b < blocks; b++) c->brightest = brighter(c->brightest, c->block_brightest[b]);
+}
+
+sl_rgb sl_coarse_brightest(const sl_coarse *c) { return c->brightest; }
+
+/* ---- a point's value --------------------------------------------------------------------------------------------------------- */
+
+static sl_coarse_place place_of_number(int number, int n) {
+    int j = 0;
+    for (; number >= 2 * (n - j) - 1; j++) number -= 2 * (n - j) - 1;
+    return sl_coarse_place_of(number / 2, j, number % 2);
+}
+
+sl_rgb sl_coarse_value(const sl_coarse *c, uint32_t face, float w1, float w2) {
+    if (face >= c->topology->face_count || c->level[face] == SL_COARSE_ABSENT) return sl_grey(0.0f);
+    w1 = w1 > 0.0f ? (w1 < 1.0f ? w1 : 1.0f) : 0.0f;
+    w2 = w2 > 0.0f ? (w2 < 1.0f - w1 ? w2 : 1.0f - w1) : 0.0f;
+    int n = c->face[face].rows;
+    float a, b;
+    sl_coarse_place place = place_of_number(sl_coarse_locate(w1, w2, n, &a, &b), n);
+    sl_rgb v[3];
+    corner_values(c, face, &place, v);
+    sl_rgb sum = sl_rgb_add(sl_rgb_add(v[0], sl_rgb_scale(sl_rgb_sub(v[1], v[0]), a)), sl_rgb_scale(sl_rgb_sub(v[2], v[0]), b));
+    return (sl_rgb){sane(sum.r), sane(sum.g), sane(sum.b)};
+}

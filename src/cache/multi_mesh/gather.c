@@ -1,0 +1,310 @@
+/* The gather: the scene's triangle ids from the point, under 160 degrees both ways; colours of the coarse mesh there; times weights; summed by
+ * halving to 16 x 16, which are read back and added. Beyond 160 degrees: nothing, made up for by division by the share that is seen (the loss is 2.5 %
+ * under an even sky, but all of what stands lower than 10 degrees above the horizon), or four strips, the rest of a hemicube. */
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/multi_mesh/gather_kernels.h"
+#include "cache/multi_mesh/gather_weights.h"
+
+enum { SIDES = 4, SIZE_MAX_PIXELS = 4096 };
+
+/* The four strips lie one above the other in a picture of half the size: half as many pixels along an edge as above, yet of a smaller angle than those
+ * in the middle of it. */
+struct sl_mesh_gather {
+    const sl_scene *scene;
+    const sl_raster *raster;
+    const sl_coarse *coarse;
+    sl_mesh_gather_settings settings;
+    sl_mesh_gather_kernel *shade;
+    float tangent;                 /* of half the field of view */
+    float near;
+    double over_coverage;          /* 1 / C */
+    float *triangle;               /* SL_MESH_GATHER_FLOATS each */
+    float *x, *weight;             /* tangents of the columns (and rows) of the view above; weights of its pixels */
+    float *side_x, *side_y, *side_weight; /* of one strip */
+};
+
+struct sl_mesh_gather_scratch {
+    int size;
+    uint32_t *id;
+    float *planes;                 /* three of the picture, three times weights */
+    float *side_planes;
+    float *halved, *sums;
+    sl_raster_scratch *raster;
+};
+
+/* ---- making it --------------------------------------------------------------------------------------------------------------- */
+
+static bool is_power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
+
+static sl_status check(const sl_mesh_gather_settings *s, const sl_scene *scene, sl_error *error) {
+    if (!is_power_of_two(s->size) || !is_power_of_two(s->reduced) || s->size < 4 || s->size > SIZE_MAX_PIXELS || s->reduced > s->size) {
+        return sl_fail(error, SL_ERROR_USAGE, "gather: size must be a power of two from 4 to %d, reduced one up to size", SIZE_MAX_PIXELS);
+    }
+    if (!(s->fov > 0.01f && s->fov < 3.14f)) return sl_fail(error, SL_ERROR_USAGE, "gather: field of view must be between 0 and 180 degrees");
+    if (scene->triangle_count >= (size_t)INT32_MAX / SL_MESH_GATHER_FLOATS) { /* kernels index floats by int32_t */
+        return sl_fail(error, SL_ERROR_RESOURCES, "gather: too many triangles");
+    }
+    return SL_OK;
+}
+
+static void fill_triangles(sl_mesh_gather *g) {
+    const sl_scene *s = g->scene;
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        sl_vec3 p[3];
+        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(s, s->vertex[k][t]);
+        p[1] = sl_sub(p[1], p[0]);
+        p[2] = sl_sub(p[2], p[0]);
+        memcpy(g->triangle + t * SL_MESH_GATHER_FLOATS, p, sizeof p);
+    }
+}
+
+static int strip_width(const sl_mesh_gather *g) { return g->settings.size / 2; }
+static int strip_height(const sl_mesh_gather *g) { return g->settings.size / 2 / SIDES > 0 ? g->settings.size / 2 / SIDES : 1; }
+
+static void fill_tables(sl_mesh_gather *g) {
+    int n = g->settings.size, width = strip_width(g), height = strip_height(g);
+    double t = (double)g->tangent;
+    for (int i = 0; i < n; i++) g->x[i] = (float)(t * ((2.0 * i + 1.0) / n - 1.0));
+    sl_mesh_gather_top_weights(n, t, g->weight);
+    for (int i = 0; i < width; i++) g->side_x[i] = (float)((2.0 * i + 1.0) / width - 1.0);
+    for (int j = 0; j < height; j++) g->side_y[j] = (float)((j + 0.5) / height / t);
+    sl_mesh_gather_side_weights(width, height, 1.0 / t, g->side_weight);
+}
+
+sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_coarse *coarse, const sl_mesh_gather_settings *settings,
+                                sl_mesh_gather **gather, sl_error *error) {
+    *gather = NULL;
+    sl_status status = check(settings, scene, error);
+    if (status != SL_OK) return status;
+    sl_mesh_gather *g = sl_allocate(1, sizeof *g);
+    if (!g) return sl_fail_memory(error, "the gather");
+    *g = (sl_mesh_gather){.scene = scene, .raster = raster, .coarse = coarse, .settings = *settings, .near = 1e-5f * scene->diagonal};
+    g->shade = sl_mesh_gather_kernel_for(sl_isa_best());
+    g->tangent = (float)sl_tan(0.5 * (double)settings->fov);
+    g->over_coverage = 1.0 / sl_gather_coverage(0.5 * (double)settings->fov);
+    size_t n = (size_t)settings->size;
+    g->triangle = sl_allocate(scene->triangle_count + 1, SL_MESH_GATHER_FLOATS * sizeof *g->triangle);
+    g->x = sl_allocate(n, sizeof *g->x);
+    g->weight = sl_allocate(n * n, sizeof *g->weight);
+    g->side_x = sl_allocate((size_t)strip_width(g), sizeof *g->side_x);
+    g->side_y = sl_allocate((size_t)strip_height(g), sizeof *g->side_y);
+    g->side_weight = sl_allocate((size_t)(strip_width(g) * strip_height(g)), sizeof *g->side_weight);
+    if (!g->triangle || !g->x || !g->weight || !g->side_x || !g->side_y || !g->side_weight) {
+        sl_mesh_gather_destroy(g);
+        return sl_fail_memory(error, "the gather's tables");
+    }
+    fill_triangles(g);
+    fill_tables(g);
+    *gather = g;
+    return SL_OK;
+}
+
+void sl_mesh_gather_destroy(sl_mesh_gather *g) {
+    if (!g) return;
+    sl_free(g->triangle);
+    sl_free(g->x);
+    sl_free(g->weight);
+    sl_free(g->side_x);
+    sl_free(g->side_y);
+    sl_free(g->side_weight);
+    sl_free(g);
+}
+
+size_t sl_mesh_gather_memory_bytes(const sl_mesh_gather *g) {
+    size_t n = (size_t)g->settings.size, width = (size_t)strip_width(g), height = (size_t)strip_height(g);
+    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + n * n + width + height + width * height;
+    return sizeof *g + floats * sizeof(float);
+}
+
+sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_scratch **scratch, sl_error *error) {
+    *scratch = NULL;
+    sl_mesh_gather_scratch *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "a gather's scratch");
+    size_t n = (size_t)g->settings.size, pixels = n * n, side = (size_t)strip_width(g) * (size_t)strip_height(g) * SIDES;
+    s->size = g->settings.size;
+    s->id = sl_allocate(pixels, sizeof *s->id);
+    s->planes = sl_allocate(6 * pixels, sizeof *s->planes);
+    s->side_planes = sl_allocate(g->settings.strips ? 6 * side : 1, sizeof *s->side_planes);
+    s->halved = sl_allocate(pixels / 2 + 1, sizeof *s->halved);
+    s->sums = sl_allocate(3 * (size_t)g->settings.reduced * (size_t)g->settings.reduced, sizeof *s->sums);
+    sl_status status = SL_OK;
+    if (!s->id || !s->planes || !s->side_planes || !s->halved || !s->sums) status = sl_fail_memory(error, "a gather's pictures");
+    if (status == SL_OK) status = sl_raster_scratch_create(g->raster, s->size, s->size, &s->raster, error);
+    if (status == SL_OK) *scratch = s;
+    else sl_mesh_gather_scratch_destroy(s);
+    return status;
+}
+
+void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *s) {
+    if (!s) return;
+    sl_raster_scratch_destroy(s->raster);
+    sl_free(s->id);
+    sl_free(s->planes);
+    sl_free(s->side_planes);
+    sl_free(s->halved);
+    sl_free(s->sums);
+    sl_free(s);
+}
+
+/* ---- where it looks from ------------------------------------------------------------------------------------------------------- */
+
+/* A gather in progress. */
+typedef struct shot {
+    const sl_mesh_gather *gather;
+    sl_mesh_gather_scratch *scratch;
+    sl_counters *counters;
+    sl_vec3 eye;
+    sl_frame frame;
+    sl_vec3 horizon;
+    uint32_t skip;
+} shot;
+
+/* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is behind them. What is meant is the limit from
+ * within its own face, so the eye moves towards that face's middle by a little (far enough for the near plane not to cut from the wall what the
+ * picture shows of it), in the face where that rises above the tangent plane (a hollow), in the tangent plane where it falls (a bulge): never below the
+ * surface. */
+static sl_vec3 eye_of(const sl_scene *scene, const sl_mesh_point *point) {
+    uint32_t triangle = point->face / 2;
+    if (triangle >= scene->triangle_count) return point->position;
+    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position), n = sl_to_double(point->normal);
+    for (int k = 0; k < 3; k++) middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
+    sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
+    double length = sl_lengthd(way), step = 4e-4 * (double)scene->diagonal;
+    if (!(length > 0.0)) return point->position;
+    way = sl_scaled(way, length > 4.0 * step ? step / length : 0.25);
+    double rise = sl_dotd(way, n);
+    if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
+    return sl_to_float(sl_addd(p, way));
+}
+
+/* ---- the view above -------------------------------------------------------------------------------------------------------------- */
+
+static sl_mesh_gather_pixels pixels_of(const shot *s, const sl_frame *frame, sl_vec3 eye, int width, int height, const uint32_t *id, float *planes,
+                                       size_t plane) {
+    const sl_coarse *c = s->gather->coarse;
+    sl_mesh_gather_pixels p = {.width = width, .height = height, .id = id, .frame = *frame, .eye = eye, .horizon = s->horizon,
+                               .triangle = s->gather->triangle, .triangle_count = (uint32_t)s->gather->scene->triangle_count,
+                               .face = c->face, .colour = c->colour};
+    for (size_t k = 0; k < 3; k++) {
+        p.radiance[k] = planes + k * plane;
+        p.weighted[k] = planes + (k + 3) * plane;
+    }
+    return p;
+}
+
+/* The environment as a picture, where pixels show nothing. */
+static void add_environment(const shot *s, const sl_mesh_gather_pixels *p) {
+    const sl_environment *environment = &s->gather->scene->environment;
+    if (!environment->present || environment->width <= 0) return;
+    for (int at = 0; at < p->width * p->height; at++) {
+        if (p->id[at] != SL_NO_INDEX) continue;
+        sl_vec3 d = sl_frame_to_world(&p->frame, sl_v3(p->x[at % p->width], p->y[at / p->width], 1.0f));
+        if (!(sl_dot(d, s->horizon) > 0.0f)) continue;
+        sl_rgb l = sl_environment_radiance(environment, sl_normalize_or(d, p->frame.z));
+        const float rgb[3] = {l.r, l.g, l.b};
+        for (int k = 0; k < 3; k++) {
+            p->radiance[k][at] = rgb[k];
+            p->weighted[k][at] = rgb[k] * p->weight[at];
+        }
+    }
+}
+
+/* Three planes of size x size to one sum each: what is read back is added row by row. */
+static void add_up(const shot *s, const float *planes, int size, double sum[3]) {
+    int reduced = s->gather->settings.reduced < size ? s->gather->settings.reduced : size;
+    size_t count = (size_t)reduced * (size_t)reduced;
+    sl_raster_reduce(planes, size, 3, reduced, s->scratch->halved, s->scratch->sums, s->counters);
+    for (size_t k = 0; k < 3; k++) {
+        for (size_t i = 0; i < count; i++) sum[k] += (double)s->scratch->sums[k * count + i];
+    }
+}
+
+static void gather_above(const shot *s, double sum[3]) {
+    const sl_mesh_gather *g = s->gather;
+    int n = g->settings.size;
+    size_t plane = (size_t)n * (size_t)n;
+    float t = g->tangent;
+    sl_view view = sl_view_pyramid(&s->frame, s->eye, -t, t, -t, t, n, n, g->near);
+    view.skip_triangle = s->skip;
+    sl_target target = {.width = n, .height = n, .id = s->scratch->id};
+    sl_raster_id_small(g->raster, &view, &target, s->scratch->raster, s->counters);
+    sl_mesh_gather_pixels pixels = pixels_of(s, &s->frame, s->eye, n, n, s->scratch->id, s->scratch->planes, plane);
+    pixels.x = pixels.y = g->x;
+    pixels.weight = g->weight;
+    g->shade(&pixels);
+    add_environment(s, &pixels);
+    sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
+    add_up(s, s->scratch->planes + 3 * plane, n, sum);
+}
+
+/* ---- the strips below it --------------------------------------------------------------------------------------------------------- */
+
+/* The share beyond the field of view can be noticed. */
+static bool wants_strips(const sl_mesh_gather *g) {
+    if (!g->settings.strips) return false;
+    const sl_environment *e = &g->scene->environment;
+    float brightest = sl_rgb_max(sl_coarse_brightest(g->coarse));
+    if (e->present && e->width > 0) return true;
+    if (e->present && sl_rgb_max(e->constant) > brightest) brightest = sl_rgb_max(e->constant);
+    return (1.0 - 1.0 / g->over_coverage) * SL_PI * (double)brightest > (double)g->settings.noticed;
+}
+
+/* The eye is raised a little: faces in the point's own plane do not rise above the horizon, whatever the rounding. */
+static void gather_sides(const shot *s, double sum[3]) {
+    const sl_mesh_gather *g = s->gather;
+    int width = strip_width(g), height = strip_height(g);
+    size_t strip = (size_t)width * (size_t)height, plane = SIDES * strip;
+    const sl_frame *f = &s->frame;
+    const sl_vec3 outward[SIDES] = {f->x, f->y, sl_neg(f->x), sl_neg(f->y)};
+    sl_vec3 eye = sl_mad(s->eye, 0.125f * g->near, s->horizon);
+    for (int side = 0; side < SIDES; side++) {
+        sl_frame frame = {outward[(side + 3) % SIDES], f->z, outward[side]};
+        sl_view view = sl_view_pyramid(&frame, eye, -1.0f, 1.0f, 0.0f, 1.0f / g->tangent, width, height, g->near);
+        view.skip_triangle = s->skip;
+        sl_target target = {.width = width, .height = height, .id = s->scratch->id};
+        sl_raster_id_small(g->raster, &view, &target, s->scratch->raster, s->counters);
+        sl_mesh_gather_pixels pixels = pixels_of(s, &frame, eye, width, height, s->scratch->id, s->scratch->side_planes + (size_t)side * strip, plane);
+        pixels.x = g->side_x;
+        pixels.y = g->side_y;
+        pixels.weight = g->side_weight;
+        g->shade(&pixels);
+        add_environment(s, &pixels);
+    }
+    sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
+    add_up(s, s->scratch->side_planes + 3 * plane, width, sum);
+}
+
+/* ---- all of it ------------------------------------------------------------------------------------------------------------------- */
+
+static float finite(double value) { return value > 0.0 && value < 1e37 ? (float)value : 0.0f; }
+
+sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point, sl_mesh_gather_scratch *scratch, sl_counters *counters) {
+    sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
+    sl_vec3 normal = sl_normalize_or(point->normal, point->geometric_normal);
+    if (!sl_is_finite(point->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
+        sl_count(counters, SL_COUNT_NONFINITE, 1);
+        memset(scratch->planes, 0, 3 * (size_t)scratch->size * (size_t)scratch->size * sizeof *scratch->planes);
+        return sl_grey(0.0f);
+    }
+    shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_frame_from_normal(normal), .eye = eye_of(g->scene, point)};
+    s.horizon = sl_normalize_or(point->geometric_normal, normal);
+    s.skip = point->triangle != SL_NO_INDEX ? point->triangle : point->face / 2;
+    double sum[3] = {0.0, 0.0, 0.0};
+    gather_above(&s, sum);
+    double scale = g->settings.undivided ? 1.0 : g->over_coverage;
+    if (wants_strips(g)) {
+        gather_sides(&s, sum);
+        scale = 1.0;
+    }
+    return (sl_rgb){finite(scale * sum[0]), finite(scale * sum[1]), finite(scale * sum[2])};
+}
+
+void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]) {
+    *size = scratch->size;
+    for (size_t k = 0; k < 3; k++) planes[k] = scratch->planes + k * (size_t)scratch->size * (size_t)scratch->size;
+}

@@ -1,0 +1,201 @@
+/* The 160-degree gather of multi-mesh caching: its weights in closed form, what it sees, and what it makes of hard input. */
+#include "multi_mesh_gather_support.h"
+
+#include "cache/multi_mesh/gather_weights.h"
+
+static bool near(double a, double b, double tolerance) { return fabs(a - b) <= tolerance; }
+
+static double half_angle(double degrees) { return 0.5 * degrees / 180.0 * SL_PI; }
+
+/* ---- weights (F18, F19) ---------------------------------------------------------------------------------------------------------- */
+
+static void the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half(void **state) {
+    (void)state;
+    const double lost[6][2] = {{90, 0.4459}, {120, 0.2130}, {150, 0.0554}, {160, 0.02479}, {170, 0.00622}, {178, 0.00025}};
+    for (int k = 0; k < 6; k++) assert_true(near(1.0 - sl_gather_coverage(half_angle(lost[k][0])), lost[k][1], 6e-5));
+    assert_true(near(1.0 - sl_gather_coverage(half_angle(160)), 0.02479, 6e-6));
+}
+
+static double sum_of(const float *w, int count) {
+    double sum = 0.0;
+    for (int i = 0; i < count; i++) sum += (double)w[i];
+    return sum;
+}
+
+static void weights_sum_to_the_share_that_a_picture_catches_at_any_size(void **state) {
+    (void)state;
+    const double degrees[3] = {90, 160, 176};
+    for (int size = 4; size <= 256; size *= 2) {
+        for (int k = 0; k < 3; k++) {
+            float *w = malloc((size_t)(size * size) * sizeof *w);
+            assert_non_null(w);
+            sl_mesh_gather_top_weights(size, sl_tan(half_angle(degrees[k])), w);
+            assert_true(near(sum_of(w, size * size) / SL_PI, sl_gather_coverage(half_angle(degrees[k])), 1e-7));
+            free(w);
+        }
+    }
+}
+
+static void a_pixels_weight_is_the_integral_of_cosine_and_solid_angle_over_it(void **state) {
+    (void)state;
+    enum { N = 16, STEPS = 200 };
+    float w[N * N];
+    double t = sl_tan(half_angle(160));
+    sl_mesh_gather_top_weights(N, t, w);
+    const int pixels[4][2] = {{8, 8}, {9, 12}, {15, 15}, {0, 7}};
+    for (int p = 0; p < 4; p++) {
+        double sum = 0.0, step = 2.0 * t / N;
+        for (int s = 0; s < STEPS * STEPS; s++) {
+            double x = -t + step * (pixels[p][0] + (s % STEPS + 0.5) / STEPS), y = -t + step * (pixels[p][1] + (s / STEPS + 0.5) / STEPS);
+            double d = 1.0 + x * x + y * y;
+            sum += step * step / STEPS / STEPS / (d * d);
+        }
+        double weight = (double)w[pixels[p][1] * N + pixels[p][0]];
+        assert_true(near(weight / sum, 1.0, 2e-5));
+    }
+}
+
+static void weights_have_the_symmetries_of_the_square_bit_by_bit(void **state) {
+    (void)state;
+    enum { N = 64 };
+    static float w[N * N];
+    sl_mesh_gather_top_weights(N, sl_tan(half_angle(160)), w);
+    for (int y = 0; y < N; y++) {
+        for (int x = 0; x < N; x++) {
+            assert_true(w[y * N + x] == w[x * N + y]);
+            assert_true(w[y * N + x] == w[y * N + N - 1 - x]);
+            assert_true(w[y * N + x] == w[(N - 1 - y) * N + x]);
+        }
+    }
+}
+
+static void picture_and_strips_together_are_the_whole_hemisphere(void **state) {
+    (void)state;
+    enum { N = 64, WIDE = 32, HIGH = 8 };
+    static float w[N * N], side[WIDE * HIGH];
+    for (double degrees = 60; degrees < 179; degrees += 20) {
+        double t = sl_tan(half_angle(degrees));
+        sl_mesh_gather_top_weights(N, t, w);
+        sl_mesh_gather_side_weights(WIDE, HIGH, 1.0 / t, side);
+        assert_true(near(sum_of(w, N * N) + 4.0 * sum_of(side, WIDE * HIGH), SL_PI, 1e-6));
+    }
+}
+
+static void halving_to_sixteen_and_adding_up_gives_the_sum_in_double(void **state) {
+    (void)state;
+    enum { N = 128 };
+    static float planes[3 * N * N], scratch[N * N / 2];
+    float out[3 * 256];
+    sl_counters counters = {{0}};
+    for (int i = 0; i < 3 * N * N; i++) planes[i] = (float)(((uint32_t)i * 2654435761u) >> 8) * 0x1p-24f;
+    sl_raster_reduce(planes, N, 3, 16, scratch, out, &counters);
+    for (int c = 0; c < 3; c++) {
+        double whole = sum_of(planes + c * N * N, N * N);
+        assert_true(fabs(sum_of(out + 256 * c, 256) / whole - 1.0) < 2e-7);
+    }
+}
+
+/* ---- what it sees ------------------------------------------------------------------------------------------------------------------ */
+
+static sl_scene *box_scene(float diffuse) {
+    trace_mesh m = trace_mesh_begin();
+    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
+    return trace_mesh_build(&m);
+}
+
+static void an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point(void **state) {
+    (void)state;
+    for (int mode = 0; mode < 3; mode++) {
+        sl_mesh_gather_settings settings = usual_settings();
+        settings.undivided = mode == 1;
+        settings.strips = mode == 2;
+        gathering g = gathering_of(box_scene(0.5f), 0.3f, 3, &settings);
+        set_all(&g, (sl_rgb){1.0f, 2.0f, 0.0f});
+        double share = mode == 1 ? sl_gather_coverage(half_angle(160)) : 1.0;
+        for (uint32_t face = 0; face < 24; face += 2) {
+            for (int k = 0; k < 4; k++) {
+                const float w[4][2] = {{0.3f, 0.3f}, {0.5f, 0.5f}, {0, 0}, {1, 0}};
+                sl_mesh_point p = face_point(g.scene, face, w[k][0], w[k][1]);
+                sl_rgb e = take(&g, &p);
+                assert_true(near((double)e.r, share * SL_PI * 0.5, 2e-5));
+                assert_true(near((double)e.g, share * SL_PI, 4e-5));
+                assert_true(e.b == 0.0f);
+            }
+        }
+        assert_int_equal(g.counters.value[SL_COUNT_INDIRECT_SAMPLES], 48);
+        gathering_destroy(&g);
+    }
+}
+
+/* Between any two points of a sphere the form factor is the same, so what arrives is the mean over all of it: linear parts cancel. */
+static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) {
+    (void)state;
+    trace_mesh m = trace_mesh_begin();
+    trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 24, 0.0f, true, trace_mesh_material(&m, 0.4f, 0, 0, 0, 0));
+    sl_mesh_gather_settings settings = usual_settings();
+    settings.strips = true;
+    gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
+    for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) {
+        sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
+        sl_mesh_point p = face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
+        sl_coarse_set(g.coarse, v, (sl_rgb){1.0f, 1.0f + 0.9f * p.position.x, 1.0f + p.position.y});
+    }
+    sl_coarse_finish(g.coarse, 1);
+    for (uint32_t t = 3; t < g.scene->triangle_count; t += 97) {
+        sl_mesh_point p = face_point(g.scene, 2 * t, 1.0f / 3.0f, 1.0f / 3.0f);
+        sl_rgb e = take(&g, &p);
+        assert_true(near((double)e.r, 0.4 * SL_PI, 2e-4));
+        assert_true(near((double)e.g, 0.4 * SL_PI, 0.012 * 0.4 * SL_PI));
+        assert_true(near((double)e.b, 0.4 * SL_PI, 0.012 * 0.4 * SL_PI));
+    }
+    gathering_destroy(&g);
+}
+
+/* A wall without end at distance 1 whose top is seen at elevation psi above the horizon: form factor (1 - cos psi) / 2. */
+static sl_scene *wall_of_elevation(double psi) {
+    trace_mesh m = trace_mesh_begin();
+    float far = psi < 1.57 ? 100.0f : 2000.0f, height = psi < 1.57 ? (float)sl_tan(psi) : far;
+    trace_mesh_quad(&m, sl_v3(1, -far, 0), sl_v3(0, 2.0f * far, 0), sl_v3(0, 0, height), trace_mesh_material(&m, 1, 0, 0, 0, 0));
+    return trace_mesh_build(&m);
+}
+
+static double wall_irradiance(double degrees, bool undivided, bool strips) {
+    sl_mesh_gather_settings settings = usual_settings();
+    settings.size = 2048; /* an edge along pixels is half a pixel off: 3 % of this with 256 */
+    settings.undivided = undivided;
+    settings.strips = strips;
+    gathering g = gathering_of(wall_of_elevation(degrees / 180.0 * SL_PI), 1e9f, 0, &settings);
+    set_all(&g, sl_grey(1.0f));
+    sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3(0, 0, 1));
+    double e = (double)take(&g, &p).r;
+    gathering_destroy(&g);
+    return e / (SL_PI * 0.5 * (1.0 - sl_cos(degrees / 180.0 * SL_PI)));
+}
+
+static void walls_lose_what_stands_low_and_strips_bring_it_back(void **state) {
+    (void)state;
+    assert_true(near(wall_irradiance(45, true, false), 1.0 - 0.077, 0.004));
+    assert_true(near(wall_irradiance(20, true, false), 1.0 - 0.317, 0.01));
+    assert_true(wall_irradiance(9, true, false) < 1e-6);
+    assert_true(near(wall_irradiance(45, false, false), 1.0 - 0.054, 0.004));
+    assert_true(near(wall_irradiance(60, false, false), 1.0 - 0.023, 0.004));
+    assert_true(near(wall_irradiance(90, false, false), 1.0, 0.003));
+    assert_true(near(wall_irradiance(9, false, true), 1.0, 0.02));
+    assert_true(near(wall_irradiance(45, false, true), 1.0, 0.003));
+    assert_true(near(wall_irradiance(90, false, true), 1.0, 0.003));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half),
+        cmocka_unit_test(weights_sum_to_the_share_that_a_picture_catches_at_any_size),
+        cmocka_unit_test(a_pixels_weight_is_the_integral_of_cosine_and_solid_angle_over_it),
+        cmocka_unit_test(weights_have_the_symmetries_of_the_square_bit_by_bit),
+        cmocka_unit_test(picture_and_strips_together_are_the_whole_hemisphere),
+        cmocka_unit_test(halving_to_sixteen_and_adding_up_gives_the_sum_in_double),
+        cmocka_unit_test(an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point),
+        cmocka_unit_test(in_a_sphere_every_point_gathers_the_mean_of_all_of_it),
+        cmocka_unit_test(walls_lose_what_stands_low_and_strips_bring_it_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
