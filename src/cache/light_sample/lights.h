@@ -1,6 +1,6 @@
 /* The lights of a scene as samplers of single lights see them: each of one colour, so that what arrives from it at a point is a number
- * times that colour. An area light is the emissive triangles of one object that have one radiance and lie in one plane; where an object
- * shines all around (a ball), all of them are one light that is not planar. */
+ * times that colour. An area light is the emissive triangles of one object that have one radiance and lie in one plane. Where they do not lie
+ * in one plane, what hangs together by common corners is one light, planar or (a ball) not: four bulbs are four lights. */
 #ifndef SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
 #define SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
 

@@ -1,0 +1,59 @@
+/* The paper's frustum: it looks at the light and just holds it, whatever its shape. The light alone is drawn first: that is where it is, and
+ * which of its triangles show their front. Then the scene: where that is nearer, the light is hidden. Each pixel counts with its solid angle
+ * and cosine; the light's own cosine is in the solid angle already. */
+#include <math.h>
+
+#include "cache/light_sample/light_sample_internal.h"
+
+static void find_facing(const sl_sampled_light *light, sl_vec3 eye, uint8_t *facing) {
+    for (size_t t = 0; t < light->triangles; t++) {
+        sl_vec3d d[3];
+        for (size_t k = 0; k < 3; k++) d[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(eye));
+        facing[t] = light->two_sided || sl_dotd(sl_crossd(sl_subd(d[1], d[0]), sl_subd(d[2], d[0])), d[0]) < 0.0;
+    }
+}
+
+/* The receiver's number among the light's triangles: SL_NO_INDEX where it is none of them. */
+static uint32_t own_triangle(const sl_sampled_light *light, uint32_t triangle) {
+    size_t low = 0, high = light->triangles;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (light->triangle[middle] < triangle) low = middle + 1;
+        else high = middle;
+    }
+    return low < light->triangles && light->triangle[low] == triangle ? (uint32_t)low : SL_NO_INDEX;
+}
+
+static void set_tangents(float *tangent, int size, float first, float last) {
+    for (int i = 0; i < size; i++) {
+        tangent[i] = (float)((double)first + ((double)last - (double)first) * (((double)i + 0.5) / (double)size));
+    }
+}
+
+sl_light_shot sl_look_at_shoot(const sl_light_sampling *sampling, size_t index, const sl_lit_point *point, int size,
+                               sl_light_sample_scratch *s, sl_light_sums *sums, sl_counters *counters) {
+    const sl_sampled_light *light = &sampling->lights->light[index];
+    const sl_light_shape shape = {light->corner, light->triangles, light->two_sided};
+    sl_vec3 eye = sl_light_eye(sampling, point);
+    sl_light_view v;
+    *sums = (sl_light_sums){0.0, 0.0};
+    sl_light_sight sight = sl_view_light(eye, point->geometric_normal, &shape, size, size, sampling->near, &v);
+    if (sight == SL_LIGHT_HIDDEN) return SL_SHOT_TAKEN;
+    if (sight == SL_LIGHT_TOO_WIDE || !(v.left < v.right) || !(v.bottom < v.top)) return SL_SHOT_IMPOSSIBLE;
+    const sl_target light_target = {size, size, s->light_id, s->light_depth}, target = {size, size, s->id, s->depth};
+    v.view.skip_triangle = own_triangle(light, point->triangle);
+    sl_raster_id_small(sampling->shape[index].raster, &v.view, &light_target, s->light_raster, counters);
+    v.view.skip_triangle = point->triangle;
+    sl_raster_id_small(sampling->raster, &v.view, &target, s->raster, counters);
+    find_facing(light, eye, s->facing);
+    set_tangents(s->column, size, v.left, v.right);
+    set_tangents(s->row, size, v.bottom, v.top);
+    sl_light_pixels pixels = {.size = size, .x = s->column, .y = s->row, .step_x = (v.right - v.left) / (float)size,
+                              .step_y = (v.top - v.bottom) / (float)size, .normal = sl_frame_to_local(&v.frame, point->normal),
+                              .geometric = sl_frame_to_local(&v.frame, point->geometric_normal), .scale = 0.318309886f,
+                              .seen = s->planes, .all = s->planes + (size_t)size * (size_t)size};
+    sampling->kernels.look_at(&pixels, s->light_id, s->facing, s->light_depth, s->depth);
+    s->picture_size = size;
+    *sums = sl_light_reduce(sampling, size, s, counters);
+    return SL_SHOT_TAKEN;
+}

@@ -1,0 +1,168 @@
+/* Rays: one to a light without extent, n x n jittered ones to an area light (the estimator that the paper's hardware competes with, and what
+ * is left where no picture can be taken). */
+#include <float.h>
+#include <math.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/light_sample/light_sample_internal.h"
+
+/* ---- lights without extent ---- */
+
+/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between. */
+static double spot_falloff(const sl_sampled_light *light, double cosine) {
+    double inner = (double)light->cos_inner, outer = (double)light->cos_outer;
+    if (cosine >= inner) return 1.0;
+    if (!(cosine > outer)) return 0.0;
+    double x = (cosine - outer) / (inner - outer);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light, double *distance) {
+    sl_vec3d axis = sl_to_double(light->direction);
+    double strength = 1.0;
+    *distance = INFINITY;
+    *to_light = sl_scaled(axis, -1.0);
+    if (light->kind != SL_SAMPLED_DIRECTIONAL) {
+        sl_vec3d d = sl_subd(sl_to_double(light->position), sl_to_double(point->position));
+        double squared = sl_dotd(d, d);
+        if (!(squared > 0.0) || !isfinite(squared)) return 0.0;
+        *distance = sqrt(squared);
+        *to_light = sl_scaled(d, 1.0 / *distance);
+        strength = 1.0 / squared;
+        if (light->kind == SL_SAMPLED_SPOT) strength *= spot_falloff(light, -sl_dotd(*to_light, axis));
+    }
+    double cosine = sl_dotd(sl_to_double(point->normal), *to_light);
+    if (!(cosine > 0.0) || !(sl_dotd(sl_to_double(point->geometric_normal), *to_light) > 0.0)) return 0.0;
+    return fmin(cosine * strength, (double)FLT_MAX);
+}
+
+/* ---- packets ---- */
+
+typedef struct {
+    const sl_light_sampling *sampling;
+    sl_counters *counters;
+    sl_vec3 eye;
+    uint32_t skip;
+    unsigned count;
+    sl_ray16 rays;
+    double weight[SL_PACKET], seen;
+} packet;
+
+static void flush(packet *p) {
+    uint32_t hidden = p->count ? sl_trace_occluded(p->sampling->tracer, &p->rays, p->count, true, p->counters) : 0;
+    for (unsigned i = 0; i < p->count; i++) {
+        if (!(hidden >> i & 1)) p->seen += p->weight[i];
+    }
+    p->count = 0;
+}
+
+/* d: of any length, the place aimed at being at far = 1. What is nearer than `near` hides nothing, as in the pictures. */
+static void add_ray(packet *p, sl_vec3d d, double far, double weight) {
+    unsigned i = p->count++;
+    double length = sl_lengthd(d);
+    p->rays.origin_x[i] = p->eye.x;
+    p->rays.origin_y[i] = p->eye.y;
+    p->rays.origin_z[i] = p->eye.z;
+    p->rays.direction_x[i] = (float)d.x;
+    p->rays.direction_y[i] = (float)d.y;
+    p->rays.direction_z[i] = (float)d.z;
+    p->rays.near[i] = (float)((double)p->sampling->near / (length > 0.0 ? length : 1.0));
+    p->rays.far[i] = (float)far;
+    p->rays.skip[i] = p->skip;
+    p->weight[i] = weight;
+    if (p->count == SL_PACKET) flush(p);
+}
+
+static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *point, sl_counters *counters) {
+    return (packet){.sampling = sampling, .counters = counters, .eye = sl_light_eye(sampling, point), .skip = point->triangle};
+}
+
+bool sl_light_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 place, double margin, sl_counters *counters) {
+    packet p = packet_at(sampling, point, counters);
+    sl_vec3d d = sl_subd(sl_to_double(place), sl_to_double(p.eye));
+    if (!(sl_lengthd(d) > 0.0) || !sl_is_finite(sl_to_float(d))) return false;
+    add_ray(&p, d, 1.0 - margin, 1.0);
+    flush(&p);
+    return !(p.seen > 0.0);
+}
+
+double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light, const sl_lit_point *point,
+                               sl_counters *counters) {
+    sl_vec3d to;
+    double distance, value = sl_light_point_form(light, point, &to, &distance);
+    if (!(value > 0.0)) {
+        sl_count(counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        return 0.0;
+    }
+    if (light->kind != SL_SAMPLED_DIRECTIONAL) {
+        return sl_light_hidden(sampling, point, light->position, SL_LIGHT_MARGIN, counters) ? 0.0 : value;
+    }
+    packet p = packet_at(sampling, point, counters);
+    add_ray(&p, to, INFINITY, 1.0);
+    flush(&p);
+    return p.seen > 0.0 ? value : 0.0;
+}
+
+/* ---- area lights ---- */
+
+/* A point of the light from two numbers in [0,1), evenly by area, neighbours to neighbours; which triangle it is on. */
+static sl_vec3d place_on(const sl_sampled_light *light, const sl_light_shape_info *shape, double u, double v, size_t *triangle) {
+    if (shape->parallelogram) {
+        *triangle = 0;
+        return sl_addd(shape->corner, sl_addd(sl_scaled(shape->e1, u), sl_scaled(shape->e2, v)));
+    }
+    double at = u * shape->area, before;
+    size_t low = 0, high = light->triangles - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (at < shape->area_before[middle]) high = middle;
+        else low = middle + 1;
+    }
+    before = low > 0 ? shape->area_before[low - 1] : 0.0;
+    double own = shape->area_before[low] - before, s = sqrt(own > 0.0 ? fmin(fmax((at - before) / own, 0.0), 1.0) : 0.5);
+    sl_vec3d a = sl_to_double(light->corner[3 * low]), b = sl_to_double(light->corner[3 * low + 1]), c = sl_to_double(light->corner[3 * low + 2]);
+    *triangle = low;
+    return sl_addd(sl_scaled(a, 1.0 - s), sl_addd(sl_scaled(b, s * (1.0 - v)), sl_scaled(c, s * v)));
+}
+
+static sl_vec3d normal_of(const sl_sampled_light *light, size_t triangle) {
+    sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
+    sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
+    double length = sl_lengthd(cross);
+    return length > 0.0 ? sl_scaled(cross, 1.0 / length) : cross;
+}
+
+/* By the position's bits alone: a point asked again gets the same answer. */
+static uint64_t jitter_key(const sl_lit_point *point, size_t light) {
+    uint64_t hash = sl_hash64(sl_float_bits(point->position.x));
+    hash = sl_hash64(hash ^ sl_float_bits(point->position.y));
+    hash = sl_hash64(hash ^ sl_float_bits(point->position.z));
+    return sl_random_key(hash, light);
+}
+
+sl_light_sums sl_light_rays(const sl_light_sampling *sampling, size_t index, const sl_lit_point *point, sl_counters *counters) {
+    const sl_sampled_light *light = &sampling->lights->light[index];
+    const sl_light_shape_info *shape = &sampling->shape[index];
+    const int n = sampling->settings.rays;
+    const uint64_t key = jitter_key(point, index);
+    const sl_vec3d normal = sl_to_double(point->normal), geometric = sl_to_double(point->geometric_normal);
+    packet p = packet_at(sampling, point, counters);
+    sl_vec3d eye = sl_to_double(p.eye);
+    double all = 0.0, scale = shape->area / ((double)n * (double)n * SL_PI);
+    for (int i = 0; i < n * n; i++) {
+        size_t triangle;
+        double u = ((double)(i % n) + (double)sl_random_unit(key, 2 * (uint64_t)i)) / (double)n;
+        double v = ((double)(i / n) + (double)sl_random_unit(key, 2 * (uint64_t)i + 1)) / (double)n;
+        sl_vec3d d = sl_subd(place_on(light, shape, u, v, &triangle), eye);
+        double squared = sl_dotd(d, d), high = sl_dotd(normal, d), front = -sl_dotd(normal_of(light, triangle), d);
+        front = light->two_sided ? fabs(front) : front;
+        if (!(squared > 0.0) || !(high > 0.0) || !(front > 0.0) || !(sl_dotd(geometric, d) > 0.0)) continue;
+        double weight = high / squared * (front / squared) * scale;
+        if (!isfinite(weight)) continue;
+        all += weight;
+        add_ray(&p, d, 1.0 - fmax(SL_LIGHT_MARGIN, fmin(2.0 * shape->flatness / front, 0.5)), weight);
+    }
+    flush(&p);
+    return (sl_light_sums){p.seen, all};
+}
