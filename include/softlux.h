@@ -172,7 +172,7 @@ typedef struct sl_comparison {
     double rel_mse;       /* mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
     double rel_mse_trimmed; /* the same without the largest 0.1 % of the terms (rounded down to a whole number) */
     double rel_mse_noise; /* the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it has the layers
-                             even.* and odd.*, two independent halves (the path tracer writes them); else 0 */
+                             even.* and odd.*, two independent halves (the path tracers write them); else 0 */
     double max_abs;       /* max |x-r| */
     double bias;          /* sum(x-r) / |sum(r)| */
     double ssim;          /* mean structural similarity; 1 where equal */
@@ -402,14 +402,14 @@ typedef struct sl_multi_mesh_settings {
 } sl_multi_mesh_settings;
 
 typedef struct sl_settings {
-    const char *method;    /* "splatting", "direct-radiance", "light-octree", "multi-mesh", "path" */
+    const char *method;    /* "splatting", "direct-radiance", "light-octree", "multi-mesh", "path", "bidirectional" */
     const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
     int width, height;     /* 0: the scene's film */
     unsigned threads;      /* 0: one a processor */
     uint64_t seed;
     sl_quality quality;
-    uint32_t spp;          /* path: samples a pixel; splatting: light samples a pixel; 0: by quality */
+    uint32_t spp;          /* path, bidirectional: samples a pixel; splatting: light samples a pixel; 0: by quality */
     double accuracy;       /* splatting: a of the paper; 0: by quality */
     int gather_size;       /* splatting, multi-mesh: N of an N x N gather; 0: by quality */
     sl_gather_kind gather;

@@ -60,5 +60,8 @@ same path-cornell scenes/cornell.json -m path --spp 4 -s 64x64
 same path-glossy scenes/cornell-glossy.json -m path --spp 4 -s 64x64
 same path-mirror scenes/cornell-mirror.json -m path --spp 4 -s 64x64
 same path-matched scenes/two-rooms.json -m path --transport matched:splatting --spp 4 -s 64x64
+same bidirectional-cornell scenes/cornell.json -m bidirectional --spp 2 -s 64x64
+same bidirectional-balls scenes/mirror-balls.json -m bidirectional --spp 2 -s 64x64
+same bidirectional-matched scenes/two-rooms.json -m bidirectional --transport matched:splatting --spp 2 -s 64x64
 echo "$compared pictures compared"
 exit $bad

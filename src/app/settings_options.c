@@ -40,13 +40,13 @@ static void add_common(sl_raw_settings *r, table *t) {
     sl_settings *s = &r->settings;
     const sl_option options[] = {
         HEADING("every method"),
-        {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree, multi-mesh or path [splatting]", 0, 0, NULL},
+        {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree, multi-mesh, path or bidirectional [splatting]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, r->size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
         {"quality", 'q', SL_OPTION_CHOICE, &r->quality, NULL, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &r->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1, 256, NULL},
-        {"spp", 0, SL_OPTION_COUNT, &r->spp, NULL, "N", "path: samples a pixel; splatting: light samples a pixel [by quality]", 1, 1e8, NULL},
-        HEADING("path"),
+        {"spp", 0, SL_OPTION_COUNT, &r->spp, NULL, "N", "path, bidirectional: samples a pixel; splatting: light samples a pixel [by quality]", 1, 1e8, NULL},
+        HEADING("path, bidirectional"),
         {"transport", 0, SL_OPTION_TEXT, &s->transport, NULL, "PATHS", "direct, one-bounce, full or matched:METHOD [full]", 0, 0, NULL},
         {"filter", 0, SL_OPTION_CHOICE, &r->filter, NULL, "F", "box or centre of the pixel [method]", 0, 0, filter_names},
     };

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_path_method};
+static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_path_method, &sl_bidirectional_method};
 enum { CLASSES = sizeof classes / sizeof classes[0] };
 
 struct sl_method {
@@ -67,7 +67,7 @@ static sl_status choose_transport(const sl_method_class *class, const sl_setting
                        "unknown transport '%s'; expected direct, one-bounce, full or matched:METHOD", name);
     }
     if (!class->any_transport)
-        return sl_fail(error, SL_ERROR_USAGE, "%s computes its own paths only; another transport needs --method path",
+        return sl_fail(error, SL_ERROR_USAGE, "%s computes its own paths only; another transport needs --method path or bidirectional",
                        class->name);
     return SL_OK;
 }
@@ -91,7 +91,7 @@ sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, s
     if (status != SL_OK) return status;
     if (settings->filter != SL_FILTER_METHOD) {
         if (!class->any_transport && settings->filter != transport.filter)
-            return sl_fail(error, SL_ERROR_USAGE, "%s samples pixels in its own way; another filter needs --method path",
+            return sl_fail(error, SL_ERROR_USAGE, "%s samples pixels in its own way; another filter needs --method path or bidirectional",
                            class->name);
         transport.filter = settings->filter;
     }

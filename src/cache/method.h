@@ -36,6 +36,7 @@ extern const sl_method_class sl_splatting_method; /* cache/splatting */
 extern const sl_method_class sl_direct_radiance_method; /* cache/direct_radiance */
 extern const sl_method_class sl_light_octree_method;    /* cache/light_octree */
 extern const sl_method_class sl_path_method;      /* cache/reference */
+extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 
 /* Tells the observer, if any, of a pass. planes: `channels` planes of width*height, bottom row first where bottom_first.
  * Costs nothing without an observer. */

@@ -17,18 +17,22 @@ sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surfa
     return sl_mad(surface->position, 6e-7f * size, surface->geometric_normal);
 }
 
+void sl_bsdf_turn(sl_bsdf *b, sl_vec3 to_viewer, unsigned sampled_lobes) {
+    /* In double before it is rounded, so that high exponents see a unit vector. */
+    b->mirror_direction = sl_normalize_or(sl_reflect(to_viewer, b->normal), b->normal);
+    float diffuse = sampled_lobes & SL_LOBE_DIFFUSE ? sl_rgb_mean(b->diffuse) : 0.0f;
+    float glossy = sampled_lobes & SL_LOBE_GLOSSY ? sl_rgb_mean(b->specular) : 0.0f;
+    b->black = !(diffuse + glossy > 0.0f);
+    b->diffuse_share = b->black ? 1.0f : diffuse / (diffuse + glossy);
+}
+
 sl_bsdf sl_bsdf_make(const sl_surface *surface, sl_vec3 to_viewer, unsigned sampled_lobes) {
     sl_bsdf b = {.diffuse = surface->diffuse,
                  .specular = surface->material->specular,
                  .exponent = surface->material->exponent,
                  .normal = surface->normal,
                  .geometric_normal = surface->geometric_normal};
-    /* In double before it is rounded, so that high exponents see a unit vector. */
-    b.mirror_direction = sl_normalize_or(sl_reflect(to_viewer, surface->normal), surface->normal);
-    float diffuse = sampled_lobes & SL_LOBE_DIFFUSE ? sl_rgb_mean(b.diffuse) : 0.0f;
-    float glossy = sampled_lobes & SL_LOBE_GLOSSY ? sl_rgb_mean(b.specular) : 0.0f;
-    b.black = !(diffuse + glossy > 0.0f);
-    b.diffuse_share = b.black ? 1.0f : diffuse / (diffuse + glossy);
+    sl_bsdf_turn(&b, to_viewer, sampled_lobes);
     return b;
 }
 
@@ -45,15 +49,19 @@ static float phong_power(const sl_bsdf *b, sl_vec3 to_light) {
     return sl_powf(cosine < 1.0f ? cosine : 1.0f, b->exponent);
 }
 
-sl_rgb sl_bsdf_reflect(const sl_bsdf *b, sl_vec3 to_light, unsigned lobes) {
-    float cosine = cosine_above(b, to_light);
+sl_rgb sl_bsdf_value(const sl_bsdf *b, sl_vec3 to_light, unsigned lobes) {
     sl_rgb f = {0.0f, 0.0f, 0.0f};
-    if (!(cosine > 0.0f)) return f;
     if (lobes & SL_LOBE_DIFFUSE) f = sl_rgb_scale(b->diffuse, per_pi);
     if ((lobes & SL_LOBE_GLOSSY) && sl_rgb_max(b->specular) > 0.0f) {
         f = sl_rgb_add(f, sl_rgb_scale(b->specular, (b->exponent + 2.0f) * per_two_pi * phong_power(b, to_light)));
     }
-    return sl_rgb_scale(f, cosine);
+    return f;
+}
+
+sl_rgb sl_bsdf_reflect(const sl_bsdf *b, sl_vec3 to_light, unsigned lobes) {
+    float cosine = cosine_above(b, to_light);
+    if (!(cosine > 0.0f)) return sl_grey(0.0f);
+    return sl_rgb_scale(sl_bsdf_value(b, to_light, lobes), cosine);
 }
 
 sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn) {

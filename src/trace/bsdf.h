@@ -19,7 +19,11 @@ typedef struct sl_bsdf {
 
 /* to_viewer: unit. sampled_lobes: those that sl_bsdf_sample() draws from. */
 sl_bsdf sl_bsdf_make(const sl_surface *surface, sl_vec3 to_viewer, unsigned sampled_lobes);
-/* f times the cosine of the shading normal, for some of the lobes. */
+/* The same surface seen from elsewhere, above its geometric plane. */
+void sl_bsdf_turn(sl_bsdf *bsdf, sl_vec3 to_viewer, unsigned sampled_lobes);
+/* f alone, whatever planes the directions lie above: symmetric in them. */
+sl_rgb sl_bsdf_value(const sl_bsdf *bsdf, sl_vec3 to_light, unsigned lobes);
+/* f times the cosine of the shading normal, for some of the lobes; 0 below either plane. */
 sl_rgb sl_bsdf_reflect(const sl_bsdf *bsdf, sl_vec3 to_light, unsigned lobes);
 /* A direction from three numbers in [0,1); false if it falls below the surface. */
 bool sl_bsdf_sample(const sl_bsdf *bsdf, float lobe, float u1, float u2, sl_vec3 *to_light);

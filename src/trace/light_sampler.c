@@ -156,7 +156,7 @@ static bool sample_emitter(const sl_scene *scene, const sl_emitter *emitter, dou
     if (!(pdf > 0.0)) return false;
     if (sl_scene_has_alpha(scene, t) && !sl_scene_is_opaque(scene, t, (float)w1, (float)w2)) return false;
     *sample = (sl_light_sample){direction, (float)distance, sl_rgb_scale(emitter->radiance, (float)(1.0 / pdf)), (float)pdf,
-                                (float)chance, t};
+                                (float)chance, t, (uint32_t)(emitter - scene->emitters)};
     return true;
 }
 
@@ -179,7 +179,7 @@ static bool sample_environment(const sl_environment *environment, double chance,
     double whole_pdf = chance * (double)pdf;
     if (!(whole_pdf > 0.0)) return false;
     *sample = (sl_light_sample){direction, INFINITY, sl_rgb_scale(radiance, (float)(1.0 / whole_pdf)), (float)whole_pdf,
-                                (float)chance, SL_NO_INDEX};
+                                (float)chance, SL_NO_INDEX, SL_NO_INDEX};
     return true;
 }
 
@@ -192,6 +192,7 @@ static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, f
     else if (i < scene->emitter_count + scene->light_count) {
         lit = sample_light(&scene->lights[i - scene->emitter_count], chance, p, sample);
     } else lit = sample_environment(&scene->environment, chance, u1, u2, sample);
+    sample->entry = (uint32_t)i;
     return lit && sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
 }
 
@@ -212,12 +213,21 @@ bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_v
            sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
 }
 
-bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+bool sl_light_sampler_choose(const sl_light_sampler *sampler, float *u, uint32_t *entry) {
     if (sampler->count == 0) return false;
-    size_t i = choose(sampler, (double)u1);
+    size_t i = choose(sampler, (double)*u);
     double start = i > 0 ? sampler->sums[i - 1] : 0.0, width = sampler->sums[i] - start;
-    float rest = width > 0.0 ? (float)(((double)u1 - start) / width) : 0.0f;
-    return sample_entry(sampler, i, p, fminf(rest, 0x1.fffffep-1f), u2, sample);
+    float rest = width > 0.0 ? (float)(((double)*u - start) / width) : 0.0f;
+    *u = fminf(rest, 0x1.fffffep-1f);
+    *entry = (uint32_t)i;
+    return sampler->chance[i] > 0.0;
+}
+
+double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry) { return sampler->chance[entry]; }
+
+bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2, sl_light_sample *sample) {
+    uint32_t entry;
+    return sl_light_sampler_choose(sampler, &u1, &entry) && sample_entry(sampler, entry, p, u1, u2, sample);
 }
 
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle, float distance) {

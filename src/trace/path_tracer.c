@@ -8,9 +8,10 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "trace/halves.h"
 #include "trace/path_walk.h"
 
-enum { TILE = 4, TILES_A_TASK = 32, HALVES = 2 };
+enum { TILE = 4, TILES_A_TASK = 32 };
 
 struct sl_path_tracer {
     const sl_scene *scene;
@@ -18,8 +19,7 @@ struct sl_path_tracer {
     sl_light_sampler *lights;
     sl_sequence sequence;
     sl_path_walk walk;
-    double *sums[HALVES];     /* R, G, B planes */
-    uint64_t samples[HALVES];
+    sl_halves halves;
     sl_counters *worker_counters;
 };
 
@@ -39,16 +39,12 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, 
     path->settings = *settings;
     path->settings.threads = sl_thread_count(settings->threads);
     sl_status status = sl_light_sampler_create(scene, &path->lights, error);
+    if (status == SL_OK) status = sl_halves_create(&path->halves, (size_t)settings->width * (size_t)settings->height, error);
+    path->worker_counters = sl_allocate(path->settings.threads, sizeof *path->worker_counters);
+    if (status == SL_OK && !path->worker_counters) status = sl_fail_memory(error, "the path tracer");
     if (status != SL_OK) {
         sl_path_tracer_destroy(path);
         return status;
-    }
-    size_t values = 3 * (size_t)settings->width * (size_t)settings->height;
-    for (int half = 0; half < HALVES; half++) path->sums[half] = sl_allocate(values, sizeof(double));
-    path->worker_counters = sl_allocate(path->settings.threads, sizeof *path->worker_counters);
-    if (!path->sums[0] || !path->sums[1] || !path->worker_counters) {
-        sl_path_tracer_destroy(path);
-        return sl_fail_memory(error, "the path tracer's film");
     }
     sl_sequence_make(&path->sequence);
     path->walk = (sl_path_walk){scene, tracer, path->lights, &path->sequence, settings->transport};
@@ -58,7 +54,7 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, 
 
 void sl_path_tracer_destroy(sl_path_tracer *path) {
     if (!path) return;
-    for (int half = 0; half < HALVES; half++) sl_free(path->sums[half]);
+    sl_halves_release(&path->halves);
     sl_free(path->worker_counters);
     sl_light_sampler_destroy(path->lights);
     sl_free(path);
@@ -124,13 +120,8 @@ static void sample_tile(const sample_pass *pass, size_t tile, sl_counters *count
     sl_rgb radiance[SL_PACKET];
     sl_path_walk_radiance(&path->walk, &rays, count, true, keys, pass->index, radiance, counters);
     sl_count(counters, SL_COUNT_SAMPLES, count);
-    size_t plane = (size_t)width * (size_t)height;
-    double *sums = path->sums[pass->half];
     for (unsigned i = 0; i < count; i++) {
-        sl_rgb sample = finite_or_black(radiance[i], counters);
-        sums[pixels[i]] += (double)sample.r;
-        sums[plane + pixels[i]] += (double)sample.g;
-        sums[2 * plane + pixels[i]] += (double)sample.b;
+        sl_halves_add(&path->halves, pass->half, pixels[i], finite_or_black(radiance[i], counters));
     }
 }
 
@@ -148,32 +139,25 @@ static void sample_tiles(void *context, size_t task, unsigned worker) {
 }
 
 sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters, sl_error *error) {
-    if (sample / HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
+    if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
     double tangent = sl_tan(0.5 * (double)path->scene->camera.vertical_fov);
     double aspect = (double)path->settings.width / (double)path->settings.height;
-    sample_pass pass = {path, (unsigned)(sample % HALVES), (uint32_t)(sample / HALVES), (float)(tangent * aspect), (float)tangent};
+    sample_pass pass = {path, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES), (float)(tangent * aspect), (float)tangent};
     for (unsigned i = 0; i < path->settings.threads; i++) path->worker_counters[i] = (sl_counters){{0}};
     sl_parallel_for(path->settings.threads, (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK, sample_tiles, &pass);
     for (unsigned i = 0; i < path->settings.threads; i++) sl_counters_add(counters, &path->worker_counters[i]);
-    path->samples[pass.half]++;
+    path->halves.samples[pass.half]++;
     return SL_OK;
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------------- */
 
 void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b) {
-    float *planes[3] = {r, g, b};
-    size_t pixels = (size_t)path->settings.width * (size_t)path->settings.height;
-    uint64_t samples = half < 0 ? path->samples[0] + path->samples[1] : path->samples[half & 1];
-    double scale = samples > 0 ? 1.0 / (double)samples : 0.0;
-    for (size_t channel = 0; channel < 3; channel++) {
-        if (!planes[channel]) continue;
-        const double *even = path->sums[0] + channel * pixels, *odd = path->sums[1] + channel * pixels;
-        for (size_t i = 0; i < pixels; i++) {
-            double sum = half < 0 ? even[i] + odd[i] : half == 0 ? even[i] : odd[i];
-            planes[channel][i] = (float)(sum * scale);
-        }
-    }
+    sl_halves_mean(&path->halves, half, r, g, b);
+}
+
+size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path) {
+    return sizeof *path + sl_halves_memory_bytes(&path->halves);
 }
 
 void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count, uint64_t stream,
@@ -182,8 +166,8 @@ void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, u
     sl_rgb found[SL_PACKET];
     /* Each lane has a stream of its own; the high bit keeps them apart from pixels. */
     for (unsigned i = 0; i < count; i++) {
-        keys[i] = stream_key(path, (unsigned)(sample % HALVES), (stream << 4 | i) ^ (uint64_t)1 << 62);
+        keys[i] = stream_key(path, (unsigned)(sample % SL_HALVES), (stream << 4 | i) ^ (uint64_t)1 << 62);
     }
-    sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / HALVES), found, counters);
+    sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / SL_HALVES), found, counters);
     for (unsigned i = 0; i < count; i++) radiance[i] = finite_or_black(found[i], counters);
 }

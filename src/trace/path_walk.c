@@ -229,27 +229,26 @@ static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
     rays->skip[i] = w->skip;
 }
 
-/* Without visibility between x1 and x2 every surface on the ray sends its light to x1. One of them is taken, each of the n with
- * probability 1/n, with n times the weight. Returns the number n. */
-static uint32_t choose_along_ray(const sl_path_walk *walk, walker *w, sl_hit16 *hits, unsigned lane, sl_counters *counters) {
-    sl_ray16 ray;
+uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *first, uint64_t key, sl_hit16 *chosen,
+                                  sl_counters *counters) {
+    sl_ray16 ray = *first;
     sl_hit16 hit;
-    float point[3];
-    draw(walk, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
-    uint64_t key = sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f));
     uint32_t met = 0;
-    hits->triangle[lane] = SL_NO_INDEX;
-    for (put_ray(&ray, 0, w);; ray.near[0] = hit.t[0], ray.skip[0] = hit.triangle[0]) {
-        sl_trace(walk->tracer, &ray, 1, false, &hit, counters);
+    chosen->triangle[0] = SL_NO_INDEX;
+    for (;; ray.near[0] = hit.t[0], ray.skip[0] = hit.triangle[0]) {
+        sl_trace(tracer, &ray, 1, false, &hit, counters);
         if (hit.triangle[0] == SL_NO_INDEX) return met;
         met++;
-        if (sl_random_unit(key, met) * (float)met < 1.0f) {
-            hits->t[lane] = hit.t[0];
-            hits->w1[lane] = hit.w1[0];
-            hits->w2[lane] = hit.w2[0];
-            hits->triangle[lane] = hit.triangle[0];
-        }
+        if (sl_random_unit(key, met) * (float)met < 1.0f) *chosen = hit;
     }
+}
+
+static uint32_t choose_along_ray(const sl_path_walk *walk, walker *w, sl_hit16 *hit, sl_counters *counters) {
+    sl_ray16 ray;
+    float point[3];
+    draw(walk, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
+    put_ray(&ray, 0, w);
+    return sl_path_choose_along_ray(walk->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)), hit, counters);
 }
 
 static void trace_walkers(const sl_path_walk *walk, walker *const *active, unsigned count, bool coherent, sl_hit16 *hits,
@@ -264,14 +263,14 @@ static void trace_walkers(const sl_path_walk *walk, walker *const *active, unsig
     }
     for (unsigned i = 0; i < count; i++) {
         walker *w = active[i];
-        if (w->through) {
-            w->weight = sl_rgb_scale(w->weight, (float)choose_along_ray(walk, w, hits, i, counters));
-            w->through = false;
-            continue;
-        }
         sl_hit16 hit;
-        put_ray(&rays, 0, w);
-        sl_trace(walk->tracer, &rays, 1, false, &hit, counters);
+        if (w->through) {
+            w->weight = sl_rgb_scale(w->weight, (float)choose_along_ray(walk, w, &hit, counters));
+            w->through = false;
+        } else {
+            put_ray(&rays, 0, w);
+            sl_trace(walk->tracer, &rays, 1, false, &hit, counters);
+        }
         hits->t[i] = hit.t[0];
         hits->w1[i] = hit.w1[0];
         hits->w2[i] = hit.w2[0];

@@ -18,6 +18,10 @@ void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsig
                            const uint64_t key[SL_PACKET], uint32_t index, sl_rgb radiance[SL_PACKET],
                            sl_counters *counters);
 
+/* Where nothing hides anything, every surface on the ray, the first of the packet, sends its light to the ray's start. One of the n is
+ * taken, each with probability 1/n: put into lane 0. Returns n, by which its light is multiplied. */
+uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *ray, uint64_t key, sl_hit16 *hit, sl_counters *counters);
+
 /* The sets of points that a walk draws from: set 0 is for the pixel, then four a vertex. */
 enum { SL_SET_PIXEL = 0, SL_SET_LIGHT = 1, SL_SET_DIRECTION = 2, SL_SET_ROULETTE = 3, SL_SET_THROUGH = 4, SL_SETS_A_VERTEX = 4 };
 

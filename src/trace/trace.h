@@ -51,6 +51,7 @@ typedef struct sl_light_sample {
     float pdf;           /* solid angle, selection included; 0: a delta light, not hit by chance */
     float chance;        /* of the selection alone */
     uint32_t triangle;   /* the emitter's triangle, or SL_NO_INDEX */
+    uint32_t entry;      /* of the sampler: emitters come first, then lights, then the environment */
 } sl_light_sample;
 
 /* One sample from three numbers in [0,1). False: contributes nothing. Only emitters' fronts shine (unless two-sided). */
@@ -69,6 +70,11 @@ bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_v
  * SL_NO_INDEX) from p. */
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
                            float distance);
+
+/* For those who follow light from where it starts: the entry that the number u in [0,1) chooses, u left stretched to [0,1) again;
+ * false where nothing shines. And the probability that an entry is chosen. */
+bool sl_light_sampler_choose(const sl_light_sampler *sampler, float *u, uint32_t *entry);
+double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry);
 
 /* One sample of a given emitter, for those who choose emitters in their own way: radiance and pdf are without the choice. */
 bool sl_emitter_sample(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2, sl_light_sample *sample);
@@ -92,6 +98,7 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
 /* Means so far: R, G, B planes of width*height, row 0 at the top, each may be NULL. Half 0 and 1: the even and odd samples
  * alone, two independent pictures whose difference is the noise; -1: all. */
 void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b);
+size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path);
 /* Radiance along given rays instead of a film: for tests with closed forms and for gathers. radiance: count values. */
 void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count, uint64_t stream,
                              uint64_t sample, sl_rgb *radiance, sl_counters *counters);

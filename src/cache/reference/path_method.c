@@ -1,118 +1,33 @@
-/* The reference path tracer as a method: one update is one more sample for every pixel. */
-#include "base/counters.h"
-#include "base/error.h"
-#include "base/memory.h"
-#include "cache/method.h"
-#include "trace/trace.h"
+/* The reference path tracer as a method. */
+#include "cache/reference/sampled_method.h"
 
-typedef struct {
-    const sl_scene *scene;
-    sl_settings settings;
-    sl_transport transport;
-    sl_tracer *tracer;
-    sl_path_tracer *path;
-    uint64_t samples, samples_wanted;
-    sl_counters counters;
-} path_state;
-
-static void path_destroy(void *state) {
-    path_state *s = state;
-    if (!s) return;
-    sl_path_tracer_destroy(s->path);
-    sl_tracer_destroy(s->tracer);
-    sl_free(s);
+static sl_status film_create(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings,
+                             const sl_transport *transport, void **film, sl_error *error) {
+    sl_path_settings path = {settings->width, settings->height, settings->threads, settings->seed, *transport};
+    sl_path_tracer *made = NULL;
+    sl_status status = sl_path_tracer_create(scene, tracer, &path, &made, error);
+    *film = made;
+    return status;
 }
 
-static sl_status start_tracer(path_state *s, sl_error *error) {
-    sl_path_settings settings = {s->settings.width, s->settings.height, s->settings.threads, s->settings.seed, s->transport};
-    sl_path_tracer_destroy(s->path);
-    s->path = NULL;
-    s->samples = 0;
-    return sl_path_tracer_create(s->scene, s->tracer, &settings, &s->path, error);
+static void film_destroy(void *film) { sl_path_tracer_destroy(film); }
+
+static sl_status film_sample(void *film, uint64_t sample, sl_counters *counters, sl_error *error) {
+    return sl_path_tracer_sample(film, sample, counters, error);
 }
 
-static uint32_t samples_by_quality(sl_quality quality) {
-    static const uint32_t samples[] = {16, 64, 256};
-    return samples[quality];
-}
+static void film_mean(const void *film, int half, float *r, float *g, float *b) { sl_path_tracer_mean(film, half, r, g, b); }
 
-static void path_complete(sl_settings *settings) {
-    if (settings->spp == 0) settings->spp = samples_by_quality(settings->quality);
-}
+static size_t film_memory_bytes(const void *film) { return sl_path_tracer_memory_bytes(film); }
 
-static sl_status path_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
-                             void **state, sl_error *error) {
-    path_state *s = sl_allocate(1, sizeof *s);
-    if (!s) return sl_fail_memory(error, "the path tracer");
-    s->scene = scene;
-    s->settings = *settings;
-    s->transport = *transport;
-    s->samples_wanted = settings->spp;
-    sl_status status = sl_tracer_create(scene, settings->threads, NULL, &s->tracer, error);
-    if (status == SL_OK) status = start_tracer(s, error);
-    if (status != SL_OK) {
-        path_destroy(s);
-        return status;
-    }
-    *state = s;
-    return SL_OK;
-}
+static const sl_sampled_film path_film = {"path", "the path tracer", {16, 64, 256}, film_create, film_destroy,
+                                          film_sample, film_mean, film_memory_bytes};
 
-static sl_status path_update(void *state, sl_progress *progress, sl_error *error) {
-    path_state *s = state;
-    if (!s->path) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    if (s->samples < s->samples_wanted) {
-        sl_status status = sl_path_tracer_sample(s->path, s->samples, &s->counters, error);
-        if (status != SL_OK) return status;
-        s->samples++;
-    }
-    progress->fraction = (double)s->samples / (double)s->samples_wanted;
-    progress->done = s->samples == s->samples_wanted;
-    return SL_OK;
-}
+static void path_complete(sl_settings *settings) { sl_sampled_complete(&path_film, settings); }
 
-/* The picture, and the two halves of the samples as layers: their difference is the reference's own noise. */
-static sl_status path_resolve(void *state, sl_image **image, sl_error *error) {
-    static const char *const names[] = {"R",        "G",        "B",       "even.R", "even.G",
-                                        "even.B",   "odd.R",    "odd.G",   "odd.B"};
-    path_state *s = state;
-    if (!s->path) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = sl_image_create(s->settings.width, s->settings.height, 9, names, image, error);
-    if (status != SL_OK) return status;
-    size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
-    float *p = (*image)->planes;
-    for (int half = -1; half < 2; half++, p += 3 * pixels) {
-        sl_path_tracer_mean(s->path, half, p, p + pixels, p + 2 * pixels);
-    }
-    sl_observe(s->settings.observer, "path", "mean of the samples", "reference", s->settings.width, s->settings.height, 3,
-               (*image)->planes, false, &s->counters);
-    return SL_OK;
-}
-
-static sl_status path_edit(void *state, unsigned changes, sl_error *error) {
-    path_state *s = state;
-    if (changes & SL_CHANGED_OBJECTS) {
-        sl_path_tracer_destroy(s->path);
-        s->path = NULL;
-        sl_tracer_destroy(s->tracer);
-        s->tracer = NULL;
-        sl_status status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
-        if (status != SL_OK) return status;
-    }
-    return start_tracer(s, error);
-}
-
-static const sl_counters *path_counters(const void *state) { return &((const path_state *)state)->counters; }
-
-static size_t path_memory_bytes(const void *state) {
-    const path_state *s = state;
-    size_t film = (size_t)s->settings.width * (size_t)s->settings.height * 6 * sizeof(double);
-    return sizeof *s + film + (s->tracer ? sl_tracer_memory_bytes(s->tracer) : 0);
-}
-
-static void path_transport(const sl_settings *settings, sl_transport *transport) {
-    (void)settings;
-    sl_transport_named("full", transport);
+static sl_status path_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                             sl_error *error) {
+    return sl_sampled_create(&path_film, scene, settings, transport, state, error);
 }
 
 static void path_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
@@ -125,13 +40,13 @@ const sl_method_class sl_path_method = {
     .name = "path",
     .complete = path_complete,
     .create = path_create,
-    .destroy = path_destroy,
-    .update = path_update,
-    .resolve = path_resolve,
-    .edit = path_edit,
-    .counters = path_counters,
-    .memory_bytes = path_memory_bytes,
-    .transport = path_transport,
+    .destroy = sl_sampled_destroy,
+    .update = sl_sampled_update,
+    .resolve = sl_sampled_resolve,
+    .edit = sl_sampled_edit,
+    .counters = sl_sampled_counters,
+    .memory_bytes = sl_sampled_memory_bytes,
+    .transport = sl_sampled_transport,
     .plan = path_plan,
     .any_transport = true,
 };

@@ -1,0 +1,32 @@
+/* A reference tracer as a method: one update is one more sample for every pixel. What its film can do, the tracer tells by functions. */
+#ifndef SL_CACHE_REFERENCE_SAMPLED_METHOD_H
+#define SL_CACHE_REFERENCE_SAMPLED_METHOD_H
+
+#include "cache/method.h"
+#include "trace/trace.h"
+
+typedef struct sl_sampled_film {
+    const char *name;      /* of the method */
+    const char *what;      /* for errors: "the path tracer" */
+    uint32_t samples[3];   /* by quality */
+    sl_status (*create)(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings, const sl_transport *transport,
+                        void **film, sl_error *error);
+    void (*destroy)(void *film); /* NULL is allowed */
+    sl_status (*sample)(void *film, uint64_t sample, sl_counters *counters, sl_error *error);
+    void (*mean)(const void *film, int half, float *r, float *g, float *b);
+    size_t (*memory_bytes)(const void *film);
+} sl_sampled_film;
+
+/* The class's functions; two of them have to know which film it is. */
+sl_status sl_sampled_create(const sl_sampled_film *kind, const sl_scene *scene, const sl_settings *settings,
+                            const sl_transport *transport, void **state, sl_error *error);
+void sl_sampled_complete(const sl_sampled_film *kind, sl_settings *settings);
+void sl_sampled_destroy(void *state);
+sl_status sl_sampled_update(void *state, sl_progress *progress, sl_error *error);
+sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error);
+sl_status sl_sampled_edit(void *state, unsigned changes, sl_error *error);
+const sl_counters *sl_sampled_counters(const void *state);
+size_t sl_sampled_memory_bytes(const void *state);
+void sl_sampled_transport(const sl_settings *settings, sl_transport *transport);
+
+#endif
