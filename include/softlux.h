@@ -312,6 +312,7 @@ typedef struct sl_radiance_map_settings {
     bool separate_passes;            /* a geometry pass for each of the map's pictures, as without multiple render targets */
     bool local_light_only;           /* no shadows and no indirect light: what the paper compares its times with */
     bool direct_light_only;          /* shadows, but no indirect light: likewise */
+    bool without_layers;             /* pictures have R, G, B alone: the layers, and the estimate of spread, cost a fifth of a small frame */
 } sl_radiance_map_settings;
 
 /* ---- the light octree ---- */

@@ -93,6 +93,69 @@ static void in_the_cornell_box_it_is_the_light_of_its_paths(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* ---- strips, and passes one by one ---- */
+
+static void look_away(void *context, const sl_pass *pass) { *(size_t *)context += pass->buffer != NULL; }
+
+/* Without an observer passes 5 to 8 run strip by strip, with one as passes over whole planes: the same bits, and the same bill. Sizes that no
+ * tile divides, planar mirrors, lobes, and a sky that pixels see in their own directions. */
+static void strips_have_the_bits_and_the_costs_of_the_passes_one_by_one(void **state) {
+    (void)state;
+    static const char *const paths[] = {"scenes/cornell.json", "scenes/cornell-glossy.json", "scenes/cornell-mirror.json",
+                                        "scenes/two-rooms.json", "scenes/generated/castle.json"};
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
+        sl_scene *scene;
+        sl_error error;
+        if (sl_scene_load(paths[i], &scene, &error) != SL_OK) {
+            print_message("%s: not there, not compared\n", paths[i]);
+            continue;
+        }
+        size_t pictures = 0;
+        const sl_observer observer = {&pictures, look_away};
+        sl_settings strips = radiance_settings(0), passes;
+        strips.width = 70;
+        strips.height = 41;
+        passes = strips;
+        passes.observer = &observer;
+        sl_counters cost, cost_of_passes;
+        sl_image *a = render(scene, &strips, &cost), *b = render(scene, &passes, &cost_of_passes);
+        assert_true(pictures > 3);
+        assert_true(same_picture(a, b));
+        assert_memory_equal(&cost, &cost_of_passes, sizeof cost);
+        sl_image_destroy(a);
+        sl_image_destroy(b);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* R, G and B are the same without the layers; and a picture may be resolved again, for nothing. */
+static void a_picture_without_layers_is_the_same_picture(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-mirror.json");
+    sl_settings settings = radiance_settings(50), bare;
+    bare = settings;
+    bare.radiance_map.without_layers = true;
+    sl_image *all = render(scene, &settings, NULL);
+    sl_method *method = open_method(scene, &bare);
+    sl_image *first = next_frame(method, 0), *again;
+    const sl_counters counters = *sl_method_counters(method);
+    assert_int_equal(sl_method_resolve(method, &again, NULL), SL_OK);
+    assert_memory_equal(&counters, sl_method_counters(method), sizeof counters);
+    assert_int_equal(first->channels, 3);
+    assert_true(all->channels > 3 && same_picture(first, again));
+    for (int c = 0; c < 3; c++) {
+        static const char *const names[] = {"R", "G", "B"};
+        assert_memory_equal(sl_image_channel(first, names[c]), sl_image_channel(all, names[c]), 50 * 50 * sizeof(float));
+    }
+    sl_image_destroy(first);
+    sl_image_destroy(again);
+    sl_method_destroy(method);
+    sl_image_destroy(all);
+    sl_scene_destroy(scene);
+}
+
+/* ---- lights ---- */
+
 static const char two_lights[] =
     "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s%s%s],"
     " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 0.8, 0], \"fov_deg\": 50}}";
@@ -341,6 +404,8 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
+        cmocka_unit_test(strips_have_the_bits_and_the_costs_of_the_passes_one_by_one),
+        cmocka_unit_test(a_picture_without_layers_is_the_same_picture),
         cmocka_unit_test(in_the_cornell_box_it_is_the_light_of_its_paths),
         cmocka_unit_test(the_light_of_two_lights_is_the_sum_of_each),
         cmocka_unit_test(a_lamp_whose_middle_is_covered_needs_more_than_one_point),

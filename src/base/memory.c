@@ -6,13 +6,22 @@
 
 enum { ALIGNMENT = 64 };
 
-void *sl_allocate(size_t count, size_t size) {
+static void *allocate(size_t count, size_t size, size_t *rounded) {
     if (size && count > (SIZE_MAX - ALIGNMENT) / size) return NULL;
-    size_t bytes = count * size;
-    size_t rounded = (bytes + ALIGNMENT) / ALIGNMENT * ALIGNMENT; /* at least one line, so that count 0 is a valid block */
-    void *block = aligned_alloc(ALIGNMENT, rounded);
+    *rounded = (count * size + ALIGNMENT) / ALIGNMENT * ALIGNMENT; /* at least one line, so that count 0 is a valid block */
+    return aligned_alloc(ALIGNMENT, *rounded);
+}
+
+void *sl_allocate(size_t count, size_t size) {
+    size_t rounded;
+    void *block = allocate(count, size, &rounded);
     if (block) memset(block, 0, rounded);
     return block;
+}
+
+void *sl_allocate_unset(size_t count, size_t size) {
+    size_t rounded;
+    return allocate(count, size, &rounded);
 }
 
 void sl_free(void *block) { free(block); }

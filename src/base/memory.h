@@ -5,6 +5,8 @@
 #include <stddef.h>
 
 void *sl_allocate(size_t count, size_t size);
+/* The same, not zeroed: for what is written whole before it is read. */
+void *sl_allocate_unset(size_t count, size_t size);
 void sl_free(void *block); /* NULL is allowed; only for blocks of sl_allocate() */
 
 #endif

@@ -194,6 +194,7 @@ static void stamp_radiance_map(stamping *st, const sl_radiance_map_settings *m) 
     stamp_flag(st, "separate_passes", m->separate_passes);
     stamp_flag(st, "local_light", m->local_light_only);
     stamp_flag(st, "direct_light", m->direct_light_only);
+    stamp_flag(st, "without_layers", m->without_layers);
 }
 
 static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) {

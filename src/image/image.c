@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "image/unset.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -48,8 +49,8 @@ static sl_status name_channels(sl_image *image, const char *const *names, sl_err
     return SL_OK;
 }
 
-sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names, sl_image **image,
-                          sl_error *error) {
+static sl_status create(int width, int height, int channels, const char *const *channel_names, bool clear, sl_image **image,
+                        sl_error *error) {
     *image = NULL;
     sl_status status = check_size(width, height, channels, error);
     if (status != SL_OK) return status;
@@ -59,7 +60,8 @@ sl_status sl_image_create(int width, int height, int channels, const char *const
     created->height = height;
     created->channels = channels;
     created->channel_name = sl_allocate((size_t)channels, sizeof *created->channel_name);
-    created->planes = sl_allocate((size_t)width * (size_t)height * (size_t)channels, sizeof *created->planes);
+    const size_t values = (size_t)width * (size_t)height * (size_t)channels;
+    created->planes = clear ? sl_allocate(values, sizeof *created->planes) : sl_allocate_unset(values, sizeof *created->planes);
     if (!created->channel_name || !created->planes) status = sl_fail_memory(error, "an image");
     else status = name_channels(created, channel_names, error);
     if (status != SL_OK) {
@@ -68,6 +70,15 @@ sl_status sl_image_create(int width, int height, int channels, const char *const
     }
     *image = created;
     return SL_OK;
+}
+
+sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names, sl_image **image,
+                          sl_error *error) {
+    return create(width, height, channels, channel_names, true, image, error);
+}
+
+sl_status sl_image_create_unset(int width, int height, int channels, const char *const *channel_names, sl_image **image, sl_error *error) {
+    return create(width, height, channels, channel_names, false, image, error);
 }
 
 void sl_image_destroy(sl_image *image) {

@@ -143,6 +143,15 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
 sl_status sl_raster_resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, unsigned threads,
                             sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
 
+/* The same part by part, for who goes on with a part while it is in the cache. path and id: of the whole picture. Each worker has one part at
+ * a time. */
+typedef struct sl_resolver sl_resolver;
+sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, const uint32_t *id,
+                             unsigned workers, sl_resolver **resolver, sl_error *error);
+void sl_resolver_destroy(sl_resolver *resolver);
+/* `count` pixels from `first` on, into planes that hold those alone. Returns how many of them show a triangle. */
+uint64_t sl_resolver_run(const sl_resolver *resolver, unsigned worker, size_t first, size_t count, sl_gbuffer *part);
+
 /* Gouraud: interpolates `channels` floats per vertex (vertex v's at attributes[v*channels]) at every pixel of an id plane of the
  * view's width x height; out holds `channels` planes; background 0. */
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,

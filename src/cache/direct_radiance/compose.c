@@ -1,47 +1,54 @@
 /* Pass 8: the accumulation targets as a picture. */
 #include "base/error.h"
 #include "base/parallel.h"
+#include "cache/direct_radiance/compose_kernels.h"
 #include "cache/direct_radiance/direct_radiance.h"
 #include "cache/picture_value.h"
+#include "image/unset.h"
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, SPREAD = 12, LAYERS };
 
 static const char *const layer_names[LAYERS] = {"R",        "G",        "B",          "emission.R", "emission.G", "emission.B", "direct.R",
                                                 "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B", "spread.Y"};
 
+sl_status sl_radiance_picture_create(int width, int height, bool layers, sl_image **image, sl_error *error) {
+    return sl_image_create_unset(width, height, layers ? LAYERS : EMISSION, layer_names, image, error);
+}
+
+/* Rows count from the bottom, as on the hardware; images have row 0 at the top. */
+void sl_radiance_compose_row(const sl_radiance_layers *layers, const sl_receivers *r, size_t row, sl_image *image) {
+    size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
+    size_t from = row * width, to = (height - 1 - (size_t)r->first_row - row) * width;
+    bool all = image->channels == LAYERS;
+    sl_compose_kernel *compose = sl_compose_kernel_for(sl_isa_best());
+    for (size_t k = 0; k < 3; k++) {
+        float *out = image->planes + k * pixels + to;
+        const sl_compose_row channel = {width, r->throughput[k] ? r->throughput[k] + from : NULL, layers->emission[k] + from,
+                                        layers->direct[k] + from, layers->indirect[k] + from,
+                                        {out + PICTURE * pixels, all ? out + EMISSION * pixels : NULL, all ? out + DIRECT * pixels : NULL,
+                                         all ? out + INDIRECT * pixels : NULL}};
+        compose(&channel);
+    }
+    for (size_t x = 0; x < width && all; x++) image->planes[SPREAD * pixels + to + x] = sl_picture_value(layers->spread[from + x]);
+}
+
 typedef struct {
     const sl_radiance_layers *layers;
     const sl_receivers *receivers;
-    float *out;
+    sl_image *image;
 } composing;
 
-/* Rows count from the bottom, as on the hardware; images have row 0 at the top. */
 static void compose_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const composing *c = context;
-    const sl_receivers *r = c->receivers;
-    size_t width = (size_t)r->width, height = (size_t)r->height, pixels = width * height;
-    size_t from = row * width, to = (height - 1 - row) * width;
-    for (size_t k = 0; k < 3; k++) {
-        const float *emission = c->layers->emission[k] + from, *direct = c->layers->direct[k] + from;
-        const float *indirect = c->layers->indirect[k] + from, *throughput = r->throughput[k] ? r->throughput[k] + from : NULL;
-        for (size_t x = 0; x < width; x++) {
-            float share = throughput ? throughput[x] : 1.0f, e = sl_picture_value(share * emission[x]);
-            float d = sl_picture_value(share * direct[x]), i = sl_picture_value(share * indirect[x]);
-            c->out[(EMISSION + k) * pixels + to + x] = e;
-            c->out[(DIRECT + k) * pixels + to + x] = d;
-            c->out[(INDIRECT + k) * pixels + to + x] = i;
-            c->out[(PICTURE + k) * pixels + to + x] = sl_picture_value(e + d + i);
-        }
-    }
-    for (size_t x = 0; x < width; x++) c->out[SPREAD * pixels + to + x] = sl_picture_value(c->layers->spread[from + x]);
+    sl_radiance_compose_row(c->layers, c->receivers, row, c->image);
 }
 
-sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, unsigned threads, sl_image **image,
+sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all, unsigned threads, sl_image **image,
                               sl_error *error) {
-    sl_status status = sl_image_create(receivers->width, receivers->height, LAYERS, layer_names, image, error);
+    sl_status status = sl_radiance_picture_create(receivers->width, receivers->height, all, image, error);
     if (status != SL_OK) return status;
-    composing c = {layers, receivers, (*image)->planes};
+    composing c = {layers, receivers, *image};
     sl_parallel_for(threads, (size_t)receivers->height, compose_row, &c);
     return SL_OK;
 }

@@ -9,6 +9,7 @@
 #include "cache/direct_radiance/map_report.h"
 #include "cache/direct_radiance/mirrors.h"
 #include "cache/direct_radiance/plan.h"
+#include "cache/direct_radiance/strips.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,8 +33,9 @@ typedef struct radiance_state {
     sl_map_report report;
     sl_curved_mirrors *curved;     /* pass 4 */
     sl_receivers *receivers;       /* passes 5 and 6 */
-    float *planes;
+    float *planes;                 /* of light, as large as the picture; NULL where it is drawn in strips */
     sl_radiance_layers layers;
+    sl_image *image;               /* drawn in strips; NULL: handed over already, or not drawn yet */
 
     sl_rgb trick_albedo;           /* of curved mirrors that receive indirect light as if they were diffuse */
 
@@ -193,17 +195,49 @@ static sl_status show_mirrors(radiance_state *s, const sl_light_pass *light, sl_
 /* The G-buffer stays for the next frame. */
 static void forget_picture(radiance_state *s) {
     sl_curved_mirrors_destroy(s->curved);
+    sl_image_destroy(s->image);
     s->curved = NULL;
+    s->image = NULL;
     s->drawn = false;
 }
 
-static sl_status draw_picture(radiance_state *s, sl_error *error) {
+/* Whole planes, pass by pass, are for who looks at passes; for curved mirrors, which reflect the lit picture's pixels; and for visibility,
+ * which asks around each pixel. */
+static bool in_strips(const radiance_state *s) {
+    return !s->announcer.observer && !s->plan.curved && (s->settings.radiance_map.visibility == SL_VISIBILITY_NONE || !s->photons);
+}
+
+static sl_status draw_strips(radiance_state *s, sl_image **image, sl_counters *counters, sl_error *error) {
+    const sl_light_pass light = lighting(s);
+    const sl_strip_pass pass = {.raster = s->raster,
+                                .outline = s->receivers,
+                                .light = &light,
+                                .direct = s->plan.receivers && s->lights->point_count > 0,
+                                .layers = !s->settings.radiance_map.without_layers};
+    return sl_radiance_draw_strips(&pass, image, counters, error);
+}
+
+static sl_status ready_planes(radiance_state *s, sl_error *error) {
+    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    if (s->planes) {
+        memset(s->planes, 0, PLANES * pixels * sizeof *s->planes);
+        return SL_OK;
+    }
+    s->planes = sl_allocate(PLANES * pixels, sizeof *s->planes);
+    if (!s->planes) return sl_fail_memory(error, "the picture");
+    for (size_t k = 0; k < 3; k++) {
+        s->layers.emission[k] = s->planes + k * pixels;
+        s->layers.direct[k] = s->planes + (3 + k) * pixels;
+        s->layers.indirect[k] = s->planes + (6 + k) * pixels;
+    }
+    s->layers.spread = s->planes + 9 * pixels;
+    return SL_OK;
+}
+
+static sl_status draw_passes(radiance_state *s, sl_error *error) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
     unsigned threads = s->settings.threads;
-    sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
-    memset(s->planes, 0, PLANES * (size_t)s->settings.width * (size_t)s->settings.height * sizeof *s->planes);
-    sl_status status = sl_receivers_render(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL, m->reflections, threads,
-                                           &s->receivers, &s->counters, error);
+    sl_status status = ready_planes(s, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "section 4", s->receivers->gbuffer);
     sl_add_emission(s->scene, s->receivers, threads, s->layers.emission, &s->counters);
@@ -222,6 +256,17 @@ static sl_status draw_picture(radiance_state *s, sl_error *error) {
         announce_picture(s, "curved mirrors", "section 5", s->layers.direct[0]);
     }
     return status;
+}
+
+static sl_status draw_picture(radiance_state *s, sl_error *error) {
+    const sl_radiance_map_settings *m = &s->settings.radiance_map;
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    const bool strips = in_strips(s);
+    sl_status status = (strips ? sl_receivers_outline : sl_receivers_render)(s->scene, s->raster, &view, s->plan.planar ? s->planar : NULL,
+                                                                             m->reflections, s->settings.threads, &s->receivers,
+                                                                             &s->counters, error);
+    if (status != SL_OK) return status;
+    return strips ? draw_strips(s, &s->image, &s->counters, error) : draw_passes(s, error);
 }
 
 /* ---- the method ---- */
@@ -246,19 +291,11 @@ static sl_status radiance_create(const sl_scene *scene, const sl_settings *setti
     s->scene = scene;
     s->settings = *settings;
     s->announcer = (sl_announcer){.observer = settings->observer, .method = "direct-radiance", .counters = &s->counters};
-    size_t pixels = (size_t)settings->width * (size_t)settings->height;
-    s->planes = sl_allocate(PLANES * pixels, sizeof *s->planes);
-    sl_status status = s->planes ? place(s, error) : sl_fail_memory(error, "the picture");
+    sl_status status = place(s, error);
     if (status != SL_OK) {
         radiance_destroy(s);
         return status;
     }
-    for (size_t k = 0; k < 3; k++) {
-        s->layers.emission[k] = s->planes + k * pixels;
-        s->layers.direct[k] = s->planes + (3 + k) * pixels;
-        s->layers.indirect[k] = s->planes + (6 + k) * pixels;
-    }
-    s->layers.spread = s->planes + 9 * pixels;
     *state = s;
     return SL_OK;
 }
@@ -276,11 +313,22 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
     return status;
 }
 
+/* A picture of strips is handed over; who wants it again has it drawn again, and that is not counted. */
+static sl_status give_picture(radiance_state *s, sl_image **image, sl_error *error) {
+    sl_counters ignored = {{0}};
+    if (!in_strips(s))
+        return sl_radiance_compose(&s->layers, s->receivers, !s->settings.radiance_map.without_layers, s->settings.threads, image, error);
+    if (!s->image) return draw_strips(s, image, &ignored, error);
+    *image = s->image;
+    s->image = NULL;
+    return SL_OK;
+}
+
 static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error) {
     radiance_state *s = state;
     sl_progress ignored;
     sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
-    if (status == SL_OK) status = sl_radiance_compose(&s->layers, s->receivers, s->settings.threads, image, error);
+    if (status == SL_OK) status = give_picture(s, image, error);
     if (status == SL_OK && s->map) status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
     return status;
 }
@@ -299,7 +347,9 @@ static const sl_counters *radiance_counters(const void *state) { return &((const
 
 static size_t radiance_memory_bytes(const void *state) {
     const radiance_state *s = state;
-    size_t bytes = sizeof *s + PLANES * (size_t)s->settings.width * (size_t)s->settings.height * sizeof *s->planes;
+    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    size_t bytes = sizeof *s + (s->planes ? PLANES * pixels * sizeof *s->planes : 0);
+    if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);

@@ -24,6 +24,7 @@
  *   visibility.c        indirect shadows, which the paper leaves open
  *   map_report.c, map_captured.c   how much light the map holds, and how much of the photons' arrives
  *   compose.c           pass 8: the picture and its layers
+ *   strips.c            passes 5 to 8 at once, strip by strip
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_H
 #define SL_CACHE_DIRECT_RADIANCE_H
@@ -36,8 +37,13 @@ typedef struct sl_radiance_layers {
     float *spread; /* uncertainty of the indirect sum, luminance */
 } sl_radiance_layers;
 
-/* Pass 8: R, G, B = throughput (emission + direct + indirect), and each of the three alone, top row first. */
-sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, unsigned threads, sl_image **image,
+/* Pass 8: R, G, B = throughput (emission + direct + indirect), and where all layers are wanted each of the three alone and the spread, top
+ * row first. */
+sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all, unsigned threads, sl_image **image,
                               sl_error *error);
+/* The same row by row: a picture of which every pixel is still to be written, and row y of the receivers and layers given, which may be some
+ * rows of it. */
+sl_status sl_radiance_picture_create(int width, int height, bool all, sl_image **image, sl_error *error);
+void sl_radiance_compose_row(const sl_radiance_layers *layers, const sl_receivers *receivers, size_t y, sl_image *image);
 
 #endif

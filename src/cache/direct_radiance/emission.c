@@ -28,15 +28,7 @@ sl_rgb sl_environment_mean(const sl_environment *environment) {
 
 /* ---- pixels ---- */
 
-typedef struct {
-    const sl_scene *scene;
-    const sl_receivers *receivers;
-    sl_rgb mean;         /* of the environment */
-    float *const *emission;
-} emitting;
-
-static sl_rgb emission_of(const emitting *e, size_t pixel) {
-    const sl_receivers *r = e->receivers;
+static sl_rgb emission_of(const sl_emission *e, const sl_receivers *r, size_t pixel) {
     const sl_gbuffer *g = r->gbuffer;
     const uint32_t id = g->id[pixel];
     const sl_material *m = &e->scene->materials[g->material[pixel]];
@@ -48,27 +40,37 @@ static sl_rgb emission_of(const emitting *e, size_t pixel) {
 }
 
 /* Mirrored views have their reflections in their matrices. */
-static sl_rgb background_at(const emitting *e, size_t x, size_t y, size_t pixel) {
+static sl_rgb background_at(const sl_emission *e, const sl_receivers *r, size_t x, size_t y, size_t pixel) {
     const sl_environment *environment = &e->scene->environment;
-    const sl_receivers *r = e->receivers;
     if (!environment->present || environment->width == 0) return e->mean;
     size_t path = r->path ? r->path[pixel] : 0;
-    return sl_environment_radiance(environment, sl_view_direction(&r->view[path], (double)x + 0.5, (double)y + 0.5));
+    return sl_environment_radiance(environment, sl_view_direction(&r->view[path], (double)x + 0.5, (double)(r->first_row + (int)y) + 0.5));
 }
 
-static void emit_row(void *context, size_t y, unsigned worker) {
-    (void)worker;
-    const emitting *e = context;
-    const sl_gbuffer *g = e->receivers->gbuffer;
-    const size_t width = (size_t)e->receivers->width;
-    for (size_t x = 0; x < width; x++) {
-        const size_t i = y * width + x;
-        sl_rgb light = g->id[i] == SL_NO_INDEX ? background_at(e, x, y, i) : emission_of(e, i);
-        e->emission[0][i] += light.r;
-        e->emission[1][i] += light.g;
-        e->emission[2][i] += light.b;
+static bool is_dark(const sl_emission *e, uint32_t material) {
+    if (material == SL_NO_INDEX) return !e->scene->environment.present;
+    const sl_material *m = &e->scene->materials[material];
+    return !sl_material_is_emitter(m) && !sl_material_is_mirror(m);
+}
+
+void sl_emission_add_row(const sl_emission *e, const sl_receivers *r, size_t y, float *const emission[3]) {
+    const sl_gbuffer *g = r->gbuffer;
+    const size_t width = (size_t)r->width, first = y * width;
+    for (size_t x = 0, end; x < width && !e->none; x = end) {
+        const uint32_t material = g->material[first + x];
+        for (end = x + 1; end < width && g->material[first + end] == material;) end++;
+        if (is_dark(e, material)) continue;
+        for (size_t k = x; k < end; k++) {
+            const size_t i = first + k;
+            sl_rgb light = material == SL_NO_INDEX ? background_at(e, r, k, y, i) : emission_of(e, r, i);
+            emission[0][i] += light.r;
+            emission[1][i] += light.g;
+            emission[2][i] += light.b;
+        }
     }
 }
+
+/* ---- a picture ---- */
 
 /* Some pixel shows a planar mirror beyond the nesting limit. */
 static bool ends_in_a_mirror(const sl_receivers *r) {
@@ -82,13 +84,28 @@ static bool ends_in_a_mirror(const sl_receivers *r) {
     return false;
 }
 
+sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture) {
+    const bool sky = scene->environment.present;
+    bool wanted = sky && (scene->environment.width == 0 || ends_in_a_mirror(picture));
+    return (sl_emission){scene, wanted ? sl_environment_mean(&scene->environment) : sl_grey(0.0f), !sky && scene->emitter_count == 0};
+}
+
+typedef struct {
+    sl_emission of;
+    const sl_receivers *receivers;
+    float *const *emission;
+} emitting;
+
+static void emit_row(void *context, size_t y, unsigned worker) {
+    (void)worker;
+    const emitting *e = context;
+    sl_emission_add_row(&e->of, e->receivers, y, e->emission);
+}
+
 void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads, float *const emission[3],
                      sl_counters *counters) {
-    const bool sky = scene->environment.present;
-    if (!sky && scene->emitter_count == 0) return;
-    bool wanted = sky && (scene->environment.width == 0 || ends_in_a_mirror(receivers));
-    emitting e = {.scene = scene, .receivers = receivers, .emission = emission,
-                  .mean = wanted ? sl_environment_mean(&scene->environment) : sl_grey(0.0f)};
+    emitting e = {sl_emission_of(scene, receivers), receivers, emission};
+    if (e.of.none) return;
     sl_parallel_for(sl_thread_count(threads), (size_t)receivers->height, emit_row, &e);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)receivers->width * (size_t)receivers->height);
 }

@@ -9,8 +9,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/direct_radiance/light_receivers.h"
-#include "cache/direct_radiance/receiver_kernels.h"
+#include "cache/direct_radiance/light_tiles.h"
 #include "cache/direct_radiance/visibility.h"
 #include "raster/fragments/pbuffer.h"
 
@@ -18,9 +17,6 @@ enum { TEXTURE_WIDTH = 256, TEXTURES = SL_PHOTON_CHANNELS / 4 };
 
 struct sl_photon_sums {
     const sl_light_pass *pass;
-    sl_lit_picture *picture;
-    float *spread;
-    int width;
     size_t count;
     sl_photon_registers *photon;
     sl_weight_form *form;
@@ -193,21 +189,12 @@ static void sum_plainly(const indirect_pass *p, const sl_receiver_tile *tile, sl
         p->kernels.sum(tile, p->photon, p->count, cosine, half);
 }
 
-static void set_spread(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, const sl_tile_light half[2]) {
-    float radiance[3][SL_TILE_PIXELS];
-    sl_tile_light difference;
-    p->kernels.combine(tile->padded, glossy, half, p->share, &difference);
-    p->kernels.reflect(tile, &difference, glossy, radiance);
-    for (size_t i = 0; i < tile->count; i++)
-        p->spread[tile->pixel[i]] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
-}
-
 /* All photons, even and odd ones apart, and both together. */
 static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light half[2], sl_tile_light *sum,
                         sl_counters *counters) {
     static const float whole[2] = {1.0f, 1.0f};
     sl_tile_sight around;
-    memset(half, 0, 2 * sizeof *half);
+    for (int h = 0; h < 2; h++) memset(&half[h], 0, glossy ? sizeof half[h] : sizeof half[h].irradiance);
     if (p->plain && !p->sight && !glossy) {
         sum_plainly(p, tile, half);
     } else {
@@ -217,31 +204,46 @@ static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bo
     p->kernels.combine(tile->padded, glossy, half, whole, sum);
 }
 
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const indirect_pass *p = context;
-    sl_tile_light half[2], sum;
+void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, const sl_tile_target *to,
+                            sl_counters *counters) {
+    sl_tile_light half[2], sum, difference;
     sum_photons(p, tile, glossy, half, &sum, counters);
-    float radiance[3][SL_TILE_PIXELS];
-    p->kernels.reflect(tile, &sum, glossy, radiance);
-    sl_receiver_tile_add(tile, radiance, p->width, p->picture->indirect);
-    if (p->spread) set_spread(p, tile, glossy, half);
+    p->kernels.reflect_to(tile, &sum, glossy, to->width, to->indirect);
+    if (to->spread) {
+        p->kernels.combine(tile->padded, glossy, half, p->share, &difference);
+        p->kernels.reflect_spread(tile, &difference, glossy, to->spread);
+    }
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
     if (p->pass->supply == SL_PHOTONS_IN_TEXTURES) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, TEXTURES * tile->count * p->count);
+}
+
+/* ---- a picture ---- */
+
+typedef struct {
+    const sl_photon_sums *sums;
+    sl_tile_target to;
+} picture_pass;
+
+static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const picture_pass *p = context;
+    sl_indirect_light_tile(p->sums, tile, glossy, &p->to, counters);
 }
 
 sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *receivers, sl_lit_picture *picture, float *spread,
                               sl_counters *counters, sl_error *error) {
     if (!pass->photons || pass->photons->count == 0) return SL_OK;
-    indirect_pass p = {.pass = pass, .picture = picture, .spread = spread, .width = receivers->width, .count = pass->photons->count,
-                       .kernels = sl_receiver_kernels_for(sl_isa_best()), .sight_kernels = sl_sight_kernels_for(sl_isa_best())};
+    sl_photon_sums *sums = NULL;
     sl_receiver_kinds kinds = {.of_material = NULL};
-    sl_status status = upload(&p, error);
-    if (status == SL_OK) status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);
+    float *const *indirect = picture->indirect;
+    sl_status status = sl_photon_sums_create(pass, &sums, error);
+    if (status != SL_OK) return status;
+    picture_pass p = {sums, {.width = receivers->width, .indirect = {indirect[0], indirect[1], indirect[2]}, .spread = spread}};
+    status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);
     if (status == SL_OK && pass->visibility != SL_VISIBILITY_NONE && pass->tracer)
-        status = sl_sight_create(pass, receivers, &kinds, weigh_unseen, &p, &p.sight, counters, error);
+        status = sl_sight_create(pass, receivers, &kinds, weigh_unseen, sums, &sums->sight, counters, error);
     if (status == SL_OK) status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
     sl_receiver_kinds_release(&kinds);
-    release(&p);
+    sl_photon_sums_destroy(sums);
     return status;
 }
 
@@ -250,7 +252,8 @@ sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *rec
 sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums, sl_error *error) {
     *sums = sl_allocate(1, sizeof **sums);
     if (!*sums) return sl_fail_memory(error, "photons of a frame");
-    **sums = (sl_photon_sums){.pass = pass, .count = pass->photons->count, .kernels = sl_receiver_kernels_for(sl_isa_best())};
+    **sums = (sl_photon_sums){.pass = pass, .count = pass->photons->count, .kernels = sl_receiver_kernels_for(sl_isa_best()),
+                              .sight_kernels = sl_sight_kernels_for(sl_isa_best())};
     sl_status status = upload(*sums, error);
     if (status != SL_OK) {
         sl_photon_sums_destroy(*sums);
@@ -267,6 +270,6 @@ void sl_photon_sums_destroy(sl_photon_sums *sums) {
 
 void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile, sl_tile_light *light) {
     sl_tile_light half[2];
-    sl_counters ignored;
+    sl_counters ignored = {{0}};
     sum_photons(sums, tile, false, half, light, &ignored);
 }

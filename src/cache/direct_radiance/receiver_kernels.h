@@ -10,6 +10,15 @@ typedef void sl_prepare_kernel(sl_receiver_tile *tile);
 /* Radiance that leaves towards the eye. */
 typedef void sl_reflect_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);
 
+/* The same, added to three planes of that width. */
+typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, int width, float *const planes[3]);
+/* Its luminance's absolute value, into a plane. */
+typedef void sl_reflect_spread_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float *plane);
+/* lit_i: 1 where 0 < weight_i <= largest, else 0. Is any? */
+typedef bool sl_reached_kernel(size_t count, const float *weight, float largest, float *lit);
+/* a_i = b_i > 0 ? a_i : 0 */
+typedef void sl_where_kernel(size_t count, const float *b, float *a);
+
 /* share[0] half[0] + share[1] half[1] */
 typedef void sl_combine_kernel(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum);
 
@@ -49,7 +58,10 @@ typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
 
 typedef struct sl_receiver_kernels {
     sl_prepare_kernel *prepare;
-    sl_reflect_kernel *reflect;
+    sl_reflect_to_kernel *reflect_to;
+    sl_reflect_spread_kernel *reflect_spread;
+    sl_reached_kernel *reached;
+    sl_where_kernel *where;
     sl_combine_kernel *combine;
     sl_photon_sum_kernel *sum;
     sl_photon_fetch_kernel *fetch;
@@ -65,7 +77,10 @@ typedef struct sl_receiver_kernels {
 
 #define SL_DECLARE_RECEIVER_KERNELS(isa)                  \
     sl_prepare_kernel sl_receivers_prepare_##isa;         \
-    sl_reflect_kernel sl_receivers_reflect_##isa;         \
+    sl_reflect_to_kernel sl_receivers_reflect_to_##isa;   \
+    sl_reflect_spread_kernel sl_receivers_spread_##isa;   \
+    sl_reached_kernel sl_receivers_reached_##isa;         \
+    sl_where_kernel sl_receivers_where_##isa;             \
     sl_combine_kernel sl_receivers_combine_##isa;         \
     sl_photon_sum_kernel sl_photons_sum_##isa;            \
     sl_photon_fetch_kernel sl_photons_fetch_##isa;        \
@@ -84,7 +99,8 @@ SL_DECLARE_RECEIVER_KERNELS(avx512);
 static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
 #define SL_RECEIVER_KERNELS_OF(name)                                                                                       \
     (sl_receiver_kernels) {                                                                                                \
-        sl_receivers_prepare_##name, sl_receivers_reflect_##name, sl_receivers_combine_##name, sl_photons_sum_##name,      \
+        sl_receivers_prepare_##name, sl_receivers_reflect_to_##name, sl_receivers_spread_##name,                           \
+            sl_receivers_reached_##name, sl_receivers_where_##name, sl_receivers_combine_##name, sl_photons_sum_##name,    \
             sl_photons_fetch_##name, sl_photons_compute_##name, sl_photon_weigh_##name,                                    \
             sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
             sl_receiver_mirror_eye_##name, sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \

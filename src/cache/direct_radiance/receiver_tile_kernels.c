@@ -23,19 +23,59 @@ void SL_KERNEL(sl_receivers_prepare)(sl_receiver_tile *t) {
     }
 }
 
-void SL_KERNEL(sl_receivers_reflect)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy,
-                                     float (*radiance)[SL_TILE_PIXELS]) {
-    const size_t count = t->padded;
-    for (int c = 0; c < 3; c++) {
-        const float *restrict kd = t->diffuse[c], *restrict ks = t->specular[c];
-        const float *restrict e = light->irradiance[c], *restrict l = light->lobe[c];
-        float *restrict out = radiance[c];
-#pragma omp simd
-        for (size_t i = 0; i < count; i++) out[i] = kd[i] * e[i];
-        if (!glossy) continue;
-#pragma omp simd
-        for (size_t i = 0; i < count; i++) out[i] += ks[i] * l[i];
+/* ---- light that arrives ---- */
+
+bool SL_KERNEL(sl_receivers_reached)(size_t count, const float *restrict weight, float largest, float *restrict lit) {
+    uint32_t any = 0;
+#pragma omp simd reduction(| : any)
+    for (size_t i = 0; i < count; i++) {
+        bool reached = (weight[i] > 0.0f) & (weight[i] <= largest);
+        lit[i] = reached ? 1.0f : 0.0f;
+        any |= reached ? 1u : 0u;
     }
+    return any != 0;
+}
+
+void SL_KERNEL(sl_receivers_where)(size_t count, const float *restrict b, float *restrict a) {
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) a[i] = b[i] > 0.0f ? a[i] : 0.0f;
+}
+
+/* ---- light that leaves ---- */
+
+static inline void reflect(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int channel, float *restrict out) {
+    const float *restrict kd = t->diffuse[channel], *restrict ks = t->specular[channel];
+    const float *restrict e = light->irradiance[channel], *restrict l = light->lobe[channel];
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) out[i] = kd[i] * e[i];
+    if (!glossy) return;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) out[i] += ks[i] * l[i];
+}
+
+void SL_KERNEL(sl_receivers_reflect_to)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int width,
+                                        float *const planes[3]) {
+    float radiance[SL_TILE_PIXELS];
+    for (int c = 0; c < 3; c++) {
+        reflect(t, light, glossy, c, radiance);
+        for (size_t row = 0; row < SL_TILE_HEIGHT && t->whole; row++) {
+            float *restrict out = planes[c] + (size_t)t->pixel[0] + row * (size_t)width;
+            const float *restrict in = radiance + row * SL_TILE_WIDTH;
+#pragma omp simd
+            for (size_t x = 0; x < SL_TILE_WIDTH; x++) out[x] += in[x];
+        }
+        for (size_t i = 0; i < t->count && !t->whole; i++) planes[c][t->pixel[i]] += radiance[i];
+    }
+}
+
+void SL_KERNEL(sl_receivers_spread)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, float *plane) {
+    float radiance[3][SL_TILE_PIXELS], spread[SL_TILE_PIXELS];
+    for (int c = 0; c < 3; c++) reflect(t, light, glossy, c, radiance[c]);
+    const size_t padded = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < padded; i++) spread[i] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
+    for (size_t i = 0; i < t->count; i++) plane[t->pixel[i]] = spread[i];
 }
 
 void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum) {

@@ -112,6 +112,7 @@ static bool is_uniform(const sl_gbuffer *g, int x0, int y0) {
     uint32_t differences = 0;
     for (size_t row = 0; row < SL_TILE_HEIGHT; row++) {
         const uint32_t *material = first + row * (size_t)g->width;
+#pragma omp simd reduction(| : differences)
         for (size_t x = 0; x < SL_TILE_WIDTH; x++) differences |= material[x] ^ *first;
     }
     return differences == 0;
@@ -165,24 +166,25 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
                              t->geometric_y, t->geometric_z, t->normal_x, t->normal_y, t->normal_z};
 }
 
-/* ---- what leaves ---- */
+/* ---- all tiles ---- */
 
-void sl_receiver_tile_add(const sl_receiver_tile *t, float (*radiance)[SL_TILE_PIXELS], int width, float *const planes[3]) {
-    for (int c = 0; c < 3; c++) {
-        for (size_t row = 0; row < SL_TILE_HEIGHT && t->whole; row++) {
-            float *out = planes[c] + (size_t)t->pixel[0] + row * (size_t)width;
-            for (size_t x = 0; x < SL_TILE_WIDTH; x++) out[x] += radiance[c][row * SL_TILE_WIDTH + x];
+void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0, sl_tile_program *program, void *context,
+                             sl_counters *counters) {
+    const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
+    sl_receiver_tile tile;
+    for (int x = 0; x < receivers->width; x += SL_TILE_WIDTH) {
+        for (int glossy = 0; glossy <= (kinds->glossy ? 1 : 0); glossy++) {
+            fill_tile(receivers, kinds, kernels, glossy, x, y0, &tile);
+            if (tile.count == 0) continue;
+            program(context, &tile, glossy, counters);
+            sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
         }
-        for (size_t i = 0; i < t->count && !t->whole; i++) planes[c][t->pixel[i]] += radiance[c][i];
     }
 }
-
-/* ---- all tiles ---- */
 
 typedef struct {
     const sl_receivers *receivers;
     const sl_receiver_kinds *kinds;
-    sl_receiver_kernels kernels;
     sl_tile_program *program;
     void *context;
     sl_counters *counters; /* one a strip */
@@ -191,22 +193,13 @@ typedef struct {
 static void run_strip(void *context, size_t index, unsigned worker) {
     (void)worker;
     const strips *s = context;
-    sl_counters *counters = &s->counters[index];
-    sl_receiver_tile tile;
-    for (int x = 0; x < s->receivers->width; x += SL_TILE_WIDTH) {
-        for (int glossy = 0; glossy <= (s->kinds->glossy ? 1 : 0); glossy++) {
-            fill_tile(s->receivers, s->kinds, s->kernels, glossy, x, (int)index * SL_TILE_HEIGHT, &tile);
-            if (tile.count == 0) continue;
-            s->program(s->context, &tile, glossy, counters);
-            sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
-        }
-    }
+    sl_receiver_tiles_strip(s->receivers, s->kinds, (int)index * SL_TILE_HEIGHT, s->program, s->context, &s->counters[index]);
 }
 
 sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds, unsigned threads,
                                 sl_tile_program *program, void *context, sl_counters *counters, sl_error *error) {
     size_t count = (size_t)((receivers->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
-    strips s = {receivers, kinds, sl_receiver_kernels_for(sl_isa_best()), program, context, sl_allocate(count, sizeof *s.counters)};
+    strips s = {receivers, kinds, program, context, sl_allocate(count, sizeof *s.counters)};
     if (!s.counters) return sl_fail_memory(error, "light on receivers");
     sl_parallel_for(sl_thread_count(threads), count, run_strip, &s);
     for (size_t i = 0; i < count; i++) sl_counters_add(counters, &s.counters[i]);

@@ -53,12 +53,13 @@ void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 
 sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
-/* Adds radiance that leaves towards the eye to three planes. */
-void sl_receiver_tile_add(const sl_receiver_tile *tile, float (*radiance)[SL_TILE_PIXELS], int width, float *const planes[3]);
 
 /* What is done with each tile that has pixels to be lit. Costs are counted apart for every strip of tiles. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
 /* Diffuse pixels of a tile first, then glossy ones; strips of tiles are shared out to threads. Counts the fragments. */
+/* A strip of tiles from row y0 on, by this thread. */
+void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_kinds *kinds, int y0, sl_tile_program *program, void *context,
+                             sl_counters *counters);
 sl_status sl_receiver_tiles_run(const sl_receivers *receivers, const sl_receiver_kinds *kinds, unsigned threads,
                                 sl_tile_program *program, void *context, sl_counters *counters, sl_error *error);
 

@@ -8,6 +8,7 @@
 
 typedef struct sl_receivers {
     int width, height;
+    int first_row;               /* of rows of a larger picture: where they begin in it; views are always those of the whole */
     sl_gbuffer *gbuffer;         /* unmirrored positions and normals, turned to where they are seen from; row 0 at the bottom */
     float *throughput[3];        /* product of the planar mirrors' reflectances on the way; NULL: no mirror in view, 1 everywhere */
     uint8_t *path;               /* which of eye[] and view[] each pixel is seen from; NULL: all from the first */
@@ -22,6 +23,10 @@ typedef struct sl_receivers {
  * replaced: fresh memory costs as much as a small scene. */
 sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
+/* Which triangle each pixel shows, and by way of which mirrors: all but the G-buffer's resolution, for strips.c. Of the G-buffer there are
+ * the id plane, and with mirrors the depth. */
+sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
+                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
 void sl_receivers_destroy(sl_receivers *receivers);
 size_t sl_receivers_bytes(const sl_receivers *receivers);
 

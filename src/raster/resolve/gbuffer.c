@@ -54,23 +54,23 @@ void sl_gbuffer_destroy(sl_gbuffer *g) {
 /* ---- resolution ---- */
 
 typedef struct {
-    const sl_raster *raster;
-    const sl_pass_view *views;
-    const uint8_t *path; /* which of them each pixel belongs to; NULL: the first */
-    const uint32_t *id;
-    sl_gbuffer *out;
-    size_t pixels;
-    bool positions, normals; /* wanted */
-    uint64_t *shaded; /* by strip */
-} resolution;
-
-typedef struct {
     sl_resolve_block pixels;
     sl_surface_block surface;
     sl_albedo_block albedo;
     sl_vector_planes diffuse;
     uint32_t index[SL_RESOLVE_ROOM];
 } workspace;
+
+/* The picture is resolved into planes of its own size, or of a part of it that begins at pixel `start`. */
+typedef struct {
+    const sl_raster *raster;
+    const sl_pass_view *views;
+    const uint8_t *path; /* which of them each pixel belongs to; NULL: the first */
+    const uint32_t *id;
+    sl_gbuffer *out;
+    size_t start, pixels; /* of the planes */
+    bool positions, normals; /* wanted */
+} resolution;
 
 static void fetch_normals(const sl_scene *scene, workspace *w) {
     sl_surface_block *s = &w->surface;
@@ -96,7 +96,7 @@ static void fetch_normals(const sl_scene *scene, workspace *w) {
 }
 
 static inline void put(const resolution *r, void *plane, size_t first, const void *values, uint32_t count) {
-    if (plane) sl_resolve_put(plane, r->pixels, first, values, count);
+    if (plane) sl_resolve_put(plane, r->pixels, first - r->start, values, count);
 }
 
 static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size_t first, workspace *w) {
@@ -164,41 +164,62 @@ static size_t pixels_of_one_view(const resolution *r, size_t first, size_t end) 
     return next - first;
 }
 
-static void resolve_strip(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const resolution *r = context;
+static bool positions_wanted(const sl_gbuffer *g) { return g->position_x || g->position_y || g->position_z; }
+static bool normals_wanted(const sl_gbuffer *g) {
+    return g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y || g->geometric_z;
+}
+
+/* Returns how many pixels show a triangle. */
+static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, workspace *w) {
     const sl_gbuffer *g = r->out;
-    size_t first = index * STRIP, end = r->pixels - first < STRIP ? r->pixels : first + STRIP;
-    workspace w;
-    memset(&w, 0, sizeof w);
-    r->shaded[index] = 0;
+    uint64_t shaded = 0;
     while (first < end) {
         const sl_pass_view *view = &r->views[r->path ? r->path[first] : 0];
         size_t most = r->path ? pixels_of_one_view(r, first, first + SL_RESOLVE_PIXELS < end ? first + SL_RESOLVE_PIXELS : end) : end - first;
-        size_t count = sl_resolve_next(r->raster, view, most, first, NULL, r->id + first, &w.pixels);
-        if (r->positions || r->normals) resolve_surfaces(r, view, first, &w);
-        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, first, &w);
-        if (g->material) resolve_material(r, first, &w);
-        r->shaded[index] += sl_resolve_shaded(&w.pixels);
+        size_t count = sl_resolve_next(r->raster, view, most, first, NULL, r->id + first, &w->pixels);
+        if (r->positions || r->normals) resolve_surfaces(r, view, first, w);
+        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, first, w);
+        if (g->material) resolve_material(r, first, w);
+        shaded += sl_resolve_shaded(&w->pixels);
         first += count;
     }
+    return shaded;
+}
+
+static sl_pass_view *make_views(size_t count, const sl_view *views) {
+    sl_pass_view *pass = sl_allocate(count, sizeof *pass);
+    for (size_t n = 0; pass && n < count; n++) pass[n] = sl_pass_view_make(&views[n], views[n].width, views[n].height);
+    return pass;
+}
+
+/* ---- a whole picture ---- */
+
+typedef struct {
+    resolution resolution;
+    uint64_t *shaded; /* by strip */
+} strips;
+
+static void resolve_strip(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const strips *s = context;
+    size_t first = index * STRIP, pixels = s->resolution.pixels, end = pixels - first < STRIP ? pixels : first + STRIP;
+    workspace w;
+    memset(&w, 0, sizeof w);
+    s->shaded[index] = resolve_pixels(&s->resolution, first, end, &w);
     sl_stream_end();
 }
 
 static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, const uint32_t *id,
                          unsigned threads, sl_gbuffer *g, sl_counters *counters, sl_error *error) {
-    size_t pixels = (size_t)views[0].width * (size_t)views[0].height, strips = (pixels + STRIP - 1) / STRIP;
-    uint64_t *shaded = sl_allocate(strips, sizeof *shaded);
-    sl_pass_view *pass = sl_allocate(view_count, sizeof *pass);
+    size_t pixels = (size_t)views[0].width * (size_t)views[0].height, count = (pixels + STRIP - 1) / STRIP;
+    uint64_t *shaded = sl_allocate(count, sizeof *shaded);
+    sl_pass_view *pass = make_views(view_count, views);
     bool ok = shaded && pass;
-    for (size_t n = 0; ok && n < view_count; n++) pass[n] = sl_pass_view_make(&views[n], views[n].width, views[n].height);
     if (ok) {
-        resolution r = {.raster = raster, .views = pass, .path = path, .id = id, .out = g, .pixels = pixels, .shaded = shaded,
-                        .positions = g->position_x || g->position_y || g->position_z,
-                        .normals = g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y ||
-                                   g->geometric_z};
-        sl_parallel_for(sl_thread_count(threads), strips, resolve_strip, &r);
-        for (size_t s = 0; s < strips; s++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[s]);
+        strips s = {{.raster = raster, .views = pass, .path = path, .id = id, .out = g, .pixels = pixels,
+                     .positions = positions_wanted(g), .normals = normals_wanted(g)}, shaded};
+        sl_parallel_for(sl_thread_count(threads), count, resolve_strip, &s);
+        for (size_t n = 0; n < count; n++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[n]);
     }
     sl_free(shaded);
     sl_free(pass);
@@ -221,4 +242,42 @@ sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsign
     if (status == SL_OK) status = resolve(raster, 1, view, NULL, id, threads, gbuffer, counters, error);
     if (!gbuffer->id) sl_free(id);
     return status;
+}
+
+/* ---- part by part ---- */
+
+struct sl_resolver {
+    const sl_raster *raster;
+    sl_pass_view *views;
+    const uint8_t *path;
+    const uint32_t *id;
+    workspace *worker;
+};
+
+sl_status sl_resolver_create(const sl_raster *raster, size_t view_count, const sl_view *views, const uint8_t *path, const uint32_t *id,
+                             unsigned workers, sl_resolver **resolver, sl_error *error) {
+    *resolver = NULL;
+    if (!raster->scene) return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
+    sl_resolver *r = sl_allocate(1, sizeof *r);
+    if (!r) return sl_fail_memory(error, "the G-buffer's resolution");
+    *r = (sl_resolver){raster, make_views(view_count, views), path, id, sl_allocate(workers, sizeof *r->worker)};
+    if (!r->views || !r->worker) {
+        sl_resolver_destroy(r);
+        return sl_fail_memory(error, "the G-buffer's resolution");
+    }
+    *resolver = r;
+    return SL_OK;
+}
+
+void sl_resolver_destroy(sl_resolver *r) {
+    if (!r) return;
+    sl_free(r->views);
+    sl_free(r->worker);
+    sl_free(r);
+}
+
+uint64_t sl_resolver_run(const sl_resolver *r, unsigned worker, size_t first, size_t count, sl_gbuffer *part) {
+    const resolution all = {.raster = r->raster, .views = r->views, .path = r->path, .id = r->id, .out = part, .start = first,
+                                   .pixels = count, .positions = positions_wanted(part), .normals = normals_wanted(part)};
+    return resolve_pixels(&all, first, first + count, &r->worker[worker]);
 }

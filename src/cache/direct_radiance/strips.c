@@ -1,0 +1,162 @@
+/* Passes 5 to 8 at once, four rows of the picture after another. What the hardware keeps in targets as large as the picture (a G-buffer of
+ * fourteen planes, ten of light) is here as large as a strip, which one thread resolves, lights and composes while it is in its cache: out of it
+ * goes nothing but the picture. Each pixel's arithmetic is that of the passes one by one, and so are its bits. */
+#include "cache/direct_radiance/strips.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/direct_radiance/direct_radiance.h"
+#include "cache/direct_radiance/emission.h"
+#include "cache/direct_radiance/light_tiles.h"
+
+enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10 };
+
+/* What a thread has of its strip. */
+typedef struct {
+    sl_gbuffer gbuffer;
+    float *surface; /* the G-buffer's planes */
+    float *light;   /* and those of light */
+    sl_radiance_layers layers;
+    sl_tile_target target;
+} strip;
+
+typedef struct {
+    const sl_strip_pass *pass;
+    const sl_receivers *outline;
+    sl_resolver *resolver;
+    sl_receiver_kinds kinds;
+    sl_emission emission;
+    sl_direct_light direct;
+    sl_photon_sums *sums; /* NULL: no indirect light */
+    sl_image *image;
+    strip *worker;
+    unsigned workers;
+    size_t room;            /* pixels of a strip */
+    sl_counters *counters;  /* one a strip */
+} drawing;
+
+/* ---- memory ---- */
+
+static void set_planes(const drawing *d, strip *s) {
+    sl_gbuffer *g = &s->gbuffer;
+    float **const surface[SURFACE_PLANES - 1] = {&g->position_x,  &g->position_y,  &g->position_z,  &g->normal_x,
+                                                 &g->normal_y,    &g->normal_z,    &g->geometric_x, &g->geometric_y,
+                                                 &g->geometric_z, &g->diffuse_r,   &g->diffuse_g,   &g->diffuse_b};
+    for (size_t k = 0; k < SURFACE_PLANES - 1; k++) *surface[k] = s->surface + k * d->room;
+    g->material = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 1) * d->room);
+    s->target = (sl_tile_target){.width = d->outline->width};
+    for (size_t k = 0; k < 3; k++) {
+        s->layers.emission[k] = s->light + k * d->room;
+        s->layers.direct[k] = s->target.direct[k] = s->light + (3 + k) * d->room;
+        s->layers.indirect[k] = s->target.indirect[k] = s->light + (6 + k) * d->room;
+    }
+    s->layers.spread = s->light + 9 * d->room;
+    s->target.spread = d->pass->layers ? s->layers.spread : NULL;
+}
+
+static bool allocate_workers(drawing *d) {
+    d->worker = sl_allocate(d->workers, sizeof *d->worker);
+    bool ok = d->worker != NULL;
+    for (unsigned w = 0; ok && w < d->workers; w++) {
+        strip *s = &d->worker[w];
+        s->surface = sl_allocate(SURFACE_PLANES * d->room, sizeof *s->surface);
+        s->light = sl_allocate(LIGHT_PLANES * d->room, sizeof *s->light);
+        ok = s->surface && s->light;
+        if (ok) set_planes(d, s);
+    }
+    return ok;
+}
+
+static void release(drawing *d) {
+    for (unsigned w = 0; d->worker && w < d->workers; w++) {
+        sl_free(d->worker[w].surface);
+        sl_free(d->worker[w].light);
+    }
+    sl_free(d->worker);
+    sl_free(d->counters);
+    sl_photon_sums_destroy(d->sums);
+    sl_receiver_kinds_release(&d->kinds);
+    sl_resolver_destroy(d->resolver);
+}
+
+/* ---- a strip ---- */
+
+/* Its rows as receivers of their own. */
+static sl_receivers rows_of(const drawing *d, strip *s, size_t index) {
+    const sl_receivers *all = d->outline;
+    sl_receivers r = *all;
+    int left = all->height - (int)index * SL_TILE_HEIGHT;
+    size_t first = index * SL_TILE_HEIGHT * (size_t)all->width;
+    r.first_row = (int)index * SL_TILE_HEIGHT;
+    r.height = left < SL_TILE_HEIGHT ? left : SL_TILE_HEIGHT;
+    r.gbuffer = &s->gbuffer;
+    if (all->path) r.path = all->path + first;
+    for (int k = 0; k < 3 && all->throughput[k]; k++) r.throughput[k] = all->throughput[k] + first;
+    s->gbuffer.width = r.width;
+    s->gbuffer.height = r.height;
+    s->gbuffer.id = all->gbuffer->id + first;
+    return r;
+}
+
+typedef struct {
+    const drawing *drawing;
+    const sl_tile_target *target;
+} tile_program;
+
+/* Passes 6 and 7. Each counts the fragments that it shades. */
+static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const tile_program *p = context;
+    const drawing *d = p->drawing;
+    if (d->pass->direct) sl_direct_light_tile(&d->direct, tile, glossy, p->target, counters);
+    if (d->sums) sl_indirect_light_tile(d->sums, tile, glossy, p->target, counters);
+    if (d->pass->direct && d->sums) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count);
+}
+
+static void draw_strip(void *context, size_t index, unsigned worker) {
+    const drawing *d = context;
+    strip *s = &d->worker[worker];
+    sl_counters *counters = &d->counters[index];
+    const sl_receivers rows = rows_of(d, s, index);
+    const size_t width = (size_t)rows.width, pixels = width * (size_t)rows.height;
+    tile_program program = {d, &s->target};
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, sl_resolver_run(d->resolver, worker, (size_t)rows.first_row * width, pixels, &s->gbuffer));
+    memset(s->light, 0, LIGHT_PLANES * d->room * sizeof *s->light);
+    for (size_t y = 0; y < (size_t)rows.height; y++) sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
+    if (!d->emission.none) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, pixels);
+    if (d->pass->direct || d->sums) sl_receiver_tiles_strip(&rows, &d->kinds, 0, light_tile, &program, counters);
+    for (size_t y = 0; y < (size_t)rows.height; y++) sl_radiance_compose_row(&s->layers, &rows, y, d->image);
+}
+
+/* ---- the picture ---- */
+
+static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
+    const sl_light_pass *light = d->pass->light;
+    const sl_receivers *all = d->outline;
+    sl_status status = sl_resolver_create(d->pass->raster, all->path_count, all->view, all->path, all->gbuffer->id, d->workers,
+                                          &d->resolver, error);
+    if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, sl_grey(0.0f), &d->kinds, error);
+    if (status == SL_OK && light->photons && light->photons->count) status = sl_photon_sums_create(light, &d->sums, error);
+    if (status != SL_OK) return status;
+    d->counters = sl_allocate(strips, sizeof *d->counters);
+    if (!d->counters || !allocate_workers(d)) return sl_fail_memory(error, "the picture");
+    return sl_radiance_picture_create(all->width, all->height, d->pass->layers, &d->image, error);
+}
+
+sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters, sl_error *error) {
+    const sl_receivers *all = pass->outline;
+    const size_t strips = (size_t)((all->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
+    drawing d = {.pass = pass, .outline = all, .emission = sl_emission_of(pass->light->scene, all), .direct = sl_direct_light_of(pass->light),
+                 .workers = sl_thread_count(pass->light->threads), .room = SL_TILE_HEIGHT * (size_t)all->width};
+    sl_status status = prepare(&d, strips, error);
+    if (status == SL_OK) {
+        sl_parallel_for(d.workers, strips, draw_strip, &d);
+        for (size_t i = 0; i < strips; i++) sl_counters_add(counters, &d.counters[i]);
+        *image = d.image;
+    }
+    release(&d);
+    return status;
+}
