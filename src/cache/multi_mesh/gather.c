@@ -8,6 +8,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/gather_kernels.h"
+#include "cache/multi_mesh/gather_sky.h"
 #include "cache/multi_mesh/gather_weights.h"
 
 enum { SIDES = 4, SIZE_MAX_PIXELS = 4096 };
@@ -26,6 +27,8 @@ struct sl_mesh_gather {
     float *triangle;               /* SL_MESH_GATHER_FLOATS each */
     float *x, *weight;             /* tangents of the columns (and rows) of the view above; weights of its pixels */
     float *side_x, *side_y, *side_weight; /* of one strip */
+    sl_gather_sky *sky;            /* NULL: no environment, or a constant one */
+    float *lod, *side_lod;         /* at which it is looked up; NULL without */
 };
 
 struct sl_mesh_gather_scratch {
@@ -76,6 +79,39 @@ static void fill_tables(sl_mesh_gather *g) {
     sl_mesh_gather_side_weights(width, height, 1.0 / t, g->side_weight);
 }
 
+static bool fill_lods(sl_mesh_gather *g) {
+    int n = g->settings.size, width = strip_width(g), height = strip_height(g);
+    if (!g->sky) return true;
+    g->lod = sl_allocate((size_t)n * (size_t)n, sizeof *g->lod);
+    g->side_lod = sl_allocate((size_t)width * (size_t)height, sizeof *g->side_lod);
+    if (!g->lod || !g->side_lod) return false;
+    for (int i = 0; i < n * n; i++) {
+        double x = (double)g->x[i % n], y = (double)g->x[i / n];
+        g->lod[i] = sl_gather_sky_lod(2.0 * (double)g->tangent / n, x * x + y * y);
+    }
+    for (int i = 0; i < width * height; i++) {
+        double x = (double)g->side_x[i % width], y = (double)g->side_y[i / width];
+        g->side_lod[i] = sl_gather_sky_lod(2.0 / width, x * x + y * y);
+    }
+    return true;
+}
+
+static sl_status make_tables(sl_mesh_gather *g, sl_error *error) {
+    size_t n = (size_t)g->settings.size;
+    g->triangle = sl_allocate(g->scene->triangle_count + 1, SL_MESH_GATHER_FLOATS * sizeof *g->triangle);
+    g->x = sl_allocate(n, sizeof *g->x);
+    g->weight = sl_allocate(n * n, sizeof *g->weight);
+    g->side_x = sl_allocate((size_t)strip_width(g), sizeof *g->side_x);
+    g->side_y = sl_allocate((size_t)strip_height(g), sizeof *g->side_y);
+    g->side_weight = sl_allocate((size_t)(strip_width(g) * strip_height(g)), sizeof *g->side_weight);
+    if (!g->triangle || !g->x || !g->weight || !g->side_x || !g->side_y || !g->side_weight) return sl_fail_memory(error, "the gather's tables");
+    fill_triangles(g);
+    fill_tables(g);
+    sl_status status = sl_gather_sky_create(&g->scene->environment, &g->sky, error);
+    if (status == SL_OK && !fill_lods(g)) status = sl_fail_memory(error, "the gather's tables");
+    return status;
+}
+
 sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_coarse *coarse, const sl_mesh_gather_settings *settings,
                                 sl_mesh_gather **gather, sl_error *error) {
     *gather = NULL;
@@ -87,21 +123,10 @@ sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, 
     g->shade = sl_mesh_gather_kernel_for(sl_isa_best());
     g->tangent = (float)sl_tan(0.5 * (double)settings->fov);
     g->over_coverage = 1.0 / sl_gather_coverage(0.5 * (double)settings->fov);
-    size_t n = (size_t)settings->size;
-    g->triangle = sl_allocate(scene->triangle_count + 1, SL_MESH_GATHER_FLOATS * sizeof *g->triangle);
-    g->x = sl_allocate(n, sizeof *g->x);
-    g->weight = sl_allocate(n * n, sizeof *g->weight);
-    g->side_x = sl_allocate((size_t)strip_width(g), sizeof *g->side_x);
-    g->side_y = sl_allocate((size_t)strip_height(g), sizeof *g->side_y);
-    g->side_weight = sl_allocate((size_t)(strip_width(g) * strip_height(g)), sizeof *g->side_weight);
-    if (!g->triangle || !g->x || !g->weight || !g->side_x || !g->side_y || !g->side_weight) {
-        sl_mesh_gather_destroy(g);
-        return sl_fail_memory(error, "the gather's tables");
-    }
-    fill_triangles(g);
-    fill_tables(g);
-    *gather = g;
-    return SL_OK;
+    status = make_tables(g, error);
+    if (status == SL_OK) *gather = g;
+    else sl_mesh_gather_destroy(g);
+    return status;
 }
 
 void sl_mesh_gather_destroy(sl_mesh_gather *g) {
@@ -112,13 +137,16 @@ void sl_mesh_gather_destroy(sl_mesh_gather *g) {
     sl_free(g->side_x);
     sl_free(g->side_y);
     sl_free(g->side_weight);
+    sl_free(g->lod);
+    sl_free(g->side_lod);
+    sl_gather_sky_destroy(g->sky);
     sl_free(g);
 }
 
 size_t sl_mesh_gather_memory_bytes(const sl_mesh_gather *g) {
     size_t n = (size_t)g->settings.size, width = (size_t)strip_width(g), height = (size_t)strip_height(g);
-    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + n * n + width + height + width * height;
-    return sizeof *g + floats * sizeof(float);
+    size_t floats = (g->scene->triangle_count + 1) * SL_MESH_GATHER_FLOATS + n + width + height + (n * n + width * height) * (g->sky ? 2 : 1);
+    return sizeof *g + sl_gather_sky_memory_bytes(g->sky) + floats * sizeof(float);
 }
 
 sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_scratch **scratch, sl_error *error) {
@@ -197,23 +225,6 @@ static sl_mesh_gather_pixels pixels_of(const shot *s, const sl_frame *frame, sl_
     return p;
 }
 
-/* The environment as a picture, where pixels show nothing. */
-static void add_environment(const shot *s, const sl_mesh_gather_pixels *p) {
-    const sl_environment *environment = &s->gather->scene->environment;
-    if (!environment->present || environment->width <= 0) return;
-    for (int at = 0; at < p->width * p->height; at++) {
-        if (p->id[at] != SL_NO_INDEX) continue;
-        sl_vec3 d = sl_frame_to_world(&p->frame, sl_v3(p->x[at % p->width], p->y[at / p->width], 1.0f));
-        if (!(sl_dot(d, s->horizon) > 0.0f)) continue;
-        sl_rgb l = sl_environment_radiance(environment, sl_normalize_or(d, p->frame.z));
-        const float rgb[3] = {l.r, l.g, l.b};
-        for (int k = 0; k < 3; k++) {
-            p->radiance[k][at] = rgb[k];
-            p->weighted[k][at] = rgb[k] * p->weight[at];
-        }
-    }
-}
-
 /* Three planes of size x size to one sum each: what is read back is added row by row. */
 static void add_up(const shot *s, const float *planes, int size, double sum[3]) {
     int reduced = s->gather->settings.reduced < size ? s->gather->settings.reduced : size;
@@ -237,7 +248,7 @@ static void gather_above(const shot *s, double sum[3]) {
     pixels.x = pixels.y = g->x;
     pixels.weight = g->weight;
     g->shade(&pixels);
-    add_environment(s, &pixels);
+    sl_gather_sky_add(g->sky, &pixels, g->lod);
     sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
     add_up(s, s->scratch->planes + 3 * plane, n, sum);
 }
@@ -248,9 +259,8 @@ static void gather_above(const shot *s, double sum[3]) {
 static bool wants_strips(const sl_mesh_gather *g) {
     if (!g->settings.strips) return false;
     const sl_environment *e = &g->scene->environment;
-    float brightest = sl_rgb_max(sl_coarse_brightest(g->coarse));
-    if (e->present && e->width > 0) return true;
-    if (e->present && sl_rgb_max(e->constant) > brightest) brightest = sl_rgb_max(e->constant);
+    float surface = sl_rgb_max(sl_coarse_brightest(g->coarse)), sky = g->sky ? sl_gather_sky_brightest(g->sky) : e->present ? sl_rgb_max(e->constant) : 0.0f;
+    float brightest = surface > sky ? surface : sky;
     return (1.0 - 1.0 / g->over_coverage) * SL_PI * (double)brightest > (double)g->settings.noticed;
 }
 
@@ -273,7 +283,7 @@ static void gather_sides(const shot *s, double sum[3]) {
         pixels.y = g->side_y;
         pixels.weight = g->side_weight;
         g->shade(&pixels);
-        add_environment(s, &pixels);
+        sl_gather_sky_add(g->sky, &pixels, g->side_lod);
     }
     sl_count(s->counters, SL_COUNT_FRAGMENTS_SHADED, plane);
     add_up(s, s->scratch->side_planes + 3 * plane, width, sum);
