@@ -55,6 +55,89 @@ static trace_mesh one_triangle(void) {
     return m;
 }
 
+/* A flat field of columns x rows squares in z = 0, two triangles each, the last row only 1/64 high (slivers). Positions of vertices are exact. */
+static trace_mesh field(int columns, int rows) {
+    trace_mesh m = trace_mesh_begin();
+    trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    for (int y = 0; y <= rows; y++)
+        for (int x = 0; x <= columns; x++) trace_mesh_vertex(&m, (float)x, y < rows ? (float)y : (float)(rows - 1) + 0x1p-6f, 0);
+    for (int y = 0; y < rows; y++)
+        for (int x = 0; x < columns; x++) {
+            uint32_t a = (uint32_t)(y * (columns + 1) + x), b = a + 1, c = a + (uint32_t)columns + 1, d = c + 1;
+            trace_mesh_triangle(&m, a, b, d, 0);
+            trace_mesh_triangle(&m, d, c, a, 0);
+        }
+    return m;
+}
+
+static uint64_t stream(uint64_t n) { return sl_random_key(1, n); }
+
+/* The leaf around a random point of a random face. */
+static sl_mesh_place random_leaf(const sl_mesh *mesh, uint64_t key, uint64_t index, uint32_t sides) {
+    uint32_t face = (sl_random_bits(key, 3 * index) % ((uint32_t)mesh->topology->face_count / sides)) * sides;
+    float w1, w2;
+    return sl_mesh_locate(mesh, face, sl_random_unit(key, 3 * index + 1), sl_random_unit(key, 3 * index + 2), &w1, &w2);
+}
+
+/* Fronts alone, split at random places no deeper than `depth`. */
+static void refine_randomly(world *w, int splits, int depth, uint64_t seed) {
+    uint64_t key = sl_random_key(seed, 1);
+    for (uint32_t f = 0; f < w->topology->face_count; f += 2) root(w, f);
+    for (int i = 0; i < splits; i++) {
+        sl_mesh_place leaf = random_leaf(w->mesh, key, (uint64_t)i, 2);
+        if (leaf.depth < depth) assert_int_equal(sl_mesh_split(w->mesh, &leaf, NULL), SL_OK);
+    }
+}
+
+/* Every vertex becomes known, with channel c a linear function of its position (or a random number). */
+static double linear(int channel, sl_vec3d p) { return 1.5 + 0.25 * channel + (0.5 - channel) * p.x + (2.0 + channel) * p.y - p.z; }
+
+static void know_all(sl_mesh *mesh, const char *what) {
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        sl_mesh_point point;
+        sl_mesh_point_of(mesh, v, &point);
+        mesh->state[v] = SL_VERTEX_KNOWN;
+        for (int c = 0; c < mesh->channels; c++) {
+            float *value = &mesh->value[v * (uint32_t)mesh->channels + (uint32_t)c];
+            *value = what[0] == 'l' ? (float)linear(c, sl_to_double(point.position)) : what[0] == 'r' ? sl_random_unit(stream(77), v * 3 + (uint32_t)c) : 0.7123f;
+        }
+    }
+}
+
+static sl_vec3d position_in_face(const sl_topology *topology, uint32_t face, double w1, double w2) {
+    sl_vec3d p = sl_scaled(sl_to_double(topology->site_position[topology->site[0][face]]), 1.0 - w1 - w2);
+    p = sl_addd(p, sl_scaled(sl_to_double(topology->site_position[topology->site[1][face]]), w1));
+    return sl_addd(p, sl_scaled(sl_to_double(topology->site_position[topology->site[2][face]]), w2));
+}
+
+static sl_vec3d position_in_place(const sl_topology *topology, const sl_mesh_place *place, const double w[3]) {
+    double p = 0, q = 0;
+    for (int c = 0; c < 3; c++) {
+        p += w[c] * place->p[c] / SL_MESH_DYADIC;
+        q += w[c] * place->q[c] / SL_MESH_DYADIC;
+    }
+    return position_in_face(topology, place->face, p, q);
+}
+
+typedef void (*place_visitor)(const sl_mesh *mesh, const sl_mesh_place *place, void *context);
+
+static void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, place_visitor visitor, void *context) {
+    visitor(mesh, place, context);
+    for (int c = 0; !sl_mesh_is_leaf(mesh, place->node) && c < sl_mesh_children(mesh, place->node); c++) {
+        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        visit_below(mesh, &child, visitor, context);
+    }
+}
+
+static void visit_all(const sl_mesh *mesh, place_visitor visitor, void *context) {
+    for (uint32_t f = 0; f < mesh->topology->face_count; f++) {
+        sl_mesh_place place = sl_mesh_root_place(mesh, f);
+        if (place.node != SL_NO_INDEX) visit_below(mesh, &place, visitor, context);
+    }
+}
+
+/* ---- counts and sharing ------------------------------------------------------------------------------------------- */
+
 static void a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid(void **state) {
     (void)state;
     for (int depth = 0; depth <= 6; depth++) {
@@ -69,9 +152,665 @@ static void a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid(void 
     }
 }
 
+static void faces_share_the_vertices_of_a_common_edge(void **state) {
+    (void)state;
+    trace_mesh parts = field(3, 1);
+    world w = world_of(&parts, 1, 12);
+    for (uint32_t f = 0; f < 12; f += 2) {
+        root(&w, f);
+        for (int c = 0; c < 3; c++) {
+            sl_mesh_place place = sl_mesh_root_place(w.mesh, f);
+            sl_status status;
+            assert_int_not_equal(sl_mesh_middle(w.mesh, &place, c, &status, NULL), SL_NO_INDEX);
+        }
+    }
+    /* 8 corners; 6 horizontal, 4 vertical, 3 diagonal edges. */
+    assert_int_equal(w.mesh->vertex_count, 8 + 13);
+    discard(&w);
+}
+
+static void a_crease_has_vertices_of_its_own_on_either_side_at_the_same_positions(void **state) {
+    (void)state;
+    trace_mesh parts = trace_mesh_begin();
+    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
+    trace_mesh_box(&parts, sl_v3(0.1f, 0.2f, 0.3f), sl_v3(1.7f, 2.9f, 0.7f), false, 0);
+    world w = world_of(&parts, 1, 12);
+    enum { DEPTH = 3, SIDE = 1 << DEPTH };
+    for (uint32_t f = 0; f < 24; f += 2) {
+        root(&w, f);
+        split_all(w.mesh, sl_mesh_root_place(w.mesh, f), DEPTH);
+    }
+    assert_int_equal(w.mesh->vertex_count, 6 * (SIDE + 1) * (SIDE + 1));
+    /* Each vertex on one of the 12 edges has one partner with the same bits, each at one of the 8 corners two. */
+    size_t pairs = 0;
+    for (uint32_t i = 0; i < w.mesh->vertex_count; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            sl_mesh_point a, b;
+            sl_mesh_point_of(w.mesh, i, &a);
+            sl_mesh_point_of(w.mesh, j, &b);
+            sl_vec3d d = sl_subd(sl_to_double(a.position), sl_to_double(b.position));
+            if (sl_lengthd(d) > 1e-4) continue;
+            assert_memory_equal(&a.position, &b.position, sizeof a.position);
+            pairs++;
+        }
+    assert_int_equal(pairs, 12 * (SIDE - 1) + 8 * 3);
+    discard(&w);
+}
+
+static void front_and_back_share_positions_and_nothing_else(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 1, 12);
+    for (uint32_t f = 0; f < 2; f++) {
+        root(&w, f);
+        split_all(w.mesh, sl_mesh_root_place(w.mesh, f), 3);
+    }
+    assert_int_equal(w.mesh->vertex_count, 2 * 45);
+    for (uint32_t p = 0; p <= 8; p++)
+        for (uint32_t q = 0; p + q <= 8; q++) {
+            sl_status status;
+            uint32_t front = sl_mesh_vertex_at(w.mesh, 0, p * 512, q * 512, &status, NULL), back = sl_mesh_vertex_at(w.mesh, 1, p * 512, q * 512, &status, NULL);
+            sl_mesh_point a, b;
+            sl_mesh_point_of(w.mesh, front, &a);
+            sl_mesh_point_of(w.mesh, back, &b);
+            assert_int_not_equal(front, back);
+            assert_memory_equal(&a.position, &b.position, sizeof a.position);
+            assert_true(a.normal.z == 1.0f && b.normal.z == -1.0f && a.face == 0 && b.face == 1 && a.triangle == 0 && b.triangle == 0);
+        }
+    assert_int_equal(w.mesh->vertex_count, 2 * 45);
+    discard(&w);
+}
+
+static void nudged_points_move_towards_the_middle_of_their_lowest_face(void **state) {
+    (void)state;
+    trace_mesh parts = field(2, 2);
+    world w = world_of(&parts, 1, 12);
+    refine_randomly(&w, 100, 4, 3);
+    for (uint32_t v = 0; v < w.mesh->vertex_count; v++) {
+        sl_mesh_point point, moved, centre;
+        sl_mesh_point_of(w.mesh, v, &point);
+        sl_mesh_point_nudged(w.mesh, v, 0.2, &moved);
+        sl_mesh_point_nudged(w.mesh, v, 1.0, &centre);
+        sl_vec3d wanted = position_in_face(w.topology, point.face, 1.0 / 3, 1.0 / 3);
+        assert_true(sl_lengthd(sl_subd(sl_to_double(centre.position), wanted)) < 1e-6);
+        sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position));
+        sl_vec3d whole = sl_subd(wanted, sl_to_double(point.position));
+        assert_true(sl_lengthd(sl_subd(step, sl_scaled(whole, 0.2))) < 1e-6);
+        assert_int_equal(moved.triangle, point.face / 2);
+    }
+    discard(&w);
+}
+
+/* ---- invariants ----------------------------------------------------------------------------------------------------- */
+
+typedef struct census {
+    size_t leaves, nodes;
+} census;
+
+static void check_place(const sl_mesh *mesh, const sl_mesh_place *place, void *context) {
+    census *c = context;
+    c->nodes++;
+    c->leaves += sl_mesh_is_leaf(mesh, place->node);
+    assert_true(sl_mesh_is_used(mesh, place->node));
+    assert_true(place->depth <= mesh->max_depth);
+    sl_mesh_place same = sl_mesh_place_of(mesh, place->node);
+    assert_int_equal(same.face, place->face);
+    assert_int_equal(same.node, place->node);
+    assert_int_equal(same.depth, place->depth);
+    assert_memory_equal(same.p, place->p, sizeof same.p);
+    assert_memory_equal(same.q, place->q, sizeof same.q);
+    for (int i = 0; i < 3; i++) {
+        sl_status status;
+        uint32_t vertex = mesh->node[place->node].vertex[i];
+        assert_true(vertex < mesh->vertex_count);
+        assert_int_equal(sl_mesh_vertex_at((sl_mesh *)(uintptr_t)mesh, place->face, place->p[i], place->q[i], &status, NULL), vertex);
+    }
+    for (int i = 0; !sl_mesh_is_leaf(mesh, place->node) && i < sl_mesh_children(mesh, place->node); i++)
+        assert_int_equal(sl_mesh_parent(mesh, mesh->node[place->node].child + (uint32_t)i), place->node);
+}
+
+static void check_invariants(const sl_mesh *mesh) {
+    census counted = {0};
+    size_t vertices = mesh->vertex_count, used = 0;
+    visit_all(mesh, check_place, &counted);
+    for (uint32_t n = 0; n < mesh->node_count; n++) used += sl_mesh_is_used(mesh, n);
+    assert_int_equal(counted.leaves, mesh->leaf_count);
+    assert_int_equal(counted.nodes, used);
+    assert_int_equal(mesh->vertex_count, vertices);
+    assert_true(2 * mesh->vertex_count <= mesh->slot_count);
+}
+
+static void ten_thousand_random_splits_and_collapses_leave_the_trees_sound(void **state) {
+    (void)state;
+    trace_mesh parts = field(4, 3);
+    world w = world_of(&parts, 3, 9);
+    uint64_t key = sl_random_key(5, 2);
+    for (uint32_t f = 0; f < w.topology->face_count; f++) root(&w, f);
+    for (uint64_t i = 0; i < 10000; i++) {
+        sl_mesh_place leaf = random_leaf(w.mesh, key, i, 1);
+        if (i % 3 == 2 && leaf.depth > 0) sl_mesh_collapse(w.mesh, sl_mesh_parent(w.mesh, leaf.node));
+        else assert_int_equal(sl_mesh_split(w.mesh, &leaf, NULL), SL_OK);
+    }
+    assert_true(w.mesh->leaf_count > 5000);
+    check_invariants(w.mesh);
+    discard(&w);
+}
+
+static void nodes_that_collapse_leave_are_used_again(void **state) {
+    (void)state;
+    trace_mesh parts = field(2, 2);
+    world w = world_of(&parts, 1, 12);
+    refine_randomly(&w, 200, 6, 9);
+    size_t nodes = 0, vertices = 0, bytes = 0, leaves = w.mesh->leaf_count;
+    for (int cycle = 0; cycle < 500; cycle++) {
+        sl_mesh_place leaf = random_leaf(w.mesh, stream(3), 0, 2); /* the same one every time */
+        split_all(w.mesh, leaf, 2);
+        if (cycle == 0) {
+            nodes = w.mesh->node_count;
+            vertices = w.mesh->vertex_count;
+            bytes = sl_mesh_memory_bytes(w.mesh);
+        }
+        assert_int_equal(w.mesh->free_blocks, 0);
+        sl_mesh_collapse(w.mesh, leaf.node); /* its children are no leaves: nothing happens */
+        assert_false(sl_mesh_is_leaf(w.mesh, leaf.node));
+        for (uint32_t c = 0; c < 4; c++) sl_mesh_collapse(w.mesh, w.mesh->node[leaf.node].child + c);
+        sl_mesh_collapse(w.mesh, leaf.node);
+        assert_true(sl_mesh_is_leaf(w.mesh, leaf.node));
+        assert_int_equal(w.mesh->leaf_count, leaves);
+        assert_int_equal(w.mesh->free_blocks, 5);
+    }
+    assert_int_equal(w.mesh->node_count, nodes);
+    assert_int_equal(w.mesh->vertex_count, vertices);
+    assert_int_equal(sl_mesh_memory_bytes(w.mesh), bytes);
+    check_invariants(w.mesh);
+    discard(&w);
+}
+
+static void a_cleared_mesh_starts_again_in_the_same_memory(void **state) {
+    (void)state;
+    trace_mesh parts = field(3, 3);
+    world w = world_of(&parts, 3, 8);
+    refine_randomly(&w, 1000, 6, 4);
+    size_t bytes = sl_mesh_memory_bytes(w.mesh), leaves = w.mesh->leaf_count, vertices = w.mesh->vertex_count;
+    know_all(w.mesh, "random");
+    sl_mesh_clear(w.mesh);
+    assert_int_equal(w.mesh->leaf_count + w.mesh->vertex_count + w.mesh->node_count, 0);
+    refine_randomly(&w, 1000, 6, 4);
+    assert_int_equal(sl_mesh_memory_bytes(w.mesh), bytes);
+    assert_int_equal(w.mesh->leaf_count, leaves);
+    assert_int_equal(w.mesh->vertex_count, vertices);
+    for (size_t v = 0; v < vertices; v++) assert_true(w.mesh->state[v] == SL_VERTEX_UNKNOWN && w.mesh->value[3 * v] == 0.0f);
+    check_invariants(w.mesh);
+    discard(&w);
+}
+
+static void children_keep_what_is_left_of_closed_edges(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 1, 12);
+    uint32_t node = root(&w, 0);
+    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    w.mesh->node[node].flags = SL_EDGE_CLOSED << 2 | SL_EDGE_SPLIT << 4; /* edge 1 closed (corners 2 and 0), edge 2 failed */
+    assert_int_equal(sl_mesh_split(w.mesh, &place, NULL), SL_OK);
+    uint32_t wanted[4] = {SL_EDGE_CLOSED << 2, 0, SL_EDGE_CLOSED << 2, 0};
+    for (uint32_t c = 0; c < 4; c++) assert_int_equal(w.mesh->node[w.mesh->node[node].child + c].flags, wanted[c]);
+    discard(&w);
+}
+
+/* ---- points and values ------------------------------------------------------------------------------------------------- */
+
+static void a_point_is_found_in_the_leaf_that_holds_it(void **state) {
+    (void)state;
+    trace_mesh parts = field(2, 2);
+    world w = world_of(&parts, 1, 10);
+    refine_randomly(&w, 3000, 10, 6);
+    for (uint64_t i = 0; i < 20000; i++) {
+        uint32_t face = 2 * (sl_random_bits(stream(11), 3 * i) % 8);
+        float w1 = sl_random_unit(stream(11), 3 * i + 1), w2 = sl_random_unit(stream(11), 3 * i + 2) * (1.0f - w1), l1, l2;
+        if (i % 4 == 0) w1 = floorf(w1 * 16) / 16, w2 = floorf(w2 * 16) / 16; /* on borders */
+        sl_mesh_place leaf = sl_mesh_locate(w.mesh, face, w1, w2, &l1, &l2);
+        assert_true(sl_mesh_is_leaf(w.mesh, leaf.node) && leaf.face == face);
+        assert_true(l1 >= 0.0f && l2 >= 0.0f && (double)l1 + (double)l2 <= 1.0 + 1e-7);
+        double weights[3] = {1.0 - (double)l1 - (double)l2, l1, l2};
+        sl_vec3d there = position_in_place(w.topology, &leaf, weights), wanted = position_in_face(w.topology, face, w1, w2);
+        assert_true(sl_lengthd(sl_subd(there, wanted)) < 1e-7);
+        float again1, again2;
+        sl_mesh_weights_within(&leaf, w1, w2, &again1, &again2);
+        assert_true(again1 == l1 && again2 == l2);
+        sl_mesh_place walk = sl_mesh_root_place(w.mesh, face);
+        while (!sl_mesh_is_leaf(w.mesh, walk.node)) walk = sl_mesh_child_place(w.mesh, &walk, sl_mesh_child_at(w.mesh, &walk, w1, w2));
+        assert_int_equal(walk.node, leaf.node);
+    }
+    discard(&w);
+}
+
+static void points_on_borders_belong_to_the_lower_child_and_points_outside_to_the_border(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 1, 12);
+    uint32_t node = root(&w, 0);
+    split_all(w.mesh, sl_mesh_root_place(w.mesh, 0), 1);
+    static const struct { float w1, w2; uint32_t child; } cases[] = {
+        {0.5f, 0.0f, 0}, {0.0f, 0.5f, 0}, {0.25f, 0.25f, 0}, {0.5f, 0.5f, 1}, {0.5f, 0.25f, 1}, {0.25f, 0.5f, 2}, {0.3f, 0.3f, 3},
+        {-0.1f, -2.0f, 0}, {1.1f, -0.1f, 1}, {-1e30f, 1e30f, 2}, {NAN, NAN, 0}, {INFINITY, NAN, 1}, {INFINITY, INFINITY, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        float l1 = -1, l2 = -1;
+        sl_mesh_place leaf = sl_mesh_locate(w.mesh, 0, cases[i].w1, cases[i].w2, &l1, &l2);
+        assert_int_equal(leaf.node, w.mesh->node[node].child + cases[i].child);
+        assert_true(l1 >= 0.0f && l2 >= 0.0f && l1 + l2 <= 1.0f);
+    }
+    float l1, l2;
+    assert_int_equal(sl_mesh_locate(w.mesh, 1, 0.2f, 0.2f, &l1, &l2).node, SL_NO_INDEX);
+    discard(&w);
+}
+
+static void a_constant_stays_the_same_in_every_bit_whatever_is_refined(void **state) {
+    (void)state;
+    trace_mesh parts = field(3, 3);
+    world w = world_of(&parts, 3, 10);
+    refine_randomly(&w, 2000, 9, 12);
+    know_all(w.mesh, "constant");
+    for (uint64_t i = 0; i < 20000; i++) {
+        float value[3], w1 = sl_random_unit(stream(13), 3 * i), w2 = sl_random_unit(stream(13), 3 * i + 1);
+        assert_true(sl_mesh_value(w.mesh, 2 * (sl_random_bits(stream(13), 3 * i + 2) % 18), w1, w2, value));
+        for (int c = 0; c < 3; c++) assert_true(value[c] == 0.7123f);
+    }
+    discard(&w);
+}
+
+static void a_linear_field_is_reproduced_whatever_is_refined(void **state) {
+    (void)state;
+    for (int hanging = 0; hanging < 2; hanging++) {
+        trace_mesh parts = field(3, 3);
+        world w = world_of(&parts, 3, 10);
+        refine_randomly(&w, 2000, 9, 21);
+        know_all(w.mesh, "linear");
+        for (uint64_t i = 0; i < 20000; i++) {
+            float value[3], l1, l2, w1 = sl_random_unit(stream(17), 3 * i), w2 = (1.0f - w1) * sl_random_unit(stream(17), 3 * i + 1);
+            uint32_t face = 2 * (sl_random_bits(stream(17), 3 * i + 2) % 18);
+            sl_mesh_place leaf = sl_mesh_locate(w.mesh, face, w1, w2, &l1, &l2);
+            assert_true(sl_mesh_interpolate(w.mesh, &leaf, l1, l2, hanging == 1, value));
+            sl_vec3d p = position_in_face(w.topology, face, w1, w2);
+            for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - linear(c, p)) < 4e-6);
+        }
+        discard(&w);
+    }
+}
+
+static void a_leaf_without_hanging_vertices_is_linear(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 3, 12);
+    root(&w, 0);
+    know_all(w.mesh, "random");
+    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    sl_mesh_fan fan;
+    assert_true(sl_mesh_fan_make(w.mesh, &place, true, &fan));
+    assert_false(fan.hanging);
+    for (uint64_t i = 0; i < 1000; i++) {
+        float value[3], plain[3], w1 = sl_random_unit(stream(19), 2 * i), w2 = sl_random_unit(stream(19), 2 * i + 1) * (1.0f - w1);
+        sl_mesh_fan_value(&fan, w1, w2, value);
+        assert_true(sl_mesh_interpolate(w.mesh, &place, w1, w2, false, plain));
+        for (int c = 0; c < 3; c++) {
+            const float *v = w.mesh->value;
+            double wanted = (1.0 - (double)w1 - (double)w2) * (double)v[c] + (double)w1 * (double)v[3 + c] + (double)w2 * (double)v[6 + c];
+            assert_true(fabs((double)value[c] - wanted) < 3e-7);
+            assert_true(value[c] == plain[c]);
+        }
+    }
+    discard(&w);
+}
+
+static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 1, 12);
+    root(&w, 0);
+    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    sl_status status;
+    uint32_t middle = sl_mesh_middle(w.mesh, &place, 0, &status, NULL);
+    know_all(w.mesh, "constant");
+    w.mesh->value[middle] = 5.0f;
+    float value;
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, true, &value) && value == 5.0f);
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, false, &value) && value == 0.7123f);
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 1.0f / 3, 1.0f / 3, true, &value) && fabs((double)value - 0.7123) < 1e-5);
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.75f, 0.25f, true, &value) && fabs((double)value - (5.0 + 0.7123) / 2) < 1e-6);
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.0f, true, &value) && value == 0.7123f);
+    w.mesh->state[middle] = SL_VERTEX_REQUESTED;
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.5f, 0.5f, true, &value) && value == 0.7123f);
+    discard(&w);
+}
+
+static void corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 1, 12);
+    root(&w, 0);
+    know_all(w.mesh, "constant");
+    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    for (uint32_t v = 0; v < 3; v++) w.mesh->value[v] = (float)v;
+    float value = -7.0f;
+    w.mesh->state[1] = SL_VERTEX_REQUESTED;
+    assert_false(sl_mesh_interpolate(w.mesh, &place, 0.2f, 0.2f, true, &value));
+    w.mesh->state[1] = SL_VERTEX_UNKNOWN;
+    assert_false(sl_mesh_interpolate(w.mesh, &place, 0.2f, 0.2f, true, &value));
+    assert_true(value == -7.0f);
+    w.mesh->state[0] = SL_VERTEX_INVALID;
+    w.mesh->state[1] = SL_VERTEX_KNOWN;
+    w.mesh->value[0] = NAN;
+    assert_true(sl_mesh_interpolate(w.mesh, &place, 0.0f, 0.0f, true, &value) && value == 1.5f);
+    w.mesh->state[1] = w.mesh->state[2] = SL_VERTEX_INVALID;
+    assert_false(sl_mesh_interpolate(w.mesh, &place, 0.0f, 0.0f, true, &value));
+    discard(&w);
+}
+
+/* Values at points of leaves' edges, to be compared between all leaves around a point. */
+typedef struct edge_sample {
+    double x, y;
+    float value;
+} edge_sample;
+
+typedef struct edge_samples {
+    edge_sample *sample;
+    size_t count, capacity;
+} edge_samples;
+
+enum { EDGE_STEPS = 64 };
+
+static void sample_edges(const sl_mesh *mesh, const sl_mesh_place *place, void *context) {
+    edge_samples *all = context;
+    if (!sl_mesh_is_leaf(mesh, place->node)) return;
+    for (int e = 0; e < 3; e++)
+        for (int i = 0; i < EDGE_STEPS; i++) {
+            double w[3] = {0, 0, 0};
+            w[(e + 1) % 3] = 1.0 - (double)i / EDGE_STEPS;
+            w[(e + 2) % 3] = (double)i / EDGE_STEPS;
+            sl_vec3d p = position_in_place(mesh->topology, place, w);
+            assert_true(all->count < all->capacity);
+            edge_sample *s = &all->sample[all->count++];
+            *s = (edge_sample){.x = p.x, .y = p.y};
+            assert_true(sl_mesh_interpolate(mesh, place, (float)w[1], (float)w[2], true, &s->value));
+        }
+}
+
+static int by_position(const void *a, const void *b) {
+    const edge_sample *x = a, *y = b;
+    if (x->x != y->x) return x->x < y->x ? -1 : 1;
+    return x->y < y->y ? -1 : x->y > y->y;
+}
+
+static void leaves_of_any_size_have_the_same_values_along_common_edges(void **state) {
+    (void)state;
+    trace_mesh parts = field(3, 3);
+    world w = world_of(&parts, 1, 10);
+    refine_randomly(&w, 1200, 6, 33);
+    know_all(w.mesh, "random");
+    edge_samples all = {.capacity = w.mesh->leaf_count * 3 * EDGE_STEPS};
+    all.sample = sl_allocate(all.capacity, sizeof *all.sample);
+    visit_all(w.mesh, sample_edges, &all);
+    qsort(all.sample, all.count, sizeof *all.sample, by_position);
+    size_t met = 0;
+    for (size_t i = 1; i < all.count; i++) {
+        if (by_position(&all.sample[i], &all.sample[i - 1]) != 0) continue;
+        assert_true(fabsf(all.sample[i].value - all.sample[i - 1].value) < 1e-6f);
+        met++;
+    }
+    assert_true(met > all.count / 3);
+    sl_free(all.sample);
+    discard(&w);
+}
+
+/* ---- neighbours ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct leaf_list {
+    sl_mesh_place place[4096];
+    size_t count;
+} leaf_list;
+
+static void collect(const sl_mesh *mesh, const sl_mesh_place *place, void *context) {
+    leaf_list *list = context;
+    if (sl_mesh_is_leaf(mesh, place->node)) list->place[list->count++] = *place;
+}
+
+static bool holds_point(const sl_topology *topology, const sl_mesh_place *place, sl_vec3d p) {
+    for (int c = 0; c < 3; c++) {
+        double first[3] = {c == 0, c == 1, c == 2}, second[3] = {c == 2, c == 0, c == 1};
+        sl_vec3d a = position_in_place(topology, place, first), b = position_in_place(topology, place, second);
+        if (sl_crossd(sl_subd(b, a), sl_subd(p, a)).z < 0.0) return false;
+    }
+    return true;
+}
+
+/* Whether a leaf holds any point between an edge's ends: exact, since all coordinates are dyadic. */
+static bool meets_edge(const sl_topology *topology, const sl_mesh_place *other, const sl_mesh_place *place, int edge) {
+    for (int i = 1; i < 128; i++) {
+        double w[3] = {0, 0, 0};
+        w[(edge + 1) % 3] = 1.0 - i / 128.0;
+        w[(edge + 2) % 3] = i / 128.0;
+        if (holds_point(topology, other, position_in_place(topology, place, w))) return true;
+    }
+    return false;
+}
+
+static void neighbours_are_the_leaves_that_touch_the_other_side_of_an_edge(void **state) {
+    (void)state;
+    trace_mesh parts = field(2, 2);
+    world w = world_of(&parts, 1, 10);
+    refine_randomly(&w, 70, 5, 41);
+    leaf_list *all = sl_allocate(1, sizeof *all);
+    visit_all(w.mesh, collect, all);
+    size_t found_in_all = 0, across_faces = 0;
+    for (size_t i = 0; i < all->count; i++)
+        for (int edge = 0; edge < 3; edge++) {
+            uint32_t leaf[256];
+            size_t count = sl_mesh_neighbours(w.mesh, &all->place[i], edge, leaf, 256), wanted = 0;
+            assert_true(count <= 256);
+            for (size_t j = 0; j < all->count; j++) {
+                if (j == i || !meets_edge(w.topology, &all->place[j], &all->place[i], edge)) continue;
+                bool found = false;
+                for (size_t k = 0; k < count; k++) found |= leaf[k] == all->place[j].node;
+                assert_true(found);
+                across_faces += all->place[j].face != all->place[i].face;
+                wanted++;
+            }
+            assert_int_equal(count, wanted);
+            assert_int_equal(sl_mesh_neighbours(w.mesh, &all->place[i], edge, NULL, 0), count);
+            found_in_all += count;
+        }
+    assert_true(found_in_all > 2 * all->count && across_faces > 20);
+    sl_free(all);
+    discard(&w);
+}
+
+static void nothing_is_next_to_a_crease(void **state) {
+    (void)state;
+    trace_mesh parts = trace_mesh_begin();
+    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
+    trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
+    world w = world_of(&parts, 1, 10);
+    for (uint32_t f = 0; f < 24; f++) root(&w, f);
+    size_t neighbours = 0;
+    for (uint32_t f = 0; f < 24; f++)
+        for (int edge = 0; edge < 3; edge++) {
+            sl_mesh_place place = sl_mesh_root_place(w.mesh, f);
+            uint32_t leaf;
+            size_t count = sl_mesh_neighbours(w.mesh, &place, edge, &leaf, 1);
+            neighbours += count;
+            if (count == 1) assert_int_equal(sl_mesh_place_of(w.mesh, leaf).face % 2, f % 2);
+        }
+    assert_int_equal(neighbours, 24); /* each side of each triangle: across its square's diagonal */
+    discard(&w);
+}
+
+/* ---- hard triangles ---------------------------------------------------------------------------------------------------------- */
+
+static void a_sliver_is_cut_at_its_longest_edge(void **state) {
+    (void)state;
+    trace_mesh parts = trace_mesh_begin();
+    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
+    uint32_t a = trace_mesh_vertex(&parts, 0, 0, 0), b = trace_mesh_vertex(&parts, 0.5f, 1.0f / 128, 0), c = trace_mesh_vertex(&parts, 1, 0, 0);
+    trace_mesh_triangle(&parts, a, b, c, 0);
+    world w = world_of(&parts, 1, 12);
+    uint32_t node = root(&w, 0);
+    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
+    assert_int_equal(sl_mesh_split(w.mesh, &place, NULL), SL_OK);
+    assert_true(w.mesh->node[node].flags & SL_NODE_BISECTED);
+    assert_int_equal(w.mesh->node[node].flags >> SL_NODE_CUT_SHIFT & 3, 1); /* opposite to corner 1 */
+    assert_int_equal(sl_mesh_children(w.mesh, node), 2);
+    assert_int_equal(w.mesh->leaf_count, 2);
+    assert_int_equal(w.mesh->vertex_count, 4);
+    sl_mesh_collapse(w.mesh, node);
+    assert_int_equal(w.mesh->leaf_count, 1);
+    assert_int_equal(w.mesh->node[node].flags, 0);
+    split_all(w.mesh, place, 8);
+    check_invariants(w.mesh);
+    leaf_list *all = sl_allocate(1, sizeof *all);
+    visit_all(w.mesh, collect, all);
+    double area = 0.0;
+    for (size_t i = 0; i < all->count; i++) {
+        const sl_mesh_place *l = &all->place[i];
+        int one = (l->p[1] - l->p[0]) * (l->q[2] - l->q[0]) - (l->p[2] - l->p[0]) * (l->q[1] - l->q[0]);
+        assert_true(one > 0); /* orientation is kept */
+        area += one;
+        sl_vec3d v[3];
+        double longest = 0.0;
+        for (int k = 0; k < 3; k++) v[k] = position_in_place(w.topology, l, (double[3]){k == 0, k == 1, k == 2});
+        for (int k = 0; k < 3; k++) longest = fmax(longest, sl_lengthd(sl_subd(v[k], v[(k + 1) % 3])));
+        assert_true(longest < 1.0 / 15); /* eight halvings of the area; its two needles' points stay as sharp */
+    }
+    assert_true(area == (double)SL_MESH_DYADIC * SL_MESH_DYADIC);
+    sl_free(all);
+    discard(&w);
+}
+
+static void a_node_is_not_split_at_the_deepest_level(void **state) {
+    (void)state;
+    trace_mesh parts = one_triangle();
+    world w = world_of(&parts, 1, 2);
+    root(&w, 0);
+    split_all(w.mesh, sl_mesh_root_place(w.mesh, 0), 2);
+    size_t vertices = w.mesh->vertex_count;
+    float l1, l2;
+    sl_mesh_place leaf = sl_mesh_locate(w.mesh, 0, 0.3f, 0.3f, &l1, &l2);
+    sl_status status = SL_ERROR_USAGE;
+    assert_int_equal(sl_mesh_split(w.mesh, &leaf, NULL), SL_OK);
+    assert_true(sl_mesh_is_leaf(w.mesh, leaf.node));
+    assert_int_equal(sl_mesh_middle(w.mesh, &leaf, 0, &status, NULL), SL_NO_INDEX);
+    assert_int_equal(status, SL_OK);
+    assert_int_equal(w.mesh->vertex_count, vertices);
+    sl_mesh *none;
+    assert_int_equal(sl_mesh_create(w.topology, 1, 13, &none, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_mesh_create(w.topology, 4, 3, &none, NULL), SL_ERROR_USAGE);
+    discard(&w);
+}
+
+/* 1e7 from the origin floats are whole numbers: a triangle of size 4 can be split twice and no more. */
+static void splitting_ends_where_coordinates_do(void **state) {
+    (void)state;
+    trace_mesh parts = trace_mesh_begin();
+    trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
+    uint32_t a = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f), b = trace_mesh_vertex(&parts, 1e7f, 0, 1e7f + 4), c = trace_mesh_vertex(&parts, 1e7f + 4, 0, 1e7f);
+    trace_mesh_triangle(&parts, a, b, c, 0);
+    world w = world_of(&parts, 1, 12);
+    root(&w, 0);
+    for (uint64_t i = 0; i < 2000; i++) {
+        sl_mesh_place leaf = random_leaf(w.mesh, stream(7), i, 2);
+        assert_int_equal(sl_mesh_split(w.mesh, &leaf, NULL), SL_OK);
+    }
+    assert_int_equal(w.mesh->leaf_count, 16);
+    check_invariants(w.mesh);
+    discard(&w);
+}
+
+static void triangles_of_any_size_split_alike(void **state) {
+    (void)state;
+    static const float sizes[] = {1e-30f, 1e-6f, 1e6f, 1e30f};
+    for (size_t i = 0; i < 4; i++) {
+        trace_mesh parts = trace_mesh_begin();
+        trace_mesh_material(&parts, 0.5f, 0, 0, 0, 0);
+        float s = sizes[i];
+        uint32_t a = trace_mesh_vertex(&parts, 0, 0, 0), b = trace_mesh_vertex(&parts, 0, 0, s), c = trace_mesh_vertex(&parts, s, 0, 0);
+        trace_mesh_triangle(&parts, a, b, c, 0);
+        sl_scene *scene = trace_mesh_build(&parts);
+        world w = {.scene = scene};
+        assert_int_equal(sl_topology_create(scene, false, &w.topology, NULL), SL_OK);
+        assert_int_equal(sl_mesh_create(w.topology, 1, 12, &w.mesh, NULL), SL_OK);
+        if (scene->triangle_count == 1 && !w.topology->degenerate[0]) {
+            root(&w, 0);
+            split_all(w.mesh, sl_mesh_root_place(w.mesh, 0), 5);
+            assert_int_equal(w.mesh->leaf_count, 1024);
+        } else {
+            assert_true(s < 1e-20f || s > 1e20f); /* the scene itself refuses them, or their squares end */
+        }
+        discard(&w);
+    }
+}
+
+static void triangles_without_area_are_never_split(void **state) {
+    (void)state;
+    trace_mesh parts = field(2, 1);
+    sl_scene *scene = trace_mesh_build(&parts);
+    scene->position_x[scene->vertex[0][0]] = NAN;
+    scene->position_z[scene->vertex[0][3]] = INFINITY;
+    world w = {.scene = scene};
+    assert_int_equal(sl_topology_create(scene, false, &w.topology, NULL), SL_OK);
+    assert_int_equal(sl_mesh_create(w.topology, 1, 12, &w.mesh, NULL), SL_OK);
+    assert_true(w.topology->degenerate[0] && w.topology->degenerate[3]);
+    for (uint32_t f = 0; f < w.topology->face_count; f++) {
+        root(&w, f);
+        sl_mesh_place place = sl_mesh_root_place(w.mesh, f);
+        assert_int_equal(sl_mesh_split(w.mesh, &place, NULL), SL_OK);
+        assert_int_equal(sl_mesh_is_leaf(w.mesh, place.node), w.topology->degenerate[f / 2]);
+    }
+    check_invariants(w.mesh);
+    discard(&w);
+}
+
+/* ---- memory -------------------------------------------------------------------------------------------------------------------- */
+
+static void a_mesh_element_costs_no_more_than_150_bytes(void **state) {
+    (void)state;
+    for (int channels = 1; channels <= 3; channels += 2)
+        for (int roots = 0; roots < 2; roots++) { /* a few faces split often; thousands that are split five times each, on average */
+            trace_mesh parts = roots ? field(60, 60) : field(2, 2);
+            world w = world_of(&parts, channels, 12);
+            refine_randomly(&w, roots ? 36000 : 40000, 12, 50);
+            double used = (double)sl_mesh_memory_bytes(w.mesh) / (double)w.mesh->leaf_count;
+            print_message("%d channels, %zu roots, %zu leaves, %zu vertices: %.1f bytes a leaf\n", channels, w.topology->face_count / 2,
+                          w.mesh->leaf_count, w.mesh->vertex_count, used);
+            assert_true(used < 150.0);
+            discard(&w);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_triangle_split_d_times_has_the_leaves_and_vertices_of_a_grid),
+        cmocka_unit_test(faces_share_the_vertices_of_a_common_edge),
+        cmocka_unit_test(a_crease_has_vertices_of_its_own_on_either_side_at_the_same_positions),
+        cmocka_unit_test(front_and_back_share_positions_and_nothing_else),
+        cmocka_unit_test(nudged_points_move_towards_the_middle_of_their_lowest_face),
+        cmocka_unit_test(ten_thousand_random_splits_and_collapses_leave_the_trees_sound),
+        cmocka_unit_test(nodes_that_collapse_leave_are_used_again),
+        cmocka_unit_test(a_cleared_mesh_starts_again_in_the_same_memory),
+        cmocka_unit_test(children_keep_what_is_left_of_closed_edges),
+        cmocka_unit_test(a_point_is_found_in_the_leaf_that_holds_it),
+        cmocka_unit_test(points_on_borders_belong_to_the_lower_child_and_points_outside_to_the_border),
+        cmocka_unit_test(a_constant_stays_the_same_in_every_bit_whatever_is_refined),
+        cmocka_unit_test(a_linear_field_is_reproduced_whatever_is_refined),
+        cmocka_unit_test(a_leaf_without_hanging_vertices_is_linear),
+        cmocka_unit_test(a_hanging_vertex_shows_its_value_and_the_centre_the_mean),
+        cmocka_unit_test(corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others),
+        cmocka_unit_test(leaves_of_any_size_have_the_same_values_along_common_edges),
+        cmocka_unit_test(neighbours_are_the_leaves_that_touch_the_other_side_of_an_edge),
+        cmocka_unit_test(nothing_is_next_to_a_crease),
+        cmocka_unit_test(a_sliver_is_cut_at_its_longest_edge),
+        cmocka_unit_test(a_node_is_not_split_at_the_deepest_level),
+        cmocka_unit_test(splitting_ends_where_coordinates_do),
+        cmocka_unit_test(triangles_of_any_size_split_alike),
+        cmocka_unit_test(triangles_without_area_are_never_split),
+        cmocka_unit_test(a_mesh_element_costs_no_more_than_150_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
