@@ -27,4 +27,48 @@ sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_co
 void sl_bidirectional_mean(const sl_bidirectional *film, int half, float *r, float *g, float *b);
 size_t sl_bidirectional_memory_bytes(const sl_bidirectional *film);
 
+/* ---- values at surface points, as the shading cache (Tole et al. 2002) has them rendered --------------------------------- */
+
+/* Holds the light subpaths, which serve every point; to be made again when anything but the camera changes. Many threads may use one,
+ * each with a scratch of its own. Every point uses the same random numbers: equal requests have equal bits. */
+typedef struct sl_bidirectional_points sl_bidirectional_points;
+typedef struct sl_bidirectional_scratch sl_bidirectional_scratch;
+
+typedef struct sl_bidirectional_point_settings {
+    uint32_t samples;        /* pairs of subpaths a value; 0: 400 */
+    uint32_t bounces;        /* surfaces between the point and the light, at most, mirrors not counted; 0: 6; or SL_BOUNCES_UNLIMITED */
+    uint32_t roulette_after; /* surfaces of either walk; 0: 3 */
+    uint64_t seed;
+    bool balance;            /* the balance heuristic instead of the power heuristic */
+} sl_bidirectional_point_settings;
+
+/* settings may be NULL. */
+sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_point_settings *settings,
+                                         sl_bidirectional_points **points, sl_error *error);
+void sl_bidirectional_points_destroy(sl_bidirectional_points *points);
+size_t sl_bidirectional_points_memory_bytes(const sl_bidirectional_points *points);
+sl_status sl_bidirectional_scratch_create(sl_bidirectional_scratch **scratch, sl_error *error);
+void sl_bidirectional_scratch_destroy(sl_bidirectional_scratch *scratch);
+
+typedef struct sl_bidirectional_request {
+    sl_vec3 position;         /* on the surface: it is lifted here */
+    sl_vec3 geometric_normal; /* unit, on the side that is asked about */
+    sl_vec3 normal;           /* unit shading normal, on the same side */
+    uint32_t triangle;        /* its own */
+} sl_bidirectional_request;
+
+typedef struct sl_bidirectional_value {
+    double mean[3];
+    double variance[3]; /* of the mean, as if the samples were independent: they are better spread than that */
+} sl_bidirectional_value;
+
+/* Indirect irradiance E_i (L_i cos over the hemisphere): light of paths with at least one vertex between light and point, be it a surface
+ * or a mirror. The first direction of eye subpaths has the density cos / pi. */
+void sl_bidirectional_irradiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
+                                 sl_bidirectional_scratch *scratch, sl_bidirectional_value *irradiance, sl_counters *counters);
+/* What the triangle's glossy lobe reflects of the same light towards an eye; directions are drawn from the lobe. A perfect mirror
+ * reflects all there is, lights themselves too, since no light sample finds those. */
+void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request, sl_vec3 eye,
+                               sl_bidirectional_scratch *scratch, sl_bidirectional_value *radiance, sl_counters *counters);
+
 #endif

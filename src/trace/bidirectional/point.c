@@ -1,0 +1,254 @@
+/* Irradiance and radiance at surface points. The point is v_1 of every eye subpath, so the ways with t >= 2 remain. Sample i draws from
+ * point i of one sequence wherever the point lies, so its light subpath is the same for all points, and is walked once. */
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "trace/bidirectional/bidirectional.h"
+#include "trace/bidirectional/subpath.h"
+
+struct sl_bidirectional_points {
+    sl_bidirectional_point_settings settings; /* complete */
+    sl_light_sampler *lights;
+    sl_sequence sequence;
+    sl_path_maker diffuse, glossy, mirror; /* what is asked of the point */
+    uint64_t key;
+    size_t *first;           /* of subpath i's vertices; the last entry is their number */
+    sl_path_vertex *vertex;
+    size_t capacity;
+};
+
+struct sl_bidirectional_scratch {
+    sl_subpath path[SL_PACKET];
+};
+
+/* ---- light subpaths ------------------------------------------------------------------------------------------------------ */
+
+static sl_status keep_subpath(sl_bidirectional_points *p, size_t i, const sl_subpath *path, sl_error *error) {
+    size_t used = p->first[i], needed = used + path->count;
+    if (needed > p->capacity) {
+        size_t capacity = 2 * needed + 1024;
+        sl_path_vertex *longer = sl_allocate(capacity, sizeof *longer);
+        if (!longer) return sl_fail_memory(error, "light subpaths");
+        if (used > 0) memcpy(longer, p->vertex, used * sizeof *longer);
+        sl_free(p->vertex);
+        p->vertex = longer;
+        p->capacity = capacity;
+    }
+    if (path->count > 0) memcpy(p->vertex + used, path->vertex, path->count * sizeof *path->vertex);
+    p->first[i + 1] = needed;
+    return SL_OK;
+}
+
+static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint64_t key[SL_PACKET], uint32_t index[SL_PACKET]) {
+    unsigned count = p->settings.samples - first < SL_PACKET ? p->settings.samples - first : SL_PACKET;
+    for (unsigned i = 0; i < count; i++) {
+        key[i] = p->key;
+        index[i] = first + i;
+    }
+    return count;
+}
+
+static sl_status walk_light_subpaths(sl_bidirectional_points *p, sl_bidirectional_scratch *scratch, sl_error *error) {
+    sl_path_maker maker = p->diffuse;
+    /* The point itself is one surface of the path. */
+    if (maker.transport.bounces != SL_BOUNCES_UNLIMITED) maker.transport.bounces--;
+    sl_counters uncounted = {{0}};
+    sl_status status = SL_OK;
+    for (uint32_t first = 0; first < p->settings.samples && status == SL_OK; first += SL_PACKET) {
+        uint64_t key[SL_PACKET];
+        uint32_t index[SL_PACKET];
+        sl_subpath *paths[SL_PACKET];
+        unsigned count = packet_of(p, first, key, index);
+        for (unsigned i = 0; i < count; i++) paths[i] = &scratch->path[i];
+        sl_walk_from_lights(&maker, count, key, index, paths, &uncounted);
+        for (unsigned i = 0; i < count && status == SL_OK; i++) status = keep_subpath(p, first + i, paths[i], error);
+    }
+    return status;
+}
+
+/* ---- making -------------------------------------------------------------------------------------------------------------- */
+
+static sl_path_maker maker_for(const sl_bidirectional_points *p, const sl_scene *scene, const sl_tracer *tracer, unsigned lobe) {
+    sl_transport transport;
+    sl_transport_named("full", &transport);
+    transport.bounces = p->settings.bounces;
+    if (lobe != SL_LOBE_MIRROR) {
+        transport.emission = transport.eye_mirrors = false;
+        transport.direct_lobes = 0;
+        transport.receiver_lobes = lobe;
+    }
+    sl_path_maker maker;
+    sl_path_maker_init(&maker, scene, tracer, p->lights, &p->sequence, &transport);
+    maker.roulette_after = p->settings.roulette_after;
+    maker.balance = p->settings.balance;
+    maker.eye_vertices = lobe == SL_LOBE_MIRROR ? 1 : 2;
+    return maker;
+}
+
+static sl_status make_points(sl_bidirectional_points *p, const sl_scene *scene, const sl_tracer *tracer, sl_error *error) {
+    sl_status status = sl_light_sampler_create(scene, &p->lights, error);
+    if (status != SL_OK) return status;
+    p->first = sl_allocate((size_t)p->settings.samples + 1, sizeof *p->first);
+    if (!p->first) return sl_fail_memory(error, "light subpaths");
+    sl_sequence_make(&p->sequence);
+    p->key = sl_random_key(p->settings.seed, 0x706f696e7473u);
+    p->diffuse = maker_for(p, scene, tracer, SL_LOBE_DIFFUSE);
+    p->glossy = maker_for(p, scene, tracer, SL_LOBE_GLOSSY);
+    p->mirror = maker_for(p, scene, tracer, SL_LOBE_MIRROR);
+    sl_bidirectional_scratch *scratch;
+    status = sl_bidirectional_scratch_create(&scratch, error);
+    if (status == SL_OK) status = walk_light_subpaths(p, scratch, error);
+    sl_bidirectional_scratch_destroy(scratch);
+    return status;
+}
+
+sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_point_settings *settings,
+                                         sl_bidirectional_points **out, sl_error *error) {
+    *out = NULL;
+    sl_bidirectional_points *p = sl_allocate(1, sizeof *p);
+    if (!p) return sl_fail_memory(error, "bidirectional path tracing");
+    if (settings) p->settings = *settings;
+    if (p->settings.samples == 0) p->settings.samples = 400;
+    if (p->settings.bounces == 0) p->settings.bounces = 6;
+    if (p->settings.roulette_after == 0) p->settings.roulette_after = 3;
+    sl_status status = make_points(p, scene, tracer, error);
+    if (status != SL_OK) {
+        sl_bidirectional_points_destroy(p);
+        return status;
+    }
+    *out = p;
+    return SL_OK;
+}
+
+void sl_bidirectional_points_destroy(sl_bidirectional_points *p) {
+    if (!p) return;
+    sl_light_sampler_destroy(p->lights);
+    sl_free(p->first);
+    sl_free(p->vertex);
+    sl_free(p);
+}
+
+size_t sl_bidirectional_points_memory_bytes(const sl_bidirectional_points *p) {
+    return sizeof *p + ((size_t)p->settings.samples + 1) * sizeof *p->first + p->capacity * sizeof *p->vertex;
+}
+
+sl_status sl_bidirectional_scratch_create(sl_bidirectional_scratch **scratch, sl_error *error) {
+    *scratch = sl_allocate(1, sizeof **scratch);
+    return *scratch ? SL_OK : sl_fail_memory(error, "subpaths");
+}
+
+void sl_bidirectional_scratch_destroy(sl_bidirectional_scratch *scratch) { sl_free(scratch); }
+
+/* ---- values -------------------------------------------------------------------------------------------------------------- */
+
+typedef struct packet {
+    sl_rgb light[SL_PACKET];
+} packet;
+
+static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance, double weight) {
+    packet *p = context;
+    (void)s, (void)t, (void)x, (void)y;
+    p->light[lane] = sl_rgb_add(p->light[lane], sl_rgb_scale(radiance, (float)weight));
+}
+
+typedef struct sums {
+    double sum[3], squares[3];
+} sums;
+
+static void add_samples(sums *total, const packet *p, unsigned count, sl_counters *counters) {
+    for (unsigned i = 0; i < count; i++) {
+        if (!sl_rgb_is_finite(p->light[i])) {
+            sl_count(counters, SL_COUNT_NONFINITE, 1);
+            continue;
+        }
+        const double value[3] = {(double)p->light[i].r, (double)p->light[i].g, (double)p->light[i].b};
+        for (int c = 0; c < 3; c++) {
+            total->sum[c] += value[c];
+            total->squares[c] += value[c] * value[c];
+        }
+    }
+}
+
+/* Paths by way of v_1, or, where the point is NULL, along a ray. */
+static void estimate(const sl_bidirectional_points *points, const sl_path_maker *maker, const sl_path_vertex *point, sl_vec3 origin,
+                     sl_vec3 direction, sl_bidirectional_scratch *scratch, sl_bidirectional_value *value, sl_counters *counters) {
+    sums total = {{0.0}, {0.0}};
+    uint32_t samples = points->settings.samples;
+    for (uint32_t first = 0; first < samples; first += SL_PACKET) {
+        uint64_t key[SL_PACKET];
+        uint32_t index[SL_PACKET];
+        sl_subpath *eye[SL_PACKET];
+        const sl_path_vertex *light[SL_PACKET];
+        unsigned light_count[SL_PACKET], count = packet_of(points, first, key, index);
+        sl_vec3 directions[SL_PACKET];
+        double pdf[SL_PACKET];
+        for (unsigned i = 0; i < count; i++) {
+            eye[i] = &scratch->path[i];
+            light[i] = points->vertex + points->first[first + i];
+            light_count[i] = (unsigned)(points->first[first + i + 1] - points->first[first + i]);
+            directions[i] = direction;
+            pdf[i] = 1.0;
+        }
+        if (point) sl_walk_from_point(maker, count, point, key, index, eye, counters);
+        else sl_walk_from_eye(maker, count, origin, directions, pdf, key, index, eye, counters);
+        packet p = {.light = {{0.0f, 0.0f, 0.0f}}};
+        const sl_path_receiver receiver = {&p, receive};
+        sl_connect_all(maker, count, eye, light, light_count, key, index, &receiver, counters);
+        add_samples(&total, &p, count, counters);
+    }
+    sl_count(counters, SL_COUNT_SAMPLES, samples);
+    double n = (double)samples;
+    for (int c = 0; c < 3; c++) {
+        double mean = total.sum[c] / n, variance = total.squares[c] / n - mean * mean;
+        value->mean[c] = mean;
+        value->variance[c] = samples > 1 && variance > 0.0 ? variance / (n - 1.0) : 0.0;
+    }
+}
+
+static sl_path_vertex vertex_at(const sl_scene *scene, const sl_bidirectional_request *request, sl_vec3 to_viewer) {
+    sl_surface surface = {.position = request->position, .geometric_normal = request->geometric_normal, .normal = request->normal};
+    sl_path_vertex v = {.kind = SL_VERTEX_SURFACE,
+                        .origin = sl_surface_lift(scene, request->triangle, &surface),
+                        .back = to_viewer,
+                        .geometric_normal = request->geometric_normal,
+                        .triangle = request->triangle,
+                        .light = SL_NO_INDEX};
+    v.bsdf.normal = request->normal;
+    v.bsdf.geometric_normal = request->geometric_normal;
+    return v;
+}
+
+void sl_bidirectional_irradiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
+                                 sl_bidirectional_scratch *scratch, sl_bidirectional_value *irradiance, sl_counters *counters) {
+    sl_path_vertex v = vertex_at(points->diffuse.scene, request, request->normal);
+    v.bsdf.diffuse = sl_grey((float)SL_PI); /* f = 1: the radiance that leaves it is the irradiance */
+    estimate(points, &points->diffuse, &v, v.origin, v.back, scratch, irradiance, counters);
+}
+
+void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request, sl_vec3 eye,
+                               sl_bidirectional_scratch *scratch, sl_bidirectional_value *radiance, sl_counters *counters) {
+    const sl_scene *scene = points->glossy.scene;
+    const sl_material *material = &scene->materials[scene->material_index[request->triangle]];
+    sl_vec3 to_eye = sl_normalize_or(sl_sub(eye, request->position), request->normal);
+    sl_path_vertex v = vertex_at(scene, request, to_eye);
+    *radiance = (sl_bidirectional_value){{0.0}, {0.0}};
+    if (sl_material_is_mirror(material)) {
+        sl_vec3 direction = sl_normalize_or(sl_reflect(to_eye, request->normal), request->normal);
+        if (!(sl_dot(direction, request->geometric_normal) > 0.0f)) return;
+        estimate(points, &points->mirror, NULL, v.origin, direction, scratch, radiance, counters);
+        const double tint[3] = {(double)material->mirror.r, (double)material->mirror.g, (double)material->mirror.b};
+        for (int c = 0; c < 3; c++) {
+            radiance->mean[c] *= tint[c];
+            radiance->variance[c] *= tint[c] * tint[c];
+        }
+    } else if (sl_material_is_glossy(material)) {
+        v.bsdf.specular = material->specular;
+        v.bsdf.exponent = material->exponent;
+        estimate(points, &points->glossy, &v, v.origin, v.back, scratch, radiance, counters);
+    }
+}
