@@ -97,8 +97,15 @@ static void halving_to_sixteen_and_adding_up_gives_the_sum_in_double(void **stat
 
 /* ---- what it sees ------------------------------------------------------------------------------------------------------------------ */
 
-static sl_scene *box_scene(float diffuse) {
+/* Closed surfaces are rooms if there is light in them. */
+static trace_mesh lit_mesh(void) {
     trace_mesh m = trace_mesh_begin();
+    m.lights[m.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .intensity = {1, 1, 1}};
+    return m;
+}
+
+static sl_scene *box_scene(float diffuse) {
+    trace_mesh m = lit_mesh();
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
     return trace_mesh_build(&m);
 }
@@ -130,7 +137,7 @@ static void an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point(vo
 /* Between any two points of a sphere the form factor is the same, so what arrives is the mean over all of it: linear parts cancel. */
 static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) {
     (void)state;
-    trace_mesh m = trace_mesh_begin();
+    trace_mesh m = lit_mesh();
     trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 24, 0.0f, true, trace_mesh_material(&m, 0.4f, 0, 0, 0, 0));
     sl_mesh_gather_settings settings = usual_settings();
     settings.strips = true;

@@ -1,0 +1,278 @@
+/* The coarse mesh of multi-mesh caching: what it samples and how often, what lies between, and what bounces off it. */
+#include "multi_mesh_gather_support.h"
+
+static bool near(double a, double b, double tolerance) { return fabs(a - b) <= tolerance; }
+
+typedef struct meshed {
+    sl_scene *scene;
+    sl_topology *topology;
+    sl_coarse *coarse;
+} meshed;
+
+static meshed mesh_of(sl_scene *scene, float edge, int depth) {
+    meshed m = {.scene = scene};
+    sl_coarse_settings settings = {edge, depth};
+    assert_int_equal(sl_topology_create(scene, false, &m.topology, NULL), SL_OK);
+    assert_int_equal(sl_coarse_create(scene, m.topology, &settings, &m.coarse, NULL), SL_OK);
+    return m;
+}
+
+static void meshed_destroy(meshed *m) {
+    sl_coarse_destroy(m->coarse);
+    sl_topology_destroy(m->topology);
+    sl_scene_destroy(m->scene);
+}
+
+static sl_scene *quad_scene(float diffuse) {
+    trace_mesh m = trace_mesh_begin();
+    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
+    return trace_mesh_build(&m);
+}
+
+static sl_vec3 position_of(const meshed *m, size_t v) {
+    sl_coarse_vertex at = sl_coarse_vertices(m->coarse)[v];
+    return face_point(m->scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC).position;
+}
+
+/* ---- what is sampled --------------------------------------------------------------------------------------------------------- */
+
+/* A square of two triangles, each side: (n + 1)^2 vertices, those on the diagonal shared. */
+static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
+    (void)state;
+    const float edge[6] = {10.0f, 1.42f, 1.41f, 0.5f, 0.1f, 0.001f};
+    const int depth[6] = {5, 5, 5, 5, 3, 4}, level[6] = {0, 0, 1, 2, 3, 4};
+    for (int k = 0; k < 6; k++) {
+        meshed m = mesh_of(quad_scene(0.5f), edge[k], depth[k]);
+        size_t n = (size_t)1 << level[k];
+        assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (n + 1) * (n + 1));
+        for (size_t v = 0; v < 2 * (n + 1) * (n + 1); v++) assert_int_equal(sl_coarse_vertices(m.coarse)[v].depth, level[k]);
+        meshed_destroy(&m);
+    }
+}
+
+/* Two quads side by side, one of large triangles, one of small ones: where they meet the finer ones' vertices are those of the coarser one. */
+static sl_scene *uneven_scene(void) {
+    trace_mesh m = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 0, 1, 0), c = trace_mesh_vertex(&m, 3, 0.5f, 0), d = trace_mesh_vertex(&m, -0.5f, 0.5f, 0);
+    trace_mesh_triangle(&m, a, c, b, grey);
+    trace_mesh_triangle(&m, b, d, a, grey);
+    trace_mesh_triangle(&m, trace_mesh_vertex(&m, 0, 0, 0), trace_mesh_vertex(&m, 0, 0, 1), trace_mesh_vertex(&m, 0, 1, 0), grey);
+    return trace_mesh_build(&m);
+}
+
+static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
+    (void)state;
+    for (int scene = 0; scene < 2; scene++) {
+        trace_mesh ball = trace_mesh_begin();
+        if (scene) trace_mesh_sphere(&ball, sl_v3(0, 0, 0), 1.0f, 6, 0.0f, true, trace_mesh_material(&ball, 0.4f, 0, 0, 0, 0));
+        meshed m = mesh_of(scene ? trace_mesh_build(&ball) : uneven_scene(), 0.3f, 4);
+        if (!scene) trace_mesh_discard(&ball);
+        size_t count = sl_coarse_vertex_count(m.coarse), creases = 0;
+        for (size_t i = 0; i < count; i++) {
+            for (size_t j = 0; j < i; j++) {
+                sl_coarse_vertex a = sl_coarse_vertices(m.coarse)[i], b = sl_coarse_vertices(m.coarse)[j];
+                if (sl_length(sl_sub(position_of(&m, i), position_of(&m, j))) > 1e-5f) continue;
+                float turned = sl_length(sl_sub(sl_face_normal(m.scene, a.face), sl_face_normal(m.scene, b.face)));
+                assert_true(turned > 5e-5f); /* another side, or beyond a crease */
+                creases += turned < 1.9f;
+            }
+        }
+        assert_true(creases > 0);
+        meshed_destroy(&m);
+    }
+}
+
+static void faces_that_reflect_nothing_are_not_sampled(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), glossy = trace_mesh_material(&mesh, 0, 0.5f, 20, 0, 0);
+    const uint32_t all[4] = {black, mirror, glossy, grey};
+    for (int k = 0; k < 4; k++) trace_mesh_quad(&mesh, sl_v3(2.0f * (float)k, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), all[k]);
+    meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
+    assert_int_equal(sl_coarse_vertex_count(m.coarse), 8);
+    for (size_t v = 0; v < 8; v++) assert_true(sl_coarse_vertices(m.coarse)[v].face >= 12);
+    meshed_destroy(&m);
+}
+
+static void the_inner_side_of_a_solid_is_not_sampled(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-5, -1, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0), trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
+    meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
+    assert_int_equal(sl_coarse_vertex_count(m.coarse), 24); /* four corners of six sides */
+    for (size_t v = 0; v < 24; v++) assert_int_equal(sl_coarse_vertices(m.coarse)[v].face % 2, 0);
+    meshed_destroy(&m);
+}
+
+/* ---- what lies between ----------------------------------------------------------------------------------------------------------- */
+
+static void a_linear_field_is_kept_between_vertices_across_levels(void **state) {
+    (void)state;
+    meshed m = mesh_of(uneven_scene(), 0.3f, 5);
+    for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) {
+        sl_vec3 p = position_of(&m, v);
+        sl_coarse_set(m.coarse, v, (sl_rgb){2.0f + p.x, 3.0f - p.y, 1.0f + p.z});
+    }
+    for (uint32_t face = 0; face < 6; face++) {
+        for (int k = 0; k < 200; k++) {
+            float w1 = (float)(k % 14) / 14.0f, w2 = (1.0f - w1) * (float)(k / 14) / 14.0f;
+            sl_vec3 p = face_point(m.scene, face, w1, w2).position;
+            sl_rgb v = sl_coarse_value(m.coarse, face, w1, w2);
+            assert_true(near((double)v.r, 2.0 + (double)p.x, 1e-5));
+            assert_true(near((double)v.g, 3.0 - (double)p.y, 1e-5));
+            assert_true(near((double)v.b, 1.0 + (double)p.z, 1e-5));
+        }
+    }
+    meshed_destroy(&m);
+}
+
+static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **state) {
+    (void)state;
+    meshed m = mesh_of(quad_scene(0.5f), 10.0f, 0);
+    const float bad[3] = {NAN, INFINITY, -INFINITY};
+    for (int k = 0; k < 3; k++) {
+        for (size_t v = 0; v < 8; v++) sl_coarse_set(m.coarse, v, sl_grey(2.0f));
+        sl_coarse_set(m.coarse, 1, (sl_rgb){1.0f, bad[k], 1.0f});
+        sl_coarse_finish(m.coarse, 1);
+        for (uint32_t face = 0; face < 4; face++) assert_true(sl_coarse_value(m.coarse, face, 0.3f, 0.6f).g == 2.0f);
+        assert_true(sl_coarse_brightest(m.coarse).r == 1.0f);
+    }
+    for (size_t v = 0; v < 8; v++) sl_coarse_set(m.coarse, v, sl_grey(NAN));
+    sl_coarse_finish(m.coarse, 1);
+    assert_true(sl_coarse_brightest(m.coarse).g == 0.0f);
+    sl_coarse_set(m.coarse, 0, sl_grey(-1.0f));
+    assert_true(sl_coarse_get(m.coarse, 0).b == 0.0f);
+    assert_true(sl_coarse_value(m.coarse, 0, NAN, NAN).r == 0.0f);
+    assert_true(sl_coarse_value(m.coarse, 77, 0.1f, 0.1f).r == 0.0f);
+    meshed_destroy(&m);
+}
+
+/* ---- what bounces off ------------------------------------------------------------------------------------------------------------ */
+
+/* Left half red, right half green, in stripes of one texel. */
+static sl_scene *striped_quad(bool masked) {
+    enum { SIZE = 64 };
+    uint8_t *texels = malloc(SIZE * SIZE * 4);
+    assert_non_null(texels);
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        bool red = i % SIZE < SIZE / 2, on = i % 2 == 0;
+        const uint8_t rgba[4] = {red && on ? 255 : 0, !red && on ? 255 : 0, 0, masked && !on ? 0 : 255};
+        memcpy(texels + 4 * i, rgba, 4);
+    }
+    trace_mesh m = trace_mesh_begin();
+    uint32_t material = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0);
+    m.materials[material].texture = 0;
+    if (masked) m.materials[material].alpha_texture = 0;
+    char name[] = "stripes";
+    m.textures[0] = (sl_texture){.file = name, .width = SIZE, .height = SIZE, .has_alpha = masked, .texels = texels};
+    m.texture_count = 1;
+    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), material);
+    sl_scene *scene = trace_mesh_build(&m);
+    free(texels);
+    return scene;
+}
+
+static void colours_are_values_times_the_mean_of_the_texture(void **state) {
+    (void)state;
+    for (int masked = 0; masked < 2; masked++) {
+        meshed m = mesh_of(striped_quad(masked == 1), 0.4f, 3);
+        for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) sl_coarse_set(m.coarse, v, sl_grey(3.0f));
+        sl_coarse_finish(m.coarse, 1);
+        /* Every second column is black, or not there at all. */
+        double mean = 3.0 * 0.8 * (masked ? 1.0 : 0.5);
+        sl_rgb brightest = sl_coarse_brightest(m.coarse);
+        assert_true(near((double)brightest.r, mean, 0.12 * mean));
+        assert_true(near((double)brightest.g, mean, 0.12 * mean));
+        assert_true(brightest.b == 0.0f);
+        meshed_destroy(&m);
+    }
+}
+
+static void any_number_of_threads_makes_the_same_mesh(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 20, 0.1f, true, trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+    meshed m = mesh_of(trace_mesh_build(&mesh), 0.1f, 3);
+    for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) sl_coarse_set(m.coarse, v, (sl_rgb){(float)(v % 100), 1.0f, (float)(v % 7)});
+    sl_coarse_finish(m.coarse, 1);
+    sl_rgb one = sl_coarse_brightest(m.coarse), at = sl_coarse_value(m.coarse, 100, 0.2f, 0.3f);
+    for (unsigned threads = 2; threads < 8; threads++) {
+        sl_coarse_finish(m.coarse, threads);
+        sl_rgb many = sl_coarse_brightest(m.coarse), again = sl_coarse_value(m.coarse, 100, 0.2f, 0.3f);
+        assert_memory_equal(&one, &many, sizeof one);
+        assert_memory_equal(&at, &again, sizeof at);
+    }
+    meshed_destroy(&m);
+}
+
+static void settings_out_of_range_are_refused(void **state) {
+    (void)state;
+    sl_scene *scene = quad_scene(0.5f);
+    sl_topology *topology;
+    sl_coarse *coarse;
+    sl_error error;
+    assert_int_equal(sl_topology_create(scene, false, &topology, NULL), SL_OK);
+    const sl_coarse_settings bad[4] = {{NAN, 3}, {-1.0f, 3}, {1.0f, -1}, {1.0f, SL_MESH_DEPTH_MAX + 1}};
+    for (int k = 0; k < 4; k++) assert_int_equal(sl_coarse_create(scene, topology, &bad[k], &coarse, &error), SL_ERROR_USAGE);
+    sl_topology_destroy(topology);
+    sl_scene_destroy(scene);
+}
+
+/* ---- before there is one --------------------------------------------------------------------------------------------------------- */
+
+static void before_there_is_a_mesh_indirect_light_is_that_of_a_sphere(void **state) {
+    (void)state;
+    const double rho = 0.4, intensity = 3.0, radius = 2.0;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), (float)radius, 60, 0.0f, true, trace_mesh_material(&mesh, (float)rho, 0, 0, 0, 0));
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .intensity = {(float)intensity, 0, 0}};
+    mesh.light_count = 1;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_rgb e = sl_ambient_irradiance(scene);
+    double truth = rho * 4.0 * SL_PI * intensity / (4.0 * SL_PI * radius * radius);
+    assert_true(near((double)e.r / truth, 1.0, 3e-3)); /* the facets' area is a little less */
+    assert_true(e.g == 0.0f);
+    sl_scene_destroy(scene);
+}
+
+static void every_kind_of_light_counts_with_its_power(void **state) {
+    (void)state;
+    sl_light spot = {.type = SL_LIGHT_SPOT, .direction = {0, 0, -1}, .intensity = {1, 1, 1}, .cos_inner = 0.5f, .cos_outer = 0.5f};
+    sl_light sun = {.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {1, 1, 1}};
+    sl_environment sky = {.present = true, .constant = {1, 1, 1}};
+    /* A square of area 1, reflectance 0.5: half of the power, over pi of the sky as it is. */
+    const double power[4] = {SL_PI * 2.0 /* two-sided emitter */, SL_PI, 1.0, 0.0};
+    for (int k = 0; k < 4; k++) {
+        trace_mesh m = trace_mesh_begin();
+        uint32_t material = trace_mesh_material(&m, 0.5f, 0, 0, 0, k == 0 ? 1.0f : 0.0f);
+        m.materials[material].emission_two_sided = true;
+        trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), material);
+        if (k == 1) m.lights[m.light_count++] = spot;
+        if (k == 2) m.lights[m.light_count++] = sun;
+        if (k == 3) m.environment = &sky;
+        sl_scene *scene = trace_mesh_build(&m);
+        double truth = 0.5 * power[k] + (k == 3 ? SL_PI : 0.0);
+        assert_true(near((double)sl_ambient_irradiance(scene).g, truth, 1e-5 * truth));
+        sl_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(edges_are_split_until_they_are_short_or_deep_enough),
+        cmocka_unit_test(no_point_of_a_flat_surface_is_sampled_twice),
+        cmocka_unit_test(faces_that_reflect_nothing_are_not_sampled),
+        cmocka_unit_test(the_inner_side_of_a_solid_is_not_sampled),
+        cmocka_unit_test(a_linear_field_is_kept_between_vertices_across_levels),
+        cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),
+        cmocka_unit_test(colours_are_values_times_the_mean_of_the_texture),
+        cmocka_unit_test(any_number_of_threads_makes_the_same_mesh),
+        cmocka_unit_test(settings_out_of_range_are_refused),
+        cmocka_unit_test(before_there_is_a_mesh_indirect_light_is_that_of_a_sphere),
+        cmocka_unit_test(every_kind_of_light_counts_with_its_power),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
