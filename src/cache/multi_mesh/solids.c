@@ -142,7 +142,8 @@ static double winding(const solids *s, const component *c, sl_vec3d p) {
         sl_vec3d a = sl_subd(corner(scene, 0, t), p), b = sl_subd(corner(scene, 1, t), p), d = sl_subd(corner(scene, 2, t), p);
         double la = sl_lengthd(a), lb = sl_lengthd(b), ld = sl_lengthd(d);
         double y = sl_dotd(a, sl_crossd(b, d)), x = la * lb * ld + sl_dotd(a, b) * ld + sl_dotd(b, d) * la + sl_dotd(d, a) * lb;
-        sum += 2.0 * sl_atan2(y, x);
+        bool upon = x < 0.0 && fabs(y) <= 1e-6 * la * lb * ld; /* on the triangle itself: neither side of it */
+        if (!upon) sum += 2.0 * sl_atan2(y, x);
     }
     return sum / (4.0 * SL_PI);
 }
