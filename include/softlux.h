@@ -89,9 +89,17 @@ typedef enum sl_counter {
     SL_COUNT_LIGHT_SAMPLES_SKIPPED, /* ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
     SL_COUNT_COARSE_SAMPLES,       /* vertices of the coarse mesh, which gathers see */
     SL_COUNT_INDIRECT_SAMPLES,     /* gathers of indirect irradiance at vertices */
-    SL_COUNT_SPLITS,               /* mesh triangles cut in four */
+    SL_COUNT_SPLITS,               /* mesh triangles or patches cut in four */
     SL_COUNT_COLLAPSES,            /* ... and put together again */
     SL_COUNT_PIXELS_REDRAWN,
+    SL_COUNT_PIXEL_TESTS,          /* hit-and-test draws of the shading cache */
+    SL_COUNT_PIXELS_HIT,           /* ... accepted for their priority */
+    SL_COUNT_PIXELS_RANDOM,        /* ... accepted whatever their priority */
+    SL_COUNT_PIXELS_FLOODED,       /* pixels beside them that were taken too */
+    SL_COUNT_POINTS_SHADED,        /* vertices whose shading a sample renderer computed */
+    SL_COUNT_PATCHES_EVICTED,
+    SL_COUNT_CHANGES_DETECTED,     /* vertices that were found to look otherwise than before */
+    SL_COUNT_FRAMES_DISPLAYED,
     SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS
@@ -402,8 +410,57 @@ typedef struct sl_multi_mesh_settings {
     bool keep_hanging;          /* leaves ignore their neighbours' vertices on common edges: colours jump there */
 } sl_multi_mesh_settings;
 
+/* ---- the shading cache ---- */
+
+/* How direct light of area lights is sampled at a point. */
+typedef enum sl_area_sampling {
+    SL_AREA_RATIO,  /* in closed form, times the visible share of the samples: the default */
+    SL_AREA_SAMPLED /* the samples' mean alone, the paper's */
+} sl_area_sampling;
+/* Who computes indirect light. */
+typedef enum sl_indirect_renderer {
+    SL_INDIRECT_BIDIRECTIONAL, /* bidirectional path tracing, the paper's */
+    SL_INDIRECT_NONE
+} sl_indirect_renderer;
+/* How pixels are chosen for samples. */
+typedef enum sl_pixel_selection {
+    SL_PIXELS_HIT_AND_TEST, /* the paper's: random pixels, accepted by priority, and flood fill from them */
+    SL_PIXELS_SYSTEMATIC,   /* equal steps through the sums of priorities along a Hilbert curve */
+    SL_PIXELS_SORTED        /* the highest priorities first: what the paper compares with */
+} sl_pixel_selection;
+
+/* The Shading Cache (Tole, Pellacini, Walter, Greenberg 2002). 0, wherever it stands, is the default that is named. */
+typedef struct sl_shading_cache_settings {
+    int points;                  /* M: shaded in an update; 64 */
+    int area_samples;            /* points on each area light; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
+    sl_area_sampling area;
+    int indirect_samples;        /* eye paths at a point; by quality 100, 400, 1200 */
+    int path_depth;              /* 6 */
+    sl_indirect_renderer indirect;
+    bool caustics;               /* a photon map of caustics is another sample renderer */
+    double random_share;         /* epsilon: pixels chosen whatever their priority; 0.03 */
+    sl_pixel_selection selection;
+    double flood_threshold;      /* normalised priority down to which floods run; 0.5 */
+    bool no_flood, no_random;    /* without these two: what each is worth */
+    bool plain_normalisation;    /* mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
+    bool no_ageing;              /* samples do not grow old */
+    bool no_resolution_drop;     /* what changes keeps its fine patches */
+    double stop_size;            /* pixels: patches smaller than that are not split; 1 */
+    int ageing_window;           /* updates: what was not seen for so long may be evicted; 60 */
+    double cache_limit;          /* patches a pixel; 1.5 */
+    double clean_up_seconds;     /* T_c: how fast what changes is to look right again; 5 */
+    double nominal_rate;         /* samples a second that this is reckoned with; 2000 */
+    double change_threshold;     /* grey levels; 2 */
+    int change_window;           /* updates; 3 */
+    double blending;             /* beta: share of a new value in an unchanged scene; 1 */
+    bool variance_aware;         /* more samples where noise passes for contrast */
+    int frames_per_update;       /* of the deterministic schedule; 20 */
+    uint32_t updates;            /* a picture of a still scene is done after so many; 0: when nothing is left to refine */
+    double mean_level_radiance;  /* Y_ref: radiance in the middle of the displayed levels; by the light in the scene */
+} sl_shading_cache_settings;
+
 typedef struct sl_settings {
-    const char *method;    /* "splatting", "direct-radiance", "light-octree", "multi-mesh", "path", "bidirectional" */
+    const char *method;    /* "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
     const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
     int width, height;     /* 0: the scene's film */
@@ -427,6 +484,7 @@ typedef struct sl_settings {
     sl_radiance_map_settings radiance_map; /* direct-radiance */
     sl_light_octree_settings light_octree; /* light-octree */
     sl_multi_mesh_settings multi_mesh; /* multi-mesh */
+    sl_shading_cache_settings shading_cache; /* shading-cache */
     const sl_observer *observer; /* or NULL */
 } sl_settings;
 

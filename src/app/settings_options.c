@@ -20,6 +20,9 @@ static const char *const voxel_filter_names[] = {"trilinear", "nearest", NULL}; 
 
 static const char *const estimator_names[] = {"ratio", "window", "look-at", "rays", NULL};                   /* as sl_light_estimator */
 static const char *const selection_names[] = {"heap", "chain", NULL};                                       /* as sl_mesh_selection */
+static const char *const area_sampling_names[] = {"ratio", "sampled", NULL};                                /* as sl_area_sampling */
+static const char *const indirect_names[] = {"bidirectional", "none", NULL};                                /* as sl_indirect_renderer */
+static const char *const pixel_selection_names[] = {"hit-and-test", "systematic", "sorted", NULL};          /* as sl_pixel_selection */
 
 static const double degree = 0.017453292519943295;
 
@@ -160,6 +163,42 @@ static void add_multi_mesh(sl_raw_settings *r, table *t) {
     ADD(t, options);
 }
 
+static void add_shading_cache(sl_raw_settings *r, table *t) {
+    sl_shading_cache_settings *c = &r->settings.shading_cache;
+    const sl_option options[] = {
+        HEADING("shading-cache"),
+        {"points", 0, SL_OPTION_COUNT, &r->points, NULL, "M", "shaded in an update [64]", 1, 1e6, NULL},
+        {"area-samples", 0, SL_OPTION_COUNT, &r->area_samples, NULL, "N", "points on each area light [by quality]", 1, 1e6, NULL},
+        {"area-sampling", 0, SL_OPTION_CHOICE, &r->area_sampling, NULL, "HOW", "ratio to the closed form, or sampled alone [ratio]", 0, 0, area_sampling_names},
+        {"indirect-samples", 0, SL_OPTION_COUNT, &r->indirect_samples, NULL, "N", "paths from each point [by quality]", 1, 1e6, NULL},
+        {"path-depth", 0, SL_OPTION_COUNT, &r->path_depth, NULL, "N", "surfaces on a path [6]", 1, 64, NULL},
+        {"indirect", 0, SL_OPTION_CHOICE, &r->indirect, NULL, "WHO", "bidirectional or none [bidirectional]", 0, 0, indirect_names},
+        {"caustics", 0, SL_OPTION_FLAG, &c->caustics, NULL, NULL, "by a photon map of their own", 0, 0, NULL},
+        {"random-share", 0, SL_OPTION_REAL, &c->random_share, NULL, "E", "pixels chosen whatever their priority [0.03]", 1e-6, 1.0, NULL},
+        {"pixel-selection", 0, SL_OPTION_CHOICE, &r->pixel_selection, NULL, "HOW", "hit-and-test, systematic or sorted [hit-and-test]", 0, 0,
+         pixel_selection_names},
+        {"flood-threshold", 0, SL_OPTION_REAL, &c->flood_threshold, NULL, "P", "priority down to which floods run [0.5]", 1e-6, 1.0, NULL},
+        {"no-flood", 0, SL_OPTION_FLAG, &c->no_flood, NULL, NULL, "no flood fill", 0, 0, NULL},
+        {"no-random", 0, SL_OPTION_FLAG, &c->no_random, NULL, NULL, "no pixels at random", 0, 0, NULL},
+        {"plain-normalisation", 0, SL_OPTION_FLAG, &c->plain_normalisation, NULL, NULL, "priorities by mean and 4 sigma, as printed", 0, 0, NULL},
+        {"no-ageing", 0, SL_OPTION_FLAG, &c->no_ageing, NULL, NULL, "samples do not grow old", 0, 0, NULL},
+        {"no-resolution-drop", 0, SL_OPTION_FLAG, &c->no_resolution_drop, NULL, NULL, "what changes keeps its fine patches", 0, 0, NULL},
+        {"stop-size", 0, SL_OPTION_REAL, &c->stop_size, NULL, "PIXELS", "smaller patches are not split [1]", 0.1, 1e6, NULL},
+        {"ageing-window", 0, SL_OPTION_COUNT, &r->ageing_window, NULL, "N", "updates for which the unseen is kept [60]", 1, 1e6, NULL},
+        {"cache-limit", 0, SL_OPTION_REAL, &c->cache_limit, NULL, "X", "patches a pixel [1.5]", 0.01, 100.0, NULL},
+        {"clean-up", 0, SL_OPTION_REAL, &c->clean_up_seconds, NULL, "SECONDS", "in which what changes is to look right again [5]", 0.01, 1e6, NULL},
+        {"nominal-rate", 0, SL_OPTION_REAL, &c->nominal_rate, NULL, "R", "samples a second that is reckoned with [2000]", 1.0, 1e9, NULL},
+        {"change-threshold", 0, SL_OPTION_REAL, &c->change_threshold, NULL, "LEVELS", "of change that count [2]", 0.01, 255.0, NULL},
+        {"change-window", 0, SL_OPTION_COUNT, &r->change_window, NULL, "N", "updates without change that end it [3]", 1, 1e6, NULL},
+        {"blending", 0, SL_OPTION_REAL, &c->blending, NULL, "B", "share of new values [1]", 0.01, 1.0, NULL},
+        {"variance-aware", 0, SL_OPTION_FLAG, &c->variance_aware, NULL, NULL, "more samples where noise passes for contrast", 0, 0, NULL},
+        {"frames-per-update", 0, SL_OPTION_COUNT, &r->frames_per_update, NULL, "N", "of the schedule [20]", 1, 1e6, NULL},
+        {"updates", 0, SL_OPTION_COUNT, &r->updates, NULL, "N", "after which a picture is done [until nothing is left]", 1, 1e9, NULL},
+        {"mean-level", 0, SL_OPTION_REAL, &c->mean_level_radiance, NULL, "L", "radiance of a middle grey [by the light in the scene]", 1e-30, 1e30, NULL},
+    };
+    ADD(t, options);
+}
+
 void sl_settings_options(sl_raw_settings *raw, sl_option *options) {
     table t = {options, 0};
     *raw = (sl_raw_settings){.settings = sl_settings_default(), .quality = SL_QUALITY_NORMAL};
@@ -168,6 +207,7 @@ void sl_settings_options(sl_raw_settings *raw, sl_option *options) {
     add_direct_radiance(raw, &t);
     add_light_octree(raw, &t);
     add_multi_mesh(raw, &t);
+    add_shading_cache(raw, &t);
     options[t.count] = (sl_option){0};
 }
 
@@ -210,6 +250,20 @@ static void take_multi_mesh(const sl_raw_settings *r, sl_multi_mesh_settings *m)
     m->batch = (int)r->batch;
 }
 
+static void take_shading_cache(const sl_raw_settings *r, sl_shading_cache_settings *c) {
+    c->points = (int)r->points;
+    c->area_samples = (int)r->area_samples;
+    c->area = (sl_area_sampling)r->area_sampling;
+    c->indirect_samples = (int)r->indirect_samples;
+    c->path_depth = (int)r->path_depth;
+    c->indirect = (sl_indirect_renderer)r->indirect;
+    c->selection = (sl_pixel_selection)r->pixel_selection;
+    c->ageing_window = (int)r->ageing_window;
+    c->change_window = (int)r->change_window;
+    c->frames_per_update = (int)r->frames_per_update;
+    c->updates = (uint32_t)r->updates;
+}
+
 sl_settings sl_settings_taken(const sl_raw_settings *r) {
     sl_settings s = r->settings;
     s.width = r->size[0];
@@ -230,5 +284,6 @@ sl_settings sl_settings_taken(const sl_raw_settings *r) {
     take_direct_radiance(r, &s.radiance_map);
     take_light_octree(r, &s.light_octree);
     take_multi_mesh(r, &s.multi_mesh);
+    take_shading_cache(r, &s.shading_cache);
     return s;
 }

@@ -19,9 +19,11 @@ typedef struct sl_raw_settings {
     int estimator, selection;
     uint64_t light_size, light_rays, max_depth, coarse_depth, batch;
     double gather_fov;
+    int area_sampling, indirect, pixel_selection;
+    uint64_t points, area_samples, indirect_samples, path_depth, ageing_window, change_window, frames_per_update, updates;
 } sl_raw_settings;
 
-enum { SL_SETTINGS_OPTIONS = 128 }; /* room for all of them and the end of the table */
+enum { SL_SETTINGS_OPTIONS = 160 }; /* room for all of them and the end of the table */
 
 /* Sets raw to the defaults and writes the table of options, with the entry that ends it. raw must stay where it is. */
 void sl_settings_options(sl_raw_settings *raw, sl_option *options);

@@ -110,12 +110,38 @@ static sl_status check_multi_mesh(const sl_multi_mesh_settings *m, sl_error *err
     return CHECK(bounds, error);
 }
 
+static sl_status check_shading_cache(const sl_shading_cache_settings *c, sl_error *error) {
+    const bound bounds[] = {
+        {"points an update", c->points, 1, 1e6, true},
+        {"samples of an area light", c->area_samples, 1, 1e6, true},
+        {"a way to sample area lights", c->area, SL_AREA_RATIO, SL_AREA_SAMPLED, false},
+        {"indirect samples", c->indirect_samples, 1, 1e6, true},
+        {"a path depth", c->path_depth, 1, 64, true},
+        {"an indirect renderer", c->indirect, SL_INDIRECT_BIDIRECTIONAL, SL_INDIRECT_NONE, false},
+        {"a random share", c->random_share, 1e-6, 1.0, true},
+        {"a pixel selection", c->selection, SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SORTED, false},
+        {"a flood threshold", c->flood_threshold, 1e-6, 1.0, true},
+        {"a stop size", c->stop_size, 0.1, 1e6, true},
+        {"an ageing window", c->ageing_window, 1, 1e6, true},
+        {"a cache limit", c->cache_limit, 0.01, 100.0, true},
+        {"seconds to clean up", c->clean_up_seconds, 0.01, 1e6, true},
+        {"a nominal rate", c->nominal_rate, 1.0, 1e9, true},
+        {"a change threshold", c->change_threshold, 0.01, 255.0, true},
+        {"a change window", c->change_window, 1, 1e6, true},
+        {"blending", c->blending, 0.01, 1.0, true},
+        {"frames an update", c->frames_per_update, 1, 1e6, true},
+        {"a middle radiance", c->mean_level_radiance, 1e-30, 1e30, true},
+    };
+    return CHECK(bounds, error);
+}
+
 sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
     sl_status status = check_common(s, error);
     if (status == SL_OK) status = check_splatting(s, error);
     if (status == SL_OK) status = check_radiance_map(&s->radiance_map, error);
     if (status == SL_OK) status = check_light_octree(&s->light_octree, error);
     if (status == SL_OK) status = check_multi_mesh(&s->multi_mesh, error);
+    if (status == SL_OK) status = check_shading_cache(&s->shading_cache, error);
     return status;
 }
 
@@ -252,6 +278,39 @@ static void stamp_multi_mesh(stamping *st, const sl_settings *s) {
     stamp_flag(st, "keep_hanging", m->keep_hanging);
 }
 
+static void stamp_shading_cache(stamping *st, const sl_shading_cache_settings *c) {
+    static const char *const areas[] = {"ratio", "sampled"};
+    static const char *const renderers[] = {"bidirectional", "none"};
+    static const char *const selections[] = {"hit-and-test", "systematic", "sorted"};
+    stamp_count(st, "points", (uint64_t)c->points);
+    stamp_count(st, "area_samples", (uint64_t)c->area_samples);
+    stamp_text(st, "area_sampling", areas[c->area]);
+    stamp_count(st, "indirect_samples", (uint64_t)c->indirect_samples);
+    stamp_count(st, "path_depth", (uint64_t)c->path_depth);
+    stamp_text(st, "indirect", renderers[c->indirect]);
+    stamp_flag(st, "caustics", c->caustics);
+    stamp_real(st, "random_share", c->random_share);
+    stamp_text(st, "pixel_selection", selections[c->selection]);
+    stamp_real(st, "flood_threshold", c->flood_threshold);
+    stamp_flag(st, "no_flood", c->no_flood);
+    stamp_flag(st, "no_random", c->no_random);
+    stamp_flag(st, "plain_normalisation", c->plain_normalisation);
+    stamp_flag(st, "no_ageing", c->no_ageing);
+    stamp_flag(st, "no_resolution_drop", c->no_resolution_drop);
+    stamp_real(st, "stop_size", c->stop_size);
+    stamp_count(st, "ageing_window", (uint64_t)c->ageing_window);
+    stamp_real(st, "cache_limit", c->cache_limit);
+    stamp_real(st, "clean_up", c->clean_up_seconds);
+    stamp_real(st, "nominal_rate", c->nominal_rate);
+    stamp_real(st, "change_threshold", c->change_threshold);
+    stamp_count(st, "change_window", (uint64_t)c->change_window);
+    stamp_real(st, "blending", c->blending);
+    stamp_flag(st, "variance_aware", c->variance_aware);
+    stamp_count(st, "frames_per_update", (uint64_t)c->frames_per_update);
+    stamp_count(st, "updates", c->updates);
+    stamp_real(st, "mean_level", c->mean_level_radiance);
+}
+
 sl_status sl_settings_stamp(const sl_settings *s, sl_image *image, sl_error *error) {
     static const char *const qualities[] = {"draft", "normal", "high"};
     static const char *const filters[] = {"method", "box", "centre"};
@@ -266,5 +325,6 @@ sl_status sl_settings_stamp(const sl_settings *s, sl_image *image, sl_error *err
     if (strcmp(s->method, "direct-radiance") == 0) stamp_radiance_map(&st, &s->radiance_map);
     if (strcmp(s->method, "light-octree") == 0) stamp_light_octree(&st, &s->light_octree);
     if (strcmp(s->method, "multi-mesh") == 0) stamp_multi_mesh(&st, s);
+    if (strcmp(s->method, "shading-cache") == 0) stamp_shading_cache(&st, &s->shading_cache);
     return st.status;
 }

@@ -82,6 +82,7 @@ void sl_scene_destroy(sl_scene *scene) {
     sl_free(scene->lights);
     sl_environment_release(&scene->environment);
     sl_animation_destroy(scene->animation);
+    sl_free(scene->bicubics);
     free_strings(scene->object_names, scene->object_count);
     free_strings(scene->warnings, scene->warning_count);
     sl_free(scene);

@@ -65,6 +65,14 @@ typedef struct sl_environment {
     double *column_cdf;  /* height x width values */
 } sl_environment;
 
+/* A bicubic Bezier surface. The scene holds triangles of it, which is what everyone sees who does not ask for the surface itself: vertices
+ * first_vertex + row * (steps + 1) + column at (u, v) = (column, row) / steps, two triangles a cell from first_triangle on, row by row. */
+typedef struct sl_bicubic {
+    sl_vec3 point[4][4];  /* control points as the scene stands now: point[j][i], i along u, j along v */
+    uint32_t first_vertex, first_triangle;
+    int steps;
+} sl_bicubic;
+
 typedef struct sl_camera {
     sl_vec3 eye;
     sl_vec3 right, up, back; /* orthonormal; looks along -back */
@@ -86,6 +94,9 @@ struct sl_scene {
     uint32_t *material_index;
     uint32_t *object_index;     /* into objects */
     float *geometric_normal_x, *geometric_normal_y, *geometric_normal_z; /* unit, by counter-clockwise winding */
+
+    size_t bicubic_count;
+    sl_bicubic *bicubics;       /* in triangle order */
 
     size_t material_count;
     sl_material *materials;

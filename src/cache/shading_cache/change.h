@@ -1,0 +1,37 @@
+/* Change: what moves is found out by shading vertices again under the same samples (section on dynamic scenes). Objects whose shading changes grow
+ * old all at once, and are shown with coarser patches until it has settled. */
+#ifndef SL_SHADING_CACHE_CHANGE_H
+#define SL_SHADING_CACHE_CHANGE_H
+
+#include "cache/shading_cache/priority.h"
+
+typedef struct sl_object_change {
+    bool changing;
+    uint32_t changed;          /* update of the last change found; 0: never */
+    uint32_t moved;            /* update of its last motion; 0: never */
+    uint32_t stale_before;     /* vertices evaluated before this update are stale */
+} sl_object_change;
+
+typedef struct sl_changes {
+    size_t object_count;
+    sl_object_change *object;
+    uint32_t eye_moved;        /* update of the camera's last motion; 0: never */
+    float threshold;           /* tau_c, grey levels */
+    int window;                /* W */
+} sl_changes;
+
+sl_status sl_changes_create(const sl_scene *scene, float threshold, int window, sl_changes **changes, sl_error *error);
+void sl_changes_destroy(sl_changes *changes);
+
+/* The scene was edited before update `now`: moved[i] tells which objects have moved. */
+void sl_changes_edit(sl_changes *changes, unsigned what, const bool *moved, uint32_t now);
+/* A vertex was shaded again and its display level went from `before` to `after`. True: that is a change, and its object is changing. */
+bool sl_changes_compare(sl_changes *changes, uint32_t object, float before, float after, uint32_t now);
+/* At an update's end: objects whose change has ended. still_stale[i]: some visible leaf of the object has vertices from before. */
+void sl_changes_settle(sl_changes *changes, const bool *still_stale, uint32_t now);
+/* Smallest projected area of patches of changing objects that T_c leaves time for: A / (r T_c) of quads, half of triangles. A: their visible pixels. */
+float sl_changes_coarsest(double visible_pixels, double rate, double seconds, bool triangles);
+/* Drops children of patches whose projected area (area[patch], pixels^2) is at or below that, where they belong to changing objects. */
+size_t sl_changes_drop(const sl_changes *changes, sl_patches *patches, const float *area, float coarsest_quad, float coarsest_triangle);
+
+#endif

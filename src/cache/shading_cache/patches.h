@@ -1,0 +1,96 @@
+/* The patch hierarchy: a tree of patches for each root, one in four, shading at their shared vertices, computed lazily.
+ *
+ *   patches.c          trees: roots, splits, dropped children, blocks that are used again
+ *   patch_vertices.c   vertices: shared inside a root by where they lie, and between roots along edges where position, normal and material agree
+ *   evict.c            ageing: children that nobody has seen for long, or that are below a pixel, go when there are too many
+ *
+ * Triangles are cut at their edges' middles (children 0 to 2 keep corners 0 to 2, 3 is the middle one), the others at the middles and the
+ * centre (child i keeps corner i). Corners are counter-clockwise in (u, v). Vertices are counted by the patches that have them as corners: the last
+ * one takes its vertex with it. */
+#ifndef SL_SHADING_CACHE_PATCHES_H
+#define SL_SHADING_CACHE_PATCHES_H
+
+#include "cache/shading_cache/primitives.h"
+
+enum {
+    SL_PATCH_LEVEL = 0xf,        /* depth below the root */
+    SL_PATCH_TRIANGLE = 0x10,    /* three corners, not four */
+    SL_PATCH_DIRTY = 0x20,       /* its display arrays are to be made again */
+    SL_PATCH_CHANGING = 0x40     /* it belongs to an object whose shading is changing */
+};
+
+typedef struct sl_patch {
+    uint32_t child;              /* first of four; SL_NO_INDEX: a leaf */
+    uint32_t vertex[4];          /* [3] SL_NO_INDEX of triangles */
+    uint32_t seen;               /* the last update in which the id map held it (of inner patches: one below it) */
+    uint32_t pixels;             /* ... and how many pixels then */
+    uint16_t flags;
+    uint16_t spare;
+} sl_patch;
+
+enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
+
+typedef struct sl_patch_vertex {
+    uint32_t root;
+    uint16_t u, v;               /* in 1/SL_PATCH_DYADIC of that root (the first that asked for it) */
+    float value[3];              /* diffuse materials: E, W/m^2; others: see sl_patches.radiance */
+    float variance;              /* of the mean of its channels' mean */
+    uint32_t evaluated;          /* update; SL_VERTEX_NEVER */
+    uint16_t references;
+    uint16_t samples;            /* sets of samples that its value is the mean of */
+} sl_patch_vertex;
+
+typedef struct sl_patches {
+    const sl_primitives *primitives;
+    uint32_t *root_patch;        /* 2 x primitives, or SL_NO_INDEX: not wanted yet */
+    sl_patch *patch;
+    size_t patch_count, patch_capacity, patches_alive, leaves_alive;
+    uint32_t *parent;            /* by block of four patches; SL_NO_INDEX: roots */
+    uint32_t *block_root;        /* by block of four patches: the root they belong to */
+    uint32_t first_free;
+    sl_patch_vertex *vertex;
+    float (*radiance)[3];        /* by vertex: exitant radiance of the lobe towards the eye, where some material has one; NULL: none has */
+    size_t vertex_count, vertex_capacity, vertices_alive;
+    uint32_t first_free_vertex;
+    uint32_t *slot;              /* hash of vertices */
+    size_t slot_count;
+} sl_patches;
+
+sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_patches **patches, sl_error *error);
+void sl_patches_destroy(sl_patches *patches);
+/* Everything that grows with the patches. */
+size_t sl_patches_memory_bytes(const sl_patches *patches);
+
+uint32_t sl_patches_root(sl_patches *patches, uint32_t root, sl_status *status, sl_error *error);
+static inline bool sl_patch_is_leaf(const sl_patches *p, uint32_t patch) { return p->patch[patch].child == SL_NO_INDEX; }
+static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) { return p->patch[patch].flags & SL_PATCH_TRIANGLE ? 3 : 4; }
+static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) { return p->parent[patch / 4]; }
+static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) { return p->block_root[patch / 4]; }
+
+/* A patch with its corners' (u, v), in 1/SL_PATCH_DYADIC. */
+typedef struct sl_patch_place {
+    uint32_t patch, root;
+    int depth, corners;
+    uint16_t u[4], v[4];
+} sl_patch_place;
+sl_patch_place sl_patch_place_of(const sl_patches *patches, uint32_t patch);
+sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_place *parent, int child);
+/* The leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not wanted yet. */
+sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
+
+/* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a leaf). Vertices that are new are not evaluated. */
+sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
+/* All below it goes. */
+void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
+
+/* The value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never been evaluated the nearest ancestor whose
+ * corners all are stands in; false: there is none. second: the radiance channel. */
+bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, bool second, float value[3]);
+/* Vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves beside finer ones. At most `room`. */
+size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room);
+
+/* Eviction: down to `limit` patches where there are more (90 % of it): children of patches none of which was seen since update `since`, and
+ * of patches that cover less than `small` pixels; oldest first, lower index on a tie, from the leaves up. */
+sl_status sl_patches_evict(sl_patches *patches, size_t limit, uint32_t since, double small, sl_counters *counters, sl_error *error);
+
+#endif

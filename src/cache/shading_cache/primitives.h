@@ -1,0 +1,52 @@
+/* What the patch hierarchy stands on: the scene's triangles, those pairs of them that make a parallelogram (importers cut quadrilaterals in
+ * two), and bicubic patches, each with parameters (u, v).
+ *
+ *   triangle   u, v >= 0, u + v <= 1: the barycentric weights of corners 1 and 2
+ *   quad       [0,1]^2, bilinear: corners (0,0), (1,0), (1,1), (0,1)
+ *   bicubic    [0,1]^2, the scene's patch
+ *
+ * A root is a side of a primitive: 2 p its front, 2 p + 1 its back; light on them has nothing in common. */
+#ifndef SL_SHADING_CACHE_PRIMITIVES_H
+#define SL_SHADING_CACHE_PRIMITIVES_H
+
+#include "scene/scene.h"
+
+enum { SL_PATCH_DEPTH_MAX = 14, SL_PATCH_DYADIC = 1 << SL_PATCH_DEPTH_MAX };
+
+typedef enum sl_primitive_kind { SL_PRIMITIVE_TRIANGLE, SL_PRIMITIVE_QUAD, SL_PRIMITIVE_BICUBIC } sl_primitive_kind;
+
+typedef struct sl_primitives {
+    const sl_scene *scene;
+    size_t count;
+    uint8_t *kind;
+    uint32_t *first_triangle;   /* in the scene; 1 of a triangle, 2 of a quad, all of its tessellation of a bicubic patch */
+    uint32_t *triangle_count;
+    uint32_t *corner[4];        /* scene vertices; [3] SL_NO_INDEX of triangles; all of bicubic patches */
+    uint32_t *bicubic;          /* index into the scene's patches, or SL_NO_INDEX */
+    uint32_t *of_triangle;      /* by scene triangle */
+    size_t curved;              /* how many are bicubic */
+} sl_primitives;
+
+sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error);
+void sl_primitives_destroy(sl_primitives *primitives);
+size_t sl_primitives_memory_bytes(const sl_primitives *primitives);
+
+/* A point of a root, as the scene stands now (objects move; their points move with them). u and v in 1/SL_PATCH_DYADIC. */
+typedef struct sl_root_point {
+    sl_vec3 position;
+    sl_vec3 normal, geometric_normal; /* unit, on the root's side; the limit where a parameter line collapses to a point */
+    uint32_t triangle;          /* of the scene, on which it lies: what rays from it skip; SL_NO_INDEX on corners and edges */
+} sl_root_point;
+void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v, sl_root_point *point);
+/* The scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for its texture. */
+uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, double u, double v, float *w1, float *w2);
+/* The other way: (u, v) in [0,1] of a point of a scene triangle. */
+void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, float w1, float w2, double *u, double *v);
+static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
+    return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
+}
+static inline uint32_t sl_root_object(const sl_primitives *p, uint32_t root) { return p->scene->object_index[p->first_triangle[root / 2]]; }
+/* k_d over the root's texture, averaged: what display levels of diffuse patches are reckoned with. */
+sl_rgb sl_root_mean_diffuse(const sl_primitives *primitives, uint32_t root);
+
+#endif

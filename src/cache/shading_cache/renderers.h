@@ -1,0 +1,53 @@
+/* Sample renderers: what computes shading at points. A renderer takes a batch as a pure function of (scene, requests), so that other threads,
+ * or other processes, could compute it; the cache adds up what several of them return for one point.
+ *
+ *   area_renderer.c            direct light: area lights by points spread over them, lights without extent by a ray
+ *   bidirectional_renderer.c   indirect light (trace/bidirectional)
+ *   caustic_renderer.c         caustics by a photon map of their own
+ *   constant_renderer.c        one colour: for tests
+ */
+#ifndef SL_SHADING_CACHE_RENDERERS_H
+#define SL_SHADING_CACHE_RENDERERS_H
+
+#include "cache/shading_cache/primitives.h"
+#include "trace/trace.h"
+
+typedef struct sl_sample_request {
+    sl_root_point point;
+    const sl_material *material;
+    sl_vec3 eye;               /* for radiance */
+    bool radiance;             /* exitant radiance of the lobe is wanted too */
+    uint32_t set;              /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
+} sl_sample_request;
+
+typedef struct sl_sample {
+    sl_rgb irradiance;         /* W/m^2 */
+    sl_rgb radiance;           /* W/(m^2 sr), of the lobe alone, towards the eye */
+    float variance;            /* of the irradiance's channel mean, of this mean of samples; 0 where the renderer is exact */
+    bool valid;                /* false: the point lies inside other geometry */
+} sl_sample;
+
+typedef struct sl_sample_renderer {
+    const char *name;
+    void *state;
+    /* samples[i] answers requests[i]; nothing of it depends on `threads` or on the other requests. */
+    void (*render)(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples, sl_counters *counters);
+    /* The scene has changed (SL_CHANGED_ bits); the tracer has been made anew where objects moved. */
+    sl_status (*edit)(void *state, unsigned changes, sl_error *error);
+    void (*destroy)(void *state);
+} sl_sample_renderer;
+
+/* tracer: where the caller keeps it; it may be made anew between batches. */
+typedef struct sl_renderer_settings {
+    const sl_scene *scene;
+    const sl_tracer *const *tracer;
+    sl_shading_cache_settings cache; /* complete */
+    uint64_t seed;
+    unsigned threads;
+} sl_renderer_settings;
+sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
+sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
+sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error);
+sl_status sl_constant_renderer(sl_rgb irradiance, sl_sample_renderer *renderer, sl_error *error);
+
+#endif

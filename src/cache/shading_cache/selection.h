@@ -1,0 +1,29 @@
+/* Which pixels get samples: hit-and-test over the id map, flood fill from the hits (sections on priority-based selection and on flood fill). */
+#ifndef SL_SHADING_CACHE_SELECTION_H
+#define SL_SHADING_CACHE_SELECTION_H
+
+#include "cache/shading_cache/priority.h"
+
+typedef enum sl_choice_kind { SL_CHOICE_HIT, SL_CHOICE_RANDOM, SL_CHOICE_FLOOD } sl_choice_kind;
+
+typedef struct sl_choice {
+    uint32_t pixel;            /* index into the id plane */
+    uint32_t leaf;             /* index into the leaves */
+    sl_choice_kind kind;
+} sl_choice;
+
+typedef struct sl_selection_settings {
+    sl_pixel_selection how;
+    int points;                /* M: so many choices by tests, and at most as many by floods */
+    float random_share;        /* epsilon; 0: none */
+    float flood_threshold;     /* tau_f; above 1: no floods */
+    int per_patch;             /* choices in one patch at most: 16 */
+    uint64_t seed, update;     /* what draws are a function of */
+} sl_selection_settings;
+
+/* leaf: by pixel, index into leaves, or SL_NO_INDEX. At most 8 points / epsilon tests. choice has room for 2 * points. Returns how many. visited: one
+ * bit a pixel, cleared by the caller. */
+size_t sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf, size_t leaf_count,
+                        const sl_leaf_priority *leaves, uint8_t *visited, sl_choice *choice, sl_counters *counters);
+
+#endif

@@ -1,0 +1,20 @@
+/* The Shading Cache: lazily evaluated shading on one patch hierarchy, in scenes where things move. Read in this order:
+ *
+ *   plan.c             what a scene needs
+ *   shading_cache.c    one update: id map, priorities, selection, work, samples, commit, ageing, display             U1 to U10
+ *   primitives.c       triangles, quadrilaterals, bicubic patches and their parameters
+ *   patches.c          the hierarchy; vertices; eviction
+ *   priority.c         display levels, interpolation error, age, normalisation                                        U2, U3
+ *   selection.c        hit-and-test, flood fill                                                                       U4
+ *   work.c             requests: evaluate or split                                                                    U5, U6
+ *   renderers.h        direct light, bidirectional paths, caustics                                                    U7
+ *   change.c           change detection, resolution drop                                                              U8, U9
+ *   display.h          arrays, tessellation, drawing                                                                  U10
+ *   live.c             the two loops side by side: the display never waits for samples
+ */
+#ifndef SL_SHADING_CACHE_SHADING_CACHE_H
+#define SL_SHADING_CACHE_SHADING_CACHE_H
+
+#include "cache/method.h"
+
+#endif

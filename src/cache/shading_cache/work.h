@@ -1,0 +1,36 @@
+/* From chosen pixels to work: vertices to be shaded, patches to be split (section on processing requests). */
+#ifndef SL_SHADING_CACHE_WORK_H
+#define SL_SHADING_CACHE_WORK_H
+
+#include "cache/shading_cache/selection.h"
+
+/* Where in its patch a chosen pixel lies. */
+typedef struct sl_chosen_place {
+    uint32_t patch;
+    float u, v;                /* of the root */
+} sl_chosen_place;
+
+typedef struct sl_work_settings {
+    float split_above;         /* pixels: projected area and longest edge that a patch needs for a split: 1.2 stop sizes */
+    int levels;                /* splits one in another in one update: 3 */
+    int crowd;                 /* places in a child that make it be processed, too: 4 */
+    bool variance_aware;       /* p_err < 2 s: more samples instead of a split */
+    uint32_t now;
+    const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale */
+    float coarsest;            /* > 0: patches of changing objects are not split below so many pixels^2 */
+} sl_work_settings;
+
+/* Projected area in pixels^2 of a patch as the camera sees it, from the clipped polygon, and its longest edge in pixels; infinite where
+ * it crosses the near plane. */
+typedef struct sl_patch_size {
+    float area, edge;
+} sl_patch_size;
+sl_patch_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place, const sl_camera *camera, int width, int height);
+
+/* Handles all places, patch by patch in the order in which patches first occur: requests vertices never evaluated or stale; else splits and hands
+ * places on. vertex: the vertices to be shaded, each once, in that order; room for 4 * count + 64. */
+sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings, const sl_camera *camera, int width,
+                      int height, size_t count, const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count, sl_counters *counters,
+                      sl_error *error);
+
+#endif
