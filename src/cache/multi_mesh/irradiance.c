@@ -1,0 +1,361 @@
+#include "cache/multi_mesh/irradiance.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+
+#include <string.h>
+
+enum { SAMPLES_A_TASK = 4 };
+
+/* A sample that a round wants: a vertex of a light's mesh. */
+typedef struct wanted_sample {
+    uint32_t light, vertex;
+} wanted_sample;
+
+typedef struct sample_result {
+    float share;
+    bool valid;
+} sample_result;
+
+typedef struct sample_worker {
+    sl_light_sample_scratch *scratch;
+    sl_counters counters;
+} sample_worker;
+
+struct sl_irradiance_meshes {
+    sl_irradiance_settings settings;
+    sl_mesh **mesh;            /* one a light */
+    wanted_sample *wanted;
+    sample_result *result;
+    size_t wanted_count, wanted_capacity;
+    sample_worker *worker;
+};
+
+typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAILED } fetch_state;
+
+/* ---- where vertices are ---- */
+
+sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth) {
+    const sl_vertex_key *key = &mesh->key[vertex];
+    sl_face_point point = {key->a, key->p, key->q, wanted_depth};
+    if (key->kind == SL_VERTEX_IN_FACE) return point;
+    sl_mesh_point where;
+    sl_mesh_point_of(mesh, vertex, &where);
+    uint32_t weight[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++) {
+        uint32_t site = mesh->topology->site[i][where.face];
+        if (key->kind == SL_VERTEX_ON_EDGE && site == key->b) weight[i] = key->p;
+        else if (site == key->a) weight[i] = key->kind == SL_VERTEX_ON_EDGE ? SL_MESH_DYADIC - (uint32_t)key->p : SL_MESH_DYADIC;
+    }
+    point.face = where.face;
+    point.p = (uint16_t)weight[1];
+    point.q = (uint16_t)weight[2];
+    return point;
+}
+
+/* ---- fetch ---- */
+
+static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex) {
+    uint8_t *state = &m->mesh[light]->state[vertex];
+    if (*state != SL_VERTEX_UNKNOWN) return true;
+    if (m->wanted_count == m->wanted_capacity) {
+        size_t capacity = m->wanted_capacity ? 2 * m->wanted_capacity : 1024;
+        wanted_sample *wanted = sl_allocate(capacity, sizeof *wanted);
+        sample_result *result = sl_allocate(capacity, sizeof *result);
+        if (!wanted || !result) {
+            sl_free(wanted);
+            sl_free(result);
+            return false;
+        }
+        if (m->wanted_count) memcpy(wanted, m->wanted, m->wanted_count * sizeof *wanted);
+        sl_free(m->wanted);
+        sl_free(m->result);
+        m->wanted = wanted;
+        m->result = result;
+        m->wanted_capacity = capacity;
+    }
+    m->wanted[m->wanted_count++] = (wanted_sample){light, vertex};
+    *state = SL_VERTEX_REQUESTED;
+    return true;
+}
+
+static bool is_there(const sl_mesh *mesh, uint32_t vertex) {
+    return mesh->state[vertex] == SL_VERTEX_KNOWN || mesh->state[vertex] == SL_VERTEX_INVALID;
+}
+
+static sl_edge_state edge_state(const sl_mesh *mesh, uint32_t node, int edge) {
+    return (sl_edge_state)(mesh->node[node].flags >> (2 * edge) & 3u);
+}
+
+static void set_edge_state(sl_mesh *mesh, uint32_t node, int edge, sl_edge_state state) {
+    mesh->node[node].flags = (mesh->node[node].flags & ~(3u << (2 * edge))) | (uint32_t)state << (2 * edge);
+}
+
+static bool is_confident(const sl_mesh *mesh, uint32_t node) {
+    for (int i = 0; i < 3; i++)
+        if (edge_state(mesh, node, i) != SL_EDGE_CLOSED) return false;
+    return true;
+}
+
+/* What an irradiance F of the light shows on a face: diffuse and, as bright as it can be, its highlight; beside the ambient light. */
+static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face, float share) {
+    const sl_scene *scene = m->settings.scene;
+    const sl_material *material = &scene->materials[scene->material_index[face / 2]];
+    sl_rgb lobe = sl_rgb_scale(material->specular, 0.5f * (material->exponent + 2.0f));
+    sl_rgb reflected = sl_rgb_mul(sl_rgb_add(material->diffuse, lobe), sl_rgb_scale(m->settings.lights->light[light].colour, share));
+    sl_rgb ambient = sl_rgb_mul(material->diffuse, m->settings.ambient);
+    return sl_rgb_scale(sl_rgb_add(reflected, ambient), (float)(1.0 / SL_PI));
+}
+
+/* The value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds what is hidden: the edge is cut. */
+static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, int edge, uint32_t middle) {
+    const sl_mesh *mesh = m->mesh[light];
+    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3], b = mesh->node[place->node].vertex[(edge + 2) % 3];
+    if (mesh->state[a] == SL_VERTEX_INVALID || mesh->state[b] == SL_VERTEX_INVALID || mesh->state[middle] == SL_VERTEX_INVALID)
+        return SL_EDGE_SPLIT;
+    float mean = 0.5f * (mesh->value[a] + mesh->value[b]);
+    sl_rgb interpolated = shown(m, light, place->face, mean), computed = shown(m, light, place->face, mesh->value[middle]);
+    return sl_display_contrast(&m->settings.perception, interpolated, computed) > 1.0f ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
+}
+
+/* Tests a leaf's edges as far as their samples are there; wants those that are not. */
+static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, sl_error *error) {
+    sl_mesh *mesh = m->mesh[light];
+    bool complete = true;
+    for (int i = 0; i < 3; i++) {
+        uint32_t corner = mesh->node[place->node].vertex[i];
+        if (is_there(mesh, corner)) continue;
+        if (!want(m, light, corner)) return FETCH_FAILED;
+        complete = false;
+    }
+    for (int i = 0; i < 3; i++) {
+        if (edge_state(mesh, place->node, i) != SL_EDGE_UNTESTED) continue;
+        sl_status status = SL_OK;
+        uint32_t middle = sl_mesh_middle(mesh, place, i, &status, error);
+        if (middle == SL_NO_INDEX) return FETCH_FAILED;
+        if (is_there(mesh, middle)) continue;
+        if (!want(m, light, middle)) return FETCH_FAILED;
+        complete = false;
+    }
+    if (!complete) return FETCH_PENDING;
+    for (int i = 0; i < 3; i++) {
+        if (edge_state(mesh, place->node, i) == SL_EDGE_UNTESTED)
+            set_edge_state(mesh, place->node, i, test_edge(m, light, place, i, sl_mesh_find_middle(mesh, place, i)));
+    }
+    return FETCH_READY;
+}
+
+static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, float *share) {
+    const sl_mesh *mesh = m->mesh[light];
+    if (mesh->state[vertex] == SL_VERTEX_INVALID) return FETCH_INVALID;
+    if (mesh->state[vertex] == SL_VERTEX_KNOWN) {
+        *share = mesh->value[vertex];
+        return FETCH_READY;
+    }
+    return want(m, light, vertex) ? FETCH_PENDING : FETCH_FAILED;
+}
+
+static int corner_at(const sl_mesh_place *place, const sl_face_point *x) {
+    for (int i = 0; i < 3; i++)
+        if (place->p[i] == x->p && place->q[i] == x->q) return i;
+    return -1;
+}
+
+/* Twice the area of (a, b, x) in a face's barycentrics: whole numbers, so that sides are exact. */
+static int64_t side_of(const sl_mesh_place *place, int a, int b, const sl_face_point *x) {
+    int64_t ap = place->p[a], aq = place->q[a];
+    return ((int64_t)place->p[b] - ap) * ((int64_t)x->q - aq) - ((int64_t)place->q[b] - aq) * ((int64_t)x->p - ap);
+}
+
+static bool holds(const sl_mesh_place *place, const sl_face_point *x) {
+    int64_t s0 = side_of(place, 0, 1, x), s1 = side_of(place, 1, 2, x), s2 = side_of(place, 2, 0, x);
+    return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
+}
+
+static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *place, const sl_face_point *x) {
+    int children = sl_mesh_children(mesh, place->node);
+    for (int c = 0; c < children - 1; c++) {
+        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        if (holds(&child, x)) return child;
+    }
+    return sl_mesh_child_place(mesh, place, children - 1);
+}
+
+static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl_face_point *x, float *share) {
+    double whole = (double)side_of(leaf, 0, 1, &(sl_face_point){leaf->face, leaf->p[2], leaf->q[2], 0});
+    double w1 = (double)side_of(leaf, 2, 0, x) / whole, w2 = (double)side_of(leaf, 0, 1, x) / whole;
+    return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
+}
+
+static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share, sl_error *error) {
+    sl_mesh *mesh = m->mesh[light];
+    sl_status status = SL_OK;
+    if (sl_mesh_root(mesh, x->face, &status, error) == SL_NO_INDEX) return FETCH_FAILED;
+    sl_mesh_place place = sl_mesh_root_place(mesh, x->face);
+    for (;;) {
+        int corner = corner_at(&place, x);
+        if (corner >= 0) return fetch_corner(m, light, mesh->node[place.node].vertex[corner], share);
+        if (sl_mesh_is_leaf(mesh, place.node)) {
+            if (place.depth >= x->wanted_depth) {
+                fetch_state state = test_leaf(m, light, &place, error);
+                if (state != FETCH_READY) return state;
+                if (is_confident(mesh, place.node)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
+            }
+            status = sl_mesh_split(mesh, &place, error);
+            if (status != SL_OK) return FETCH_FAILED;
+            if (sl_mesh_is_leaf(mesh, place.node)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID; /* as deep as it goes */
+        }
+        place = child_that_holds(mesh, &place, x);
+    }
+}
+
+/* ---- samples ---- */
+
+static const double nudges[] = {0.01, 0.05, 0.2};
+
+static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_point *at, sample_worker *w) {
+    sl_lit_point point = {at->position, at->normal, at->geometric_normal, at->triangle};
+    return sl_light_sample_take(m->settings.sampling, light, &point, w->scratch, &w->counters);
+}
+
+/* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry: then it is asked for a little
+ * further inside its face. */
+static sample_result sample_vertex(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sample_worker *w) {
+    const sl_mesh *mesh = m->mesh[light];
+    sl_mesh_point at;
+    sl_mesh_point_of(mesh, vertex, &at);
+    float share = take(m, light, &at, w);
+    if (share > 0.0f) return (sample_result){share, true};
+    sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
+    const sl_topology *topology = m->settings.topology;
+    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0) ||
+        !sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
+        return (sample_result){0.0f, true};
+    for (size_t i = 0; i < sizeof nudges / sizeof nudges[0]; i++) {
+        sl_mesh_point_nudged(mesh, vertex, nudges[i], &at);
+        if (!sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
+            return (sample_result){take(m, light, &at, w), true};
+    }
+    return (sample_result){0.0f, false};
+}
+
+static void sample_some(void *context, size_t task, unsigned worker) {
+    sl_irradiance_meshes *m = context;
+    size_t end = (task + 1) * SAMPLES_A_TASK < m->wanted_count ? (task + 1) * SAMPLES_A_TASK : m->wanted_count;
+    for (size_t i = task * SAMPLES_A_TASK; i < end; i++)
+        m->result[i] = sample_vertex(m, m->wanted[i].light, m->wanted[i].vertex, &m->worker[worker]);
+}
+
+/* In the order in which they were asked for. */
+static void commit_samples(sl_irradiance_meshes *m, sl_counters *counters) {
+    for (size_t i = 0; i < m->wanted_count; i++) {
+        sl_mesh *mesh = m->mesh[m->wanted[i].light];
+        uint32_t vertex = m->wanted[i].vertex;
+        mesh->value[vertex] = m->result[i].share;
+        mesh->state[vertex] = m->result[i].valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID;
+    }
+    for (unsigned t = 0; t < m->settings.threads; t++) {
+        sl_counters_add(counters, &m->worker[t].counters);
+        m->worker[t].counters = (sl_counters){{0}};
+    }
+    m->wanted_count = 0;
+}
+
+static void take_samples(sl_irradiance_meshes *m, sl_counters *counters) {
+    size_t tasks = (m->wanted_count + SAMPLES_A_TASK - 1) / SAMPLES_A_TASK;
+    sl_parallel_for(m->settings.threads, tasks, sample_some, m);
+    commit_samples(m, counters);
+}
+
+/* Nobody waits for them any more. */
+static void forget_wanted(sl_irradiance_meshes *m) {
+    for (size_t i = 0; i < m->wanted_count; i++) m->mesh[m->wanted[i].light]->state[m->wanted[i].vertex] = SL_VERTEX_UNKNOWN;
+    m->wanted_count = 0;
+}
+
+/* ---- rounds ---- */
+
+/* One point's lights; true: all are there. */
+static fetch_state fetch_all(sl_irradiance_meshes *m, const sl_face_point *x, float *share, sl_error *error) {
+    fetch_state worst = FETCH_READY;
+    bool invalid = false;
+    for (uint32_t l = 0; l < m->settings.lights->count; l++) {
+        share[l] = 0.0f;
+        fetch_state state = fetch(m, l, x, &share[l], error);
+        if (state == FETCH_FAILED) return state;
+        if (state == FETCH_PENDING) worst = FETCH_PENDING;
+        invalid = invalid || state == FETCH_INVALID;
+    }
+    return worst == FETCH_READY && invalid ? FETCH_INVALID : worst;
+}
+
+sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_point *points, float *share, bool *valid,
+                           sl_counters *counters, sl_error *error) {
+    size_t lights = m->settings.lights->count, pending = count;
+    uint32_t *waiting = sl_allocate(count, sizeof *waiting);
+    if (!waiting) return sl_fail_memory(error, "irradiance meshes");
+    for (size_t i = 0; i < count; i++) waiting[i] = (uint32_t)i;
+    while (pending) {
+        size_t left = 0;
+        for (size_t k = 0; k < pending; k++) {
+            uint32_t i = waiting[k];
+            fetch_state state = fetch_all(m, &points[i], &share[i * lights], error);
+            if (state == FETCH_FAILED) {
+                forget_wanted(m);
+                sl_free(waiting);
+                return sl_fail_memory(error, "irradiance meshes");
+            }
+            valid[i] = state != FETCH_INVALID;
+            if (state == FETCH_PENDING) waiting[left++] = i;
+        }
+        pending = left;
+        if (pending) take_samples(m, counters);
+    }
+    sl_free(waiting);
+    return SL_OK;
+}
+
+/* ---- life ---- */
+
+sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes, sl_error *error) {
+    *meshes = NULL;
+    sl_irradiance_meshes *m = sl_allocate(1, sizeof *m);
+    if (!m) return sl_fail_memory(error, "irradiance meshes");
+    m->settings = *settings;
+    size_t lights = settings->lights->count;
+    m->mesh = sl_allocate(lights, sizeof(sl_mesh *));
+    m->worker = sl_allocate(settings->threads, sizeof *m->worker);
+    sl_status status = m->mesh && m->worker ? SL_OK : sl_fail_memory(error, "irradiance meshes");
+    for (size_t l = 0; l < lights && status == SL_OK; l++)
+        status = sl_mesh_create(settings->topology, 1, settings->max_depth, &m->mesh[l], error);
+    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
+        status = sl_light_sample_scratch_create(settings->sampling, &m->worker[t].scratch, error);
+    if (status != SL_OK) {
+        sl_irradiance_meshes_destroy(m);
+        return status;
+    }
+    *meshes = m;
+    return SL_OK;
+}
+
+void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
+    if (!m) return;
+    for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_mesh_destroy(m->mesh[l]);
+    for (unsigned t = 0; m->worker && t < m->settings.threads; t++) sl_light_sample_scratch_destroy(m->worker[t].scratch);
+    sl_free(m->mesh);
+    sl_free(m->worker);
+    sl_free(m->wanted);
+    sl_free(m->result);
+    sl_free(m);
+}
+
+size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *m) {
+    size_t bytes = sizeof *m + m->wanted_capacity * (sizeof *m->wanted + sizeof *m->result);
+    for (size_t l = 0; l < m->settings.lights->count; l++) bytes += sl_mesh_memory_bytes(m->mesh[l]);
+    return bytes;
+}
+
+const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *m, size_t light) { return m->mesh[light]; }

@@ -1,0 +1,49 @@
+/* Irradiance meshes: one for each light, over the same faces, refined only where radiance asks for it. So the shadow of one light is not
+ * sampled again for every other (the paper's central point), and a light without discontinuities in a place stays coarse there.
+ *
+ * fetch(x, l), from the root of x's face in the mesh of light l:
+ *   x is a corner                      its sample
+ *   a leaf whose three edges are closed, and which is no larger than whoever asks wants it to be: interpolated
+ *   a leaf still too large             cut, and on
+ *   another leaf                       its edges are tested, then it is closed or cut, and on
+ * Samples that are not there yet are put on a list; once they are taken the fetch is made again: a round. */
+#ifndef SL_MULTI_MESH_IRRADIANCE_H
+#define SL_MULTI_MESH_IRRADIANCE_H
+
+#include "cache/light_sample/light_sample.h"
+#include "cache/multi_mesh/mesh.h"
+#include "cache/multi_mesh/perception.h"
+
+/* A vertex of any mesh as a place in a face: weights of corners 1 and 2 in 1/SL_MESH_DYADIC. */
+typedef struct sl_face_point {
+    uint32_t face;
+    uint16_t p, q;
+    int wanted_depth;          /* leaves above this are cut whatever their edges say */
+} sl_face_point;
+/* That of a mesh's vertex. */
+sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth);
+
+typedef struct sl_irradiance_settings {
+    const sl_scene *scene;     /* all of these must outlive the meshes */
+    const sl_topology *topology;
+    const sl_tracer *tracer;
+    const sl_sampled_lights *lights;
+    const sl_light_sampling *sampling;
+    sl_perception perception;
+    sl_rgb ambient;            /* irradiance beside which a light's own is judged */
+    int max_depth;
+    unsigned threads;
+} sl_irradiance_settings;
+
+typedef struct sl_irradiance_meshes sl_irradiance_meshes;
+sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes, sl_error *error);
+void sl_irradiance_meshes_destroy(sl_irradiance_meshes *meshes);
+size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *meshes);
+/* Values are F (light_sample.h). */
+const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t light);
+
+/* F of every light at each point, share[i * lights + l]; valid[i] false: the point lies inside other geometry. As many rounds as it takes. */
+sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points, float *share, bool *valid,
+                           sl_counters *counters, sl_error *error);
+
+#endif

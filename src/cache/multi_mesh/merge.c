@@ -1,0 +1,158 @@
+#include "cache/multi_mesh/merge.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/math.h"
+#include "base/parallel.h"
+#include "cache/picture_value.h"
+
+#include <string.h>
+
+/* ---- P2 ---- */
+
+static const float *const no_planes[3] = {NULL, NULL, NULL};
+
+typedef struct resolving {
+    const sl_scene *scene;
+    const sl_view *view;
+    const uint32_t *id;
+    sl_materials_seen *out;
+} resolving;
+
+/* Which side of a triangle the eye sees is the same at all of its points. */
+static bool front_is_seen(const sl_scene *scene, uint32_t triangle, sl_vec3 eye) {
+    sl_vec3 corner = sl_scene_position(scene, scene->vertex[0][triangle]);
+    return sl_dot(sl_scene_geometric_normal(scene, triangle), sl_sub(eye, corner)) > 0.0f;
+}
+
+static sl_rgb emission_seen(const sl_scene *scene, const sl_view *view, uint32_t pixel, uint32_t triangle) {
+    if (triangle == SL_NO_INDEX) {
+        int x = (int)(pixel % (uint32_t)view->width), y = (int)(pixel / (uint32_t)view->width);
+        return scene->environment.present ? sl_environment_radiance(&scene->environment, sl_view_direction(view, x, y)) : sl_grey(0.0f);
+    }
+    const sl_material *material = &scene->materials[scene->material_index[triangle]];
+    if (!sl_material_is_emitter(material)) return sl_grey(0.0f);
+    return material->emission_two_sided || front_is_seen(scene, triangle, view->origin) ? material->emission : sl_grey(0.0f);
+}
+
+static void resolve_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const resolving *r = context;
+    size_t width = (size_t)r->out->width;
+    for (size_t i = row * width; i < (row + 1) * width; i++) {
+        uint32_t triangle = r->id[i];
+        if (r->out->specular[0]) {
+            sl_rgb ks = triangle == SL_NO_INDEX ? sl_grey(0.0f) : r->scene->materials[r->scene->material_index[triangle]].specular;
+            r->out->specular[0][i] = ks.r;
+            r->out->specular[1][i] = ks.g;
+            r->out->specular[2][i] = ks.b;
+        }
+        if (r->out->emission[0]) {
+            sl_rgb e = emission_seen(r->scene, r->view, (uint32_t)i, triangle);
+            r->out->emission[0][i] = e.r;
+            r->out->emission[1][i] = e.g;
+            r->out->emission[2][i] = e.b;
+        }
+    }
+}
+
+static void give_planes(sl_materials_seen *m, float *planes[3], size_t *next) {
+    for (int k = 0; k < 3; k++) planes[k] = m->planes + (*next)++ * (size_t)m->width * (size_t)m->height;
+}
+
+sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id,
+                               sl_materials_wanted wanted, unsigned threads, sl_materials_seen **materials, sl_counters *counters,
+                               sl_error *error) {
+    *materials = NULL;
+    size_t pixels = (size_t)view->width * (size_t)view->height, next = 0;
+    size_t planes = 3u + (wanted.specular ? 3u : 0u) + (wanted.emission ? 3u : 0u);
+    sl_materials_seen *m = sl_allocate(1, sizeof *m);
+    if (m) m->planes = sl_allocate(planes * pixels, sizeof *m->planes);
+    if (!m || !m->planes) {
+        sl_materials_destroy(m);
+        return sl_fail_memory(error, "the material pass");
+    }
+    m->width = view->width;
+    m->height = view->height;
+    give_planes(m, m->diffuse, &next);
+    if (wanted.specular) give_planes(m, m->specular, &next);
+    if (wanted.emission) give_planes(m, m->emission, &next);
+    sl_gbuffer targets = {.width = view->width, .height = view->height, .id = (uint32_t *)(uintptr_t)id,
+                          .diffuse_r = m->diffuse[0], .diffuse_g = m->diffuse[1], .diffuse_b = m->diffuse[2]};
+    sl_status status = sl_raster_resolve(raster, 1, view, NULL, threads, &targets, counters, error);
+    if (status != SL_OK) {
+        sl_materials_destroy(m);
+        return status;
+    }
+    resolving r = {scene, view, id, m};
+    if (wanted.specular || wanted.emission) sl_parallel_for(threads, (size_t)view->height, resolve_row, &r);
+    *materials = m;
+    return SL_OK;
+}
+
+void sl_materials_destroy(sl_materials_seen *m) {
+    if (!m) return;
+    sl_free(m->planes);
+    sl_free(m);
+}
+
+/* ---- P4 ---- */
+
+enum { PICTURE = 0, DIRECT = 3, SPECULAR = 6, INDIRECT = 9, EMISSION = 12, KD = 15, KS = 18, CHANNELS = 21 };
+
+static const char *const channel_names[CHANNELS] = {"R",          "G",          "B",          "direct.R",   "direct.G",   "direct.B",   "specular.R",
+                                                    "specular.G", "specular.B", "indirect.R", "indirect.G", "indirect.B", "emission.R", "emission.G",
+                                                    "emission.B", "kd.R",       "kd.G",       "kd.B",       "ks.R",       "ks.G",       "ks.B"};
+
+typedef struct merging {
+    const sl_merge *merge;
+    float *out;
+} merging;
+
+static const float *const *planes_or_none(float *const planes[3]) { return planes[0] ? (const float *const *)planes : no_planes; }
+
+/* out = a b scale, or black where there is no a or b. */
+static void product(const float *a, const float *b, float scale, size_t count, float *out) {
+    if (!a || !b) {
+        memset(out, 0, count * sizeof *out);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) out[i] = sl_picture_value(a[i] * (b[i] * scale));
+}
+
+static void copy(const float *from, size_t count, float *to) {
+    if (from) memcpy(to, from, count * sizeof *to);
+    else memset(to, 0, count * sizeof *to);
+}
+
+static const float *part(const float *plane, size_t offset) { return plane ? plane + offset : NULL; }
+
+static void merge_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const merging *c = context;
+    const sl_merge *m = c->merge;
+    size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height, pixels = width * height;
+    size_t from = row * width, to = (height - 1 - row) * width;
+    const float *const *specular = planes_or_none(m->materials->specular), *const *emission = planes_or_none(m->materials->emission);
+    for (size_t k = 0; k < 3; k++) {
+        const float *kd = m->materials->diffuse[k] + from, *ks = part(specular[k], from);
+        float *direct = c->out + (DIRECT + k) * pixels + to, *highlight = c->out + (SPECULAR + k) * pixels + to;
+        float *indirect = c->out + (INDIRECT + k) * pixels + to, *lamp = c->out + (EMISSION + k) * pixels + to;
+        float *picture = c->out + (PICTURE + k) * pixels + to;
+        product(kd, part(m->direct_diffuse[k], from), 1.0f, width, direct);
+        product(ks, part(m->direct_specular[k], from), 1.0f, width, highlight);
+        product(kd, part(m->indirect[k], from), (float)(1.0 / SL_PI), width, indirect);
+        copy(part(emission[k], from), width, lamp);
+        copy(kd, width, c->out + (KD + k) * pixels + to);
+        copy(ks, width, c->out + (KS + k) * pixels + to);
+        for (size_t i = 0; i < width; i++) picture[i] = sl_picture_value(((direct[i] + highlight[i]) + indirect[i]) + lamp[i]);
+    }
+}
+
+sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *error) {
+    sl_status status = sl_image_create(merge->materials->width, merge->materials->height, CHANNELS, channel_names, image, error);
+    if (status != SL_OK) return status;
+    merging c = {merge, (*image)->planes};
+    sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_row, &c);
+    return SL_OK;
+}

@@ -1,0 +1,108 @@
+#include "cache/multi_mesh/plan.h"
+
+#include "base/math.h"
+#include "cache/multi_mesh/mesh.h"
+#include "scene/features.h"
+
+enum { LIGHT_SIZE = 64, LIGHT_RAYS = 16, COARSE_DEPTH = 3, BATCH = 32 };
+
+typedef struct by_quality {
+    double threshold_scale, leaf_area, leaf_edge;
+    int gather_size;
+} by_quality;
+
+static const by_quality qualities[] = {
+    [SL_QUALITY_DRAFT] = {2.0, 64.0, 16.0, 64},
+    [SL_QUALITY_NORMAL] = {1.0, 16.0, 8.0, 128},
+    [SL_QUALITY_HIGH] = {0.5, 16.0, 8.0, 128},
+};
+
+static int or_default(int value, int otherwise) { return value ? value : otherwise; }
+static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
+
+static int power_of_two(int value) {
+    int power = 1;
+    while (power < value) power *= 2;
+    return power;
+}
+
+void sl_multi_mesh_complete(sl_settings *settings) {
+    const by_quality *q = &qualities[settings->quality];
+    sl_multi_mesh_settings *m = &settings->multi_mesh;
+    m->light_size = power_of_two(or_default(m->light_size, LIGHT_SIZE));
+    m->light_rays = or_default(m->light_rays, LIGHT_RAYS);
+    m->gather_fov = or_default_real(m->gather_fov, 160.0 * SL_PI / 180.0);
+    m->threshold_scale = or_default_real(m->threshold_scale, q->threshold_scale);
+    m->leaf_area = or_default_real(m->leaf_area, q->leaf_area);
+    m->leaf_edge = or_default_real(m->leaf_edge, q->leaf_edge);
+    m->max_depth = or_default(m->max_depth, SL_MESH_DEPTH_MAX);
+    m->coarse_depth = or_default(m->coarse_depth, COARSE_DEPTH);
+    m->batch = or_default(m->batch, BATCH);
+    settings->gather_size = power_of_two(or_default(settings->gather_size, q->gather_size));
+    if (settings->bounces == 0) settings->bounces = 1;
+    if (settings->bounces > 2) settings->bounces = 2; /* the coarse mesh is iterated once at most */
+}
+
+static bool several_exponents(const sl_scene *scene) {
+    float exponent = -1.0f;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        const sl_material *m = &scene->materials[i];
+        if (!sl_material_is_glossy(m)) continue;
+        if (exponent >= 0.0f && m->exponent != exponent) return true;
+        exponent = m->exponent;
+    }
+    return false;
+}
+
+sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings) {
+    (void)settings;
+    sl_features f = sl_scene_features(scene);
+    bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
+    return (sl_multi_mesh_plan){
+        .lights = lights,
+        .direct_diffuse = lights && f.diffuse_triangles,
+        .direct_specular = lights && f.glossy_triangles,
+        .indirect = f.diffuse_triangles && (lights || f.environment),
+        .coarse = lights && f.diffuse_triangles,
+        .emission = f.emitters || f.environment,
+        .specular_seen = f.glossy_triangles > 0,
+        .several_exponents = f.glossy_triangles && several_exponents(scene),
+    };
+}
+
+/* L E, L D E, L S E, L D D E, in Heckbert's letters with S for the lobe; two bounces: L D D D E as well. The environment comes in by the gather: its
+ * light on lobes is not computed. */
+void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport) {
+    *transport = (sl_transport){
+        .emission = true,
+        .eye_mirrors = false,
+        .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = SL_LOBE_DIFFUSE,
+        .bounce_lobes = SL_LOBE_DIFFUSE,
+        .bounces = settings->bounces ? settings->bounces : 1,
+        .direct_visibility = true,
+        .bounce_visibility = true,
+        .filter = SL_FILTER_CENTRE,
+    };
+}
+
+void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    static const char *const estimators[] = {"a window in the light's plane", "a window in the light's plane, weights alone",
+                                             "a frustum around the light", "shadow rays"};
+    const sl_multi_mesh_settings *m = &settings->multi_mesh;
+    sl_features f = sl_scene_features(scene);
+    sl_multi_mesh_plan p = sl_multi_mesh_plan_make(scene, settings);
+    sl_plan_pass(writer, true, "identifiers, visible sizes", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
+    sl_plan_pass(writer, true, "material: k_d", "%zu diffuse triangles", f.diffuse_triangles);
+    sl_plan_pass(writer, p.specular_seen, "material: k_s", "%zu glossy triangles", f.glossy_triangles);
+    sl_plan_pass(writer, p.direct_diffuse || p.direct_specular, "irradiance meshes", "%zu emissive triangles, by %s of %d x %d; %zu lights without extent",
+                 f.emitters, estimators[m->estimator], m->light_size, m->light_size, f.point_lights + f.spot_lights + f.directional_lights);
+    sl_plan_pass(writer, p.direct_diffuse, "direct diffuse mesh", "%s", p.direct_diffuse ? "equation (4)" : p.lights ? "nothing is diffuse" : "there is no light");
+    sl_plan_pass(writer, p.direct_specular, "direct specular mesh", "%s",
+                 p.direct_specular ? "equation (6)" : p.lights ? "nothing is glossy" : "there is no light");
+    sl_plan_pass(writer, p.coarse && p.indirect, "coarse mesh", "of all surfaces, for gathers to see");
+    sl_plan_pass(writer, p.indirect, "indirect mesh", "%d x %d pixels under %.0f degrees%s%s", settings->gather_size, settings->gather_size,
+                 m->gather_fov * 180.0 / SL_PI, settings->bounces == 2 ? ", two bounces" : "", f.environment ? ", the environment in it" : "");
+    sl_plan_pass(writer, p.emission, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");
+    sl_plan_pass(writer, f.mirror_triangles > 0, "mirrors", "%s", f.mirror_triangles ? "black: reflections are not computed" : "there are none");
+}

@@ -1,0 +1,24 @@
+/* What will run: settings completed, the paths, and which passes a scene needs (section 1.3: passes that are not needed are not run). */
+#ifndef SL_MULTI_MESH_PLAN_H
+#define SL_MULTI_MESH_PLAN_H
+
+#include "cache/method.h"
+
+typedef struct sl_multi_mesh_plan {
+    bool lights;             /* any light with a place or a direction */
+    bool direct_diffuse;     /* some surface has k_d > 0, and there are lights */
+    bool direct_specular;    /* some surface has k_s > 0, and there are lights */
+    bool indirect;           /* some surface has k_d > 0, and light falls on one, or there is an environment */
+    bool coarse;             /* the coarse mesh: direct light for gathers to see */
+    bool emission;           /* lamps or an environment can be in view */
+    bool specular_seen;      /* k_s anywhere: the second render target */
+    bool several_exponents;  /* the specular mesh has sites of its own */
+} sl_multi_mesh_plan;
+
+/* Replaces what is 0 in the settings, or left to quality. The exposure stays 0 until the scene is known. */
+void sl_multi_mesh_complete(sl_settings *settings);
+sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings);
+void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport);
+void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+
+#endif
