@@ -56,6 +56,23 @@ sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wan
     return point;
 }
 
+sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_point *x) {
+    double w1 = (double)x->p / SL_MESH_DYADIC, w2 = (double)x->q / SL_MESH_DYADIC;
+    const double weight[3] = {1.0 - w1 - w2, w1, w2};
+    sl_vec3d position = {0.0, 0.0, 0.0}, normal = {0.0, 0.0, 0.0};
+    for (int i = 0; i < 3; i++) {
+        uint32_t site = topology->site[i][x->face];
+        position = sl_addd(position, sl_scaled(sl_to_double(topology->site_position[site]), weight[i]));
+        normal = sl_addd(normal, sl_scaled(sl_to_double(topology->site_normal[site]), weight[i]));
+    }
+    sl_vec3 geometric = sl_scale(sl_scene_geometric_normal(topology->scene, x->face / 2), x->face % 2 ? -1.0f : 1.0f);
+    double length = sl_lengthd(normal);
+    bool inside = weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0;
+    sl_vec3 shading = length > 0.0 ? sl_to_float(sl_scaled(normal, 1.0 / length)) : geometric;
+    return (sl_mesh_point){.position = sl_to_float(position), .normal = shading,
+                           .geometric_normal = inside ? geometric : shading, .triangle = inside ? x->face / 2 : SL_NO_INDEX, .face = x->face};
+}
+
 /* ---- fetch ---- */
 
 static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex) {

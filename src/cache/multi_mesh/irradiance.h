@@ -22,6 +22,8 @@ typedef struct sl_face_point {
 } sl_face_point;
 /* That of a mesh's vertex. */
 sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth);
+/* Where it lies in the world. */
+sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_point *x);
 
 typedef struct sl_irradiance_settings {
     const sl_scene *scene;     /* all of these must outlive the meshes */

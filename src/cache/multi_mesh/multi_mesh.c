@@ -56,7 +56,8 @@ typedef struct multi_mesh_state {
     gather_worker *gatherer;        /* one a thread */
     sl_displayed *part[PARTS];      /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
-    uint32_t coarse_bounce;         /* ... with so many bounces */
+    sl_rgb *coarse_indirect;        /* two bounces: E_i at the coarse mesh's vertices; NULL: there is but one, or the coarse mesh is whole */
+    bool coarse_whole;
 
     /* what depends on the view */
     uint32_t *id;
@@ -114,6 +115,7 @@ static void forget_world(multi_mesh_state *s) {
     }
     for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++) sl_mesh_gather_scratch_destroy(s->gatherer[t].scratch);
     sl_free(s->gatherer);
+    sl_free(s->coarse_indirect);
     sl_mesh_gather_destroy(s->gather);
     sl_coarse_destroy(s->coarse);
     sl_irradiance_meshes_destroy(s->irradiance);
@@ -124,6 +126,7 @@ static void forget_world(multi_mesh_state *s) {
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     s->gatherer = NULL;
+    s->coarse_indirect = NULL;
     s->gather = NULL;
     s->coarse = NULL;
     s->irradiance = NULL;
@@ -173,7 +176,7 @@ static sl_status make_coarse(multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     sl_coarse_settings coarse = {m->coarse_edge > 0.0 ? (float)m->coarse_edge : s->scene->diagonal / 24.0f, m->coarse_depth};
     s->coarse_done = 0;
-    s->coarse_bounce = 1;
+    s->coarse_whole = false;
     return sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
 }
 
@@ -356,7 +359,7 @@ static sl_status fill_missing(multi_mesh_state *s, sl_component part, bool *none
 
 /* ---- the first picture, from the roots alone ---- */
 
-static bool indirect_is_ready(const multi_mesh_state *s) { return s->gather != NULL; }
+static bool indirect_is_ready(const multi_mesh_state *s) { return s->coarse_whole; }
 
 static bool takes_part(const multi_mesh_state *s, int part) {
     return s->part[part] && (part != SL_INDIRECT || indirect_is_ready(s));
@@ -412,16 +415,54 @@ static sl_status light_coarse(multi_mesh_state *s, size_t count, sl_error *error
     return status;
 }
 
+/* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it (section 2.5). */
+static sl_status finish_direct(multi_mesh_state *s, sl_error *error) {
+    sl_coarse_finish(s->coarse, s->settings.threads);
+    sl_announce_pass(&s->announcer, "coarse mesh", "section 5");
+    sl_status status = ready_gather(s, error);
+    if (status != SL_OK || s->settings.bounces < 2) {
+        s->coarse_whole = status == SL_OK;
+        return status;
+    }
+    s->coarse_done = 0;
+    s->coarse_indirect = sl_allocate(sl_coarse_vertex_count(s->coarse), sizeof *s->coarse_indirect);
+    return s->coarse_indirect ? SL_OK : sl_fail_memory(error, "the second bounce");
+}
+
+static void gather_for_coarse(multi_mesh_state *s, size_t count) {
+    const sl_coarse_vertex *vertex = sl_coarse_vertices(s->coarse) + s->coarse_done;
+    sl_mesh_point points[COARSE_VERTICES];
+    for (size_t i = 0; i < count; i++) {
+        sl_face_point x = {vertex[i].face, vertex[i].p, vertex[i].q, vertex[i].depth};
+        points[i] = sl_face_point_in_world(s->topology, &x);
+    }
+    gather_all(s, count, points, s->coarse_indirect + s->coarse_done);
+}
+
+/* U_dd + E_i / pi is what gathers see from now on. */
+static void finish_second_bounce(multi_mesh_state *s) {
+    for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) {
+        sl_rgb second = sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI));
+        sl_coarse_set(s->coarse, i, sl_rgb_add(sl_coarse_get(s->coarse, i), second));
+    }
+    sl_free(s->coarse_indirect);
+    s->coarse_indirect = NULL;
+    sl_coarse_finish(s->coarse, s->settings.threads);
+    sl_announce_pass(&s->announcer, "coarse mesh, second bounce", "section 5");
+    s->coarse_whole = true;
+}
+
 static sl_status extend_coarse(multi_mesh_state *s, sl_error *error) {
     size_t all = s->plan.coarse ? sl_coarse_vertex_count(s->coarse) : 0, left = all - s->coarse_done;
     size_t count = left < COARSE_VERTICES ? left : COARSE_VERTICES;
-    sl_status status = count ? light_coarse(s, count, error) : SL_OK;
+    sl_status status = SL_OK;
+    if (s->coarse_indirect) gather_for_coarse(s, count);
+    else if (count) status = light_coarse(s, count, error);
     s->coarse_done += count;
     if (status != SL_OK || s->coarse_done < all) return status;
-    sl_coarse_finish(s->coarse, s->settings.threads);
-    sl_announce_pass(&s->announcer, "coarse mesh", "section 5");
-    status = ready_gather(s, error);
-    s->phase = PHASE_FIRST; /* of the indirect mesh */
+    if (s->coarse_indirect) finish_second_bounce(s);
+    else status = finish_direct(s, error);
+    if (s->coarse_whole) s->phase = PHASE_FIRST; /* of the indirect mesh */
     return status;
 }
 
