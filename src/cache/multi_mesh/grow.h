@@ -8,7 +8,7 @@
 
 /* A block of at least `capacity` elements with the first `used` of *block in it, in place of *block. False: memory ended, nothing has changed. */
 static inline bool sl_regrow(void **block, size_t used, size_t capacity, size_t size) {
-    void *larger = sl_allocate(capacity, size);
+    void *larger = sl_allocate_unset(capacity, size);
     if (larger == NULL) return false;
     if (used > 0) memcpy(larger, *block, used * size);
     sl_free(*block);
