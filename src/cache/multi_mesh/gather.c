@@ -194,20 +194,28 @@ typedef struct shot {
 
 /* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is behind them. What is meant is the limit from
  * within its own face, so the eye moves towards that face's middle by a little (far enough for the near plane not to cut from the wall what the
- * picture shows of it), in the face where that rises above the tangent plane (a hollow), in the tangent plane where it falls (a bulge): never below the
- * surface. */
-static sl_vec3 eye_of(const sl_scene *scene, const sl_mesh_point *point) {
+ * picture shows of it). Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so as not to dive. Where it rises above it (a
+ * hollow) it is raised off the face and sees it: else it would look out through it. On a flat face and a bulge it must not see its own, which it lies in. */
+static void look_from(shot *s, const sl_mesh_point *point) {
+    const sl_scene *scene = s->gather->scene;
     uint32_t triangle = point->face / 2;
-    if (triangle >= scene->triangle_count) return point->position;
-    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position), n = sl_to_double(point->normal);
+    s->eye = point->position;
+    s->skip = point->triangle != SL_NO_INDEX ? point->triangle : triangle;
+    if (triangle >= scene->triangle_count) return;
+    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position), n = sl_to_double(s->horizon);
     for (int k = 0; k < 3; k++) middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
     sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
     double length = sl_lengthd(way), step = 4e-4 * (double)scene->diagonal;
-    if (!(length > 0.0)) return point->position;
-    way = sl_scaled(way, length > 4.0 * step ? step / length : 0.25);
+    if (!(length > 0.0)) return;
+    step = step < 0.25 * length ? step : 0.25 * length;
+    way = sl_scaled(way, step / length);
     double rise = sl_dotd(way, n);
     if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
-    return sl_to_float(sl_addd(p, way));
+    if (rise > 0.02 * step) {
+        s->skip = SL_NO_INDEX;
+        way = sl_addd(way, sl_scaled(sl_to_double(sl_face_normal(scene, point->face)), 0.25 * step));
+    }
+    s->eye = sl_to_float(sl_addd(p, way));
 }
 
 /* ---- the view above -------------------------------------------------------------------------------------------------------------- */
@@ -301,9 +309,9 @@ sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point, 
         memset(scratch->planes, 0, 3 * (size_t)scratch->size * (size_t)scratch->size * sizeof *scratch->planes);
         return sl_grey(0.0f);
     }
-    shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_frame_from_normal(normal), .eye = eye_of(g->scene, point)};
+    shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_frame_from_normal(normal)};
     s.horizon = sl_normalize_or(point->geometric_normal, normal);
-    s.skip = point->triangle != SL_NO_INDEX ? point->triangle : point->face / 2;
+    look_from(&s, point);
     double sum[3] = {0.0, 0.0, 0.0};
     gather_above(&s, sum);
     double scale = g->settings.undivided ? 1.0 : g->over_coverage;

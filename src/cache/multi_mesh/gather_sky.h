@@ -1,4 +1,4 @@
-/* The environment as gathers see it where it is a picture: through a cube map, at the level whose texels are as large as the gather's pixels. */
+/* The environment as gathers see it where it is a picture: through a cube map, at the level that suits the gather's pixels. */
 #ifndef SL_MULTI_MESH_GATHER_SKY_H
 #define SL_MULTI_MESH_GATHER_SKY_H
 

@@ -1,0 +1,409 @@
+/* Indirect light as the 160-degree gather of multi-mesh caching sees it: what bounces, what does not, the sky, and hard geometry and input. */
+#include "multi_mesh_gather_support.h"
+
+#include "raster/raster.h"
+
+static bool near(double a, double b, double tolerance) { return fabs(a - b) <= tolerance; }
+
+static trace_mesh lit_mesh(sl_vec3 light) { /* closed surfaces are rooms if there is light in them */
+    trace_mesh m = trace_mesh_begin();
+    m.lights[m.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = light, .intensity = {1, 1, 1}};
+    return m;
+}
+
+static sl_mesh_gather_settings with_strips(void) {
+    sl_mesh_gather_settings settings = usual_settings();
+    settings.strips = true;
+    return settings;
+}
+
+/* ---- the bounce's reflectance (F5, F22, F23, F30, F32) ------------------------------------------------------------------------------ */
+
+static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state) {
+    (void)state;
+    for (int black = 0; black < 2; black++) {
+        trace_mesh m = trace_mesh_begin();
+        uint32_t white = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0), red = trace_mesh_material(&m, 0, 0, 0, 0, 0);
+        m.materials[red].diffuse = black ? sl_grey(0.0f) : (sl_rgb){0.6f, 0.1f, 0.0f};
+        trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), white);
+        trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(0, 0, 2), sl_v3(2, 0, 0), red);
+        sl_camera_look_at(&m.camera, sl_v3(0, 0, 1), sl_v3(0, 3, 0), sl_v3(0, 0, 1), 1.0f); /* the wall is behind it */
+        m.has_camera = true;
+        sl_mesh_gather_settings settings = usual_settings();
+        gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
+        set_all(&g, sl_grey(1.0f));
+        sl_mesh_point p = face_point(g.scene, 0, 0.3f, 0.3f);
+        sl_rgb e = take(&g, &p);
+        if (black) assert_true(e.r == 0.0f && e.g == 0.0f && e.b == 0.0f);
+        else assert_true(e.r > 0.2f && near((double)(e.g / e.r), 0.1 / 0.6, 1e-5) && e.b == 0.0f);
+        gathering_destroy(&g);
+    }
+}
+
+static void light_that_a_lamp_sends_is_not_gathered(void **state) {
+    (void)state;
+    sl_rgb seen[2];
+    for (int lit = 0; lit < 2; lit++) {
+        trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
+        uint32_t lamp;
+        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        lamp = trace_mesh_material(&m, 0.3f, 0, 0, 0, lit ? 1000.0f : 0.0f);
+        trace_mesh_quad(&m, sl_v3(-0.3f, -0.3f, 0.9f), sl_v3(0, 0.6f, 0), sl_v3(0.6f, 0, 0), lamp);
+        sl_mesh_gather_settings settings = usual_settings();
+        gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
+        set_all(&g, sl_grey(1.0f));
+        sl_mesh_point p = free_point(sl_v3(0.1f, 0.2f, -0.9f), sl_v3(0, 0, 1));
+        seen[lit] = take(&g, &p);
+        gathering_destroy(&g);
+    }
+    assert_memory_equal(&seen[0], &seen[1], sizeof *seen);
+    assert_true(seen[0].r > 0.3f && (double)seen[0].r < 0.5 * SL_PI);
+}
+
+/* A light of power 4 pi I in the middle of a sphere: E_d = I / R^2 everywhere, E_i = rho times that, and with two bounces rho + rho^2. */
+static void one_bounce_and_two_bounces_in_a_sphere(void **state) {
+    (void)state;
+    const double rho = 0.6, radius = 2.0, direct = 1.0 / (radius * radius);
+    trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
+    trace_mesh_sphere(&m, sl_v3(0, 0, 0), (float)radius, 16, 0.0f, true, trace_mesh_material(&m, (float)rho, 0, 0, 0, 0));
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
+    size_t count = sl_coarse_vertex_count(g.coarse);
+    set_all(&g, sl_grey((float)(direct / SL_PI)));
+    sl_rgb *first = malloc(count * sizeof *first);
+    assert_non_null(first);
+    for (size_t v = 0; v < count; v++) {
+        sl_coarse_vertex at = sl_coarse_vertices(g.coarse)[v];
+        sl_mesh_point p = face_point(g.scene, at.face, (float)at.p / SL_MESH_DYADIC, (float)at.q / SL_MESH_DYADIC);
+        if (at.face % 2) p.normal = p.geometric_normal = sl_face_normal(g.scene, at.face - 1); /* that side is not looked at */
+        first[v] = take(&g, &p);
+        if (at.face % 2 == 0) assert_true(near((double)first[v].r / (rho * direct), 1.0, 3e-3));
+    }
+    for (size_t v = 0; v < count; v++) {
+        sl_coarse_set(g.coarse, v, sl_rgb_add(sl_grey((float)(direct / SL_PI)), sl_rgb_scale(first[v], (float)(1.0 / SL_PI))));
+    }
+    sl_coarse_finish(g.coarse, 1);
+    for (uint32_t t = 0; t < g.scene->triangle_count; t += 41) {
+        sl_mesh_point p = face_point(g.scene, 2 * t, 0.4f, 0.3f);
+        assert_true(near((double)take(&g, &p).r / ((rho + rho * rho) * direct), 1.0, 5e-3));
+    }
+    free(first);
+    gathering_destroy(&g);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------------------------- */
+
+/* Uneven triangles at random levels, values at random: pixels of the picture against the rasterizer's own weights and the coarse mesh's values. */
+static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(void **state) {
+    (void)state;
+    trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
+    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+    trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 8, 0.0f, false, trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(&m), 0.3f, 5, &settings);
+    for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 5.0f});
+    sl_coarse_finish(g.coarse, 1);
+    sl_mesh_point p = free_point(sl_v3(-0.2f, 0.1f, -0.7f), sl_normalize_or(sl_v3(0.2f, -0.3f, 1), sl_v3(0, 0, 1)));
+    (void)take(&g, &p);
+    int n;
+    const float *planes[3];
+    sl_mesh_gather_picture(g.scratch, &n, planes);
+    assert_int_equal(n, 128);
+    float t = (float)sl_tan(80.0 / 180.0 * SL_PI);
+    sl_frame frame = sl_frame_from_normal(p.normal);
+    sl_view view = sl_view_pyramid(&frame, p.position, -t, t, -t, t, n, n, 1e-5f * g.scene->diagonal);
+    uint32_t *id = malloc(sizeof *id * 128 * 128), *pixel = malloc(sizeof *pixel * 128 * 128);
+    float *w1 = malloc(sizeof *w1 * 128 * 128), *w2 = malloc(sizeof *w2 * 128 * 128);
+    assert_true(id && pixel && w1 && w2);
+    for (uint32_t i = 0; i < 128 * 128; i++) pixel[i] = i;
+    sl_target target = {.width = n, .height = n, .id = id};
+    assert_int_equal(sl_raster_id(g.raster, &view, 1, &target, &g.counters, NULL), SL_OK);
+    sl_raster_barycentrics(g.raster, &view, 128 * 128, pixel, id, w1, w2);
+    int off = 0;
+    for (size_t i = 0; i < 128 * 128; i++) {
+        assert_true(id[i] != SL_NO_INDEX);
+        sl_rgb value = sl_coarse_value(g.coarse, 2 * id[i], w1[i], w2[i]);
+        float diffuse = id[i] < 12 ? 0.5f : 0.7f;
+        off += !near((double)planes[0][i], (double)(diffuse * value.r), 0.02) || !near((double)planes[1][i], (double)(diffuse * value.g), 0.003);
+        assert_true(near((double)planes[2][i], (double)(diffuse * 5.0f), 1e-5));
+    }
+    assert_true(off < 128 * 128 / 500); /* where vertices were snapped across an edge of the coarse mesh */
+    free(id);
+    free(pixel);
+    free(w1);
+    free(w2);
+    gathering_destroy(&g);
+}
+
+static void gathers_have_the_same_bits_with_every_instruction_set_and_whatever_went_before(void **state) {
+    (void)state;
+    const char *isa[3] = {"baseline", "avx2", "avx512"};
+    sl_rgb seen[3][8];
+    for (int k = 0; k < 3; k++) {
+        setenv("SOFTLUX_ISA", isa[k], 1);
+        trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
+        trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 12, 0.2f, true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 9, 0.3f, false, trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
+        sl_mesh_gather_settings settings = with_strips();
+        gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
+        for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 0.1f});
+        sl_coarse_finish(g.coarse, 1);
+        for (uint32_t i = 0; i < 16; i++) { /* forwards, then backwards */
+            uint32_t which = i < 8 ? i : 15 - i;
+            sl_mesh_point p = face_point(g.scene, 62 * which, 0.2f, 0.5f);
+            sl_rgb e = take(&g, &p);
+            if (i < 8) seen[k][i] = e;
+            else assert_memory_equal(&e, &seen[k][which], sizeof e);
+        }
+        gathering_destroy(&g);
+    }
+    unsetenv("SOFTLUX_ISA");
+    assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
+    assert_memory_equal(seen[0], seen[2], sizeof seen[0]);
+}
+
+/* ---- the sky ------------------------------------------------------------------------------------------------------------------------ */
+
+/* A speck far below, so that there is a scene. */
+static trace_mesh speck(const sl_environment *environment) {
+    trace_mesh m = trace_mesh_begin();
+    m.environment = environment;
+    trace_mesh_quad(&m, sl_v3(0, 0, -10), sl_v3(0.1f, 0, 0), sl_v3(0, 0.1f, 0), trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+    return m;
+}
+
+static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
+    (void)state;
+    sl_environment sky = {.present = true, .constant = {1, 2, 3}};
+    for (int present = 0; present < 2; present++) {
+        trace_mesh m = speck(present ? &sky : NULL);
+        sl_mesh_gather_settings settings = usual_settings();
+        gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
+        set_all(&g, sl_grey(1.0f));
+        sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3(0, 0, 1));
+        sl_rgb e = take(&g, &p);
+        assert_true(near((double)e.r, present * SL_PI, 1e-5) && near((double)e.b, present * 3.0 * SL_PI, 3e-5));
+        gathering_destroy(&g);
+    }
+}
+
+/* A shading normal tilted by alpha against the geometric one: pi (1 + cos alpha) / 2 of what lies above both horizons. */
+static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces_it(void **state) {
+    (void)state;
+    sl_environment sky = {.present = true, .constant = {1, 1, 1}};
+    trace_mesh m = speck(&sky);
+    sl_mesh_gather_settings settings = with_strips();
+    settings.size = 512;
+    gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
+    set_all(&g, sl_grey(1.0f));
+    for (double alpha = 0.0; alpha < 1.5; alpha += 0.3) {
+        sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3((float)sl_sin(alpha), 0, (float)sl_cos(alpha)));
+        p.geometric_normal = sl_v3(0, 0, 1);
+        assert_true(near((double)take(&g, &p).r, 0.5 * SL_PI * (1.0 + sl_cos(alpha)), 0.02));
+    }
+    gathering_destroy(&g);
+}
+
+/* A sun of 2.8 degrees, one texel, seen from 40 directions: radiance x solid angle x cosine, wherever it falls between pixels. */
+static void the_light_of_a_small_sun_is_kept(void **state) {
+    (void)state;
+    enum { WIDTH = 128, HEIGHT = 64, ROW = 20, COLUMN = 37 };
+    static float texels[3 * WIDTH * HEIGHT];
+    for (int c = 0; c < 3; c++) texels[3 * (ROW * WIDTH + COLUMN) + c] = 1000.0f;
+    sl_environment sky = {.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels};
+    trace_mesh m = speck(&sky);
+    sl_mesh_gather_settings settings = usual_settings();
+    settings.undivided = true;
+    gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
+    sl_rgb radiance;
+    float solid_angle;
+    sl_vec3 sun = sl_environment_texel(&g.scene->environment, ROW, COLUMN, &radiance, &solid_angle);
+    assert_true(near((double)radiance.r, 1000.0, 1e-3));
+    double mean = 0.0;
+    for (int k = 0; k < 40; k++) {
+        double angle = 0.025 * k, turn = 0.7 * k;
+        sl_frame f = sl_frame_from_normal(sun);
+        sl_vec3 n = sl_frame_to_world(&f, sl_v3((float)(sl_sin(angle) * sl_cos(turn)), (float)(sl_sin(angle) * sl_sin(turn)), (float)sl_cos(angle)));
+        sl_mesh_point p = free_point(sl_v3(0, 0, 0), n);
+        double ratio = (double)take(&g, &p).r / (1000.0 * (double)solid_angle * sl_cos(angle));
+        assert_true(near(ratio, 1.0, 0.15));
+        mean += ratio / 40.0;
+    }
+    assert_true(near(mean, 1.0, 0.04));
+    gathering_destroy(&g);
+}
+
+/* ---- hard geometry ------------------------------------------------------------------------------------------------------------------- */
+
+/* A grid of small squares far from the origin: neighbours in the same plane must not rise above the horizon. */
+static void a_flat_surface_does_not_light_itself(void **state) {
+    (void)state;
+    trace_mesh m = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    sl_frame f = sl_frame_from_normal(sl_normalize_or(sl_v3(0.3f, -0.5f, 0.8f), sl_v3(0, 0, 1)));
+    for (int i = 0; i < 20; i++) {
+        for (int j = 0; j < 20; j++) {
+            sl_vec3 corner = sl_mad(sl_mad(sl_v3(30, 20, 10), 0.1f * (float)i, f.x), 0.1f * (float)j, f.y);
+            trace_mesh_quad(&m, corner, sl_scale(f.x, 0.1f), sl_scale(f.y, 0.1f), grey);
+        }
+    }
+    sl_mesh_gather_settings settings = with_strips();
+    gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
+    set_all(&g, sl_grey(1.0f));
+    for (uint32_t t = 0; t < 800; t += 17) {
+        for (int k = 0; k < 3; k++) {
+            const float w[3][2] = {{0.3f, 0.3f}, {0, 0}, {0.5f, 0}};
+            sl_mesh_point p = face_point(g.scene, 2 * t, w[k][0], w[k][1]);
+            if (k) p.triangle = SL_NO_INDEX; /* as where several meet */
+            assert_true(take(&g, &p).r < 1e-6f);
+        }
+    }
+    gathering_destroy(&g);
+}
+
+/* A floor that ends at a wall: at their common edge the wall fills half of the hemisphere, whichever face the point is said to be of. */
+static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
+    (void)state;
+    trace_mesh m = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(50, 0, 0), sl_v3(0, 100, 0), grey);
+    trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(0, 100, 0), sl_v3(0, 0, 50), grey);
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
+    set_all(&g, sl_grey(2.0f));
+    for (uint32_t face = 0; face < 8; face += 2) {
+        for (int k = 0; k < 3; k++) { /* those corners that lie inside the edge between floor and wall: moved to its middle */
+            sl_mesh_point p = face_point(g.scene, face, 0.0f, 0.0f);
+            p.position = sl_v3(0, 3.0f * (float)k, 0);
+            p.triangle = k ? SL_NO_INDEX : face / 2;
+            assert_true(near((double)take(&g, &p).r, 0.5 * SL_PI, 0.01 * SL_PI));
+        }
+    }
+    gathering_destroy(&g);
+}
+
+/* From any vertex of a ball's outside the whole sky is seen and nothing of the ball, from any of a hollow's inside nothing but it. */
+static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **state) {
+    (void)state;
+    sl_environment sky = {.present = true, .constant = {1, 0, 0}};
+    for (int hollow = 0; hollow < 2; hollow++) {
+        trace_mesh m = hollow ? lit_mesh(sl_v3(0, 0, 0)) : trace_mesh_begin();
+        m.environment = &sky;
+        uint32_t green = trace_mesh_material(&m, 0, 0, 0, 0, 0);
+        m.materials[green].diffuse = (sl_rgb){0, 1, 0};
+        trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 10, 0.0f, hollow == 1, green);
+        sl_mesh_gather_settings settings = usual_settings();
+        gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
+        set_all(&g, sl_grey(1.0f));
+        for (uint32_t t = 0; t < g.scene->triangle_count; t += 7) {
+            sl_mesh_point p = face_point(g.scene, 2 * t, 0, 0);
+            p.normal = p.geometric_normal = sl_normalize_or(hollow ? sl_neg(p.position) : p.position, sl_v3(0, 0, 1));
+            p.triangle = SL_NO_INDEX;
+            sl_rgb e = take(&g, &p);
+            assert_true(near((double)(hollow ? e.g : e.r), SL_PI, 0.002));
+            assert_true((hollow ? e.r : e.g) < 0.002f);
+        }
+        gathering_destroy(&g);
+    }
+}
+
+/* A table's top, a hair above the floor: half of it is what the floor below it sees. */
+static void what_lies_a_hair_above_is_seen(void **state) {
+    (void)state;
+    trace_mesh m = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);
+    trace_mesh_quad(&m, sl_v3(-1, -1, 1e-3f), sl_v3(0, 2, 0), sl_v3(2, 0, 0), grey);
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
+    set_all(&g, sl_grey(1.0f));
+    sl_mesh_point p = face_point(g.scene, 0, 0.3f, 0.3f);
+    assert_true(near((double)take(&g, &p).r, 0.5 * SL_PI, 1e-4));
+    gathering_destroy(&g);
+}
+
+/* ---- hard input ---------------------------------------------------------------------------------------------------------------------- */
+
+static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state) {
+    (void)state;
+    trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
+    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+    sl_mesh_gather_settings settings = with_strips();
+    gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 2, &settings);
+    set_all(&g, sl_grey(1.0f));
+    const sl_mesh_point good = face_point(g.scene, 0, 0.3f, 0.3f);
+    sl_mesh_point bad[5] = {good, good, good, good, good};
+    bad[0].position.x = NAN;
+    bad[1].position.z = INFINITY;
+    bad[2].normal = bad[2].geometric_normal = sl_v3(0, 0, 0);
+    bad[3].normal = sl_v3(NAN, 0, 1); /* the geometric one stands in */
+    bad[4].position = sl_v3(1e30f, 1e30f, 1e30f);
+    for (int k = 0; k < 5; k++) {
+        sl_rgb e = take(&g, &bad[k]);
+        assert_true(sl_rgb_is_finite(e) && e.r >= 0.0f);
+        if (k < 3) assert_true(e.r == 0.0f);
+        if (k == 3) assert_true(near((double)e.r, 0.5 * SL_PI, 1e-4));
+    }
+    assert_int_equal(g.counters.value[SL_COUNT_NONFINITE], 3);
+    set_all(&g, sl_grey(3e38f));
+    assert_true(sl_rgb_is_finite(take(&g, &good)));
+    gathering_destroy(&g);
+}
+
+static void settings_out_of_range_are_refused(void **state) {
+    (void)state;
+    trace_mesh m = speck(NULL);
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
+    const struct {
+        int size, reduced;
+        float fov;
+    } bad[7] = {{100, 16, 2.8f}, {2, 1, 2.8f}, {8192, 16, 2.8f}, {128, 12, 2.8f}, {64, 128, 2.8f}, {128, 16, 3.2f}, {128, 16, NAN}};
+    for (int k = 0; k < 7; k++) {
+        sl_mesh_gather *gather;
+        settings.size = bad[k].size;
+        settings.reduced = bad[k].reduced;
+        settings.fov = bad[k].fov;
+        assert_int_equal(sl_mesh_gather_create(g.scene, g.raster, g.coarse, &settings, &gather, NULL), SL_ERROR_USAGE);
+    }
+    gathering_destroy(&g);
+}
+
+static void strips_are_drawn_only_where_what_they_bring_can_be_noticed(void **state) {
+    (void)state;
+    uint64_t shaded[2];
+    for (int noticed = 0; noticed < 2; noticed++) {
+        trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
+        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        sl_mesh_gather_settings settings = with_strips();
+        settings.noticed = 0.0389f; /* (1 - C) pi x 0.5 */
+        gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 2, &settings);
+        set_all(&g, sl_grey(noticed ? 1.01f : 0.99f));
+        sl_mesh_point p = face_point(g.scene, 0, 0.3f, 0.3f);
+        (void)take(&g, &p);
+        shaded[noticed] = g.counters.value[SL_COUNT_FRAGMENTS_SHADED];
+        gathering_destroy(&g);
+    }
+    assert_true(shaded[1] >= shaded[0] + 64 * 64);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_red_wall_tints_a_white_floor_though_no_camera_sees_it),
+        cmocka_unit_test(light_that_a_lamp_sends_is_not_gathered),
+        cmocka_unit_test(one_bounce_and_two_bounces_in_a_sphere),
+        cmocka_unit_test(every_pixel_is_reflectance_times_value_at_the_point_that_it_shows),
+        cmocka_unit_test(gathers_have_the_same_bits_with_every_instruction_set_and_whatever_went_before),
+        cmocka_unit_test(where_nothing_is_the_sky_is_seen_or_black),
+        cmocka_unit_test(what_lies_below_the_surface_is_black_though_the_shading_normal_faces_it),
+        cmocka_unit_test(the_light_of_a_small_sun_is_kept),
+        cmocka_unit_test(a_flat_surface_does_not_light_itself),
+        cmocka_unit_test(on_a_crease_the_wall_beyond_is_seen_from_within),
+        cmocka_unit_test(at_vertices_bulges_see_the_sky_and_hollows_see_themselves),
+        cmocka_unit_test(what_lies_a_hair_above_is_seen),
+        cmocka_unit_test(points_that_are_no_numbers_get_no_light_and_are_counted),
+        cmocka_unit_test(settings_out_of_range_are_refused),
+        cmocka_unit_test(strips_are_drawn_only_where_what_they_bring_can_be_noticed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
