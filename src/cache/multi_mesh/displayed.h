@@ -2,9 +2,10 @@
  * matters most, when a leaf is fine enough, and redraws what has changed.
  *
  *   displayed.c      visible pixels down the quadtrees, sizes on the screen                         (P1b, P2b)
- *   priorities.c     P = n_px (delta + delta_0), maxima up to the roots
+ *   priorities.c     the size criterion; P = n_px (delta + delta_0), maxima up to the roots
  *   selection.c      the heap over the roots; the paper's random chain
- *   refine.c         the test of a leaf's edges, size criterion, split, undo
+ *   edge_tests.c     what a leaf's edges say
+ *   refine.c         the test of a leaf, split, undo
  *   draw.c           Gouraud: a leaf's pixels from its vertices                                     (P3)
  *
  * One step of refinement:
@@ -38,24 +39,28 @@ typedef struct sl_displayed_settings {
     bool hanging;                 /* neighbours' vertices on common edges are used */
     sl_perception perception;
     sl_shown_radiance shown;
+    unsigned threads;             /* of sl_displayed_see() and sl_displayed_prioritise(); 0: one. `shown` is called on all of them */
 } sl_displayed_settings;
 
 typedef struct sl_displayed {
     sl_displayed_settings settings;
     sl_mesh *mesh;                /* its own; 3 channels */
     const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
-    uint32_t *order;              /* pixels->count: indices into pixels' arrays; those of a leaf lie together */
-    uint32_t *first;              /* by node: its pixels are order[first .. first + node.pixels) */
+    uint32_t *first;              /* by node: its pixels are first .. first + node.pixels in pixels' arrays, */
     size_t first_capacity;
+    uint32_t *order;              /* ... but below cuts of slivers, which no path knows, order[first .. first + node.pixels) of them */
+    size_t order_capacity;
     /* selection */
     uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
-    uint32_t *heap_place;         /* by entry */
-    size_t heap_count;
-    uint32_t chain_entry;
+    uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */
+    size_t heap_count, heap_capacity;
+    uint32_t chain_entry;         /* the chain's current root */
     uint64_t chain_draws;
     /* what is to be drawn again */
-    uint32_t *dirty;              /* leaves */
+    uint32_t *dirty;              /* leaves, */
     size_t dirty_count, dirty_capacity;
+    bool dirty_all;               /* ... or all of them */
+    bool corners_asked;           /* roots' corners are being sampled: what touches them changes when they become known */
 } sl_displayed;
 
 sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings, sl_displayed **displayed, sl_error *error);

@@ -1,5 +1,12 @@
 /* The id map's pixels in the order of the faces that they show: what "visible sizes" (pass P1b) come to, and what a mesh hands down its
- * quadtrees to know exactly which pixels show which leaf. */
+ * quadtrees to know exactly which pixels show which leaf.
+ *
+ * Within a face, pixels are in the order of their way down a quadtree of triangles (mesh.h): those of any node of any mesh lie together, and
+ * its children's are found by bisection. So one sort serves all meshes of a view, whatever their splits.
+ *
+ *   pixels.c          the sort
+ *   screen_size.c     how large a patch is on the screen
+ *   path_kernels.c    the ways down */
 #ifndef SL_MULTI_MESH_PIXELS_H
 #define SL_MULTI_MESH_PIXELS_H
 
@@ -17,13 +24,33 @@ typedef struct sl_visible_pixels {
     sl_visible_face *face;
     uint32_t *entry_of_face;   /* 2 x triangles: index into face, or SL_NO_INDEX */
     size_t count;              /* pixels that show something */
-    uint32_t *pixel;           /* by face, ascending within one: bottom row first */
+    uint32_t *pixel;           /* by face, by path within one, ascending where paths agree: bottom row first */
+    uint32_t *path;            /* two bits a level, the root's children in bits 23 and 22: which child of four holds the pixel */
     float *w1, *w2;            /* perspective-correct weights of the triangle's corners 1 and 2 there */
 } sl_visible_pixels;
+
+enum { SL_PATH_LEVELS = 12, SL_VISIBLE_SHARES = 64 };
 
 /* From an id plane (P1). Pixels of mirrors and of alpha masks are as the id map has them. The same at any number of threads. */
 sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
                                  sl_visible_pixels **pixels, sl_counters *counters, sl_error *error);
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
+/* Faces in view, dealt into SL_VISIBLE_SHARES tasks by their pixels: entries begin .. end of one. */
+void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end);
+/* The first of pixels first .. end whose path is not below the given one. */
+uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path);
+
+/* Clip coordinates of a face's corners: those of any point of it are linear in between. */
+typedef struct sl_face_clip {
+    float corner[3][4];        /* x, y, distance from the near plane, w */
+} sl_face_clip;
+sl_face_clip sl_face_clip_of(const sl_scene *scene, const sl_view *view, uint32_t face);
+
+/* A patch on the screen, what lies beyond the picture cut away: pixels squared, and pixels of its longest side. */
+typedef struct sl_screen_size {
+    float area, edge;
+} sl_screen_size;
+/* Corner i's weights of the face's corners 1 and 2 are p[i] / unit, q[i] / unit. */
+sl_screen_size sl_screen_size_of(const sl_view *view, const sl_face_clip *face, const uint16_t p[3], const uint16_t q[3], float unit);
 
 #endif

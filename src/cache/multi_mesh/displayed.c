@@ -1,0 +1,221 @@
+/* A mesh as the eye uses it: which of the id map's pixels show which leaf (passes P1b and P2b). Roots are made for faces in view, and pixels
+ * handed down their quadtrees: a leaf's count of pixels is exact, also where other things hide part of it. */
+#include "cache/multi_mesh/displayed_internal.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+
+sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings, sl_displayed **displayed, sl_error *error) {
+    sl_displayed *d = sl_allocate(1, sizeof *d);
+    if (!d) return sl_fail_memory(error, "displayed mesh");
+    d->settings = *settings;
+    d->chain_entry = SL_NO_INDEX;
+    sl_status status = sl_mesh_create(topology, 3, settings->max_depth, &d->mesh, error);
+    if (status == SL_OK) status = sl_displayed_grow(d, error);
+    if (status != SL_OK) {
+        sl_displayed_destroy(d);
+        return status;
+    }
+    *displayed = d;
+    return SL_OK;
+}
+
+void sl_displayed_destroy(sl_displayed *d) {
+    if (!d) return;
+    sl_mesh_destroy(d->mesh);
+    sl_free(d->first);
+    sl_free(d->order);
+    sl_free(d->heap);
+    sl_free(d->heap_place);
+    sl_free(d->dirty);
+    sl_free(d);
+}
+
+size_t sl_displayed_memory_bytes(const sl_displayed *d) {
+    return sizeof *d + sl_mesh_memory_bytes(d->mesh)
+           + (d->first_capacity + d->order_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t);
+}
+
+sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
+    size_t capacity = d->mesh->node_capacity;
+    if (capacity <= d->first_capacity) return SL_OK;
+    uint32_t *first = sl_allocate(capacity, sizeof *first);
+    if (!first) return sl_fail_memory(error, "displayed mesh");
+    if (d->first) memcpy(first, d->first, d->first_capacity * sizeof *first);
+    sl_free(d->first);
+    d->first = first;
+    d->first_capacity = capacity;
+    return SL_OK;
+}
+
+/* ---- pixels down the quadtrees ---- */
+
+bool sl_displayed_follows_paths(const sl_mesh_place *p) {
+    int side = SL_MESH_DYADIC >> p->depth;
+    int area = (p->p[1] - p->p[0]) * (p->q[2] - p->q[0]) - (p->p[2] - p->p[0]) * (p->q[1] - p->q[0]);
+    return area == side * side; /* fourfold cuts leave a quarter each; a sliver's half */
+}
+
+/* Children have ranges of paths: the lowest two bits that the parent's level leaves open. */
+static void bisect_paths(sl_displayed *d, const sl_mesh_place *place) {
+    const sl_visible_pixels *pixels = d->pixels;
+    sl_mesh_node *node = &d->mesh->node[place->node], *child = &d->mesh->node[node->child];
+    uint32_t at = d->first[place->node], end = at + node->pixels, shift = 2u * (uint32_t)(SL_PATH_LEVELS - 1 - place->depth);
+    uint32_t above = node->pixels ? pixels->path[at] >> (shift + 2) << (shift + 2) : 0;
+    for (uint32_t c = 0; c < 4; c++) {
+        uint32_t next = c == 3 ? end : sl_visible_from_path(pixels, at, end, above + ((c + 1) << shift));
+        d->first[node->child + c] = at;
+        child[c].pixels = next - at;
+        at = next;
+    }
+}
+
+/* The same where cuts of slivers are about: order is partitioned, equals kept in their order. */
+static void partition(sl_displayed *d, const sl_mesh_place *place) {
+    const sl_visible_pixels *pixels = d->pixels;
+    sl_mesh_node *node = &d->mesh->node[place->node], *children = &d->mesh->node[node->child];
+    uint32_t begin = d->first[place->node], count = node->pixels, *order = d->order + begin, at = 0;
+    int parts = sl_mesh_children(d->mesh, place->node);
+    if (sl_displayed_follows_paths(place)) {
+        for (uint32_t i = 0; i < count; i++) order[i] = begin + i;
+    }
+    for (int c = 0; c < parts; c++) {
+        uint32_t first = at, *scratch = d->order + d->order_capacity / 2 + begin, others = 0;
+        for (uint32_t i = first; i < count; i++) {
+            bool own = c + 1 == parts || sl_mesh_child_at(d->mesh, place, pixels->w1[order[i]], pixels->w2[order[i]]) == c;
+            if (own) order[at++] = order[i];
+            else scratch[others++] = order[i];
+        }
+        memcpy(order + at, scratch, others * sizeof *order);
+        d->first[node->child + (uint32_t)c] = begin + first;
+        children[c].pixels = at - first;
+    }
+}
+
+void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
+    bool four = !(d->mesh->node[place->node].flags & SL_NODE_BISECTED);
+    if (four && sl_displayed_follows_paths(place)) bisect_paths(d, place);
+    else partition(d, place);
+}
+
+/* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here was cut for the sake of another view, from
+ * nearer: it shows, but nothing more is asked of it, so that an old view, seen again, asks for nothing. */
+static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *place, bool settled) {
+    sl_mesh_node *node = &d->mesh->node[place->node];
+    bool is_leaf = node->child == SL_NO_INDEX;
+    if (node->pixels > 1 && !settled && (is_leaf || sl_all_edges_closed(node))) sl_displayed_judge_size(d, clip, place);
+    if (settled) node->flags |= SL_NODE_SETTLED;
+    node->priority = 0.0f;
+    if (is_leaf) {
+        node->priority = sl_displayed_leaf_priority(d, place);
+        return;
+    }
+    settled |= (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node);
+    sl_displayed_hand_down(d, place);
+    for (int c = 0; c < sl_mesh_children(d->mesh, place->node); c++) {
+        const sl_mesh_node *child = &d->mesh->node[node->child + (uint32_t)c];
+        if (!child->pixels) continue; /* all is 0 below */
+        sl_mesh_place below = sl_mesh_child_place(d->mesh, place, c);
+        see_below(d, clip, &below, settled);
+        node->priority = child->priority > node->priority ? child->priority : node->priority;
+    }
+}
+
+static void see_share(void *context, size_t share, unsigned worker) {
+    (void)worker;
+    sl_displayed *d = context;
+    const sl_visible_pixels *pixels = d->pixels;
+    size_t begin, end;
+    sl_visible_share(pixels, share, &begin, &end);
+    for (size_t e = begin; e < end; e++) {
+        if (!sl_displayed_wants(d, e)) continue;
+        sl_mesh_place root = sl_mesh_root_place(d->mesh, pixels->face[e].face);
+        d->first[root.node] = pixels->face[e].first;
+        d->mesh->node[root.node].pixels = pixels->face[e].count;
+        sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &pixels->view, root.face);
+        see_below(d, &clip, &root, false);
+    }
+}
+
+/* ---- a new view ---- */
+
+static sl_status reserve(sl_displayed *d, sl_error *error) {
+    size_t entries = d->pixels->face_count, pixels = d->pixels->count;
+    if (entries > d->heap_capacity || !d->heap) {
+        sl_free(d->heap);
+        sl_free(d->heap_place);
+        d->heap = sl_allocate(entries, sizeof *d->heap);
+        d->heap_place = sl_allocate(entries, sizeof *d->heap_place);
+        d->heap_capacity = d->heap && d->heap_place ? entries : 0;
+        if (!d->heap || !d->heap_place) return sl_fail_memory(error, "displayed mesh");
+    }
+    if (2 * pixels > d->order_capacity) {
+        sl_free(d->order);
+        d->order = sl_allocate(2 * pixels, sizeof *d->order);
+        d->order_capacity = d->order ? 2 * pixels : 0;
+        if (!d->order) return sl_fail_memory(error, "displayed mesh");
+    }
+    return SL_OK;
+}
+
+static void forget_view(sl_displayed *d) {
+    for (size_t n = 0; n < d->mesh->node_count; n++) {
+        sl_mesh_node *node = &d->mesh->node[n];
+        node->pixels = 0;
+        node->priority = 0.0f;
+        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_NODE_DIRTY | SL_NODE_SMALL | SL_NODE_SETTLED);
+    }
+    d->heap_count = 0;
+    d->chain_entry = SL_NO_INDEX;
+    d->dirty_count = 0;
+    d->dirty_all = true;
+    d->corners_asked = false;
+}
+
+sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels, bool (*want)(const void *context, uint32_t face),
+                           const void *context, sl_error *error) {
+    d->pixels = NULL; /* none, should memory end here */
+    forget_view(d);
+    d->pixels = pixels;
+    sl_status status = reserve(d, error);
+    for (size_t e = 0; status == SL_OK && e < pixels->face_count; e++) {
+        d->heap_place[e] = want(context, pixels->face[e].face) ? 0 : SL_NO_INDEX;
+        if (sl_displayed_wants(d, e)) sl_mesh_root(d->mesh, pixels->face[e].face, &status, error);
+    }
+    if (status == SL_OK) status = sl_displayed_grow(d, error);
+    if (status != SL_OK) {
+        d->pixels = NULL;
+        return status;
+    }
+    sl_parallel_for(d->settings.threads, SL_VISIBLE_SHARES, see_share, d);
+    sl_displayed_heap_build(d);
+    return SL_OK;
+}
+
+size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
+    /* Corners of roots alone: no leaf is cut before the middles of its edges are known. */
+    size_t count = 0;
+    for (size_t e = 0; d->pixels && e < d->pixels->face_count && count < room; e++) {
+        if (!sl_displayed_wants(d, e)) continue;
+        const sl_mesh_node *root = &d->mesh->node[sl_displayed_root(d, e)];
+        for (int c = 0; c < 3 && count < room; c++) {
+            uint32_t v = root->vertex[c];
+            if (d->mesh->state[v] != SL_VERTEX_UNKNOWN) continue;
+            d->mesh->state[v] = SL_VERTEX_REQUESTED;
+            vertex[count++] = v;
+        }
+    }
+    d->corners_asked |= count > 0;
+    return count;
+}
+
+void sl_displayed_restart(sl_displayed *d) {
+    sl_mesh_clear(d->mesh);
+    d->pixels = NULL;
+    d->heap_count = d->dirty_count = 0;
+    d->dirty_all = d->corners_asked = false;
+    d->chain_entry = SL_NO_INDEX;
+}

@@ -1,0 +1,57 @@
+/* What the parts of a displayed mesh share. */
+#ifndef SL_MULTI_MESH_DISPLAYED_INTERNAL_H
+#define SL_MULTI_MESH_DISPLAYED_INTERNAL_H
+
+#include "cache/multi_mesh/displayed.h"
+
+/* ---- displayed.c ---- */
+
+/* Whether a node is one of a quadtree of fourfold cuts alone: then its pixels are those of a range of paths. */
+bool sl_displayed_follows_paths(const sl_mesh_place *place);
+/* Hands a node's pixels to its children. */
+void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place);
+/* Room for what goes with nodes, after the mesh has grown. */
+sl_status sl_displayed_grow(sl_displayed *d, sl_error *error);
+static inline bool sl_displayed_wants(const sl_displayed *d, size_t entry) { return d->heap_place[entry] != SL_NO_INDEX; }
+static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) { return d->mesh->root_of_face[d->pixels->face[entry].face]; }
+
+/* ---- priorities.c ---- */
+
+static inline bool sl_displayed_is_settled(const sl_displayed *d, uint32_t vertex) {
+    return vertex != SL_NO_INDEX && (d->mesh->state[vertex] == SL_VERTEX_KNOWN || d->mesh->state[vertex] == SL_VERTEX_INVALID);
+}
+static inline sl_edge_state sl_edge_of(const sl_mesh_node *node, int edge) { return (sl_edge_state)(node->flags >> 2 * edge & 3u); }
+enum { SL_ALL_EDGES_CLOSED = SL_EDGE_CLOSED | SL_EDGE_CLOSED << 2 | SL_EDGE_CLOSED << 4 };
+static inline bool sl_all_edges_closed(const sl_mesh_node *node) { return (node->flags & SL_NODE_EDGES) == SL_ALL_EDGES_CLOSED; }
+/* May the leaf be cut at all? Patches of a pixel or less are not. */
+static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
+    return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth;
+}
+sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
+/* Sets or clears SL_NODE_SMALL. */
+void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
+/* Largest contrast between any two corners of a leaf, as shown; those that are not known do not count. */
+float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *leaf);
+float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf);
+/* Priorities in the tree below a node; returns the largest. */
+float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place);
+/* The largest of the children's priorities from a node's parent up to the root, and the root's place in the heap. */
+void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
+
+/* ---- selection.c ---- */
+
+void sl_displayed_heap_build(sl_displayed *d);
+void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
+
+/* ---- edge_tests.c ---- */
+
+/* What the edge's middle and those of its parts tell, as far as they are known. */
+sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_mesh_place *place, int edge);
+/* The edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
+sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle, sl_error *error);
+
+/* ---- draw.c ---- */
+
+sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error);
+
+#endif

@@ -1,0 +1,243 @@
+/* Visible sizes (passes P1 and P1b): a counting sort of the id map's pixels by the faces that they show, and within a face by the way down
+ * its quadtree. */
+#include "cache/multi_mesh/pixels.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/multi_mesh/path_kernels.h"
+#include "scene/surface_rules.h"
+
+enum { BANDS = 64, SHORT_LIST = 24, PATH_SHIFT = 32, TOP_SHIFT = PATH_SHIFT + 2 * SL_PATH_LEVELS - 4 };
+
+typedef struct sort_job {
+    const sl_scene *scene;
+    const sl_raster *raster;
+    const sl_view *view;
+    const uint32_t *id;
+    size_t pixel_count;
+    size_t band_start[BANDS + 1];  /* in the arrays below: pixels that show something, as they lie on the screen */
+    uint32_t *pixel, *face, *path;
+    float *w1, *w2;
+    uint64_t *key, *spare;         /* path above index into those arrays; by face */
+    sl_path_kernel *paths;
+    sl_visible_pixels *out;
+} sort_job;
+
+static size_t band_begin(const sort_job *j, size_t band) { return j->pixel_count * band / BANDS; }
+
+static void count_band(void *context, size_t band, unsigned worker) {
+    (void)worker;
+    sort_job *j = context;
+    size_t shown = 0;
+    for (size_t i = band_begin(j, band); i < band_begin(j, band + 1); i++) shown += j->id[i] != SL_NO_INDEX;
+    j->band_start[band + 1] = shown;
+}
+
+/* Sides as sl_scene_surface() has them. Where the eye is not close to the triangle's plane one pixel says it for all. */
+typedef struct side_seen {
+    uint32_t triangle, back;
+    bool clear;
+} side_seen;
+
+static side_seen side_of(const sort_job *j, uint32_t triangle, float w1, float w2) {
+    const sl_scene *s = j->scene;
+    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]), b = sl_scene_position(s, s->vertex[1][triangle]),
+            c = sl_scene_position(s, s->vertex[2][triangle]), n = sl_scene_geometric_normal(s, triangle);
+    sl_vec3 p = sl_v3(sl_interpolate(a.x, b.x - a.x, c.x - a.x, w1, w2), sl_interpolate(a.y, b.y - a.y, c.y - a.y, w1, w2),
+                      sl_interpolate(a.z, b.z - a.z, c.z - a.z, w1, w2));
+    sl_vec3 to_eye = sl_sub(j->view->origin, p);
+    float reach = sl_length(to_eye) + sl_length(sl_sub(b, a)) + sl_length(sl_sub(c, a)) + sl_length(p);
+    return (side_seen){triangle, sl_side_seen(n, to_eye) < 0.0f, fabsf(sl_dot(n, to_eye)) > 1e-4f * (reach + s->diagonal)};
+}
+
+/* A band's pixels: weights, face, path. */
+static void resolve_band(void *context, size_t band, unsigned worker) {
+    (void)worker;
+    sort_job *j = context;
+    size_t first = j->band_start[band], end = j->band_start[band + 1], at = first;
+    for (size_t i = band_begin(j, band); i < band_begin(j, band + 1); i++) {
+        if (j->id[i] == SL_NO_INDEX) continue;
+        j->pixel[at] = (uint32_t)i;
+        j->face[at++] = j->id[i];
+    }
+    sl_raster_barycentrics(j->raster, j->view, end - first, j->pixel + first, j->face + first, j->w1 + first, j->w2 + first);
+    j->paths(end - first, j->w1 + first, j->w2 + first, j->path + first);
+    side_seen side = {SL_NO_INDEX, 0, false};
+    for (size_t i = first; i < end; i++) {
+        uint32_t triangle = j->face[i];
+        if (!side.clear || triangle != side.triangle) side = side_of(j, triangle, j->w1[i], j->w2[i]);
+        j->face[i] = 2 * triangle + side.back;
+    }
+}
+
+/* Faces in view with their counts; entry_of_face holds the counts first. */
+static sl_status list_faces(sort_job *j, sl_error *error) {
+    sl_visible_pixels *out = j->out;
+    size_t faces = 2 * j->scene->triangle_count, visible = 0;
+    out->entry_of_face = sl_allocate(faces, sizeof *out->entry_of_face);
+    if (!out->entry_of_face) return sl_fail_memory(error, "visible sizes");
+    for (size_t i = 0; i < out->count; i++) visible += out->entry_of_face[j->face[i]]++ == 0;
+    out->face = sl_allocate(visible, sizeof *out->face);
+    if (!out->face) return sl_fail_memory(error, "visible sizes");
+    uint32_t first = 0;
+    for (size_t f = 0; f < faces; f++) {
+        uint32_t count = out->entry_of_face[f];
+        out->entry_of_face[f] = count ? (uint32_t)out->face_count : SL_NO_INDEX;
+        if (count) out->face[out->face_count++] = (sl_visible_face){(uint32_t)f, first, count};
+        first += count;
+    }
+    return SL_OK;
+}
+
+static void deal_keys(sort_job *j) {
+    sl_visible_pixels *out = j->out;
+    for (size_t e = 0; e < out->face_count; e++) out->face[e].count = 0;
+    for (size_t i = 0; i < out->count; i++) {
+        sl_visible_face *f = &out->face[out->entry_of_face[j->face[i]]];
+        j->key[f->first + f->count++] = (uint64_t)j->path[i] << PATH_SHIFT | i;
+    }
+}
+
+static void insert_in_order(uint64_t *key, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        uint64_t k = key[i];
+        size_t at = i;
+        for (; at > 0 && key[at - 1] > k; at--) key[at] = key[at - 1];
+        key[at] = k;
+    }
+}
+
+/* Two levels of the quadtree at a time. */
+static void sort_by_path(uint64_t *key, uint64_t *spare, size_t count, int shift) {
+    if (count <= SHORT_LIST) {
+        insert_in_order(key, count);
+        return;
+    }
+    if (shift < PATH_SHIFT) return; /* of one path; in order already, as all passes keep the order of equals */
+    size_t start[17] = {0}, next[16];
+    for (size_t i = 0; i < count; i++) start[(key[i] >> shift & 15) + 1]++;
+    for (int b = 0; b < 16; b++) start[b + 1] += start[b];
+    memcpy(next, start, sizeof next);
+    for (size_t i = 0; i < count; i++) spare[next[key[i] >> shift & 15]++] = key[i];
+    memcpy(key, spare, count * sizeof *key);
+    for (int b = 0; b < 16; b++) sort_by_path(key + start[b], spare + start[b], start[b + 1] - start[b], shift - 4);
+}
+
+static void sort_share(void *context, size_t share, unsigned worker) {
+    (void)worker;
+    sort_job *j = context;
+    sl_visible_pixels *out = j->out;
+    size_t begin, end;
+    sl_visible_share(out, share, &begin, &end);
+    for (size_t e = begin; e < end; e++) {
+        sl_visible_face f = out->face[e];
+        sort_by_path(j->key + f.first, j->spare + f.first, f.count, TOP_SHIFT);
+        for (size_t i = f.first; i < f.first + f.count; i++) {
+            uint32_t from = (uint32_t)j->key[i];
+            out->pixel[i] = j->pixel[from];
+            out->path[i] = j->path[from];
+            out->w1[i] = j->w1[from];
+            out->w2[i] = j->w2[from];
+        }
+    }
+}
+
+static bool allocate(sort_job *j) {
+    size_t n = j->out->count;
+    sl_visible_pixels *out = j->out;
+    j->pixel = sl_allocate(n, sizeof *j->pixel);
+    j->face = sl_allocate(n, sizeof *j->face);
+    j->path = sl_allocate(n, sizeof *j->path);
+    j->w1 = sl_allocate(n, sizeof *j->w1);
+    j->w2 = sl_allocate(n, sizeof *j->w2);
+    j->key = sl_allocate(n, sizeof *j->key);
+    j->spare = sl_allocate(n, sizeof *j->spare);
+    out->pixel = sl_allocate(n, sizeof *out->pixel);
+    out->path = sl_allocate(n, sizeof *out->path);
+    out->w1 = sl_allocate(n, sizeof *out->w1);
+    out->w2 = sl_allocate(n, sizeof *out->w2);
+    return j->pixel && j->face && j->path && j->w1 && j->w2 && j->key && j->spare && out->pixel && out->path && out->w1 && out->w2;
+}
+
+static void release(sort_job *j) {
+    sl_free(j->pixel);
+    sl_free(j->face);
+    sl_free(j->path);
+    sl_free(j->w1);
+    sl_free(j->w2);
+    sl_free(j->key);
+    sl_free(j->spare);
+}
+
+static sl_status sort(sort_job *j, unsigned threads, sl_error *error) {
+    sl_visible_pixels *out = j->out;
+    sl_parallel_for(threads, BANDS, count_band, j);
+    for (size_t b = 0; b < BANDS; b++) j->band_start[b + 1] += j->band_start[b];
+    out->count = j->band_start[BANDS];
+    if (!allocate(j)) return sl_fail_memory(error, "visible pixels");
+    sl_parallel_for(threads, BANDS, resolve_band, j);
+    sl_status status = list_faces(j, error);
+    if (status != SL_OK) return status;
+    deal_keys(j);
+    sl_parallel_for(threads, SL_VISIBLE_SHARES, sort_share, j);
+    return SL_OK;
+}
+
+sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
+                                 sl_visible_pixels **pixels, sl_counters *counters, sl_error *error) {
+    sl_visible_pixels *out = sl_allocate(1, sizeof *out);
+    if (!out) return sl_fail_memory(error, "visible pixels");
+    out->width = view->width;
+    out->height = view->height;
+    out->view = *view;
+    sort_job job = {.scene = scene, .raster = raster, .view = view, .id = id, .pixel_count = (size_t)view->width * (size_t)view->height,
+                    .paths = sl_path_kernel_for(sl_isa_best()), .out = out};
+    sl_status status = sort(&job, sl_thread_count(threads), error);
+    release(&job);
+    if (status != SL_OK) {
+        sl_visible_pixels_destroy(out);
+        return status;
+    }
+    (void)counters;
+    *pixels = out;
+    return SL_OK;
+}
+
+void sl_visible_pixels_destroy(sl_visible_pixels *pixels) {
+    if (!pixels) return;
+    sl_free(pixels->face);
+    sl_free(pixels->entry_of_face);
+    sl_free(pixels->pixel);
+    sl_free(pixels->path);
+    sl_free(pixels->w1);
+    sl_free(pixels->w2);
+    sl_free(pixels);
+}
+
+static size_t entry_from(const sl_visible_pixels *pixels, size_t first) {
+    size_t low = 0, high = pixels->face_count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (pixels->face[middle].first < first) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end) {
+    *begin = entry_from(pixels, pixels->count * share / SL_VISIBLE_SHARES);
+    *end = share + 1 == SL_VISIBLE_SHARES ? pixels->face_count : entry_from(pixels, pixels->count * (share + 1) / SL_VISIBLE_SHARES);
+}
+
+uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path) {
+    while (first < end) {
+        uint32_t middle = first + (end - first) / 2;
+        if (pixels->path[middle] < path) first = middle + 1;
+        else end = middle;
+    }
+    return first;
+}

@@ -1,0 +1,138 @@
+/* Which leaf matters most to the eye: P = n_px (delta + delta_0), the pixels that show it times what they may be wrong by. delta is the largest
+ * difference between the colours at its corners in units of what an eye can tell; delta_0 keeps a leaf in the race that is too large for
+ * its corners to say what lies between them. Inner nodes have the largest of their children's (pass P2b). */
+#include "cache/multi_mesh/displayed_internal.h"
+
+#include "base/parallel.h"
+
+/* delta_0 while the size criterion is unmet, or an edge is known to need a cut; and for leaves that are small enough, but with edges that
+ * nobody has looked at: corners of the same colour do not say that nothing is between them. These come last. */
+static const float TOO_LARGE = 0.25f, UNTESTED = 1.0f / 64.0f;
+/* No more can be told apart than black from white, at the smallest of thresholds that make sense. */
+static const float CONTRAST_MAX = 25500.0f;
+
+/* ---- the size criterion ---- */
+
+sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf) {
+    return sl_screen_size_of(&d->pixels->view, clip, leaf->p, leaf->q, (float)SL_MESH_DYADIC);
+}
+
+/* A leaf that was cut for its size alone and put together again stays so until it is twice as large. */
+void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf) {
+    sl_mesh_node *node = &d->mesh->node[leaf->node];
+    sl_screen_size size = sl_displayed_size(d, clip, leaf);
+    bool small = !(size.area > d->settings.leaf_area) && !(size.edge > d->settings.leaf_edge);
+    bool known = sl_all_edges_closed(node) && size.edge < 2.0f * node->tested_size;
+    node->flags = (node->flags & ~(uint32_t)SL_NODE_SMALL) | (small || known ? SL_NODE_SMALL : 0u);
+}
+
+int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) {
+    if (!d->pixels) return leaf->depth;
+    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_screen_size size = sl_displayed_size(d, &clip, leaf);
+    float area = size.area / d->settings.leaf_area, edge = size.edge / d->settings.leaf_edge;
+    int depth = leaf->depth;
+    for (; depth > 0 && 4.0f * area <= 1.0f && 2.0f * edge <= 1.0f; depth--, area *= 4.0f, edge *= 2.0f) continue;
+    for (; depth < d->settings.max_depth && (area > 1.0f || edge > 1.0f); depth++, area *= 0.25f, edge *= 0.5f) continue;
+    return depth;
+}
+
+/* ---- of a leaf ---- */
+
+static float contrast_of_levels(const sl_perception *perception, const float a[3], const float b[3]) {
+    float most = 0.0f;
+    for (int c = 0; c < 3; c++) {
+        float darker = a[c] < b[c] ? a[c] : b[c];
+        float difference = fabsf(a[c] - b[c]), threshold = sl_display_threshold(perception, darker);
+        float contrast = difference <= threshold * CONTRAST_MAX ? difference / threshold : CONTRAST_MAX;
+        most = difference > 0.0f && contrast > most ? contrast : most;
+    }
+    return most;
+}
+
+float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *leaf) {
+    const sl_mesh *mesh = d->mesh;
+    const sl_mesh_node *node = &mesh->node[leaf->node];
+    float level[3][3], most = 0.0f;
+    int known = 0;
+    for (int i = 0; i < 3; i++) {
+        uint32_t v = node->vertex[i];
+        if (mesh->state[v] != SL_VERTEX_KNOWN) continue;
+        const float *value = &mesh->value[3 * (size_t)v], unit = 1.0f / (float)SL_MESH_DYADIC;
+        sl_rgb shown = d->settings.shown.radiance(d->settings.shown.context, d->settings.component, leaf->face, (float)leaf->p[i] * unit,
+                                                  (float)leaf->q[i] * unit, (sl_rgb){value[0], value[1], value[2]});
+        level[known][0] = sl_display_level(&d->settings.perception, shown.r);
+        level[known][1] = sl_display_level(&d->settings.perception, shown.g);
+        level[known][2] = sl_display_level(&d->settings.perception, shown.b);
+        for (int j = 0; j < known; j++) {
+            float contrast = contrast_of_levels(&d->settings.perception, level[known], level[j]);
+            most = contrast > most ? contrast : most;
+        }
+        known++;
+    }
+    return most;
+}
+
+float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
+    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
+    if (!sl_may_split(d, leaf) || (node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f;
+    bool cut = !small;
+    for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
+    return (float)node->pixels * (sl_displayed_corner_contrast(d, leaf) + (cut ? TOO_LARGE : UNTESTED));
+}
+
+/* ---- up to the roots ---- */
+
+static float largest_of_children(const sl_mesh *mesh, uint32_t node) {
+    float most = 0.0f;
+    for (int c = 0; c < sl_mesh_children(mesh, node); c++) {
+        float priority = mesh->node[mesh->node[node].child + (uint32_t)c].priority;
+        most = priority > most ? priority : most;
+    }
+    return most;
+}
+
+void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node) {
+    sl_mesh *mesh = d->mesh;
+    for (uint32_t n = sl_mesh_parent(mesh, node); n != SL_NO_INDEX; n = sl_mesh_parent(mesh, n)) {
+        float most = largest_of_children(mesh, n);
+        if (mesh->node[n].priority == most) return;
+        mesh->node[n].priority = most;
+    }
+    uint32_t entry = d->pixels->entry_of_face[face];
+    if (entry != SL_NO_INDEX && sl_displayed_wants(d, entry)) sl_displayed_heap_update(d, entry);
+}
+
+float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place) {
+    sl_mesh_node *node = &d->mesh->node[place->node];
+    if (node->child == SL_NO_INDEX) return node->priority = sl_displayed_leaf_priority(d, place);
+    float most = 0.0f;
+    for (int c = 0; c < sl_mesh_children(d->mesh, place->node); c++) {
+        if (!d->mesh->node[node->child + (uint32_t)c].pixels) continue;
+        sl_mesh_place child = sl_mesh_child_place(d->mesh, place, c);
+        float priority = sl_displayed_prioritise_below(d, &child);
+        most = priority > most ? priority : most;
+    }
+    return node->priority = most;
+}
+
+static void prioritise_share(void *context, size_t share, unsigned worker) {
+    (void)worker;
+    sl_displayed *d = context;
+    size_t begin, end;
+    sl_visible_share(d->pixels, share, &begin, &end);
+    for (size_t e = begin; e < end; e++) {
+        if (!sl_displayed_wants(d, e)) continue;
+        sl_mesh_place root = sl_mesh_root_place(d->mesh, d->pixels->face[e].face);
+        sl_displayed_prioritise_below(d, &root);
+    }
+}
+
+void sl_displayed_prioritise(sl_displayed *d) {
+    if (!d->pixels) return;
+    sl_parallel_for(d->settings.threads, SL_VISIBLE_SHARES, prioritise_share, d);
+    sl_displayed_heap_build(d);
+    d->dirty_all |= d->corners_asked;
+    d->corners_asked = false;
+}

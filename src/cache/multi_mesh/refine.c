@@ -1,0 +1,149 @@
+/* The test of a leaf. Each edge's middle is sampled and compared, at the final pixel, with the mean of its ends (edge_tests.c): a difference that
+ * an eye can tell splits the edge, and with it the leaf; else the edge is closed, its halves included. A leaf above the size criterion is split
+ * whatever its edges say, so that small features are found. What was split for its size in vain is undone: four closed leaves under a
+ * parent whose own edges are closed go, and the parent stays closed until it is twice as large on the screen.
+ *
+ * A leaf is split only when the middles of all its edges have been sampled, so every corner but the roots' has a value. */
+#include "cache/multi_mesh/displayed_internal.h"
+
+#include "base/counters.h"
+
+/* Is it certain that the leaf will be split? Then all its middles are wanted, those of closed edges too. */
+static bool will_split(const sl_displayed *d, const sl_mesh_place *leaf) {
+    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    bool will = !(node->flags & SL_NODE_SMALL);
+    for (int e = 0; e < 3; e++) will |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
+    return will && sl_may_split(d, leaf);
+}
+
+static void ask(sl_displayed *d, uint32_t v, uint32_t *vertex, size_t *count) {
+    if (d->mesh->state[v] != SL_VERTEX_UNKNOWN) return;
+    d->mesh->state[v] = SL_VERTEX_REQUESTED;
+    vertex[(*count)++] = v;
+}
+
+sl_status sl_displayed_request(sl_displayed *d, const sl_mesh_place *leaf, uint32_t *vertex, size_t *count, sl_error *error) {
+    sl_status status = SL_OK;
+    *count = 0;
+    for (int c = 0; c < 3; c++) ask(d, d->mesh->node[leaf->node].vertex[c], vertex, count);
+    d->corners_asked |= *count > 0;
+    bool all = will_split(d, leaf);
+    for (int e = 0; e < 3; e++) {
+        if (sl_edge_of(&d->mesh->node[leaf->node], e) == SL_EDGE_CLOSED && !all) continue;
+        uint32_t middle = sl_mesh_middle(d->mesh, leaf, e, &status, error);
+        if (status != SL_OK) return status;
+        if (middle != SL_NO_INDEX) ask(d, middle, vertex, count);
+    }
+    return SL_OK;
+}
+
+/* ---- edges ---- */
+
+/* Tests what is untested, and tells neighbours of middles that they may not know. Whether all three have a value. */
+static sl_status test_edges(sl_displayed *d, const sl_mesh_place *leaf, bool *complete, sl_error *error) {
+    sl_mesh_node *node = &d->mesh->node[leaf->node];
+    sl_status status = SL_OK;
+    *complete = true;
+    for (int e = 0; e < 3 && status == SL_OK; e++) {
+        uint32_t middle = sl_mesh_find_middle(d->mesh, leaf, e);
+        bool settled = sl_displayed_is_settled(d, middle);
+        *complete &= settled && sl_displayed_is_settled(d, node->vertex[e]);
+        if (sl_edge_of(node, e) == SL_EDGE_UNTESTED) node->flags |= (uint32_t)sl_displayed_test_edge(d, leaf, e) << 2 * e;
+        if (settled) status = sl_displayed_tell_neighbours(d, leaf, e, middle, error);
+    }
+    return status;
+}
+
+/* ---- split ---- */
+
+static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *error) {
+    sl_status status = sl_mesh_split(d->mesh, leaf, error);
+    if (status == SL_OK) status = sl_displayed_grow(d, error);
+    if (status != SL_OK) return status;
+    if (sl_mesh_is_leaf(d->mesh, leaf->node)) { /* coordinates end: it stays whole for good */
+        sl_mesh_node *node = &d->mesh->node[leaf->node];
+        node->flags = (node->flags & ~(uint32_t)SL_NODE_EDGES) | SL_ALL_EDGES_CLOSED | SL_NODE_SMALL;
+        node->tested_size = FLT_MAX;
+        return SL_OK;
+    }
+    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_displayed_hand_down(d, leaf);
+    for (int c = 0; c < sl_mesh_children(d->mesh, leaf->node) && status == SL_OK; c++) {
+        sl_mesh_place child = sl_mesh_child_place(d->mesh, leaf, c);
+        sl_displayed_judge_size(d, &clip, &child);
+        d->mesh->node[child.node].priority = sl_displayed_leaf_priority(d, &child);
+        status = sl_displayed_mark(d, child.node, error);
+    }
+    return status;
+}
+
+/* ---- undo ---- */
+
+/* Nothing to be told apart in it, as far as it will ever be looked at. */
+static bool is_closed(const sl_displayed *d, const sl_mesh_place *leaf) {
+    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    if (node->child != SL_NO_INDEX || (node->flags & SL_NODE_TAKEN)) return false;
+    if (sl_may_split(d, leaf)) return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node);
+    return sl_all_edges_closed(node) || sl_displayed_corner_contrast(d, leaf) <= 1.0f;
+}
+
+/* Collapses a node if all its children are closed. */
+static bool undo(sl_displayed *d, const sl_mesh_place *place) {
+    sl_mesh *mesh = d->mesh;
+    sl_mesh_node *node = &mesh->node[place->node];
+    if (node->child == SL_NO_INDEX || !sl_all_edges_closed(node)) return false;
+    int children = sl_mesh_children(mesh, place->node);
+    for (int c = 0; c < children; c++) {
+        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        if (!is_closed(d, &child)) return false;
+    }
+    for (int e = 0; e < 3; e++) { /* neighbours may have seen more on it by now */
+        if (sl_displayed_test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
+    }
+    for (int c = 0; c < children; c++) mesh->node[node->child + (uint32_t)c].flags &= ~(uint32_t)SL_NODE_DIRTY;
+    sl_mesh_collapse(mesh, place->node);
+    sl_face_clip clip = sl_face_clip_of(mesh->topology->scene, &d->pixels->view, place->face);
+    node->tested_size = sl_displayed_size(d, &clip, place).edge;
+    node->flags |= SL_NODE_SMALL;
+    node->priority = 0.0f;
+    return true;
+}
+
+static sl_status undo_upwards(sl_displayed *d, sl_mesh_place place, uint32_t *highest, sl_counters *counters, sl_error *error) {
+    while (undo(d, &place)) {
+        *highest = place.node;
+        sl_count(counters, SL_COUNT_COLLAPSES, 1);
+        sl_status status = sl_displayed_mark(d, place.node, error);
+        if (status != SL_OK) return status;
+        uint32_t parent = sl_mesh_parent(d->mesh, place.node);
+        if (parent == SL_NO_INDEX) break;
+        place = sl_mesh_place_of(d->mesh, parent);
+    }
+    return SL_OK;
+}
+
+sl_status sl_displayed_commit(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error) {
+    sl_mesh *mesh = d->mesh;
+    if (!d->pixels || !sl_mesh_is_leaf(mesh, leaf->node)) return SL_OK;
+    mesh->node[leaf->node].flags &= ~(uint32_t)SL_NODE_TAKEN;
+    d->dirty_all |= d->corners_asked;
+    d->corners_asked = false;
+    bool complete;
+    sl_status status = test_edges(d, leaf, &complete, error);
+    if (status == SL_OK) status = sl_displayed_mark(d, leaf->node, error);
+    if (status == SL_OK && complete && will_split(d, leaf)) status = split(d, leaf, error);
+    if (status != SL_OK) return status;
+
+    uint32_t highest = leaf->node; /* what above it is to be brought up to date */
+    sl_mesh_place parent = *leaf;
+    if (sl_mesh_is_leaf(mesh, leaf->node)) {
+        mesh->node[leaf->node].priority = sl_displayed_leaf_priority(d, leaf);
+        if (leaf->depth > 0) parent = sl_mesh_place_of(mesh, sl_mesh_parent(mesh, leaf->node));
+    } else {
+        sl_count(counters, SL_COUNT_SPLITS, 1);
+        highest = mesh->node[leaf->node].child;
+    }
+    status = undo_upwards(d, parent, &highest, counters, error);
+    sl_displayed_raise(d, leaf->face, highest);
+    return status;
+}

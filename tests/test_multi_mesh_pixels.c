@@ -1,0 +1,202 @@
+/* Which pixels show which face, and how large patches are on the screen. */
+#include "multi_mesh_field.h"
+
+#include "cache/multi_mesh/path_kernels.h"
+
+static void look(const sl_scene *scene, const sl_raster *raster, unsigned threads, int width, int height, uint32_t *id, sl_visible_pixels **pixels) {
+    sl_view view = sl_view_scene(scene, width, height);
+    sl_target target = {width, height, id, NULL};
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
+    assert_int_equal(sl_visible_pixels_sort(scene, raster, &view, id, threads, pixels, &counters, NULL), SL_OK);
+}
+
+enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
+
+static sl_scene *room(void) {
+    sl_scene *scene = furnished_room(6, 6);
+    scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
+    return scene;
+}
+
+static void every_pixel_that_shows_something_is_listed_once_under_its_face(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_raster *raster = raster_of(scene);
+    uint32_t id[PIXELS];
+    uint8_t listed[PIXELS] = {0};
+    sl_visible_pixels *v;
+    look(scene, raster, 1, WIDTH, HEIGHT, id, &v);
+    size_t shown = 0, sum = 0;
+    for (size_t i = 0; i < PIXELS; i++) shown += id[i] != SL_NO_INDEX;
+    assert_true(shown > PIXELS / 2);
+    for (size_t e = 0; e < v->face_count; e++) {
+        assert_int_equal(v->entry_of_face[v->face[e].face], e);
+        assert_true(e == 0 || v->face[e].face > v->face[e - 1].face);
+        assert_int_equal(v->face[e].first, sum);
+        assert_true(v->face[e].count > 0);
+        sum += v->face[e].count;
+        for (uint32_t i = v->face[e].first; i < v->face[e].first + v->face[e].count; i++) {
+            assert_int_equal(id[v->pixel[i]], v->face[e].face / 2);
+            assert_int_equal(listed[v->pixel[i]]++, 0);
+            assert_true(i == v->face[e].first || v->path[i] > v->path[i - 1] || (v->path[i] == v->path[i - 1] && v->pixel[i] > v->pixel[i - 1]));
+        }
+    }
+    assert_int_equal(sum, shown);
+    assert_int_equal(v->count, shown);
+    size_t faces = 0;
+    for (size_t f = 0; f < 2 * scene->triangle_count; f++) faces += v->entry_of_face[f] != SL_NO_INDEX;
+    assert_int_equal(faces, v->face_count);
+    sl_visible_pixels_destroy(v);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+static void weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_raster *raster = raster_of(scene);
+    uint32_t id[PIXELS];
+    sl_visible_pixels *v;
+    look(scene, raster, 2, WIDTH, HEIGHT, id, &v);
+    for (size_t e = 0; e < v->face_count; e++) {
+        for (uint32_t i = v->face[e].first; i < v->face[e].first + v->face[e].count; i++) {
+            sl_surface surface;
+            sl_scene_surface(scene, v->face[e].face / 2, v->w1[i], v->w2[i], sl_v3(0, 0, 0), &surface);
+            sl_scene_surface(scene, v->face[e].face / 2, v->w1[i], v->w2[i], sl_sub(v->view.origin, surface.position), &surface);
+            assert_int_equal(surface.front, !(v->face[e].face & 1u));
+            sl_vec3 q = sl_sub(surface.position, v->view.origin);
+            double clip[4];
+            for (int r = 0; r < 4; r++) {
+                const float *m = v->view.clip[r];
+                clip[r] = (double)m[0] * (double)q.x + (double)m[1] * (double)q.y + (double)m[2] * (double)q.z + (double)m[3];
+            }
+            double x = (clip[0] / clip[3] * 0.5 + 0.5) * WIDTH, y = (clip[1] / clip[3] * 0.5 + 0.5) * HEIGHT;
+            assert_true(fabs(x - (v->pixel[i] % WIDTH + 0.5)) < 0.6 && fabs(y - (v->pixel[i] / WIDTH + 0.5)) < 0.6);
+        }
+    }
+    sl_visible_pixels_destroy(v);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+static void the_order_is_the_same_with_any_threads(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_raster *raster = raster_of(scene);
+    uint32_t id[PIXELS];
+    sl_visible_pixels *one, *more;
+    look(scene, raster, 1, WIDTH, HEIGHT, id, &one);
+    for (unsigned threads = 2; threads <= 5; threads++) {
+        look(scene, raster, threads, WIDTH, HEIGHT, id, &more);
+        assert_int_equal(one->count, more->count);
+        assert_int_equal(one->face_count, more->face_count);
+        assert_memory_equal(one->pixel, more->pixel, one->count * sizeof *one->pixel);
+        assert_memory_equal(one->path, more->path, one->count * sizeof *one->path);
+        assert_memory_equal(one->w1, more->w1, one->count * sizeof *one->w1);
+        assert_memory_equal(one->face, more->face, one->face_count * sizeof *one->face);
+        sl_visible_pixels_destroy(more);
+    }
+    sl_visible_pixels_destroy(one);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+static void a_picture_of_nothing_has_no_pixels(void **state) {
+    (void)state;
+    sl_scene *scene = square_scene();
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 4), sl_v3(0, 1, 0), 1.0f));
+    sl_raster *raster = raster_of(scene);
+    uint32_t id[16 * 16];
+    sl_visible_pixels *v;
+    look(scene, raster, 3, 16, 16, id, &v);
+    assert_int_equal(v->count, 0);
+    assert_int_equal(v->face_count, 0);
+    size_t begin, end;
+    sl_visible_share(v, 7, &begin, &end);
+    assert_int_equal(begin, end);
+    sl_visible_pixels_destroy(v);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
+/* Where a path leads, in weights of the root's corners: the middle of its last triangle. */
+static void middle_of_path(uint32_t path, double w[3]) {
+    w[0] = w[1] = w[2] = 1.0 / 3.0;
+    for (int level = SL_PATH_LEVELS - 1; level >= 0; level--) {
+        uint32_t child = path >> 2 * (SL_PATH_LEVELS - 1 - level) & 3u;
+        for (int c = 0; c < 3; c++) w[c] = child == 3 ? (1.0 - w[c]) * 0.5 : w[c] * 0.5 + ((uint32_t)c == child ? 0.5 : 0.0);
+    }
+}
+
+static void a_path_leads_to_its_point_with_every_instruction_set(void **state) {
+    (void)state;
+    enum { N = 3001 };
+    float w1[N], w2[N];
+    uint32_t path[N], other[N];
+    uint64_t key = sl_random_key(5, 1);
+    for (uint64_t i = 0; i < N; i++) {
+        float a = sl_random_unit(key, 2 * i), b = sl_random_unit(key, 2 * i + 1);
+        w1[i] = a + b > 1.0f ? 1.0f - a : a;
+        w2[i] = a + b > 1.0f ? 1.0f - b : b;
+    }
+    w1[0] = w2[0] = 0.0f, w1[1] = 1.0f, w2[1] = 0.0f, w1[2] = 0.0f, w2[2] = 1.0f, w1[3] = w2[3] = 0.5f, w1[4] = 0.5f, w2[4] = 0.25f;
+    w1[5] = NAN, w2[5] = 0.25f, w1[6] = 1e30f, w2[6] = -1e30f;
+    sl_path_kernel_for(SL_ISA_BASELINE)(N, w1, w2, path);
+    for (size_t i = 0; i < N; i++) {
+        double w[3], a = isnan(w1[i]) ? 0.0 : fmin((double)w1[i], 1.0), b = fmax((double)w2[i], 0.0);
+        middle_of_path(path[i], w);
+        assert_true(fabs(w[1] - a) <= 1.0 / 4096 && fabs(w[2] - b) <= 1.0 / 4096);
+    }
+    for (int isa = SL_ISA_BASELINE; isa <= (int)sl_isa_best(); isa++) {
+        sl_path_kernel_for((sl_isa)isa)(N, w1, w2, other);
+        assert_memory_equal(path, other, sizeof path);
+    }
+}
+
+static void a_patch_measures_what_of_it_is_in_the_picture(void **state) {
+    (void)state;
+    sl_scene *scene = square_scene();
+    sl_view view = sl_view_scene(scene, 100, 100);
+    const uint16_t whole_p[3] = {0, SL_MESH_DYADIC, 0}, whole_q[3] = {0, 0, SL_MESH_DYADIC};
+    sl_face_clip face = sl_face_clip_of(scene, &view, 0);
+    sl_screen_size size = sl_screen_size_of(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
+    assert_true(fabs((double)size.area - 5000.0) < 1.0 && fabs((double)size.edge - 141.42) < 0.1);
+    const uint16_t half_p[3] = {0, SL_MESH_DYADIC / 2, 0}, half_q[3] = {0, 0, SL_MESH_DYADIC / 2};
+    size = sl_screen_size_of(&view, &face, half_p, half_q, SL_MESH_DYADIC);
+    assert_true(fabs((double)size.area - 1250.0) < 1.0 && fabs((double)size.edge - 70.71) < 0.1);
+
+    /* Twice as near: a quarter of each triangle is cut to the picture's half. */
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 1), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 2.0f * 0.463647609f));
+    view = sl_view_scene(scene, 100, 100);
+    face = sl_face_clip_of(scene, &view, 0);
+    size = sl_screen_size_of(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
+    assert_true(fabs((double)size.area - 5000.0) < 1.0 && fabs((double)size.edge - 141.42) < 0.1);
+
+    /* The eye in the square's own plane, and the square partly behind it: nothing to see, nothing infinite. */
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 1.0f));
+    view = sl_view_scene(scene, 100, 100);
+    face = sl_face_clip_of(scene, &view, 0);
+    size = sl_screen_size_of(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
+    assert_true(size.area >= 0.0f && size.area < 1.0f && size.edge <= 142.0f);
+
+    /* Far beside the picture. */
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0, 2), sl_v3(0, 0, 4), sl_v3(0, 1, 0), 1.0f));
+    view = sl_view_scene(scene, 100, 100);
+    face = sl_face_clip_of(scene, &view, 1);
+    size = sl_screen_size_of(&view, &face, whole_p, whole_q, SL_MESH_DYADIC);
+    assert_true(size.area <= 0.0f && size.edge <= 0.0f);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_pixel_that_shows_something_is_listed_once_under_its_face),
+        cmocka_unit_test(weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces),
+        cmocka_unit_test(the_order_is_the_same_with_any_threads),
+        cmocka_unit_test(a_picture_of_nothing_has_no_pixels),
+        cmocka_unit_test(a_path_leads_to_its_point_with_every_instruction_set),
+        cmocka_unit_test(a_patch_measures_what_of_it_is_in_the_picture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
