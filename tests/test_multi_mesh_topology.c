@@ -4,9 +4,11 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
+#include "base/math.h"
 #include "base/random.h"
 #include "cache/multi_mesh/topology.h"
 #include "trace_scenes.h"
@@ -162,6 +164,38 @@ static void a_sphere_of_facets_and_all_its_edges_are_consistent(void **state) {
     world w = world_of(&parts);
     check(w.topology);
     assert_true(sl_topology_memory_bytes(w.topology) < 350 * w.scene->triangle_count); /* nothing is shared but within a facet */
+    discard(&w);
+}
+
+/* Normals all over the sphere at one position, in pairs that are the same but for rounding: a site for each pair. */
+static void thousands_of_normals_at_one_corner_are_kept_apart(void **state) {
+    (void)state;
+    enum { PAIRS = 4000, TRIANGLES = 2 * PAIRS };
+    static float positions[9 * TRIANGLES], normals[9 * TRIANGLES];
+    static uint32_t indices[3 * TRIANGLES];
+    for (uint32_t t = 0; t < TRIANGLES; t++) {
+        double z = 1.0 - 2.0 * (t / 2 + 0.5) / PAIRS, turn = 2.399963 * (t / 2), radius = sqrt(1.0 - z * z); /* a spiral: 0.05 radians apart */
+        sl_vec3 n = sl_v3((float)(radius * sl_cos(turn)), (float)(radius * sl_sin(turn)), (float)z);
+        sl_frame frame = sl_frame_from_normal(n);
+        for (uint32_t c = 0; c < 3; c++) {
+            sl_vec3 p = c == 0 ? sl_v3(0, 0, 0) : sl_scale(c == 1 ? frame.x : frame.y, 1.0f + 0.1f * (float)(t % 2));
+            memcpy(&positions[9 * t + 3 * c], (float[3]){p.x, p.y, p.z}, 3 * sizeof(float));
+            memcpy(&normals[9 * t + 3 * c], (float[3]){n.x, n.y, n.z + (t % 2 ? 0.7e-4f : 0.0f) * n.x}, 3 * sizeof(float));
+            indices[3 * t + c] = 3 * t + c;
+        }
+    }
+    sl_material material = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+    sl_scene_parts parts = {.vertex_count = 3 * TRIANGLES, .positions = positions, .normals = normals, .triangle_count = TRIANGLES, .indices = indices,
+                            .material_count = 1, .materials = &material};
+    world w = {0};
+    assert_int_equal(sl_scene_build(&parts, &w.scene, NULL), SL_OK);
+    assert_int_equal(w.scene->triangle_count, TRIANGLES);
+    assert_int_equal(sl_topology_create(w.scene, false, &w.topology, NULL), SL_OK);
+    check(w.topology);
+    size_t at_tip = 0;
+    for (size_t s = 0; s < w.topology->site_count; s++) at_tip += sl_length(w.topology->site_position[s]) == 0.0f;
+    for (uint32_t f = 0; f < w.topology->face_count; f += 4) assert_int_equal(w.topology->site[0][f], w.topology->site[0][f + 2]);
+    assert_int_equal(at_tip, 2 * PAIRS);
     discard(&w);
 }
 
@@ -344,6 +378,7 @@ int main(void) {
         cmocka_unit_test(exponents_keep_sites_apart_where_asked),
         cmocka_unit_test(normals_within_a_ten_thousandth_of_a_radian_are_one),
         cmocka_unit_test(a_sphere_of_facets_and_all_its_edges_are_consistent),
+        cmocka_unit_test(thousands_of_normals_at_one_corner_are_kept_apart),
         cmocka_unit_test(needles_and_points_that_are_no_numbers_are_degenerate),
         cmocka_unit_test(closed_boxes_are_solids_whichever_way_they_are_wound),
         cmocka_unit_test(what_is_open_wound_both_ways_or_flat_is_no_solid),

@@ -12,7 +12,12 @@
  *
  * Values live in vertices: `channels` floats each (irradiance from one light: 1; colours: 3). A vertex whose value is known and that lies in the
  * middle of an edge counts for interpolation on both sides of it, be the triangles there split or not: so there are no T-vertices, and
- * no step of colour along edges. */
+ * no step of colour along edges.
+ *
+ *   mesh.c              roots, places, split, collapse
+ *   mesh_vertices.c     keys, their table, where vertices lie
+ *   mesh_interpolate.c  values between vertices
+ *   mesh_neighbours.c   the other side of an edge */
 #ifndef SL_MULTI_MESH_MESH_H
 #define SL_MULTI_MESH_MESH_H
 

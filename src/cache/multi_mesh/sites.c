@@ -1,71 +1,113 @@
-/* Sites: the corners that faces share. Corners at the same position (equal bits) form a chain of sites; a corner takes the first site of the chain
- * whose normal is no further than 1e-4 radians from its own, or starts another. A site keeps the normal of the corner that started it, and
- * corners come in the order of faces, so the outcome depends on nothing but the scene. */
+/* Sites: the corners that faces share. A corner takes the first site at its position (equal bits) whose normal is no further than 1e-4 radians from
+ * its own, or starts another. A site keeps the normal of the corner that started it, and corners come in the order of faces, so the outcome
+ * depends on nothing but the scene. Sites are found by position and by the cell of a grid over normals, so that the tip of a cone, where
+ * thousands of normals meet, takes no longer than as many corners elsewhere. */
 #include <math.h>
 
 #include "base/error.h"
-#include "base/random.h"
 #include "base/math.h"
+#include "base/random.h"
 #include "cache/multi_mesh/grow.h"
 #include "cache/multi_mesh/topology_parts.h"
+
+#define SAME_NORMAL 1e-4  /* radians */
+#define NORMAL_CELLS 512.0 /* a unit length: a cell is far wider than SAME_NORMAL, so that few corners have to look in several */
+
+typedef struct normal_cell {
+    int16_t x, y, z;
+} normal_cell;
 
 typedef struct site {
     sl_vec3 position, normal;
     float exponent;
     uint32_t face;
-    uint32_t first, next; /* of the chain */
-    uint8_t shared;
+    uint32_t first;   /* the lowest site at this position */
+    uint32_t next;    /* at this position with a normal in the same cell */
+    normal_cell cell;
+    bool shared;
 } site;
 
 typedef struct site_table {
     site *site;
     size_t count, capacity;
-    uint32_t *slot; /* first sites of chains, by position; at most half full */
     size_t slots;
+    uint32_t *at_position;   /* the first site of each position, */
+    uint32_t *in_cell;       /* ... and of each position and cell; both at most half full */
 } site_table;
 
 static bool same_bits(sl_vec3 a, sl_vec3 b) {
     return sl_float_bits(a.x) == sl_float_bits(b.x) && sl_float_bits(a.y) == sl_float_bits(b.y) && sl_float_bits(a.z) == sl_float_bits(b.z);
 }
 
-/* Where the chain of a position begins in the table, or would. */
-static uint32_t *find_chain(const site_table *table, sl_vec3 p) {
+static uint64_t hash_position(sl_vec3 p) {
     uint64_t xy = (uint64_t)sl_float_bits(p.x) << 32 | sl_float_bits(p.y);
-    size_t i = (size_t)sl_hash64(sl_hash64(xy) ^ sl_float_bits(p.z)) & (table->slots - 1);
-    while (table->slot[i] != SL_NO_INDEX && !same_bits(table->site[table->slot[i]].position, p)) i = (i + 1) & (table->slots - 1);
-    return &table->slot[i];
+    return sl_hash64(sl_hash64(xy) ^ sl_float_bits(p.z));
+}
+
+static uint32_t *find_position(const site_table *table, sl_vec3 p) {
+    size_t i = (size_t)hash_position(p) & (table->slots - 1);
+    for (; table->at_position[i] != SL_NO_INDEX; i = (i + 1) & (table->slots - 1))
+        if (same_bits(table->site[table->at_position[i]].position, p)) break;
+    return &table->at_position[i];
+}
+
+static uint32_t *find_cell(const site_table *table, sl_vec3 p, normal_cell cell) {
+    uint64_t packed = (uint64_t)(uint16_t)cell.x << 32 | (uint64_t)(uint16_t)cell.y << 16 | (uint16_t)cell.z;
+    size_t i = (size_t)sl_hash64(hash_position(p) ^ packed) & (table->slots - 1);
+    for (; table->in_cell[i] != SL_NO_INDEX; i = (i + 1) & (table->slots - 1)) {
+        const site *s = &table->site[table->in_cell[i]];
+        if (same_bits(s->position, p) && s->cell.x == cell.x && s->cell.y == cell.y && s->cell.z == cell.z) break;
+    }
+    return &table->in_cell[i];
+}
+
+static int16_t cell_of(double normal) {
+    double cell = floor(normal * NORMAL_CELLS);
+    return (int16_t)(fabs(cell) < 1e4 ? cell : 0.0); /* NaN: 0 */
 }
 
 /* The chord between unit vectors stands for their angle: cosines near 1 cannot tell 1e-4 radians from 0 in float. */
 static bool same_direction(sl_vec3 a, sl_vec3 b) {
     sl_vec3d d = sl_subd(sl_to_double(a), sl_to_double(b));
-    return sl_dotd(d, d) <= 1e-4 * 1e-4;
+    return sl_dotd(d, d) <= SAME_NORMAL * SAME_NORMAL;
 }
 
-static bool matches(const site *s, const site *corner) {
-    return same_direction(s->normal, corner->normal) && sl_float_bits(s->exponent) == sl_float_bits(corner->exponent);
+/* The lowest site that a corner may take, looked for in all cells that its normal is near to. */
+static uint32_t find_site(const site_table *table, const site *corner) {
+    uint32_t found = SL_NO_INDEX;
+    sl_vec3d n = sl_to_double(corner->normal);
+    for (int x = cell_of(n.x - SAME_NORMAL); x <= cell_of(n.x + SAME_NORMAL); x++)
+        for (int y = cell_of(n.y - SAME_NORMAL); y <= cell_of(n.y + SAME_NORMAL); y++)
+            for (int z = cell_of(n.z - SAME_NORMAL); z <= cell_of(n.z + SAME_NORMAL); z++) {
+                normal_cell cell = {(int16_t)x, (int16_t)y, (int16_t)z};
+                for (uint32_t s = *find_cell(table, corner->position, cell); s != SL_NO_INDEX; s = table->site[s].next)
+                    if (s < found && same_direction(table->site[s].normal, corner->normal) &&
+                        sl_float_bits(table->site[s].exponent) == sl_float_bits(corner->exponent))
+                        found = s;
+            }
+    return found;
 }
 
 /* The site of a corner; SL_NO_INDEX: memory ended. */
 static uint32_t site_of(site_table *table, const site *corner) {
-    uint32_t *chain = find_chain(table, corner->position), last = SL_NO_INDEX;
-    for (uint32_t s = *chain; s != SL_NO_INDEX; s = table->site[s].next) {
-        if (matches(&table->site[s], corner)) {
-            table->site[s].shared |= table->site[s].face != corner->face;
-            return s;
-        }
-        last = s;
+    uint32_t found = find_site(table, corner);
+    if (found != SL_NO_INDEX) {
+        table->site[found].shared |= table->site[found].face != corner->face;
+        return found;
     }
     if (table->count == table->capacity) {
         size_t capacity = sl_grown_capacity(table->capacity, table->count + 1024);
-        if (table->count >= SL_NO_INDEX || !sl_regrow((void **)&table->site, table->count, capacity, sizeof *table->site)) return SL_NO_INDEX;
+        if (!sl_regrow((void **)&table->site, table->count, capacity, sizeof *table->site)) return SL_NO_INDEX;
         table->capacity = capacity;
     }
-    uint32_t fresh = (uint32_t)table->count++;
+    uint32_t fresh = (uint32_t)table->count, *at_position = find_position(table, corner->position);
+    uint32_t *in_cell = find_cell(table, corner->position, corner->cell);
     table->site[fresh] = *corner;
-    table->site[fresh].first = *chain == SL_NO_INDEX ? fresh : *chain;
-    if (last == SL_NO_INDEX) *chain = fresh;
-    else table->site[last].next = fresh;
+    table->site[fresh].first = *at_position == SL_NO_INDEX ? fresh : *at_position;
+    table->site[fresh].next = *in_cell;
+    *at_position = table->site[fresh].first;
+    *in_cell = fresh;
+    table->count++;
     return fresh;
 }
 
@@ -86,7 +128,8 @@ static bool find_sites(sl_topology *topology, bool by_exponent, site_table *tabl
             sl_vec3 p = sl_scene_position(scene, scene->vertex[c][t]);
             site corner = {.position = sl_v3(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f), /* -0 is 0 */
                            .normal = corner_normal(scene, face, scene->vertex[c][t]),
-                           .exponent = exponent, .face = face, .next = SL_NO_INDEX};
+                           .exponent = exponent, .face = face};
+            corner.cell = (normal_cell){cell_of((double)corner.normal.x), cell_of((double)corner.normal.y), cell_of((double)corner.normal.z)};
             topology->site[c][face] = site_of(table, &corner);
             if (topology->site[c][face] == SL_NO_INDEX) return false;
         }
@@ -114,14 +157,16 @@ static bool keep_sites(sl_topology *topology, const site_table *table, uint32_t 
 sl_status sl_sites_make(sl_topology *topology, bool by_exponent, uint32_t **first_there, sl_error *error) {
     site_table table = {.slots = 16};
     *first_there = NULL;
-    while (table.slots < 2 * topology->scene->vertex_count) table.slots *= 2;
-    table.slot = sl_allocate(table.slots, sizeof *table.slot);
-    bool good = table.slot != NULL;
-    for (size_t i = 0; good && i < table.slots; i++) table.slot[i] = SL_NO_INDEX;
+    while (table.slots < 6 * topology->face_count) table.slots *= 2; /* sites: at most 3 a face */
+    table.at_position = sl_allocate_unset(table.slots, sizeof *table.at_position);
+    table.in_cell = sl_allocate_unset(table.slots, sizeof *table.in_cell);
+    bool good = table.at_position != NULL && table.in_cell != NULL;
+    for (size_t i = 0; good && i < table.slots; i++) table.at_position[i] = table.in_cell[i] = SL_NO_INDEX;
     good = good && find_sites(topology, by_exponent, &table);
     if (good) *first_there = sl_allocate(table.count, sizeof **first_there);
     good = good && *first_there != NULL && keep_sites(topology, &table, *first_there);
     sl_free(table.site);
-    sl_free(table.slot);
+    sl_free(table.at_position);
+    sl_free(table.in_cell);
     return good ? SL_OK : sl_fail_memory(error, "shared corners");
 }

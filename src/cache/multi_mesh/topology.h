@@ -3,7 +3,13 @@
  * A face is a side of a scene triangle: 2 t is the front of triangle t, 2 t + 1 its back; light on them has nothing in common. Faces share
  * the samples of a corner or an edge only inside one orientation group: the same position and the same shading normal there (up to 1e-4
  * radians, so that coplanar triangles share theirs) and, where the caller says so, the same exponent. A crease has samples of its own on
- * either side. Such a shared corner is a site. */
+ * either side. Such a shared corner is a site.
+ *
+ *   topology.c       all of it; degenerate triangles
+ *   sites.c          shared corners
+ *   edges.c          which faces lie along the same two sites
+ *   solids.c         closed surfaces without light inside
+ *   inside.c         whether a point lies in one of these */
 #ifndef SL_MULTI_MESH_TOPOLOGY_H
 #define SL_MULTI_MESH_TOPOLOGY_H
 
