@@ -358,7 +358,7 @@ static void settings_out_of_range_are_refused(void **state) {
     const struct {
         int size, reduced;
         float fov;
-    } bad[7] = {{100, 16, 2.8f}, {2, 1, 2.8f}, {8192, 16, 2.8f}, {128, 12, 2.8f}, {64, 128, 2.8f}, {128, 16, 3.2f}, {128, 16, NAN}};
+    } bad[7] = {{100, 16, 2.8f}, {4, 4, 2.8f}, {8192, 16, 2.8f}, {128, 12, 2.8f}, {64, 128, 2.8f}, {128, 16, 3.2f}, {128, 16, NAN}};
     for (int k = 0; k < 7; k++) {
         sl_mesh_gather *gather;
         settings.size = bad[k].size;

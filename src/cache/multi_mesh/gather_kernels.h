@@ -9,7 +9,7 @@ enum { SL_MESH_GATHER_FLOATS = 12 }; /* of a triangle: its corner 0, edges from 
 
 /* A picture: pixel (i, j) looks along x[i] frame.x + y[j] frame.y + frame.z. */
 typedef struct sl_mesh_gather_pixels {
-    int width, height;
+    int width, height;             /* width is a multiple of four */
     const uint32_t *id;            /* SL_NO_INDEX: background */
     const float *x, *y;
     sl_frame frame;
