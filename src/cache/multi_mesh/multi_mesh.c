@@ -168,7 +168,8 @@ static sl_status make_part(multi_mesh_state *s, sl_component part, sl_error *err
     const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
     sl_displayed_settings settings = {.component = part, .leaf_area = (float)m->leaf_area, .leaf_edge = (float)m->leaf_edge,
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
-                                      .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance}};
+                                      .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
+                                      .threads = s->settings.threads};
     return sl_displayed_create(topology, &settings, &s->part[part], error);
 }
 
