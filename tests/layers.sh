@@ -19,10 +19,10 @@ allow cache '(base|image|scene|raster|trace|cache)/'
 below='base|image|scene|raster|trace'
 allow cache/harmonics '(base|cache/harmonics)/'
 allow cache/light "($below|cache/light)/"
-allow cache/direct "($below|cache/(direct|light))/"
+allow cache/direct "($below|cache/(direct/|light/|picture_value))"
 allow cache/gather "($below|cache/(gather|light|harmonics))/"
 allow cache/bounces "($below|cache/(bounces|gather|light|harmonics|splatting/record|cache_file))"
-allow cache/splatting "($below|cache/(splatting|bounces|gather|direct|light|harmonics|method|announce|cache_file))"
+allow cache/splatting "($below|cache/(splatting|bounces|gather|direct|light|harmonics|method|announce|cache_file|picture_value))"
 allow cache/direct_radiance "($below|cache/(direct_radiance|light|method|announce|picture_value))"
 allow cache/light_octree "($below|cache/(light_octree|direct|light|method|announce|picture_value))"
 allow cache/light_sample "($below|cache/light_sample)/"

@@ -159,6 +159,42 @@ static void radiance_of_any_size_is_carried_cut_or_black(void **state) {
     }
 }
 
+/* Irradiance beyond floats, of each kind of light, by rays and by maps: the largest float, and what is black or in shadow stays black. */
+static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
+    (void)state;
+    const char *const lamps[] = {"", "\"emission\": 3e38, ", "", "", ""};
+    const char *const lights[] = {
+        " \"lights\": [{\"type\": \"point\", \"position\": [5e-5, 0, 0], \"intensity\": 1e37}],\n", "", " \"environment\": {\"radiance\": 3e38},\n",
+        " \"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, -0.2], \"irradiance\": 3e38}, {\"type\": \"directional\", \"direction\": [0, -1, -0.1], \"irradiance\": 3e38}],\n",
+        " \"lights\": [{\"type\": \"spot\", \"position\": [1e-5, 8e-5, 0], \"direction\": [0, -1, 0], \"intensity\": 3e38, \"inner_deg\": 30, \"outer_deg\": 60}],\n"};
+    for (int i = 0; i < 10; i++) {
+        sl_settings settings = small_settings("splatting", 32, 32);
+        settings.direct = i % 2 ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
+        sl_image *image = render(room(i / 2 == 1 ? 1.0 : 1e-4, 0.0, shiny, lamps[i / 2], lights[i / 2]), &settings, NULL);
+        assert_sound_picture(image, lights[i / 2]);
+        sl_image_destroy(image);
+    }
+}
+
+/* Of an emitter whose irradiances, summed over samples, are beyond floats the visible share is still known. */
+static void shadows_of_the_brightest_lamp_are_those_of_any(void **state) {
+    (void)state;
+    sl_settings settings = small_settings("splatting", 32, 32);
+    sl_scene *one = room(1.0, 0.0, shiny, "\"emission\": 1, ", ""), *most = room(1.0, 0.0, shiny, "\"emission\": 1.7e38, ", "");
+    sl_image *truth = render(one, &settings, NULL), *image = render(most, &settings, NULL);
+    const float *a = sl_image_channel(truth, "direct.G"), *b = sl_image_channel(image, "direct.G");
+    size_t lit = 0;
+    for (size_t i = 0; i < 32 * 32; i++) {
+        assert_true(fabs((double)b[i] - 1.7e38 * (double)a[i]) <= 1e-5 * 1.7e38 * (double)a[i]);
+        lit += b[i] > 0.0f;
+    }
+    assert_true(lit > 200);
+    sl_image_destroy(truth);
+    sl_image_destroy(image);
+    sl_scene_destroy(one);
+    sl_scene_destroy(most);
+}
+
 static void light_of_one_channel_leaves_the_others_black(void **state) {
     (void)state;
     sl_settings settings = small_settings("splatting", 32, 32);
@@ -271,6 +307,8 @@ int main(void) {
         cmocka_unit_test(glossy_lobes_of_any_exponent_reflect_their_albedo_of_an_even_sky),
         cmocka_unit_test(a_glossy_room_of_any_size_has_the_same_light_and_records),
         cmocka_unit_test(radiance_of_any_size_is_carried_cut_or_black),
+        cmocka_unit_test(light_beyond_floats_leaves_a_picture_of_numbers),
+        cmocka_unit_test(shadows_of_the_brightest_lamp_are_those_of_any),
         cmocka_unit_test(light_of_one_channel_leaves_the_others_black),
         cmocka_unit_test(where_nothing_shines_or_nothing_reflects_nothing_is_gathered),
         cmocka_unit_test(in_a_white_furnace_every_reflection_adds_one),

@@ -4,6 +4,8 @@
 #include "base/memory.h"
 #include "cache/direct/direct_internal.h"
 
+#include <float.h>
+
 enum { SUN_TEXELS_MAX = 64 };
 
 /* ---- creation ---- */
@@ -98,6 +100,22 @@ static sl_status make_sun(sl_direct *d, sl_error *error) {
     return SL_OK;
 }
 
+/* Powers of two change no bit of a share. */
+static void choose_unit(sl_direct *d) {
+    float strongest = d->sun_texels ? d->sun_table[d->sun_texels - 1].sum : 0.0f;
+    int exponent = 0;
+    for (size_t k = 0; k < d->exact_count; k++) strongest = fmaxf(strongest, d->luminances[k]);
+    if (strongest > 0.0f && isfinite(strongest)) (void)frexpf(strongest, &exponent);
+    exponent = exponent > FLT_MAX_EXP - 1 ? FLT_MAX_EXP - 1 : exponent;
+    d->unit = ldexpf(1.0f, exponent);
+    for (size_t k = 0; k < d->exact_count; k++) d->luminances[k] = ldexpf(d->luminances[k], -exponent);
+    for (size_t k = 0; k < d->sun_texels; k++) {
+        sl_rgb *light = &d->sun_light[k];
+        *light = (sl_rgb){ldexpf(light->r, -exponent), ldexpf(light->g, -exponent), ldexpf(light->b, -exponent)};
+        d->sun_table[k].sum = ldexpf(d->sun_table[k].sum, -exponent);
+    }
+}
+
 static sl_status make_sampler(sl_direct *d, sl_error *error) {
     d->extended = *d->scene;
     d->extended.light_count = 0;
@@ -122,6 +140,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     for (size_t i = 0; i < scene->material_count; i++) d->glossy |= sl_material_is_glossy(&scene->materials[i]);
     sl_status status = settings->maps ? SL_OK : make_sides(d, error);
     if (status == SL_OK && settings->sun && !settings->maps) status = make_sun(d, error);
+    choose_unit(d);
     if (status == SL_OK && !settings->maps) status = make_sampler(d, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);

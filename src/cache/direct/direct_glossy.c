@@ -3,6 +3,7 @@
  * them mostly has all but no noise. */
 #include "base/random.h"
 #include "cache/direct/direct_internal.h"
+#include "cache/picture_value.h"
 #include "trace/bsdf.h"
 
 /* Both kinds of samples of a pixel wait here for their rays. */
@@ -118,11 +119,12 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
     }
     end_light_samples(&q, counters);
     /* What the samples bring to a diffuse surface is known (direct_exact.c): how far they are off tells of the lobe, too. */
-    if (exact > 0.0f && q.irradiance > 0.0f) q.sum = sl_rgb_scale(q.sum, exact / q.irradiance);
+    float off = q.irradiance > 0.0f ? exact / q.irradiance : 0.0f;
+    if (off > 0.0f && isfinite(off)) q.sum = sl_rgb_scale(q.sum, off);
     for (uint32_t s = 0; s < lobes; s++) {
         sl_direct_point_2d(direct, &one, 0, s, 4, u);
         add_lobe_sample(&q, u, counters);
     }
     end_lobe_samples(&q, counters);
-    return q.sum;
+    return (sl_rgb){sl_picture_value(q.sum.r), sl_picture_value(q.sum.g), sl_picture_value(q.sum.b)};
 }

@@ -31,11 +31,12 @@ struct sl_direct {
     size_t exact_count;             /* sides of emitters that are lit by the closed form; 0: emitters are sampled */
     sl_polygon_light *polygons;     /* exact_count */
     float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
-    float *luminances;              /* of their radiances */
+    float unit;                     /* a power of two: what the strongest of emitters and sun is counted in, so that sums of samples stay within floats */
+    float *luminances;              /* of their radiances, in units */
     bool glossy;                    /* the scene has glossy materials */
     size_t sun_texels;              /* where they are few, their unoccluded light is known; else 0 */
     sl_vec3 *sun_direction;
-    sl_rgb *sun_light;              /* radiance x solid angle */
+    sl_rgb *sun_light;              /* radiance x solid angle, in units */
     sl_sun_texel *sun_table;        /* for sampling */
 };
 
@@ -59,8 +60,8 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
 /* What is summed up for the pixels of a strip and the rows around it. Irradiance, but for glossy. */
 typedef struct sl_direct_sums {
     size_t first, count;    /* pixels [first, first + count) of the G-buffer */
-    float *exact[3];        /* emitters and sun, unoccluded: their samples are of the next two */
-    float *seen[3], *all[3];
+    float *exact[3];        /* emitters and sun, unoccluded, in units: their samples are of the next two */
+    float *seen[3], *all[3]; /* in units */
     float *plain[3];        /* of which nothing is known but samples */
     float *glossy[3];       /* radiance */
     float *odd_seen;        /* of every other sample, the three channels together: one half of the samples, which against the */

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/direct/direct_internal.h"
+#include "cache/picture_value.h"
 
 typedef struct {
     const sl_direct *direct;
@@ -29,9 +30,9 @@ static void add_lobes(void *context, const sl_arrivals *arrivals, const float *l
         if (!(share > 0.0f) || !sl_pixel_is_glossy(c->gbuffer, c->direct->scene, pixel)) continue;
         sl_receiver at = sl_receiver_at(c->direct, c->gbuffer, pixel);
         sl_rgb f = sl_phong(&at, sl_v3(arrivals->x[i], arrivals->y[i], arrivals->z[i]));
-        c->r[pixel] += f.r * colour.r * share;
-        c->g[pixel] += f.g * colour.g * share;
-        c->b[pixel] += f.b * colour.b * share;
+        c->r[pixel] = sl_picture_value(c->r[pixel] + sl_picture_value(f.r * colour.r * share));
+        c->g[pixel] = sl_picture_value(c->g[pixel] + sl_picture_value(f.g * colour.g * share));
+        c->b[pixel] = sl_picture_value(c->b[pixel] + sl_picture_value(f.b * colour.b * share));
     }
 }
 
@@ -46,9 +47,9 @@ static void light_block(const rows_context *c, size_t first, size_t count, sl_co
     for (size_t i = first; i < first + count; i++) glossy |= sl_pixel_is_glossy(g, direct->scene, i);
     sl_shadow_maps_irradiance(direct->settings.maps, &points, SL_MAPPED_LIGHTS, r, gr, b, counters);
     for (size_t i = 0; i < count; i++) {
-        c->r[first + i] = g->diffuse_r[first + i] * (float)(1.0 / SL_PI) * r[i];
-        c->g[first + i] = g->diffuse_g[first + i] * (float)(1.0 / SL_PI) * gr[i];
-        c->b[first + i] = g->diffuse_b[first + i] * (float)(1.0 / SL_PI) * b[i];
+        c->r[first + i] = sl_picture_value(g->diffuse_r[first + i] * (float)(1.0 / SL_PI) * r[i]);
+        c->g[first + i] = sl_picture_value(g->diffuse_g[first + i] * (float)(1.0 / SL_PI) * gr[i]);
+        c->b[first + i] = sl_picture_value(g->diffuse_b[first + i] * (float)(1.0 / SL_PI) * b[i]);
     }
     lobes context = {c, first, count};
     if (glossy) sl_shadow_maps_each(direct->settings.maps, &points, SL_MAPPED_LIGHTS, add_lobes, &context, counters);

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "cache/direct/direct_internal.h"
+#include "cache/picture_value.h"
 
 enum {
     PILOT_MIN = 4,
@@ -218,11 +219,12 @@ static void finish_row(void *context, size_t index, unsigned worker) {
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
         sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]}, glossy = {0.0f, 0.0f, 0.0f};
         if (lobe)
-            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact), direct->settings.light_samples, counters_of(p, y));
+            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit, direct->settings.light_samples, counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
-            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i];
-            p->out[c][i] = diffuse[c][i] * (float)(1.0 / SL_PI) * e + p->sums->glossy[c][k] + lobes[c];
+            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->unit;
+            float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e); /* black times infinite is black */
+            p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
         }
     }
     sl_count(counters_of(p, y), SL_COUNT_FRAGMENTS_SHADED, width);

@@ -2,6 +2,7 @@
  * or masked: plain light samples. */
 #include "base/random.h"
 #include "cache/direct/direct_internal.h"
+#include "cache/picture_value.h"
 
 /* ---- lights without extent ---- */
 
@@ -10,9 +11,9 @@ static void add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t 
     if (!sl_pixel_is_glossy(gbuffer, direct->scene, pixel)) return;
     sl_receiver at = sl_receiver_at(direct, gbuffer, pixel);
     sl_rgb f = sl_phong(&at, to_light);
-    glossy[0][p] += f.r * irradiance.r;
-    glossy[1][p] += f.g * irradiance.g;
-    glossy[2][p] += f.b * irradiance.b;
+    glossy[0][p] += sl_picture_value(f.r * irradiance.r);
+    glossy[1][p] += sl_picture_value(f.g * irradiance.g);
+    glossy[2][p] += sl_picture_value(f.b * irradiance.b);
 }
 
 static sl_light_source source_of(const sl_light *light) {
@@ -84,9 +85,10 @@ static void set_sample(const sl_lit_block *block, size_t i, sl_vec3 to_light, fl
 static void add_samples(const sl_lit_block *block, const light_samples *s, sl_direct_sums *sums) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
-        sums->plain[0][p] += s->r[i] * s->visible[i];
-        sums->plain[1][p] += s->g[i] * s->visible[i];
-        sums->plain[2][p] += s->b[i] * s->visible[i];
+        bool visible = s->visible[i] > 0.0f; /* what is not may be infinite */
+        sums->plain[0][p] += visible ? s->r[i] : 0.0f;
+        sums->plain[1][p] += visible ? s->g[i] : 0.0f;
+        sums->plain[2][p] += visible ? s->b[i] : 0.0f;
     }
 }
 

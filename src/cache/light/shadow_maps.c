@@ -140,7 +140,8 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
     return status;
 }
 
-static double power_of(const sl_emitter *e) { return (double)sl_rgb_mean(e->radiance) * (double)e->area; }
+/* A quarter of it: the sum of three channels may be beyond floats. */
+static double power_of(const sl_emitter *e) { return (double)sl_rgb_mean(sl_rgb_scale(e->radiance, 0.25f)) * (double)e->area; }
 
 /* Samples of one side of an emitter: its share of the power, and at least one. */
 static size_t samples_of(const sl_scene *scene, const sl_emitter *e) {

@@ -4,6 +4,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/picture_value.h"
 #include "cache/splatting/splatting.h"
 
 const char *const sl_layer_names[SL_LAYERS_GLOSSY] = {
@@ -61,13 +62,14 @@ static void compose_row(void *context, size_t index, unsigned worker) {
         sl_rgb e = emission_at(c, (int)x, (int)index, i), ks = glossy ? p->scene->materials[g->material[i]].specular : sl_grey(0.0f);
         const float emitted[3] = {e.r, e.g, e.b}, specular[3] = {ks.r, ks.g, ks.b};
         for (size_t k = 0; k < 3; k++) {
-            float indirect = diffuse ? c->mean[k][i] * (albedo[k][i] * (float)(1.0 / SL_PI)) : 0.0f;
+            float emission = sl_picture_value(emitted[k]), direct = sl_picture_value(p->direct[k][i]);
+            float indirect = diffuse ? sl_picture_value(c->mean[k][i] * (albedo[k][i] * (float)(1.0 / SL_PI))) : 0.0f;
             /* A lobe of finite order rings below 0. */
-            float reflected = glossy && c->mean[3 + k][i] > 0.0f ? c->mean[3 + k][i] * specular[k] : 0.0f;
-            c->layers[(EMISSION + k) * pixels + out] = emitted[k];
-            c->layers[(DIRECT + k) * pixels + out] = p->direct[k][i];
+            float reflected = glossy && c->mean[3 + k][i] > 0.0f ? sl_picture_value(c->mean[3 + k][i] * specular[k]) : 0.0f;
+            c->layers[(EMISSION + k) * pixels + out] = emission;
+            c->layers[(DIRECT + k) * pixels + out] = direct;
             c->layers[(INDIRECT + k) * pixels + out] = indirect;
-            c->layers[(PICTURE + k) * pixels + out] = emitted[k] + p->direct[k][i] + indirect + reflected;
+            c->layers[(PICTURE + k) * pixels + out] = sl_picture_value(emission + direct + indirect + reflected);
             if (c->has_glossy) c->layers[(GLOSSY + k) * pixels + out] = reflected;
         }
         c->layers[WEIGHT * pixels + out] = p->splats.weight[i];
