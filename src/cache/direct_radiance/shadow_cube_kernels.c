@@ -47,10 +47,11 @@ static void locate_on_cube(const sl_shadow_cube *map, size_t count, const float 
         float a = ex.x * nx[i] + ex.y * ny[i] + ex.z * nz[i], b = ey.x * nx[i] + ey.y * ny[i] + ey.z * nz[i],
               c = ez.x * nx[i] + ez.y * ny[i] + ez.z * nz[i];
         float ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
-        bool ahead = az >= ax && az >= ay, sideways = !ahead && ax >= ay;
+        bool ahead = (az >= ax) & (az >= ay), sideways = !ahead & (ax >= ay);
         float major = ahead ? z : sideways ? x : y, s = ahead ? x : sideways ? y : x, t = ahead ? y : z;
         float ns = ahead ? a : sideways ? b : a, nt = ahead ? b : c;
-        int32_t side = ahead ? (z < 0.0f ? SL_LIGHT_BACK : SL_LIGHT_AHEAD) : (sideways ? 1 : 3) + (major < 0.0f ? 1 : 0);
+        int32_t behind = major < 0.0f ? 1 : 0, first = sideways ? 1 : 3;
+        int32_t side = ahead ? SL_LIGHT_BACK * behind : first + behind;
         float over = 1.0f / not_zero(fabsf(major)), facing = 1.0f / not_zero(fabsf(a * x + b * y + c * z));
         float column = s * over * half + middle, row = t * over * half + middle;
         float left = cell(column, last), below = cell(row, last);
@@ -156,16 +157,32 @@ static float dark_at_corner(const sl_shadow_cube *map, const places *at, size_t 
     return dark;
 }
 
+static inline bool is_part(float dark) { return (dark > 0.0f) & (dark < 1.0f - 1e-6f); }
+
+static bool some_are_dark_in_part(size_t count, const places *at) {
+    const float *restrict dark = at->dark;
+    uint32_t any = 0;
+#pragma omp simd reduction(| : any)
+    for (size_t i = 0; i < count; i++) any |= is_part(dark[i]) ? 1u : 0u;
+    return any != 0;
+}
+
 void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
                                    const float *nx, const float *ny, const float *nz, float *lit) {
     places at;
     if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
     else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
     compare(cube, count, &at);
+    if (some_are_dark_in_part(count, &at)) {
+        for (size_t i = 0; i < count; i++) {
+            if (is_part(at.dark[i]) && lit[i] > 0.0f) at.dark[i] = dark_at_corner(cube, &at, i);
+        }
+    }
+    const float *restrict dark = at.dark;
+    float *restrict out = lit;
+#pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        float dark = at.dark[i];
-        if (dark > 0.0f && dark < 1.0f - 1e-6f) dark = dark_at_corner(cube, &at, i);
-        float share = 1.0f - dark;
-        lit[i] *= share > 1e-6f ? share : 0.0f;
+        float share = 1.0f - dark[i];
+        out[i] *= share > 1e-6f ? share : 0.0f;
     }
 }
