@@ -1,9 +1,10 @@
 /* Table 1 of Frisvad et al. 2005: frames a second at 512 x 512 with 3 x 3 photons, everything computed again for every frame; the paper's
  * ratios between its rows beside ours, and OSMesa drawing the same passes in the same run (drm_osmesa.h).
  *
- * What a frame's milliseconds are: a moved camera, light and object told to the method, one update, and the picture resolved with all of its
- * layers; of OSMesa, all passes drawn and the picture read back. Nothing of either is kept from frame to frame, but in the columns where the
- * camera alone moves: then depth cube and photons stay.
+ * What a frame's milliseconds are: a moved camera, light and object told to the method, one update, and the picture resolved, as R, G and B in
+ * float; of OSMesa, all passes drawn and the picture read back, in float too. Nothing of either is kept from frame to frame, but in the
+ * columns where the camera alone moves: then depth cube and photons stay. A column of its own has ours with emission, direct and indirect
+ * light and their uncertainty as layers of the picture, which OSMesa does not make.
  *
  * OSMesa learns its number of threads once a process; so each number of threads has a process of its own. */
 #define _POSIX_C_SOURCE 200809L
@@ -138,17 +139,18 @@ static double difference(const sl_image *image, const float *rgba) {
 /* ---- a table ---- */
 
 typedef struct lane { /* all that is measured of a row */
-    drm_frames frames;
+    drm_frames frames, layered;
     peer_frames peer;
     double apart;          /* the two pictures */
     sl_counters counters;
 } lane;
 
 static void ours_all(void *context) { drm_frame(&((lane *)context)->frames, DRM_CHANGED_ALL); }
+static void ours_layered(void *context) { drm_frame(&((lane *)context)->layered, DRM_CHANGED_ALL); }
 static void ours_light(void *context) { drm_frame(&((lane *)context)->frames, SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA); }
 static void ours_camera(void *context) { drm_frame(&((lane *)context)->frames, SL_CHANGED_CAMERA); }
 
-enum { ALL, LIGHT, CAMERA, OURS };
+enum { ALL, LAYERED, LIGHT, CAMERA, OURS };
 
 static sl_settings settings_of(const row *w, unsigned threads) {
     sl_settings settings = drm_paper_settings(SIZE, w->weight);
@@ -156,6 +158,7 @@ static sl_settings settings_of(const row *w, unsigned threads) {
     settings.radiance_map.mirror_light = w->mirror_light;
     settings.radiance_map.local_light_only = w->local;
     settings.radiance_map.direct_light_only = w->direct;
+    settings.radiance_map.without_layers = true;
     return settings;
 }
 
@@ -165,10 +168,17 @@ static void open_lane(lane *l, sl_scene *scene, const row *w, drm_peer *peer, un
     drm_frames_open(&l->frames, scene, &settings);
     drm_frame(&l->frames, DRM_CHANGED_ALL);
     l->counters = l->frames.counters;
+    settings.radiance_map.without_layers = false;
+    drm_frames_open(&l->layered, scene, &settings);
     if (!peer || w->shading == NO_PEER) return;
     l->peer = (peer_frames){peer, (drm_shading)w->shading, DRM_FORWARD};
     l->peer.way = best_way(&l->peer, threads);
     l->apart = difference(l->frames.image, drm_peer_frame(peer, l->peer.shading, l->peer.way, false));
+}
+
+static void close_lane(lane *l) {
+    drm_frames_close(&l->frames);
+    drm_frames_close(&l->layered);
 }
 
 static void write_pictures(const bench_report *r, const char *name, int which, lane *l) {
@@ -202,9 +212,9 @@ static void print_row(bench_report *r, const table *t, int i, const lane *l, drm
     double all = ours[i][ALL].ms, camera = ours[i][CAMERA].ms;
     char a[24], b[24], c[24], d[24], e[24], f[24], apart[24] = "";
     if (l->apart >= 0.0) snprintf(apart, sizeof apart, "%.2f", 100.0 * l->apart);
-    bench_row(r, "%s|%s|%s|%s|%.2f|%.1f|%.0f|%.1f|%.1f|%s|%s|%s|%s|%s|%s", t->name, w->name, number(w->paper, "", a),
+    bench_row(r, "%s|%s|%s|%s|%.2f|%.1f|%.0f|%.1f|%.1f|%.1f|%s|%s|%s|%s|%s|%s", t->name, w->name, number(w->paper, "", a),
               number(w->paper > 0.0 && first->paper > 0.0 ? first->paper / w->paper : 0.0, "", b), all / ours[0][ALL].ms, fps(all), 100.0 * ours[i][ALL].apart,
-              fps(ours[i][LIGHT].ms), fps(camera), number(fps(peer[i][0].ms), "", c), number(fps(peer[i][1].ms), "", d),
+              fps(ours[i][LAYERED].ms), fps(ours[i][LIGHT].ms), fps(camera), number(fps(peer[i][0].ms), "", c), number(fps(peer[i][1].ms), "", d),
               number(peer[i][0].ms / all, "", e), number(peer[i][1].ms / camera, "", f),
               l->apart >= 0.0 ? drm_way_name(l->peer.way) : "", apart);
 }
@@ -215,7 +225,7 @@ static void run_table(bench_report *r, const bench_options *o, const table *t, u
     lane lanes[ROWS_MAX];
     drm_timed timed[DRM_TIMED_MAX], ours[ROWS_MAX][OURS], peer[ROWS_MAX][2];
     size_t count = 0;
-    static void (*const kinds[OURS])(void *) = {ours_all, ours_light, ours_camera};
+    static void (*const kinds[OURS])(void *) = {ours_all, ours_layered, ours_light, ours_camera};
     bench_scene_name(t->path, name);
     if (!bench_wants(o, name) || !bench_open_scene(r, t->path, &scene)) return;
     sl_settings settings = settings_of(&t->row[0], threads);
@@ -236,7 +246,7 @@ static void run_table(bench_report *r, const bench_options *o, const table *t, u
         print_row(r, t, i, &lanes[i], ours, peer);
         if (o->pictures && threads == 1) write_pictures(r, name, i, &lanes[i]);
     }
-    for (int i = 0; i < t->rows; i++) drm_frames_close(&lanes[i].frames);
+    for (int i = 0; i < t->rows; i++) close_lane(&lanes[i]);
     drm_peer_destroy(osmesa);
     sl_scene_destroy(scene);
 }
@@ -258,7 +268,7 @@ static void counter_rows(bench_report *r, const bench_options *o, const table *t
         for (size_t k = 0; k < sizeof shown / sizeof *shown; k++)
             at += snprintf(line + at, sizeof line - (size_t)at, "|%llu", (unsigned long long)l.counters.value[shown[k]]);
         bench_row(r, "%s", line);
-        drm_frames_close(&l.frames);
+        close_lane(&l);
     }
     sl_scene_destroy(scene);
 }
@@ -271,7 +281,7 @@ static void run_tables(bench_report *r, const bench_options *o, unsigned threads
     snprintf(csv, sizeof csv, "times-%u", threads);
     bench_say(r, "\n%u thread%s, %s; OSMesa: %s\n", threads, threads > 1 ? "s" : "",
               threads > 1 ? "shortest frame by a clock" : "median processor time", missing ? missing : peer_name());
-    bench_table(r, csv, "scene|light|paper fps|time|ours, time|ours fps|+-%|light moves|camera moves|OSMesa fps|camera moves|ours / OSMesa|camera|"
+    bench_table(r, csv, "scene|light|paper fps|time|ours, time|ours fps|+-%|with layers|light moves|camera moves|OSMesa fps|camera moves|ours / OSMesa|camera|"
                         "its way|pictures apart %");
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) run_table(r, o, &tables[i], threads, !missing);
     if (threads > 1) return;

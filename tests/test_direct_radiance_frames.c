@@ -97,6 +97,30 @@ static void in_the_cornell_box_it_is_the_light_of_its_paths(void **state) {
 
 static void look_away(void *context, const sl_pass *pass) { *(size_t *)context += pass->buffer != NULL; }
 
+static const char mirrored_room[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"m\": {\"mirror\": [0.8, 0.7, 0.6]}, \"d\": {\"diffuse\": [0.5, 0.6, 0.7]}},"
+    " \"lights\": [{\"type\": \"point\", \"position\": [0.4, 2, 1], \"intensity\": [3, 2, 1]}],"
+    " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 0.8, 0], \"fov_deg\": 50}}";
+static const char mirrored_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 3 -2\nv 2 3 -2\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                                   "usemtl d\nf 1 4 3 2\nusemtl m\nf 1 2 6 5\nusemtl d\nf 7 8 9 10\n";
+
+static void assert_strips_are_the_passes(const sl_scene *scene) {
+    size_t pictures = 0;
+    const sl_observer observer = {&pictures, look_away};
+    sl_settings strips = radiance_settings(0), passes;
+    strips.width = 70;
+    strips.height = 41;
+    passes = strips;
+    passes.observer = &observer;
+    sl_counters cost, cost_of_passes;
+    sl_image *a = render(scene, &strips, &cost), *b = render(scene, &passes, &cost_of_passes);
+    assert_true(pictures > 3);
+    assert_true(same_picture(a, b));
+    assert_memory_equal(&cost, &cost_of_passes, sizeof cost);
+    sl_image_destroy(a);
+    sl_image_destroy(b);
+}
+
 /* Without an observer passes 5 to 8 run strip by strip, with one as passes over whole planes: the same bits, and the same bill. Sizes that no
  * tile divides, planar mirrors, lobes, and a sky that pixels see in their own directions. */
 static void strips_have_the_bits_and_the_costs_of_the_passes_one_by_one(void **state) {
@@ -110,22 +134,15 @@ static void strips_have_the_bits_and_the_costs_of_the_passes_one_by_one(void **s
             print_message("%s: not there, not compared\n", paths[i]);
             continue;
         }
-        size_t pictures = 0;
-        const sl_observer observer = {&pictures, look_away};
-        sl_settings strips = radiance_settings(0), passes;
-        strips.width = 70;
-        strips.height = 41;
-        passes = strips;
-        passes.observer = &observer;
-        sl_counters cost, cost_of_passes;
-        sl_image *a = render(scene, &strips, &cost), *b = render(scene, &passes, &cost_of_passes);
-        assert_true(pictures > 3);
-        assert_true(same_picture(a, b));
-        assert_memory_equal(&cost, &cost_of_passes, sizeof cost);
-        sl_image_destroy(a);
-        sl_image_destroy(b);
+        assert_strips_are_the_passes(scene);
         sl_scene_destroy(scene);
     }
+    sl_scene *scene = scene_from_text(mirrored_room, mirrored_obj);
+    size_t mirrors = 0;
+    for (size_t m = 0; m < scene->material_count; m++) mirrors += sl_material_is_mirror(&scene->materials[m]);
+    assert_int_equal(mirrors, 1);
+    assert_strips_are_the_passes(scene);
+    sl_scene_destroy(scene);
 }
 
 /* R, G and B are the same without the layers; and a picture may be resolved again, for nothing. */
@@ -151,6 +168,27 @@ static void a_picture_without_layers_is_the_same_picture(void **state) {
     sl_image_destroy(again);
     sl_method_destroy(method);
     sl_image_destroy(all);
+    sl_scene_destroy(scene);
+}
+
+/* Whatever has moved since the last one. */
+static void every_frame_tells_the_hash_of_its_own_scene(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/moving-ball.json");
+    sl_settings settings = radiance_settings(8);
+    sl_method *method = open_method(scene, &settings);
+    const float eye[3] = {1, 2, 3}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+    for (int frame = 0; frame < 4; frame++) {
+        unsigned changes = SL_CHANGED_CAMERA;
+        if (frame == 1) assert_int_equal(sl_scene_set_time(scene, 0.3, &changes, NULL), SL_OK);
+        if (frame == 2) assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.9f, NULL), SL_OK);
+        sl_image *image = next_frame(method, frame ? changes : 0);
+        char wanted[24];
+        snprintf(wanted, sizeof wanted, "%016llx", (unsigned long long)sl_scene_hash(scene));
+        assert_string_equal(sl_image_metadata(image, "softlux.scene_hash"), wanted);
+        sl_image_destroy(image);
+    }
+    sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
 
@@ -406,6 +444,7 @@ int main(void) {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
         cmocka_unit_test(strips_have_the_bits_and_the_costs_of_the_passes_one_by_one),
         cmocka_unit_test(a_picture_without_layers_is_the_same_picture),
+        cmocka_unit_test(every_frame_tells_the_hash_of_its_own_scene),
         cmocka_unit_test(in_the_cornell_box_it_is_the_light_of_its_paths),
         cmocka_unit_test(the_light_of_two_lights_is_the_sum_of_each),
         cmocka_unit_test(a_lamp_whose_middle_is_covered_needs_more_than_one_point),

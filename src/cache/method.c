@@ -25,6 +25,8 @@ struct sl_method {
     sl_settings settings;
     char name[32], transport_name[64];
     uint64_t batches;
+    uint64_t light_hash; /* of the scene */
+    bool light_hash_known;
     bool done; /* nothing left to refine since the last edit */
 };
 
@@ -134,12 +136,19 @@ sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *e
     return status;
 }
 
+/* A scene of a million triangles takes milliseconds to hash, and most edits are of its camera. */
+static uint64_t scene_hash(sl_method *m) {
+    if (!m->light_hash_known) m->light_hash = sl_scene_light_hash(m->scene);
+    m->light_hash_known = true;
+    return sl_scene_hash_of(m->scene, m->light_hash);
+}
+
 /* Every picture carries what made it. */
-static sl_status stamp(const sl_method *method, sl_image *image, sl_error *error) {
+static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     char text[24];
     sl_status status = sl_settings_stamp(&method->settings, image, error);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.version", SL_VERSION, error);
-    snprintf(text, sizeof text, "%016" PRIx64, sl_scene_hash(method->scene));
+    snprintf(text, sizeof text, "%016" PRIx64, scene_hash(method));
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.scene_hash", text, error);
     snprintf(text, sizeof text, "%" PRIu64, method->batches);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.batches", text, error);
@@ -169,6 +178,7 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
 
 sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     method->done = false;
+    if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
     return method->class->edit(method->state, changes, error);
 }
 

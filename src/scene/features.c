@@ -1,17 +1,23 @@
 #include "scene/features.h"
 
+static void count_triangles(sl_features *features, const sl_material *material, size_t count) {
+    if (sl_material_is_diffuse(material)) features->diffuse_triangles += count;
+    if (sl_material_is_glossy(material)) features->glossy_triangles += count;
+    if (sl_material_is_mirror(material)) features->mirror_triangles += count;
+    if (sl_material_is_emitter(material)) features->emissive_triangles += count;
+    if (material->texture != SL_NO_INDEX) features->textured_triangles += count;
+    if (material->alpha_texture != SL_NO_INDEX) features->masked_triangles += count;
+}
+
+/* Neighbours in the list mostly have one material. */
 sl_features sl_scene_features(const sl_scene *scene) {
     sl_features features = {.emitters = scene->emitter_count,
                             .environment = scene->environment.present,
                             .animated = scene->animation != NULL};
-    for (size_t t = 0; t < scene->triangle_count; t++) {
-        const sl_material *material = &scene->materials[scene->material_index[t]];
-        features.diffuse_triangles += sl_material_is_diffuse(material);
-        features.glossy_triangles += sl_material_is_glossy(material);
-        features.mirror_triangles += sl_material_is_mirror(material);
-        features.emissive_triangles += sl_material_is_emitter(material);
-        features.textured_triangles += material->texture != SL_NO_INDEX;
-        features.masked_triangles += material->alpha_texture != SL_NO_INDEX;
+    for (size_t t = 0, end; t < scene->triangle_count; t = end) {
+        const uint32_t material = scene->material_index[t];
+        for (end = t + 1; end < scene->triangle_count && scene->material_index[end] == material;) end++;
+        count_triangles(&features, &scene->materials[material], end - t);
     }
     for (size_t i = 0; i < scene->light_count; i++) {
         features.point_lights += scene->lights[i].type == SL_LIGHT_POINT;

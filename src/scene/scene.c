@@ -157,9 +157,11 @@ uint64_t sl_scene_light_hash(const sl_scene *scene) {
     return hash;
 }
 
-uint64_t sl_scene_hash(const sl_scene *scene) {
-    uint64_t hash = sl_scene_light_hash(scene);
+uint64_t sl_scene_hash_of(const sl_scene *scene, uint64_t light_hash) {
+    uint64_t hash = light_hash;
     hash_camera(&hash, &scene->camera);
     hash_bytes(&hash, (int32_t[2]){scene->film_width, scene->film_height}, 2 * sizeof(int32_t));
     return hash;
 }
+
+uint64_t sl_scene_hash(const sl_scene *scene) { return sl_scene_hash_of(scene, sl_scene_light_hash(scene)); }

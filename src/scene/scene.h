@@ -177,6 +177,8 @@ bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, fl
 
 /* Of all that light depends on, whoever looks: geometry, materials, textures, lights, environment. */
 uint64_t sl_scene_light_hash(const sl_scene *scene);
+/* sl_scene_hash(), from that. */
+uint64_t sl_scene_hash_of(const sl_scene *scene, uint64_t light_hash);
 
 /* ---- building (used by the importers and by tests that make scenes by hand) ---- */
 

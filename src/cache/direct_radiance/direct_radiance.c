@@ -63,6 +63,9 @@ static void forget_geometry(radiance_state *s) {
 }
 
 static bool has_curved_mirrors(const sl_scene *scene, const sl_mirrors *planar) {
+    size_t mirrors = 0;
+    for (size_t m = 0; m < scene->material_count; m++) mirrors += sl_material_is_mirror(&scene->materials[m]);
+    if (mirrors == 0) return false;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         if (sl_material_is_mirror(&scene->materials[scene->material_index[t]]) && planar->of_triangle[t] == SL_NO_INDEX) return true;
     }

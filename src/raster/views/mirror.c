@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -70,7 +71,9 @@ static int larger_first(const void *a, const void *b) {
 }
 
 static size_t count_mirror_triangles(const sl_scene *s) {
-    size_t count = 0;
+    size_t count = 0, mirrors = 0;
+    for (size_t m = 0; m < s->material_count; m++) mirrors += sl_material_is_mirror(&s->materials[m]);
+    if (mirrors == 0) return 0;
     for (size_t t = 0; t < s->triangle_count; t++) count += sl_material_is_mirror(&s->materials[s->material_index[t]]);
     return count;
 }
@@ -122,10 +125,10 @@ static void enclose(const sl_scene *s, uint32_t t, sl_vec3 *low, sl_vec3 *high) 
 }
 
 /* Large triangles first: they tell their plane best. */
-static void assign(const sl_scene *s, size_t limit, sized_triangle *list, sl_mirrors *m) {
-    size_t count = list_flat_mirrors(s, list);
+static void assign(const sl_scene *s, size_t limit, size_t mirror_triangles, sized_triangle *list, sl_mirrors *m) {
+    size_t count = mirror_triangles ? list_flat_mirrors(s, list) : 0;
     qsort(list, count, sizeof *list, larger_first);
-    for (uint32_t t = 0; t < s->triangle_count; t++) m->of_triangle[t] = SL_NO_INDEX;
+    memset(m->of_triangle, 0xff, s->triangle_count * sizeof *m->of_triangle); /* SL_NO_INDEX */
     for (size_t i = 0; i < count; i++) {
         uint32_t t = list[i].triangle;
         size_t k = 0;
@@ -145,17 +148,18 @@ static void assign(const sl_scene *s, size_t limit, sized_triangle *list, sl_mir
 sl_status sl_mirrors_find(const sl_scene *scene, size_t limit, sl_mirrors **mirrors, sl_error *error) {
     *mirrors = NULL;
     sl_mirrors *m = sl_allocate(1, sizeof *m);
-    sized_triangle *list = sl_allocate(count_mirror_triangles(scene), sizeof *list);
+    const size_t mirror_triangles = count_mirror_triangles(scene);
+    sized_triangle *list = sl_allocate(mirror_triangles, sizeof *list);
     if (m) {
         m->plane = sl_allocate(limit, sizeof *m->plane);
         m->material = sl_allocate(limit, sizeof *m->material);
         m->low = sl_allocate(limit, sizeof *m->low);
         m->high = sl_allocate(limit, sizeof *m->high);
-        m->of_triangle = sl_allocate(scene->triangle_count, sizeof *m->of_triangle);
+        m->of_triangle = sl_allocate_unset(scene->triangle_count, sizeof *m->of_triangle);
         m->offset = 4e-6 * (double)scene->diagonal;
     }
     bool ok = m && list && m->plane && m->material && m->low && m->high && m->of_triangle;
-    if (ok) assign(scene, limit, list, m);
+    if (ok) assign(scene, limit, mirror_triangles, list, m);
     sl_free(list);
     if (!ok) sl_mirrors_destroy(m);
     else *mirrors = m;
