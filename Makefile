@@ -161,6 +161,10 @@ $(OCTREE_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(OCTREE_BENCH) $(BUIL
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
+$(BUILD)/bench/bench_light_sample: $(BUILD)/o/bench/bench_light_sample.o $(COMMON_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)

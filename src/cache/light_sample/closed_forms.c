@@ -119,6 +119,8 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
 }
 
 sl_vec3 sl_light_direction(const sl_sampled_light *light, const sl_lit_point *point) {
+    sl_vec3 n = point->normal, g = point->geometric_normal;
+    if (!sl_is_finite(point->position) || !(sl_dot(n, n) > 0.0f) || !(sl_dot(g, g) > 0.0f)) return sl_v3(0, 0, 0);
     if (has_extent(light)) return sl_normalize_or(sl_to_float(sl_light_middle(light, point)), sl_v3(0, 0, 0));
     sl_vec3d to;
     double distance;

@@ -42,7 +42,7 @@ static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_t
 
 /* Of one-sided triangles: all corners behind the plane of each, but for roundings. */
 static bool is_convex(const sl_sampled_light *light, double size) {
-    enum { TRIANGLES_MAX = 2048 };
+    enum { TRIANGLES_MAX = 4096 };
     if (light->two_sided || light->triangles > TRIANGLES_MAX) return false;
     for (size_t t = 0; t < light->triangles; t++) {
         sl_vec3d a = corner_of(light, 3 * t);
@@ -193,15 +193,18 @@ static bool allocate_planes(const sl_light_sampling *sampling, sl_light_sample_s
     s->planes = sl_allocate(2 * pixels, sizeof *s->planes);
     s->halves = sl_allocate(pixels / 2 + 1, sizeof *s->halves);
     s->sums = sl_allocate(2 * reduced, sizeof *s->sums);
-    s->row = sl_allocate(side, sizeof *s->row);
-    s->column = sl_allocate(side, sizeof *s->column);
-    bool ok = s->id && s->planes && s->halves && s->sums && s->row && s->column;
-    if (!look_at) return ok;
+    s->row_x = sl_allocate(4 * side, sizeof *s->row_x);
+    bool ok = s->id && s->planes && s->halves && s->sums && s->row_x;
+    if (!ok) return false;
+    s->row_y = s->row_x + side;
+    s->column_x = s->row_y + side;
+    s->column_y = s->column_x + side;
+    if (!look_at) return true;
     s->depth = sl_allocate(pixels, sizeof *s->depth);
     s->light_id = sl_allocate(pixels, sizeof *s->light_id);
     s->light_depth = sl_allocate(pixels, sizeof *s->light_depth);
     s->facing = sl_allocate(sampling->most_triangles, sizeof *s->facing);
-    return ok && s->depth && s->light_id && s->light_depth && s->facing;
+    return s->depth && s->light_id && s->light_depth && s->facing;
 }
 
 sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_light_sample_scratch **scratch, sl_error *error) {
@@ -219,7 +222,7 @@ sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_l
 
 void sl_light_sample_scratch_destroy(sl_light_sample_scratch *s) {
     if (!s) return;
-    void *blocks[] = {s->id, s->planes, s->halves, s->sums, s->row, s->column, s->depth, s->light_id, s->light_depth, s->facing};
+    void *blocks[] = {s->id, s->planes, s->halves, s->sums, s->row_x, s->depth, s->light_id, s->light_depth, s->facing};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
     sl_raster_scratch_destroy(s->raster);
     sl_raster_scratch_destroy(s->light_raster);
@@ -233,13 +236,10 @@ sl_light_picture sl_light_last_picture(const sl_light_sample_scratch *s) {
 /* ---- a sample ---- */
 
 typedef struct {
-    const sl_light_sampling *sampling;
-    size_t index;
+    sl_light_query query;
+    const sl_light_sample_settings *settings;
     const sl_sampled_light *light;
     const sl_light_shape_info *shape;
-    const sl_lit_point *point;
-    sl_light_sample_scratch *scratch;
-    sl_counters *counters;
     double unoccluded;
 } sample;
 
@@ -249,40 +249,35 @@ static double value_of(const sample *s, sl_light_sums sums, bool ratio) {
 }
 
 /* Where no weight is known, though light arrives: the middle of what is above the horizon stands for all of it. */
-static double by_one_ray(const sample *s) {
-    sl_vec3d middle = sl_light_middle(s->light, s->point);
-    sl_vec3 place = sl_to_float(sl_addd(sl_to_double(s->point->position), middle));
-    return sl_light_hidden(s->sampling, s->point, place, SL_LIGHT_MARGIN, s->counters) ? 0.0 : s->unoccluded;
-}
+static double by_one_ray(const sample *s) { return sl_light_middle_hidden(&s->query) ? 0.0 : s->unoccluded; }
 
 static double by_rays(const sample *s) {
-    sl_light_sums sums = sl_light_rays(s->sampling, s->index, s->point, s->counters);
+    sl_light_sums sums = sl_light_rays(&s->query);
     return sums.all > 0.0 ? value_of(s, sums, true) : by_one_ray(s);
 }
 
 /* Twice as many pixels until one is no larger than half the distance to the light's plane: the midpoint rule's error depends on that. */
 static int picture_size(const sample *s, bool *fine) {
     const sl_light_window *w = &s->shape->window;
-    int size = s->sampling->settings.size;
-    if (s->shape->raster) return *fine = true, size;
-    double side = fmax(w->right - w->left, w->top - w->bottom);
-    double h = fabs(sl_dotd(sl_subd(sl_to_double(s->point->position), w->origin), sl_to_double(s->light->normal)));
-    while ((double)size * h < 2.0 * side && size < s->sampling->settings.largest) size *= 2;
-    *fine = (double)size * h >= 2.0 * side;
+    int size = s->settings->size;
+    *fine = true;
+    if (s->shape->raster) return size;
+    double h = fabs(sl_dotd(sl_subd(sl_to_double(s->query.point->position), w->origin), sl_to_double(s->light->normal)));
+    while ((double)size * h < 2.0 * w->side && size < s->settings->largest) size *= 2;
+    *fine = (double)size * h >= 2.0 * w->side;
     return size;
 }
 
 static double by_pictures(const sample *s) {
-    bool ratio = s->sampling->settings.estimator == SL_LIGHT_RATIO, fine;
+    bool ratio = s->settings->estimator == SL_LIGHT_RATIO, fine;
     int size = picture_size(s, &fine);
     if (!fine) return by_rays(s);
-    for (; size <= s->sampling->settings.largest; size *= 2) {
+    for (; size <= s->settings->largest; size *= 2) {
         sl_light_sums sums = {0.0, 0.0};
-        sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(s->sampling, s->index, s->point, size, s->scratch, &sums, s->counters)
-                                              : sl_window_shoot(s->sampling, s->index, s->point, size, s->scratch, &sums, s->counters);
+        sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums) : sl_window_shoot(&s->query, size, &sums);
         if (shot == SL_SHOT_IMPOSSIBLE) return by_rays(s);
         if (shot == SL_SHOT_NOTHING_BETWEEN) {
-            sl_count(s->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+            sl_count(s->query.counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
             return s->unoccluded;
         }
         if (sums.all > 0.0) return value_of(s, sums, ratio);
@@ -296,19 +291,24 @@ static bool is_nothing(const sample *s, double distance) {
 }
 
 static double area_light(sample *s) {
-    double distance = sl_lengthd(sl_subd(sl_to_double(s->light->position), sl_to_double(s->point->position)));
-    s->unoccluded = sl_light_unoccluded(s->light, s->point);
+    sl_light_query *q = &s->query;
+    double distance = sl_lengthd(sl_subd(sl_to_double(s->light->position), sl_to_double(q->point->position)));
+    s->unoccluded = sl_light_unoccluded(s->light, q->point);
     if (is_nothing(s, distance)) {
-        sl_count(s->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
         return 0.0;
     }
+    q->middle = sl_light_middle(s->light, q->point);
+    q->lifted = sl_light_lifted(q->sampling, q->point);
+    q->eye = sl_light_eye(q->sampling, q->lifted, q->middle);
     if (s->shape->size < SL_TINY_LIGHT * distance) return by_one_ray(s);
-    return s->sampling->settings.estimator == SL_LIGHT_RAYS ? by_rays(s) : by_pictures(s);
+    return s->settings->estimator == SL_LIGHT_RAYS ? by_rays(s) : by_pictures(s);
 }
 
 float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
                            sl_counters *counters) {
-    sample s = {sampling, light, &sampling->lights->light[light], &sampling->shape[light], point, scratch, counters, 0.0};
+    sample s = {.query = {.sampling = sampling, .light = light, .point = point, .scratch = scratch, .counters = counters},
+                .settings = &sampling->settings, .light = &sampling->lights->light[light], .shape = &sampling->shape[light]};
     sl_count(counters, SL_COUNT_LIGHT_SAMPLES, 1);
     if (!sl_is_finite(point->position) || !sl_is_finite(point->normal) || !sl_is_finite(point->geometric_normal)) {
         sl_count(counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);

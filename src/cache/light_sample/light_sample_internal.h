@@ -15,11 +15,12 @@
 
 enum { SL_WINDOW_LEVELS = 12 };
 
-/* A planar light's window: its bounding rectangle in an orthonormal frame within its plane, cut into N x N pixels. */
+/* A planar light's window: origin + s A + t B, s and t in [0,1], just holds the light, and is cut into N x N pixels. */
 typedef struct sl_light_window {
-    sl_frame frame;            /* x, y in the plane; z against the side on which it shines */
-    sl_vec3d origin;           /* in the plane */
-    double left, right, bottom, top; /* of the light along x, y from there */
+    sl_vec3d origin, a, b;
+    sl_vec3d over_a, over_b;   /* in the plane: . (p - origin) are s and t */
+    double side;               /* the longer of A and B */
+    sl_frame frame;            /* orthonormal, for tangents: x, y in the plane, z against the side on which it shines */
     uint32_t *inside[SL_WINDOW_LEVELS]; /* by log2 of N: a bit a pixel, is its centre on the light? sl_window_words(N) words a row */
 } sl_light_window;
 
@@ -48,7 +49,7 @@ struct sl_light_sampling {
     sl_light_sample_settings settings;
     sl_light_shape_info *shape; /* by light */
     sl_light_pixel_kernels kernels;
-    float near;                /* what is nearer than that hides nothing: 1e-5 of the scene's diagonal */
+    float near;                /* what is nearer than that on the way to the light hides nothing: 1e-5 of the scene's diagonal */
     float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding */
     size_t most_triangles;     /* of those lights */
     const sl_raster *widest;   /* of the lights' own rasters the one that needs the largest scratch; or NULL */
@@ -61,15 +62,24 @@ struct sl_light_sample_scratch {
     float *planes;             /* two of largest^2: the light's weights as they are seen, and all of them */
     float *halves;             /* for the reduction */
     float *sums;               /* two of reduced^2 */
-    float *row, *column;       /* tangents of the pixels' centres */
+    float *row_x, *row_y, *column_x, *column_y; /* tangents of the pixels' centres */
     uint8_t *facing;           /* by triangle of a light */
     int picture_size;          /* of planes' first, 0: none */
 };
 
-/* Above the surface, where rays start and views have their eye. */
-static inline sl_vec3 sl_light_eye(const sl_light_sampling *sampling, const sl_lit_point *point) {
-    return sl_mad(point->position, sampling->lift, point->geometric_normal);
-}
+/* A point that asks for an area light. Visibility is that of an eye above its surface in spite of rounding and a little (`near`) on the way to
+ * the light's middle, past walls that stand on the point itself, for whether they are before it or behind is rounding; weights are the point's. */
+typedef struct sl_light_query {
+    const sl_light_sampling *sampling;
+    size_t light;
+    const sl_lit_point *point;
+    sl_vec3d middle;           /* of what is above the horizons, from the point */
+    sl_vec3 lifted, eye;       /* above the surface; and on the way */
+    sl_light_sample_scratch *scratch;
+    sl_counters *counters;
+} sl_light_query;
+sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point);
+sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light);
 
 /* The pictures' sums: of weights that are seen, and of all. */
 typedef struct sl_light_sums {
@@ -90,19 +100,17 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
 /* window.c */
 sl_status sl_light_window_make(const sl_sampled_light *light, const sl_light_sample_settings *settings, sl_light_window *window,
                                sl_error *error);
-sl_light_shot sl_window_shoot(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int size,
-                              sl_light_sample_scratch *scratch, sl_light_sums *sums, sl_counters *counters);
+sl_light_shot sl_window_shoot(const sl_light_query *query, int size, sl_light_sums *sums);
 /* Sums the two planes of size x size weights in the scratch by reduction. */
-sl_light_sums sl_light_reduce(const sl_light_sampling *sampling, int size, sl_light_sample_scratch *scratch, sl_counters *counters);
+sl_light_sums sl_light_reduce(const sl_light_query *query, int size);
 
 /* look_at.c */
-sl_light_shot sl_look_at_shoot(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int size,
-                               sl_light_sample_scratch *scratch, sl_light_sums *sums, sl_counters *counters);
+sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_sums *sums);
 
-/* shadow_ray.c. Is anything between the point and a place, all but whose last `margin` of the way counts? */
-bool sl_light_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 place, double margin, sl_counters *counters);
+/* shadow_ray.c. Is the light's middle hidden? */
+bool sl_light_middle_hidden(const sl_light_query *query);
 /* F by n x n rays: seen weights and all of them, in units of F. */
-sl_light_sums sl_light_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_counters *counters);
+sl_light_sums sl_light_rays(const sl_light_query *query);
 /* F of a light without extent. */
 double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light, const sl_lit_point *point,
                                sl_counters *counters);

@@ -30,11 +30,13 @@ static void set_tangents(float *tangent, int size, float first, float last) {
     }
 }
 
-sl_light_shot sl_look_at_shoot(const sl_light_sampling *sampling, size_t index, const sl_lit_point *point, int size,
-                               sl_light_sample_scratch *s, sl_light_sums *sums, sl_counters *counters) {
-    const sl_sampled_light *light = &sampling->lights->light[index];
+sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_sums *sums) {
+    const sl_light_sampling *sampling = query->sampling;
+    const sl_sampled_light *light = &sampling->lights->light[query->light];
+    const sl_lit_point *point = query->point;
+    const sl_vec3 eye = query->lifted;
+    sl_light_sample_scratch *s = query->scratch;
     const sl_light_shape shape = {light->corner, light->triangles, light->two_sided};
-    sl_vec3 eye = sl_light_eye(sampling, point);
     sl_light_view v;
     *sums = (sl_light_sums){0.0, 0.0};
     sl_light_sight sight = sl_view_light(eye, point->geometric_normal, &shape, size, size, sampling->near, &v);
@@ -42,18 +44,18 @@ sl_light_shot sl_look_at_shoot(const sl_light_sampling *sampling, size_t index, 
     if (sight == SL_LIGHT_TOO_WIDE || !(v.left < v.right) || !(v.bottom < v.top)) return SL_SHOT_IMPOSSIBLE;
     const sl_target light_target = {size, size, s->light_id, s->light_depth}, target = {size, size, s->id, s->depth};
     v.view.skip_triangle = own_triangle(light, point->triangle);
-    sl_raster_id_small(sampling->shape[index].raster, &v.view, &light_target, s->light_raster, counters);
+    sl_raster_id_small(sampling->shape[query->light].raster, &v.view, &light_target, s->light_raster, query->counters);
     v.view.skip_triangle = point->triangle;
-    sl_raster_id_small(sampling->raster, &v.view, &target, s->raster, counters);
+    sl_raster_id_small(sampling->raster, &v.view, &target, s->raster, query->counters);
     find_facing(light, eye, s->facing);
-    set_tangents(s->column, size, v.left, v.right);
-    set_tangents(s->row, size, v.bottom, v.top);
-    sl_light_pixels pixels = {.size = size, .x = s->column, .y = s->row, .step_x = (v.right - v.left) / (float)size,
+    set_tangents(s->column_x, size, v.left, v.right);
+    set_tangents(s->row_y, size, v.bottom, v.top);
+    sl_light_pixels pixels = {.size = size, .column_x = s->column_x, .row_y = s->row_y, .step_x = (v.right - v.left) / (float)size,
                               .step_y = (v.top - v.bottom) / (float)size, .normal = sl_frame_to_local(&v.frame, point->normal),
                               .geometric = sl_frame_to_local(&v.frame, point->geometric_normal), .scale = 0.318309886f,
                               .seen = s->planes, .all = s->planes + (size_t)size * (size_t)size};
     sampling->kernels.look_at(&pixels, s->light_id, s->facing, s->light_depth, s->depth);
     s->picture_size = size;
-    *sums = sl_light_reduce(sampling, size, s, counters);
+    *sums = sl_light_reduce(query, size);
     return SL_SHOT_TAKEN;
 }

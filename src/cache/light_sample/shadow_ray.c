@@ -57,32 +57,40 @@ static void flush(packet *p) {
     p->count = 0;
 }
 
-/* d: of any length, the place aimed at being at far = 1. What is nearer than `near` hides nothing, as in the pictures. */
+/* d: of any length, the place aimed at being at far = 1. */
 static void add_ray(packet *p, sl_vec3d d, double far, double weight) {
     unsigned i = p->count++;
-    double length = sl_lengthd(d);
     p->rays.origin_x[i] = p->eye.x;
     p->rays.origin_y[i] = p->eye.y;
     p->rays.origin_z[i] = p->eye.z;
     p->rays.direction_x[i] = (float)d.x;
     p->rays.direction_y[i] = (float)d.y;
     p->rays.direction_z[i] = (float)d.z;
-    p->rays.near[i] = (float)((double)p->sampling->near / (length > 0.0 ? length : 1.0));
+    p->rays.near[i] = 0.0f;
     p->rays.far[i] = (float)far;
     p->rays.skip[i] = p->skip;
     p->weight[i] = weight;
     if (p->count == SL_PACKET) flush(p);
 }
 
-static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *point, sl_counters *counters) {
-    return (packet){.sampling = sampling, .counters = counters, .eye = sl_light_eye(sampling, point), .skip = point->triangle};
+sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point) {
+    return sl_mad(point->position, sampling->lift, point->geometric_normal);
 }
 
-bool sl_light_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 place, double margin, sl_counters *counters) {
-    packet p = packet_at(sampling, point, counters);
-    sl_vec3d d = sl_subd(sl_to_double(place), sl_to_double(p.eye));
+sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light) {
+    double length = sl_lengthd(to_light), step = length > 0.0 ? fmin((double)sampling->near / length, 0.25) : 0.0;
+    return sl_to_float(sl_addd(sl_to_double(lifted), sl_scaled(to_light, step)));
+}
+
+static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_counters *counters) {
+    return (packet){.sampling = sampling, .counters = counters, .eye = eye, .skip = point->triangle};
+}
+
+/* From the eye to a place, but for the last of the way; or, far being infinite, as far as it goes. */
+static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_vec3d d, double far, sl_counters *counters) {
+    packet p = packet_at(sampling, point, eye, counters);
     if (!(sl_lengthd(d) > 0.0) || !sl_is_finite(sl_to_float(d))) return false;
-    add_ray(&p, d, 1.0 - margin, 1.0);
+    add_ray(&p, d, far, 1.0);
     flush(&p);
     return !(p.seen > 0.0);
 }
@@ -95,13 +103,10 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
         sl_count(counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
         return 0.0;
     }
-    if (light->kind != SL_SAMPLED_DIRECTIONAL) {
-        return sl_light_hidden(sampling, point, light->position, SL_LIGHT_MARGIN, counters) ? 0.0 : value;
-    }
-    packet p = packet_at(sampling, point, counters);
-    add_ray(&p, to, INFINITY, 1.0);
-    flush(&p);
-    return p.seen > 0.0 ? value : 0.0;
+    bool sun = light->kind == SL_SAMPLED_DIRECTIONAL;
+    sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point), sl_scaled(to, sun ? (double)sampling->scene->diagonal : distance));
+    sl_vec3d d = sun ? to : sl_subd(sl_to_double(light->position), sl_to_double(eye));
+    return is_hidden(sampling, point, eye, d, sun ? INFINITY : 1.0 - SL_LIGHT_MARGIN, counters) ? 0.0 : value;
 }
 
 /* ---- area lights ---- */
@@ -141,27 +146,34 @@ static uint64_t jitter_key(const sl_lit_point *point, size_t light) {
     return sl_random_key(hash, light);
 }
 
-sl_light_sums sl_light_rays(const sl_light_sampling *sampling, size_t index, const sl_lit_point *point, sl_counters *counters) {
-    const sl_sampled_light *light = &sampling->lights->light[index];
-    const sl_light_shape_info *shape = &sampling->shape[index];
+bool sl_light_middle_hidden(const sl_light_query *q) {
+    sl_vec3d d = sl_subd(sl_addd(sl_to_double(q->point->position), q->middle), sl_to_double(q->eye));
+    return is_hidden(q->sampling, q->point, q->eye, d, 1.0 - SL_LIGHT_MARGIN, q->counters);
+}
+
+sl_light_sums sl_light_rays(const sl_light_query *query) {
+    const sl_light_sampling *sampling = query->sampling;
+    const sl_sampled_light *light = &sampling->lights->light[query->light];
+    const sl_light_shape_info *shape = &sampling->shape[query->light];
+    const sl_lit_point *point = query->point;
     const int n = sampling->settings.rays;
-    const uint64_t key = jitter_key(point, index);
+    const uint64_t key = jitter_key(point, query->light);
     const sl_vec3d normal = sl_to_double(point->normal), geometric = sl_to_double(point->geometric_normal);
-    packet p = packet_at(sampling, point, counters);
-    sl_vec3d eye = sl_to_double(p.eye);
+    packet p = packet_at(sampling, point, query->eye, query->counters);
+    const sl_vec3d position = sl_to_double(point->position), eye = sl_to_double(p.eye);
     double all = 0.0, scale = shape->area / ((double)n * (double)n * SL_PI);
     for (int i = 0; i < n * n; i++) {
         size_t triangle;
         double u = ((double)(i % n) + (double)sl_random_unit(key, 2 * (uint64_t)i)) / (double)n;
         double v = ((double)(i / n) + (double)sl_random_unit(key, 2 * (uint64_t)i + 1)) / (double)n;
-        sl_vec3d d = sl_subd(place_on(light, shape, u, v, &triangle), eye);
+        sl_vec3d place = place_on(light, shape, u, v, &triangle), d = sl_subd(place, position);
         double squared = sl_dotd(d, d), high = sl_dotd(normal, d), front = -sl_dotd(normal_of(light, triangle), d);
         front = light->two_sided ? fabs(front) : front;
         if (!(squared > 0.0) || !(high > 0.0) || !(front > 0.0) || !(sl_dotd(geometric, d) > 0.0)) continue;
         double weight = high / squared * (front / squared) * scale;
         if (!isfinite(weight)) continue;
         all += weight;
-        add_ray(&p, d, 1.0 - fmax(SL_LIGHT_MARGIN, fmin(2.0 * shape->flatness / front, 0.5)), weight);
+        add_ray(&p, sl_subd(place, eye), 1.0 - fmax(SL_LIGHT_MARGIN, fmin(2.0 * shape->flatness / front, 0.5)), weight);
     }
     flush(&p);
     return (sl_light_sums){p.seen, all};

@@ -7,13 +7,14 @@
 
 #include <stdint.h>
 
-/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along (x[i], y[j], 1). */
+/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along (x, y, 1), x = column_x[i] + row_x[j] and
+ * y = column_y[i] + row_y[j]; in a picture square to its frame y is row_y[j] alone, and x is column_x[i]. */
 typedef struct sl_light_pixels {
     int size;
-    const float *x, *y;
-    float step_x, step_y;        /* between neighbours */
+    const float *column_x, *column_y, *row_x, *row_y;
+    float step_x, step_y;        /* between neighbours, of pictures square to their frame */
     sl_vec3 normal, geometric;   /* of the receiver, in the view's frame */
-    float scale;                 /* weights are multiplied by this */
+    float scale;                 /* weights are multiplied by this (of a window: a pixel's area, too) */
     float *seen, *all;           /* size x size each */
 } sl_light_pixels;
 

@@ -1,0 +1,168 @@
+/* Which lights there are: what is one, what it looks like, and that lights know nothing of each other. */
+#include <string.h>
+
+#include "light_sample_support.h"
+
+#include "base/random.h"
+
+static const sl_vec3 up = {0, 1, 0};
+
+static uint32_t lamp_material(trace_mesh *mesh, float radiance) { return trace_mesh_material(mesh, 0, 0, 0, 0, radiance); }
+
+/* A horizontal quad that shines down. */
+static void add_panel(trace_mesh *mesh, float x, float y, float z, float size, uint32_t material) {
+    trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size), material);
+}
+
+static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t dim = lamp_material(&mesh, 1), bright = lamp_material(&mesh, 2);
+    add_panel(&mesh, 0, 2, 0, 1, dim);
+    add_panel(&mesh, 3, 2, 0, 1, bright);
+    add_panel(&mesh, 5, 2, 0, 1, dim); /* apart from the first, in its plane */
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 2);
+    assert_int_equal(w.lights->light[0].triangles, 4);
+    assert_int_equal(w.lights->light[1].triangles, 2);
+    assert_true(w.lights->light[0].kind == SL_SAMPLED_AREA && w.lights->light[0].normal.y == -1.0f);
+    assert_near((double)w.lights->light[0].position.x, 3.0, 1e-6);
+    assert_near((double)w.lights->light[1].colour.r, 2.0 * 3.14159265, 1e-5);
+    for (uint32_t t = 0; t < 6; t++) assert_int_equal(w.lights->light_of_triangle[t], t == 2 || t == 3);
+    for (size_t k = 1; k < 4; k++) assert_true(w.lights->light[0].triangle[k] > w.lights->light[0].triangle[k - 1]);
+    light_world_free(&w);
+}
+
+static void bulbs_apart_are_lights_of_their_own(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t lamp = lamp_material(&mesh, 1), grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.1f, 8, 0.0f, false, lamp);
+    add_panel(&mesh, 9, 9, 9, 1, grey);
+    trace_mesh_sphere(&mesh, sl_v3(2, 2, 0), 0.1f, 8, 0.0f, false, lamp);
+    add_panel(&mesh, 1, 3, 1, 0.5f, lamp);
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 3);
+    assert_true(w.lights->light[0].kind == SL_SAMPLED_SOLID && w.lights->light[1].kind == SL_SAMPLED_SOLID);
+    assert_int_equal(w.lights->light[2].kind, SL_SAMPLED_AREA);
+    assert_near((double)w.lights->light[1].position.x, 2.0, 1e-5);
+    assert_true(sample_light(&w, 0, sl_v3(0, 0, 0), up) > sample_light(&w, 1, sl_v3(0, 0, 0), up));
+    light_world_free(&w);
+}
+
+static void a_swarm_of_lamps_is_one_light(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t lamp = lamp_material(&mesh, 1);
+    for (int i = 0; i < 100; i++) add_panel(&mesh, (float)i, 2 + 0.01f * (float)i, 0, 0.5f, lamp);
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 1);
+    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
+    assert_int_equal(w.lights->light[0].triangles, 200);
+    assert_true(sample_light(&w, 0, sl_v3(50, 0, 0), up) > 0.0);
+    light_world_free(&w);
+}
+
+static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    mesh.lights[0] = (sl_light){SL_LIGHT_SPOT, {0, 2, 0}, {0, -1, 0}, {1, 1, 1}, 0.9f, 0.8f};
+    mesh.lights[1] = (sl_light){SL_LIGHT_POINT, {0, 2, 0}, {0, 0, 0}, {3, 2, 1}, 0, 0};
+    mesh.light_count = 2;
+    add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 3);
+    assert_int_equal(w.lights->light[0].scene_light, SL_NO_INDEX);
+    assert_true(w.lights->light[1].kind == SL_SAMPLED_SPOT && w.lights->light[1].scene_light == 0);
+    assert_true(w.lights->light[2].kind == SL_SAMPLED_POINT && w.lights->light[2].scene_light == 1);
+    light_world_free(&w);
+}
+
+static void a_scene_without_lights_has_none(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    add_panel(&mesh, 0, 2, 0, 1, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 0);
+    assert_int_equal(w.lights->light_of_triangle[0], SL_NO_INDEX);
+    light_world_free(&w);
+}
+
+/* With a second lamp turned off, what the first gives is the same, bit by bit: lamps hide each other, and that is all they do. */
+static void a_light_is_the_same_whatever_other_lights_do(void **unused) {
+    (void)unused;
+    float value[2][100];
+    for (int on = 0; on < 2; on++) {
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t lamp = lamp_material(&mesh, 1), other = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, on ? 7.0f : 0.0f);
+        add_panel(&mesh, 0, 2, 0, 1, lamp);
+        add_panel(&mesh, 0.5f, 1.5f, 0.2f, 0.7f, other);
+        trace_mesh_sphere(&mesh, sl_v3(0.3f, 1, 0.3f), 0.2f, 8, 0.0f, false, other);
+        light_world w;
+        light_world_make(&w, &mesh);
+        assert_int_equal(w.lights->count, on ? 3 : 1);
+        for (uint64_t i = 0; i < 100; i++) {
+            uint64_t key = sl_random_key(21, i);
+            value[on][i] = (float)sample_light(&w, 0, sl_v3(2 * sl_random_unit(key, 0) - 0.5f, 0, 2 * sl_random_unit(key, 1) - 0.5f), up);
+        }
+        light_world_free(&w);
+    }
+    assert_memory_equal(value[0], value[1], sizeof value[0]);
+}
+
+/* F times the colour, summed over all lights, is the irradiance: panel by panel against the closed form. */
+static void lights_add_up_to_the_irradiance(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    for (int i = 0; i < 6; i++) add_panel(&mesh, (float)i - 3, 2, (float)(i % 2), 0.8f, lamp_material(&mesh, 1.0f + (float)i));
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 6);
+    double sum = 0.0, expected = 0.0;
+    for (size_t i = 0; i < 6; i++) sum += sample_light(&w, i, sl_v3(0, 0, 0), up) * (double)w.lights->light[i].colour.g;
+    for (int i = 0; i < 6; i++) {
+        double x = (double)i - 3, z = (double)(i % 2);
+        expected += rectangle_form(x, x + 0.8, z, z + 0.8, 2) * 3.14159265358979 * (1.0 + (double)i);
+    }
+    assert_share(sum, expected, 1e-6);
+    light_world_free(&w);
+}
+
+static void settings_out_of_range_are_refused(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
+    light_world w;
+    light_world_make(&w, &mesh);
+    const sl_light_sample_settings bad[] = {{SL_LIGHT_RATIO, 63, 256, 16, 16, false, 1}, {SL_LIGHT_RATIO, 64, 32, 16, 16, false, 1},
+                                            {SL_LIGHT_RATIO, 64, 4096, 16, 16, false, 1}, {SL_LIGHT_RATIO, 8, 8, 16, 16, false, 1},
+                                            {SL_LIGHT_RAYS, 64, 256, 16, 0, false, 1}};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        sl_light_sampling *none;
+        sl_error error = {0};
+        assert_int_equal(sl_light_sampling_create(w.scene, w.raster, w.tracer, w.lights, &bad[k], &none, &error), SL_ERROR_USAGE);
+        assert_null(none);
+        assert_true(strlen(error.message) > 10);
+    }
+    assert_true(sl_light_sampling_memory_bytes(w.sampling) > 64 * 64 / 8);
+    light_world_free(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(coplanar_triangles_of_one_radiance_are_one_light),
+        cmocka_unit_test(bulbs_apart_are_lights_of_their_own),
+        cmocka_unit_test(a_swarm_of_lamps_is_one_light),
+        cmocka_unit_test(lights_without_extent_follow_in_the_scenes_order),
+        cmocka_unit_test(a_scene_without_lights_has_none),
+        cmocka_unit_test(a_light_is_the_same_whatever_other_lights_do),
+        cmocka_unit_test(lights_add_up_to_the_irradiance),
+        cmocka_unit_test(settings_out_of_range_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,291 @@
+/* The pictures behind a sample: how their error falls with their size, what their pixels weigh, how they are summed, and that culling leaves no
+ * trace. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "light_sample_support.h"
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/light_sample/window_kernels.h"
+
+static const sl_vec3 up = {0, 1, 0};
+
+static double sample_with(light_world *w, sl_light_estimator estimator, int size, sl_vec3 p) {
+    sl_light_sample_settings s = sl_light_sample_defaults();
+    s.estimator = estimator;
+    s.size = s.largest = size;
+    s.reduced = size < 16 ? size : 16;
+    light_world_set(w, &s);
+    return sample_light(w, 0, p, up);
+}
+
+/* ---- size and error ---- */
+
+static void the_raw_windows_error_falls_with_the_square_of_its_size(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
+    light_world w;
+    light_world_make(&w, &mesh);
+    const sl_vec3 p = {0.3f, 0.0f, 0.1f};
+    double exact = rectangle_form(-0.8, 0.2, -0.6, 0.4, 1.0), before = 0.0;
+    for (int size = 8; size <= 64; size *= 2) {
+        double error = fabs(sample_with(&w, SL_LIGHT_WINDOW, size, p) - exact) / exact;
+        if (size > 8 && !(before / error > 3.5 && before / error < 4.5)) fail_msg("%d: %g after %g", size, error, before);
+        before = error;
+    }
+    assert_true(before < 1e-4);
+    light_world_free(&w);
+}
+
+/* With half of a light hidden by an edge that runs along its own sides, at all its places: the worst is what bands on a floor would show. */
+static void a_turned_raster_does_not_band_along_edges(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
+    light_world w;
+    light_world_make(&w, &mesh);
+    double open = rectangle_form(-0.5, 0.5, -0.5, 0.5, 2.0), worst = 0.0;
+    for (int i = 0; i < 300; i++) {
+        double p = -0.2 + 0.4 * (double)i / 300.0, edge = -(double)(float)p;
+        double expected = rectangle_form(-0.5 - (double)(float)p, edge - (double)(float)p, -0.5, 0.5, 2.0);
+        worst = fmax(worst, fabs(sample_light(&w, 0, sl_v3((float)p, 0, 0), up) - expected) / open);
+    }
+    assert_true(worst < 0.0026); /* a raster along the edge: 1 / (2 x 64) = 0.0078 */
+    light_world_free(&w);
+}
+
+/* All estimators see the same light. */
+static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_sphere(&mesh, sl_v3(0.1f, 1, 0), 0.15f, 16, 0.0f, false, grey);
+    light_world w;
+    light_world_make(&w, &mesh);
+    const sl_vec3 p = {0.05f, 0, 0.02f};
+    sl_light_sample_settings s = sl_light_sample_defaults();
+    s.estimator = SL_LIGHT_RAYS;
+    s.rays = 256;
+    light_world_set(&w, &s);
+    double truth = sample_light(&w, 0, p, up), open = rectangle_form(-0.55, 0.45, -0.52, 0.48, 2.0);
+    assert_true(truth > 0.3 * open && truth < 0.95 * open);
+    assert_near(sample_with(&w, SL_LIGHT_RATIO, 64, p), truth, 0.003 * open);
+    assert_near(sample_with(&w, SL_LIGHT_WINDOW, 64, p), truth, 0.01 * open);
+    assert_near(sample_with(&w, SL_LIGHT_LOOK_AT, 64, p), truth, 0.01 * open);
+    assert_near(sample_with(&w, SL_LIGHT_RATIO, 512, p), truth, 0.0004 * open);
+    light_world_free(&w);
+}
+
+/* ---- weights ---- */
+
+enum { SIDE = 64 };
+
+/* A picture square to its frame, of everything within tangents of +-t, all of which is light. */
+typedef struct {
+    float x[SIDE], y[SIDE];
+    float seen[SIDE * SIDE], all[SIDE * SIDE], depth[SIDE * SIDE];
+    uint32_t id[SIDE * SIDE];
+    sl_light_pixels pixels;
+} square_picture;
+
+static square_picture *make_square(double t, int size, sl_vec3 normal) {
+    square_picture *p = calloc(1, sizeof *p);
+    assert_non_null(p);
+    for (int i = 0; i < size; i++) p->x[i] = p->y[i] = (float)(t * (2.0 * ((double)i + 0.5) / (double)size - 1.0));
+    float step = (float)(2.0 * t / (double)size);
+    p->pixels = (sl_light_pixels){.size = size, .column_x = p->x, .row_y = p->y, .step_x = step, .step_y = step, .normal = normal,
+                                  .geometric = normal, .scale = 1.0f, .seen = p->seen, .all = p->all};
+    return p;
+}
+
+/* The solid angle of a square of half angle phi is 4 asin(sin^2 phi); weights are it times the cosine. */
+static void pixel_solid_angles_add_up_to_the_squares(void **unused) {
+    (void)unused;
+    const sl_light_pixel_kernels kernels = sl_light_pixel_kernels_for(sl_isa_best());
+    const uint8_t facing[1] = {1};
+    for (int size = 16; size <= 64; size *= 2) {
+        for (double degrees = 5.0; degrees < 85.0; degrees += 5.0) {
+            double phi = degrees * SL_PI / 180.0, sine = sl_sin(phi), sum = 0.0;
+            square_picture *p = make_square(sl_tan(phi), size, sl_v3(0, 0, 1));
+            kernels.look_at(&p->pixels, p->id, facing, p->depth, p->depth);
+            for (int j = 0; j < size; j++) {
+                for (int i = 0; i < size; i++) {
+                    double x = (double)p->x[i], y = (double)p->y[j];
+                    sum += (double)p->all[j * size + i] * sqrt(1.0 + x * x + y * y);
+                }
+            }
+            assert_share(sum, 4.0 * sl_asin(sine * sine), 3e-6);
+            free(p);
+        }
+    }
+}
+
+/* Each against the difference of atan(uv / sqrt(1 + u^2 + v^2)) at its corners. */
+static double corner_angle(double u, double v) { return sl_atan(u * v / sqrt(1.0 + u * u + v * v)); }
+
+static void every_pixel_has_its_own_solid_angle(void **unused) {
+    (void)unused;
+    const sl_light_pixel_kernels kernels = sl_light_pixel_kernels_for(sl_isa_best());
+    const uint8_t facing[1] = {1};
+    for (int k = 0; k < 2; k++) {
+        double t = k ? 20.0 : 0.7;
+        square_picture *p = make_square(t, SIDE, sl_v3(0, 0, 1));
+        kernels.look_at(&p->pixels, p->id, facing, p->depth, p->depth);
+        for (int j = 0; j < SIDE; j++) {
+            for (int i = 0; i < SIDE; i++) {
+                double x = (double)p->x[i], y = (double)p->y[j], half = t / SIDE;
+                double exact = corner_angle(x + half, y + half) - corner_angle(x - half, y + half) - corner_angle(x + half, y - half) +
+                               corner_angle(x - half, y - half);
+                assert_share((double)p->all[j * SIDE + i] * sqrt(1.0 + x * x + y * y), exact, k ? 1e-4 : 3e-6);
+            }
+        }
+        free(p);
+    }
+}
+
+static void weights_are_the_same_bits_on_every_instruction_set(void **unused) {
+    (void)unused;
+    const uint8_t facing[2] = {1, 0};
+    uint32_t inside[SIDE * 2];
+    sl_light_pixel_kernels reference = sl_light_pixel_kernels_for(SL_ISA_BASELINE);
+    for (int isa = 1; isa <= (int)sl_isa_best(); isa++) {
+        sl_light_pixel_kernels kernels = sl_light_pixel_kernels_for((sl_isa)isa);
+        for (uint64_t n = 0; n < 20; n++) {
+            uint64_t key = sl_random_key(11, n);
+            sl_vec3 normal = sl_normalize_or(sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f, 0.3f), up);
+            square_picture *a = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal), *b = make_square(n % 4 ? 0.8 : 9.0, SIDE, normal);
+            for (uint64_t i = 0; i < SIDE * 2; i++) inside[i] = sl_random_bits(key, 100 + i);
+            for (uint64_t i = 0; i < SIDE * SIDE; i++) {
+                uint32_t r = sl_random_bits(key, 1000 + i) % 4;
+                a->id[i] = b->id[i] = r == 0 ? SL_NO_INDEX : r % 2;
+                a->depth[i] = b->depth[i] = sl_random_unit(key, 10000 + i);
+            }
+            a->pixels.row_x = a->pixels.column_y = b->pixels.row_x = b->pixels.column_y = a->x;
+            reference.window(&a->pixels, inside, a->id);
+            kernels.window(&b->pixels, inside, b->id);
+            assert_memory_equal(a->seen, b->seen, sizeof a->seen);
+            assert_memory_equal(a->all, b->all, sizeof a->all);
+            reference.look_at(&a->pixels, a->id, facing, a->depth, b->depth);
+            kernels.look_at(&b->pixels, b->id, facing, b->depth, a->depth);
+            assert_memory_equal(a->seen, b->seen, sizeof a->seen);
+            assert_memory_equal(a->all, b->all, sizeof a->all);
+            free(a);
+            free(b);
+        }
+    }
+}
+
+/* ---- sums ---- */
+
+static void the_reduction_to_16_by_16_is_the_double_sum(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_sphere(&mesh, sl_v3(0.1f, 0.6f, 0), 0.15f, 8, 0.0f, false, grey);
+    light_world w;
+    light_world_make(&w, &mesh);
+    for (int size = 16; size <= 256; size *= 2) {
+        double f = sample_with(&w, SL_LIGHT_WINDOW, size, sl_v3(0.2f, 0, 0.1f)), sum = 0.0;
+        sl_light_picture picture = sl_light_last_picture(w.scratch);
+        assert_int_equal(picture.size, size);
+        for (int i = 0; i < size * size; i++) sum += (double)picture.weight[i];
+        assert_share(f, sum, 2e-7);
+    }
+    light_world_free(&w);
+}
+
+/* ---- culling ---- */
+
+/* A room of balls, and points all over it. */
+static void make_crowded_room(light_world *w) {
+    trace_mesh mesh = trace_mesh_begin();
+    add_ceiling_light(&mesh, 1.0f, 1.0f, 1.0f, 0.7f, 2.9f);
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 4), true, grey);
+    for (uint64_t b = 0; b < 20; b++) {
+        uint64_t key = sl_random_key(3, b);
+        sl_vec3 c = sl_v3(0.3f + 3.4f * sl_random_unit(key, 0), 0.3f + 2.0f * sl_random_unit(key, 1), 0.3f + 3.4f * sl_random_unit(key, 2));
+        trace_mesh_sphere(&mesh, c, 0.05f + 0.2f * sl_random_unit(key, 3), 8, 0.0f, false, grey);
+    }
+    light_world_make(w, &mesh);
+}
+
+static void culling_leaves_no_trace(void **unused) {
+    (void)unused;
+    enum { POINTS = 400 };
+    light_world w;
+    make_crowded_room(&w);
+    static float culled[POINTS];
+    size_t partial = 0;
+    for (int all = 0; all < 2; all++) {
+        sl_light_sample_settings s = sl_light_sample_defaults();
+        s.all_triangles = all;
+        light_world_set(&w, &s);
+        w.counters = (sl_counters){{0}};
+        for (uint64_t i = 0; i < POINTS; i++) {
+            uint64_t key = sl_random_key(4, i);
+            sl_vec3 p = sl_v3(4 * sl_random_unit(key, 0), i % 2 ? 2.8f * sl_random_unit(key, 1) : 0.0f, 4 * sl_random_unit(key, 2));
+            float f = (float)sample_light(&w, 0, p, i % 2 ? sl_v3(sl_random_unit(key, 3) - 0.5f, 1, 0) : up);
+            if (!all) culled[i] = f;
+            else assert_true(f == culled[i]);
+            sl_lit_point at = lit_point(p, up);
+            double open = sl_light_unoccluded(&w.lights->light[0], &at);
+            if (i % 2 == 0) partial += (double)f > 0.01 * open && (double)f < 0.99 * open;
+        }
+        assert_int_equal(w.counters.value[SL_COUNT_LIGHT_SAMPLES], POINTS);
+        assert_true(all || w.counters.value[SL_COUNT_LIGHT_SAMPLES_SKIPPED] > 0);
+        assert_true(!all || w.counters.value[SL_COUNT_RASTER_PASSES] > 0);
+    }
+    assert_true(partial > 2 * 20);
+    light_world_free(&w);
+}
+
+static void a_sample_has_the_same_bits_on_every_instruction_set(void **unused) {
+    (void)unused;
+    static const char *const names[] = {"baseline", "avx2", "avx512"};
+    static const sl_light_estimator estimators[] = {SL_LIGHT_RATIO, SL_LIGHT_WINDOW, SL_LIGHT_LOOK_AT, SL_LIGHT_RAYS};
+    static float first[4][50];
+    const char *old = getenv("SOFTLUX_ISA");
+    char kept[32] = "";
+    if (old) snprintf(kept, sizeof kept, "%s", old);
+    for (int isa = 0; isa < 3; isa++) {
+        light_world w;
+        setenv("SOFTLUX_ISA", names[isa], 1);
+        make_crowded_room(&w);
+        for (size_t e = 0; e < 4; e++) {
+            sl_light_sample_settings s = sl_light_sample_defaults();
+            s.estimator = estimators[e];
+            light_world_set(&w, &s);
+            for (uint64_t i = 0; i < 50; i++) {
+                uint64_t key = sl_random_key(5, i);
+                float f = (float)sample_light(&w, 0, sl_v3(4 * sl_random_unit(key, 0), 0, 4 * sl_random_unit(key, 2)), up);
+                if (isa == 0) first[e][i] = f;
+                else assert_true(f == first[e][i]);
+            }
+        }
+        light_world_free(&w);
+    }
+    if (old) setenv("SOFTLUX_ISA", kept, 1);
+    else unsetenv("SOFTLUX_ISA");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_raw_windows_error_falls_with_the_square_of_its_size),
+        cmocka_unit_test(a_turned_raster_does_not_band_along_edges),
+        cmocka_unit_test(estimators_agree_on_a_light_partly_hidden_by_a_ball),
+        cmocka_unit_test(pixel_solid_angles_add_up_to_the_squares),
+        cmocka_unit_test(every_pixel_has_its_own_solid_angle),
+        cmocka_unit_test(weights_are_the_same_bits_on_every_instruction_set),
+        cmocka_unit_test(the_reduction_to_16_by_16_is_the_double_sum),
+        cmocka_unit_test(culling_leaves_no_trace),
+        cmocka_unit_test(a_sample_has_the_same_bits_on_every_instruction_set),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
