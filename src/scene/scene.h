@@ -66,10 +66,12 @@ typedef struct sl_environment {
 } sl_environment;
 
 /* A bicubic Bezier surface. The scene holds triangles of it, which is what everyone sees who does not ask for the surface itself: vertices
- * first_vertex + row * (steps + 1) + column at (u, v) = (column, row) / steps, two triangles a cell from first_triangle on, row by row. */
+ * first_vertex + row * (steps + 1) + column at (u, v) = (column, row) / steps; from first_triangle on, row by row, two triangles a cell, (column, row)
+ * (+1, 0) (+1, +1) and (column, row) (+1, +1) (0, +1), but for those without area (where an edge of the surface is one point): sl_bicubic_triangle()
+ * in scene/bicubic.h finds them. */
 typedef struct sl_bicubic {
     sl_vec3 point[4][4];  /* control points as the scene stands now: point[j][i], i along u, j along v */
-    uint32_t first_vertex, first_triangle;
+    uint32_t first_vertex, first_triangle, triangle_count;
     int steps;
 } sl_bicubic;
 

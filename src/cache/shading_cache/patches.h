@@ -2,6 +2,7 @@
  *
  *   patches.c          trees: roots, splits, dropped children, blocks that are used again
  *   patch_vertices.c   vertices: shared inside a root by where they lie, and between roots along edges where position, normal and material agree
+ *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
  *   evict.c            ageing: children that nobody has seen for long, or that are below a pixel, go when there are too many
  *
  * Triangles are cut at their edges' middles (children 0 to 2 keep corners 0 to 2, 3 is the middle one), the others at the middles and the
@@ -21,18 +22,16 @@ enum {
 
 typedef struct sl_patch {
     uint32_t child;              /* first of four; SL_NO_INDEX: a leaf */
-    uint32_t vertex[4];          /* [3] SL_NO_INDEX of triangles */
+    uint32_t vertex[4];          /* [3] SL_NO_INDEX of triangles; [0] SL_NO_INDEX: not in use */
     uint32_t seen;               /* the last update in which the id map held it (of inner patches: one below it) */
-    uint32_t pixels;             /* ... and how many pixels then */
-    uint16_t flags;
-    uint16_t spare;
+    uint32_t pixels;             /* ... and how many pixels then; new children: the parent's, and a quarter of its pixels */
 } sl_patch;
 
 enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
 
 typedef struct sl_patch_vertex {
-    uint32_t root;
-    uint16_t u, v;               /* in 1/SL_PATCH_DYADIC of that root (the first that asked for it) */
+    uint32_t root;               /* of those that share it the lowest */
+    uint16_t u, v;               /* in 1/SL_PATCH_DYADIC of that root */
     float value[3];              /* diffuse materials: E, W/m^2; others: see sl_patches.radiance */
     float variance;              /* of the mean of its channels' mean */
     uint32_t evaluated;          /* update; SL_VERTEX_NEVER */
@@ -43,11 +42,15 @@ typedef struct sl_patch_vertex {
 typedef struct sl_patches {
     const sl_primitives *primitives;
     uint32_t *root_patch;        /* 2 x primitives, or SL_NO_INDEX: not wanted yet */
+    uint32_t *wanted_root;       /* the wanted ones in the order in which they were: four to a block of patches */
+    size_t wanted_count;
     sl_patch *patch;
+    uint8_t *flags;              /* by patch: SL_PATCH_ bits */
     size_t patch_count, patch_capacity, patches_alive, leaves_alive;
     uint32_t *parent;            /* by block of four patches; SL_NO_INDEX: roots */
-    uint32_t *block_root;        /* by block of four patches: the root they belong to */
-    uint32_t first_free;
+    uint32_t *block_root;        /* by block of four patches: the root they belong to; of roots' blocks: index of the first in wanted_root */
+    uint32_t first_free;         /* blocks that are not in use, by their patches' child */
+    uint32_t last_root_block;    /* first patch of the block that new roots go to */
     sl_patch_vertex *vertex;
     float (*radiance)[3];        /* by vertex: exitant radiance of the lobe towards the eye, where some material has one; NULL: none has */
     size_t vertex_count, vertex_capacity, vertices_alive;
@@ -58,14 +61,19 @@ typedef struct sl_patches {
 
 sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_patches **patches, sl_error *error);
 void sl_patches_destroy(sl_patches *patches);
-/* Everything that grows with the patches. */
+/* Everything that grows with the patches (and not what stands for the scene's primitives, wanted or not). */
 size_t sl_patches_memory_bytes(const sl_patches *patches);
 
 uint32_t sl_patches_root(sl_patches *patches, uint32_t root, sl_status *status, sl_error *error);
+/* Patches are never moved; those below patch_count that are not in use are skipped by this. */
+static inline bool sl_patch_is_alive(const sl_patches *p, uint32_t patch) { return p->patch[patch].vertex[0] != SL_NO_INDEX; }
 static inline bool sl_patch_is_leaf(const sl_patches *p, uint32_t patch) { return p->patch[patch].child == SL_NO_INDEX; }
-static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) { return p->patch[patch].flags & SL_PATCH_TRIANGLE ? 3 : 4; }
+static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) { return p->flags[patch] & SL_PATCH_TRIANGLE ? 3 : 4; }
 static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) { return p->parent[patch / 4]; }
-static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) { return p->block_root[patch / 4]; }
+static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) {
+    uint32_t root = p->block_root[patch / 4];
+    return p->parent[patch / 4] == SL_NO_INDEX ? p->wanted_root[root + patch % 4] : root;
+}
 
 /* A patch with its corners' (u, v), in 1/SL_PATCH_DYADIC. */
 typedef struct sl_patch_place {
@@ -78,9 +86,10 @@ sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_pl
 /* The leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not wanted yet. */
 sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
 
-/* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a leaf). Vertices that are new are not evaluated. */
+/* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a leaf). Vertices that are new are not
+ * evaluated. Splits and drops mark as SL_PATCH_DIRTY what they make, and all leaves around vertices that come or go. Without memory nothing changes. */
 sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
-/* All below it goes. */
+/* All below it goes. Its pixels become those of what was below. */
 void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
 
 /* The value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never been evaluated the nearest ancestor whose
@@ -88,6 +97,9 @@ void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
 bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, bool second, float value[3]);
 /* Vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves beside finer ones. At most `room`. */
 size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room);
+
+/* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its value has changed. */
+void sl_patches_touch(sl_patches *patches, uint32_t vertex);
 
 /* Eviction: down to `limit` patches where there are more (90 % of it): children of patches none of which was seen since update `since`, and
  * of patches that cover less than `small` pixels; oldest first, lower index on a tie, from the leaves up. */

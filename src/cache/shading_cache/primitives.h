@@ -5,6 +5,10 @@
  *   quad       [0,1]^2, bilinear: corners (0,0), (1,0), (1,1), (0,1)
  *   bicubic    [0,1]^2, the scene's patch
  *
+ *   primitives.c        what they are: quads found
+ *   primitive_points.c  points of roots
+ *   primitive_edges.c   where roots meet: edges and corners on which shading is shared
+ *
  * A root is a side of a primitive: 2 p its front, 2 p + 1 its back; light on them has nothing in common. */
 #ifndef SL_SHADING_CACHE_PRIMITIVES_H
 #define SL_SHADING_CACHE_PRIMITIVES_H
@@ -25,7 +29,14 @@ typedef struct sl_primitives {
     uint32_t *bicubic;          /* index into the scene's patches, or SL_NO_INDEX */
     uint32_t *of_triangle;      /* by scene triangle */
     size_t curved;              /* how many are bicubic */
+    sl_rgb *mean_diffuse;       /* NULL: the scene has no textures */
+    /* Where primitives meet, by 4 primitive + edge (corner i to i + 1) or corner: the lowest of those that are one, and the next of them in a ring. */
+    uint32_t *edge_first, *edge_next, *corner_first, *corner_next;
+    uint8_t *edge_kind;         /* SL_EDGE_ bits */
 } sl_primitives;
+
+enum { SL_EDGE_BACKWARDS = 1, /* it runs against the way that the ring agrees on */
+       SL_EDGE_POINT = 2 };   /* it is one point: a pole */
 
 sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error);
 void sl_primitives_destroy(sl_primitives *primitives);
@@ -35,8 +46,10 @@ size_t sl_primitives_memory_bytes(const sl_primitives *primitives);
 typedef struct sl_root_point {
     sl_vec3 position;
     sl_vec3 normal, geometric_normal; /* unit, on the root's side; the limit where a parameter line collapses to a point */
-    uint32_t triangle;          /* of the scene, on which it lies: what rays from it skip; SL_NO_INDEX on corners and edges */
+    uint32_t triangle;          /* of the scene, on which it lies: what rays from it skip; SL_NO_INDEX on corners and edges of triangles */
 } sl_root_point;
+/* Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the surface's own. The surface itself: sl_bicubic_at() in
+ * scene/bicubic.h. */
 void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v, sl_root_point *point);
 /* The scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for its texture. */
 uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, double u, double v, float *w1, float *w2);
@@ -46,6 +59,13 @@ static inline const sl_material *sl_root_material(const sl_primitives *p, uint32
     return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
 }
 static inline uint32_t sl_root_object(const sl_primitives *p, uint32_t root) { return p->scene->object_index[p->first_triangle[root / 2]]; }
+/* The place that stands for all places of roots of one side that share their shading: on edges and corners where position, normal, material and object
+ * agree that of the lowest primitive, and for an edge that is one point its first corner. */
+typedef struct sl_root_place {
+    uint32_t root;
+    uint16_t u, v;
+} sl_root_place;
+sl_root_place sl_root_canonical(const sl_primitives *primitives, sl_root_place place);
 /* k_d over the root's texture, averaged: what display levels of diffuse patches are reckoned with. */
 sl_rgb sl_root_mean_diffuse(const sl_primitives *primitives, uint32_t root);
 
