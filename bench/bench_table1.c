@@ -87,7 +87,7 @@ static double gather_points(const world *w, const instrument *m, bool jitter, ui
 
 /* Least of two turns over a few points: what is compared takes turns with nothing else of ours. */
 static double gather_ms(const world *w, const instrument *m, float *values) {
-    size_t some = w->count < 1000 ? w->count / 5 : 200;
+    size_t some = w->count < 5000 ? w->count / 25 + 4 : 200;
     double least = INFINITY;
     for (int turn = 0; turn < 2; turn++) least = fmin(least, gather_points(w, m, true, 0, some, 1, values));
     return least;
@@ -166,7 +166,7 @@ static gather_error errors_of(const world *w, size_t points, const float *first,
     return e;
 }
 
-static size_t some_points(const world *w) { return w->count < 2000 ? w->count : 2000; }
+static size_t some_points(const world *w) { return w->count < 500 ? w->count : w->count < 2500 ? 500 : w->count / 5; }
 
 /* The hemisphere's error alone, of two gathers whose directions are equal (jitter would move them), at some of the points; and so is
  * all where there are many light samples, which are as dear as they are many. */
@@ -272,7 +272,7 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     char scene[64];
     world w;
     bench_scene_name(path, scene);
-    if (!bench_wants(o, scene) || !open_world(r, path, o->brief ? 100 : points, &w)) return;
+    if (!bench_wants(o, scene) || !open_world(r, path, o->brief ? 100 : o->points ? o->points : points, &w)) return;
     int size = o->brief ? 96 : 256;
     find_reference(&w, size);
     double noise = 0.0, used = 0.0;

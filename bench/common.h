@@ -22,7 +22,8 @@ typedef struct bench_options {
     bool brief;            /* small pictures, few samples: does everything work? Its figures say little */
     bool once;             /* everything is measured once, with one thread: for a busy machine */
     bool pictures;         /* writes pictures too */
-    const char *only;      /* scenes whose name holds this text; NULL: all */
+    const char *only;      /* scenes whose name holds this text, or, after a '=', is this; NULL: all */
+    size_t points;         /* of table 1; 0: as many as the paper */
     char folder[512];      /* for tables and pictures */
 } bench_options;
 

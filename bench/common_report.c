@@ -15,9 +15,10 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
         else if (strcmp(argv[i], "--once") == 0) o.once = true;
         else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
+        else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc) o.points = (size_t)strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
-            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT] [--pictures] [--out FOLDER]\n", argv[0]);
+            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--points N] [--pictures] [--out FOLDER]\n", argv[0]);
             exit(2);
         }
     }
@@ -26,7 +27,10 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
     return o;
 }
 
-bool bench_wants(const bench_options *o, const char *scene) { return !o->only || strstr(scene, o->only); }
+bool bench_wants(const bench_options *o, const char *scene) {
+    if (o->only && o->only[0] == '=') return strcmp(scene, o->only + 1) == 0;
+    return !o->only || strstr(scene, o->only);
+}
 
 _Noreturn void bench_fail(const char *what, const sl_error *error) {
     fprintf(stderr, "%s: %s\n", what, error ? error->message : "failed");

@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "rendering.h"
 
@@ -111,6 +113,59 @@ static void while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile(v
     sl_scene_destroy(scene);
 }
 
+/* A room whose floor is full of thin fins: what is gathered between them reaches far less than what is gathered beside them, so that
+ * neighbours would shrink much of it. */
+static sl_scene *room_of_fins(void) {
+    enum { FINS = 12 };
+    char obj[4096] = "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 3 -2\nv -2 3 2\nv 2 3 2\nv 2 3 -2\n"
+                     "v -0.5 2.99 -0.5\nv 0.5 2.99 -0.5\nv 0.5 2.99 0.5\nv -0.5 2.99 0.5\n"
+                     "usemtl wall\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 1 5 6 2\nf 4 3 7 8\nusemtl lamp\nf 9 10 11 12\nusemtl wall\n";
+    size_t n = strlen(obj);
+    for (int i = 0; i < FINS; i++) {
+        double x = -1.2 + 0.2 * i, height = 0.1 + 0.03 * (i % 4);
+        n += (size_t)snprintf(obj + n, sizeof obj - n, "v %g 0 -1\nv %g 0 1\nv %g %g 1\nv %g %g -1\nf -4 -3 -2 -1\n", x, x, x, height, x, height);
+    }
+    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"wall\": {\"diffuse\": 0.6, \"two_sided\": true}, "
+                           "\"lamp\": {\"diffuse\": 0, \"emission\": 10}},\n \"camera\": {\"eye\": [0.4, 2, 3.5], \"target\": [0, 0.6, 0], \"fov_deg\": 55}}",
+                           obj);
+}
+
+/* Records are added and never shrink: what a pixel has of them only grows. And so the change of the picture from frame to frame falls to the last,
+ * over windows of frames, since a frame's records may all lie where few pixels see them. */
+static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void **state) {
+    (void)state;
+    enum { WINDOW = 4 };
+    sl_scene *scene = room_of_fins();
+    sl_settings settings = walk_settings();
+    settings.accuracy = 0.5;
+    settings.records_per_frame = 8;
+    sl_method *method = start(scene, &settings);
+    double changes[FRAMES_MAX] = {0.0}, before = 0.0;
+    sl_image *last = NULL;
+    int count = 0;
+    for (bool more = true; more; count++) {
+        assert_true(count < FRAMES_MAX);
+        more = finish_frame(method);
+        sl_image *image = picture_of(method);
+        const float *weight = sl_image_channel(image, "weight.Y"), *old = last ? sl_image_channel(last, "weight.Y") : weight;
+        for (int i = 0; i < SIDE * SIDE; i++) assert_true(weight[i] >= old[i]);
+        if (last) changes[count - 1] = change(image, last);
+        sl_image_destroy(last);
+        last = image;
+    }
+    assert_true(count > 4 * WINDOW);
+    for (int from = (count - 1) % WINDOW; from + WINDOW < count; from += WINDOW) {
+        double sum = 0.0;
+        for (int i = from; i < from + WINDOW; i++) sum += changes[i];
+        print_message("frames %d to %d: change %.6f\n", from + 1, from + WINDOW, sum);
+        assert_true(from < WINDOW || sum < 1.05 * before);
+        before = sum;
+    }
+    sl_image_destroy(last);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 static void look(sl_scene *scene, sl_method *method, float x) {
     const float eye[3] = {x, 273, -800}, target[3] = {278, 273, 0}, up[3] = {0, 1, 0};
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.686f, NULL), SL_OK);
@@ -168,6 +223,7 @@ int main(void) {
         cmocka_unit_test(a_frame_gets_as_many_new_records_as_it_may_and_no_more),
         cmocka_unit_test(a_still_walk_ends_with_the_picture_of_a_single_frame),
         cmocka_unit_test(while_nothing_moves_pictures_settle_and_nothing_is_black_meanwhile),
+        cmocka_unit_test(in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end),
         cmocka_unit_test(a_step_aside_needs_few_new_records_and_a_step_back_none),
         cmocka_unit_test(a_walk_has_the_same_bits_at_any_number_of_threads),
     };
