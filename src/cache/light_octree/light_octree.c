@@ -174,8 +174,9 @@ static sl_status light_rows(octree_state *s, sl_error *error) {
     int end = s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
     sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0], s->direct_light[1], s->direct_light[2],
                                       &s->counters, error);
+    if (status != SL_OK) return status;
     s->direct_row = end;
-    if (status != SL_OK || end < s->settings.height) return status;
+    if (end < s->settings.height) return status;
     announce_picture(s, "direct light", "section 5", s->direct_light[0]);
     s->phase = PHASE_PHOTONS;
     return status;
@@ -404,13 +405,17 @@ static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     sl_status status = SL_OK;
     s->phase = PHASE_GBUFFER;
     forget_level(&s->next);
-    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) forget_light(s);
-    if (changes & SL_CHANGED_OBJECTS) {
+    bool geometry = (changes & SL_CHANGED_OBJECTS) || !s->raster; /* an earlier edit may have failed */
+    if (geometry || (changes & SL_CHANGED_LIGHTS)) forget_light(s);
+    if (geometry) {
         forget_geometry(s);
         status = make_geometry(s, error);
     }
     if (status == SL_OK && !s->direct) status = make_light(s, error);
-    if (status != SL_OK) forget_geometry(s);
+    if (status != SL_OK) { /* all or nothing: the next edit starts anew */
+        forget_light(s);
+        forget_geometry(s);
+    }
     return status;
 }
 
