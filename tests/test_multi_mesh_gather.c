@@ -158,11 +158,12 @@ static void in_a_sphere_every_point_gathers_the_mean_of_all_of_it(void **state) 
     gathering_destroy(&g);
 }
 
-/* A wall without end at distance 1 whose top is seen at elevation psi above the horizon: form factor (1 - cos psi) / 2. */
+/* A wall without end at distance 1, along the picture's columns, whose top is seen at elevation psi above the horizon: form factor (1 - cos psi) / 2. */
 static sl_scene *wall_of_elevation(double psi) {
     trace_mesh m = trace_mesh_begin();
     float far = psi < 1.57 ? 100.0f : 2000.0f, height = psi < 1.57 ? (float)sl_tan(psi) : far;
-    trace_mesh_quad(&m, sl_v3(1, -far, 0), sl_v3(0, 2.0f * far, 0), sl_v3(0, 0, height), trace_mesh_material(&m, 1, 0, 0, 0, 0));
+    sl_frame f = sl_mesh_gather_frame(sl_v3(0, 0, 1));
+    trace_mesh_quad(&m, sl_mad(f.x, -far, f.y), sl_scale(f.y, 2.0f * far), sl_v3(0, 0, height), trace_mesh_material(&m, 1, 0, 0, 0, 0));
     return trace_mesh_build(&m);
 }
 
@@ -192,6 +193,30 @@ static void walls_lose_what_stands_low_and_strips_bring_it_back(void **state) {
     assert_true(near(wall_irradiance(90, false, true), 1.0, 0.003));
 }
 
+/* From a floor towards a wall of limited height: as the point moves, the wall's edges cross the picture's pixels one by one. */
+static void edges_along_the_axes_make_no_bands(void **state) {
+    (void)state;
+    trace_mesh m = lit_mesh();
+    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);
+    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(0, 2, 0), sl_v3(0, 0, 1), grey);
+    sl_mesh_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
+    set_all(&g, sl_grey(2.0f));
+    double worst = 0.0, before = 0.0;
+    for (int k = 0; k < 100; k++) {
+        double c = 0.3 + 0.012 * k;
+        sl_mesh_point p = {sl_v3((float)c, 1, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), 0, SL_NO_INDEX};
+        /* A perpendicular wall at distance c, 1 to either side and 1 high (section 2.8). The more of it is lost the lower it stands. */
+        double high = sqrt(1.0 + c * c), truth = sl_atan(1.0 / c) - c / high * sl_atan(1.0 / high), ratio = (double)take(&g, &p).r / truth;
+        if (k && fabs(ratio / before - 1.0) > worst) worst = fabs(ratio / before - 1.0);
+        before = ratio;
+        assert_true(ratio > 0.85 && ratio < 1.01);
+    }
+    assert_true(worst < 0.012);
+    gathering_destroy(&g);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half),
@@ -202,6 +227,7 @@ int main(void) {
         cmocka_unit_test(halving_to_sixteen_and_adding_up_gives_the_sum_in_double),
         cmocka_unit_test(an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point),
         cmocka_unit_test(in_a_sphere_every_point_gathers_the_mean_of_all_of_it),
+        cmocka_unit_test(edges_along_the_axes_make_no_bands),
         cmocka_unit_test(walls_lose_what_stands_low_and_strips_bring_it_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

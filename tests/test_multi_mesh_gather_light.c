@@ -110,7 +110,7 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     sl_mesh_gather_picture(g.scratch, &n, planes);
     assert_int_equal(n, 128);
     float t = (float)sl_tan(80.0 / 180.0 * SL_PI);
-    sl_frame frame = sl_frame_from_normal(p.normal);
+    sl_frame frame = sl_mesh_gather_frame(p.normal);
     sl_view view = sl_view_pyramid(&frame, p.position, -t, t, -t, t, n, n, 1e-5f * g.scene->diagonal);
     uint32_t *id = malloc(sizeof *id * 128 * 128), *pixel = malloc(sizeof *pixel * 128 * 128);
     float *w1 = malloc(sizeof *w1 * 128 * 128), *w2 = malloc(sizeof *w2 * 128 * 128);
@@ -226,7 +226,7 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
         sl_vec3 n = sl_frame_to_world(&f, sl_v3((float)(sl_sin(angle) * sl_cos(turn)), (float)(sl_sin(angle) * sl_sin(turn)), (float)sl_cos(angle)));
         sl_mesh_point p = free_point(sl_v3(0, 0, 0), n);
         double ratio = (double)take(&g, &p).r / (1000.0 * (double)solid_angle * sl_cos(angle));
-        assert_true(near(ratio, 1.0, 0.15));
+        assert_true(near(ratio, 1.0, 0.2));
         mean += ratio / 40.0;
     }
     assert_true(near(mean, 1.0, 0.04));

@@ -179,7 +179,7 @@ void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *s) {
     sl_free(s);
 }
 
-/* ---- where it looks from ------------------------------------------------------------------------------------------------------- */
+/* ---- where it looks from, and which way up ------------------------------------------------------------------------------------------ */
 
 /* A gather in progress. */
 typedef struct shot {
@@ -191,6 +191,15 @@ typedef struct shot {
     sl_vec3 horizon;
     uint32_t skip;
 } shot;
+
+/* Rooms have edges along the axes, and so has the frame of a wall's normal. Then a whole row of pixels comes to show something else at once as the point
+ * moves (with 128 x 128 pixels a step of 4 % of all its light, seen as bands). Turned by 20.9 degrees pixels change one by one; the
+ * slope is that of the golden section, 0.382, since with a slope of 1/3 they would change three by three. */
+sl_frame sl_mesh_gather_frame(sl_vec3 normal) {
+    const float c = 0.93417236f, s = 0.35682209f;
+    sl_frame f = sl_frame_from_normal(normal);
+    return (sl_frame){sl_mad(sl_scale(f.x, c), s, f.y), sl_mad(sl_scale(f.y, c), -s, f.x), f.z};
+}
 
 /* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is behind them. What is meant is the limit from
  * within its own face, so the eye moves towards that face's middle by a little (far enough for the near plane not to cut from the wall what the
@@ -309,7 +318,7 @@ sl_rgb sl_mesh_gather_take(const sl_mesh_gather *g, const sl_mesh_point *point, 
         memset(scratch->planes, 0, 3 * (size_t)scratch->size * (size_t)scratch->size * sizeof *scratch->planes);
         return sl_grey(0.0f);
     }
-    shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_frame_from_normal(normal)};
+    shot s = {.gather = g, .scratch = scratch, .counters = counters, .frame = sl_mesh_gather_frame(normal)};
     s.horizon = sl_normalize_or(point->geometric_normal, normal);
     look_from(&s, point);
     double sum[3] = {0.0, 0.0, 0.0};

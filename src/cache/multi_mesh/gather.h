@@ -1,11 +1,15 @@
 /* Indirect irradiance at a point: the coarse mesh of direct diffuse light, drawn as the point sees it under 160 degrees, times a weight
  * texture, summed on the hardware.
  *
- *   coarse.c             the coarse mesh: what of it is to be sampled, colours with the bounce's reflectance
+ *   ambient.c            what stands for indirect light before
+ *   coarse.c             the coarse mesh: what of it is to be sampled
+ *   coarse_colours.c     ... its values times the bounce's reflectance
  *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
- *   gather.c             the render, the sums, what lies beyond the field of view
+ *   gather.c             where the point looks from, the render, the sums, what lies beyond the field of view
  *   gather_kernels.c     a picture's pixels: colours between the coarse mesh's vertices, times weights
- */
+ *   gather_sky.c         ... and where they show an environment that is a picture
+ *
+ * Mirrors are black in it, as are the sides of faces that reflect nothing or lie inside a solid: the paper's gather follows no reflections. */
 #ifndef SL_MULTI_MESH_GATHER_H
 #define SL_MULTI_MESH_GATHER_H
 
@@ -31,7 +35,7 @@ typedef struct sl_coarse_vertex {
 } sl_coarse_vertex;
 size_t sl_coarse_vertex_count(const sl_coarse *coarse);
 const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *coarse);
-/* U_dd at vertex i; with two bounces U_dd + E_i / pi. */
+/* U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other corners' mean stands in, triangle by triangle. */
 void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
 sl_rgb sl_coarse_get(const sl_coarse *coarse, size_t vertex);
 /* Colours times reflectance, in the form that gathers draw: after a round of sl_coarse_set(). */
@@ -61,6 +65,8 @@ void sl_mesh_gather_scratch_destroy(sl_mesh_gather_scratch *scratch);
 sl_rgb sl_mesh_gather_take(const sl_mesh_gather *gather, const sl_mesh_point *point, sl_mesh_gather_scratch *scratch, sl_counters *counters);
 /* The picture of the last one, before weights: N x N, bottom row first; for observers and tests. */
 void sl_mesh_gather_picture(const sl_mesh_gather_scratch *scratch, int *size, const float *planes[3]);
+/* The frame of that picture: z the point's normal. */
+sl_frame sl_mesh_gather_frame(sl_vec3 normal);
 
 /* The share of a hemisphere's irradiance that a square picture of half angle phi catches, C = 4/pi sin phi atan(sin phi). */
 double sl_gather_coverage(double phi);
