@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/multi_mesh/grow.h"
 
 sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings, sl_displayed **displayed, sl_error *error) {
     sl_displayed *d = sl_allocate(1, sizeof *d);
@@ -27,6 +28,7 @@ void sl_displayed_destroy(sl_displayed *d) {
     if (!d) return;
     sl_mesh_destroy(d->mesh);
     sl_free(d->first);
+    sl_free(d->middle);
     sl_free(d->order);
     sl_free(d->heap);
     sl_free(d->heap_place);
@@ -36,18 +38,16 @@ void sl_displayed_destroy(sl_displayed *d) {
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_mesh_memory_bytes(d->mesh)
-           + (d->first_capacity + d->order_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t);
+           + (4 * d->node_capacity + d->order_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t);
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
-    size_t capacity = d->mesh->node_capacity;
-    if (capacity <= d->first_capacity) return SL_OK;
-    uint32_t *first = sl_allocate(capacity, sizeof *first);
-    if (!first) return sl_fail_memory(error, "displayed mesh");
-    if (d->first) memcpy(first, d->first, d->first_capacity * sizeof *first);
-    sl_free(d->first);
-    d->first = first;
-    d->first_capacity = capacity;
+    size_t capacity = d->mesh->node_capacity, used = d->node_capacity;
+    if (capacity <= used) return SL_OK;
+    if (!sl_regrow((void **)&d->first, used, capacity, sizeof *d->first) || !sl_regrow((void **)&d->middle, used, capacity, sizeof *d->middle)) {
+        return sl_fail_memory(error, "displayed mesh");
+    }
+    d->node_capacity = capacity;
     return SL_OK;
 }
 

@@ -46,10 +46,11 @@ typedef struct sl_displayed {
     sl_displayed_settings settings;
     sl_mesh *mesh;                /* its own; 3 channels */
     const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
-    uint32_t *first;              /* by node: its pixels are first .. first + node.pixels in pixels' arrays, */
-    size_t first_capacity;
-    uint32_t *order;              /* ... but below cuts of slivers, which no path knows, order[first .. first + node.pixels) of them */
+    uint32_t *first;              /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
+    uint32_t *order;              /* below cuts of slivers, which no path knows, order[first .. first + node.pixels) of them */
     size_t order_capacity;
+    uint32_t (*middle)[3];        /* by node with SL_NODE_SIMPLE: the known vertex in the middle of each edge, or SL_NO_INDEX */
+    size_t node_capacity;
     /* selection */
     uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
     uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */

@@ -52,6 +52,9 @@ sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *pla
 
 /* ---- draw.c ---- */
 
+/* A leaf's vertices or those on its edges have changed: it is drawn again. */
 sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error);
+/* All leaves' may have. */
+void sl_displayed_mark_all(sl_displayed *d);
 
 #endif

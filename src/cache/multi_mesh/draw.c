@@ -9,13 +9,15 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/multi_mesh/draw_kernels.h"
 
-enum { LEAVES_AT_ONCE = 64 };
+enum { LEAVES_AT_ONCE = 64, BLOCK = 256 };
 
 /* ---- what is to be drawn ---- */
 
 sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error) {
     sl_mesh_node *node = &d->mesh->node[leaf];
+    node->flags &= ~(uint32_t)SL_NODE_SIMPLE;
     if (d->dirty_all || !node->pixels || (node->flags & SL_NODE_DIRTY)) return SL_OK;
     if (d->dirty_count == d->dirty_capacity) {
         size_t capacity = d->dirty_capacity ? 2 * d->dirty_capacity : 1024;
@@ -29,6 +31,11 @@ sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error) {
     node->flags |= SL_NODE_DIRTY;
     d->dirty[d->dirty_count++] = leaf;
     return SL_OK;
+}
+
+void sl_displayed_mark_all(sl_displayed *d) {
+    for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)SL_NODE_SIMPLE;
+    d->dirty_all = true;
 }
 
 /* Leaves that are still there, each once; how many pixels they have. */
@@ -53,19 +60,54 @@ typedef struct draw_job {
     sl_displayed *d;
     sl_rgb fallback;
     float *const *planes;
+    sl_draw_kernel *draw;
 } draw_job;
 
 /* Weights of a place's corners 1 and 2 from those of its face's. */
-typedef struct own_weights {
-    float p, q, b_of_p, b_of_q, c_of_p, c_of_q;
-} own_weights;
-
-static own_weights weights_of(const sl_mesh_place *n) {
+static void put_weights(sl_simple_fan *fan, const sl_mesh_place *n) {
     const float unit = 1.0f / (float)SL_MESH_DYADIC;
     float p0 = (float)n->p[0] * unit, q0 = (float)n->q[0] * unit, p1 = (float)n->p[1] * unit - p0, q1 = (float)n->q[1] * unit - q0,
-          p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0, area = p1 * q2 - p2 * q1;
-    float inverse = area != 0.0f ? 1.0f / area : 0.0f;
-    return (own_weights){p0, q0, q2 * inverse, -p2 * inverse, -q1 * inverse, p1 * inverse};
+          p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0, inverse = 1.0f / (p1 * q2 - p2 * q1); /* places have an area */
+    fan->p = p0;
+    fan->q = q0;
+    fan->b_of_p = q2 * inverse;
+    fan->b_of_q = -p2 * inverse;
+    fan->c_of_p = -q1 * inverse;
+    fan->c_of_q = p1 * inverse;
+}
+
+/* From the vertices that a leaf with SL_NODE_SIMPLE has. */
+static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf) {
+    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    const float *value = d->mesh->value;
+    sl_simple_fan fan;
+    for (int c = 0; c < 3; c++) {
+        for (int k = 0; k < 3; k++) fan.corner[c][k] = value[3 * (size_t)node->vertex[c] + (size_t)k];
+    }
+    for (int e = 0; e < 3; e++) {
+        uint32_t middle = d->middle[leaf->node][e];
+        const float *from = fan.corner[(e + 1) % 3], *to = fan.corner[(e + 2) % 3];
+        for (int k = 0; k < 3; k++) {
+            float known = middle != SL_NO_INDEX ? value[3 * (size_t)middle + (size_t)k] : 0.0f;
+            fan.middle[e][k] = middle != SL_NO_INDEX ? known : from[k] + 0.5f * (to[k] - from[k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        float first = fan.corner[0][k];
+        fan.centre[k] = first + ((fan.corner[1][k] - first) + (fan.corner[2][k] - first)) * (1.0f / 3.0f);
+    }
+    put_weights(&fan, leaf);
+    return fan;
+}
+
+/* Most leaves have no more than middles on their edges: those are remembered until the leaf is marked. */
+static void remember_if_simple(sl_displayed *d, const sl_mesh_place *leaf, const sl_mesh_fan *fan) {
+    sl_mesh_node *node = &d->mesh->node[leaf->node];
+    for (int i = 0; i < 3; i++) {
+        if (fan->points[i] > 3 || d->mesh->state[node->vertex[i]] != SL_VERTEX_KNOWN) return;
+    }
+    for (int e = 0; e < 3; e++) d->middle[leaf->node][e] = fan->points[e] == 3 ? sl_mesh_find_middle(d->mesh, leaf, e) : SL_NO_INDEX;
+    node->flags |= SL_NODE_SIMPLE;
 }
 
 /* The nearest of a leaf and its ancestors whose corners are known. */
@@ -78,19 +120,55 @@ static bool find_fan(const sl_displayed *d, sl_mesh_place *place, sl_mesh_fan *f
     return true;
 }
 
+/* Any fan; no fan: what stands in. */
+static void draw_fan(const draw_job *job, const sl_mesh_fan *fan, const sl_mesh_place *of, const uint32_t *pixel, const float *w1,
+                     const float *w2, size_t count) {
+    sl_simple_fan place;
+    put_weights(&place, of);
+    for (size_t i = 0; i < count; i++) {
+        float p = w1[i] - place.p, q = w2[i] - place.q, value[3] = {job->fallback.r, job->fallback.g, job->fallback.b};
+        if (fan) sl_mesh_fan_value(fan, p * place.b_of_p + q * place.b_of_q, p * place.c_of_p + q * place.c_of_q, value);
+        for (int c = 0; c < 3; c++) job->planes[c][pixel[i]] = value[c];
+    }
+}
+
+static void draw_list(const draw_job *job, const sl_mesh_place *leaf, const uint32_t *pixel, const float *w1, const float *w2, size_t count) {
+    sl_displayed *d = job->d;
+    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    sl_mesh_place shown = *leaf;
+    sl_mesh_fan fan;
+    bool known = true;
+    if (!(node->flags & SL_NODE_SIMPLE)) {
+        known = find_fan(d, &shown, &fan);
+        if (known && shown.node == leaf->node) remember_if_simple(d, leaf, &fan);
+    }
+    if (node->flags & SL_NODE_SIMPLE) {
+        sl_simple_fan simple = simple_fan(d, leaf);
+        job->draw(&simple, count, pixel, w1, w2, job->planes);
+    } else {
+        draw_fan(job, known ? &fan : NULL, &shown, pixel, w1, w2, count);
+    }
+}
+
 static void draw_leaf(const draw_job *job, const sl_mesh_place *leaf) {
     const sl_displayed *d = job->d;
     const sl_visible_pixels *pixels = d->pixels;
-    sl_mesh_place shown = *leaf;
-    sl_mesh_fan fan;
-    bool known = find_fan(d, &shown, &fan), paths = sl_displayed_follows_paths(leaf);
-    own_weights of = weights_of(&shown);
     uint32_t first = d->first[leaf->node], count = d->mesh->node[leaf->node].pixels;
-    for (uint32_t n = first; n < first + count; n++) {
-        uint32_t i = paths ? n : d->order[n], pixel = pixels->pixel[i];
-        float p = pixels->w1[i] - of.p, q = pixels->w2[i] - of.q, value[3] = {job->fallback.r, job->fallback.g, job->fallback.b};
-        if (known) sl_mesh_fan_value(&fan, p * of.b_of_p + q * of.b_of_q, p * of.c_of_p + q * of.c_of_q, value);
-        for (int c = 0; c < 3; c++) job->planes[c][pixel] = value[c];
+    if (sl_displayed_follows_paths(leaf)) {
+        draw_list(job, leaf, pixels->pixel + first, pixels->w1 + first, pixels->w2 + first, count);
+        return;
+    }
+    uint32_t pixel[BLOCK];
+    float w1[BLOCK], w2[BLOCK];
+    for (uint32_t at = 0, n; at < count; at += n) {
+        n = count - at < BLOCK ? count - at : BLOCK;
+        for (uint32_t k = 0; k < n; k++) {
+            uint32_t i = d->order[first + at + k];
+            pixel[k] = pixels->pixel[i];
+            w1[k] = pixels->w1[i];
+            w2[k] = pixels->w2[i];
+        }
+        draw_list(job, leaf, pixel, w1, w2, n);
     }
 }
 
@@ -132,7 +210,7 @@ static void draw_share(void *context, size_t share, unsigned worker) {
 
 void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3], sl_counters *counters) {
     if (!d->pixels) return;
-    draw_job job = {d, fallback, planes};
+    draw_job job = {d, fallback, planes, sl_draw_kernel_for(sl_isa_best())};
     uint64_t redrawn = settle_list(d);
     if (d->dirty_all) {
         for (size_t i = 0; i < d->heap_count; i++) redrawn += d->pixels->face[d->heap[i]].count;

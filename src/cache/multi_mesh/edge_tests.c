@@ -73,7 +73,7 @@ static void tell(sl_displayed *d, uint32_t leaf, uint32_t middle) {
 sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *place, int edge, uint32_t middle, sl_error *error) {
     uint32_t leaf[NEIGHBOURS];
     size_t count = sl_mesh_neighbours(d->mesh, place, edge, leaf, NEIGHBOURS), listed = count < NEIGHBOURS ? count : NEIGHBOURS;
-    d->dirty_all |= count > NEIGHBOURS;
+    if (count > NEIGHBOURS) sl_displayed_mark_all(d);
     sl_status status = SL_OK;
     for (size_t i = 0; i < listed && status == SL_OK; i++) {
         tell(d, leaf[i], middle);

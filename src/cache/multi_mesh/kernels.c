@@ -1,10 +1,12 @@
 /* The variant of each loop that the CPU can run. */
+#include "cache/multi_mesh/draw_kernels.h"
 #include "cache/multi_mesh/path_kernels.h"
 
-void sl_paths_baseline(size_t count, const float *w1, const float *w2, uint32_t *path);
+sl_path_kernel sl_paths_baseline;
+sl_draw_kernel sl_draw_baseline;
 #ifndef SL_BASELINE_ONLY
-void sl_paths_avx2(size_t count, const float *w1, const float *w2, uint32_t *path);
-void sl_paths_avx512(size_t count, const float *w1, const float *w2, uint32_t *path);
+sl_path_kernel sl_paths_avx2, sl_paths_avx512;
+sl_draw_kernel sl_draw_avx2, sl_draw_avx512;
 #endif
 
 sl_path_kernel *sl_path_kernel_for(sl_isa isa) {
@@ -15,4 +17,14 @@ sl_path_kernel *sl_path_kernel_for(sl_isa isa) {
     (void)isa;
 #endif
     return sl_paths_baseline;
+}
+
+sl_draw_kernel *sl_draw_kernel_for(sl_isa isa) {
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return sl_draw_avx512;
+    if (isa == SL_ISA_AVX2) return sl_draw_avx2;
+#else
+    (void)isa;
+#endif
+    return sl_draw_baseline;
 }

@@ -45,7 +45,8 @@ enum {
     SL_NODE_BISECTED = 0x100,  /* two children instead of four: a sliver, cut at its longest edge (node flags bits 9, 10: which) */
     SL_NODE_CUT_SHIFT = 9,
     SL_NODE_SMALL = 0x800,     /* meets the size criterion in the view as it stands (displayed meshes) */
-    SL_NODE_SETTLED = 0x1000   /* a node above it is closed and small there: only another view asked for more */
+    SL_NODE_SETTLED = 0x1000,  /* a node above it is closed and small there: only another view asked for more */
+    SL_NODE_SIMPLE = 0x2000    /* nothing on its edges but their middles, which sl_displayed.middle names */
 };
 
 typedef struct sl_mesh_node {

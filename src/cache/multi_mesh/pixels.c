@@ -20,8 +20,9 @@ typedef struct sort_job {
     const uint32_t *id;
     size_t pixel_count;
     size_t band_start[BANDS + 1];  /* in the arrays below: pixels that show something, as they lie on the screen */
-    uint32_t *pixel, *face, *path;
+    uint32_t *pixel, *face;
     float *w1, *w2;
+    uint32_t *path;                /* out's, until all have gone into keys */
     uint64_t *key, *spare;         /* path above index into those arrays; by face */
     sl_path_kernel *paths;
     sl_visible_pixels *out;
@@ -139,7 +140,7 @@ static void sort_share(void *context, size_t share, unsigned worker) {
         for (size_t i = f.first; i < f.first + f.count; i++) {
             uint32_t from = (uint32_t)j->key[i];
             out->pixel[i] = j->pixel[from];
-            out->path[i] = j->path[from];
+            out->path[i] = (uint32_t)(j->key[i] >> PATH_SHIFT);
             out->w1[i] = j->w1[from];
             out->w2[i] = j->w2[from];
         }
@@ -149,24 +150,22 @@ static void sort_share(void *context, size_t share, unsigned worker) {
 static bool allocate(sort_job *j) {
     size_t n = j->out->count;
     sl_visible_pixels *out = j->out;
-    j->pixel = sl_allocate(n, sizeof *j->pixel);
-    j->face = sl_allocate(n, sizeof *j->face);
-    j->path = sl_allocate(n, sizeof *j->path);
-    j->w1 = sl_allocate(n, sizeof *j->w1);
-    j->w2 = sl_allocate(n, sizeof *j->w2);
-    j->key = sl_allocate(n, sizeof *j->key);
-    j->spare = sl_allocate(n, sizeof *j->spare);
-    out->pixel = sl_allocate(n, sizeof *out->pixel);
-    out->path = sl_allocate(n, sizeof *out->path);
-    out->w1 = sl_allocate(n, sizeof *out->w1);
-    out->w2 = sl_allocate(n, sizeof *out->w2);
-    return j->pixel && j->face && j->path && j->w1 && j->w2 && j->key && j->spare && out->pixel && out->path && out->w1 && out->w2;
+    j->pixel = sl_allocate_unset(n, sizeof *j->pixel);
+    j->face = sl_allocate_unset(n, sizeof *j->face);
+    j->w1 = sl_allocate_unset(n, sizeof *j->w1);
+    j->w2 = sl_allocate_unset(n, sizeof *j->w2);
+    j->key = sl_allocate_unset(n, sizeof *j->key);
+    j->spare = sl_allocate_unset(n, sizeof *j->spare);
+    out->pixel = sl_allocate_unset(n, sizeof *out->pixel);
+    out->path = j->path = sl_allocate_unset(n, sizeof *out->path);
+    out->w1 = sl_allocate_unset(n, sizeof *out->w1);
+    out->w2 = sl_allocate_unset(n, sizeof *out->w2);
+    return j->pixel && j->face && j->w1 && j->w2 && j->key && j->spare && out->pixel && out->path && out->w1 && out->w2;
 }
 
 static void release(sort_job *j) {
     sl_free(j->pixel);
     sl_free(j->face);
-    sl_free(j->path);
     sl_free(j->w1);
     sl_free(j->w2);
     sl_free(j->key);
