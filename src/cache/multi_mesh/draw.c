@@ -60,27 +60,21 @@ typedef struct draw_job {
     sl_displayed *d;
     sl_rgb fallback;
     float *const *planes;
-    sl_draw_kernel *draw;
+    sl_draw_kernels draw;
 } draw_job;
 
-/* Weights of a place's corners 1 and 2 from those of its face's. */
-static void put_weights(sl_simple_fan *fan, const sl_mesh_place *n) {
+static sl_leaf_weights weights_of(const sl_mesh_place *n) {
     const float unit = 1.0f / (float)SL_MESH_DYADIC;
     float p0 = (float)n->p[0] * unit, q0 = (float)n->q[0] * unit, p1 = (float)n->p[1] * unit - p0, q1 = (float)n->q[1] * unit - q0,
           p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0, inverse = 1.0f / (p1 * q2 - p2 * q1); /* places have an area */
-    fan->p = p0;
-    fan->q = q0;
-    fan->b_of_p = q2 * inverse;
-    fan->b_of_q = -p2 * inverse;
-    fan->c_of_p = -q1 * inverse;
-    fan->c_of_q = p1 * inverse;
+    return (sl_leaf_weights){p0, q0, q2 * inverse, -p2 * inverse, -q1 * inverse, p1 * inverse};
 }
 
 /* From the vertices that a leaf with SL_NODE_SIMPLE has. */
 static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     const float *value = d->mesh->value;
-    sl_simple_fan fan;
+    sl_simple_fan fan = {.weights = weights_of(leaf)};
     for (int c = 0; c < 3; c++) {
         for (int k = 0; k < 3; k++) fan.corner[c][k] = value[3 * (size_t)node->vertex[c] + (size_t)k];
     }
@@ -96,7 +90,6 @@ static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf
         float first = fan.corner[0][k];
         fan.centre[k] = first + ((fan.corner[1][k] - first) + (fan.corner[2][k] - first)) * (1.0f / 3.0f);
     }
-    put_weights(&fan, leaf);
     return fan;
 }
 
@@ -120,15 +113,29 @@ static bool find_fan(const sl_displayed *d, sl_mesh_place *place, sl_mesh_fan *f
     return true;
 }
 
-/* Any fan; no fan: what stands in. */
-static void draw_fan(const draw_job *job, const sl_mesh_fan *fan, const sl_mesh_place *of, const uint32_t *pixel, const float *w1,
-                     const float *w2, size_t count) {
-    sl_simple_fan place;
-    put_weights(&place, of);
-    for (size_t i = 0; i < count; i++) {
-        float p = w1[i] - place.p, q = w2[i] - place.q, value[3] = {job->fallback.r, job->fallback.g, job->fallback.b};
-        if (fan) sl_mesh_fan_value(fan, p * place.b_of_p + q * place.b_of_q, p * place.c_of_p + q * place.c_of_q, value);
-        for (int c = 0; c < 3; c++) job->planes[c][pixel[i]] = value[c];
+_Static_assert(SL_FULL_FAN_STEPS + 1 == SL_FAN_EDGE, "vertices on edges lie at whole steps");
+
+/* Values at equal steps along the edges. */
+static void spread(const sl_mesh_fan *fan, const sl_mesh_place *of, sl_full_fan *full) {
+    full->weights = weights_of(of);
+    for (int k = 0; k < 3; k++) full->centre[k] = fan->centre[k];
+    for (int e = 0; e < 3; e++) {
+        for (int n = 0; n + 1 < fan->points[e]; n++) {
+            int from = (int)(fan->along[e][n] * SL_FULL_FAN_STEPS), to = (int)(fan->along[e][n + 1] * SL_FULL_FAN_STEPS);
+            for (int k = 0; k < 3; k++) {
+                float *edge = full->edge[k] + e * SL_FAN_EDGE, a = fan->on_edge[e][n][k], b = fan->on_edge[e][n + 1][k];
+                float step = 1.0f / (float)(to - from);
+                for (int i = from; i < to; i++) edge[i] = a + (float)(i - from) * step * (b - a);
+                edge[to] = b;
+            }
+        }
+    }
+}
+
+static void fill(const draw_job *job, const uint32_t *pixel, size_t count) {
+    const float value[3] = {job->fallback.r, job->fallback.g, job->fallback.b};
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; i < count; i++) job->planes[k][pixel[i]] = value[k];
     }
 }
 
@@ -137,16 +144,17 @@ static void draw_list(const draw_job *job, const sl_mesh_place *leaf, const uint
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     sl_mesh_place shown = *leaf;
     sl_mesh_fan fan;
-    bool known = true;
-    if (!(node->flags & SL_NODE_SIMPLE)) {
-        known = find_fan(d, &shown, &fan);
-        if (known && shown.node == leaf->node) remember_if_simple(d, leaf, &fan);
-    }
+    bool known = (node->flags & SL_NODE_SIMPLE) || find_fan(d, &shown, &fan);
+    if (!(node->flags & SL_NODE_SIMPLE) && known && shown.node == leaf->node) remember_if_simple(d, leaf, &fan);
     if (node->flags & SL_NODE_SIMPLE) {
         sl_simple_fan simple = simple_fan(d, leaf);
-        job->draw(&simple, count, pixel, w1, w2, job->planes);
+        job->draw.simple(&simple, count, pixel, w1, w2, job->planes);
+    } else if (known) {
+        sl_full_fan full;
+        spread(&fan, &shown, &full);
+        job->draw.full(&full, count, pixel, w1, w2, job->planes);
     } else {
-        draw_fan(job, known ? &fan : NULL, &shown, pixel, w1, w2, count);
+        fill(job, pixel, count);
     }
 }
 
@@ -210,7 +218,7 @@ static void draw_share(void *context, size_t share, unsigned worker) {
 
 void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3], sl_counters *counters) {
     if (!d->pixels) return;
-    draw_job job = {d, fallback, planes, sl_draw_kernel_for(sl_isa_best())};
+    draw_job job = {d, fallback, planes, sl_draw_kernels_for(sl_isa_best())};
     uint64_t redrawn = settle_list(d);
     if (d->dirty_all) {
         for (size_t i = 0; i < d->heap_count; i++) redrawn += d->pixels->face[d->heap[i]].count;

@@ -1,7 +1,6 @@
-/* Pixels of a leaf from a fan of six triangles. With w_c the largest weight and w_e the smallest, a point lies in the triangle of the centre, corner
- * c and the middle of the edge opposite to corner e, and there the value is linear:
- *     centre + (1 - 3 w_e) (corner_c - centre) + 2 (w_other - w_e) (middle_e - corner_c),
- * all differences, so that one colour stays that colour in every bit. */
+/* Pixels of a leaf from a fan around its centre. With w_e the smallest weight, a point lies s = 1 - 3 w_e of the way from the centre to a point of
+ * the edge opposite to corner e, and its value is as far from the centre's to that point's. All are differences, so that one colour stays that colour
+ * in every bit. */
 #include "cache/multi_mesh/draw_kernels.h"
 
 enum { BLOCK = 64 };
@@ -13,6 +12,23 @@ static inline float clamp01(float x) {
 
 static inline float choose(int which, float a, float b, float c) { return which == 0 ? a : which == 1 ? b : c; }
 
+/* The leaf's three weights. */
+typedef struct weights {
+    float a, b, c;
+} weights;
+
+static inline weights weights_at(const sl_leaf_weights *of, float w1, float w2) {
+    float p = w1 - of->p, q = w2 - of->q;
+    float b = clamp01(p * of->b_of_p + q * of->b_of_q), c = clamp01(p * of->c_of_p + q * of->c_of_q);
+    return (weights){clamp01(1.0f - b - c), b, c};
+}
+
+static void put(size_t count, const uint32_t *restrict pixel, float value[3][BLOCK], float *const planes[3]) {
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; i < count; i++) planes[k][pixel[i]] = value[k][i];
+    }
+}
+
 /* One channel needs its seven values alone. */
 static inline float in_fan(const sl_simple_fan *f, int channel, int c, int e, float out, float along) {
     float corner = choose(c, f->corner[0][channel], f->corner[1][channel], f->corner[2][channel]);
@@ -20,28 +36,56 @@ static inline float in_fan(const sl_simple_fan *f, int channel, int c, int e, fl
     return f->centre[channel] + out * (corner - f->centre[channel]) + along * (middle - corner);
 }
 
-void SL_KERNEL(sl_draw)(const sl_simple_fan *fan, size_t count, const uint32_t *restrict pixel, const float *restrict w1,
-                        const float *restrict w2, float *const planes[3]) {
+/* With w_c the largest weight the point lies in the triangle of the centre, corner c and the middle of edge e, and there the value is linear:
+ * centre + s (corner_c - centre) + 2 (w_other - w_e) (middle_e - corner_c). */
+void SL_KERNEL(sl_draw_simple)(const sl_simple_fan *fan, size_t count, const uint32_t *pixel, const float *restrict w1,
+                               const float *restrict w2, float *const planes[3]) {
     const sl_simple_fan f = *fan;
-    float red[BLOCK], green[BLOCK], blue[BLOCK];
+    float value[3][BLOCK];
     for (size_t at = 0; at < count; at += BLOCK) {
         size_t n = count - at < BLOCK ? count - at : BLOCK;
 #pragma omp simd
         for (size_t i = 0; i < n; i++) {
-            float p = w1[at + i] - f.p, q = w2[at + i] - f.q;
-            float b = clamp01(p * f.b_of_p + q * f.b_of_q), c = clamp01(p * f.c_of_p + q * f.c_of_q), a = clamp01(1.0f - b - c);
-            float bc_low = b < c ? b : c, bc_high = b < c ? c : b, least = a < bc_low ? a : bc_low, most = a > bc_high ? a : bc_high;
-            int nearest = a == most ? 0 : b == most ? 1 : 2, opposite = a == least ? 0 : b == least ? 1 : 2;
-            float other = a > bc_high ? bc_high : a > bc_low ? a : bc_low;
+            weights w = weights_at(&f.weights, w1[at + i], w2[at + i]);
+            float bc_low = w.b < w.c ? w.b : w.c, bc_high = w.b < w.c ? w.c : w.b, least = w.a < bc_low ? w.a : bc_low,
+                  most = w.a > bc_high ? w.a : bc_high, other = w.a > bc_high ? bc_high : w.a > bc_low ? w.a : bc_low;
+            int nearest = w.a == most ? 0 : w.b == most ? 1 : 2, opposite = w.a == least ? 0 : w.b == least ? 1 : 2;
             float out = clamp01(1.0f - 3.0f * least), along = 2.0f * (other - least);
-            red[i] = in_fan(&f, 0, nearest, opposite, out, along);
-            green[i] = in_fan(&f, 1, nearest, opposite, out, along);
-            blue[i] = in_fan(&f, 2, nearest, opposite, out, along);
+            value[0][i] = in_fan(&f, 0, nearest, opposite, out, along);
+            value[1][i] = in_fan(&f, 1, nearest, opposite, out, along);
+            value[2][i] = in_fan(&f, 2, nearest, opposite, out, along);
         }
+        put(n, pixel + at, value, planes);
+    }
+}
+
+static inline float in_full_fan(float centre, const float *edge, int step, float rest, float out) {
+    float on_edge = edge[step] + rest * (edge[step + 1] - edge[step]);
+    return centre + out * (on_edge - centre);
+}
+
+void SL_KERNEL(sl_draw_full)(const sl_full_fan *fan, size_t count, const uint32_t *pixel, const float *restrict w1,
+                             const float *restrict w2, float *const planes[3]) {
+    const sl_leaf_weights of = fan->weights;
+    const float centre_r = fan->centre[0], centre_g = fan->centre[1], centre_b = fan->centre[2];
+    const float *restrict red = fan->edge[0], *restrict green = fan->edge[1], *restrict blue = fan->edge[2];
+    float value[3][BLOCK];
+    for (size_t at = 0; at < count; at += BLOCK) {
+        size_t n = count - at < BLOCK ? count - at : BLOCK;
+#pragma omp simd
         for (size_t i = 0; i < n; i++) {
-            planes[0][pixel[at + i]] = red[i];
-            planes[1][pixel[at + i]] = green[i];
-            planes[2][pixel[at + i]] = blue[i];
+            weights w = weights_at(&of, w1[at + i], w2[at + i]);
+            float bc_low = w.b < w.c ? w.b : w.c, least = w.a < bc_low ? w.a : bc_low;
+            int opposite = w.a == least ? 0 : w.b == least ? 1 : 2;
+            float first = choose(opposite, w.b, w.c, w.a) - least, second = choose(opposite, w.c, w.a, w.b) - least, sum = first + second;
+            float steps = (float)SL_FULL_FAN_STEPS * clamp01(second / (sum > 0.0f ? sum : 1.0f));
+            int whole = (int)steps, low = whole < SL_FULL_FAN_STEPS ? whole : SL_FULL_FAN_STEPS - 1;
+            int step = opposite * (SL_FULL_FAN_STEPS + 1) + low;
+            float rest = steps - (float)low, out = clamp01(1.0f - 3.0f * least);
+            value[0][i] = in_full_fan(centre_r, red, step, rest, out);
+            value[1][i] = in_full_fan(centre_g, green, step, rest, out);
+            value[2][i] = in_full_fan(centre_b, blue, step, rest, out);
         }
+        put(n, pixel + at, value, planes);
     }
 }

@@ -1,4 +1,4 @@
-/* The loop over a leaf's pixels that is compiled for every instruction set. */
+/* The loops over a leaf's pixels that are compiled for every instruction set. */
 #ifndef SL_MULTI_MESH_DRAW_KERNELS_H
 #define SL_MULTI_MESH_DRAW_KERNELS_H
 
@@ -7,17 +7,34 @@
 
 #include "base/isa.h"
 
+/* The face's weights 1 and 2 at a leaf's corner 0, and what the leaf's own weights 1 and 2 gain by the face's from there. */
+typedef struct sl_leaf_weights {
+    float p, q, b_of_p, b_of_q, c_of_p, c_of_q;
+} sl_leaf_weights;
+
 /* A leaf whose edges have one vertex between their ends, or none: six triangles around its centre. By corner or edge, by channel. */
 typedef struct sl_simple_fan {
+    sl_leaf_weights weights;
     float corner[3][3], centre[3];
     float middle[3][3];    /* of edges; the mean of the ends where nothing is known */
-    float p, q;            /* the face's weights 1 and 2 at the leaf's corner 0, */
-    float b_of_p, b_of_q, c_of_p, c_of_q; /* ... and what the leaf's weights 1 and 2 gain by them from there */
 } sl_simple_fan;
+
+/* Any leaf: values along its edges at equal steps, by channel. */
+enum { SL_FULL_FAN_STEPS = 64 };
+typedef struct sl_full_fan {
+    sl_leaf_weights weights;
+    float centre[3];
+    float edge[3][3 * (SL_FULL_FAN_STEPS + 1)]; /* by channel: edge e from its first end at e * (SL_FULL_FAN_STEPS + 1) */
+} sl_full_fan;
 
 /* Pixel i, where the face's weights are w1[i], w2[i], into three planes. */
 typedef void sl_draw_kernel(const sl_simple_fan *fan, size_t count, const uint32_t *pixel, const float *w1, const float *w2, float *const planes[3]);
+typedef void sl_draw_full_kernel(const sl_full_fan *fan, size_t count, const uint32_t *pixel, const float *w1, const float *w2, float *const planes[3]);
 
-sl_draw_kernel *sl_draw_kernel_for(sl_isa isa);
+typedef struct sl_draw_kernels {
+    sl_draw_kernel *simple;
+    sl_draw_full_kernel *full;
+} sl_draw_kernels;
+sl_draw_kernels sl_draw_kernels_for(sl_isa isa);
 
 #endif
