@@ -40,13 +40,14 @@ void sl_mesh_destroy(sl_mesh *mesh) {
     sl_free(mesh->key);
     sl_free(mesh->value);
     sl_free(mesh->state);
+    sl_free(mesh->halved);
     sl_free(mesh->slot);
     sl_free(mesh);
 }
 
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh) {
     size_t nodes = mesh->node_capacity * sizeof(sl_mesh_node) + mesh->node_capacity / 4 * 2 * sizeof(uint32_t);
-    size_t vertices = mesh->vertex_capacity * (sizeof(sl_vertex_key) + (size_t)mesh->channels * sizeof(float) + 1);
+    size_t vertices = mesh->vertex_capacity * (sizeof(sl_vertex_key) + (size_t)mesh->channels * sizeof(float) + 2);
     return sizeof *mesh + (mesh->topology->face_count + mesh->slot_count) * sizeof(uint32_t) + nodes + vertices;
 }
 

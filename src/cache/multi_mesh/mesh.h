@@ -81,6 +81,7 @@ typedef struct sl_mesh {
     sl_vertex_key *key;
     float *value;              /* vertex_count x channels */
     uint8_t *state;            /* sl_vertex_state */
+    uint8_t *halved;           /* by vertex: 0 where no edge that ends in it has a vertex in its middle */
     uint32_t *slot;            /* hash of keys, a power of two, at most half full */
     size_t slot_count;
     size_t leaf_count;         /* of all roots */

@@ -42,10 +42,11 @@ static void walk_edge(const sl_mesh *mesh, uint32_t face, int edge, edge_end fro
     sl_mesh_place place = {.face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
     uint32_t vertex = sl_mesh_find_middle(mesh, &place, 0);
     if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return;
-    walk_edge(mesh, face, edge, from, half, fan);
-    append(fan, edge, half.at, &mesh->value[(size_t)vertex * (size_t)mesh->channels]);
-    walk_edge(mesh, face, edge, half, to, fan);
     fan->hanging = true;
+    bool further = mesh->halved[vertex]; /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
+    if (further) walk_edge(mesh, face, edge, from, half, fan);
+    append(fan, edge, half.at, &mesh->value[(size_t)vertex * (size_t)mesh->channels]);
+    if (further) walk_edge(mesh, face, edge, half, to, fan);
 }
 
 bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hanging, sl_mesh_fan *fan) {

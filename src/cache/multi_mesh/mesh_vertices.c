@@ -49,6 +49,7 @@ static bool grow_vertices(sl_mesh *mesh) {
     if (!sl_regrow((void **)&mesh->key, used, capacity, sizeof *mesh->key)) return false;
     if (!sl_regrow((void **)&mesh->value, used, capacity, channels * sizeof *mesh->value)) return false;
     if (!sl_regrow((void **)&mesh->state, used, capacity, sizeof *mesh->state)) return false;
+    if (!sl_regrow((void **)&mesh->halved, used, capacity, sizeof *mesh->halved)) return false;
     mesh->vertex_capacity = capacity;
     return true;
 }
@@ -83,6 +84,7 @@ uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q,
     uint32_t fresh = (uint32_t)mesh->vertex_count++;
     mesh->key[fresh] = key;
     mesh->state[fresh] = SL_VERTEX_UNKNOWN;
+    mesh->halved[fresh] = 0;
     memset(&mesh->value[(size_t)fresh * (size_t)mesh->channels], 0, (size_t)mesh->channels * sizeof *mesh->value);
     mesh->slot[crowded ? slot_of(mesh, &key) : slot] = fresh;
     return fresh;
@@ -105,7 +107,11 @@ uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_
     uint32_t p, q;
     *status = SL_OK;
     if (place->depth >= mesh->max_depth || !middle_of(place, edge, &p, &q)) return SL_NO_INDEX;
-    return sl_mesh_vertex_at(mesh, place->face, p, q, status, error);
+    uint32_t vertex = sl_mesh_vertex_at(mesh, place->face, p, q, status, error);
+    if (vertex == SL_NO_INDEX) return vertex;
+    const uint32_t *corner = mesh->node[place->node].vertex;
+    mesh->halved[corner[(edge + 1) % 3]] = mesh->halved[corner[(edge + 2) % 3]] = 1;
+    return vertex;
 }
 
 uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, int edge) {
