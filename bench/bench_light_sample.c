@@ -1,23 +1,26 @@
 /* Sampling one area light by hardware and by rays (multi-mesh caching, section on hardware sampling), on the generated room:
  *
- *   equal density   N x N pixels of the light's picture against N x N jittered shadow rays in coherent packets of 16: time of each (paper: 0.9 to
- *                   32 ms at 64 x 64)
- *   equal error     error of all sizes over time, so that one can see which pixels are worth which rays (paper: 128 x 128 pixels in the time of
- *                   16 x 16 rays)
- *   scaling         time over N (paper: 0.9 ms at 64, 2.6 at 128, so 0.33 ms and 0.138 us a pixel)
- *   reduction       its share of a sample, summing and reading back (paper: 70 %)
+ *   samples      E1, E2: N x N pixels of the light's picture, N x N jittered shadow rays in coherent packets of 16: time and error of each (paper:
+ *                0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays)
+ *   equal-error  how many pixels are as good as so many rays, and what both cost
+ *   edge         error against the closed form: a light behind a straight edge, along the light's sides and at random angles
+ *   parts        E3, E4: time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and reading back (paper: 70 %); and what finding
+ *                occluders by cone and grid would cost beside the hardware's own culling of clusters
  *
- * Points are what the camera sees in random pixels; errors are of those that see a part of the light, in units of what they would get without
- * occluders, against 512 x 512 rays. Processor time of one thread, medians of repetitions in which all take turns.
+ * Points are what the camera sees in random pixels, unless they get next to nothing from the light; errors are of those that see a part of it, in
+ * units of what they would get without occluders, against 512 x 512 rays. Processor time of one thread, medians of repetitions in which all take turns.
  *
  *     build/bench/bench_light_sample [--brief] [--out FOLDER] */
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
+#include "base/random.h"
 #include "cache/light_sample/light_sample.h"
 #include "cache/light_sample/light_sample_internal.h"
 #include "common.h"
+#include "raster/views/grid.h"
 #include "timing.h"
 
 enum { POINTS = 512, ASKED = 16384, REPETITIONS = 9, TRUTH = 512, CASES_MAX = 32 };
@@ -30,6 +33,7 @@ typedef struct {
     sl_light_sample_scratch *scratch;
     double ms[REPETITIONS];         /* a sample, all points' mean */
     double partial_ms[REPETITIONS]; /* those alone that see a part of the light */
+    double us, partial_us;          /* medians */
     double rms, largest;            /* errors */
     sl_counters counters;
 } bench_case;
@@ -64,6 +68,14 @@ static bench_case *add_case(bench *b, const char *name, sl_light_estimator estim
     need(sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error), name, &error);
     need(sl_light_sample_scratch_create(c->sampling, &c->scratch, &error), name, &error);
     return c;
+}
+
+static void free_cases(bench *b) {
+    for (size_t k = 0; k < b->case_count; k++) {
+        sl_light_sample_scratch_destroy(b->cases[k].scratch);
+        sl_light_sampling_destroy(b->cases[k].sampling);
+    }
+    b->case_count = 0;
 }
 
 static double take(const bench *b, bench_case *c, size_t i) {
@@ -127,25 +139,206 @@ static void time_once(const bench *b, bench_case *c, int repetition) {
     c->ms[repetition] = (t2 - t0) / (double)b->count;
 }
 
-/* ---- tables ---- */
+/* ---- equal density, equal error ---- */
 
-static void run(bench *b) {
-    static const int sizes[] = {16, 32, 64, 128, 256}, rays[] = {4, 8, 16, 32, 64};
+static const int sizes[] = {16, 32, 64, 128, 256}, rays[] = {4, 8, 16, 32, 64};
+enum { SIZES = 5 };
+
+/* The four estimators, SIZES cases each, from b->cases[first] on. */
+static size_t add_cases(bench *b) {
     size_t first = b->case_count;
-    for (size_t k = 0; k < 5; k++) add_case(b, "window, ratio", SL_LIGHT_RATIO, sizes[k]);
-    for (size_t k = 0; k < 5; k++) add_case(b, "window, raw", SL_LIGHT_WINDOW, sizes[k]);
-    for (size_t k = 0; k < 5; k++) add_case(b, "frustum", SL_LIGHT_LOOK_AT, sizes[k]);
-    for (size_t k = 0; k < 5; k++) add_case(b, "rays, ratio", SL_LIGHT_RAYS, rays[k]);
+    for (size_t k = 0; k < SIZES; k++) add_case(b, "window, ratio", SL_LIGHT_RATIO, sizes[k]);
+    for (size_t k = 0; k < SIZES; k++) add_case(b, "window, raw", SL_LIGHT_WINDOW, sizes[k]);
+    for (size_t k = 0; k < SIZES; k++) add_case(b, "frustum (the paper's)", SL_LIGHT_LOOK_AT, sizes[k]);
+    for (size_t k = 0; k < SIZES; k++) add_case(b, "rays, ratio", SL_LIGHT_RAYS, rays[k]);
+    return first;
+}
+
+static void table_of_samples(bench *b, size_t first) {
     for (size_t k = first; k < b->case_count; k++) find_errors(b, &b->cases[k]);
     for (int r = 0; r < b->repetitions; r++) {
         for (size_t k = first; k < b->case_count; k++) time_once(b, &b->cases[k], r);
     }
-    bench_table(&b->report, "samples", "Estimator|N|samples|us (part of the light hidden)|us (all points)|rms error|largest error");
+    bench_table(&b->report, "samples", "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
     for (size_t k = first; k < b->case_count; k++) {
         bench_case *c = &b->cases[k];
-        bench_row(&b->report, "%s|%d|%d|%.1f|%.1f|%.2e|%.2e", c->name, c->size, c->size * c->size, 1e3 * median(c->partial_ms, b->repetitions),
-                  1e3 * median(c->ms, b->repetitions), c->rms, c->largest);
+        c->partial_us = 1e3 * median(c->partial_ms, b->repetitions);
+        c->us = 1e3 * median(c->ms, b->repetitions);
+        bench_row(&b->report, "%s|%d|%d|%.1f|%.1f|%.2e|%.2e", c->name, c->size, c->size * c->size, c->partial_us, c->us, c->rms, c->largest);
     }
+    const bench_case *window = &b->cases[first + 2], *ray = &b->cases[first + 4 * SIZES - 1];
+    bench_say(&b->report, "\nEqual density, 64 x 64: rays take %.1f times as long as pixels, at %.2f times their error. The paper: 35.6 times.\n",
+              ray->partial_us / window->partial_us, ray->rms / window->rms);
+    bench_say(&b->report, "128 x 128 pixels take %.2f times as long as 16 x 16 rays, at 1/%.1f of their error. The paper: 1.0.\n",
+              window[1].partial_us / ray[-2].partial_us, ray[-2].rms / window[1].rms);
+}
+
+/* Along the straight line through neighbouring cases, both axes logarithmic; beyond the ends along the outermost. */
+static double between(const bench_case *c, double rms, double (*value)(const bench_case *)) {
+    size_t k = 0;
+    while (k + 2 < SIZES && c[k + 1].rms > rms) k++;
+    double t = sl_log(c[k].rms / rms) / sl_log(c[k].rms / c[k + 1].rms);
+    return sl_exp(sl_log(value(&c[k])) + t * (sl_log(value(&c[k + 1])) - sl_log(value(&c[k]))));
+}
+static double size_of(const bench_case *c) { return (double)c->size; }
+static double time_of(const bench_case *c) { return c->partial_us; }
+
+static void table_of_equal_error(bench *b, size_t first) {
+    const bench_case *ray = &b->cases[first + 3 * SIZES];
+    bench_table(&b->report, "equal-error", "Rays|us|rms error|Window, ratio: N of the same error|us|rays take|Frustum: N|us|rays take");
+    for (size_t k = 0; k < SIZES; k++) {
+        double at[2][2];
+        for (size_t e = 0; e < 2; e++) {
+            const bench_case *c = &b->cases[first + 2 * e * SIZES];
+            at[e][0] = between(c, ray[k].rms, size_of);
+            at[e][1] = fmax(between(c, ray[k].rms, time_of), at[e][0] < 16.0 ? c->partial_us * 0.5 : 0.0);
+        }
+        bench_row(&b->report, "%d x %d|%.1f|%.2e|%.0f|%.1f|%.2f x|%.0f|%.1f|%.2f x", ray[k].size, ray[k].size, ray[k].partial_us, ray[k].rms, at[0][0],
+                  at[0][1], ray[k].partial_us / at[0][1], at[1][0], at[1][1], ray[k].partial_us / at[1][1]);
+    }
+    bench_say(&b->report, "\nWhere the same error would take fewer than 16 x 16 pixels, they are counted with at least half the time of 16 x 16: that is clearing, "
+                          "culling and setting up.\n");
+}
+
+/* ---- against the closed form ---- */
+
+/* A light of 1 x 1 at height 2 over the origin; a half plane at height 1 whose edge goes by the axis at that distance and angle. */
+static sl_scene *edge_scene(double angle, double distance, sl_vec3d *out) {
+    const double c = sl_cos(angle), s = sl_sin(angle), far = 40.0;
+    float p[8][3] = {{-0.5f, 2, -0.5f}, {0.5f, 2, -0.5f}, {0.5f, 2, 0.5f}, {-0.5f, 2, 0.5f}};
+    const double along[4] = {-far, far, far, -far}, across[4] = {distance, distance, far, far};
+    for (int k = 0; k < 4; k++) {
+        p[4 + k][0] = (float)(along[k] * c - across[k] * s);
+        p[4 + k][1] = 1.0f;
+        p[4 + k][2] = (float)(along[k] * s + across[k] * c);
+    }
+    const uint32_t index[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7}, material[4] = {0, 0, 1, 1};
+    const sl_material materials[2] = {{.emission = {1, 1, 1}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
+                                      {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
+    const sl_scene_parts parts = {.vertex_count = 8, .positions = p[0], .triangle_count = 4, .indices = index, .material_index = material,
+                                  .material_count = 2, .materials = materials};
+    sl_scene *scene;
+    sl_error error = {0};
+    need(sl_scene_build(&parts, &scene, &error), "edge", &error);
+    *out = sl_v3d(s, 0.0, -c); /* away from the half plane */
+    return scene;
+}
+
+/* What lies on the open side of the plane through the point and the edge: cut as by a second horizon. */
+static double beside_edge(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d out, double distance) {
+    sl_vec3d to_edge = sl_subd(sl_v3d(-out.x * distance, 1.0, -out.z * distance), sl_to_double(point->position));
+    sl_vec3d along = sl_v3d(-out.z, 0.0, out.x), n = sl_crossd(along, to_edge);
+    if (sl_dotd(n, out) < 0.0) n = sl_scaled(n, -1.0);
+    double sum = 0.0;
+    for (size_t t = 0; t < light->triangles; t++) {
+        sl_vec3d corner[3];
+        for (size_t k = 0; k < 3; k++) corner[k] = sl_subd(sl_to_double(light->corner[3 * t + k]), sl_to_double(point->position));
+        sum += sl_lambert_triangle(corner, sl_to_double(point->normal), n);
+    }
+    return sum;
+}
+
+enum { EDGES = 32, EDGE_POINTS = 24 };
+
+/* Squared errors of all cases, each in units of the open light, summed over points that see a part of it; returns how many points. */
+static size_t measure_edge(const bench *shared, double angle, uint64_t key, double *squares, double *largest) {
+    static bench b;
+    sl_error error = {0};
+    sl_vec3d out;
+    const double distance = 0.3 * ((double)sl_random_unit(key, 0) - 0.5);
+    memset(&b, 0, sizeof b);
+    b.scene = edge_scene(angle, distance, &out);
+    b.repetitions = shared->repetitions;
+    need(sl_raster_create(b.scene, 1, &b.raster, &error), "raster", &error);
+    need(sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error), "rays", &error);
+    need(sl_sampled_lights_find(b.scene, &b.lights, &error), "lights", &error);
+    add_cases(&b);
+    size_t used = 0;
+    for (uint64_t i = 0; i < EDGE_POINTS; i++) {
+        sl_lit_point p = {{sl_random_unit(key, 2 * i + 1) - 0.5f, 0, sl_random_unit(key, 2 * i + 2) - 0.5f}, {0, 1, 0}, {0, 1, 0}, SL_NO_INDEX};
+        double open = sl_light_unoccluded(&b.lights->light[0], &p), truth = beside_edge(&b.lights->light[0], &p, out, distance);
+        if (!(truth > 0.02 * open && truth < 0.98 * open)) continue;
+        used++;
+        for (size_t k = 0; k < b.case_count; k++) {
+            bench_case *c = &b.cases[k];
+            double e = ((double)sl_light_sample_take(c->sampling, 0, &p, c->scratch, &c->counters) - truth) / open;
+            squares[k] += e * e;
+            largest[k] = fmax(largest[k], fabs(e));
+        }
+    }
+    free_cases(&b);
+    sl_sampled_lights_destroy(b.lights);
+    sl_tracer_destroy(b.tracer);
+    sl_raster_destroy(b.raster);
+    sl_scene_destroy(b.scene);
+    return used;
+}
+
+static void table_of_edges(bench *b, size_t first) {
+    double squares[2][CASES_MAX] = {{0}}, largest[2][CASES_MAX] = {{0}};
+    size_t count[2] = {0, 0};
+    for (uint64_t k = 0; k < EDGES; k++) {
+        uint64_t key = sl_random_key(31, k);
+        count[0] += measure_edge(b, 0.5 * SL_PI * (double)(k % 4), key, squares[0], largest[0]);
+        count[1] += measure_edge(b, 2.0 * SL_PI * (double)sl_random_unit(key, 1000), key, squares[1], largest[1]);
+    }
+    bench_table(&b->report, "edge", "Estimator|N|rms error, edge along the light's sides|largest|rms error, edge at random angles|largest");
+    for (size_t k = 0; k < 4 * SIZES; k++) {
+        const bench_case *c = &b->cases[first + k];
+        bench_row(&b->report, "%s|%d|%.2e|%.2e|%.2e|%.2e", c->name, c->size, sqrt(squares[0][k] / (double)count[0]), largest[0][k],
+                  sqrt(squares[1][k] / (double)count[1]), largest[1][k]);
+    }
+}
+
+/* ---- where the time goes ---- */
+
+static double query_us(const bench *b, sl_light_query *q, int size, int what, const sl_grid *grid, sl_grid_scratch *scratch, size_t *listed) {
+    const sl_sampled_light *light = &b->lights->light[b->light];
+    double t0 = now_ms();
+    for (size_t i = 0; i < b->count; i++) {
+        if (what == 0) sl_light_reduce(q, size);
+        if (what == 1) {
+            sl_cone cone = sl_cone_around(b->point[i].position, light->corner, 3 * light->triangles);
+            *listed += sl_grid_cone(grid, &cone, scratch).count;
+        }
+        if (what == 2) sl_light_unoccluded(light, &b->point[i]);
+    }
+    return 1e3 * (now_ms() - t0) / (double)b->count;
+}
+
+static void table_of_parts(bench *b, size_t first) {
+    sl_grid *grid;
+    sl_grid_scratch *scratch;
+    sl_error error = {0};
+    double cone[REPETITIONS], form[REPETITIONS], reduce[REPETITIONS];
+    size_t listed = 0;
+    need(sl_grid_create(b->scene, 0, 1, &grid, &error), "grid", &error);
+    need(sl_grid_scratch_create(grid, &scratch, &error), "grid", &error);
+    bench_table(&b->report, "parts", "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
+    for (size_t k = 0; k < SIZES; k++) {
+        bench_case *c = &b->cases[first + k];
+        sl_light_query q = {.sampling = c->sampling, .light = b->light, .scratch = c->scratch, .counters = &c->counters};
+        for (int r = 0; r < b->repetitions; r++) reduce[r] = query_us(b, &q, c->size, 0, grid, scratch, &listed);
+        double us = median(reduce, b->repetitions), pixels = (double)(c->size * c->size);
+        const bench_case *next = k + 1 < SIZES ? c + 1 : c - 1;
+        double each = (next->us - c->us) / ((double)(next->size * next->size) - pixels);
+        bench_row(&b->report, "%d|%.1f|%.2f|%.0f %%|%.1f us + %.2f ns", c->size, c->us, us, 100.0 * us / c->us, c->us - each * pixels, 1e3 * each);
+    }
+    const bench_case *c = &b->cases[first + 2];
+    listed = 0;
+    for (int r = 0; r < b->repetitions; r++) {
+        cone[r] = query_us(b, NULL, 0, 1, grid, scratch, &listed);
+        form[r] = query_us(b, NULL, 0, 2, grid, scratch, &listed);
+    }
+    double passes = (double)c->counters.value[SL_COUNT_RASTER_PASSES];
+    bench_say(&b->report, "\nFinding occluders by cone and grid: %.2f us a point, before anything is drawn, %.0f triangles listed. The hardware culls clusters: %.1f of %.0f are "
+                          "drawn, %.0f triangles submitted, %.0f rasterized. The closed form: %.2f us.\n",
+              median(cone, b->repetitions), (double)listed / (double)(b->repetitions * (int)b->count),
+              (double)(c->counters.value[SL_COUNT_CLUSTERS_TESTED] - c->counters.value[SL_COUNT_CLUSTERS_CULLED]) / passes,
+              (double)c->counters.value[SL_COUNT_CLUSTERS_TESTED] / passes, (double)c->counters.value[SL_COUNT_TRIANGLES_SUBMITTED] / passes,
+              (double)c->counters.value[SL_COUNT_TRIANGLES_RASTERIZED] / passes, median(form, b->repetitions));
+    sl_grid_scratch_destroy(scratch);
+    sl_grid_destroy(grid);
 }
 
 int main(int argc, char **argv) {
@@ -160,8 +353,17 @@ int main(int argc, char **argv) {
     need(sl_sampled_lights_find(b.scene, &b.lights, &error), "lights", &error);
     choose_light(&b);
     choose_points(&b);
-    bench_say(&b.report, "%zu points, %zu of which see a part of the light.\n", b.count, b.partial);
-    run(&b);
+    bench_say(&b.report, "The generated room, %zu triangles; %zu points, of which %zu see a part of the light.\n", b.scene->triangle_count, b.count, b.partial);
+    size_t first = add_cases(&b);
+    table_of_samples(&b, first);
+    table_of_equal_error(&b, first);
+    table_of_edges(&b, first);
+    table_of_parts(&b, first);
     bench_report_close(&b.report);
+    free_cases(&b);
+    sl_sampled_lights_destroy(b.lights);
+    sl_tracer_destroy(b.tracer);
+    sl_raster_destroy(b.raster);
+    sl_scene_destroy(b.scene);
     return 0;
 }

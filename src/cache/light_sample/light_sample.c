@@ -146,6 +146,7 @@ sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raste
     *s = (sl_light_sampling){.scene = scene, .raster = raster, .tracer = tracer, .lights = lights, .settings = *settings,
                              .kernels = sl_light_pixel_kernels_for(sl_isa_best()), .near = 1e-5f * scene->diagonal,
                              .lift = 6e-7f * largest_coordinate(scene)};
+    s->step = fmaxf(2e-6f * scene->diagonal, s->lift);
     s->shape = sl_allocate(lights->count, sizeof *s->shape);
     if (!s->shape) status = sl_fail_memory(error, "sampling of lights");
     for (size_t i = 0; i < lights->count && status == SL_OK; i++) status = make_shape(s, i, error);

@@ -4,7 +4,7 @@
 
 #include "base/counters.h"
 #include "cache/light_sample/light_sample.h"
-#include "cache/light_sample/window_kernels.h"
+#include "cache/light_sample/sample_kernels.h"
 #include "raster/views/light_view.h"
 
 /* Lights seen smaller than that (their size over their distance) are points: Lambert's formula and the point's are as good as each other
@@ -49,7 +49,8 @@ struct sl_light_sampling {
     sl_light_sample_settings settings;
     sl_light_shape_info *shape; /* by light */
     sl_light_pixel_kernels kernels;
-    float near;                /* what is nearer than that on the way to the light hides nothing: 1e-5 of the scene's diagonal */
+    float near;                /* nearer than 1e-5 of the scene's diagonal nothing is drawn of what the paper's frustum sees */
+    float step;                /* how far on its way to the light the eye of other pictures is: it moves shadows, so a fifth of that */
     float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding */
     size_t most_triangles;     /* of those lights */
     const sl_raster *widest;   /* of the lights' own rasters the one that needs the largest scratch; or NULL */
@@ -67,7 +68,7 @@ struct sl_light_sample_scratch {
     int picture_size;          /* of planes' first, 0: none */
 };
 
-/* A point that asks for an area light. Visibility is that of an eye above its surface in spite of rounding and a little (`near`) on the way to
+/* A point that asks for an area light. Visibility is that of an eye above its surface in spite of rounding and a little (`step`) on the way to
  * the light's middle, past walls that stand on the point itself, for whether they are before it or behind is rounding; weights are the point's. */
 typedef struct sl_light_query {
     const sl_light_sampling *sampling;

@@ -58,16 +58,16 @@ static void flush(packet *p) {
 }
 
 /* d: of any length, the place aimed at being at far = 1. */
-static void add_ray(packet *p, sl_vec3d d, double far, double weight) {
+static void add_ray(packet *p, sl_vec3 d, float far, double weight) {
     unsigned i = p->count++;
     p->rays.origin_x[i] = p->eye.x;
     p->rays.origin_y[i] = p->eye.y;
     p->rays.origin_z[i] = p->eye.z;
-    p->rays.direction_x[i] = (float)d.x;
-    p->rays.direction_y[i] = (float)d.y;
-    p->rays.direction_z[i] = (float)d.z;
+    p->rays.direction_x[i] = d.x;
+    p->rays.direction_y[i] = d.y;
+    p->rays.direction_z[i] = d.z;
     p->rays.near[i] = 0.0f;
-    p->rays.far[i] = (float)far;
+    p->rays.far[i] = far;
     p->rays.skip[i] = p->skip;
     p->weight[i] = weight;
     if (p->count == SL_PACKET) flush(p);
@@ -78,7 +78,7 @@ sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *p
 }
 
 sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light) {
-    double length = sl_lengthd(to_light), step = length > 0.0 ? fmin((double)sampling->near / length, 0.25) : 0.0;
+    double length = sl_lengthd(to_light), step = length > 0.0 ? fmin((double)sampling->step / length, 0.25) : 0.0;
     return sl_to_float(sl_addd(sl_to_double(lifted), sl_scaled(to_light, step)));
 }
 
@@ -90,7 +90,7 @@ static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *p
 static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_vec3d d, double far, sl_counters *counters) {
     packet p = packet_at(sampling, point, eye, counters);
     if (!(sl_lengthd(d) > 0.0) || !sl_is_finite(sl_to_float(d))) return false;
-    add_ray(&p, d, far, 1.0);
+    add_ray(&p, sl_to_float(d), (float)far, 1.0);
     flush(&p);
     return !(p.seen > 0.0);
 }
@@ -113,10 +113,6 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
 
 /* A point of the light from two numbers in [0,1), evenly by area, neighbours to neighbours; which triangle it is on. */
 static sl_vec3d place_on(const sl_sampled_light *light, const sl_light_shape_info *shape, double u, double v, size_t *triangle) {
-    if (shape->parallelogram) {
-        *triangle = 0;
-        return sl_addd(shape->corner, sl_addd(sl_scaled(shape->e1, u), sl_scaled(shape->e2, v)));
-    }
     double at = u * shape->area, before;
     size_t low = 0, high = light->triangles - 1;
     while (low < high) {
@@ -131,11 +127,23 @@ static sl_vec3d place_on(const sl_sampled_light *light, const sl_light_shape_inf
     return sl_addd(sl_scaled(a, 1.0 - s), sl_addd(sl_scaled(b, s * (1.0 - v)), sl_scaled(c, s * v)));
 }
 
-static sl_vec3d normal_of(const sl_sampled_light *light, size_t triangle) {
+static sl_vec3 normal_of(const sl_sampled_light *light, size_t triangle) {
     sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
     sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
-    double length = sl_lengthd(cross);
-    return length > 0.0 ? sl_scaled(cross, 1.0 / length) : cross;
+    return sl_normalize_or(sl_to_float(cross), sl_v3(0, 0, 0));
+}
+
+/* The strata of packet k: 4 x 4 neighbours where n allows it, else a row's. Returns how many. */
+static unsigned strata_of(int n, int k, int32_t column[SL_AIMED], int32_t row[SL_AIMED]) {
+    unsigned count = 0;
+    for (int i = 0; i < SL_AIMED; i++) {
+        int at = k * SL_AIMED + i, tiles = n / 4;
+        bool tiled = n % 4 == 0;
+        column[i] = tiled ? 4 * (k % tiles) + i % 4 : at % n;
+        row[i] = tiled ? 4 * (k / tiles) + i / 4 : at / n;
+        count += at < n * n;
+    }
+    return count;
 }
 
 /* By the position's bits alone: a point asked again gets the same answer. */
@@ -151,29 +159,49 @@ bool sl_light_middle_hidden(const sl_light_query *q) {
     return is_hidden(q->sampling, q->point, q->eye, d, 1.0 - SL_LIGHT_MARGIN, q->counters);
 }
 
+/* Places and normals of a light of any shape, relative to the point. */
+static void aim(const sl_light_query *query, const float *u, const float *v, sl_aimed_rays *rays) {
+    const sl_sampled_light *light = &query->sampling->lights->light[query->light];
+    const sl_vec3d position = sl_to_double(query->point->position);
+    for (unsigned i = 0; i < SL_AIMED; i++) {
+        size_t triangle;
+        sl_vec3 d = sl_to_float(sl_subd(place_on(light, &query->sampling->shape[query->light], (double)u[i], (double)v[i], &triangle), position));
+        sl_vec3 normal = light->kind == SL_SAMPLED_AREA ? light->normal : normal_of(light, triangle);
+        rays->x[i] = d.x, rays->y[i] = d.y, rays->z[i] = d.z;
+        rays->normal_x[i] = normal.x, rays->normal_y[i] = normal.y, rays->normal_z[i] = normal.z;
+    }
+}
+
 sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_sampling *sampling = query->sampling;
-    const sl_sampled_light *light = &sampling->lights->light[query->light];
+    const sl_light_pixel_kernels *kernels = &sampling->kernels;
     const sl_light_shape_info *shape = &sampling->shape[query->light];
+    const sl_sampled_light *light = &sampling->lights->light[query->light];
     const sl_lit_point *point = query->point;
     const int n = sampling->settings.rays;
     const uint64_t key = jitter_key(point, query->light);
-    const sl_vec3d normal = sl_to_double(point->normal), geometric = sl_to_double(point->geometric_normal);
+    const sl_vec3d position = sl_to_double(point->position), back = sl_subd(position, sl_to_double(query->eye));
+    const sl_vec3 corner = sl_to_float(sl_subd(shape->corner, position)), e1 = sl_to_float(shape->e1), e2 = sl_to_float(shape->e2);
+    const sl_ray_receiver receiver = {.normal = point->normal, .geometric = point->geometric_normal, .two_sided = light->two_sided,
+                                      .scale = (float)(shape->area / ((double)n * (double)n * SL_PI)),
+                                      .flatness = (float)(2.0 * shape->flatness), .margin = (float)SL_LIGHT_MARGIN};
     packet p = packet_at(sampling, point, query->eye, query->counters);
-    const sl_vec3d position = sl_to_double(point->position), eye = sl_to_double(p.eye);
-    double all = 0.0, scale = shape->area / ((double)n * (double)n * SL_PI);
-    for (int i = 0; i < n * n; i++) {
-        size_t triangle;
-        double u = ((double)(i % n) + (double)sl_random_unit(key, 2 * (uint64_t)i)) / (double)n;
-        double v = ((double)(i / n) + (double)sl_random_unit(key, 2 * (uint64_t)i + 1)) / (double)n;
-        sl_vec3d place = place_on(light, shape, u, v, &triangle), d = sl_subd(place, position);
-        double squared = sl_dotd(d, d), high = sl_dotd(normal, d), front = -sl_dotd(normal_of(light, triangle), d);
-        front = light->two_sided ? fabs(front) : front;
-        if (!(squared > 0.0) || !(high > 0.0) || !(front > 0.0) || !(sl_dotd(geometric, d) > 0.0)) continue;
-        double weight = high / squared * (front / squared) * scale;
-        if (!isfinite(weight)) continue;
-        all += weight;
-        add_ray(&p, sl_subd(place, eye), 1.0 - fmax(SL_LIGHT_MARGIN, fmin(2.0 * shape->flatness / front, 0.5)), weight);
+    double all = 0.0;
+    for (int k = 0; k * SL_AIMED < n * n; k++) {
+        int32_t column[SL_AIMED], row[SL_AIMED];
+        float u[SL_AIMED], v[SL_AIMED];
+        sl_aimed_rays rays;
+        unsigned count = strata_of(n, k, column, row);
+        kernels->jitter(key, n, column, row, u, v);
+        if (shape->parallelogram) kernels->places(u, v, corner, e1, e2, light->normal, &rays);
+        else aim(query, u, v, &rays);
+        kernels->weights(&receiver, &rays);
+        for (unsigned i = 0; i < count; i++) {
+            if (!(rays.weight[i] > 0.0f)) continue;
+            all += (double)rays.weight[i];
+            add_ray(&p, sl_v3((float)((double)rays.x[i] + back.x), (float)((double)rays.y[i] + back.y), (float)((double)rays.z[i] + back.z)),
+                    rays.far[i], (double)rays.weight[i]);
+        }
     }
     flush(&p);
     return (sl_light_sums){p.seen, all};

@@ -6,7 +6,7 @@
  *     w = (n . (x, y, 1))+ dx dy / (1 + x^2 + y^2)^2,
  *
  * which is, with d = h (x, y, 1) and pixels of ds = h dx, dt = h dy on a light at distance h, the same as (n . d)+ h ds dt / |d|^4. */
-#include "cache/light_sample/window_kernels.h"
+#include "cache/light_sample/sample_kernels.h"
 
 void SL_KERNEL(sl_window_weigh)(const sl_light_pixels *pixels, const uint32_t *inside, const uint32_t *id) {
     static const uint32_t bit[32] = {1u << 0,  1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,

@@ -1,0 +1,83 @@
+/* The loops over the pixels of a light's picture and over rays, compiled for every instruction set. */
+#ifndef SL_CACHE_LIGHT_SAMPLE_KERNELS_H
+#define SL_CACHE_LIGHT_SAMPLE_KERNELS_H
+
+#include "base/isa.h"
+#include "base/vec.h"
+
+#include <stdint.h>
+
+/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along (x, y, 1), x = column_x[i] + row_x[j] and
+ * y = column_y[i] + row_y[j]; in a picture square to its frame y is row_y[j] alone, and x is column_x[i]. */
+typedef struct sl_light_pixels {
+    int size;
+    const float *column_x, *column_y, *row_x, *row_y;
+    float step_x, step_y;        /* between neighbours, of pictures square to their frame */
+    sl_vec3 normal, geometric;   /* of the receiver, in the view's frame */
+    float scale;                 /* weights are multiplied by this (of a window: a pixel's area, too) */
+    float *seen, *all;           /* size x size each */
+} sl_light_pixels;
+
+/* The light is a window: pixels whose bit of `inside` is set; seen where id is SL_NO_INDEX. */
+typedef void sl_window_weigh(const sl_light_pixels *pixels, const uint32_t *inside, const uint32_t *id);
+/* The light is what its own picture shows (light_id: a triangle with facing != 0); seen where the scene is no nearer, depths being 1/w. */
+typedef void sl_look_at_weigh(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing, const float *light_depth,
+                              const float *depth);
+
+/* ---- rays (ray_kernels.c) ---- */
+
+enum { SL_AIMED = 16 };
+
+/* Where rays are aimed, from the receiver; the light's normal there; what they are worth, and how far they count (1: at the light). */
+typedef struct sl_aimed_rays {
+    _Alignas(64) float x[SL_AIMED], y[SL_AIMED], z[SL_AIMED];
+    float normal_x[SL_AIMED], normal_y[SL_AIMED], normal_z[SL_AIMED];
+    float weight[SL_AIMED], far[SL_AIMED];
+} sl_aimed_rays;
+
+typedef struct sl_ray_receiver {
+    sl_vec3 normal, geometric;
+    float scale;                 /* weights are multiplied by this */
+    float flatness, margin;      /* how near to the light's plane, and to its end, a ray ends: in lengths, and in its own */
+    bool two_sided;
+} sl_ray_receiver;
+
+/* Numbers in [0,1) of the strata in columns and rows of n x n. */
+typedef void sl_ray_jitter(uint64_t key, int n, const int32_t *column, const int32_t *row, float *u, float *v);
+/* Of a parallelogram: corner + u e1 + v e2. */
+typedef void sl_ray_places(const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal, sl_aimed_rays *rays);
+typedef void sl_ray_weights(const sl_ray_receiver *receiver, sl_aimed_rays *rays);
+
+typedef struct sl_light_pixel_kernels {
+    sl_window_weigh *window;
+    sl_look_at_weigh *look_at;
+    sl_ray_jitter *jitter;
+    sl_ray_places *places;
+    sl_ray_weights *weights;
+} sl_light_pixel_kernels;
+
+#define SL_DECLARE_LIGHT_PIXEL_KERNELS(isa)  \
+    sl_window_weigh sl_window_weigh_##isa;   \
+    sl_look_at_weigh sl_look_at_weigh_##isa; \
+    sl_ray_jitter sl_ray_jitter_##isa;       \
+    sl_ray_places sl_ray_places_##isa;       \
+    sl_ray_weights sl_ray_weights_##isa
+
+SL_DECLARE_LIGHT_PIXEL_KERNELS(baseline);
+SL_DECLARE_LIGHT_PIXEL_KERNELS(avx2);
+SL_DECLARE_LIGHT_PIXEL_KERNELS(avx512);
+
+static inline sl_light_pixel_kernels sl_light_pixel_kernels_for(sl_isa isa) {
+#define SL_LIGHT_PIXEL_KERNELS_OF(name)                                                                                                    \
+    (sl_light_pixel_kernels) {                                                                                                             \
+        sl_window_weigh_##name, sl_look_at_weigh_##name, sl_ray_jitter_##name, sl_ray_places_##name, sl_ray_weights_##name                 \
+    }
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return SL_LIGHT_PIXEL_KERNELS_OF(avx512);
+    if (isa == SL_ISA_AVX2) return SL_LIGHT_PIXEL_KERNELS_OF(avx2);
+#endif
+    (void)isa;
+    return SL_LIGHT_PIXEL_KERNELS_OF(baseline);
+}
+
+#endif
