@@ -48,7 +48,7 @@ static world *open_world(sl_scene *scene, const sl_transport *transport) {
     sl_sequence_make(&w->sequence);
     sl_path_maker_init(&w->maker, scene, w->tracer, w->lights, &w->sequence, transport);
     w->maker.tan_x = w->maker.tan_y = (float)sl_tan(0.5 * (double)scene->camera.vertical_fov);
-    w->maker.light_image = true;
+    w->maker.light_image = w->maker.direct_image = true;
     return w;
 }
 

@@ -24,14 +24,15 @@ static const variant variants[] = {{"plane", "splatting", SL_GATHER_PLANE, SL_DI
                                    {"hemicube", "splatting", SL_GATHER_HEMICUBE, SL_DIRECT_RAYS},
                                    {"rays", "splatting", SL_GATHER_RAYS, SL_DIRECT_RAYS},
                                    {"shadow maps", "splatting", SL_GATHER_PLANE, SL_DIRECT_SHADOW_MAPS},
-                                   {"path", "path", SL_GATHER_AUTO, SL_DIRECT_AUTO}};
-enum { VARIANTS = sizeof variants / sizeof *variants, PATH = VARIANTS - 1 };
+                                   {"path", "path", SL_GATHER_AUTO, SL_DIRECT_AUTO},
+                                   {"bidirectional", "bidirectional", SL_GATHER_AUTO, SL_DIRECT_AUTO}};
+enum { VARIANTS = sizeof variants / sizeof *variants, PATH = VARIANTS - 2 };
 
 static sl_image *render_variant(const sl_scene *scene, const variant *v, int width, int height) {
     sl_settings settings = small_settings(v->method, width, height);
     settings.gather = v->gather;
     settings.direct = v->direct;
-    if (v == &variants[PATH]) {
+    if (v >= &variants[PATH]) {
         settings.transport = "matched:splatting";
         settings.spp = 16;
     }
@@ -204,9 +205,10 @@ static void one_triangle_under_an_even_sky_sends_its_reflectance(void **state) {
                "\"materials\": {\"half\": {\"diffuse\": 0.5}}, \"environment\": {\"radiance\": 1},\n"
                "\"camera\": {\"eye\": [0, 0, 1], \"target\": [0, 0, 0], \"fov_deg\": 20}}",
                "v -2 -2 0\nv 2 -2 0\nv 0 4 0\nf 1 2 3\n", 16, 16, means);
-    /* Maps play the sky by 32 directional lights. */
+    /* Maps play the sky by 32 directional lights. The tracers' means of 16 samples have a standard error of 0.002. */
     for (int i = 0; i < VARIANTS; i++) {
-        assert_near(variants[i].name, means[i], 0.5, variants[i].direct == SL_DIRECT_SHADOW_MAPS ? 0.05 : 0.002);
+        double tolerance = variants[i].direct == SL_DIRECT_SHADOW_MAPS ? 0.05 : i >= PATH ? 0.008 : 0.002;
+        assert_near(variants[i].name, means[i], 0.5, tolerance);
     }
 }
 

@@ -16,6 +16,8 @@ typedef struct sl_bidirectional_settings {
     sl_transport transport;   /* filter must be BOX or CENTRE; with CENTRE light subpaths are not joined to the camera */
     bool balance;             /* the balance heuristic instead of the power heuristic */
     bool without_light_image; /* light subpaths are not joined to the camera with BOX either */
+    bool direct_image;        /* light that comes straight from a lamp is carried to the camera too (s = 2, t = 1): light samples, which are
+                                 better spread, make that way cost more than it saves */
 } sl_bidirectional_settings;
 
 sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer, const sl_bidirectional_settings *settings,

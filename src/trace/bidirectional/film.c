@@ -73,6 +73,7 @@ static sl_status make_film(sl_bidirectional *film, const sl_tracer *tracer, sl_e
     film->maker.tan_y = (float)tangent;
     film->maker.balance = s->balance;
     film->maker.light_image = s->transport.filter == SL_FILTER_BOX && !s->without_light_image;
+    film->maker.direct_image = s->direct_image;
     return SL_OK;
 }
 

@@ -58,7 +58,8 @@ typedef struct sl_path_maker {
     bool balance;             /* the balance heuristic instead of the power heuristic */
     sl_vec3d centre;          /* of the sphere that holds the scene, */
     double radius;            /* through which distant light comes */
-    bool light_image;         /* light subpaths are joined to the camera (t = 1) */
+    bool light_image;         /* light subpaths are joined to the camera (t = 1), */
+    bool direct_image;        /* those of one surface too (s = 2) */
     unsigned eye_vertices;    /* those that are given: 1, the eye, or 2, a point before it */
     float tan_x, tan_y;       /* of half the camera's fields of view */
 } sl_path_maker;

@@ -56,7 +56,7 @@ static bool sees_as_declared(const sl_path_maker *m, const ways *w, unsigned t) 
 static bool possible(const sl_path_maker *m, const sl_connection *c, const ways *w, unsigned t) {
     unsigned s = w->last + 1 - t;
     if (t < m->eye_vertices || t > SL_SUBPATH_VERTICES_MAX || s > SL_SUBPATH_VERTICES_MAX) return false;
-    if (t == 1 && !(m->light_image && w->last >= 2)) return false;
+    if (t == 1 && !(m->light_image && w->last >= (m->direct_image ? 2u : 3u))) return false;
     if (s == 0 ? w->delta_light : vertex(c, t - 1)->kind == SL_VERTEX_MIRROR || vertex(c, t)->kind == SL_VERTEX_MIRROR) return false;
     return !w->restricted || sees_as_declared(m, w, t);
 }
