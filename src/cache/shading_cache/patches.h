@@ -87,7 +87,7 @@ sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_pl
 sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
 
 /* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a leaf). Vertices that are new are not
- * evaluated. Splits and drops mark as SL_PATCH_DIRTY what they make, and all leaves around vertices that come or go. Without memory nothing changes. */
+ * evaluated. Splits and drops mark as SL_PATCH_DIRTY what they make, what they leave unused, and all leaves around vertices that come or go. Without memory nothing changes. */
 sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
 /* All below it goes. Its pixels become those of what was below. */
 void sl_patch_drop_children(sl_patches *patches, uint32_t patch);

@@ -51,6 +51,7 @@ typedef struct sl_root_point {
 /* Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the surface's own. The surface itself: sl_bicubic_at() in
  * scene/bicubic.h. */
 void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v, sl_root_point *point);
+sl_vec3 sl_root_position(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v); /* the same one, alone */
 /* The scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for its texture. */
 uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, double u, double v, float *w1, float *w2);
 /* The other way: (u, v) in [0,1] of a point of a scene triangle. */

@@ -1,0 +1,107 @@
+/* What lies around a vertex, in its own root and in those that meet there; and vertices along a leaf's edge. */
+#include "cache/shading_cache/patch_parts.h"
+#include "cache/shading_cache/primitive_parts.h"
+
+/* ---- leaves around a place ---------------------------------------------------------------------------------------------------- */
+
+/* A point, or an edge of a bicubic patch that is one point in space. */
+typedef struct uv_box {
+    int u[2], v[2];
+} uv_box;
+
+/* Closed regions: a leaf holds what lies on its edges. All triangles of a root are upright or turned by half a turn. */
+static bool meets(const sl_patch_place *place, const uv_box *box) {
+    if (place->corners == 4) {
+        return box->u[0] <= place->u[2] && box->u[1] >= place->u[0] && box->v[0] <= place->v[2] && box->v[1] >= place->v[0];
+    }
+    int side = (int)place->u[1] - (int)place->u[0], turned = side < 0 ? -1 : 1;
+    int a = (box->u[0] - (int)place->u[0]) * turned, b = (box->v[0] - (int)place->v[0]) * turned;
+    return a >= 0 && b >= 0 && a + b <= side * turned;
+}
+
+static void touch_below(sl_patches *p, const sl_patch_place *place, const uv_box *box) {
+    if (!meets(place, box)) return;
+    if (sl_patch_is_leaf(p, place->patch)) {
+        p->flags[place->patch] |= SL_PATCH_DIRTY;
+        return;
+    }
+    for (int c = 0; c < 4; c++) {
+        sl_patch_place child = sl_patch_child_place(p, place, c);
+        touch_below(p, &child, box);
+    }
+}
+
+static void touch_box(sl_patches *p, uint32_t root, const uv_box *box) {
+    if (p->root_patch[root] == SL_NO_INDEX) return;
+    sl_patch_place place = sl_patch_place_of(p, p->root_patch[root]);
+    touch_below(p, &place, box);
+}
+
+static uv_box edge_box(const sl_primitives *primitives, uint32_t code, uint32_t from, uint32_t to) {
+    uint32_t u[2], v[2];
+    int corners = sl_primitive_corners(primitives, code / 4);
+    sl_edge_point(corners, (int)(code % 4), from, &u[0], &v[0]);
+    sl_edge_point(corners, (int)(code % 4), to, &u[1], &v[1]);
+    int low_u = u[0] < u[1] ? 0 : 1, low_v = v[0] < v[1] ? 0 : 1;
+    return (uv_box){{(int)u[low_u], (int)u[1 - low_u]}, {(int)v[low_v], (int)v[1 - low_v]}};
+}
+
+static uint32_t along(const sl_primitives *primitives, uint32_t code, uint32_t t) {
+    return primitives->edge_kind[code] & SL_EDGE_BACKWARDS ? SL_PATCH_DYADIC - t : t;
+}
+
+/* Corners and edges that are one stand in rings. */
+void sl_patches_touch_place(sl_patches *p, sl_root_place place) {
+    const sl_primitives *primitives = p->primitives;
+    uint32_t primitive = place.root / 2, side = place.root % 2, t;
+    int edge = sl_edge_at(sl_primitive_corners(primitives, primitive), place.u, place.v, &t);
+    if (edge < 0) {
+        uv_box box = {{place.u, place.u}, {place.v, place.v}};
+        touch_box(p, place.root, &box);
+        return;
+    }
+    uint32_t first = 4 * primitive + (uint32_t)edge, code = first;
+    bool corner = t == 0 || primitives->edge_kind[first] & SL_EDGE_POINT;
+    uint32_t common = along(primitives, first, t);
+    do {
+        uint32_t from = corner ? 0 : along(primitives, code, common);
+        uint32_t to = corner && primitives->edge_kind[code] & SL_EDGE_POINT ? SL_PATCH_DYADIC : from;
+        uv_box box = edge_box(primitives, code, from, to);
+        touch_box(p, 2 * (code / 4) + side, &box);
+        code = corner ? primitives->corner_next[code] : primitives->edge_next[code];
+    } while (code != first);
+}
+
+void sl_patches_touch(sl_patches *p, uint32_t vertex) {
+    const sl_patch_vertex *v = &p->vertex[vertex];
+    sl_patches_touch_place(p, (sl_root_place){v->root, v->u, v->v});
+}
+
+/* ---- vertices along an edge --------------------------------------------------------------------------------------------------- */
+
+typedef struct hanging_list {
+    const sl_patches *patches;
+    uint32_t root, corner; /* a vertex that the edge begins with */
+    uint32_t *vertex;
+    size_t count, room;
+} hanging_list;
+
+/* Finer leaves beside an edge have its middle for a corner, and only then may they have the middles of its halves. */
+static void collect(hanging_list *list, const uint32_t from[2], const uint32_t to[2]) {
+    uint32_t middle[2] = {(from[0] + to[0]) / 2, (from[1] + to[1]) / 2};
+    bool smallest = (from[0] + to[0]) % 2 || (from[1] + to[1]) % 2; /* an edge of the deepest leaves */
+    if (smallest || list->count == list->room) return;
+    uint32_t vertex = sl_vertex_find(list->patches, (sl_root_place){list->root, (uint16_t)middle[0], (uint16_t)middle[1]});
+    if (vertex == SL_NO_INDEX || vertex == list->corner) return; /* the latter: the edge is one point */
+    collect(list, from, middle);
+    if (list->count == list->room) return;
+    list->vertex[list->count++] = vertex;
+    collect(list, middle, to);
+}
+
+size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room) {
+    int next = (edge + 1) % leaf->corners;
+    hanging_list list = {p, leaf->root, p->patch[leaf->patch].vertex[edge], vertex, 0, room};
+    collect(&list, (uint32_t[2]){leaf->u[edge], leaf->v[edge]}, (uint32_t[2]){leaf->u[next], leaf->v[next]});
+    return list.count;
+}

@@ -1,0 +1,25 @@
+/* Between patches.c, patch_vertices.c, patch_around.c and evict.c. */
+#ifndef SL_SHADING_CACHE_PATCH_PARTS_H
+#define SL_SHADING_CACHE_PATCH_PARTS_H
+
+#include "cache/shading_cache/patches.h"
+
+/* Larger lists with room for `wanted` entries: a 64th more than before, as what is allocated and not used counts, too. */
+static inline size_t sl_patches_room(size_t capacity, size_t wanted) {
+    size_t more = capacity + capacity / 64 + 64;
+    return more > wanted ? more : wanted;
+}
+
+/* Room for so many more vertices; only this can fail. */
+sl_status sl_vertices_reserve(sl_patches *patches, size_t count, sl_error *error);
+/* The vertex at a place, or SL_NO_INDEX. */
+uint32_t sl_vertex_find(const sl_patches *patches, sl_root_place place);
+/* The same, made where there is none, with one reference more. *created is set where it is new. */
+uint32_t sl_vertex_take(sl_patches *patches, sl_root_place place, bool *created);
+/* One reference less; true: it was the last, and the vertex is gone. */
+bool sl_vertex_release(sl_patches *patches, uint32_t vertex);
+
+/* Marks as SL_PATCH_DIRTY the leaves around a place of a root, and of all roots that meet there. */
+void sl_patches_touch_place(sl_patches *patches, sl_root_place place);
+
+#endif

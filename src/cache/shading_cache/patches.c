@@ -1,0 +1,349 @@
+/* The trees: where patches lie, how they are cut and uncut, what they show. */
+#include "cache/shading_cache/patches.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/shading_cache/patch_parts.h"
+
+/* ---- life --------------------------------------------------------------------------------------------------------------------- */
+
+sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_patches **patches, sl_error *error) {
+    *patches = NULL;
+    sl_patches *p = sl_allocate(1, sizeof *p);
+    if (!p) return sl_fail_memory(error, "patches");
+    size_t roots = 2 * primitives->count;
+    p->primitives = primitives;
+    p->first_free = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
+    p->root_patch = sl_allocate_unset(roots, sizeof *p->root_patch);
+    p->wanted_root = sl_allocate(roots, sizeof *p->wanted_root);
+    if (radiance) p->radiance = sl_allocate(0, sizeof *p->radiance); /* that it is there says that it is wanted */
+    sl_status status = sl_vertices_reserve(p, 4, error);
+    if (!p->root_patch || !p->wanted_root || (radiance && !p->radiance) || status != SL_OK) {
+        sl_patches_destroy(p);
+        return sl_fail_memory(error, "patches");
+    }
+    memset(p->root_patch, 0xff, roots * sizeof *p->root_patch); /* SL_NO_INDEX */
+    *patches = p;
+    return SL_OK;
+}
+
+void sl_patches_destroy(sl_patches *p) {
+    if (!p) return;
+    void *all[] = {p->root_patch, p->wanted_root, p->patch, p->flags, p->parent, p->block_root, p->vertex, p->radiance, p->slot};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
+    sl_free(p);
+}
+
+size_t sl_patches_memory_bytes(const sl_patches *p) {
+    size_t of_patch = 4 * (sizeof *p->patch + 1) + sizeof *p->parent + sizeof *p->block_root; /* of four */
+    size_t of_vertex = sizeof *p->vertex + (p->radiance ? sizeof *p->radiance : 0);
+    return p->patch_capacity / 4 * of_patch + p->vertex_capacity * of_vertex + p->slot_count * sizeof *p->slot;
+}
+
+/* ---- blocks of four patches ---------------------------------------------------------------------------------------------------- */
+
+/* Copies into larger arrays; nothing is changed where one of them cannot be had. */
+static sl_status reserve_block(sl_patches *p, sl_error *error) {
+    if (p->first_free != SL_NO_INDEX || p->patch_count + 4 <= p->patch_capacity) return SL_OK;
+    size_t capacity = sl_patches_room(p->patch_capacity, p->patch_count + 4) / 4 * 4;
+    if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many patches");
+    struct {
+        void **array;
+        size_t used, room;
+        void *larger;
+    } all[] = {{(void **)&p->patch, p->patch_count * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
+               {(void **)&p->flags, p->patch_count, capacity, NULL},
+               {(void **)&p->parent, p->patch_count / 4 * sizeof *p->parent, capacity / 4 * sizeof *p->parent, NULL},
+               {(void **)&p->block_root, p->patch_count / 4 * sizeof *p->block_root, capacity / 4 * sizeof *p->block_root, NULL}};
+    enum { ARRAYS = sizeof all / sizeof all[0] };
+    bool failed = false;
+    for (int i = 0; i < ARRAYS; i++) failed |= !(all[i].larger = sl_allocate_unset(all[i].room, 1));
+    for (int i = 0; i < ARRAYS; i++) {
+        void *unwanted = failed ? all[i].larger : *all[i].array;
+        if (!failed && all[i].used) memcpy(all[i].larger, *all[i].array, all[i].used);
+        if (!failed) *all[i].array = all[i].larger;
+        sl_free(unwanted);
+    }
+    if (failed) return sl_fail_memory(error, "patches");
+    p->patch_capacity = capacity;
+    return SL_OK;
+}
+
+static void clear_patch(sl_patches *p, uint32_t patch) {
+    p->patch[patch] = (sl_patch){.child = SL_NO_INDEX, .vertex = {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+}
+
+/* There is one: it has been reserved. */
+static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
+    uint32_t first = p->first_free;
+    if (first != SL_NO_INDEX) {
+        p->first_free = p->patch[first].child;
+    } else {
+        first = (uint32_t)p->patch_count;
+        p->patch_count += 4;
+    }
+    p->parent[first / 4] = parent;
+    p->block_root[first / 4] = root;
+    for (uint32_t k = 0; k < 4; k++) {
+        clear_patch(p, first + k);
+        p->flags[first + k] = 0;
+    }
+    return first;
+}
+
+/* Its patches are still to be taken out of the display. */
+static void give_block_back(sl_patches *p, uint32_t first) {
+    for (uint32_t k = 0; k < 4; k++) {
+        clear_patch(p, first + k);
+        p->flags[first + k] = SL_PATCH_DIRTY;
+    }
+    p->patch[first].child = p->first_free;
+    p->first_free = first;
+}
+
+/* ---- places ------------------------------------------------------------------------------------------------------------------- */
+
+static bool root_is_triangle(const sl_patches *p, uint32_t root) { return p->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE; }
+
+static sl_patch_place root_place(const sl_patches *p, uint32_t root) {
+    const uint16_t one = SL_PATCH_DYADIC;
+    if (root_is_triangle(p, root)) return (sl_patch_place){p->root_patch[root], root, 0, 3, {0, one, 0, 0}, {0, 0, one, 0}};
+    return (sl_patch_place){p->root_patch[root], root, 0, 4, {0, one, one, 0}, {0, 0, one, one}};
+}
+
+/* Each corner of a child is the middle of two corners of its parent, or one of them (then both are the same). The middle triangle's corner is opposite to the
+ * parent's of the same number, so all triangles of a root are similar. */
+static const uint8_t triangle_child[4][3][2] = {
+    {{0, 0}, {0, 1}, {2, 0}}, {{0, 1}, {1, 1}, {1, 2}}, {{2, 0}, {1, 2}, {2, 2}}, {{1, 2}, {2, 0}, {0, 1}}};
+static const uint8_t quad_child[4][4][2] = {{{0, 0}, {0, 1}, {0, 2}, {3, 0}},
+                                            {{0, 1}, {1, 1}, {1, 2}, {0, 2}},
+                                            {{0, 2}, {1, 2}, {2, 2}, {2, 3}},
+                                            {{3, 0}, {0, 2}, {2, 3}, {3, 3}}};
+
+static uint16_t middle(uint16_t a, uint16_t b) { return (uint16_t)((a + b) / 2); }
+
+sl_patch_place sl_patch_child_place(const sl_patches *p, const sl_patch_place *parent, int child) {
+    uint32_t first = p->patch[parent->patch].child;
+    sl_patch_place place = {first == SL_NO_INDEX ? first : first + (uint32_t)child, parent->root, parent->depth + 1, parent->corners, {0}, {0}};
+    for (int c = 0; c < parent->corners; c++) {
+        const uint8_t *of = parent->corners == 3 ? triangle_child[child][c] : quad_child[child][c];
+        place.u[c] = middle(parent->u[of[0]], parent->u[of[1]]);
+        place.v[c] = middle(parent->v[of[0]], parent->v[of[1]]);
+    }
+    return place;
+}
+
+sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
+    int way[SL_PATCH_DEPTH_MAX], depth = 0;
+    for (uint32_t at = patch; sl_patch_parent(p, at) != SL_NO_INDEX; at = sl_patch_parent(p, at)) way[depth++] = (int)(at % 4);
+    sl_patch_place place = root_place(p, sl_patch_root(p, patch));
+    while (depth > 0) place = sl_patch_child_place(p, &place, way[--depth]);
+    return place;
+}
+
+/* Weights of corners 1 and 2 of a triangle; of the others how far it is to corner 1, and to corner 3. u and v in 1/SL_PATCH_DYADIC. */
+static void local_parameters(const sl_patch_place *place, double u, double v, double *a, double *b) {
+    int last = place->corners - 1;
+    *a = (u - (double)place->u[0]) / ((double)place->u[1] - (double)place->u[0]);
+    *b = (v - (double)place->v[0]) / ((double)place->v[last] - (double)place->v[0]);
+}
+
+static double scaled(double t) { return t > 0.0 ? (t < 1.0 ? t * SL_PATCH_DYADIC : SL_PATCH_DYADIC) : 0.0; }
+
+sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, double v) {
+    sl_patch_place place = root_place(p, root);
+    u = scaled(u);
+    v = scaled(v);
+    while (place.patch != SL_NO_INDEX && !sl_patch_is_leaf(p, place.patch)) {
+        double a, b;
+        local_parameters(&place, u, v, &a, &b);
+        int child;
+        if (place.corners == 3) child = a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
+        else child = a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
+        place = sl_patch_child_place(p, &place, child);
+    }
+    return place;
+}
+
+/* ---- roots -------------------------------------------------------------------------------------------------------------------- */
+
+/* Leaves that a new vertex lies on the edge of have to know of it. */
+static void take_corners(sl_patches *p, const sl_patch_place *place) {
+    for (int c = 0; c < place->corners; c++) {
+        sl_root_place at = {place->root, place->u[c], place->v[c]};
+        bool created = false;
+        p->patch[place->patch].vertex[c] = sl_vertex_take(p, at, &created);
+        if (created && place->depth > 0) sl_patches_touch_place(p, at);
+    }
+}
+
+uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_error *error) {
+    *status = SL_OK;
+    if (p->root_patch[root] != SL_NO_INDEX) return p->root_patch[root];
+    bool block = p->wanted_count % 4 == 0;
+    *status = sl_vertices_reserve(p, 4, error);
+    if (*status == SL_OK && block) *status = reserve_block(p, error);
+    if (*status != SL_OK) return SL_NO_INDEX;
+    if (block) p->last_root_block = take_block(p, SL_NO_INDEX, (uint32_t)p->wanted_count);
+    uint32_t patch = p->last_root_block + (uint32_t)(p->wanted_count % 4);
+    p->wanted_root[p->wanted_count++] = root;
+    p->root_patch[root] = patch;
+    p->flags[patch] = (uint8_t)(SL_PATCH_DIRTY | (root_is_triangle(p, root) ? SL_PATCH_TRIANGLE : 0));
+    sl_patch_place place = root_place(p, root);
+    take_corners(p, &place);
+    p->patches_alive++;
+    p->leaves_alive++;
+    return patch;
+}
+
+/* ---- splits ------------------------------------------------------------------------------------------------------------------- */
+
+/* Twice the area as a vector, of a triangle or a quadrilateral. */
+static sl_vec3d area_vector(const sl_vec3d corner[4], int corners) {
+    if (corners == 3) return sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0]));
+    return sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
+}
+
+static void corner_positions(const sl_patches *p, const sl_patch_place *place, sl_vec3d corner[4]) {
+    for (int c = 0; c < place->corners; c++) {
+        corner[c] = sl_to_double(sl_root_position(p->primitives, place->root, place->u[c], place->v[c]));
+    }
+}
+
+/* A quarter of a plane patch has a quarter of its area, unless floats no longer tell its corners apart: where less than half of that is left. A part
+ * of a curved one need only have some. Slivers need nothing else: as all children have the shape of their parent, cutting them in four never makes
+ * them worse, and whether a split is worth while is for their projected size to say. */
+static bool is_degenerate(const sl_patches *p, const sl_patch_place *child, sl_vec3d parent_area) {
+    sl_vec3d corner[4];
+    corner_positions(p, child, corner);
+    if (p->primitives->kind[child->root / 2] != SL_PRIMITIVE_BICUBIC) {
+        return !(sl_dotd(area_vector(corner, child->corners), parent_area) > 0.125 * sl_dotd(parent_area, parent_area));
+    }
+    sl_vec3d first = area_vector(corner, 3), second = area_vector((sl_vec3d[4]){corner[0], corner[2], corner[3]}, 3);
+    double sum = sl_lengthd(first) + sl_lengthd(second);
+    return !(sum > 0.0 && isfinite(sum));
+}
+
+static bool can_be_split(const sl_patches *p, const sl_patch_place *place) {
+    if (place->depth >= SL_PATCH_DEPTH_MAX) return false;
+    sl_vec3d corner[4];
+    corner_positions(p, place, corner);
+    sl_vec3d area = area_vector(corner, place->corners);
+    for (int c = 0; c < 4; c++) {
+        sl_patch_place child = sl_patch_child_place(p, place, c);
+        if (is_degenerate(p, &child, area)) return false;
+    }
+    return true;
+}
+
+sl_status sl_patch_split(sl_patches *p, uint32_t patch, sl_error *error) {
+    sl_patch_place place = sl_patch_place_of(p, patch);
+    if (!sl_patch_is_leaf(p, patch) || !can_be_split(p, &place)) return SL_OK;
+    sl_status status = sl_vertices_reserve(p, 5, error);
+    if (status == SL_OK) status = reserve_block(p, error);
+    if (status != SL_OK) return status;
+    uint32_t first = take_block(p, patch, place.root);
+    sl_patch *parent = &p->patch[patch];
+    parent->child = first;
+    uint8_t flags = p->flags[patch] & (SL_PATCH_TRIANGLE | SL_PATCH_CHANGING);
+    for (uint32_t k = 0; k < 4; k++) {
+        p->flags[first + k] = (uint8_t)(flags | SL_PATCH_DIRTY | (place.depth + 1));
+        p->patch[first + k].seen = parent->seen;
+        p->patch[first + k].pixels = parent->pixels / 4 + (parent->pixels % 4 != 0);
+        sl_patch_place child = sl_patch_child_place(p, &place, (int)k);
+        take_corners(p, &child);
+    }
+    p->flags[patch] |= SL_PATCH_DIRTY;
+    p->patches_alive += 4;
+    p->leaves_alive += 3;
+    return SL_OK;
+}
+
+static void gather_pixels(sl_patches *p, uint32_t patch) {
+    sl_patch *parent = &p->patch[patch];
+    uint32_t latest = 0, pixels = 0;
+    for (uint32_t k = 0; k < 4; k++) {
+        const sl_patch *child = &p->patch[parent->child + k];
+        if (child->seen > latest) latest = child->seen, pixels = 0;
+        if (child->seen == latest) pixels += child->pixels;
+    }
+    if (latest < parent->seen) return;
+    parent->seen = latest;
+    parent->pixels = pixels;
+}
+
+void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
+    uint32_t first = p->patch[patch].child;
+    if (first == SL_NO_INDEX) return;
+    for (uint32_t k = 0; k < 4; k++) sl_patch_drop_children(p, first + k);
+    gather_pixels(p, patch);
+    p->patch[patch].child = SL_NO_INDEX;
+    for (uint32_t k = 0; k < 4; k++) {
+        for (int c = 0; c < 4; c++) {
+            uint32_t vertex = p->patch[first + k].vertex[c];
+            if (vertex == SL_NO_INDEX) continue;
+            const sl_patch_vertex *v = &p->vertex[vertex];
+            sl_root_place place = {v->root, v->u, v->v};
+            if (sl_vertex_release(p, vertex)) sl_patches_touch_place(p, place);
+        }
+    }
+    give_block_back(p, first);
+    p->flags[patch] |= SL_PATCH_DIRTY;
+    p->patches_alive -= 4;
+    p->leaves_alive -= 3;
+}
+
+/* ---- values ------------------------------------------------------------------------------------------------------------------- */
+
+static bool all_evaluated(const sl_patches *p, uint32_t patch) {
+    for (int c = 0; c < sl_patch_corners(p, patch); c++) {
+        if (p->vertex[p->patch[patch].vertex[c]].evaluated == SL_VERTEX_NEVER) return false;
+    }
+    return true;
+}
+
+static double between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
+
+static void corner_weights(const sl_patch_place *place, double u, double v, double weight[4]) {
+    double a, b;
+    local_parameters(place, u, v, &a, &b);
+    a = between_0_and_1(a);
+    b = between_0_and_1(b);
+    if (place->corners == 3) {
+        double sum = a + b > 1.0 ? a + b : 1.0;
+        weight[1] = a / sum;
+        weight[2] = b / sum;
+        weight[0] = between_0_and_1(1.0 - weight[1] - weight[2]);
+        weight[3] = 0.0;
+    } else {
+        weight[0] = (1.0 - a) * (1.0 - b);
+        weight[1] = a * (1.0 - b);
+        weight[2] = a * b;
+        weight[3] = (1.0 - a) * b;
+    }
+}
+
+bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, bool second, float value[3]) {
+    sl_patch_place place = *leaf;
+    if (place.patch == SL_NO_INDEX) return false;
+    while (!all_evaluated(p, place.patch)) {
+        uint32_t parent = sl_patch_parent(p, place.patch);
+        if (parent == SL_NO_INDEX) return false;
+        place = sl_patch_place_of(p, parent);
+    }
+    double weight[4];
+    corner_weights(&place, scaled(u), scaled(v), weight);
+    const sl_patch *patch = &p->patch[place.patch];
+    for (int i = 0; i < 3; i++) {
+        double sum = 0.0;
+        for (int c = 0; c < place.corners; c++) {
+            uint32_t vertex = patch->vertex[c];
+            sum += weight[c] * (double)(second ? p->radiance[vertex][i] : p->vertex[vertex].value[i]);
+        }
+        value[i] = (float)sum;
+    }
+    return true;
+}

@@ -1,0 +1,20 @@
+/* Between primitives.c, primitive_points.c and primitive_edges.c. */
+#ifndef SL_SHADING_CACHE_PRIMITIVE_PARTS_H
+#define SL_SHADING_CACHE_PRIMITIVE_PARTS_H
+
+#include "cache/shading_cache/primitives.h"
+
+/* Do shading normals agree so far that shading at them is one? Within 1e-4. */
+bool sl_same_normal(sl_vec3 a, sl_vec3 b);
+
+static inline int sl_primitive_corners(const sl_primitives *p, uint32_t primitive) { return p->kind[primitive] == SL_PRIMITIVE_TRIANGLE ? 3 : 4; }
+
+/* (u, v) of edge `edge` at t, from corner `edge` (t = 0) to the next (t = SL_PATCH_DYADIC). */
+void sl_edge_point(int corners, int edge, uint32_t t, uint32_t *u, uint32_t *v);
+/* The edge on which (u, v) lies, and t there; corners are on the edge that begins with them. -1: inside. */
+int sl_edge_at(int corners, uint32_t u, uint32_t v, uint32_t *t);
+
+/* Finds which edges and corners are one. */
+sl_status sl_primitives_join(sl_primitives *primitives, sl_error *error);
+
+#endif

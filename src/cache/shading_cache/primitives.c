@@ -1,0 +1,192 @@
+/* What the scene is made of for the patch hierarchy: its triangles, the parallelograms that importers cut in two, and its bicubic patches. */
+#include "cache/shading_cache/primitives.h"
+
+#include <math.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/shading_cache/primitive_parts.h"
+
+static const float SAME_NORMAL = 1e-4f;
+static const double SAME_SIZE = 1e-5; /* of a parallelogram's */
+
+/* ---- parallelograms ----------------------------------------------------------------------------------------------------------- */
+
+static bool same_place(const sl_scene *s, uint32_t a, uint32_t b) {
+    return a == b || (s->position_x[a] == s->position_x[b] && s->position_y[a] == s->position_y[b] && s->position_z[a] == s->position_z[b]);
+}
+
+bool sl_same_normal(sl_vec3 a, sl_vec3 b) {
+    return fabsf(a.x - b.x) <= SAME_NORMAL && fabsf(a.y - b.y) <= SAME_NORMAL && fabsf(a.z - b.z) <= SAME_NORMAL;
+}
+
+static bool has_texture(const sl_scene *s, uint32_t triangle) {
+    const sl_material *m = &s->materials[s->material_index[triangle]];
+    return m->texture != SL_NO_INDEX || m->alpha_texture != SL_NO_INDEX;
+}
+
+/* a + c = b + d where 0, 2 and 1, 3 are opposite each other; `size` is what differences are small against. */
+static bool affine(double a, double b, double c, double d, double size) { return fabs(a + c - b - d) <= SAME_SIZE * size; }
+
+static bool is_parallelogram(const sl_scene *s, const uint32_t c[4]) {
+    sl_vec3d p[4];
+    for (int i = 0; i < 4; i++) p[i] = sl_to_double(sl_scene_position(s, c[i]));
+    double size = fmax(sl_lengthd(sl_subd(p[2], p[0])), sl_lengthd(sl_subd(p[3], p[1])));
+    sl_vec3d gap = sl_subd(sl_addd(p[0], p[2]), sl_addd(p[1], p[3]));
+    return sl_lengthd(gap) <= SAME_SIZE * size;
+}
+
+static bool is_affine_texture(const sl_scene *s, const uint32_t c[4]) {
+    double size = 0.0;
+    for (int i = 1; i < 4; i++) {
+        size = fmax(size, fabs((double)s->texture_u[c[i]] - (double)s->texture_u[c[0]]));
+        size = fmax(size, fabs((double)s->texture_v[c[i]] - (double)s->texture_v[c[0]]));
+    }
+    return affine((double)s->texture_u[c[0]], (double)s->texture_u[c[1]], (double)s->texture_u[c[2]], (double)s->texture_u[c[3]], size) &&
+           affine((double)s->texture_v[c[0]], (double)s->texture_v[c[1]], (double)s->texture_v[c[2]], (double)s->texture_v[c[3]], size);
+}
+
+static bool same_attributes(const sl_scene *s, uint32_t a, uint32_t b, bool texture) {
+    if (a == b) return true;
+    if (!same_place(s, a, b) || !sl_same_normal(sl_scene_normal(s, a), sl_scene_normal(s, b))) return false;
+    return !texture || (fabsf(s->texture_u[a] - s->texture_u[b]) <= 1e-5f && fabsf(s->texture_v[a] - s->texture_v[b]) <= 1e-5f);
+}
+
+/* Triangles t and t + 1 as a quadrilateral whose diagonal, which they share, runs from corner 0 to 2: t holds corners 0 1 2, t + 1 corners 0 2 3. */
+static bool find_quad(const sl_scene *s, uint32_t t, uint32_t corner[4]) {
+    uint32_t n = t + 1;
+    if (s->material_index[t] != s->material_index[n] || s->object_index[t] != s->object_index[n]) return false;
+    /* Thin ones whose halves' normals have drowned in rounding stay two triangles. */
+    if (!(sl_dot(sl_scene_geometric_normal(s, t), sl_scene_geometric_normal(s, n)) > 0.9999f)) return false;
+    bool texture = has_texture(s, t);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            uint32_t from = s->vertex[i][t], to = s->vertex[(i + 1) % 3][t]; /* corners 2 and 0 */
+            uint32_t other_to = s->vertex[j][n], other_from = s->vertex[(j + 1) % 3][n];
+            if (!same_place(s, from, other_from) || !same_place(s, to, other_to)) continue;
+            corner[0] = to;
+            corner[1] = s->vertex[(i + 2) % 3][t];
+            corner[2] = from;
+            corner[3] = s->vertex[(j + 2) % 3][n];
+            return same_attributes(s, from, other_from, texture) && same_attributes(s, to, other_to, texture) &&
+                   is_parallelogram(s, corner) && (!texture || is_affine_texture(s, corner));
+        }
+    }
+    return false;
+}
+
+/* ---- all primitives ----------------------------------------------------------------------------------------------------------- */
+
+static void add(sl_primitives *p, sl_primitive_kind kind, uint32_t first, uint32_t triangles, const uint32_t corner[4], uint32_t bicubic) {
+    size_t at = p->count++;
+    p->kind[at] = (uint8_t)kind;
+    p->first_triangle[at] = first;
+    p->triangle_count[at] = triangles;
+    for (int c = 0; c < 4; c++) p->corner[c][at] = corner[c];
+    p->bicubic[at] = bicubic;
+    for (uint32_t t = 0; t < triangles; t++) p->of_triangle[first + t] = (uint32_t)at;
+}
+
+static void add_bicubic(sl_primitives *p, uint32_t index) {
+    const sl_bicubic *b = &p->scene->bicubics[index];
+    uint32_t n = (uint32_t)b->steps, side = n + 1, first = b->first_vertex;
+    uint32_t corner[4] = {first, first + n, first + side * n + n, first + side * n};
+    add(p, SL_PRIMITIVE_BICUBIC, b->first_triangle, b->triangle_count, corner, index);
+    p->curved++;
+}
+
+static void find_all(sl_primitives *p) {
+    const sl_scene *s = p->scene;
+    uint32_t bicubic = 0, count = (uint32_t)s->triangle_count;
+    for (uint32_t t = 0; t < count; t += p->triangle_count[p->count - 1]) {
+        uint32_t next = bicubic < s->bicubic_count ? s->bicubics[bicubic].first_triangle : count, corner[4];
+        if (t == next) {
+            add_bicubic(p, bicubic++);
+        } else if (t + 1 < next && find_quad(s, t, corner)) {
+            add(p, SL_PRIMITIVE_QUAD, t, 2, corner, SL_NO_INDEX);
+        } else {
+            for (int c = 0; c < 3; c++) corner[c] = s->vertex[c][t];
+            corner[3] = SL_NO_INDEX;
+            add(p, SL_PRIMITIVE_TRIANGLE, t, 1, corner, SL_NO_INDEX);
+        }
+    }
+}
+
+/* ---- k_d averaged over textures ----------------------------------------------------------------------------------------------- */
+
+/* On 8 x 8 points, which a triangle folds into itself. */
+static sl_rgb average_diffuse(const sl_primitives *p, uint32_t primitive) {
+    enum { SIDE = 8 };
+    bool triangle = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
+    double sum[3] = {0, 0, 0};
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        double u = ((double)(k % SIDE) + 0.5) / SIDE, v = ((double)(k / SIDE) + 0.25) / SIDE;
+        bool fold = triangle && u + v > 1.0;
+        float w1, w2;
+        uint32_t t = sl_root_triangle_at(p, 2 * primitive, fold ? 1.0 - u : u, fold ? 1.0 - v : v, &w1, &w2);
+        sl_rgb kd = sl_scene_diffuse(p->scene, t, w1, w2);
+        sum[0] += (double)kd.r;
+        sum[1] += (double)kd.g;
+        sum[2] += (double)kd.b;
+    }
+    double points = SIDE * SIDE;
+    return (sl_rgb){(float)(sum[0] / points), (float)(sum[1] / points), (float)(sum[2] / points)};
+}
+
+sl_rgb sl_root_mean_diffuse(const sl_primitives *p, uint32_t root) {
+    return p->mean_diffuse ? p->mean_diffuse[root / 2] : sl_root_material(p, root)->diffuse;
+}
+
+/* ---- life --------------------------------------------------------------------------------------------------------------------- */
+
+static bool allocate_arrays(sl_primitives *p) {
+    size_t most = p->scene->triangle_count;
+    uint32_t **whole[] = {&p->first_triangle, &p->triangle_count, &p->corner[0], &p->corner[1], &p->corner[2], &p->corner[3],
+                          &p->bicubic, &p->of_triangle};
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
+        if (!(*whole[i] = sl_allocate(most, sizeof(uint32_t)))) return false;
+    }
+    return (p->kind = sl_allocate(most, 1)) != NULL;
+}
+
+sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error) {
+    *primitives = NULL;
+    if (scene->triangle_count >= SL_NO_INDEX / 4) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX / 4);
+    sl_primitives *made = sl_allocate(1, sizeof *made);
+    if (!made) return sl_fail_memory(error, "primitives");
+    made->scene = scene;
+    sl_status status = SL_OK;
+    if (!allocate_arrays(made)) {
+        status = sl_fail_memory(error, "primitives");
+    } else {
+        find_all(made);
+        if (scene->texture_count && !(made->mean_diffuse = sl_allocate(made->count, sizeof *made->mean_diffuse))) {
+            status = sl_fail_memory(error, "primitives");
+        }
+    }
+    if (status == SL_OK) status = sl_primitives_join(made, error);
+    if (status != SL_OK) {
+        sl_primitives_destroy(made);
+        return status;
+    }
+    for (size_t i = 0; made->mean_diffuse && i < made->count; i++) {
+        uint32_t material = scene->material_index[made->first_triangle[i]];
+        bool plain = scene->materials[material].texture == SL_NO_INDEX;
+        made->mean_diffuse[i] = plain ? scene->materials[material].diffuse : average_diffuse(made, (uint32_t)i);
+    }
+    *primitives = made;
+    return SL_OK;
+}
+
+void sl_primitives_destroy(sl_primitives *p) {
+    if (!p) return;
+    void *all[] = {p->kind, p->first_triangle, p->triangle_count, p->corner[0], p->corner[1], p->corner[2], p->corner[3], p->bicubic,
+                   p->of_triangle, p->mean_diffuse, p->edge_first, p->edge_next, p->corner_first, p->corner_next, p->edge_kind};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
+    sl_free(p);
+}
+
+size_t sl_primitives_memory_bytes(const sl_primitives *p) {
+    size_t by_triangle = 8 * sizeof(uint32_t) + 1, by_primitive = 4 * (4 * sizeof(uint32_t) + 1);
+    return sizeof *p + p->scene->triangle_count * by_triangle + p->count * (by_primitive + (p->mean_diffuse ? sizeof(sl_rgb) : 0));
+}

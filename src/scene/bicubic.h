@@ -1,0 +1,21 @@
+/* Bicubic Bezier surfaces: points and normals of the surface itself, and its triangles in the scene. */
+#ifndef SL_SCENE_BICUBIC_H
+#define SL_SCENE_BICUBIC_H
+
+#include "scene/scene.h"
+
+enum { SL_BICUBIC_STEPS = 16 }; /* of surfaces from files */
+
+/* Point and unit normal, on the side of dB/du x dB/dv; where that is 0, as at poles, the limit of normals from the middle of the surface. u, v in [0,1].
+ * Either may be NULL. */
+void sl_bicubic_at(const sl_bicubic *surface, double u, double v, sl_vec3 *position, sl_vec3 *normal);
+
+/* The scene triangle of a cell: half 0 has (+1, 0) for a corner, half 1 (0, +1). SL_NO_INDEX where it has no area. */
+uint32_t sl_bicubic_triangle(const sl_scene *scene, const sl_bicubic *surface, int column, int row, int half);
+/* The cell and half of one of its triangles. */
+typedef struct sl_bicubic_cell {
+    int column, row, half;
+} sl_bicubic_cell;
+sl_bicubic_cell sl_bicubic_cell_of(const sl_scene *scene, const sl_bicubic *surface, uint32_t triangle);
+
+#endif
