@@ -41,9 +41,9 @@ typedef struct sl_radiance_layers {
  * row first. */
 sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receivers *receivers, bool all, unsigned threads, sl_image **image,
                               sl_error *error);
-/* The same row by row: a picture of which every pixel is still to be written, and row y of the receivers and layers given, which may be some
- * rows of it. */
+/* The same in parts: a picture of which every pixel is still to be written, and rows of the receivers and layers given, which may be some
+ * rows of it themselves. */
 sl_status sl_radiance_picture_create(int width, int height, bool all, sl_image **image, sl_error *error);
-void sl_radiance_compose_row(const sl_radiance_layers *layers, const sl_receivers *receivers, size_t y, sl_image *image);
+void sl_radiance_compose_rows(const sl_radiance_layers *layers, const sl_receivers *receivers, size_t first, size_t end, sl_image *image);
 
 #endif

@@ -104,6 +104,10 @@ static void compare(const sl_shadow_cube *map, size_t count, places *at) {
     const float *restrict change_x = at->change_x, *restrict change_y = at->change_y;
     float *restrict out = at->dark;
     const int32_t width = map->size;
+    for (size_t i = 0; i < count; i += 4) { /* neighbours mostly share their lines; all of a tile's are asked for together */
+        __builtin_prefetch(stored + texel[i]);
+        __builtin_prefetch(stored + texel[i] + width);
+    }
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         int32_t k = texel[i];

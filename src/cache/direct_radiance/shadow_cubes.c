@@ -1,5 +1,7 @@
 #include "cache/direct_radiance/shadow_cubes.h"
 
+#include <string.h>
+
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -71,11 +73,22 @@ static size_t passes_of(const drawing *d, const sl_map_light_point *point, const
 
 /* ---- drawing ---- */
 
+/* Megabytes, of which passes write what they draw: only what they leave out is cleared. */
 static bool allocate(sl_shadow_cubes *cubes, sl_shadow_cube *cube, size_t pictures) {
     size_t zeros = sl_shadow_zeros(cube->size), texels = (size_t)cube->size * (size_t)cube->size;
-    cube->depth = sl_allocate(zeros + pictures * texels, sizeof *cube->depth);
+    cube->depth = sl_allocate_unset(zeros + pictures * texels, sizeof *cube->depth);
     cubes->texels += zeros + pictures * texels;
+    if (cube->depth) memset(cube->depth, 0, zeros * sizeof *cube->depth);
     return cube->depth != NULL;
+}
+
+/* The half of a side that an area light does not see. */
+static void clear_other_half(const sl_shadow_cube *cube, const side_pass *pass) {
+    const sl_scissor *drawn = &pass->view.scissor;
+    const size_t width = (size_t)cube->size, half = width / 2;
+    float *picture = cube->depth + cube->start[pass->side];
+    if (drawn->y0 > 0) memset(picture, 0, half * width * sizeof *picture);
+    else if (drawn->y1 == (int)half) memset(picture + half * width, 0, (width - half) * width * sizeof *picture);
 }
 
 static void give_picture(sl_shadow_cube *cube, int side, size_t *next) {
@@ -93,6 +106,7 @@ static sl_status draw_cube(sl_shadow_cubes *cubes, const drawing *d, const sl_ma
     size_t passes = passes_of(d, point, cube, pass), pictures = 0;
     for (size_t i = 0; i < passes; i++) give_picture(cube, pass[i].side, &pictures);
     if (!allocate(cubes, cube, pictures)) return sl_fail_memory(error, "a depth cube");
+    for (size_t i = 0; i < passes; i++) clear_other_half(cube, &pass[i]);
     for (size_t i = 0; i < passes; i++) {
         views[i] = pass[i].view;
         targets[i] = (sl_target){cube->size, cube->size, NULL, cube->depth + cube->start[pass[i].side]};

@@ -128,7 +128,7 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     for (size_t y = 0; y < (size_t)rows.height; y++) sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
     if (!d->emission.none) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, pixels);
     if (d->pass->direct || d->sums) sl_receiver_tiles_strip(&rows, &d->kinds, 0, light_tile, &program, counters);
-    for (size_t y = 0; y < (size_t)rows.height; y++) sl_radiance_compose_row(&s->layers, &rows, y, d->image);
+    sl_radiance_compose_rows(&s->layers, &rows, 0, (size_t)rows.height, d->image);
 }
 
 /* ---- the picture ---- */
