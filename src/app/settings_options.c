@@ -103,6 +103,7 @@ static void add_direct_radiance(sl_raw_settings *r, table *t) {
         {"separate-passes", 0, SL_OPTION_FLAG, &m->separate_passes, NULL, NULL, "a geometry pass for each of the map's pictures", 0, 0, NULL},
         {"local-light", 0, SL_OPTION_FLAG, &m->local_light_only, NULL, NULL, "no shadows and no indirect light", 0, 0, NULL},
         {"direct-light", 0, SL_OPTION_FLAG, &m->direct_light_only, NULL, NULL, "no indirect light", 0, 0, NULL},
+        {"without-layers", 0, SL_OPTION_FLAG, &m->without_layers, NULL, NULL, "R, G and B alone", 0, 0, NULL},
     };
     ADD(t, options);
 }

@@ -13,7 +13,8 @@
 #include "cache/direct_radiance/emission.h"
 #include "cache/direct_radiance/light_tiles.h"
 
-enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10 };
+/* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into the same lines of the cache. */
+enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10, APART = 112 };
 
 /* What a thread has of its strip. */
 typedef struct {
@@ -35,7 +36,7 @@ typedef struct {
     sl_image *image;
     strip *worker;
     unsigned workers;
-    size_t room;            /* pixels of a strip */
+    size_t room;            /* from plane to plane of a strip */
     sl_counters *counters;  /* one a strip */
 } drawing;
 
@@ -150,7 +151,7 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
     const sl_receivers *all = pass->outline;
     const size_t strips = (size_t)((all->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
     drawing d = {.pass = pass, .outline = all, .emission = sl_emission_of(pass->light->scene, all), .direct = sl_direct_light_of(pass->light),
-                 .workers = sl_thread_count(pass->light->threads), .room = SL_TILE_HEIGHT * (size_t)all->width};
+                 .workers = sl_thread_count(pass->light->threads), .room = SL_TILE_HEIGHT * (size_t)all->width + APART};
     sl_status status = prepare(&d, strips, error);
     if (status == SL_OK) {
         sl_parallel_for(d.workers, strips, draw_strip, &d);
