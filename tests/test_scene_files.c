@@ -112,6 +112,24 @@ static void equal_corners_are_welded_within_an_object(void **state) {
     sl_scene_destroy(s);
 }
 
+static void height_maps_come_from_mtl_and_scene_files(void **state) {
+    (void)state;
+    write_box();
+    scene_file_text("box.mtl", "newmtl wall\nKd 0.1 0.2 0.3\nmap_bump -bm 3 texel.png\nnewmtl lamp\nKd 0.5 0.5 0.5\n");
+    const char *const json[] = {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}]}",
+                                "{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": {\"wall\": {\"bump\": null}, \"lamp\": "
+                                "{\"bump\": \"texel.png\", \"bump_depth\": 0.5}}}"};
+    const uint32_t wall[] = {1, 0}, lamp[] = {0, 1};
+    for (int k = 0; k < 2; k++) {
+        sl_scene *s = load(scene_file_text("scene.json", json[k]));
+        assert_int_equal(material(s, "wall")->height_map, wall[k]);
+        assert_int_equal(material(s, "lamp")->height_map, lamp[k]);
+        assert_true(material(s, k == 0 ? "wall" : "lamp")->bump_depth == (k == 0 ? 0.04f : 0.5f));
+        sl_scene_destroy(s);
+    }
+    write_box();
+}
+
 static void missing_textures_and_libraries_are_warnings(void **state) {
     (void)state;
     scene_file_text("lost.mtl", "newmtl a\nKd 0.3 0.3 0.3\nmap_Kd nowhere.png\n");
@@ -422,6 +440,7 @@ int main(void) {
         cmocka_unit_test(an_obj_file_alone_is_a_scene),
         cmocka_unit_test(mtl_mirrors_are_illum_3_or_5_without_diffuse),
         cmocka_unit_test(equal_corners_are_welded_within_an_object),
+        cmocka_unit_test(height_maps_come_from_mtl_and_scene_files),
         cmocka_unit_test(missing_textures_and_libraries_are_warnings),
         cmocka_unit_test(obj_mistakes_are_told_by_line),
         cmocka_unit_test(odd_but_good_obj_files_load),

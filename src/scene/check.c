@@ -13,7 +13,7 @@ static sl_status check_numbers(const sl_material *m, sl_error *error) {
         const char *what;
         sl_rgb value;
     } all[] = {{"diffuse reflectance", m->diffuse}, {"specular reflectance", m->specular}, {"mirror reflectance", m->mirror},
-               {"emission", m->emission}, {"exponent", sl_grey(m->exponent)}};
+               {"emission", m->emission}, {"exponent", sl_grey(m->exponent)}, {"bump depth", sl_grey(m->bump_depth)}};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         if (rgb_is_valid(all[i].value)) continue;
         return sl_fail(error, SL_ERROR_INPUT, "material '%s': expected a finite %s of at least 0, got (%g, %g, %g)", m->name,
@@ -66,7 +66,8 @@ sl_status sl_materials_check(sl_scene *scene, sl_error *error) {
         sl_material *m = &scene->materials[i];
         sl_status status = check_numbers(m, error);
         if (status != SL_OK) return status;
-        if (!texture_exists(scene, m->texture) || !texture_exists(scene, m->alpha_texture)) {
+        if (!texture_exists(scene, m->texture) || !texture_exists(scene, m->alpha_texture) ||
+            m->height_map > scene->texture_count) {
             return sl_fail(error, SL_ERROR_INPUT, "material '%s' names a texture that does not exist", m->name);
         }
         settle_mirror(scene, m);

@@ -124,6 +124,10 @@ static sl_status classic_material(const source *s, sl_material *m) {
     }
     sl_status status = find_texture(s, aiTextureType_DIFFUSE, &m->texture);
     if (status == SL_OK) status = find_texture(s, aiTextureType_OPACITY, &m->alpha_texture);
+    uint32_t heights = SL_NO_INDEX;
+    if (status == SL_OK && is_obj) status = find_texture(s, aiTextureType_HEIGHT, &heights);
+    m->height_map = heights == SL_NO_INDEX ? 0 : heights + 1;
+    m->bump_depth = SL_BUMP_DEPTH;
     return status;
 }
 

@@ -20,7 +20,11 @@ typedef struct sl_material {
     bool emission_two_sided;
     uint32_t texture;     /* of kd, or SL_NO_INDEX */
     uint32_t alpha_texture; /* alpha mask (its alpha channel, or its luminance where it has none), tested at 0.5, or SL_NO_INDEX */
+    uint32_t height_map;  /* 1 + the texture of heights, for shading alone (bump.h); 0: flat */
+    float bump_depth;     /* from black to white, in widths of the texture: 0 to 1 */
 } sl_material;
+
+#define SL_BUMP_DEPTH 0.04f /* where no file says */
 
 static inline bool sl_material_is_diffuse(const sl_material *m) { return sl_rgb_max(m->diffuse) > 0.0f; }
 static inline bool sl_material_is_glossy(const sl_material *m) { return sl_rgb_max(m->specular) > 0.0f; }

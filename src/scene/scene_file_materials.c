@@ -26,6 +26,16 @@ static void read_texture(sl_scene_file *file, const cJSON *item, uint32_t *textu
     sl_free(path);
 }
 
+static void read_heights(sl_scene_file *file, const cJSON *item, sl_material *m) {
+    const cJSON *bump = sl_json_get(item, "bump"), *depth = sl_json_get(item, "bump_depth");
+    uint32_t texture = m->height_map > 0 ? m->height_map - 1 : SL_NO_INDEX;
+    read_texture(file, bump, &texture);
+    m->height_map = texture == SL_NO_INDEX ? 0 : texture + 1;
+    if (bump && !(m->bump_depth > 0.0f)) m->bump_depth = SL_BUMP_DEPTH;
+    double value;
+    if (sl_json_number(&file->json, depth, 0.0, 1.0, &value)) m->bump_depth = (float)value;
+}
+
 static void check_range(sl_json *json, const cJSON *item, sl_rgb value) {
     if (item && sl_rgb_max(value) > 1.0f) sl_json_fail(json, item, "expected reflectance '%s' from 0 to 1", item->string);
 }
@@ -46,6 +56,7 @@ static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
     sl_json_bool(json, sl_json_get(item, "two_sided"), &m->emission_two_sided);
     read_texture(file, sl_json_get(item, "texture"), &m->texture);
     read_texture(file, sl_json_get(item, "alpha"), &m->alpha_texture);
+    read_heights(file, item, m);
 }
 
 /* ---- all of them --------------------------------------------------------------------------------------------------------------- */
@@ -83,7 +94,8 @@ static bool a_mesh_asks_for(const cJSON *meshes, const char *name) {
 
 static void read_material(sl_scene_file *file, const cJSON *item, const cJSON *meshes) {
     sl_json *json = &file->json;
-    if (!SL_JSON_KEYS(json, item, "a material", "diffuse", "specular", "exponent", "mirror", "emission", "two_sided", "texture", "alpha")) return;
+    if (!SL_JSON_KEYS(json, item, "a material", "diffuse", "specular", "exponent", "mirror", "emission", "two_sided", "texture", "alpha",
+                      "bump", "bump_depth")) return;
     bool found = false;
     for (size_t i = 0; i < file->model.material_count && json->status == SL_OK; i++) {
         if (strcmp(file->model.materials[i].name, item->string) != 0) continue;

@@ -1,4 +1,5 @@
 /* What a surface point is made of. Which side is seen and which way normals point is decided in surface_rules.h alone. */
+#include "scene/bump.h"
 #include "scene/surface_rules.h"
 #include "scene/texture.h"
 
@@ -21,6 +22,15 @@ static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, con
     return sl_rgb_mul(material->diffuse, sl_texture_color(&scene->textures[material->texture], u, v));
 }
 
+/* What a height map changes: the normal, and where the colour is looked up. */
+static void raise(const sl_scene *scene, uint32_t triangle, const uint32_t corner[3], float w1, float w2, sl_vec3 to_viewer, sl_surface *s) {
+    float u = interpolate(scene->texture_u, corner, w1, w2), v = interpolate(scene->texture_v, corner, w1, w2);
+    sl_bump(scene, triangle, to_viewer, &u, &v, s);
+    if (s->material->texture != SL_NO_INDEX) {
+        s->diffuse = sl_rgb_mul(s->material->diffuse, sl_texture_color(&scene->textures[s->material->texture], u, v));
+    }
+}
+
 void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,
                       sl_surface *surface) {
     uint32_t corner[3];
@@ -38,6 +48,7 @@ void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float 
     surface->normal = sl_shading_normal(sl_v3(interpolate(scene->normal_x, corner, w1, w2),
                                               interpolate(scene->normal_y, corner, w1, w2),
                                               interpolate(scene->normal_z, corner, w1, w2)), surface->geometric_normal);
+    if (sl_material_is_bumpy(surface->material)) raise(scene, triangle, corner, w1, w2, to_viewer, surface);
 }
 
 sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2) {

@@ -96,6 +96,13 @@ const uint8_t *sl_texture_nearest_texel(const sl_texture *texture, float u, floa
     return texture->texels + 4 * (row * (size_t)texture->width + column);
 }
 
+float sl_texture_height(const sl_texture *texture, float u, float v) {
+    footprint f = footprint_at(texture, u, v);
+    float value[4];
+    for (int i = 0; i < 4; i++) value[i] = (float)((int)f.texel[i][0] + (int)f.texel[i][1] + (int)f.texel[i][2]);
+    return filter(&f, value) * (1.0f / 765.0f);
+}
+
 float sl_texture_alpha(const sl_texture *texture, float u, float v) {
     footprint f = footprint_at(texture, u, v);
     float value[4];

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "scene/bump.h"
 
 #include <string.h>
 
@@ -74,7 +75,8 @@ static sl_status find_ways(const sl_octree_pixels *p, pixel_ways *w, sl_error *e
     for (size_t k = 0; p->reflections && k < p->reflections->count; k++) leave_to_octree(w, g, p->reflections->pixel[k]);
     for (size_t i = 0; i < pixels; i++) {
         if (w->material[i] == SL_NO_INDEX) continue;
-        if (sl_material_is_glossy(&p->scene->materials[w->material[i]])) leave_to_octree(w, g, i);
+        const sl_material *m = &p->scene->materials[w->material[i]];
+        if (sl_material_is_glossy(m) || sl_material_is_bumpy(m)) leave_to_octree(w, g, i); /* they depend on the view, or vary within a texel */
         else if (w->id[i] != last) w->seen[side_seen(p, i)] = true; /* a triangle shows one side to a view */
         last = w->id[i];
     }

@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "raster/resolve/resolve.h"
+#include "scene/bump.h"
+#include "scene/surface_rules.h"
 
 enum { STRIP = 16384 }; /* pixels of a task */
 
@@ -99,11 +101,45 @@ static inline void put(const resolution *r, void *plane, size_t first, const voi
     if (plane) sl_resolve_put(plane, r->pixels, first - r->start, values, count);
 }
 
+/* ---- bumps: surface.c decides, pixel by pixel; few materials have them ---- */
+
+static bool is_bumpy(const sl_scene *scene, uint32_t triangle) {
+    return triangle != SL_NO_INDEX && sl_material_is_bumpy(&scene->materials[scene->material_index[triangle]]);
+}
+
+static void bumpy_surface(const sl_scene *scene, const sl_pass_view *view, uint32_t triangle, float w1, float w2, sl_surface *surface) {
+    float p[3];
+    const float *const plane[3] = {scene->position_x, scene->position_y, scene->position_z};
+    for (int k = 0; k < 3; k++) {
+        float first = plane[k][scene->vertex[0][triangle]];
+        p[k] = sl_interpolate(first, plane[k][scene->vertex[1][triangle]] - first, plane[k][scene->vertex[2][triangle]] - first, w1, w2);
+    }
+    sl_vec3 to_viewer = sl_v3(view->origin[0] - p[0], view->origin[1] - p[1], view->origin[2] - p[2]);
+    sl_scene_surface(scene, triangle, w1, w2, to_viewer, surface);
+}
+
+/* NULL planes stay as they are. */
+static void resolve_bumps(const resolution *r, const sl_pass_view *view, const sl_resolve_block *pixels, sl_vector_planes *normal,
+                          sl_vector_planes *diffuse) {
+    const sl_scene *scene = r->raster->scene;
+    for (uint32_t run = 0; run < pixels->runs; run++) {
+        uint32_t triangle = sl_run_triangle(pixels, run);
+        if (!is_bumpy(scene, triangle)) continue;
+        for (uint32_t i = pixels->start[run]; i < pixels->start[run + 1]; i++) {
+            sl_surface s;
+            bumpy_surface(scene, view, triangle, pixels->w1[i], pixels->w2[i], &s);
+            if (normal) normal->x[i] = s.normal.x, normal->y[i] = s.normal.y, normal->z[i] = s.normal.z;
+            if (diffuse) diffuse->x[i] = s.diffuse.r, diffuse->y[i] = s.diffuse.g, diffuse->z[i] = s.diffuse.b;
+        }
+    }
+}
+
 static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size_t first, workspace *w) {
     sl_surface_block *s = &w->surface;
     s->normals = r->normals;
     if (s->normals) fetch_normals(r->raster->scene, w);
     r->raster->kernels->resolve->surfaces(&w->pixels, view, s);
+    if (s->normals) resolve_bumps(r, view, &w->pixels, &s->normal, NULL);
     uint32_t count = w->pixels.count;
     put(r, r->out->position_x, first, s->position.x, count);
     put(r, r->out->position_y, first, s->position.y, count);
@@ -139,9 +175,10 @@ static void fetch_albedo(const sl_scene *scene, workspace *w) {
     }
 }
 
-static void resolve_diffuse(const resolution *r, size_t first, workspace *w) {
+static void resolve_diffuse(const resolution *r, const sl_pass_view *view, size_t first, workspace *w) {
     fetch_albedo(r->raster->scene, w);
     r->raster->kernels->resolve->albedo(&w->pixels, &w->albedo, &w->diffuse);
+    resolve_bumps(r, view, &w->pixels, NULL, &w->diffuse);
     put(r, r->out->diffuse_r, first, w->diffuse.x, w->pixels.count);
     put(r, r->out->diffuse_g, first, w->diffuse.y, w->pixels.count);
     put(r, r->out->diffuse_b, first, w->diffuse.z, w->pixels.count);
@@ -178,7 +215,7 @@ static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, wo
         size_t most = r->path ? pixels_of_one_view(r, first, first + SL_RESOLVE_PIXELS < end ? first + SL_RESOLVE_PIXELS : end) : end - first;
         size_t count = sl_resolve_next(r->raster, view, most, first, NULL, r->id + first, &w->pixels);
         if (r->positions || r->normals) resolve_surfaces(r, view, first, w);
-        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, first, w);
+        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, view, first, w);
         if (g->material) resolve_material(r, first, w);
         shaded += sl_resolve_shaded(&w->pixels);
         first += count;
