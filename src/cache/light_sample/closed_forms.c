@@ -52,17 +52,20 @@ double sl_lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec3d g
     return sum * (0.5 / SL_PI);
 }
 
-/* The triangle's corners from the point, counter-clockwise seen from there; false where it is turned away or edge-on. */
+/* The side of a triangle on which the point lies: 1 where it shines, -1 of a two-sided light's back, 0 where nothing comes from it. */
+static int side_of(const sl_sampled_light *light, uint32_t triangle, sl_vec3d p) {
+    sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
+    sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
+    double front = sl_dotd(cross, sl_subd(p, a));
+    return front > 0.0 ? 1 : front < 0.0 && light->two_sided ? -1 : 0;
+}
+
+/* The triangle's corners from the point, counter-clockwise seen from there; false where nothing comes from it. */
 static bool turned_to(const sl_sampled_light *light, size_t triangle, const sl_lit_point *point, sl_vec3d corner[3]) {
     sl_vec3d p = sl_to_double(point->position);
-    for (size_t k = 0; k < 3; k++) corner[k] = sl_subd(sl_to_double(light->corner[3 * triangle + k]), p);
-    double front = -sl_dotd(sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0])), corner[0]);
-    if (front < 0.0 && light->two_sided) {
-        sl_vec3d first = corner[1];
-        corner[1] = corner[2];
-        corner[2] = first;
-    }
-    return light->two_sided ? fabs(front) > 0.0 : front > 0.0;
+    int side = side_of(light, (uint32_t)triangle, p);
+    for (size_t k = 0; k < 3; k++) corner[side < 0 ? 2 - k : k] = sl_subd(sl_to_double(light->corner[3 * triangle + k]), p);
+    return side != 0;
 }
 
 /* Area, cosines and squared distance of the triangle's middle. */
@@ -85,12 +88,32 @@ static bool is_far(const sl_vec3d corner[3]) {
 
 static bool has_extent(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
 
-double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point) {
-    if (!has_extent(light)) {
-        sl_vec3d to;
-        double distance;
-        return sl_light_point_form(light, point, &to, &distance);
+/* Nothing of the light is below a horizon, and it is not so far that its outline's terms would cancel: no triangle needs to be cut. */
+static bool is_above(const sl_sampled_light *light, const sl_lit_point *point) {
+    sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal);
+    double distance = sl_lengthd(sl_subd(sl_to_double(light->position), p));
+    if (!((double)light->extent > SL_TINY_LIGHT * distance)) return false;
+    for (size_t k = 0; k < light->edges; k++) {
+        sl_vec3d a = sl_subd(sl_to_double(light->edge[k].a), p), b = sl_subd(sl_to_double(light->edge[k].b), p);
+        if (!(fmin(sl_dotd(n, a), sl_dotd(n, b)) >= 0.0) || !(fmin(sl_dotd(g, a), sl_dotd(g, b)) >= 0.0)) return false;
     }
+    return true;
+}
+
+/* Along edges between two triangles that are seen from one side the terms of both cancel: the outline as seen from the point is left. */
+static double by_outline(const sl_sampled_light *light, const sl_lit_point *point) {
+    sl_vec3d p = sl_to_double(point->position), n = sl_to_double(point->normal);
+    int planar = light->kind == SL_SAMPLED_AREA ? side_of(light, 0, p) : 0;
+    double sum = 0.0;
+    for (size_t k = 0; k < light->edges; k++) {
+        const sl_light_edge *e = &light->edge[k];
+        int side = light->kind == SL_SAMPLED_AREA ? planar : side_of(light, e->left, p) - (e->right == SL_NO_INDEX ? 0 : side_of(light, e->right, p));
+        if (side) sum -= (double)side * edge_term(sl_subd(sl_to_double(e->a), p), sl_subd(sl_to_double(e->b), p), n);
+    }
+    return sum * (0.5 / SL_PI);
+}
+
+static double by_triangles(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3d n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal);
     double sum = 0.0;
     for (size_t t = 0; t < light->triangles; t++) {
@@ -98,16 +121,31 @@ double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *po
         if (!turned_to(light, t, point, corner)) continue;
         sum += is_far(corner) ? far_triangle(corner, n, g) : sl_lambert_triangle(corner, n, g);
     }
+    return sum;
+}
+
+double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point) {
+    if (!has_extent(light)) {
+        sl_vec3d to;
+        double distance;
+        return sl_light_point_form(light, point, &to, &distance);
+    }
+    double sum = is_above(light, point) ? by_outline(light, point) : by_triangles(light, point);
     return sum > 0.0 && isfinite(sum) ? sum : 0.0;
 }
 
+/* Area-weighted middle of what is above the horizons, from the point. */
 sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *point) {
     sl_vec3d n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal), middle = {0, 0, 0};
+    bool above = is_above(light, point);
     double total = 0.0;
+    if (above && light->kind == SL_SAMPLED_AREA && side_of(light, 0, sl_to_double(point->position)) != 0) {
+        return sl_subd(sl_to_double(light->position), sl_to_double(point->position));
+    }
     for (size_t t = 0; t < light->triangles; t++) {
         sl_vec3d corner[3];
         if (!turned_to(light, t, point, corner)) continue;
-        polygon p = above_horizons(corner, n, g);
+        polygon p = above ? (polygon){3, {corner[0], corner[1], corner[2]}} : above_horizons(corner, n, g);
         for (int k = 1; k + 1 < p.count; k++) {
             sl_vec3d sum = sl_addd(sl_addd(p.corner[0], p.corner[k]), p.corner[k + 1]);
             double area = sl_lengthd(sl_crossd(sl_subd(p.corner[k], p.corner[0]), sl_subd(p.corner[k + 1], p.corner[0])));
