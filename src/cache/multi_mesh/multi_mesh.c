@@ -166,7 +166,8 @@ static sl_status make_lights(multi_mesh_state *s, sl_error *error) {
 static sl_status make_part(multi_mesh_state *s, sl_component part, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
-    sl_displayed_settings settings = {.component = part, .leaf_area = (float)m->leaf_area, .leaf_edge = (float)m->leaf_edge,
+    float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
+    sl_displayed_settings settings = {.component = part, .leaf_area = coarser * coarser * (float)m->leaf_area, .leaf_edge = coarser * (float)m->leaf_edge,
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
                                       .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
                                       .threads = s->settings.threads};
@@ -174,8 +175,7 @@ static sl_status make_part(multi_mesh_state *s, sl_component part, sl_error *err
 }
 
 static sl_status make_coarse(multi_mesh_state *s, sl_error *error) {
-    const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
-    sl_coarse_settings coarse = {m->coarse_edge > 0.0 ? (float)m->coarse_edge : s->scene->diagonal / 24.0f, m->coarse_depth};
+    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), s->settings.multi_mesh.coarse_depth};
     s->coarse_done = 0;
     s->coarse_whole = false;
     return sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);

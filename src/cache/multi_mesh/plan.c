@@ -4,18 +4,27 @@
 #include "cache/multi_mesh/mesh.h"
 #include "scene/features.h"
 
-enum { LIGHT_SIZE = 64, LIGHT_RAYS = 16, COARSE_DEPTH = 3, BATCH = 32 };
+enum { LIGHT_SIZE = 64, LIGHT_RAYS = 16, BATCH = 32 };
 
 typedef struct by_quality {
     double threshold_scale, leaf_area, leaf_edge;
-    int gather_size;
+    int gather_size, coarse_depth;
+    double coarse_edges; /* to the scene's diagonal */
 } by_quality;
 
+/* A leaf's edges are tested in their middles, so its samples are half as far apart as its size. In the Cornell box (256 x 256, normal) leaves of 16,
+ * 64 and 256 pixels differ by a tenth in error, and take 29,000, 9,800 and 5,100 samples of direct light; small shadows want small leaves.
+ * A coarse mesh of depth 4 instead of 3 has a third of the relative squared error there; deeper ones do not help. */
 static const by_quality qualities[] = {
-    [SL_QUALITY_DRAFT] = {2.0, 64.0, 16.0, 64},
-    [SL_QUALITY_NORMAL] = {1.0, 16.0, 8.0, 128},
-    [SL_QUALITY_HIGH] = {0.5, 16.0, 8.0, 128},
+    [SL_QUALITY_DRAFT] = {2.0, 256.0, 32.0, 64, 3, 24.0},
+    [SL_QUALITY_NORMAL] = {1.0, 64.0, 16.0, 128, 4, 24.0},
+    [SL_QUALITY_HIGH] = {0.5, 16.0, 8.0, 128, 5, 48.0},
 };
+
+double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings) {
+    double chosen = settings->multi_mesh.coarse_edge;
+    return chosen > 0.0 ? chosen : (double)scene->diagonal / qualities[settings->quality].coarse_edges;
+}
 
 static int or_default(int value, int otherwise) { return value ? value : otherwise; }
 static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
@@ -36,7 +45,7 @@ void sl_multi_mesh_complete(sl_settings *settings) {
     m->leaf_area = or_default_real(m->leaf_area, q->leaf_area);
     m->leaf_edge = or_default_real(m->leaf_edge, q->leaf_edge);
     m->max_depth = or_default(m->max_depth, SL_MESH_DEPTH_MAX);
-    m->coarse_depth = or_default(m->coarse_depth, COARSE_DEPTH);
+    m->coarse_depth = or_default(m->coarse_depth, q->coarse_depth);
     m->batch = or_default(m->batch, BATCH);
     settings->gather_size = power_of_two(or_default(settings->gather_size, q->gather_size));
     if (settings->bounces == 0) settings->bounces = 1;
