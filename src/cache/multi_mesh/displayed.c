@@ -29,6 +29,7 @@ void sl_displayed_destroy(sl_displayed *d) {
     sl_mesh_destroy(d->mesh);
     sl_free(d->first);
     sl_free(d->middle);
+    sl_free(d->hanging);
     sl_free(d->order);
     sl_free(d->heap);
     sl_free(d->heap_place);
@@ -38,7 +39,8 @@ void sl_displayed_destroy(sl_displayed *d) {
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_mesh_memory_bytes(d->mesh)
-           + (4 * d->node_capacity + d->order_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t);
+           + (4 * d->node_capacity + d->order_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t)
+           + d->hanging_capacity * sizeof(sl_hanging_vertex);
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
@@ -214,6 +216,7 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
 
 void sl_displayed_restart(sl_displayed *d) {
     sl_mesh_clear(d->mesh);
+    d->hanging_count = 0;
     d->pixels = NULL;
     d->heap_count = d->dirty_count = 0;
     d->dirty_all = d->corners_asked = false;

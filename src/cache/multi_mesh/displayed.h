@@ -42,6 +42,12 @@ typedef struct sl_displayed_settings {
     unsigned threads;             /* of sl_displayed_see() and sl_displayed_prioritise(); 0: one. `shown` is called on all of them */
 } sl_displayed_settings;
 
+/* A vertex on a leaf's edge. */
+typedef struct sl_hanging_vertex {
+    uint32_t vertex;
+    uint8_t edge, at;             /* in 1/2^SL_FAN_LEVELS */
+} sl_hanging_vertex;
+
 typedef struct sl_displayed {
     sl_displayed_settings settings;
     sl_mesh *mesh;                /* its own; 3 channels */
@@ -49,8 +55,12 @@ typedef struct sl_displayed {
     uint32_t *first;              /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
     uint32_t *order;              /* below cuts of slivers, which no path knows, order[first .. first + node.pixels) of them */
     size_t order_capacity;
-    uint32_t (*middle)[3];        /* by node with SL_NODE_SIMPLE: the known vertex in the middle of each edge, or SL_NO_INDEX */
     size_t node_capacity;
+    /* Vertices on leaves' edges, remembered until the leaf is marked to be drawn again. */
+    uint32_t (*middle)[3];        /* by node with SL_NODE_SIMPLE: the known vertex in the middle of each edge, or SL_NO_INDEX; with SL_NODE_LISTED:
+                                     the first in hanging, and how many there are */
+    sl_hanging_vertex *hanging;
+    size_t hanging_count, hanging_capacity;
     /* selection */
     uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
     uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */

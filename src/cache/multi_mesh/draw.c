@@ -3,6 +3,7 @@
  * depend on the order, and an incremental one is that of drawing it all. */
 #include "cache/multi_mesh/displayed_internal.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -17,7 +18,7 @@ enum { LEAVES_AT_ONCE = 64, BLOCK = 256 };
 
 sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error) {
     sl_mesh_node *node = &d->mesh->node[leaf];
-    node->flags &= ~(uint32_t)SL_NODE_SIMPLE;
+    node->flags &= ~(uint32_t)(SL_NODE_SIMPLE | SL_NODE_LISTED);
     if (d->dirty_all || !node->pixels || (node->flags & SL_NODE_DIRTY)) return SL_OK;
     if (d->dirty_count == d->dirty_capacity) {
         size_t capacity = d->dirty_capacity ? 2 * d->dirty_capacity : 1024;
@@ -34,7 +35,7 @@ sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error) {
 }
 
 void sl_displayed_mark_all(sl_displayed *d) {
-    for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)SL_NODE_SIMPLE;
+    for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)(SL_NODE_SIMPLE | SL_NODE_LISTED);
     d->dirty_all = true;
 }
 
@@ -61,6 +62,8 @@ typedef struct draw_job {
     sl_rgb fallback;
     float *const *planes;
     sl_draw_kernels draw;
+    bool remember;               /* what is on leaves' edges: when all are drawn */
+    atomic_size_t hanging_count; /* in d->hanging; beyond its capacity they are counted alone */
 } draw_job;
 
 static sl_leaf_weights weights_of(const sl_mesh_place *n) {
@@ -69,6 +72,8 @@ static sl_leaf_weights weights_of(const sl_mesh_place *n) {
           p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0, inverse = 1.0f / (p1 * q2 - p2 * q1); /* places have an area */
     return (sl_leaf_weights){p0, q0, q2 * inverse, -p2 * inverse, -q1 * inverse, p1 * inverse};
 }
+
+static float centre_of(float a, float b, float c) { return a + ((b - a) + (c - a)) * (1.0f / 3.0f); }
 
 /* From the vertices that a leaf with SL_NODE_SIMPLE has. */
 static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf) {
@@ -86,21 +91,82 @@ static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf
             fan.middle[e][k] = middle != SL_NO_INDEX ? known : from[k] + 0.5f * (to[k] - from[k]);
         }
     }
-    for (int k = 0; k < 3; k++) {
-        float first = fan.corner[0][k];
-        fan.centre[k] = first + ((fan.corner[1][k] - first) + (fan.corner[2][k] - first)) * (1.0f / 3.0f);
-    }
+    for (int k = 0; k < 3; k++) fan.centre[k] = centre_of(fan.corner[0][k], fan.corner[1][k], fan.corner[2][k]);
     return fan;
 }
 
-/* Most leaves have no more than middles on their edges: those are remembered until the leaf is marked. */
-static void remember_if_simple(sl_displayed *d, const sl_mesh_place *leaf, const sl_mesh_fan *fan) {
+static void remember_list(draw_job *job, const sl_mesh_place *leaf, size_t count) {
+    sl_displayed *d = job->d;
+    size_t first = atomic_fetch_add_explicit(&job->hanging_count, count, memory_order_relaxed), at = first;
+    if (first + count > d->hanging_capacity) return;
+    for (int e = 0; e < 3; e++) {
+        sl_edge_vertices list;
+        sl_mesh_edge_vertices(d->mesh, leaf, e, &list);
+        for (int i = 0; i < list.count; i++) d->hanging[at++] = (sl_hanging_vertex){list.vertex[i], (uint8_t)e, list.at[i]};
+    }
+    d->middle[leaf->node][0] = (uint32_t)first;
+    d->middle[leaf->node][1] = (uint32_t)count;
+    d->mesh->node[leaf->node].flags |= SL_NODE_LISTED;
+}
+
+/* To look up vertices on edges takes longer than to draw the pixels, so they are remembered until the leaf is marked. Most leaves have no more than
+ * middles; of others there is a list, when all leaves are drawn. Where the list is in memory depends on the threads, what it says does not. */
+static void remember(draw_job *job, const sl_mesh_place *leaf, const sl_mesh_fan *fan) {
+    sl_displayed *d = job->d;
     sl_mesh_node *node = &d->mesh->node[leaf->node];
+    bool simple = true;
     for (int i = 0; i < 3; i++) {
-        if (fan->points[i] > 3 || d->mesh->state[node->vertex[i]] != SL_VERTEX_KNOWN) return;
+        if (d->mesh->state[node->vertex[i]] != SL_VERTEX_KNOWN) return;
+        simple &= fan->points[i] <= 3;
+    }
+    if (!simple) {
+        if (job->remember) remember_list(job, leaf, (size_t)(fan->points[0] + fan->points[1] + fan->points[2] - 6));
+        return;
     }
     for (int e = 0; e < 3; e++) d->middle[leaf->node][e] = fan->points[e] == 3 ? sl_mesh_find_middle(d->mesh, leaf, e) : SL_NO_INDEX;
     node->flags |= SL_NODE_SIMPLE;
+}
+
+/* Values at equal steps along an edge, between two of its vertices. */
+static void spread(sl_full_fan *full, int edge, int from, int to, const float *a, const float *b) {
+    float step = 1.0f / (float)(to - from);
+    for (int k = 0; k < 3; k++) {
+        float *on_edge = full->edge[k] + edge * SL_FAN_EDGE;
+        for (int i = from; i < to; i++) on_edge[i] = a[k] + (float)(i - from) * step * (b[k] - a[k]);
+        on_edge[to] = b[k];
+    }
+}
+_Static_assert(SL_FULL_FAN_STEPS + 1 == SL_FAN_EDGE, "vertices on edges lie at whole steps");
+
+static void full_fan(const sl_mesh_fan *fan, const sl_mesh_place *of, sl_full_fan *full) {
+    full->weights = weights_of(of);
+    for (int k = 0; k < 3; k++) full->centre[k] = fan->centre[k];
+    for (int e = 0; e < 3; e++) {
+        for (int n = 0; n + 1 < fan->points[e]; n++) {
+            int from = (int)(fan->along[e][n] * SL_FULL_FAN_STEPS), to = (int)(fan->along[e][n + 1] * SL_FULL_FAN_STEPS);
+            spread(full, e, from, to, fan->on_edge[e][n], fan->on_edge[e][n + 1]);
+        }
+    }
+}
+
+/* The same from the list that a leaf with SL_NODE_LISTED has. */
+static void listed_fan(const sl_displayed *d, const sl_mesh_place *leaf, sl_full_fan *full) {
+    const uint32_t *vertex = d->mesh->node[leaf->node].vertex;
+    const float *value = d->mesh->value, *corner[3];
+    const sl_hanging_vertex *next = d->hanging + d->middle[leaf->node][0], *end = next + d->middle[leaf->node][1];
+    for (int c = 0; c < 3; c++) corner[c] = value + 3 * (size_t)vertex[c];
+    full->weights = weights_of(leaf);
+    for (int k = 0; k < 3; k++) full->centre[k] = centre_of(corner[0][k], corner[1][k], corner[2][k]);
+    for (int e = 0; e < 3; e++) {
+        const float *from = corner[(e + 1) % 3];
+        int at = 0;
+        for (; next < end && next->edge == e; next++) {
+            spread(full, e, at, next->at, from, value + 3 * (size_t)next->vertex);
+            from = value + 3 * (size_t)next->vertex;
+            at = next->at;
+        }
+        spread(full, e, at, SL_FULL_FAN_STEPS, from, corner[(e + 2) % 3]);
+    }
 }
 
 /* The nearest of a leaf and its ancestors whose corners are known. */
@@ -113,25 +179,6 @@ static bool find_fan(const sl_displayed *d, sl_mesh_place *place, sl_mesh_fan *f
     return true;
 }
 
-_Static_assert(SL_FULL_FAN_STEPS + 1 == SL_FAN_EDGE, "vertices on edges lie at whole steps");
-
-/* Values at equal steps along the edges. */
-static void spread(const sl_mesh_fan *fan, const sl_mesh_place *of, sl_full_fan *full) {
-    full->weights = weights_of(of);
-    for (int k = 0; k < 3; k++) full->centre[k] = fan->centre[k];
-    for (int e = 0; e < 3; e++) {
-        for (int n = 0; n + 1 < fan->points[e]; n++) {
-            int from = (int)(fan->along[e][n] * SL_FULL_FAN_STEPS), to = (int)(fan->along[e][n + 1] * SL_FULL_FAN_STEPS);
-            for (int k = 0; k < 3; k++) {
-                float *edge = full->edge[k] + e * SL_FAN_EDGE, a = fan->on_edge[e][n][k], b = fan->on_edge[e][n + 1][k];
-                float step = 1.0f / (float)(to - from);
-                for (int i = from; i < to; i++) edge[i] = a + (float)(i - from) * step * (b - a);
-                edge[to] = b;
-            }
-        }
-    }
-}
-
 static void fill(const draw_job *job, const uint32_t *pixel, size_t count) {
     const float value[3] = {job->fallback.r, job->fallback.g, job->fallback.b};
     for (int k = 0; k < 3; k++) {
@@ -139,26 +186,30 @@ static void fill(const draw_job *job, const uint32_t *pixel, size_t count) {
     }
 }
 
-static void draw_list(const draw_job *job, const sl_mesh_place *leaf, const uint32_t *pixel, const float *w1, const float *w2, size_t count) {
+static void draw_list(draw_job *job, const sl_mesh_place *leaf, const uint32_t *pixel, const float *w1, const float *w2, size_t count) {
     sl_displayed *d = job->d;
-    const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    sl_mesh_place shown = *leaf;
-    sl_mesh_fan fan;
-    bool known = (node->flags & SL_NODE_SIMPLE) || find_fan(d, &shown, &fan);
-    if (!(node->flags & SL_NODE_SIMPLE) && known && shown.node == leaf->node) remember_if_simple(d, leaf, &fan);
-    if (node->flags & SL_NODE_SIMPLE) {
+    const uint32_t *flags = &d->mesh->node[leaf->node].flags;
+    sl_full_fan full;
+    if (!(*flags & (SL_NODE_SIMPLE | SL_NODE_LISTED))) {
+        sl_mesh_place shown = *leaf;
+        sl_mesh_fan fan;
+        if (!find_fan(d, &shown, &fan)) {
+            fill(job, pixel, count);
+            return;
+        }
+        if (shown.node == leaf->node) remember(job, leaf, &fan);
+        full_fan(&fan, &shown, &full);
+    }
+    if (*flags & SL_NODE_SIMPLE) {
         sl_simple_fan simple = simple_fan(d, leaf);
         job->draw.simple(&simple, count, pixel, w1, w2, job->planes);
-    } else if (known) {
-        sl_full_fan full;
-        spread(&fan, &shown, &full);
-        job->draw.full(&full, count, pixel, w1, w2, job->planes);
-    } else {
-        fill(job, pixel, count);
+        return;
     }
+    if (*flags & SL_NODE_LISTED) listed_fan(d, leaf, &full);
+    job->draw.full(&full, count, pixel, w1, w2, job->planes);
 }
 
-static void draw_leaf(const draw_job *job, const sl_mesh_place *leaf) {
+static void draw_leaf(draw_job *job, const sl_mesh_place *leaf) {
     const sl_displayed *d = job->d;
     const sl_visible_pixels *pixels = d->pixels;
     uint32_t first = d->first[leaf->node], count = d->mesh->node[leaf->node].pixels;
@@ -182,7 +233,7 @@ static void draw_leaf(const draw_job *job, const sl_mesh_place *leaf) {
 
 static void draw_some(void *context, size_t index, unsigned worker) {
     (void)worker;
-    const draw_job *job = context;
+    draw_job *job = context;
     size_t begin = index * LEAVES_AT_ONCE, end = begin + LEAVES_AT_ONCE;
     for (size_t i = begin; i < end && i < job->d->dirty_count; i++) {
         sl_mesh_place leaf = sl_mesh_place_of(job->d->mesh, job->d->dirty[i]);
@@ -190,7 +241,7 @@ static void draw_some(void *context, size_t index, unsigned worker) {
     }
 }
 
-static void draw_below(const draw_job *job, const sl_mesh_place *place) {
+static void draw_below(draw_job *job, const sl_mesh_place *place) {
     const sl_mesh_node *node = &job->d->mesh->node[place->node];
     if (!node->pixels) return;
     if (node->child == SL_NO_INDEX) {
@@ -205,7 +256,7 @@ static void draw_below(const draw_job *job, const sl_mesh_place *place) {
 
 static void draw_share(void *context, size_t share, unsigned worker) {
     (void)worker;
-    const draw_job *job = context;
+    draw_job *job = context;
     const sl_displayed *d = job->d;
     size_t begin, end;
     sl_visible_share(d->pixels, share, &begin, &end);
@@ -216,9 +267,21 @@ static void draw_share(void *context, size_t share, unsigned worker) {
     }
 }
 
+/* Where lists have outgrown their room, some of it for leaves that are no more, all are forgotten, and there is more room next time. */
+static void keep_lists(sl_displayed *d, size_t count) {
+    d->hanging_count = count;
+    if (count <= d->hanging_capacity) return;
+    for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)SL_NODE_LISTED;
+    sl_free(d->hanging);
+    d->hanging = sl_allocate_unset(2 * count, sizeof *d->hanging); /* none: nothing is remembered */
+    d->hanging_capacity = d->hanging ? 2 * count : 0;
+    d->hanging_count = 0;
+}
+
 void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3], sl_counters *counters) {
     if (!d->pixels) return;
-    draw_job job = {d, fallback, planes, sl_draw_kernels_for(sl_isa_best())};
+    draw_job job = {.d = d, .fallback = fallback, .planes = planes, .draw = sl_draw_kernels_for(sl_isa_best()), .remember = d->dirty_all};
+    atomic_init(&job.hanging_count, d->hanging_count);
     uint64_t redrawn = settle_list(d);
     if (d->dirty_all) {
         for (size_t i = 0; i < d->heap_count; i++) redrawn += d->pixels->face[d->heap[i]].count;
@@ -226,6 +289,7 @@ void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float
     } else {
         sl_parallel_for(threads, (d->dirty_count + LEAVES_AT_ONCE - 1) / LEAVES_AT_ONCE, draw_some, &job);
     }
+    keep_lists(d, atomic_load(&job.hanging_count));
     d->dirty_count = 0;
     d->dirty_all = false;
     sl_count(counters, SL_COUNT_PIXELS_REDRAWN, redrawn);

@@ -46,7 +46,8 @@ enum {
     SL_NODE_CUT_SHIFT = 9,
     SL_NODE_SMALL = 0x800,     /* meets the size criterion in the view as it stands (displayed meshes) */
     SL_NODE_SETTLED = 0x1000,  /* a node above it is closed and small there: only another view asked for more */
-    SL_NODE_SIMPLE = 0x2000    /* nothing on its edges but their middles, which sl_displayed.middle names */
+    SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
+    SL_NODE_LISTED = 0x4000    /* what is on its edges is in sl_displayed.hanging */
 };
 
 typedef struct sl_mesh_node {
@@ -167,6 +168,13 @@ typedef struct sl_mesh_fan {
     float along[3][SL_FAN_EDGE];           /* 0 to 1 */
     float on_edge[3][SL_FAN_EDGE][3];
 } sl_mesh_fan;
+/* The known vertices between the ends of edge i of a leaf that make its fan, from corner i + 1 on, and where they are in 1/2^SL_FAN_LEVELS. */
+typedef struct sl_edge_vertices {
+    int count;
+    uint32_t vertex[SL_FAN_EDGE - 2];
+    uint8_t at[SL_FAN_EDGE - 2];
+} sl_edge_vertices;
+void sl_mesh_edge_vertices(const sl_mesh *mesh, const sl_mesh_place *leaf, int edge, sl_edge_vertices *list);
 bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hanging, sl_mesh_fan *fan);
 void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value);
 /* sl_mesh_locate() and sl_mesh_interpolate(). */

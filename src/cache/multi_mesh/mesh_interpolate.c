@@ -27,26 +27,31 @@ static bool read_corners(const sl_mesh *mesh, const sl_mesh_place *leaf, sl_mesh
     return true;
 }
 
-static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {
-    int n = fan->points[edge]++;
-    fan->along[edge][n] = (float)at / (float)(SL_FAN_EDGE - 1);
-    for (int i = 0; i < fan->channels; i++) fan->on_edge[edge][n][i] = value[i];
-}
-
-/* The known vertices between two points of an edge, in order. Halves are looked at only where the middle is known, so both of an edge's sides find
- * the same ones. */
-static void walk_edge(const sl_mesh *mesh, uint32_t face, int edge, edge_end from, edge_end to, sl_mesh_fan *fan) {
+/* Halves are looked at only where the middle is known, so both of an edge's sides find the same vertices. */
+static void walk_edge(const sl_mesh *mesh, uint32_t face, edge_end from, edge_end to, sl_edge_vertices *list) {
     int p = from.p + to.p, q = from.q + to.q;
     if (to.at - from.at < 2 || (p | q) % 2 != 0) return;
     edge_end half = {(from.at + to.at) / 2, p / 2, q / 2};
     sl_mesh_place place = {.face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
     uint32_t vertex = sl_mesh_find_middle(mesh, &place, 0);
     if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return;
-    fan->hanging = true;
     bool further = mesh->halved[vertex]; /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
-    if (further) walk_edge(mesh, face, edge, from, half, fan);
-    append(fan, edge, half.at, &mesh->value[(size_t)vertex * (size_t)mesh->channels]);
-    if (further) walk_edge(mesh, face, edge, half, to, fan);
+    if (further) walk_edge(mesh, face, from, half, list);
+    list->vertex[list->count] = vertex;
+    list->at[list->count++] = (uint8_t)half.at;
+    if (further) walk_edge(mesh, face, half, to, list);
+}
+
+void sl_mesh_edge_vertices(const sl_mesh *mesh, const sl_mesh_place *leaf, int edge, sl_edge_vertices *list) {
+    int j = (edge + 1) % 3, k = (edge + 2) % 3;
+    list->count = 0;
+    walk_edge(mesh, leaf->face, (edge_end){0, leaf->p[j], leaf->q[j]}, (edge_end){SL_FAN_EDGE - 1, leaf->p[k], leaf->q[k]}, list);
+}
+
+static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {
+    int n = fan->points[edge]++;
+    fan->along[edge][n] = (float)at / (float)(SL_FAN_EDGE - 1);
+    for (int i = 0; i < fan->channels; i++) fan->on_edge[edge][n][i] = value[i];
 }
 
 bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hanging, sl_mesh_fan *fan) {
@@ -58,11 +63,14 @@ bool sl_mesh_fan_make(const sl_mesh *mesh, const sl_mesh_place *leaf, bool hangi
         fan->centre[i] = first + ((fan->corner[1][i] - first) + (fan->corner[2][i] - first)) * (1.0f / 3.0f);
     }
     for (int edge = 0; edge < 3; edge++) {
-        int j = (edge + 1) % 3, k = (edge + 2) % 3;
+        sl_edge_vertices list;
+        list.count = 0;
+        if (hanging) sl_mesh_edge_vertices(mesh, leaf, edge, &list);
+        fan->hanging = fan->hanging || list.count > 0;
         fan->points[edge] = 0;
-        append(fan, edge, 0, fan->corner[j]);
-        if (hanging) walk_edge(mesh, leaf->face, edge, (edge_end){0, leaf->p[j], leaf->q[j]}, (edge_end){SL_FAN_EDGE - 1, leaf->p[k], leaf->q[k]}, fan);
-        append(fan, edge, SL_FAN_EDGE - 1, fan->corner[k]);
+        append(fan, edge, 0, fan->corner[(edge + 1) % 3]);
+        for (int i = 0; i < list.count; i++) append(fan, edge, list.at[i], &mesh->value[(size_t)list.vertex[i] * (size_t)mesh->channels]);
+        append(fan, edge, SL_FAN_EDGE - 1, fan->corner[(edge + 2) % 3]);
     }
     return true;
 }
