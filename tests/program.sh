@@ -82,6 +82,13 @@ expect 0 '' render scenes/cornell.json -s 48x48 -q draft --batches 5 --quiet -o 
 expect 0 '' render scenes/cornell.json -s 48x48 -q draft --batches 5 --quiet -t 1 -o "$folder/d.pfm"
 cmp -s "$folder/c.pfm" "$folder/d.pfm" || { echo '--batches 5 twice gives other bits'; bad=1; }
 
+# What a method finds out on its way is told, once, and not to those who want quiet.
+printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
+expect 0 'warning: weight 15' render "$folder/low.json" -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"
+[ "$(grep -c 'weight 15' "$folder/err")" -eq 1 ] || { echo 'a warning is not told once'; bad=1; }
+expect 0 '' render "$folder/low.json" -m direct-radiance --weight 15 --quiet -s 16x16 -o "$folder/low.pfm"
+[ ! -s "$folder/err" ] || { echo '--quiet warns'; bad=1; }
+
 # Ctrl-C writes what is done and says so.
 "$program" render scenes/cornell.json -s 512x512 -m path --spp 100000 --time 60 -o "$folder/i.exr" 2>"$folder/err" &
 pid=$!

@@ -8,6 +8,8 @@
  * exactly so if what the texel holds is the receiver's own plane. The receiver is lit if 1/z >= stored - beta, less what rounding makes.
  * With the nearest texel alone, da and db are at most half a texel of 2/N: section 2.9's bound. Here the four texels around are asked, each
  * with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves, Salesin and Cook 1987). */
+#include <string.h>
+
 #include "cache/direct_radiance/shadow_cube_kernels.h"
 
 typedef struct {
@@ -104,20 +106,21 @@ static void compare(const sl_shadow_cube *map, size_t count, places *at) {
     const float *restrict change_x = at->change_x, *restrict change_y = at->change_y;
     float *restrict out = at->dark;
     const int32_t width = map->size;
-    for (size_t i = 0; i < count; i += 4) { /* neighbours mostly share their lines; all of a tile's are asked for together */
-        __builtin_prefetch(stored + texel[i]);
-        __builtin_prefetch(stored + texel[i] + width);
+    /* Two texels of a row lie side by side, and are fetched together. */
+    float lower[2 * SL_SHADOW_BLOCK], upper[2 * SL_SHADOW_BLOCK];
+    for (size_t i = 0; i < count; i++) {
+        memcpy(lower + 2 * i, stored + texel[i], 2 * sizeof *lower);
+        memcpy(upper + 2 * i, stored + texel[i] + width, 2 * sizeof *upper);
     }
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        int32_t k = texel[i];
         float right = across[i], left = 1.0f - right, above = up[i], below = 1.0f - above;
         float to_left = right * change_x[i], to_right = left * change_x[i], down = above * change_y[i], upward = below * change_y[i];
         float z = depth[i];
-        float dark = stored[k] > z + (to_left + down) ? left * below : 0.0f;
-        dark += stored[k + 1] > z + (to_right + down) ? right * below : 0.0f;
-        dark += stored[k + width] > z + (to_left + upward) ? left * above : 0.0f;
-        dark += stored[k + width + 1] > z + (to_right + upward) ? right * above : 0.0f;
+        float dark = lower[2 * i] > z + (to_left + down) ? left * below : 0.0f;
+        dark += lower[2 * i + 1] > z + (to_right + down) ? right * below : 0.0f;
+        dark += upper[2 * i] > z + (to_left + upward) ? left * above : 0.0f;
+        dark += upper[2 * i + 1] > z + (to_right + upward) ? right * above : 0.0f;
         out[i] = dark;
     }
 }
