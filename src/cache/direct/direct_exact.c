@@ -65,15 +65,16 @@ static void draw_numbers(const sl_direct *direct, const sl_lit_block *block, uin
 
 static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first, light_samples *s) {
     sl_light_points points = sl_lit_points(block);
+    sl_aim_block aims[CHUNK];
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
         draw_numbers(direct, block, first + k, 0, s->u0 + lane, s->u1 + lane, s->u2 + lane);
-        sl_aim_block aim = {&points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
-                            s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
-                            s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
-        direct->kernels.aim(&aim);
-        if (w->any_near) sl_direct_aim_near(direct, block, w->near, &aim);
+        aims[k] = (sl_aim_block){&points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
+                                 s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
+                                 s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
+        direct->kernels.aim(&aims[k]);
     }
+    if (w->any_near) sl_direct_aim_near(direct, block, w->near, aims, s->samples);
 }
 
 /* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and pixels. */

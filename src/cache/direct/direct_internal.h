@@ -107,13 +107,14 @@ void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_s
                         sl_counters *counters);
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
                        sl_counters *counters);
-/* Which emitters are near to some point of a block, and samples of them: `near` by side of the weighed, as `aim`'s. */
+/* Which emitters are near to some point of a block, and samples of them instead of those that are drawn: near by side of the weighed. */
 typedef struct sl_block_box {
     sl_vec3 low, high;
 } sl_block_box;
 sl_block_box sl_lit_block_box(const sl_lit_block *block);
 bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
-void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aim);
+void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aims,
+                        uint32_t samples);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
                       sl_counters *counters);

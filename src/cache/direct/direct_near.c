@@ -5,17 +5,19 @@
 #include "cache/direct/direct_internal.h"
 #include "cache/light/spherical_triangle.h"
 
-/* Nearer than so many times the distance of its farthest corner from the centroid (squared). */
-#define NEAR_EXTENTS 2.0f
-static const float near_squared = NEAR_EXTENTS * NEAR_EXTENTS;
+/* Nearer than such a share of the distance of its farthest corner from its middle. */
+#define NEAR_EXTENT 0.5f
 
-static sl_vec3 centroid(const sl_polygon_light *p) {
-    return sl_scale(sl_add(sl_add(p->corner[0], p->corner[1]), p->corner[2]), 1.0f / 3.0f);
+static float gap(float low, float high, float from, float to) { return to < low ? low - to : from > high ? from - high : 0.0f; }
+
+/* Between the boxes about an emitter and about some points. */
+static bool is_near(const sl_polygon_light *light, sl_vec3 low, sl_vec3 high) {
+    const sl_vec3 *c = light->corner;
+    float x = gap(fminf(c[0].x, fminf(c[1].x, c[2].x)), fmaxf(c[0].x, fmaxf(c[1].x, c[2].x)), low.x, high.x);
+    float y = gap(fminf(c[0].y, fminf(c[1].y, c[2].y)), fmaxf(c[0].y, fmaxf(c[1].y, c[2].y)), low.y, high.y);
+    float z = gap(fminf(c[0].z, fminf(c[1].z, c[2].z)), fmaxf(c[0].z, fmaxf(c[1].z, c[2].z)), low.z, high.z);
+    return x * x + y * y + z * z < NEAR_EXTENT * NEAR_EXTENT * light->extent_squared;
 }
-
-/* ---- is any point of a block near? ---- */
-
-static float gap(float x, float low, float high) { return x < low ? low - x : x > high ? x - high : 0.0f; }
 
 sl_block_box sl_lit_block_box(const sl_lit_block *block) {
     sl_block_box box = {sl_v3(block->x[0], block->y[0], block->z[0]), sl_v3(block->x[0], block->y[0], block->z[0])};
@@ -27,65 +29,79 @@ sl_block_box sl_lit_block_box(const sl_lit_block *block) {
     return box;
 }
 
-bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box) {
-    sl_vec3 c = centroid(light);
-    sl_vec3 d = sl_v3(gap(c.x, box->low.x, box->high.x), gap(c.y, box->low.y, box->high.y), gap(c.z, box->low.z, box->high.z));
-    return sl_dot(d, d) < near_squared * light->extent_squared;
-}
+bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box) { return is_near(light, box->low, box->high); }
 
-/* ---- samples ---- */
+/* ---- one emitter, seen from a point ---- */
 
-static double cosine_towards(sl_vec3 corner, sl_vec3 p, sl_vec3d n) {
-    sl_vec3d d = sl_subd(sl_to_double(corner), sl_to_double(p));
-    double length = sl_lengthd(d);
-    return length > 0.0 ? sl_dotd(d, n) / length : 0.0;
+typedef struct {
+    int32_t chosen;          /* among those of the block; -1: none yet */
+    bool near;
+    sl_spherical_triangle triangle;
+    sl_vec3d out;            /* the emitter's normal */
+    double height;           /* of the point above the emitter */
+    double cosine[3];        /* above the point, towards its corners; at least */
+    double mean;             /* of what is bilinear between these */
+} near_emitter;
+
+#define COSINE_MIN 0.05
+
+/* The cosine above the receiver differs between the corners of the emitter, and what is below the horizon brings nothing: numbers are bent
+ * by what is bilinear between the corners' cosines (Hart et al. 2020, "Practical product sampling by fitting and composing warps"). */
+static void look_at(const sl_polygon_light *light, sl_vec3 p, sl_vec3d n, int32_t chosen, near_emitter *e) {
+    e->chosen = chosen;
+    e->near = is_near(light, p, p) && sl_spherical_triangle_make(light->corner, p, &e->triangle);
+    if (!e->near) return;
+    e->out = sl_to_double(light->normal);
+    e->height = sl_dotd(e->out, sl_subd(sl_to_double(p), sl_to_double(light->corner[0])));
+    const sl_vec3d corner[3] = {e->triangle.a, e->triangle.b, e->triangle.c};
+    for (int k = 0; k < 3; k++) e->cosine[k] = fmax(COSINE_MIN, sl_dotd(corner[k], n));
+    e->mean = 0.5 * e->cosine[1] + 0.25 * (e->cosine[0] + e->cosine[2]);
 }
 
 /* Density proportional to a line from `low` at 0 to `high` at 1, both > 0. */
 static double draw_line(double u, double low, double high) { return u * (low + high) / (low + sqrt(low * low + u * (high * high - low * low))); }
 
-/* The cosine above the receiver differs between the corners of the emitter, and what is below the horizon brings nothing: numbers are bent by
- * what is bilinear between the corners' cosines (Hart et al. 2020, "Practical product sampling by fitting and composing warps"). u2 = 0 is
- * corner 1, whatever u1; u2 = 1 goes from corner 0 to corner 2. Returns the density. */
-static double bend(const double cosine[3], double *u1, double *u2) {
-    double c[3];
-    for (int k = 0; k < 3; k++) c[k] = cosine[k] > 0.05 ? cosine[k] : 0.05;
-    double end = 0.5 * (c[0] + c[2]);
-    *u2 = draw_line(*u2, c[1], end);
+/* Returns the density. */
+static double bend(const near_emitter *e, double *u1, double *u2) {
+    const double *c = e->cosine;
+    *u2 = draw_line(*u2, c[1], 0.5 * (c[0] + c[2]));
     double low = c[1] + *u2 * (c[0] - c[1]), high = c[1] + *u2 * (c[2] - c[1]);
     *u1 = draw_line(*u1, low, high);
-    return (low + *u1 * (high - low)) / (0.5 * (c[1] + end));
+    return (low + *u1 * (high - low)) / e->mean;
 }
 
-/* Replaces the sample of point i, where its emitter is near. */
-static void aim_by_angle(const sl_lit_block *block, const sl_polygon_light *light, const sl_aim_block *aim, size_t i) {
-    sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]), m = sl_sub(centroid(light), p);
-    sl_vec3d direction, n = sl_v3d((double)block->normal_x[i], (double)block->normal_y[i], (double)block->normal_z[i]);
-    double solid_angle, u1 = (double)aim->u1[i], u2 = (double)aim->u2[i], cosines[3];
-    float exact = aim->share[(size_t)aim->chosen[i] * SL_LIGHT_BLOCK + i];
-    if (!(sl_dot(m, m) < near_squared * light->extent_squared) || !(exact > 0.0f)) return;
-    for (int k = 0; k < 3; k++) cosines[k] = cosine_towards(light->corner[k], p, n);
-    double density = bend(cosines, &u1, &u2);
-    if (!sl_spherical_point(light->corner, p, u1, u2, &direction, &solid_angle)) return;
-    sl_vec3d out = sl_to_double(light->normal);
-    double height = sl_dotd(out, sl_subd(sl_to_double(p), sl_to_double(light->corner[0])));
-    double emitted = -sl_dotd(out, direction), distance = height / (emitted > 0.0 ? emitted : 1.0);
-    double cosine = sl_dotd(direction, n);
+/* ---- samples ---- */
+
+/* Replaces the sample of point i. */
+static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_vec3d n, const sl_aim_block *aim, size_t i) {
+    double u1 = (double)aim->u1[i], u2 = (double)aim->u2[i], density = bend(e, &u1, &u2);
+    sl_vec3d direction = sl_spherical_triangle_point(&e->triangle, u1, u2);
+    double emitted = -sl_dotd(e->out, direction), distance = e->height / (emitted > 0.0 ? emitted : 1.0), cosine = sl_dotd(direction, n);
     double facing = sl_dotd(direction, sl_v3d((double)block->geometric_x[i], (double)block->geometric_y[i], (double)block->geometric_z[i]));
-    bool lit = cosine > 0.0 && emitted > 0.0 && distance > 0.0;
-    float total = aim->sums[(aim->sides - 1) * SL_LIGHT_BLOCK + i];
+    float total = aim->sums[(aim->sides - 1) * SL_LIGHT_BLOCK + i], exact = aim->share[(size_t)e->chosen * SL_LIGHT_BLOCK + i];
+    bool lit = cosine > 0.0 && emitted > 0.0 && distance > 0.0 && exact > 0.0f;
     sl_vec3 to_light = sl_to_float(sl_scaled(direction, distance));
     aim->x[i] = to_light.x;
     aim->y[i] = to_light.y;
     aim->z[i] = to_light.z;
     /* f / pdf = (cos solid angle / density) / (E_side / E_all) */
-    aim->weight[i] = lit ? (float)(solid_angle * cosine / density) / exact * total : 0.0f;
+    aim->weight[i] = lit ? (float)(e->triangle.solid_angle * cosine / density) / exact * total : 0.0f;
     aim->wanted[i] = lit && facing > 0.0 ? 1.0f : 0.0f;
 }
 
-void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aim) {
+void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aims, uint32_t samples) {
+    enum { KEPT = 4 };
     for (size_t i = 0; i < block->count; i++) {
-        size_t chosen = (size_t)aim->chosen[i];
-        if (near[chosen]) aim_by_angle(block, &direct->polygons[aim->side[chosen]], aim, i);
+        sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]);
+        sl_vec3d n = sl_v3d((double)block->normal_x[i], (double)block->normal_y[i], (double)block->normal_z[i]);
+        near_emitter kept[KEPT];
+        for (int k = 0; k < KEPT; k++) kept[k].chosen = -1;
+        for (uint32_t k = 0; k < samples; k++) {
+            int32_t chosen = aims[k].chosen[i];
+            if (!near[chosen]) continue;
+            near_emitter *e = &kept[chosen % KEPT];
+            if (e->chosen != chosen) look_at(&direct->polygons[aims[k].side[chosen]], p, n, chosen, e);
+            if (e->near) aim_by_angle(block, e, n, &aims[k], i);
+        }
     }
 }

@@ -166,11 +166,11 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
     const sl_emitter *e = &scene->emitters[view->gather->sources->index[s->sample_source[m]]];
     size_t k = s->sample_slot[m];
     sl_vec3 p = sl_hit_position(h, k), corner[3];
-    sl_vec3d direction;
-    double solid_angle;
+    sl_spherical_triangle seen;
     if (e->triangle == h->triangle[k]) return;
     for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
-    if (!sl_spherical_point(corner, p, (double)s->u1[m], (double)s->u2[m], &direction, &solid_angle)) return;
+    if (!sl_spherical_triangle_make(corner, p, &seen)) return;
+    sl_vec3d direction = sl_spherical_triangle_point(&seen, (double)s->u1[m], (double)s->u2[m]);
     sl_vec3d normal = sl_to_double(sl_scene_geometric_normal(scene, e->triangle));
     sl_vec3d first = sl_to_double(sl_scene_position(scene, scene->vertex[0][e->triangle]));
     double facing = -sl_dotd(normal, direction);
@@ -179,7 +179,7 @@ static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q
     sl_vec3 to_light = sl_to_float(direction);
     float cosine = sl_hit_cosine(h, k, to_light);
     if (!(cosine > 0.0f) || !(distance > 0.0) || !isfinite(distance)) return;
-    sl_push_shadow_ray(q, k, to_light, (float)distance, sl_rgb_scale(e->radiance, (float)solid_angle * cosine * s->share[m]), (uint32_t)m);
+    sl_push_shadow_ray(q, k, to_light, (float)distance, sl_rgb_scale(e->radiance, (float)seen.solid_angle * cosine * s->share[m]), (uint32_t)m);
 }
 
 /* ---- emitters ---- */

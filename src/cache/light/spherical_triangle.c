@@ -17,21 +17,24 @@ static sl_vec3d arc(sl_vec3d axis, sl_vec3d v, double cosine) {
     return length > 0.0 ? sl_addd(sl_scaled(axis, cosine), sl_scaled(across, sine / length)) : axis;
 }
 
-/* Arvo 1995, "Stratified sampling of spherical triangles": u1 cuts off a triangle of that share of the area, whose corner C' moves along
- * the side AC; u2 walks from B towards C'. */
-bool sl_spherical_point(const sl_vec3 corner[3], sl_vec3 p, double u1, double u2, sl_vec3d *direction, double *solid_angle) {
+bool sl_spherical_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_spherical_triangle *t) {
     sl_vec3d a = unit_towards(corner[0], p), b = unit_towards(corner[1], p), c = unit_towards(corner[2], p);
     double volume = fabs(sl_dotd(a, sl_crossd(b, c)));
     double cos_c = sl_dotd(a, b), cos_b = sl_dotd(a, c);
     double area = 2.0 * sl_atan2(volume, 1.0 + cos_c + cos_b + sl_dotd(b, c));
-    *solid_angle = area;
     if (!(area > 1e-6)) return false;
-    double alpha = sl_atan2(volume, sl_dotd(b, c) - cos_c * cos_b), part = u1 * area - alpha;
-    double sin_alpha = sl_sin(alpha), cos_alpha = sl_cos(alpha), s = sl_sin(part), t = sl_cos(part);
-    double u = t - cos_alpha, w = s + sin_alpha * cos_c;
-    double denominator = (w * s + u * t) * sin_alpha;
-    double q = denominator != 0.0 ? ((w * t - u * s) * cos_alpha - w) / denominator : 1.0;
-    sl_vec3d moved = arc(a, c, fmin(fmax(q, -1.0), 1.0));
-    *direction = arc(b, moved, 1.0 - u2 * (1.0 - sl_dotd(moved, b)));
+    double alpha = sl_atan2(volume, sl_dotd(b, c) - cos_c * cos_b);
+    *t = (sl_spherical_triangle){a, b, c, area, cos_c, alpha, sl_sin(alpha), sl_cos(alpha)};
     return true;
+}
+
+/* Arvo 1995, "Stratified sampling of spherical triangles": u1 cuts off a triangle of that share of the area, whose corner C' moves along
+ * the side AC; u2 walks from B towards C'. */
+sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *t, double u1, double u2) {
+    double part = u1 * t->solid_angle - t->alpha, sine = sl_sin(part), cosine = sl_cos(part);
+    double u = cosine - t->cosine, v = sine + t->sine * t->cos_c;
+    double denominator = (v * sine + u * cosine) * t->sine;
+    double q = denominator != 0.0 ? ((v * cosine - u * sine) * t->cosine - v) / denominator : 1.0;
+    sl_vec3d moved = arc(t->a, t->c, fmin(fmax(q, -1.0), 1.0));
+    return arc(t->b, moved, 1.0 - u2 * (1.0 - sl_dotd(moved, t->b)));
 }

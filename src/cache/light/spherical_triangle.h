@@ -4,8 +4,16 @@
 
 #include "base/vec.h"
 
-/* A direction from p to the triangle, uniform in its solid angle for u1, u2 uniform in [0,1). False where that is below a millionth of a
- * steradian: the triangle is seen edge-on or is very small. */
-bool sl_spherical_point(const sl_vec3 corner[3], sl_vec3 p, double u1, double u2, sl_vec3d *direction, double *solid_angle);
+typedef struct sl_spherical_triangle {
+    sl_vec3d a, b, c;            /* towards the corners, unit */
+    double solid_angle;
+    double cos_c;                /* of the side between a and b */
+    double alpha, sine, cosine;  /* the angle at a, and its */
+} sl_spherical_triangle;
+
+/* False where it spans less than a millionth of a steradian: it is seen edge-on or is very small. */
+bool sl_spherical_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_spherical_triangle *triangle);
+/* A direction in it, uniform in solid angle for u1, u2 uniform in [0,1). u2 = 0 is corner b, whatever u1; u2 = 1 goes from a to c. */
+sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *triangle, double u1, double u2);
 
 #endif
