@@ -152,8 +152,9 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
         if (edge_state(mesh, place->node, i) != SL_EDGE_UNTESTED) continue;
         sl_status status = SL_OK;
         uint32_t middle = sl_mesh_middle(mesh, place, i, &status, error);
-        if (middle == SL_NO_INDEX) return FETCH_FAILED;
-        if (is_there(mesh, middle)) continue;
+        if (middle == SL_NO_INDEX && status != SL_OK) return FETCH_FAILED;
+        if (middle == SL_NO_INDEX) set_edge_state(mesh, place->node, i, SL_EDGE_CLOSED); /* as short as edges get */
+        if (middle == SL_NO_INDEX || is_there(mesh, middle)) continue;
         if (!want(m, light, middle)) return FETCH_FAILED;
         complete = false;
     }
