@@ -109,9 +109,8 @@ static void the_inner_side_of_a_solid_is_not_sampled(void **state) {
 
 /* ---- what lies between ----------------------------------------------------------------------------------------------------------- */
 
-static void a_linear_field_is_kept_between_vertices_across_levels(void **state) {
-    (void)state;
-    meshed m = mesh_of(uneven_scene(), 0.3f, 5);
+static void assert_linear_field_is_kept(float edge, int depth) {
+    meshed m = mesh_of(uneven_scene(), edge, depth);
     for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) {
         sl_vec3 p = position_of(&m, v);
         sl_coarse_set(m.coarse, v, (sl_rgb){2.0f + p.x, 3.0f - p.y, 1.0f + p.z});
@@ -127,6 +126,37 @@ static void a_linear_field_is_kept_between_vertices_across_levels(void **state) 
         }
     }
     meshed_destroy(&m);
+}
+
+static void a_linear_field_is_kept_between_vertices_across_levels(void **state) {
+    (void)state;
+    const float edge[4] = {0.3f, 1.01f, 1.2f, 0.6f};
+    const int depth[4] = {5, 5, 3, 1};
+    for (int k = 0; k < 4; k++) assert_linear_field_is_kept(edge[k], depth[k]);
+}
+
+/* A board of 16 x 1: slices across, two vertices for each, on either side. */
+static void long_faces_are_sliced_across_alone(void **state) {
+    (void)state;
+    for (int turn = 0; turn < 3; turn++) {
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t v[4], grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+        for (int k = 0; k < 4; k++) v[k] = trace_mesh_vertex(&mesh, k == 1 || k == 2 ? 16 : 0, k >= 2 ? 1 : 0, 0);
+        const uint32_t a[3] = {v[0], v[1], v[2]}, b[3] = {v[0], v[2], v[3]};
+        trace_mesh_triangle(&mesh, a[turn], a[(turn + 1) % 3], a[(turn + 2) % 3], grey);
+        trace_mesh_triangle(&mesh, b[turn], b[(turn + 1) % 3], b[(turn + 2) % 3], grey);
+        meshed m = mesh_of(trace_mesh_build(&mesh), 1.01f, 8);
+        assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (4 + 3 * 15)); /* of length 16.03: 16 slices; both long edges and the diagonal */
+        for (size_t i = 0; i < sl_coarse_vertex_count(m.coarse); i++) sl_coarse_set(m.coarse, i, sl_grey(position_of(&m, i).x));
+        for (uint32_t face = 0; face < 4; face++) {
+            for (int k = 0; k < 300; k++) {
+                float w1 = (float)(k % 20) / 19.0f, w2 = (1.0f - w1) * (float)(k / 20) / 14.0f;
+                float x = face_point(m.scene, face, w1, w2).position.x;
+                assert_true(near((double)sl_coarse_value(m.coarse, face, w1, w2).g, (double)x, 2e-5));
+            }
+        }
+        meshed_destroy(&m);
+    }
 }
 
 static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **state) {
@@ -267,6 +297,7 @@ int main(void) {
         cmocka_unit_test(faces_that_reflect_nothing_are_not_sampled),
         cmocka_unit_test(the_inner_side_of_a_solid_is_not_sampled),
         cmocka_unit_test(a_linear_field_is_kept_between_vertices_across_levels),
+        cmocka_unit_test(long_faces_are_sliced_across_alone),
         cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),
         cmocka_unit_test(colours_are_values_times_the_mean_of_the_texture),
         cmocka_unit_test(any_number_of_threads_makes_the_same_mesh),

@@ -98,7 +98,9 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     (void)state;
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
-    trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 8, 0.0f, false, trace_mesh_material(&m, 0.7f, 0, 0, 0, 0));
+    uint32_t light_grey = trace_mesh_material(&m, 0.7f, 0, 0, 0, 0);
+    trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 8, 0.0f, false, light_grey);
+    trace_mesh_quad(&m, sl_v3(-0.8f, -0.5f, -0.3f), sl_v3(0, 0.15f, 0), sl_v3(1.6f, 0, 0), light_grey); /* a board, sliced */
     sl_mesh_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 0.3f, 5, &settings);
     for (size_t v = 0; v < sl_coarse_vertex_count(g.coarse); v++) sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 5.0f});

@@ -13,40 +13,51 @@ static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32
     return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
 }
 
-static double longest_edge(const sl_scene *scene, uint32_t triangle) {
-    double longest = 0.0;
+/* Of edge k, opposite to corner k. */
+static void measure(const sl_scene *scene, uint32_t triangle, double length[3]) {
     for (int k = 0; k < 3; k++) {
-        sl_vec3 a = sl_scene_position(scene, scene->vertex[k][triangle]), b = sl_scene_position(scene, scene->vertex[(k + 1) % 3][triangle]);
-        double length = sl_lengthd(sl_subd(sl_to_double(b), sl_to_double(a)));
-        if (length > longest) longest = length;
+        sl_vec3 a = sl_scene_position(scene, scene->vertex[(k + 1) % 3][triangle]), b = sl_scene_position(scene, scene->vertex[(k + 2) % 3][triangle]);
+        length[k] = sl_lengthd(sl_subd(sl_to_double(b), sl_to_double(a)));
     }
-    return longest;
 }
 
-static uint8_t level_of(const sl_scene *scene, uint32_t triangle, const sl_coarse_settings *settings) {
-    double length = longest_edge(scene, triangle);
-    int level = 0;
-    for (; level < settings->depth && length > (double)settings->edge; level++) length *= 0.5;
-    return (uint8_t)level;
+/* A face's level by its longest edge, and whether it is enough to slice it: then the far corner becomes the lattice's corner 0. */
+static bool cut(sl_coarse *c, uint32_t face, const sl_coarse_settings *settings) {
+    double length[3], edge = (double)settings->edge;
+    measure(c->scene, face / 2, length);
+    int shortest = length[1] < length[0] ? 1 : 0, level = 0;
+    if (length[2] < length[shortest]) shortest = 2;
+    double longest = length[0] > length[1] ? length[0] : length[1];
+    if (length[2] > longest) longest = length[2];
+    bool sliced = length[shortest] <= edge && 2.0 * length[shortest] < longest;
+    for (; level < settings->depth && longest > edge; level++) longest *= 0.5;
+    c->level[face] = (uint8_t)level;
+    sliced = sliced && level > 0;
+    c->turn[face / 2] = (uint8_t)(sliced ? shortest : 0);
+    c->face[face].rows = sliced ? -(1 << level) : 1 << level;
+    return sliced;
 }
 
 static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
     for (uint32_t face = 0; face < c->topology->face_count; face++) {
         c->level[face] = SL_COARSE_ABSENT;
+        c->face[face].rows = 1;
         if (!is_wanted(c->scene, c->topology, face)) continue;
-        uint8_t level = c->level[face] = level_of(c->scene, face / 2, settings);
+        bool sliced = cut(c, face, settings);
         for (int k = 0; k < 3; k++) {
             uint8_t *along = &c->edge_level[c->topology->edge[k][face]];
-            if (level > *along) *along = level;
+            if (sliced && k == c->turn[face / 2]) continue; /* the short edge stays whole */
+            if (c->level[face] > *along) *along = c->level[face];
         }
     }
 }
 
 /* ---- vertices ------------------------------------------------------------------------------------------------------------------ */
 
-/* The k-th of n equal steps from the first to the second end of the edge opposite to a face's corner; on the edge, steps count from its lower site. */
+/* The k-th of n equal steps from the first to the second end of the edge opposite to a corner of the lattice; on the edge, steps count from its lower site. */
 static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, int k, int n) {
     const sl_topology *t = c->topology;
+    corner = (corner + c->turn[face / 2]) % 3;
     uint32_t edge = t->edge[corner][face];
     bool forwards = t->site[(corner + 1) % 3][face] <= t->site[(corner + 2) % 3][face];
     int steps = forwards ? k : n - k, finer = c->edge_level[edge] - c->level[face];
@@ -54,10 +65,10 @@ static uint32_t vertex_on_edge(const sl_coarse *c, uint32_t face, int corner, in
 }
 
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int j) {
-    int n = c->face[face].rows, h = n - i - j;
-    if (h == n) return c->site_vertex[c->topology->site[0][face]];
-    if (i == n) return c->site_vertex[c->topology->site[1][face]];
-    if (j == n) return c->site_vertex[c->topology->site[2][face]];
+    int n = sl_coarse_rows(c, face), h = n - i - j, turn = c->turn[face / 2];
+    if (h == n) return c->site_vertex[c->topology->site[turn][face]];
+    if (i == n) return c->site_vertex[c->topology->site[(1 + turn) % 3][face]];
+    if (j == n) return c->site_vertex[c->topology->site[(2 + turn) % 3][face]];
     if (h == 0) return vertex_on_edge(c, face, 0, j, n);
     if (i == 0) return vertex_on_edge(c, face, 1, h, n);
     if (j == 0) return vertex_on_edge(c, face, 2, i, n);
@@ -81,28 +92,37 @@ static size_t number_vertices(sl_coarse *c) {
         for (int k = 0; k < 3; k++) {
             uint32_t edge = t->edge[k][face], *vertex = &c->edge_vertex[edge];
             if (c->level[face] < c->edge_level[edge] || *vertex != SL_NO_INDEX) continue;
+            if (sl_coarse_is_sliced(c, face) && k == c->turn[face / 2]) continue;
             *vertex = (uint32_t)count;
             count += n - 1;
         }
         c->inner_vertex[face] = (uint32_t)count;
-        count += (n - 1) * (n - 2) / 2;
+        if (!sl_coarse_is_sliced(c, face)) count += (n - 1) * (n - 2) / 2;
         if (count >= SL_NO_INDEX) return SIZE_MAX;
     }
     return count;
 }
 
 /* Each vertex by the first of the finest faces that have it. */
+static void place_vertex(sl_coarse *c, uint32_t face, int i, int j) {
+    sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
+    if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
+    int n = sl_coarse_rows(c, face), step = SL_MESH_DYADIC / n, turn = c->turn[face / 2];
+    const int weight[3] = {n - i - j, i, j}; /* of the lattice's corners */
+    *vertex = (sl_coarse_vertex){face, (uint16_t)(weight[(4 - turn) % 3] * step), (uint16_t)(weight[(5 - turn) % 3] * step), c->level[face]};
+}
+
 static void place_vertices(sl_coarse *c) {
     for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].face = SL_NO_INDEX;
     for (uint32_t face = 0; face < c->topology->face_count; face++) {
         if (c->level[face] == SL_COARSE_ABSENT) continue;
-        int n = c->face[face].rows, step = SL_MESH_DYADIC / n;
-        for (int j = 0; j <= n; j++) {
-            for (int i = 0; i <= n - j; i++) {
-                sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
-                if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) continue;
-                *vertex = (sl_coarse_vertex){face, (uint16_t)(i * step), (uint16_t)(j * step), c->level[face]};
-            }
+        int n = sl_coarse_rows(c, face);
+        for (int i = 0; sl_coarse_is_sliced(c, face) && i <= n; i++) {
+            place_vertex(c, face, i, 0);
+            place_vertex(c, face, 0, i);
+        }
+        for (int j = 0; !sl_coarse_is_sliced(c, face) && j <= n; j++) {
+            for (int i = 0; i <= n - j; i++) place_vertex(c, face, i, j);
         }
     }
 }
@@ -112,11 +132,10 @@ static void place_vertices(sl_coarse *c) {
 /* After those that stand for absent faces and for nothing. */
 static size_t number_triangles(sl_coarse *c) {
     size_t count = SL_COARSE_FIRST;
-    for (size_t face = 0; face < c->topology->face_count; face++) {
+    for (uint32_t face = 0; face < c->topology->face_count; face++) {
         bool absent = c->level[face] == SL_COARSE_ABSENT;
-        int rows = absent ? 1 : 1 << c->level[face];
-        c->face[face] = (sl_coarse_face){absent ? SL_COARSE_BLACK : (int32_t)count, rows};
-        if (!absent) count += (size_t)rows * (size_t)rows;
+        c->face[face].first = absent ? SL_COARSE_BLACK : (int32_t)count;
+        if (!absent) count += (size_t)sl_coarse_triangles(c, face);
         if (count > (size_t)INT32_MAX / SL_COARSE_FLOATS) return SIZE_MAX; /* kernels index floats by int32_t */
     }
     for (size_t side = 0; side < 2; side++) c->face[c->topology->face_count + side] = (sl_coarse_face){SL_COARSE_NOTHING, 1};
@@ -136,13 +155,14 @@ static void colour_nothing(sl_coarse *c) {
 static bool allocate_faces(sl_coarse *c) {
     const sl_topology *t = c->topology;
     c->level = sl_allocate(t->face_count, sizeof *c->level);
+    c->turn = sl_allocate(t->face_count / 2, sizeof *c->turn);
     c->edge_level = sl_allocate(t->edge_count, sizeof *c->edge_level);
     c->site_vertex = sl_allocate(t->site_count, sizeof *c->site_vertex);
     c->edge_vertex = sl_allocate(t->edge_count, sizeof *c->edge_vertex);
     c->inner_vertex = sl_allocate(t->face_count, sizeof *c->inner_vertex);
     c->face = sl_allocate(t->face_count + 2, sizeof *c->face);
     c->block_brightest = sl_allocate(t->face_count / SL_COARSE_BLOCK + 1, sizeof *c->block_brightest);
-    return c->level && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex && c->face && c->block_brightest;
+    return c->level && c->turn && c->edge_level && c->site_vertex && c->edge_vertex && c->inner_vertex && c->face && c->block_brightest;
 }
 
 static bool allocate_values(sl_coarse *c) {
@@ -186,7 +206,7 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, c
 
 void sl_coarse_destroy(sl_coarse *c) {
     if (!c) return;
-    void *blocks[] = {c->level, c->edge_level, c->site_vertex, c->edge_vertex, c->inner_vertex, c->vertex, c->value, c->valid,
+    void *blocks[] = {c->level, c->turn, c->edge_level, c->site_vertex, c->edge_vertex, c->inner_vertex, c->vertex, c->value, c->valid,
                       c->face,  c->reflectance, c->colour,     c->block_brightest};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
     sl_free(c);
@@ -197,7 +217,7 @@ size_t sl_coarse_memory_bytes(const sl_coarse *c) {
     size_t by_face = sizeof *c->level + sizeof *c->inner_vertex + sizeof *c->face, by_edge = sizeof *c->edge_level + sizeof *c->edge_vertex;
     size_t by_vertex = sizeof *c->vertex + sizeof *c->value + sizeof *c->valid;
     size_t by_triangle = sizeof *c->reflectance + SL_COARSE_FLOATS * sizeof *c->colour;
-    return sizeof *c + t->face_count * by_face + t->edge_count * by_edge + t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
+    return sizeof *c + t->face_count / 2 * sizeof *c->turn + t->face_count * by_face + t->edge_count * by_edge + t->site_count * sizeof *c->site_vertex + c->vertex_count * by_vertex +
            c->triangle_count * by_triangle;
 }
 

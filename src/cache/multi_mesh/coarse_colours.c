@@ -19,7 +19,7 @@ sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) { return c->value[vertex
 enum { SAMPLES_MAX = 16 }; /* squared: a texture's samples in a coarse triangle */
 
 /* As many steps along an edge as make a sample of each texel. */
-static int samples_along(const sl_scene *scene, uint32_t triangle, int rows) {
+static int samples_along(const sl_scene *scene, uint32_t triangle, int parts) {
     const sl_material *m = &scene->materials[scene->material_index[triangle]];
     if (m->texture == SL_NO_INDEX) return 1;
     const sl_texture *texture = &scene->textures[m->texture];
@@ -29,19 +29,24 @@ static int samples_along(const sl_scene *scene, uint32_t triangle, int rows) {
         v[k] = (double)scene->texture_v[scene->vertex[k][triangle]];
     }
     double area = fabs((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) * texture->width * texture->height;
-    double along = sqrt(0.5 * area) / (double)rows;
+    double along = sqrt(0.5 * area / parts);
     return along < SAMPLES_MAX ? 1 + (int)along : SAMPLES_MAX; /* NaN: the most */
 }
 
 /* The mean k_d of a coarse triangle, at the middles of m x m equal triangles, as far as the alpha mask lets one see them. */
-static sl_rgb mean_reflectance(const sl_scene *scene, uint32_t triangle, const sl_coarse_place *p, int rows, int m) {
+static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const sl_coarse_place *p, int m) {
+    const sl_scene *scene = c->scene;
+    uint32_t triangle = face / 2;
+    int rows = sl_coarse_rows(c, face), turn = c->turn[triangle];
     double r = 0.0, g = 0.0, b = 0.0, count = 0.0;
     for (int s = 0; s < m * m; s++) {
         int j = 0, at = s;
         for (; at >= 2 * (m - j) - 1; j++) at -= 2 * (m - j) - 1;
         double third = at % 2 ? 2.0 / 3.0 : 1.0 / 3.0, x = (at / 2 + third) / m, y = (j + third) / m;
-        float w1 = (float)((p->i[0] + x * (p->i[1] - p->i[0]) + y * (p->i[2] - p->i[0])) / rows);
-        float w2 = (float)((p->j[0] + x * (p->j[1] - p->j[0]) + y * (p->j[2] - p->j[0])) / rows);
+        double u = (p->i[0] + x * (p->i[1] - p->i[0]) + y * (p->i[2] - p->i[0])) / rows;
+        double v = (p->j[0] + x * (p->j[1] - p->j[0]) + y * (p->j[2] - p->j[0])) / rows;
+        const double weight[3] = {1.0 - u - v, u, v}; /* of the lattice's corners */
+        float w1 = (float)weight[(4 - turn) % 3], w2 = (float)weight[(5 - turn) % 3];
         if (!sl_scene_is_opaque(scene, triangle, w1, w2)) continue;
         sl_rgb k = sl_scene_diffuse_nearest(scene, triangle, w1, w2);
         r += (double)k.r;
@@ -73,7 +78,7 @@ static void corner_values(const sl_coarse *c, uint32_t face, const sl_coarse_pla
 static sl_rgb brighter(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r > b.r ? a.r : b.r, a.g > b.g ? a.g : b.g, a.b > b.b ? a.b : b.b}; }
 
 static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *p, size_t at, int samples, sl_rgb *brightest) {
-    if (!c->reflectance_known) c->reflectance[at] = mean_reflectance(c->scene, face / 2, p, c->face[face].rows, samples);
+    if (!c->reflectance_known) c->reflectance[at] = mean_reflectance(c, face, p, samples);
     sl_rgb colour[3];
     corner_values(c, face, p, colour);
     for (int k = 0; k < 3; k++) {
@@ -90,9 +95,13 @@ static void finish_triangle(sl_coarse *c, uint32_t face, const sl_coarse_place *
 }
 
 static void finish_face(sl_coarse *c, uint32_t face, sl_rgb *brightest) {
-    int n = c->face[face].rows, samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, n);
+    int n = sl_coarse_rows(c, face), samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, sl_coarse_triangles(c, face));
     size_t at = (size_t)c->face[face].first;
-    for (int j = 0; j < n; j++) {
+    for (int k = 0; sl_coarse_is_sliced(c, face) && k < 2 * n; k++) {
+        sl_coarse_place place = sl_coarse_slice_place(k / 2, k % 2);
+        if (k != 1) finish_triangle(c, face, &place, at + (size_t)k, samples, brightest);
+    }
+    for (int j = 0; !sl_coarse_is_sliced(c, face) && j < n; j++) {
         for (int k = 0; k < 2 * (n - j) - 1; k++) {
             sl_coarse_place place = sl_coarse_place_of(k / 2, j, k % 2);
             finish_triangle(c, face, &place, at++, samples, brightest);
@@ -123,8 +132,9 @@ sl_rgb sl_coarse_brightest(const sl_coarse *c) { return c->brightest; }
 
 /* ---- a point's value --------------------------------------------------------------------------------------------------------- */
 
-static sl_coarse_place place_of_number(int number, int n) {
-    int j = 0;
+static sl_coarse_place place_of_number(const sl_coarse *c, uint32_t face, int number) {
+    int n = sl_coarse_rows(c, face), j = 0;
+    if (sl_coarse_is_sliced(c, face)) return sl_coarse_slice_place(number / 2, number % 2);
     for (; number >= 2 * (n - j) - 1; j++) number -= 2 * (n - j) - 1;
     return sl_coarse_place_of(number / 2, j, number % 2);
 }
@@ -133,9 +143,11 @@ sl_rgb sl_coarse_value(const sl_coarse *c, uint32_t face, float w1, float w2) {
     if (face >= c->topology->face_count || c->level[face] == SL_COARSE_ABSENT) return sl_grey(0.0f);
     w1 = w1 > 0.0f ? (w1 < 1.0f ? w1 : 1.0f) : 0.0f;
     w2 = w2 > 0.0f ? (w2 < 1.0f - w1 ? w2 : 1.0f - w1) : 0.0f;
-    int n = c->face[face].rows;
+    const float weight[3] = {1.0f - w1 - w2 > 0.0f ? 1.0f - w1 - w2 : 0.0f, w1, w2};
+    int turn = c->turn[face / 2];
     float a, b;
-    sl_coarse_place place = place_of_number(sl_coarse_locate(w1, w2, n, &a, &b), n);
+    int number = sl_coarse_locate(weight[(1 + turn) % 3], weight[(2 + turn) % 3], c->face[face].rows, &a, &b);
+    sl_coarse_place place = place_of_number(c, face, number);
     sl_rgb v[3];
     corner_values(c, face, &place, v);
     sl_rgb sum = sl_rgb_add(sl_rgb_add(v[0], sl_rgb_scale(sl_rgb_sub(v[1], v[0]), a)), sl_rgb_scale(sl_rgb_sub(v[2], v[0]), b));
