@@ -12,7 +12,7 @@ void sl_coarse_set(sl_coarse *c, size_t vertex, sl_rgb value) {
     c->value[vertex] = c->valid[vertex] ? (sl_rgb){sane(value.r), sane(value.g), sane(value.b)} : sl_grey(0.0f);
 }
 
-sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) { return c->value[vertex]; }
+sl_rgb sl_coarse_get(const sl_coarse *c, size_t vertex) { return c->valid[vertex] ? c->value[vertex] : sl_grey(NAN); }
 
 /* ---- reflectance --------------------------------------------------------------------------------------------------------------- */
 

@@ -35,7 +35,8 @@ typedef struct sl_coarse_vertex {
 } sl_coarse_vertex;
 size_t sl_coarse_vertex_count(const sl_coarse *coarse);
 const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *coarse);
-/* U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other corners' mean stands in, triangle by triangle. */
+/* U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other corners' mean stands in, triangle by
+ * triangle, and sl_coarse_get() has no number. */
 void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
 sl_rgb sl_coarse_get(const sl_coarse *coarse, size_t vertex);
 /* Colours times reflectance, in the form that gathers draw: after a round of sl_coarse_set(). */

@@ -410,7 +410,7 @@ static sl_status light_coarse(multi_mesh_state *s, size_t count, sl_error *error
     for (size_t i = 0; i < count; i++) points[i] = (sl_face_point){vertex[i].face, vertex[i].p, vertex[i].q, vertex[i].depth};
     sl_status status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
-        sl_coarse_set(s->coarse, s->coarse_done + i, valid[i] ? sl_direct_diffuse(s->lights, &share[i * lights]) : sl_grey(0.0f));
+        sl_coarse_set(s->coarse, s->coarse_done + i, valid[i] ? sl_direct_diffuse(s->lights, &share[i * lights]) : sl_grey(NAN));
     sl_free(share);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, status == SL_OK ? count : 0);
     return status;
