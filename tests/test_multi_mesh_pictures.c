@@ -1,0 +1,280 @@
+/* Whole pictures by multi-mesh caching: closed forms, the path tracer on the same paths, what is done again and what is not. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "matched.h"
+#include "rendering.h"
+
+static const double pi = 3.14159265358979323846;
+
+static sl_settings mesh_settings(int width, int height) {
+    sl_settings s = small_settings("multi-mesh", width, height);
+    s.threads = 2;
+    s.quality = SL_QUALITY_DRAFT;
+    return s;
+}
+
+static sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
+    sl_settings reference = small_settings("path", settings->width, settings->height);
+    reference.transport = "matched:multi-mesh";
+    reference.bounces = settings->bounces;
+    reference.spp = spp;
+    reference.threads = 2;
+    sl_image *ours = render(scene, settings, NULL), *truth = render(scene, &reference, NULL);
+    sl_comparison c;
+    assert_sound_picture(ours, "by multi-mesh caching");
+    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
+    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias, 100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
+    sl_image_destroy(ours);
+    sl_image_destroy(truth);
+    return c;
+}
+
+/* ---- against the truth ---- */
+
+static void the_cornell_box_is_lit_as_by_its_one_bounce_paths(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = mesh_settings(96, 96);
+    sl_comparison c = against_path_tracer(scene, &settings, 128);
+    assert_true(fabs(c.bias) < 0.03);
+    assert_true(c.rel_mse - c.rel_mse_noise < 6e-3);
+    settings.quality = SL_QUALITY_NORMAL;
+    c = against_path_tracer(scene, &settings, 128);
+    assert_true(fabs(c.bias) < 0.015);
+    assert_true(c.rel_mse - c.rel_mse_noise < 2e-3);
+    sl_scene_destroy(scene);
+}
+
+/* A light enclosed in a sphere of albedo 1/2 lights it evenly with rho Phi / (4 pi R^2), wherever it is; a second bounce adds rho times that. */
+static void a_sphere_cavity_is_lit_evenly_by_each_bounce(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/sphere.json");
+    for (uint32_t bounces = 1; bounces <= 2; bounces++) {
+        sl_settings settings = mesh_settings(48, 48);
+        settings.bounces = bounces;
+        sl_image *image = render(scene, &settings, NULL);
+        const float *indirect = sl_image_channel(image, "indirect.G"), *kd = sl_image_channel(image, "kd.G");
+        double expected = 0.5 * 4.0 * pi / (4.0 * pi) * (bounces == 1 ? 1.0 : 1.5), sum = 0.0, worst = 0.0;
+        for (int i = 0; i < 48 * 48; i++) {
+            double irradiance = (double)indirect[i] / (double)kd[i] * pi;
+            sum += irradiance;
+            worst = fmax(worst, fabs(irradiance / expected - 1.0));
+        }
+        print_message("%u bounces: E_i %.4f, expected %.4f, largest difference %.2f %%\n", bounces, sum / 2304.0, expected, 100.0 * worst);
+        assert_true(fabs(sum / 2304.0 / expected - 1.0) < 0.02);
+        assert_true(worst < 0.06);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Irradiance at p from a rectangle parallel to the floor at height h, by the four corners' closed form G. */
+static double corner_form(double x, double y) {
+    return (x / sqrt(1 + x * x) * atan(y / sqrt(1 + x * x)) + y / sqrt(1 + y * y) * atan(x / sqrt(1 + y * y))) / (2 * pi);
+}
+
+static const char floor_obj[] = "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n";
+
+/* A square lamp above a floor, nothing in between: within what an eye can tell of Lambert's formula. */
+static void an_empty_floor_under_a_lamp_is_lit_as_lambert_says(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
+                                      "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}], \"camera\": {\"eye\": [0, 6, 0], \"target\": [0, 0, 0], "
+                                      "\"up\": [0, 0, -1], \"fov_deg\": 60}}", floor_obj);
+    sl_settings settings = mesh_settings(64, 64);
+    settings.quality = SL_QUALITY_HIGH;
+    sl_image *image = render(scene, &settings, NULL);
+    const float *direct = sl_image_channel(image, "direct.G"), *kd = sl_image_channel(image, "kd.G");
+    double worst = 0.0, sum = 0.0;
+    int compared = 0;
+    for (int i = 0; i < 64 * 64; i++) {
+        if (!(kd[i] > 0.0f)) continue;
+        double x = ((i % 64) + 0.5) / 32.0 - 1.0, y = 1.0 - ((i / 64) + 0.5) / 32.0, reach = 6.0 * tan(pi / 6.0), h = 2.0;
+        double px = x * reach, pz = -y * reach;
+        if (fabs(px) < 2.1 && fabs(pz) < 2.1) continue; /* the lamp's back hides it from the camera */
+        double left = (-1 - px) / h, right = (1 - px) / h, near = (-1 - pz) / h, far = (1 - pz) / h;
+        double form = corner_form(right, far) - corner_form(left, far) - corner_form(right, near) + corner_form(left, near);
+        double error = fabs((double)direct[i] / (double)kd[i] / form - 1.0);
+        worst = fmax(worst, error);
+        sum += error;
+        compared++;
+    }
+    print_message("%d pixels, mean difference %.2f %%, largest %.2f %%\n", compared, 100.0 * sum / compared, 100.0 * worst);
+    assert_true(compared > 500);
+    assert_true(sum / compared < 0.01);
+    assert_true(worst < 0.06); /* three grey levels in the dark */
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void two_lamps_together_light_as_one_and_the_other(void **state) {
+    (void)state;
+    static const char *const lights[3] = {
+        "{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}",
+        "{\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": [4, 2, 1]}",
+        "{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}, {\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, "
+        "1], \"radiance\": [4, 2, 1]}"};
+    sl_image *image[3];
+    for (int i = 0; i < 3; i++) {
+        char json[1024];
+        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, "
+                 "0], \"up\": [0, 1, 0], \"fov_deg\": 50}}", lights[i]);
+        sl_scene *scene = scene_from_text(json, floor_obj);
+        sl_settings settings = mesh_settings(48, 48);
+        settings.quality = SL_QUALITY_HIGH;
+        image[i] = render(scene, &settings, NULL);
+        sl_scene_destroy(scene);
+    }
+    const float *a = sl_image_channel(image[0], "direct.R"), *b = sl_image_channel(image[1], "direct.R"), *both = sl_image_channel(image[2], "direct.R");
+    double difference = 0.0, sum = 0.0;
+    for (int i = 0; i < 48 * 48; i++) {
+        difference += fabs((double)a[i] + (double)b[i] - (double)both[i]);
+        sum += (double)both[i];
+    }
+    print_message("mean difference %.3f %%\n", 100.0 * difference / sum);
+    assert_true(sum > 0.0);
+    assert_true(difference < 0.01 * sum);
+    for (int i = 0; i < 3; i++) sl_image_destroy(image[i]);
+}
+
+/* ---- what is done again, and what is not ---- */
+
+static void to_the_end(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+}
+
+static sl_counters counters_of(const sl_method *method) { return *sl_method_counters(method); }
+
+static uint64_t grown(const sl_counters *before, const sl_counters *after, sl_counter counter) { return after->value[counter] - before->value[counter]; }
+
+static void look_from(sl_scene *scene, float x) {
+    assert_int_equal(sl_scene_set_camera(scene, (float[]){278 + x, 273, -800}, (float[]){278, 273, 0}, (float[]){0, 1, 0}, 0.686f, NULL), SL_OK);
+}
+
+static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = mesh_settings(48, 48);
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    look_from(scene, 0);
+    to_the_end(method);
+    look_from(scene, 150);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    to_the_end(method);
+    look_from(scene, 0);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    sl_counters before = counters_of(method);
+    to_the_end(method);
+    sl_counters after = counters_of(method);
+    print_message("%llu light samples, %llu gathers\n", (unsigned long long)grown(&before, &after, SL_COUNT_LIGHT_SAMPLES),
+                  (unsigned long long)grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES));
+    /* Specular radiance is refined anew and may ask for other vertices than then: hardly any. */
+    assert_true(grown(&before, &after, SL_COUNT_LIGHT_SAMPLES) * 50 < before.value[SL_COUNT_LIGHT_SAMPLES]);
+    assert_true(grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES) * 50 < before.value[SL_COUNT_INDIRECT_SAMPLES]);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = mesh_settings(48, 48);
+    sl_method *method;
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK); /* the view */
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK); /* the roots */
+    sl_counters counters = counters_of(method);
+    sl_image *image;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    const float *indirect = sl_image_channel(image, "indirect.R"), *kd = sl_image_channel(image, "kd.R");
+    double first = 0.0;
+    for (int i = 0; i < 48 * 48; i++) {
+        if (!(kd[i] > 0.0f)) continue;
+        double irradiance = (double)indirect[i] / (double)kd[i];
+        if (first == 0.0) first = irradiance;
+        assert_true(fabs(irradiance / first - 1.0) < 1e-5);
+    }
+    assert_true(first > 0.0);
+    assert_true(counters.value[SL_COUNT_LIGHT_SAMPLES] > 0);
+    assert_true(counters.value[SL_COUNT_LIGHT_SAMPLES] <= 3 * 32); /* triangles have three corners each */
+    assert_int_equal(counters.value[SL_COUNT_SPLITS], 0);
+    assert_int_equal(counters.value[SL_COUNT_INDIRECT_SAMPLES], 0);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* The lamp shines away from the floor. */
+static void what_no_light_falls_on_is_black_without_a_picture_of_a_light(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
+                                      "\"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 1}], \"camera\": {\"eye\": [0, 1.5, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 50}}", floor_obj);
+    sl_settings settings = mesh_settings(32, 32);
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < 32 * 32; i++) assert_true(image->planes[c * 1024 + i] == 0.0f);
+    assert_true(counters.value[SL_COUNT_LIGHT_SAMPLES] > 0);
+    assert_int_equal(counters.value[SL_COUNT_LIGHT_SAMPLES], counters.value[SL_COUNT_LIGHT_SAMPLES_SKIPPED]);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
+    sl_settings settings = mesh_settings(32, 32);
+    char *plan;
+    assert_int_equal(sl_method_plan(scene, &settings, &plan, NULL), SL_OK);
+    assert_non_null(strstr(plan, "skip direct specular mesh"));
+    assert_non_null(strstr(plan, "skip material: k_s"));
+    free(plan);
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    assert_true(counters.value[SL_COUNT_SHADOW_RAYS] > 0);
+    /* The id map and a picture for each gather: no light is drawn. */
+    assert_true(counters.value[SL_COUNT_RASTER_PASSES] <= 2 + counters.value[SL_COUNT_INDIRECT_SAMPLES]);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* ---- determinism ---- */
+
+static void bits_do_not_depend_on_threads(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = mesh_settings(40, 40);
+    assert_same_bits_with_any_threads(scene, &settings);
+    settings.multi_mesh.selection = SL_SELECT_CHAIN;
+    settings.bounces = 2;
+    assert_same_bits_with_any_threads(scene, &settings);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_cornell_box_is_lit_as_by_its_one_bounce_paths),
+        cmocka_unit_test(a_sphere_cavity_is_lit_evenly_by_each_bounce),
+        cmocka_unit_test(an_empty_floor_under_a_lamp_is_lit_as_lambert_says),
+        cmocka_unit_test(two_lamps_together_light_as_one_and_the_other),
+        cmocka_unit_test(back_in_an_old_view_no_irradiance_is_sampled_again),
+        cmocka_unit_test(the_first_picture_takes_the_roots_vertices_and_the_ambient_light),
+        cmocka_unit_test(what_no_light_falls_on_is_black_without_a_picture_of_a_light),
+        cmocka_unit_test(a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures),
+        cmocka_unit_test(bits_do_not_depend_on_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
