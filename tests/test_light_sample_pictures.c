@@ -58,6 +58,31 @@ static void a_turned_raster_does_not_band_along_edges(void **unused) {
     light_world_free(&w);
 }
 
+/* The same of a lamp that is a box, which a frustum looks at: only its underside shines down, so the closed form is that of a square. */
+static void a_turned_frustum_does_not_band_along_edges(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f), grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_box(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(0.5f, 2.1f, 0.5f), false, lamp);
+    trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
+    double open = rectangle_form(-0.5, 0.5, -0.5, 0.5, 2.0), worst[2] = {0.0, 0.0};
+    for (int turned = 0; turned < 2; turned++) {
+        sl_light_sample_settings s = sl_light_sample_defaults();
+        s.estimator = turned ? SL_LIGHT_RATIO : SL_LIGHT_LOOK_AT;
+        light_world_set(&w, &s);
+        for (int i = 0; i < 200; i++) {
+            double p = (double)(float)(-0.2 + 0.4 * (double)i / 200.0), expected = rectangle_form(-0.5 - p, -2.0 * p, -0.5, 0.5, 2.0);
+            worst[turned] = fmax(worst[turned], fabs(sample_light(&w, 0, sl_v3((float)p, 0, 0), up) - expected) / open);
+        }
+    }
+    assert_true(worst[1] < 0.004);
+    assert_true(worst[1] < 0.5 * worst[0]);
+    light_world_free(&w);
+}
+
 /* All estimators see the same light. */
 static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
     (void)unused;
@@ -279,6 +304,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_raw_windows_error_falls_with_the_square_of_its_size),
         cmocka_unit_test(a_turned_raster_does_not_band_along_edges),
+        cmocka_unit_test(a_turned_frustum_does_not_band_along_edges),
         cmocka_unit_test(estimators_agree_on_a_light_partly_hidden_by_a_ball),
         cmocka_unit_test(pixel_solid_angles_add_up_to_the_squares),
         cmocka_unit_test(every_pixel_has_its_own_solid_angle),

@@ -29,8 +29,9 @@ static bool power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
 static sl_status check(const sl_light_sample_settings *s, sl_error *error) {
     if (!power_of_two(s->size) || !power_of_two(s->largest) || !power_of_two(s->reduced) || s->reduced > s->size ||
         s->size > s->largest || s->largest > 2048) {
-        return sl_fail(error, SL_ERROR_USAGE, "a light's picture of %d x %d pixels, at most %d x %d, reduced to %d x %d: powers of two in order, up to 2048",
-                       s->size, s->size, s->largest, s->largest, s->reduced, s->reduced);
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a light's picture of %d x %d pixels, at most %d x %d, reduced to %d x %d: powers of two in order, up to 2048", s->size,
+                       s->size, s->largest, s->largest, s->reduced, s->reduced);
     }
     if (s->rays < 1 || s->rays > 1024) return sl_fail(error, SL_ERROR_USAGE, "%d x %d rays to a light: from 1 to 1024", s->rays, s->rays);
     return SL_OK;
