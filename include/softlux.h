@@ -365,6 +365,7 @@ typedef struct sl_light_octree_settings {
     bool whole_voxels;            /* one set of lights a voxel, as the paper; else one for each group of normals in it */
     bool estimated_radius;        /* k to 4 k photons, voxel by voxel, by an error estimate */
     bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
+    bool environment_mirrors;     /* mirrors show the environment from a cube map, and nothing of the scene; no ray is followed */
     bool facing_voxels;           /* in filtering voxels also weigh by the cosine between their normal and the point's */
     bool atlas;                   /* light is rendered to a texture atlas first, and the picture looks it up there */
     int atlas_size;               /* texels a side; 1024 */

@@ -13,6 +13,7 @@
 
 #include "matched.h"
 #include "rendering.h"
+#include "scene/scene.h"
 
 /* Few photons: a test takes a moment, not minutes. */
 static sl_settings octree_settings(int size) {
@@ -286,6 +287,56 @@ static void an_estimated_radius_errs_less_than_a_fixed_one(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* ---- mirrors with a cube map ---- */
+
+/* A mirror under a sky that varies from side to side, and nothing else in reach of its rays. */
+static sl_scene *mirror_under_the_sky(void) {
+    enum { W = 64, H = 32 };
+    static float texels[3 * W * H];
+    for (int row = 0; row < H; row++) {
+        for (int column = 0; column < W; column++) {
+            float *t = texels + 3 * (row * W + column), turn = (float)column / W;
+            t[0] = 1.0f + 0.5f * (float)sin(6.28318530718 * (double)turn);
+            t[1] = 1.0f;
+            t[2] = 2.0f - (float)row / H;
+        }
+    }
+    const float xyz[] = {-2, 0, 2, 2, 0, 2, 2, 0, -2, -2, 0, -2, 40, -40, 0, 41, -40, 0, 40, -40, 1};
+    const uint32_t corners[] = {0, 1, 2, 0, 2, 3, 4, 5, 6}, of[] = {0, 0, 1};
+    const sl_material m[] = {{.mirror = {0.9f, 0.8f, 0.7f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX},
+                             {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX}};
+    const sl_environment sky = {.present = true, .width = W, .height = H, .texels = texels};
+    const sl_scene_parts parts = {.vertex_count = 7, .positions = xyz, .triangle_count = 3, .indices = corners, .material_index = of,
+                                  .material_count = 2, .materials = m, .environment = &sky};
+    sl_scene *scene;
+    sl_error error;
+    if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    const float eye[3] = {0, 1, 2}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, NULL), SL_OK);
+    return scene;
+}
+
+static void mirrors_show_a_far_environment_by_a_cube_map_as_by_rays(void **state) {
+    (void)state;
+    sl_scene *scene = mirror_under_the_sky();
+    sl_settings settings = octree_settings(48);
+    settings.light_octree.photons = 1000;
+    settings.light_octree.indirect_only = true;
+    sl_counters counters, with_rays;
+    sl_image *rays = render(scene, &settings, &with_rays);
+    settings.light_octree.environment_mirrors = true;
+    sl_image *cube = render(scene, &settings, &counters);
+    sl_comparison c;
+    assert_int_equal(sl_image_compare(cube, rays, NULL, &c, NULL, NULL), SL_OK);
+    print_message("by cube map: relRMSE %.3f %%, bias %.3f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
+    assert_true(c.rel_rmse < 0.03 && fabs(c.bias) < 0.003);
+    assert_true(c.mean_image > 0.5);
+    assert_true(with_rays.value[SL_COUNT_RAYS] > counters.value[SL_COUNT_RAYS] + 1000); /* one for each pixel of the mirror */
+    sl_image_destroy(rays);
+    sl_image_destroy(cube);
+    sl_scene_destroy(scene);
+}
+
 /* ---- voxels split by normals, and whole ones ---- */
 
 static void lights_for_each_group_of_normals_err_less_than_whole_voxels(void **state) {
@@ -421,6 +472,7 @@ int main(void) {
         cmocka_unit_test(a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it),
         cmocka_unit_test(where_light_is_even_an_estimated_radius_is_wide),
         cmocka_unit_test(an_estimated_radius_errs_less_than_a_fixed_one),
+        cmocka_unit_test(mirrors_show_a_far_environment_by_a_cube_map_as_by_rays),
         cmocka_unit_test(lights_for_each_group_of_normals_err_less_than_whole_voxels),
         cmocka_unit_test(by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering),
         cmocka_unit_test(a_new_camera_looks_its_light_up_in_the_atlas_that_is_there),

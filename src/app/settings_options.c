@@ -130,6 +130,7 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
         {"estimated-radius", 0, SL_OPTION_FLAG, &o->estimated_radius, NULL, NULL, "k and radius by an error estimate", 0, 0, NULL},
         {"void-dark", 0, SL_OPTION_FLAG, &o->keep_void_dark, NULL, NULL, "empty voxels count as black", 0, 0, NULL},
         {"facing-voxels", 0, SL_OPTION_FLAG, &o->facing_voxels, NULL, NULL, "voxels count by the cosine of their normals too", 0, 0, NULL},
+        {"environment-mirrors", 0, SL_OPTION_FLAG, &o->environment_mirrors, NULL, NULL, "mirrors show a cube map of the environment alone", 0, 0, NULL},
         {"atlas", 0, SL_OPTION_FLAG, &o->atlas, NULL, NULL, "light goes to a texture atlas first", 0, 0, NULL},
         {"atlas-size", 0, SL_OPTION_COUNT, &r->atlas_size, NULL, "N", "texels a side [1024]", 16, 16384, NULL},
         {"direct-sky", 0, SL_OPTION_FLAG, &o->direct_sky, NULL, NULL, "the whole environment by light samples, none of it in the octree", 0, 0, NULL},

@@ -246,6 +246,7 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "estimated_radius", o->estimated_radius);
     stamp_flag(st, "void_dark", o->keep_void_dark);
     stamp_flag(st, "facing_voxels", o->facing_voxels);
+    stamp_flag(st, "environment_mirrors", o->environment_mirrors);
     stamp_flag(st, "atlas", o->atlas);
     if (o->atlas) stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
     stamp_flag(st, "direct_sky", o->direct_sky);

@@ -41,6 +41,7 @@ typedef struct octree_state {
     sl_tracer *tracer;
     sl_environment sky, sun;    /* of the scene's environment: in the octree, and direct light of pixels */
     sl_direct *direct;
+    sl_cube_map *cube;          /* what mirrors show where they show the environment alone */
 
     sl_photon_list *photons;    /* until the tree takes them */
     sl_photon_tree *tree;
@@ -87,6 +88,8 @@ static void forget_light(octree_state *s) {
     s->tree = NULL;
     s->photons = NULL;
     s->direct = NULL;
+    sl_cube_map_destroy(s->cube);
+    s->cube = NULL;
 }
 
 static void forget_geometry(octree_state *s) {
@@ -111,13 +114,16 @@ static void octree_destroy(void *state) {
 
 static sl_status make_geometry(octree_state *s, sl_error *error) {
     sl_status status = sl_raster_create(s->scene, s->settings.threads, &s->raster, error);
-    if (status == SL_OK && (s->plan.photons || s->plan.mirrors)) status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
+    bool rays = s->plan.photons || (s->plan.mirrors && !s->settings.light_octree.environment_mirrors);
+    if (status == SL_OK && rays) status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
     return status;
 }
 
 static sl_status make_light(octree_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    if (!s->plan.direct) return SL_OK;
+    bool cube = !s->cube && s->plan.mirrors && s->settings.light_octree.environment_mirrors && s->scene->environment.present;
+    if (cube) status = sl_environment_cube(&s->scene->environment, s->settings.threads, &s->cube, error);
+    if (status != SL_OK || !s->plan.direct) return status;
     const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
     if (s->plan.sky) {
         status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
@@ -160,7 +166,9 @@ static sl_status draw_gbuffer(octree_state *s, sl_error *error) {
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
-    if (status == SL_OK && s->plan.mirrors)
+    if (status == SL_OK && s->plan.mirrors && s->settings.light_octree.environment_mirrors)
+        status = sl_reflect_environment(s->scene, s->cube, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
+    else if (status == SL_OK && s->plan.mirrors)
         status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "section 5", s->gbuffer);

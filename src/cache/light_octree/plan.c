@@ -81,7 +81,8 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,
                  o->atlas && p.glossy ? "; glossy surfaces look into the octree" : "");
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
-    sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, followed by rays", f.mirror_triangles);
+    sl_plan_pass(writer, p.mirrors, "mirrors", "%zu mirror triangles, %s", f.mirror_triangles,
+                 o->environment_mirrors ? "which show a cube map of the environment" : "followed by rays");
     sl_plan_pass(writer, p.direct, "direct light", "%u light samples a pixel", (unsigned)settings->spp);
     sl_plan_pass(writer, p.sky, "sky in the octree", "%s", p.sky ? "its first hits are photons too; what stands out of it is sampled" : f.environment ? "all of it is sampled" : "no environment");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");

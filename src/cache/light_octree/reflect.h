@@ -3,7 +3,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_REFLECT_H
 #define SL_CACHE_LIGHT_OCTREE_REFLECT_H
 
-#include "raster/raster.h"
+#include "raster/textures/textures.h"
 #include "trace/trace.h"
 
 enum { SL_REFLECTIONS_MAX = 16 }; /* what two facing mirrors still show after that is black */
@@ -19,6 +19,11 @@ typedef struct sl_reflections {
  * Depth stays the mirror's. NULL in *reflections where no pixel shows a mirror. */
 sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads, sl_gbuffer *gbuffer,
                             sl_reflections **reflections, sl_counters *counters, sl_error *error);
+/* The paper's cube-map material (its figure 12): mirrors show the environment along the reflected view vector, and nothing that stands in the
+ * way. Two matters: the map, once for an environment; and the pixels, like the above, but without a ray. */
+sl_status sl_environment_cube(const sl_environment *environment, unsigned threads, sl_cube_map **cube, sl_error *error);
+sl_status sl_reflect_environment(const sl_scene *scene, const sl_cube_map *cube, unsigned threads, sl_gbuffer *gbuffer,
+                                 sl_reflections **reflections, sl_counters *counters, sl_error *error);
 void sl_reflections_destroy(sl_reflections *reflections);
 
 #endif
