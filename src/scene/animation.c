@@ -85,13 +85,18 @@ static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) { return sl_to_float
 
 static sl_status check_motion(const sl_scene *scene, const sl_affine *motions, double time, sl_error *error) {
     const sl_animation *a = scene->animation;
+    uint32_t bad = SL_NO_INDEX;
     for (size_t v = 0; v < scene->vertex_count; v++) {
         uint32_t track = a->track_of_vertex[v];
-        if (track == SL_NO_INDEX || sl_is_finite(moved(&motions[track], a->rest_position[v]))) continue;
-        return sl_fail(error, SL_ERROR_INPUT, "keyframes move object '%s' beyond all numbers at time %g",
-                       scene->object_names[a->object_tracks[track].first_object], time);
+        if (track != SL_NO_INDEX && !sl_is_finite(moved(&motions[track], a->rest_position[v]))) bad = track;
     }
-    return SL_OK;
+    for (size_t k = 0; k < 16 * scene->bicubic_count; k++) {
+        uint32_t track = a->track_of_vertex[scene->bicubics[k / 16].first_vertex];
+        if (track != SL_NO_INDEX && !sl_is_finite(moved(&motions[track], a->rest_control[k]))) bad = track;
+    }
+    if (bad == SL_NO_INDEX) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "keyframes move object '%s' beyond all numbers at time %g",
+                   scene->object_names[a->object_tracks[bad].first_object], time);
 }
 
 static bool set_vector(float *x, float *y, float *z, sl_vec3 to) {
@@ -116,6 +121,18 @@ static bool move_vertices(sl_scene *s, const sl_affine *motions, const sl_affine
     return changed;
 }
 
+static bool move_surfaces(sl_scene *s, const sl_affine *motions) {
+    const sl_animation *a = s->animation;
+    bool changed = false;
+    for (size_t k = 0; k < 16 * s->bicubic_count; k++) {
+        sl_bicubic *b = &s->bicubics[k / 16];
+        uint32_t track = a->track_of_vertex[b->first_vertex];
+        sl_vec3 *point = &b->point[k % 16 / 4][k % 4];
+        if (track != SL_NO_INDEX) changed |= set_vector(&point->x, &point->y, &point->z, moved(&motions[track], a->rest_control[k]));
+    }
+    return changed;
+}
+
 static bool emissive_moves(const sl_scene *s) {
     for (size_t t = 0; t < s->triangle_count; t++) {
         bool emissive = sl_material_is_emitter(&s->materials[s->material_index[t]]);
@@ -134,7 +151,7 @@ static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, s
         normal_maps[i] = sl_affine_normal_map(&motions[i]);
     }
     sl_status status = check_motion(scene, motions, time, error);
-    if (status == SL_OK && move_vertices(scene, motions, normal_maps)) {
+    if (status == SL_OK && (move_vertices(scene, motions, normal_maps) | move_surfaces(scene, motions))) {
         sl_scene_derive(scene);
         *changes |= SL_CHANGED_OBJECTS;
         if (emissive_moves(scene)) *changes |= SL_CHANGED_LIGHTS;
@@ -221,7 +238,8 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
     a->track_of_vertex = sl_allocate(scene->vertex_count, sizeof *a->track_of_vertex);
     a->rest_position = sl_allocate(scene->vertex_count, sizeof *a->rest_position);
     a->rest_normal = sl_allocate(scene->vertex_count, sizeof *a->rest_normal);
-    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal) return sl_fail_memory(error, "the animation");
+    a->rest_control = sl_allocate(16 * scene->bicubic_count, sizeof *a->rest_control);
+    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal || !a->rest_control) return sl_fail_memory(error, "the animation");
     for (size_t v = 0; v < scene->vertex_count; v++) {
         a->track_of_vertex[v] = SL_NO_INDEX;
         a->rest_position[v] = sl_scene_position(scene, (uint32_t)v);
@@ -230,6 +248,12 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
     for (size_t t = 0; t < scene->triangle_count; t++) {
         uint32_t track = track_of_object(a, scene->object_index[t]);
         for (int c = 0; c < 3; c++) a->track_of_vertex[scene->vertex[c][t]] = track;
+    }
+    for (size_t i = 0; i < scene->bicubic_count; i++) { /* all its vertices, also those that no triangle uses */
+        const sl_bicubic *b = &scene->bicubics[i];
+        uint32_t side = (uint32_t)b->steps + 1, track = track_of_object(a, scene->object_index[b->first_triangle]);
+        for (uint32_t v = 0; v < side * side; v++) a->track_of_vertex[b->first_vertex + v] = track;
+        for (int k = 0; k < 16; k++) a->rest_control[16 * i + (size_t)k] = b->point[k / 4][k % 4];
     }
     sl_status status = sl_scene_set_time(scene, 0.0, NULL, error);
     scene->version = 0;
@@ -246,5 +270,6 @@ void sl_animation_destroy(sl_animation *a) {
     sl_free(a->track_of_vertex);
     sl_free(a->rest_position);
     sl_free(a->rest_normal);
+    sl_free(a->rest_control);
     sl_free(a);
 }

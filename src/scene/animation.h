@@ -52,6 +52,7 @@ struct sl_animation {
     /* Made by sl_animation_attach(): of each vertex its track (or SL_NO_INDEX) and its rest state. */
     uint32_t *track_of_vertex;
     sl_vec3 *rest_position, *rest_normal;
+    sl_vec3 *rest_control; /* 16 of each bicubic surface; its track is that of its vertices */
 };
 
 sl_affine sl_object_track_at(const sl_object_track *track, double time);

@@ -1,5 +1,11 @@
 #include "scene/bicubic.h"
 
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/derive.h"
+
 /* ---- the surface -------------------------------------------------------------------------------------------------------------- */
 
 /* Bernstein polynomials of degree 3, their first and second derivatives. */
@@ -70,6 +76,54 @@ void sl_bicubic_at(const sl_bicubic *b, double u, double v, sl_vec3 *position, s
         *position = sl_to_float(combine(b, p.value, q.value));
     }
     if (normal) *normal = normal_at(b, u, v);
+}
+
+/* ---- its tessellation ---------------------------------------------------------------------------------------------------------- */
+
+void sl_bicubic_tessellate(const sl_bicubic *b, float *positions, float *normals, float *texture_coordinates, uint32_t *triangles) {
+    uint32_t n = (uint32_t)b->steps, side = n + 1;
+    for (uint32_t k = 0; k < side * side; k++) {
+        double u = (double)(k % side) / (double)n, v = (double)(k / side) / (double)n;
+        sl_vec3 p, normal;
+        sl_bicubic_at(b, u, v, &p, &normal);
+        memcpy(positions + 3 * (size_t)k, (float[3]){p.x, p.y, p.z}, 3 * sizeof(float));
+        memcpy(normals + 3 * (size_t)k, (float[3]){normal.x, normal.y, normal.z}, 3 * sizeof(float));
+        memcpy(texture_coordinates + 2 * (size_t)k, (float[2]){(float)u, (float)v}, 2 * sizeof(float));
+    }
+    for (uint32_t k = 0; k < n * n; k++) {
+        uint32_t at = b->first_vertex + k / n * side + k % n;
+        memcpy(triangles + 6 * (size_t)k, (uint32_t[6]){at, at + 1, at + side + 1, at, at + side + 1, at + side}, 6 * sizeof(uint32_t));
+    }
+}
+
+/* As much as one of its triangles that the scene would keep. */
+bool sl_bicubic_has_area(const sl_bicubic *b) {
+    double n = (double)b->steps;
+    for (int k = 0; k < b->steps * b->steps; k++) {
+        double u = (double)(k % b->steps), v = (double)(k / b->steps);
+        sl_vec3 p[4];
+        for (int c = 0; c < 4; c++) sl_bicubic_at(b, (u + (c == 1 || c == 2)) / n, (v + (c >= 2)) / n, &p[c], NULL);
+        sl_vec3d cross;
+        if (sl_triangle_cross(p[0], p[1], p[2], &cross) || sl_triangle_cross(p[0], p[2], p[3], &cross)) return true;
+    }
+    return false;
+}
+
+sl_status sl_bicubics_copy(const sl_scene_parts *parts, sl_scene *scene, sl_error *error) {
+    size_t count = parts->bicubic_count, next = 0;
+    if (count == 0) return SL_OK;
+    if (!(scene->bicubics = sl_allocate(count, sizeof *scene->bicubics))) return sl_fail_memory(error, "the scene's surfaces");
+    for (size_t i = 0; i < count; i++) {
+        const sl_bicubic *b = &parts->bicubics[i];
+        size_t n = b->steps > 0 ? (size_t)b->steps : 0;
+        bool in_order = n > 0 && b->first_triangle >= next && b->triangle_count == 2 * n * n;
+        next = (size_t)b->first_triangle + b->triangle_count;
+        bool inside = next <= parts->triangle_count && b->first_vertex + (n + 1) * (n + 1) <= parts->vertex_count && parts->normals;
+        if (!in_order || !inside) return sl_fail(error, SL_ERROR_INPUT, "bicubic surface %zu does not fit the triangles", i);
+        scene->bicubics[i] = *b;
+    }
+    scene->bicubic_count = count;
+    return SL_OK;
 }
 
 /* ---- its triangles ------------------------------------------------------------------------------------------------------------ */

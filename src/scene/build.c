@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/bicubic.h"
 #include "scene/derive.h"
 
 enum { FILM_DEFAULT = 512 };
@@ -91,10 +92,33 @@ static bool keep_triangle(const sl_scene_parts *parts, size_t triangle, sl_vec3 
     return true;
 }
 
+static void add_triangle(const sl_scene_parts *parts, sl_scene *s, size_t from, sl_vec3 normal) {
+    size_t to = s->triangle_count++;
+    for (int c = 0; c < 3; c++) s->vertex[c][to] = parts->indices[3 * from + (size_t)c];
+    s->material_index[to] = parts->material_index ? parts->material_index[from] : 0;
+    s->object_index[to] = parts->object_index ? parts->object_index[from] : 0;
+    s->geometric_normal_x[to] = normal.x;
+    s->geometric_normal_y[to] = normal.y;
+    s->geometric_normal_z[to] = normal.z;
+}
+
 static void warn_of_dropped(sl_scene *scene, const dropped *lost) {
     if (lost->out_of_range) sl_scene_warn(scene, "%zu triangles with vertex indices out of range dropped", lost->out_of_range);
     if (lost->nonfinite) sl_scene_warn(scene, "%zu triangles with NaN or infinite vertices dropped", lost->nonfinite);
     if (lost->without_area) sl_scene_warn(scene, "%zu triangles without area dropped", lost->without_area);
+}
+
+/* A surface's triangles follow each other, so they do after those without area, which poles are made of, are gone without a word. */
+static sl_status keep_surface(const sl_scene_parts *parts, sl_scene *s, const sl_bicubic *from, sl_bicubic *to, sl_error *error) {
+    to->first_triangle = (uint32_t)s->triangle_count;
+    dropped lost = {0};
+    sl_vec3 normal;
+    for (uint32_t t = from->first_triangle; t < from->first_triangle + from->triangle_count; t++) {
+        if (keep_triangle(parts, t, &normal, &lost)) add_triangle(parts, s, t, normal);
+    }
+    to->triangle_count = (uint32_t)s->triangle_count - to->first_triangle;
+    if (to->triangle_count && lost.out_of_range + lost.nonfinite == 0) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "a bicubic surface has no area or is not finite");
 }
 
 /* Fills the scene's triangles; their corners still name the parts' vertices. */
@@ -108,20 +132,22 @@ static sl_status copy_triangles(const sl_scene_parts *parts, sl_scene *s, sl_err
     for (size_t i = 0; i < 3; i++) {
         if (!(*real[i] = sl_allocate(count, sizeof(float)))) return sl_fail_memory(error, "the scene's triangles");
     }
+    sl_status status = sl_bicubics_copy(parts, s, error);
+    if (status != SL_OK) return status;
     dropped lost = {0};
+    const sl_bicubic *surface = parts->bicubics, *end = surface + parts->bicubic_count;
     for (size_t t = 0; t < count; t++) {
-        sl_vec3 normal;
-        if (!keep_triangle(parts, t, &normal, &lost)) continue;
-        size_t to = s->triangle_count++;
-        for (int c = 0; c < 3; c++) s->vertex[c][to] = parts->indices[3 * t + (size_t)c];
-        s->material_index[to] = parts->material_index ? parts->material_index[t] : 0;
-        s->object_index[to] = parts->object_index ? parts->object_index[t] : 0;
-        if (s->material_index[to] >= s->material_count) {
-            return sl_fail(error, SL_ERROR_INPUT, "triangle %zu names material %u of %zu", t, s->material_index[to], s->material_count);
+        if (parts->material_index && parts->material_index[t] >= s->material_count) {
+            return sl_fail(error, SL_ERROR_INPUT, "triangle %zu names material %u of %zu", t, parts->material_index[t], s->material_count);
         }
-        s->geometric_normal_x[to] = normal.x;
-        s->geometric_normal_y[to] = normal.y;
-        s->geometric_normal_z[to] = normal.z;
+        sl_vec3 normal;
+        if (surface != end && t == surface->first_triangle) {
+            status = keep_surface(parts, s, surface, &s->bicubics[surface - parts->bicubics], error);
+            if (status != SL_OK) return status;
+            t += surface++->triangle_count - 1;
+        } else if (keep_triangle(parts, t, &normal, &lost)) {
+            add_triangle(parts, s, t, normal);
+        }
     }
     warn_of_dropped(s, &lost);
     if (!s->triangle_count) return sl_fail(error, SL_ERROR_INPUT, "no triangles");
@@ -160,6 +186,30 @@ static uint32_t vertex_for(vertex_list *list, const sl_scene_parts *parts, uint3
     return made;
 }
 
+/* All vertices of a surface, row by row, whether its triangles use them or not: their numbers say where on it they lie. */
+static void add_surface_vertices(vertex_list *list, const sl_scene_parts *parts, const sl_bicubic *from, sl_bicubic *to) {
+    uint32_t side = (uint32_t)from->steps + 1;
+    to->first_vertex = (uint32_t)list->count;
+    for (uint32_t v = 0; v < side * side; v++) {
+        uint32_t source = from->first_vertex + v, made = (uint32_t)list->count++;
+        given_normal(parts, source, &list->normal[made]);
+        list->source[made] = source;
+        list->latest[source] = made;
+    }
+}
+
+static void collect_vertices(vertex_list *list, const sl_scene_parts *parts, sl_scene *s) {
+    size_t surface = 0;
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        if (surface < s->bicubic_count && t == s->bicubics[surface].first_triangle) {
+            add_surface_vertices(list, parts, &parts->bicubics[surface], &s->bicubics[surface]);
+            surface++;
+        }
+        sl_vec3 facet = sl_scene_geometric_normal(s, (uint32_t)t);
+        for (int c = 0; c < 3; c++) s->vertex[c][t] = vertex_for(list, parts, s->vertex[c][t], facet);
+    }
+}
+
 static sl_status allocate_vertices(sl_scene *s, size_t count, sl_error *error) {
     float **arrays[] = {&s->position_x, &s->position_y, &s->position_z, &s->normal_x, &s->normal_y, &s->normal_z,
                         &s->texture_u, &s->texture_v};
@@ -187,9 +237,10 @@ static void fill_vertices(const sl_scene_parts *parts, const vertex_list *list, 
     }
 }
 
-/* No vertex list can be longer than its triangles have corners. */
+/* No vertex list can be longer than its triangles have corners and its surfaces vertices. */
 static sl_status make_vertices(const sl_scene_parts *parts, sl_scene *s, sl_error *error) {
     size_t corners = 3 * s->triangle_count;
+    for (size_t i = 0; i < s->bicubic_count; i++) corners += ((size_t)s->bicubics[i].steps + 1) * ((size_t)s->bicubics[i].steps + 1);
     if (corners >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangle corners", SL_NO_INDEX);
     vertex_list list = {sl_allocate(parts->vertex_count, sizeof(uint32_t)), sl_allocate(corners, sizeof(uint32_t)),
                         sl_allocate(corners, sizeof(sl_vec3)), 0};
@@ -198,10 +249,7 @@ static sl_status make_vertices(const sl_scene_parts *parts, sl_scene *s, sl_erro
         status = sl_fail_memory(error, "the scene's vertices");
     } else {
         memset(list.latest, 0xff, parts->vertex_count * sizeof(uint32_t)); /* SL_NO_INDEX */
-        for (size_t t = 0; t < s->triangle_count; t++) {
-            sl_vec3 facet = sl_scene_geometric_normal(s, (uint32_t)t);
-            for (int c = 0; c < 3; c++) s->vertex[c][t] = vertex_for(&list, parts, s->vertex[c][t], facet);
-        }
+        collect_vertices(&list, parts, s);
         status = allocate_vertices(s, list.count, error);
     }
     if (status == SL_OK) fill_vertices(parts, &list, s);

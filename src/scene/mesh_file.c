@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "scene/bicubic_file.h"
 #include "scene/file.h"
 #include "scene/gltf.h"
 #include "scene/header_check.h"
@@ -234,6 +235,7 @@ static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl
 }
 
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+    if (sl_file_has_extension(path, ".bpt")) return sl_bicubic_file_load(path, placement, model, error);
     bool is_gltf = sl_file_has_extension(path, ".gltf") || sl_file_has_extension(path, ".glb");
     sl_gltf gltf = {0};
     sl_status status = check_first(path, model, is_gltf, &gltf, error);

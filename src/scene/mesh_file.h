@@ -1,4 +1,4 @@
-/* Mesh files of any kind the importer (Assimp) reads, appended to a model. */
+/* Mesh files of any kind the importer (Assimp) reads, and bicubic surfaces (.bpt), appended to a model. */
 #ifndef SL_SCENE_MESH_FILE_H
 #define SL_SCENE_MESH_FILE_H
 

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "image/decode.h"
+#include "scene/bicubic.h"
 #include "scene/derive.h"
 #include "scene/texture.h"
 
@@ -51,6 +52,28 @@ sl_status sl_model_add_triangles(sl_model *m, size_t count, size_t *first, sl_er
     if (!make_room(columns, 3, m->triangle_count, &m->triangle_room, count)) return sl_fail_memory(error, "the triangles");
     *first = m->triangle_count;
     m->triangle_count += count;
+    return SL_OK;
+}
+
+sl_status sl_model_add_bicubic(sl_model *m, const sl_bicubic *surface, uint32_t material, uint32_t object, sl_error *error) {
+    const column columns[] = {COLUMN(m->bicubics, 1)};
+    size_t n = (size_t)surface->steps, vertices = (n + 1) * (n + 1), triangles = 2 * n * n, first_vertex, first_triangle;
+    if (!make_room(columns, 1, m->bicubic_count, &m->bicubic_room, 1)) return sl_fail_memory(error, "the surfaces");
+    sl_status status = sl_model_add_vertices(m, vertices, object, &first_vertex, error);
+    if (status == SL_OK) status = sl_model_add_triangles(m, triangles, &first_triangle, error);
+    if (status != SL_OK) return status;
+    if (first_triangle + triangles >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u triangles", SL_NO_INDEX);
+    sl_bicubic *b = &m->bicubics[m->bicubic_count++];
+    *b = *surface;
+    b->first_vertex = (uint32_t)first_vertex;
+    b->first_triangle = (uint32_t)first_triangle;
+    b->triangle_count = (uint32_t)triangles;
+    sl_bicubic_tessellate(b, m->positions + 3 * first_vertex, m->normals + 3 * first_vertex, m->uvs + 2 * first_vertex,
+                          m->indices + 3 * first_triangle);
+    for (size_t t = first_triangle; t < m->triangle_count; t++) {
+        m->material_index[t] = material;
+        m->object_index[t] = object;
+    }
     return SL_OK;
 }
 
@@ -110,7 +133,7 @@ static void free_strings(char **list, size_t count) {
 
 void sl_model_clear(sl_model *m) {
     void *plain[] = {m->positions, m->normals, m->uvs, m->vertex_object, m->indices, m->material_index, m->object_index,
-                     m->lights, m->environment.texels};
+                     m->bicubics, m->lights, m->environment.texels};
     for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++) sl_free(plain[i]);
     for (size_t i = 0; i < m->material_count; i++) sl_free(m->materials[i].name);
     sl_free(m->materials);
@@ -240,6 +263,10 @@ sl_status sl_model_weld(sl_model *m, sl_error *error) {
         }
         stand_in[v] = table[slot];
     }
+    for (size_t i = 0; i < m->bicubic_count; i++) { /* their numbers say where they lie */
+        uint32_t side = (uint32_t)m->bicubics[i].steps + 1, first = m->bicubics[i].first_vertex;
+        for (uint32_t v = first; v < first + side * side; v++) stand_in[v] = v;
+    }
     for (size_t i = 0; i < 3 * m->triangle_count; i++) {
         if (m->indices[i] < m->vertex_count) m->indices[i] = stand_in[m->indices[i]];
     }
@@ -274,6 +301,8 @@ sl_status sl_model_build(sl_model *m, sl_scene **scene, sl_error *error) {
                             .indices = m->indices,
                             .material_index = m->material_index,
                             .object_index = m->object_index,
+                            .bicubic_count = m->bicubic_count,
+                            .bicubics = m->bicubics,
                             .material_count = m->material_count,
                             .materials = m->materials,
                             .texture_count = m->texture_count,

@@ -11,6 +11,8 @@ typedef struct sl_model {
     uint32_t *vertex_object;
     size_t triangle_count, triangle_room;
     uint32_t *indices, *material_index, *object_index;
+    size_t bicubic_count, bicubic_room;
+    sl_bicubic *bicubics; /* in triangle order */
     size_t material_count, material_room;
     sl_material *materials;
     size_t texture_count, texture_room;
@@ -32,6 +34,8 @@ void sl_model_clear(sl_model *model);
 /* Room for `count` more; they are zero, and the counts are raised. The first new index in *first. */
 sl_status sl_model_add_vertices(sl_model *model, size_t count, uint32_t object, size_t *first, sl_error *error);
 sl_status sl_model_add_triangles(sl_model *model, size_t count, size_t *first, sl_error *error);
+/* One surface with its vertices and triangles; control points and steps are given, the rest is set. */
+sl_status sl_model_add_bicubic(sl_model *model, const sl_bicubic *surface, uint32_t material, uint32_t object, sl_error *error);
 /* Copies; the name too. */
 sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index, sl_error *error);
 sl_status sl_model_add_light(sl_model *model, const sl_light *light, sl_error *error);
@@ -46,7 +50,7 @@ sl_status sl_model_texture(sl_model *model, const char *path, const void *memory
 sl_rgb sl_texture_mean_color(const sl_texture *texture);
 sl_rgb sl_texture_mean_data(const sl_texture *texture);
 
-/* Vertices of one object that agree in every bit of position, normal and texture coordinates become one. */
+/* Vertices of one object that agree in every bit of position, normal and texture coordinates become one, but for those of bicubic surfaces. */
 sl_status sl_model_weld(sl_model *model, sl_error *error);
 /* Welds and builds; the model's warnings come first. */
 sl_status sl_model_build(sl_model *model, sl_scene **scene, sl_error *error);

@@ -110,6 +110,11 @@ static void hash_geometry(uint64_t *hash, const sl_scene *s) {
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) hash_bytes(hash, arrays[i], s->vertex_count * sizeof(float));
     for (int c = 0; c < 3; c++) hash_bytes(hash, s->vertex[c], s->triangle_count * sizeof(uint32_t));
     hash_bytes(hash, s->material_index, s->triangle_count * sizeof(uint32_t));
+    for (size_t i = 0; i < s->bicubic_count; i++) {
+        const sl_bicubic *b = &s->bicubics[i];
+        for (int k = 0; k < 16; k++) hash_vec3(hash, b->point[k / 4][k % 4]);
+        hash_bytes(hash, (uint32_t[3]){b->first_vertex, b->first_triangle, (uint32_t)b->steps}, 3 * sizeof(uint32_t));
+    }
 }
 
 static void hash_material(uint64_t *hash, const sl_material *m) {

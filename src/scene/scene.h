@@ -201,6 +201,8 @@ typedef struct sl_scene_parts {
     const uint32_t *indices;     /* three a triangle */
     const uint32_t *material_index; /* one a triangle, or NULL: all 0 */
     const uint32_t *object_index;   /* or NULL: all 0 */
+    size_t bicubic_count;        /* first_vertex, first_triangle and triangle_count into these arrays; all 2 steps^2 triangles, in triangle order, */
+    const sl_bicubic *bicubics;  /* vertices with normals that nothing else uses: sl_bicubic_tessellate() in scene/bicubic.h */
     size_t material_count;
     const sl_material *materials;
     size_t texture_count;

@@ -62,12 +62,13 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
         return;
     }
     sl_affine placement = sl_affine_after(&file->turn, &transform);
-    size_t first = file->model.object_count, first_vertex = file->model.vertex_count;
+    size_t first = file->model.object_count, first_vertex = file->model.vertex_count, surfaces = file->model.bicubic_count;
     sl_error problem = {0};
     sl_status status = sl_mesh_file_load(path, &placement, &file->model, &problem);
     sl_free(path);
     if (status == SL_ERROR_INPUT) sl_json_fail(json, named, "mesh %s", problem.message);
     else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
+    if (faceted && file->model.bicubic_count > surfaces) sl_json_fail(json, item, "expected 'normals' other than 'faceted' for bicubic surfaces");
     if (json->status != SL_OK) return;
     if (label) rename_objects(file, first, label);
     size_t vertices = file->model.vertex_count - first_vertex;
