@@ -21,6 +21,8 @@ static inline four load(const float *from) {
     return v;
 }
 
+static inline void store(float *to, four v) { memcpy(to, &v, sizeof v); }
+
 /* Entries of twelve floats, four pixels at a time: three times four rows of four become columns. (count is a multiple of four.) */
 static inline void fetch(const float *restrict table, const int32_t *restrict index, int count, float (*restrict out)[BLOCK]) {
     for (int k = 0; k < count; k += 4) {
@@ -29,10 +31,10 @@ static inline void fetch(const float *restrict table, const int32_t *restrict in
             four r = load(table + 12 * index[k + 2] + c), s = load(table + 12 * index[k + 3] + c);
             four pq = __builtin_shufflevector(p, q, 0, 4, 1, 5), rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
             four ps = __builtin_shufflevector(p, q, 2, 6, 3, 7), rq = __builtin_shufflevector(r, s, 2, 6, 3, 7);
-            *(four *)&out[c][k] = __builtin_shufflevector(pq, rs, 0, 1, 4, 5);
-            *(four *)&out[c + 1][k] = __builtin_shufflevector(pq, rs, 2, 3, 6, 7);
-            *(four *)&out[c + 2][k] = __builtin_shufflevector(ps, rq, 0, 1, 4, 5);
-            *(four *)&out[c + 3][k] = __builtin_shufflevector(ps, rq, 2, 3, 6, 7);
+            store(&out[c][k], __builtin_shufflevector(pq, rs, 0, 1, 4, 5));
+            store(&out[c + 1][k], __builtin_shufflevector(pq, rs, 2, 3, 6, 7));
+            store(&out[c + 2][k], __builtin_shufflevector(ps, rq, 0, 1, 4, 5));
+            store(&out[c + 3][k], __builtin_shufflevector(ps, rq, 2, 3, 6, 7));
         }
     }
 }
