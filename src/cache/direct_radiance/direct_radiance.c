@@ -179,7 +179,7 @@ static sl_status light_up(radiance_state *s, sl_error *error) {
 
 /* ---- passes 4 to 7: the picture ---- */
 
-static sl_status show_mirrors(radiance_state *s, const sl_light_pass *light, sl_error *error) {
+static sl_status make_cubes(radiance_state *s, const sl_light_pass *light, sl_error *error) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
     sl_mirror_pass pass = {.scene = s->scene,
                            .raster = s->raster,
@@ -188,11 +188,13 @@ static sl_status show_mirrors(radiance_state *s, const sl_light_pass *light, sl_
                            .cube_size = m->cube_size,
                            .reflections = m->reflections,
                            .indirect = m->mirror_light == SL_MIRROR_LIGHT_FULL};
-    sl_status status = sl_curved_mirrors_render(&pass, s->receivers, &s->curved, &s->counters, error);
-    if (status != SL_OK || !s->curved) return status;
-    sl_curved_mirrors_reflect(s->curved, s->receivers, s->settings.threads, s->layers.emission, s->layers.direct, s->layers.indirect,
-                              &s->counters);
-    return status;
+    return s->plan.curved ? sl_curved_mirrors_render(&pass, s->receivers, &s->curved, &s->counters, error) : SL_OK;
+}
+
+/* Curved mirrors may receive indirect light as if they were diffuse. */
+static sl_light_pass tricked(const radiance_state *s, sl_light_pass light) {
+    if (s->plan.curved && s->settings.radiance_map.mirror_light == SL_MIRROR_LIGHT_TRICK) light.trick_albedo = s->trick_albedo;
+    return light;
 }
 
 /* The G-buffer stays for the next frame. */
@@ -204,17 +206,17 @@ static void forget_picture(radiance_state *s) {
     s->drawn = false;
 }
 
-/* Whole planes, pass by pass, are for who looks at passes; for curved mirrors, which reflect the lit picture's pixels; and for visibility,
- * which asks around each pixel. */
+/* Whole planes, pass by pass, are for who looks at passes, and for visibility, which asks around each pixel. */
 static bool in_strips(const radiance_state *s) {
-    return !s->announcer.observer && !s->plan.curved && (s->settings.radiance_map.visibility == SL_VISIBILITY_NONE || !s->photons);
+    return !s->announcer.observer && (s->settings.radiance_map.visibility == SL_VISIBILITY_NONE || !s->photons);
 }
 
 static sl_status draw_strips(radiance_state *s, sl_image **image, sl_counters *counters, sl_error *error) {
-    const sl_light_pass light = lighting(s);
+    const sl_light_pass light = tricked(s, lighting(s));
     const sl_strip_pass pass = {.raster = s->raster,
                                 .outline = s->receivers,
                                 .light = &light,
+                                .curved = s->curved,
                                 .direct = s->plan.receivers && s->lights->point_count > 0,
                                 .layers = !s->settings.radiance_map.without_layers};
     return sl_radiance_draw_strips(&pass, image, counters, error);
@@ -238,7 +240,6 @@ static sl_status ready_planes(radiance_state *s, sl_error *error) {
 }
 
 static sl_status draw_passes(radiance_state *s, sl_error *error) {
-    const sl_radiance_map_settings *m = &s->settings.radiance_map;
     unsigned threads = s->settings.threads;
     sl_status status = ready_planes(s, error);
     if (status != SL_OK) return status;
@@ -249,13 +250,14 @@ static sl_status draw_passes(radiance_state *s, sl_error *error) {
                               {s->layers.indirect[0], s->layers.indirect[1], s->layers.indirect[2]}};
     if (s->plan.receivers) status = sl_light_directly(&light, s->receivers, &picture, &s->counters, error);
     announce_picture(s, "direct light", "(5), (9)", s->layers.direct[0]);
-    sl_light_pass tricked = light;
-    if (s->plan.curved && m->mirror_light == SL_MIRROR_LIGHT_TRICK) tricked.trick_albedo = s->trick_albedo;
+    const sl_light_pass of_photons = tricked(s, light);
     if (status == SL_OK && s->photons)
-        status = sl_light_indirectly(&tricked, s->receivers, &picture, s->layers.spread, &s->counters, error);
+        status = sl_light_indirectly(&of_photons, s->receivers, &picture, s->layers.spread, &s->counters, error);
     announce_picture(s, "indirect light", "(10)", s->layers.indirect[0]);
     if (status == SL_OK && s->plan.curved) {
-        status = show_mirrors(s, &light, error);
+        status = make_cubes(s, &light, error);
+        if (status == SL_OK)
+            sl_curved_mirrors_reflect(s->curved, s->receivers, threads, s->layers.emission, s->layers.direct, s->layers.indirect, &s->counters);
         announce_picture(s, "curved mirrors", "section 5", s->layers.direct[0]);
     }
     return status;
@@ -269,7 +271,10 @@ static sl_status draw_picture(radiance_state *s, sl_error *error) {
                                                                              m->reflections, s->settings.threads, &s->receivers,
                                                                              &s->counters, error);
     if (status != SL_OK) return status;
-    return strips ? draw_strips(s, &s->image, &s->counters, error) : draw_passes(s, error);
+    if (!strips) return draw_passes(s, error);
+    const sl_light_pass light = lighting(s);
+    status = make_cubes(s, &light, error);
+    return status == SL_OK ? draw_strips(s, &s->image, &s->counters, error) : status;
 }
 
 /* ---- the method ---- */

@@ -29,7 +29,8 @@ typedef struct {
     const sl_strip_pass *pass;
     const sl_receivers *outline;
     sl_resolver *resolver;
-    sl_receiver_kinds kinds;
+    sl_receiver_kinds kinds, tricked; /* tricked: mirrors receive indirect light as if they were diffuse */
+    bool trick;
     sl_emission emission;
     sl_direct_light direct;
     sl_photon_sums *sums; /* NULL: no indirect light */
@@ -81,6 +82,7 @@ static void release(drawing *d) {
     sl_free(d->counters);
     sl_photon_sums_destroy(d->sums);
     sl_receiver_kinds_release(&d->kinds);
+    sl_receiver_kinds_release(&d->tricked);
     sl_resolver_destroy(d->resolver);
 }
 
@@ -108,13 +110,33 @@ typedef struct {
     const sl_tile_target *target;
 } tile_program;
 
-/* Passes 6 and 7. Each counts the fragments that it shades. */
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+static void light_directly(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
     const tile_program *p = context;
-    const drawing *d = p->drawing;
-    if (d->pass->direct) sl_direct_light_tile(&d->direct, tile, glossy, p->target, counters);
-    if (d->sums) sl_indirect_light_tile(d->sums, tile, glossy, p->target, counters);
-    if (d->pass->direct && d->sums) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count);
+    sl_direct_light_tile(&p->drawing->direct, tile, glossy, p->target, counters);
+}
+
+static void light_indirectly(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const tile_program *p = context;
+    sl_indirect_light_tile(p->drawing->sums, tile, glossy, p->target, counters);
+}
+
+/* Each pass counts the fragments that it shades. */
+static void light_both(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    light_directly(context, tile, glossy, counters);
+    light_indirectly(context, tile, glossy, counters);
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count);
+}
+
+/* Passes 6 and 7: of the same tiles, but where the trick makes other receivers of mirrors. */
+static void light_strip(const drawing *d, const strip *s, const sl_receivers *rows, sl_counters *counters) {
+    tile_program program = {d, &s->target};
+    const bool direct = d->pass->direct, indirect = d->sums != NULL;
+    if (direct && indirect && !d->trick) {
+        sl_receiver_tiles_strip(rows, &d->kinds, 0, light_both, &program, counters);
+        return;
+    }
+    if (direct) sl_receiver_tiles_strip(rows, &d->kinds, 0, light_directly, &program, counters);
+    if (indirect) sl_receiver_tiles_strip(rows, d->trick ? &d->tricked : &d->kinds, 0, light_indirectly, &program, counters);
 }
 
 static void draw_strip(void *context, size_t index, unsigned worker) {
@@ -123,12 +145,12 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     sl_counters *counters = &d->counters[index];
     const sl_receivers rows = rows_of(d, s, index);
     const size_t width = (size_t)rows.width, pixels = width * (size_t)rows.height;
-    tile_program program = {d, &s->target};
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, sl_resolver_run(d->resolver, worker, (size_t)rows.first_row * width, pixels, &s->gbuffer));
     memset(s->light, 0, LIGHT_PLANES * d->room * sizeof *s->light);
     for (size_t y = 0; y < (size_t)rows.height; y++) sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
     if (!d->emission.none) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, pixels);
-    if (d->pass->direct || d->sums) sl_receiver_tiles_strip(&rows, &d->kinds, 0, light_tile, &program, counters);
+    light_strip(d, s, &rows, counters);
+    sl_curved_mirrors_reflect(d->pass->curved, &rows, 1, s->layers.emission, s->layers.direct, s->layers.indirect, counters);
     sl_radiance_compose_rows(&s->layers, &rows, 0, (size_t)rows.height, d->image);
 }
 
@@ -140,6 +162,8 @@ static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
     sl_status status = sl_resolver_create(d->pass->raster, all->path_count, all->view, all->path, all->gbuffer->id, d->workers,
                                           &d->resolver, error);
     if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, sl_grey(0.0f), &d->kinds, error);
+    d->trick = sl_rgb_max(light->trick_albedo) > 0.0f;
+    if (status == SL_OK && d->trick) status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &d->tricked, error);
     if (status == SL_OK && light->photons && light->photons->count) status = sl_photon_sums_create(light, &d->sums, error);
     if (status != SL_OK) return status;
     d->counters = sl_allocate(strips, sizeof *d->counters);
