@@ -147,8 +147,21 @@ static void sum_face(const sl_cube_map *map, int face, cube_mean *mean) {
     }
 }
 
+static bool all_known(const sl_cube_map *map) {
+    for (int face = 0; face < FACES; face++) {
+        for (int y = 0; y < map->size; y++) {
+            const float *texel = sl_cube_map_texel(map, 0, face, 0, y);
+            for (int x = 0; x < map->size; x++) {
+                if (!(texel[4 * x + 3] > 0.0f)) return false;
+            }
+        }
+    }
+    return true;
+}
+
 /* Mirrors that are not known show the mean of what is. */
 static void fill_unknown(const sl_cube_map *map) {
+    if (all_known(map)) return;
     cube_mean mean = {{0.0, 0.0, 0.0}, 0.0};
     for (int face = 0; face < FACES; face++) sum_face(map, face, &mean);
     const double over = mean.weight > 0.0 ? 1.0 / mean.weight : 0.0;
