@@ -151,7 +151,9 @@ static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, s
         normal_maps[i] = sl_affine_normal_map(&motions[i]);
     }
     sl_status status = check_motion(scene, motions, time, error);
-    if (status == SL_OK && (move_vertices(scene, motions, normal_maps) | move_surfaces(scene, motions))) {
+    bool changed = status == SL_OK && move_vertices(scene, motions, normal_maps);
+    if (status == SL_OK && move_surfaces(scene, motions)) changed = true;
+    if (changed) {
         sl_scene_derive(scene);
         *changes |= SL_CHANGED_OBJECTS;
         if (emissive_moves(scene)) *changes |= SL_CHANGED_LIGHTS;
