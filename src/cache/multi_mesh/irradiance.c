@@ -336,6 +336,69 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_
     return SL_OK;
 }
 
+/* ---- what moves ---- */
+
+static bool has_changed(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, const sl_irradiance_changes *changes) {
+    sl_mesh_point at;
+    sl_mesh_point_of(m->mesh[light], vertex, &at);
+    return changes->triangle_moved[at.face / 2] || sl_light_is_crossed(changes, &m->settings.lights->light[light], at.position);
+}
+
+static bool is_unknown(const sl_mesh *mesh, uint32_t vertex) { return vertex == SL_NO_INDEX || mesh->state[vertex] == SL_VERTEX_UNKNOWN; }
+
+/* Edges whose samples went are to be tested again. What was cut stays cut. */
+static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place) {
+    for (int i = 0; i < 3; i++) {
+        uint32_t a = mesh->node[place->node].vertex[(i + 1) % 3], b = mesh->node[place->node].vertex[(i + 2) % 3];
+        if (is_unknown(mesh, a) || is_unknown(mesh, b) || is_unknown(mesh, sl_mesh_find_middle(mesh, place, i)))
+            set_edge_state(mesh, place->node, i, SL_EDGE_UNTESTED);
+    }
+    if (sl_mesh_is_leaf(mesh, place->node)) return;
+    for (int c = 0; c < sl_mesh_children(mesh, place->node); c++) {
+        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        reopen_below(mesh, &child);
+    }
+}
+
+static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irradiance_changes *changes) {
+    sl_mesh *mesh = m->mesh[light];
+    mesh->topology = m->settings.topology;
+    if (changes->light_changed[light]) {
+        sl_mesh_clear(mesh);
+        return;
+    }
+    if (changes->box_count == 0) return;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        if (has_changed(m, light, v, changes)) mesh->state[v] = SL_VERTEX_UNKNOWN;
+    for (uint32_t face = 0; face < mesh->topology->face_count; face++) {
+        if (mesh->root_of_face[face] == SL_NO_INDEX) continue;
+        sl_mesh_place root = sl_mesh_root_place(mesh, face);
+        reopen_below(mesh, &root);
+    }
+}
+
+static void forget_scratch(sl_irradiance_meshes *m) {
+    for (unsigned t = 0; m->worker && t < m->settings.threads; t++) {
+        sl_light_sample_scratch_destroy(m->worker[t].scratch);
+        m->worker[t].scratch = NULL;
+    }
+}
+
+static sl_status make_scratch(sl_irradiance_meshes *m, sl_error *error) {
+    sl_status status = SL_OK;
+    for (unsigned t = 0; t < m->settings.threads && status == SL_OK; t++)
+        status = sl_light_sample_scratch_create(m->settings.sampling, &m->worker[t].scratch, error);
+    return status;
+}
+
+sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradiance_settings *settings, const sl_irradiance_changes *changes,
+                                      sl_error *error) {
+    forget_scratch(m);
+    m->settings = *settings;
+    for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, changes);
+    return make_scratch(m, error);
+}
+
 /* ---- life ---- */
 
 sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes, sl_error *error) {
@@ -349,8 +412,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_status status = m->mesh && m->worker ? SL_OK : sl_fail_memory(error, "irradiance meshes");
     for (size_t l = 0; l < lights && status == SL_OK; l++)
         status = sl_mesh_create(settings->topology, 1, settings->max_depth, &m->mesh[l], error);
-    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
-        status = sl_light_sample_scratch_create(settings->sampling, &m->worker[t].scratch, error);
+    if (status == SL_OK) status = make_scratch(m, error);
     if (status != SL_OK) {
         sl_irradiance_meshes_destroy(m);
         return status;
@@ -362,7 +424,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     if (!m) return;
     for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_mesh_destroy(m->mesh[l]);
-    for (unsigned t = 0; m->worker && t < m->settings.threads; t++) sl_light_sample_scratch_destroy(m->worker[t].scratch);
+    forget_scratch(m);
     sl_free(m->mesh);
     sl_free(m->worker);
     sl_free(m->wanted);

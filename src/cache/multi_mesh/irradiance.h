@@ -11,6 +11,7 @@
 #define SL_MULTI_MESH_IRRADIANCE_H
 
 #include "cache/light_sample/light_sample.h"
+#include "cache/multi_mesh/changes.h"
 #include "cache/multi_mesh/mesh.h"
 #include "cache/multi_mesh/perception.h"
 
@@ -47,5 +48,10 @@ const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t lig
 /* F of every light at each point, share[i * lights + l]; valid[i] false: the point lies inside other geometry. As many rounds as it takes. */
 sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points, float *share, bool *valid,
                            sl_counters *counters, sl_error *error);
+
+/* Takes the world as it is now (settings; topology of the same structure, as many lights) and keeps the samples that are still true. After a
+ * failure the meshes can be destroyed, no more. */
+sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings, const sl_irradiance_changes *changes,
+                                      sl_error *error);
 
 #endif

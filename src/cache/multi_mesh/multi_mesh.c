@@ -51,6 +51,7 @@ typedef struct multi_mesh_state {
     sl_sampled_lights *lights;
     sl_light_sampling *sampling;
     sl_irradiance_meshes *irradiance;
+    sl_object_places *places;       /* where objects were when all this was made */
     sl_coarse *coarse;
     sl_mesh_gather *gather;
     gather_worker *gatherer;        /* one a thread */
@@ -108,7 +109,8 @@ static void forget_view(multi_mesh_state *s) {
     s->materials = NULL;
 }
 
-static void forget_world(multi_mesh_state *s) {
+/* What gathers see, and what the eye sees: all that does not survive a light or an object that moves. */
+static void forget_pictures(multi_mesh_state *s) {
     for (int i = 0; i < PARTS; i++) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
@@ -118,18 +120,24 @@ static void forget_world(multi_mesh_state *s) {
     sl_free(s->coarse_indirect);
     sl_mesh_gather_destroy(s->gather);
     sl_coarse_destroy(s->coarse);
+    s->gatherer = NULL;
+    s->coarse_indirect = NULL;
+    s->gather = NULL;
+    s->coarse = NULL;
+}
+
+static void forget_world(multi_mesh_state *s) {
+    forget_pictures(s);
     sl_irradiance_meshes_destroy(s->irradiance);
+    sl_object_places_destroy(s->places);
     sl_light_sampling_destroy(s->sampling);
     sl_sampled_lights_destroy(s->lights);
     sl_topology_destroy(s->by_exponent);
     sl_topology_destroy(s->topology);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
-    s->gatherer = NULL;
-    s->coarse_indirect = NULL;
-    s->gather = NULL;
-    s->coarse = NULL;
     s->irradiance = NULL;
+    s->places = NULL;
     s->sampling = NULL;
     s->lights = NULL;
     s->by_exponent = s->topology = NULL;
@@ -147,7 +155,7 @@ static void multi_mesh_destroy(void *state) {
     sl_free(s);
 }
 
-static sl_status make_lights(multi_mesh_state *s, sl_error *error) {
+static sl_status make_sampling(multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     sl_light_sample_settings sampling = sl_light_sample_defaults();
     sampling.estimator = m->estimator;
@@ -156,11 +164,19 @@ static sl_status make_lights(multi_mesh_state *s, sl_error *error) {
     sampling.threads = s->settings.threads;
     sl_status status = sl_sampled_lights_find(s->scene, &s->lights, error);
     if (status == SL_OK) status = sl_light_sampling_create(s->scene, s->raster, s->tracer, s->lights, &sampling, &s->sampling, error);
-    if (status != SL_OK) return status;
-    sl_irradiance_settings irradiance = {.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights,
-                                         .sampling = s->sampling, .perception = s->perception, .ambient = s->ambient,
-                                         .max_depth = m->max_depth, .threads = s->settings.threads};
-    return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
+    return status;
+}
+
+static sl_irradiance_settings irradiance_settings(const multi_mesh_state *s) {
+    return (sl_irradiance_settings){.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights,
+                                    .sampling = s->sampling, .perception = s->perception, .ambient = s->ambient,
+                                    .max_depth = s->settings.multi_mesh.max_depth, .threads = s->settings.threads};
+}
+
+static sl_status make_lights(multi_mesh_state *s, sl_error *error) {
+    sl_status status = make_sampling(s, error);
+    sl_irradiance_settings irradiance = irradiance_settings(s);
+    return status == SL_OK ? sl_irradiance_meshes_create(&irradiance, &s->irradiance, error) : status;
 }
 
 static sl_status make_part(multi_mesh_state *s, sl_component part, sl_error *error) {
@@ -181,6 +197,15 @@ static sl_status make_coarse(multi_mesh_state *s, sl_error *error) {
     return sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
 }
 
+static sl_status make_pictures(multi_mesh_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    if (s->plan.indirect) status = make_coarse(s, error);
+    if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
+    if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
+    if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
+    return status;
+}
+
 /* Displayed levels follow the light that is in the scene, never a picture's content. */
 static void set_perception(multi_mesh_state *s) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
@@ -198,10 +223,74 @@ static sl_status make_world(multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
     if (status == SL_OK && s->plan.several_exponents) status = sl_topology_create(s->scene, true, &s->by_exponent, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
-    if (status == SL_OK && s->plan.indirect) status = make_coarse(s, error);
-    if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
-    if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
-    if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    return status == SL_OK ? make_pictures(s, error) : status;
+}
+
+/* ---- lights and objects that move ---- */
+
+/* The world as it is now, beside what is left of the old one. */
+typedef struct old_world {
+    sl_topology *topology, *by_exponent;
+    sl_sampled_lights *lights;
+    sl_light_sampling *sampling;
+    sl_tracer *tracer;
+    sl_object_places *places;
+} old_world;
+
+static void forget_old_world(old_world *old) {
+    sl_light_sampling_destroy(old->sampling);
+    sl_sampled_lights_destroy(old->lights);
+    sl_topology_destroy(old->by_exponent);
+    sl_topology_destroy(old->topology);
+    sl_tracer_destroy(old->tracer);
+    sl_object_places_destroy(old->places);
+}
+
+/* New rays, corners, lights and places beside the old ones; the irradiance meshes still hold those. */
+static sl_status renew_world(multi_mesh_state *s, old_world *old, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    *old = (old_world){s->topology, s->by_exponent, s->lights, s->sampling, s->tracer, s->places};
+    s->topology = s->by_exponent = NULL;
+    s->lights = NULL;
+    s->sampling = NULL;
+    s->tracer = NULL;
+    s->places = NULL;
+    sl_status status = sl_raster_move(s->raster, threads, error);
+    if (status == SL_OK) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
+    if (status == SL_OK && s->plan.several_exponents) status = sl_topology_create(s->scene, true, &s->by_exponent, error);
+    if (status == SL_OK) status = make_sampling(s, error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    return status;
+}
+
+static sl_status keep_samples(multi_mesh_state *s, const old_world *old, sl_error *error) {
+    sl_irradiance_settings irradiance = irradiance_settings(s);
+    if (s->lights->count != old->lights->count || !sl_topology_same_structure(s->topology, old->topology)) {
+        sl_irradiance_meshes_destroy(s->irradiance);
+        s->irradiance = NULL;
+        return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
+    }
+    sl_irradiance_changes *changes;
+    sl_status status = sl_irradiance_changes_find(s->scene, old->places, s->places, old->lights, s->lights, &changes, error);
+    if (status == SL_OK) status = sl_irradiance_meshes_follow(s->irradiance, &irradiance, changes, error);
+    sl_irradiance_changes_destroy(changes);
+    return status;
+}
+
+static sl_status follow_world(multi_mesh_state *s, sl_error *error) {
+    old_world old;
+    forget_view(s);
+    forget_pictures(s);
+    if (!s->irradiance) { /* there was no light, or an earlier edit failed */
+        forget_world(s);
+        return make_world(s, error);
+    }
+    sl_status status = renew_world(s, &old, error);
+    if (status == SL_OK) status = keep_samples(s, &old, error);
+    if (status == SL_OK) status = make_pictures(s, error);
+    forget_old_world(&old);
     return status;
 }
 
@@ -601,15 +690,13 @@ static sl_status multi_mesh_resolve(void *state, sl_image **image, sl_error *err
     return status;
 }
 
-/* The eye: specular radiance starts again, all else stays. Lights and objects: everything starts again. */
+/* The eye: specular radiance starts again, all else stays. Lights and objects: samples of direct light stay where they still hold. */
 static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error) {
     multi_mesh_state *s = state;
     sl_status status = SL_OK;
     s->phase = PHASE_VIEW;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
-        forget_world(s);
-        forget_view(s);
-        status = make_world(s, error);
+        status = follow_world(s, error);
         if (status != SL_OK) forget_world(s);
     } else if (s->part[SL_DIRECT_SPECULAR]) {
         sl_displayed_restart(s->part[SL_DIRECT_SPECULAR]);

@@ -8,6 +8,7 @@
  *   pixels.c         visible sizes                                                             P1, P1b
  *   displayed.c      a mesh as the eye uses it: priorities, tests, drawing                      P2b, P3
  *   irradiance.c     a mesh for each light, refined only where radiance asks for it
+ *   changes.c        what is still true when lights and objects have moved
  *   direct.c         direct diffuse and specular radiance from them
  *   coarse.c         the coarse mesh of the whole scene, which indirect gathers see
  *   gather.c         the 160-degree gather
