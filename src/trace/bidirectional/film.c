@@ -50,7 +50,7 @@ struct sl_bidirectional {
 
 void sl_path_maker_init(sl_path_maker *m, const sl_scene *scene, const sl_tracer *tracer, const sl_light_sampler *lights,
                         const sl_sequence *sequence, const sl_transport *transport) {
-    enum { ROULETTE_AFTER = 4 };
+    enum { ROULETTE_AFTER = 2 };
     *m = (sl_path_maker){.scene = scene, .tracer = tracer, .lights = lights, .sequence = sequence, .transport = *transport};
     m->roulette_after = transport->bounces == SL_BOUNCES_UNLIMITED ? ROULETTE_AFTER : UINT32_MAX;
     sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max);

@@ -266,6 +266,11 @@ static void walk_on(const sl_path_maker *m, walker *walkers, unsigned count, boo
 
 /* ---- starts -------------------------------------------------------------------------------------------------------------- */
 
+/* Light that may meet no surface but x1 ends there: of use to the camera alone. Of a point that is given, x1 is not the walk's to meet. */
+static bool light_subpaths_join(const sl_path_maker *m) {
+    return m->eye_vertices > 1 || sl_surfaces_allowed(m, 2) || (m->light_image && (m->direct_image || sl_mirrors_followed(m)));
+}
+
 void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t *key, const uint32_t *index, sl_subpath *const *paths,
                          sl_counters *counters) {
     walker walkers[SL_PACKET];
@@ -278,6 +283,7 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
         sl_sequence_point(m->sequence, w.key, SET_WHITHER, w.index, whither);
         w.vertex = 2;
         paths[i]->count = 0;
+        if (!light_subpaths_join(m)) continue;
         sl_path_vertex *light = &paths[i]->vertex[0];
         if (!sl_emission_sample(m, where, whither, light, &w.origin, &w.direction, &w.pdf, &w.parallel)) continue;
         paths[i]->count = 1;
