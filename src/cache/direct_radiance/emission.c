@@ -53,13 +53,15 @@ static bool is_dark(const sl_emission *e, uint32_t material) {
     return !sl_material_is_emitter(m) && !sl_material_is_mirror(m);
 }
 
-void sl_emission_add_row(const sl_emission *e, const sl_receivers *r, size_t y, float *const emission[3]) {
+bool sl_emission_add_row(const sl_emission *e, const sl_receivers *r, size_t y, float *const emission[3]) {
     const sl_gbuffer *g = r->gbuffer;
     const size_t width = (size_t)r->width, first = y * width;
+    bool any = false;
     for (size_t x = 0, end; x < width && !e->none; x = end) {
         const uint32_t material = g->material[first + x];
         for (end = x + 1; end < width && g->material[first + end] == material;) end++;
         if (is_dark(e, material)) continue;
+        any = true;
         for (size_t k = x; k < end; k++) {
             const size_t i = first + k;
             sl_rgb light = material == SL_NO_INDEX ? background_at(e, r, k, y, i) : emission_of(e, r, i);
@@ -68,6 +70,7 @@ void sl_emission_add_row(const sl_emission *e, const sl_receivers *r, size_t y, 
             emission[2][i] += light.b;
         }
     }
+    return any;
 }
 
 /* ---- a picture ---- */
@@ -99,7 +102,7 @@ typedef struct {
 static void emit_row(void *context, size_t y, unsigned worker) {
     (void)worker;
     const emitting *e = context;
-    sl_emission_add_row(&e->of, e->receivers, y, e->emission);
+    (void)sl_emission_add_row(&e->of, e->receivers, y, e->emission);
 }
 
 void sl_add_emission(const sl_scene *scene, const sl_receivers *receivers, unsigned threads, float *const emission[3],

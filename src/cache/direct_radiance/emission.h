@@ -14,7 +14,8 @@ typedef struct sl_emission {
     bool none;    /* nothing shines */
 } sl_emission;
 sl_emission sl_emission_of(const sl_scene *scene, const sl_receivers *picture);
-void sl_emission_add_row(const sl_emission *e, const sl_receivers *receivers, size_t y, float *const emission[3]);
+/* Returns whether anything was added. */
+bool sl_emission_add_row(const sl_emission *e, const sl_receivers *receivers, size_t y, float *const emission[3]);
 /* Mean radiance of the environment over all directions; black where there is none. */
 sl_rgb sl_environment_mean(const sl_environment *environment);
 

@@ -20,7 +20,8 @@ enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10, APART = 112 };
 typedef struct {
     sl_gbuffer gbuffer;
     float *surface; /* the G-buffer's planes */
-    float *light;   /* and those of light */
+    float *light;   /* and those of light: direct, indirect, spread, emission */
+    bool shines;    /* there is something in those of emission, which there seldom is */
     sl_radiance_layers layers;
     sl_tile_target target;
 } strip;
@@ -52,11 +53,11 @@ static void set_planes(const drawing *d, strip *s) {
     g->material = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 1) * d->room);
     s->target = (sl_tile_target){.width = d->outline->width};
     for (size_t k = 0; k < 3; k++) {
-        s->layers.emission[k] = s->light + k * d->room;
-        s->layers.direct[k] = s->target.direct[k] = s->light + (3 + k) * d->room;
-        s->layers.indirect[k] = s->target.indirect[k] = s->light + (6 + k) * d->room;
+        s->layers.direct[k] = s->target.direct[k] = s->light + k * d->room;
+        s->layers.indirect[k] = s->target.indirect[k] = s->light + (3 + k) * d->room;
+        s->layers.emission[k] = s->light + (7 + k) * d->room;
     }
-    s->layers.spread = s->light + 9 * d->room;
+    s->layers.spread = s->light + 6 * d->room;
     s->target.spread = d->pass->layers ? s->layers.spread : NULL;
 }
 
@@ -146,8 +147,9 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     const sl_receivers rows = rows_of(d, s, index);
     const size_t width = (size_t)rows.width, pixels = width * (size_t)rows.height;
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, sl_resolver_run(d->resolver, worker, (size_t)rows.first_row * width, pixels, &s->gbuffer));
-    memset(s->light, 0, LIGHT_PLANES * d->room * sizeof *s->light);
-    for (size_t y = 0; y < (size_t)rows.height; y++) sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
+    memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
+    s->shines = d->pass->curved != NULL; /* which may show what shines */
+    for (size_t y = 0; y < (size_t)rows.height; y++) s->shines |= sl_emission_add_row(&d->emission, &rows, y, s->layers.emission);
     if (!d->emission.none) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, pixels);
     light_strip(d, s, &rows, counters);
     sl_curved_mirrors_reflect(d->pass->curved, &rows, 1, s->layers.emission, s->layers.direct, s->layers.indirect, counters);
