@@ -13,6 +13,7 @@ static void print_scene(const sl_scene *s) {
     printf("triangles    %zu (%zu diffuse, %zu glossy, %zu mirror, %zu emissive, %zu textured, %zu masked)\n",
            s->triangle_count, f.diffuse_triangles, f.glossy_triangles, f.mirror_triangles, f.emissive_triangles,
            f.textured_triangles, f.masked_triangles);
+    if (s->bicubic_count) printf("surfaces     %zu bicubic, whose triangles are among these\n", s->bicubic_count);
     printf("vertices     %zu\nmaterials    %zu\ntextures     %zu\nobjects      %zu\n", s->vertex_count, s->material_count,
            s->texture_count, s->object_count);
     printf("lights       %zu point, %zu spot, %zu directional, %zu emissive triangles, %s\n", f.point_lights, f.spot_lights,

@@ -28,11 +28,12 @@ static sl_vec3d combine(const sl_bicubic *b, const double along_u[4], const doub
     return sum;
 }
 
-/* The larger extent of the control points: what lengths are small against. */
+/* How far apart control points are along an axis: what lengths are small against. */
 static double size_of(const sl_bicubic *b) {
     double size = 0.0;
     for (int k = 1; k < 16; k++) {
-        size = fmax(size, sl_lengthd(sl_subd(sl_to_double(b->point[k / 4][k % 4]), sl_to_double(b->point[0][0]))));
+        sl_vec3d d = sl_subd(sl_to_double(b->point[k / 4][k % 4]), sl_to_double(b->point[0][0]));
+        size = fmax(size, fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))));
     }
     return size;
 }
@@ -150,6 +151,7 @@ static uint32_t number_of(const sl_bicubic *b, sl_bicubic_cell cell) {
 /* They stand in order, so the one of a cell is at most as many places early as triangles are missing. */
 uint32_t sl_bicubic_triangle(const sl_scene *scene, const sl_bicubic *b, int column, int row, int half) {
     uint32_t wanted = number_of(b, (sl_bicubic_cell){column, row, half});
+    if (b->triangle_count == 2u * (uint32_t)b->steps * (uint32_t)b->steps) return b->first_triangle + wanted;
     uint32_t low = 0, high = b->triangle_count < wanted + 1 ? b->triangle_count : wanted + 1;
     while (low < high) { /* the first whose number is not below the wanted one */
         uint32_t middle = low + (high - low) / 2;
