@@ -190,10 +190,10 @@ static void none(sl_light_octree_settings *s) { (void)s; }
 static void disc(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_DISC; }
 static void section(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_SECTION; }
 static void accept_all(sl_light_octree_settings *s) { s->acceptance = SL_PI; }
-static void whole(sl_light_octree_settings *s) { s->whole_voxels = true; }
+static void whole(sl_light_octree_settings *s) { s->whole_voxels = true, s->acceptance = SL_PI / 3.0; }
 static void facing(sl_light_octree_settings *s) { s->facing_voxels = true; }
 static void paper(sl_light_octree_settings *s) {
-    s->whole_voxels = true;
+    s->whole_voxels = s->fixed_neighbours = true;
     s->area = SL_PHOTON_AREA_DISC;
     s->acceptance = SL_PI;
     s->unit_weights = true;
@@ -203,7 +203,8 @@ static void nearest(sl_light_octree_settings *s) { s->filter = SL_VOXEL_NEAREST;
 static void void_dark(sl_light_octree_settings *s) { s->keep_void_dark = true; }
 static void wide(sl_light_octree_settings *s) { s->wide_directions = true; }
 static void unit(sl_light_octree_settings *s) { s->unit_weights = true; }
-static void estimated(sl_light_octree_settings *s) { s->estimated_radius = true; }
+static void exactly_k(sl_light_octree_settings *s) { s->fixed_neighbours = true; }
+static void sixty(sl_light_octree_settings *s) { s->acceptance = SL_PI / 3.0; }
 static void spread(sl_light_octree_settings *s) { s->spread_tolerance = SL_PI / 18.0, s->lights = 8; }
 static void colour(sl_light_octree_settings *s) { s->lobes = SL_LOBES_NONE; }
 static void surface(sl_light_octree_settings *s) { s->lobes = SL_LOBES_SURFACE; }
@@ -211,14 +212,14 @@ static void eight(sl_light_octree_settings *s) { s->lights = 8; }
 static void harmonics(sl_light_octree_settings *s) { s->lobes = SL_LOBES_HARMONICS; }
 static void whole_harmonics(sl_light_octree_settings *s) {
     s->lobes = SL_LOBES_HARMONICS;
-    s->whole_voxels = true;
+    whole(s);
 }
 
 static const choice choices[] = {
     {"default", "octree", none}, {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
     {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
     {"one set of lights a voxel", "whole", whole}, {"voxels weigh by facing", NULL, facing},
-    {"k and radius by an estimate", NULL, estimated}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
+    {"k photons, not k/4 to k", NULL, exactly_k}, {"photons within 60 degrees", NULL, sixty}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
     {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},
     {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight}, {"8 lights or 10 degrees", NULL, spread},
     {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, one set a voxel", NULL, whole_harmonics},
@@ -241,7 +242,8 @@ static void ladder(bench_report *r, const bench_options *o, world *w) {
     trial t = try_direct(w, &s, OCTREE_AT_PIXEL);
     row(r, w, "photons at pixels, 4 times as many", &t);
     s = base(o);
-    s.whole_voxels = true;
+    whole(&s);
+    s.fixed_neighbours = true;
     t = try_direct(w, &s, OCTREE_AT_PIXEL);
     row(r, w, "photons at pixels: density", &t);
     t = try_direct(w, &s, OCTREE_AT_VOXEL);
@@ -256,10 +258,10 @@ static void ladder(bench_report *r, const bench_options *o, world *w) {
     s.filter = SL_VOXEL_TRILINEAR;
     t = try(r, w, &s, NULL);
     row(r, w, "+ trilinear: one set of lights a voxel", &t);
-    s.whole_voxels = false;
+    s = base(o);
     t = try(r, w, &s, NULL);
-    row(r, w, "- split by normals: the default", &t);
-    s.whole_voxels = true;
+    row(r, w, "- split by normals, k/4 to k photons: the default", &t);
+    s.whole_voxels = s.fixed_neighbours = true;
     s.area = SL_PHOTON_AREA_DISC;
     s.acceptance = SL_PI;
     t = try(r, w, &s, NULL);

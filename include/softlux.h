@@ -350,12 +350,12 @@ typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_f
 typedef struct sl_light_octree_settings {
     int depth;                    /* of the octree, 1 to 8; by quality 5, 6, 6; shallower ones are shown first */
     uint64_t photons;             /* to be stored; by quality 150,000, 600,000, 1,200,000 */
-    int neighbours;               /* k; by quality 150, 300, 500 */
+    int neighbours;               /* k, at most; by quality 150, 300, 500 */
     double radius;                /* r, in scene units; by density: 2 sqrt(k A / (pi N)), at least one voxel */
     double flatness;              /* f in (0,1]; 0.25 */
     int lights;                   /* n: virtual directional lights a voxel, 1 to 8; 4 */
     double spread_tolerance;      /* radians: fewer lights where that is met; 0: off */
-    double acceptance;            /* radians between a photon's normal and the voxel's; 60 degrees; pi: all */
+    double acceptance;            /* radians between a photon's normal and the voxel's; 35 degrees, of whole voxels 60; pi: all */
     sl_photon_store store;
     sl_photon_area area;
     sl_voxel_lobes lobes;
@@ -363,7 +363,7 @@ typedef struct sl_light_octree_settings {
     bool unit_weights;            /* K-means with equal weights */
     bool wide_directions;         /* 12 + 12 bits a direction instead of 8 + 8 */
     bool whole_voxels;            /* one set of lights a voxel, as the paper; else one for each group of normals in it */
-    bool estimated_radius;        /* k to 4 k photons, voxel by voxel, by an error estimate */
+    bool fixed_neighbours;        /* k photons a voxel, as the paper; else k/4 to k of them, by an error estimate */
     bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
     bool environment_mirrors;     /* mirrors show the environment from a cube map, and nothing of the scene; no ray is followed */
     bool facing_voxels;           /* in filtering voxels also weigh by the cosine between their normal and the point's */

@@ -249,7 +249,8 @@ static void a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it(void **
 static double scatter_on_the_floor(const sl_scene *scene, bool estimated) {
     sl_settings settings = octree_settings(24);
     settings.light_octree.neighbours = 40;
-    settings.light_octree.estimated_radius = estimated;
+    settings.light_octree.fixed_neighbours = !estimated;
+    if (estimated) settings.light_octree.neighbours *= 4;
     sl_image *image = render(scene, &settings, NULL);
     double sum = 0.0, square = 0.0;
     for (int i = 0; i < 24 * 24; i++) {
@@ -280,8 +281,10 @@ static void an_estimated_radius_errs_less_than_a_fixed_one(void **state) {
     sl_settings settings = octree_settings(40);
     settings.light_octree.photons = 100000;
     settings.light_octree.neighbours = 40;
+    settings.light_octree.fixed_neighbours = true;
     sl_comparison fixed = against_path_tracer(scene, &settings, 64);
-    settings.light_octree.estimated_radius = true;
+    settings.light_octree.fixed_neighbours = false;
+    settings.light_octree.neighbours = 160;
     sl_comparison estimated = against_path_tracer(scene, &settings, 64);
     assert_true(estimated.rel_mse - estimated.rel_mse_noise < 0.75 * (fixed.rel_mse - fixed.rel_mse_noise));
     sl_scene_destroy(scene);

@@ -243,7 +243,7 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "unit_weights", o->unit_weights);
     stamp_flag(st, "wide_directions", o->wide_directions);
     stamp_flag(st, "whole_voxels", o->whole_voxels);
-    stamp_flag(st, "estimated_radius", o->estimated_radius);
+    stamp_flag(st, "fixed_neighbours", o->fixed_neighbours);
     stamp_flag(st, "void_dark", o->keep_void_dark);
     stamp_flag(st, "facing_voxels", o->facing_voxels);
     stamp_flag(st, "environment_mirrors", o->environment_mirrors);

@@ -239,7 +239,7 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .unit_weights = o->unit_weights,
                                     .wide_directions = o->wide_directions,
                                     .split_by_normal = !o->whole_voxels,
-                                    .estimated_radius = o->estimated_radius};
+                                    .estimated_radius = !o->fixed_neighbours};
 }
 
 static sl_status start_level(octree_state *s, sl_error *error) {

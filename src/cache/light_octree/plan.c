@@ -18,7 +18,8 @@ static const octree_quality by_quality[] = {
 };
 
 enum { SHALLOWEST_SHOWN = 4, LIGHTS = 4, ATLAS_SIZE = 1024 };
-static const double flatness = 0.25, acceptance = SL_PI / 3.0;
+/* 35 degrees: not an angle at which the sides of regular columns meet. A whole voxel's normal is the mean of what is in it. */
+static const double flatness = 0.25, acceptance = 35.0 / 180.0 * SL_PI, acceptance_of_whole_voxels = SL_PI / 3.0;
 
 void sl_octree_complete(sl_settings *settings) {
     const octree_quality *q = &by_quality[settings->quality];
@@ -28,7 +29,7 @@ void sl_octree_complete(sl_settings *settings) {
     if (!o->neighbours) o->neighbours = q->neighbours;
     if (!o->lights) o->lights = LIGHTS;
     if (o->flatness == 0.0) o->flatness = flatness;
-    if (o->acceptance == 0.0) o->acceptance = acceptance;
+    if (o->acceptance == 0.0) o->acceptance = o->whole_voxels ? acceptance_of_whole_voxels : acceptance;
     if (!o->atlas_size) o->atlas_size = ATLAS_SIZE;
     if (!settings->spp) settings->spp = q->light_samples;
 }
@@ -74,7 +75,7 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
     sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
     sl_plan_pass(writer, p.photons, "octree", "depth %d, shown from depth %d on", o->depth, p.first_depth);
-    sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each %s, spread over %s", o->neighbours,
+    sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
                  o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
     bool directional = o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE;
     sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel", lobes[o->lobes], o->lights);

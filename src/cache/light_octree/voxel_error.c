@@ -2,13 +2,13 @@
  * density of n photons scatters by E / sqrt(n). Blur is not, but it shows: where more photons give another density than fewer ones did, and
  * noise does not explain it, the surroundings differ. So k grows as long as the confidence intervals of all densities so far have a value in
  * common (Goldenshluger and Nemirovski 1997, "On spatially adaptive estimation of nonparametric regression": intersection of confidence
- * intervals), up to four times the k that was asked for. Not below it: where surfaces lie close together the nearest few photons are those of
+ * intervals), from a quarter of the k that was asked for. Not from fewer: where surfaces lie close together the nearest few photons are those of
  * the surface under the voxel's centre alone, and their area is the least certain of all. */
 #include <stdlib.h>
 
 #include "cache/light_octree/voxel_work.h"
 
-enum { CANDIDATES = 3 }; /* k, 2 k, 4 k */
+enum { CANDIDATES = 3, LEAST = 20 }; /* k / 4, k / 2, k */
 
 /* Intervals of so many standard deviations. */
 static const double confidence = 2.0;
@@ -28,8 +28,7 @@ static int by_distance(const void *a, const void *b) {
 }
 
 size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o) {
-    size_t most = o->estimated_radius ? 4 * o->neighbours : o->neighbours;
-    return most < SL_NEIGHBOURS_MAX ? most : SL_NEIGHBOURS_MAX;
+    return o->neighbours < SL_NEIGHBOURS_MAX ? o->neighbours : SL_NEIGHBOURS_MAX;
 }
 
 static void rank_photons(const sl_voxel_work *work, const sl_gathered_photons *gathered, ranked_photon *ranked) {
@@ -60,9 +59,9 @@ size_t sl_voxel_estimated_neighbours(const sl_voxel_work *work, const sl_voxel_l
     widest.neighbours = sl_voxel_most_neighbours(o);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &widest, w);
     double low = 0.0, high = INFINITY, sum = 0.0, squares = 0.0;
-    size_t chosen = o->neighbours, count = chosen, taken = 0;
+    size_t most = widest.neighbours, quarter = most / 4, chosen = quarter > LEAST ? quarter : most < LEAST ? most : LEAST, count = chosen, taken = 0;
     rank_photons(work, &w->gathered, w->ranked);
-    for (int k = 0; k < CANDIDATES && count <= gather.found; k++, count *= 2) {
+    for (int k = 0; k < CANDIDATES && count <= gather.found && count <= most; k++, count *= 2) {
         for (; taken < count; taken++) {
             double luminance = (double)w->ranked[taken].luminance;
             sum += luminance;
@@ -73,8 +72,8 @@ size_t sl_voxel_estimated_neighbours(const sl_voxel_work *work, const sl_voxel_l
         double density = density_of(work, o, &gather, count, sum, squares, radius, w, &scatter);
         low = density - confidence * scatter > low ? density - confidence * scatter : low;
         high = density + confidence * scatter < high ? density + confidence * scatter : high;
-        if (low > high) break;
+        if (low > high) return chosen;
         chosen = count;
     }
-    return chosen < widest.neighbours ? chosen : widest.neighbours;
+    return most; /* no two disagree: all there are */
 }

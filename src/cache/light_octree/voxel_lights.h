@@ -23,7 +23,7 @@ typedef struct sl_voxel_light_options {
     bool unit_weights;
     bool wide_directions;
     bool split_by_normal;    /* a set of lights for each group of normals (section 8) */
-    bool estimated_radius;   /* k to 4 k photons, voxel by voxel, by an error estimate (section 8) */
+    bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (section 8) */
 } sl_voxel_light_options;
 
 /* 2 sqrt(k A / (pi N)), at least one voxel (section 3). */
