@@ -140,7 +140,9 @@ static void conclude(const sl_lit_block *block, sl_sample_range range, const ans
         sums->samples[p] += (float)(range.end - range.first);
         if (range.first > 0) continue;
         for (int c = 0; c < 3; c++) sums->exact[c][p] += exact[c][i];
-        if (a->seen[i] > 0.0f && a->seen[i] < a->of[i]) sums->partly[p] = 1.0f;
+        /* Where no sample tells anything of light that arrives, more may. */
+        bool unknown = a->of[i] == 0.0f && exact[0][i] + exact[1][i] + exact[2][i] > 0.0f;
+        if (unknown || (a->seen[i] > 0.0f && a->seen[i] < a->of[i])) sums->partly[p] = 1.0f;
     }
 }
 

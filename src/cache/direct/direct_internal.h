@@ -67,7 +67,7 @@ typedef struct sl_direct_sums {
     float *odd_seen;        /* of every other sample, the three channels together: one half of the samples, which against the */
     float *odd_all;         /* other half shows how much they scatter */
     float *samples;         /* how many of `all`, and */
-    float *partly;          /* 1: some, but not all, of the first samples were seen */
+    float *partly;          /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
     float *block;           /* holds all of the above */
 } sl_direct_sums;
 
