@@ -7,6 +7,10 @@
 
 /* kd to kd / pi; lanes without a sound normal get none, and so no light. */
 typedef void sl_prepare_kernel(sl_receiver_tile *tile);
+/* A whole tile, prepared: rows of 12 planes of that width (positions, geometric and shading normals, kd) from pixel[0] on. */
+typedef void sl_fetch_rows_kernel(const float *const plane[SL_TILE_PLANES], size_t width, sl_receiver_tile *tile);
+/* Does a tile of the picture (one that lies in it whole) show one material? Then pixel gets all of its pixels. */
+typedef bool sl_survey_kernel(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *pixel);
 /* Radiance that leaves towards the eye. */
 typedef void sl_reflect_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float (*radiance)[SL_TILE_PIXELS]);
 
@@ -58,6 +62,8 @@ typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
 
 typedef struct sl_receiver_kernels {
     sl_prepare_kernel *prepare;
+    sl_fetch_rows_kernel *fetch_rows;
+    sl_survey_kernel *survey;
     sl_reflect_to_kernel *reflect_to;
     sl_reflect_spread_kernel *reflect_spread;
     sl_reached_kernel *reached;
@@ -77,6 +83,8 @@ typedef struct sl_receiver_kernels {
 
 #define SL_DECLARE_RECEIVER_KERNELS(isa)                  \
     sl_prepare_kernel sl_receivers_prepare_##isa;         \
+    sl_fetch_rows_kernel sl_receivers_fetch_rows_##isa;   \
+    sl_survey_kernel sl_receivers_survey_##isa;           \
     sl_reflect_to_kernel sl_receivers_reflect_to_##isa;   \
     sl_reflect_spread_kernel sl_receivers_spread_##isa;   \
     sl_reached_kernel sl_receivers_reached_##isa;         \
@@ -99,7 +107,8 @@ SL_DECLARE_RECEIVER_KERNELS(avx512);
 static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
 #define SL_RECEIVER_KERNELS_OF(name)                                                                                       \
     (sl_receiver_kernels) {                                                                                                \
-        sl_receivers_prepare_##name, sl_receivers_reflect_to_##name, sl_receivers_spread_##name,                           \
+        sl_receivers_prepare_##name, sl_receivers_fetch_rows_##name, sl_receivers_survey_##name,                           \
+            sl_receivers_reflect_to_##name, sl_receivers_spread_##name,                                                    \
             sl_receivers_reached_##name, sl_receivers_where_##name, sl_receivers_combine_##name, sl_photons_sum_##name,    \
             sl_photons_fetch_##name, sl_photons_compute_##name, sl_photon_weigh_##name,                                    \
             sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
@@ -113,6 +122,6 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
 }
 
 /* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
-void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, sl_receiver_kernels kernels, sl_receiver_tile *tile);
+void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, const sl_receiver_kernels *kernels, sl_receiver_tile *tile);
 
 #endif

@@ -39,41 +39,22 @@ sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gb
 
 /* ---- filling ---- */
 
-/* A plane of the G-buffer and where a tile keeps it. */
-typedef struct {
-    const float *from;
-    float *to;
-} plane_copy;
-
-enum { PLAIN_PLANES = 12 };
-
-static void planes_of(const sl_gbuffer *g, sl_receiver_tile *t, plane_copy planes[PLAIN_PLANES]) {
-    const plane_copy all[PLAIN_PLANES] = {{g->position_x, t->x},            {g->position_y, t->y},
-                                          {g->position_z, t->z},            {g->geometric_x, t->geometric_x},
-                                          {g->geometric_y, t->geometric_y}, {g->geometric_z, t->geometric_z},
-                                          {g->normal_x, t->normal_x},       {g->normal_y, t->normal_y},
-                                          {g->normal_z, t->normal_z},       {g->diffuse_r, t->diffuse[0]},
-                                          {g->diffuse_g, t->diffuse[1]},    {g->diffuse_b, t->diffuse[2]}};
-    memcpy(planes, all, sizeof all);
-}
-
-/* Rows copied as they stand where every pixel is there, one by one otherwise. */
-void sl_receiver_tile_fetch(const sl_gbuffer *g, sl_receiver_kernels kernels, sl_receiver_tile *t) {
+/* Rows as they stand where every pixel is there, one by one otherwise. */
+void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
+    const float *const from[SL_TILE_PLANES] = {g->position_x,  g->position_y, g->position_z, g->geometric_x, g->geometric_y, g->geometric_z,
+                                               g->normal_x,    g->normal_y,   g->normal_z,   g->diffuse_r,   g->diffuse_g,   g->diffuse_b};
+    float *const to[SL_TILE_PLANES] = {t->x,        t->y,        t->z,        t->geometric_x, t->geometric_y, t->geometric_z,
+                                       t->normal_x, t->normal_y, t->normal_z, t->diffuse[0],  t->diffuse[1],  t->diffuse[2]};
     t->padded = (t->count + SL_TILE_LANES - 1) / SL_TILE_LANES * SL_TILE_LANES;
-    plane_copy planes[PLAIN_PLANES];
-    planes_of(g, t, planes);
-    for (int k = 0; k < PLAIN_PLANES; k++) {
-        const float *from = planes[k].from;
-        float *to = planes[k].to;
-        if (t->whole) {
-            for (size_t row = 0; row < SL_TILE_HEIGHT; row++)
-                memcpy(to + row * SL_TILE_WIDTH, from + t->pixel[row * SL_TILE_WIDTH], SL_TILE_WIDTH * sizeof *to);
-        } else {
-            for (size_t i = 0; i < t->count; i++) to[i] = from[t->pixel[i]];
-            for (size_t i = t->count; i < t->padded; i++) to[i] = 0.0f;
-        }
+    if (t->whole) {
+        kernels->fetch_rows(from, (size_t)g->width, t);
+        return;
     }
-    kernels.prepare(t);
+    for (int k = 0; k < SL_TILE_PLANES; k++) {
+        for (size_t i = 0; i < t->count; i++) to[k][i] = from[k][t->pixel[i]];
+        for (size_t i = t->count; i < t->padded; i++) to[k][i] = 0.0f;
+    }
+    kernels->prepare(t);
 }
 
 /* Curved mirrors alone: a planar one lies beyond the nesting limit, and nobody has left out indirect light on its account. */
@@ -90,7 +71,7 @@ static void set_trick(const sl_receivers *receivers, const sl_receiver_kinds *ki
     }
 }
 
-static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, sl_receiver_kernels kernels, sl_receiver_tile *t) {
+static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
     for (size_t i = 0; i < t->padded; i++) {
         size_t pixel = t->pixel[i < t->count ? i : 0];
         const sl_material *m = &scene->materials[receivers->gbuffer->material[pixel]];
@@ -102,58 +83,46 @@ static void set_lobes(const sl_receivers *receivers, const sl_scene *scene, sl_r
         t->specular[1][i] = m->specular.g * scale;
         t->specular[2][i] = m->specular.b * scale;
     }
-    kernels.mirror_eye(t);
-}
-
-/* Most tiles show one material. */
-static bool is_uniform(const sl_gbuffer *g, int x0, int y0) {
-    if (x0 + SL_TILE_WIDTH > g->width || y0 + SL_TILE_HEIGHT > g->height) return false;
-    const uint32_t *first = g->material + (size_t)y0 * (size_t)g->width + (size_t)x0;
-    uint32_t differences = 0;
-    for (size_t row = 0; row < SL_TILE_HEIGHT; row++) {
-        const uint32_t *material = first + row * (size_t)g->width;
-#pragma omp simd reduction(| : differences)
-        for (size_t x = 0; x < SL_TILE_WIDTH; x++) differences |= material[x] ^ *first;
-    }
-    return differences == 0;
+    kernels->mirror_eye(t);
 }
 
 static bool receives(sl_receiver_kind kind, bool glossy) {
     return kind != SL_RECEIVER_NONE && (kind == SL_RECEIVER_GLOSSY) == glossy;
 }
 
-/* All pixels of a tile of one material, if they are wanted; are they mirrors? */
-static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0, sl_receiver_tile *t) {
-    uint32_t first = (uint32_t)y0 * (uint32_t)g->width + (uint32_t)x0, width = (uint32_t)g->width;
-    sl_receiver_kind kind = sl_receiver_kind_at(kinds, g, first);
-    if (!receives(kind, glossy)) return false;
-    for (uint32_t y = 0; y < SL_TILE_HEIGHT; y++) {
-        for (uint32_t x = 0; x < SL_TILE_WIDTH; x++) t->pixel[y * SL_TILE_WIDTH + x] = first + y * width + x;
-    }
-    t->count = SL_TILE_PIXELS;
-    return kind == SL_RECEIVER_MIRROR;
+/* Most tiles show one material: all pixels, if they are wanted. */
+static bool list_all(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels, bool glossy, int x0, int y0,
+                     sl_receiver_tile *t, bool *mirrors) {
+    const uint32_t first = (uint32_t)y0 * (uint32_t)g->width + (uint32_t)x0;
+    if (x0 + SL_TILE_WIDTH > g->width || y0 + SL_TILE_HEIGHT > g->height) return false;
+    if (!kernels->survey(g->material, first, (uint32_t)g->width, t->pixel)) return false;
+    const sl_receiver_kind kind = sl_receiver_kind_at(kinds, g, first);
+    t->count = receives(kind, glossy) ? SL_TILE_PIXELS : 0;
+    *mirrors = kind == SL_RECEIVER_MIRROR;
+    return true;
 }
 
-static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_receiver_kernels kernels, bool glossy,
-                          int x0, int y0, sl_receiver_tile *t) {
-    const sl_gbuffer *g = receivers->gbuffer;
-    int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
-    int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
-    bool mirrors = false;
-    t->count = 0;
-    if (is_uniform(g, x0, y0)) {
-        mirrors = list_all(g, kinds, glossy, x0, y0, t);
-    } else {
-        for (int y = y0; y < y1; y++) {
-            for (int x = x0; x < x1; x++) {
-                size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
-                sl_receiver_kind kind = sl_receiver_kind_at(kinds, g, pixel);
-                mirrors |= kind == SL_RECEIVER_MIRROR;
-                t->pixel[t->count] = (uint32_t)pixel;
-                t->count += receives(kind, glossy) ? 1 : 0;
-            }
+static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0, sl_receiver_tile *t,
+                        bool *mirrors) {
+    const int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
+    const int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
+            sl_receiver_kind kind = sl_receiver_kind_at(kinds, g, pixel);
+            *mirrors |= kind == SL_RECEIVER_MIRROR;
+            t->pixel[t->count] = (uint32_t)pixel;
+            t->count += receives(kind, glossy) ? 1 : 0;
         }
     }
+}
+
+static void fill_tile(const sl_receivers *receivers, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels, bool glossy,
+                      int x0, int y0, sl_receiver_tile *t) {
+    const sl_gbuffer *g = receivers->gbuffer;
+    bool mirrors = false;
+    t->count = 0;
+    if (!list_all(g, kinds, kernels, glossy, x0, y0, t, &mirrors)) list_wanted(g, kinds, glossy, x0, y0, t, &mirrors);
     t->whole = t->count == SL_TILE_PIXELS;
     if (t->count == 0) return;
     sl_receiver_tile_fetch(g, kernels, t);
@@ -174,7 +143,7 @@ void sl_receiver_tiles_strip(const sl_receivers *receivers, const sl_receiver_ki
     sl_receiver_tile tile;
     for (int x = 0; x < receivers->width; x += SL_TILE_WIDTH) {
         for (int glossy = 0; glossy <= (kinds->glossy ? 1 : 0); glossy++) {
-            fill_tile(receivers, kinds, kernels, glossy, x, y0, &tile);
+            fill_tile(receivers, kinds, &kernels, glossy, x, y0, &tile);
             if (tile.count == 0) continue;
             program(context, &tile, glossy, counters);
             sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);

@@ -8,7 +8,7 @@
 #include "cache/direct_radiance/receivers.h"
 #include "cache/light/light_kernels.h"
 
-enum { SL_TILE_WIDTH = 32, SL_TILE_HEIGHT = 4, SL_TILE_PIXELS = SL_TILE_WIDTH * SL_TILE_HEIGHT, SL_TILE_LANES = 16 };
+enum { SL_TILE_WIDTH = 32, SL_TILE_HEIGHT = 4, SL_TILE_PIXELS = SL_TILE_WIDTH * SL_TILE_HEIGHT, SL_TILE_LANES = 16, SL_TILE_PLANES = 12 };
 _Static_assert((int)SL_TILE_PIXELS == (int)SL_LIGHT_BLOCK, "a tile is what the loops over lights take at once");
 
 /* What a pixel does with light that falls on it. */

@@ -166,7 +166,8 @@ static void trace_blocks(void *context, size_t index, unsigned worker) {
     int across = tiles_across(s);
     list_blocks(b, (int)index % across * SL_TILE_WIDTH, (int)index / across * SL_TILE_HEIGHT, &tile, block);
     if (tile.count == 0) return;
-    sl_receiver_tile_fetch(s->receivers->gbuffer, sl_receiver_kernels_for(sl_isa_best()), &tile);
+    const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
+    sl_receiver_tile_fetch(s->receivers->gbuffer, &kernels, &tile);
     keep_planes(s, &tile, block);
     sl_tile_sight of_blocks;
     for (size_t word = 0; word < s->words; word++) {
