@@ -9,7 +9,8 @@ typedef struct sl_object_change {
     bool changing;
     uint32_t changed;          /* update of the last change found; 0: never */
     uint32_t moved;            /* update of its last motion; 0: never */
-    uint32_t stale_before;     /* vertices evaluated before this update are stale */
+    uint32_t stale_before;     /* vertices evaluated before this update are stale: that of the last edit which may have changed their shading */
+    bool dropped;              /* its fine patches went for this change: once is enough */
 } sl_object_change;
 
 typedef struct sl_changes {
@@ -27,11 +28,17 @@ void sl_changes_destroy(sl_changes *changes);
 void sl_changes_edit(sl_changes *changes, unsigned what, const bool *moved, uint32_t now);
 /* A vertex was shaded again and its display level went from `before` to `after`. True: that is a change, and its object is changing. */
 bool sl_changes_compare(sl_changes *changes, uint32_t object, float before, float after, uint32_t now);
+/* Since when patches of an object age: `changed` of sl_patch_age(). What was evaluated after the edit that its change is due to is as good as new, however
+ * late the change was found. 0: it does not. */
+static inline uint32_t sl_changes_since(const sl_changes *changes, uint32_t object) {
+    return changes->object[object].changing ? changes->object[object].stale_before : 0;
+}
 /* At an update's end: objects whose change has ended. still_stale[i]: some visible leaf of the object has vertices from before. */
 void sl_changes_settle(sl_changes *changes, const bool *still_stale, uint32_t now);
 /* Smallest projected area of patches of changing objects that T_c leaves time for: A / (r T_c) of quads, half of triangles. A: their visible pixels. */
 float sl_changes_coarsest(double visible_pixels, double rate, double seconds, bool triangles);
-/* Drops children of patches whose projected area (area[patch], pixels^2) is at or below that, where they belong to changing objects. */
-size_t sl_changes_drop(const sl_changes *changes, sl_patches *patches, const float *area, float coarsest_quad, float coarsest_triangle);
+/* Drops children of patches whose projected area (area[patch], pixels^2) is at or below that, where they belong to changing objects, once for
+ * each change. Returns how many patches went. */
+size_t sl_changes_drop(sl_changes *changes, sl_patches *patches, const float *area, float coarsest_quad, float coarsest_triangle);
 
 #endif

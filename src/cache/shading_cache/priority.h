@@ -5,27 +5,40 @@
 
 #include "cache/shading_cache/patches.h"
 
-/* Radiance to display levels, 0 to 255: Y = (5R + 9G + 2B) / 16, S(R) = (R^gamma + 1/k) / (R^gamma + k), R = Y / Y_ref. */
+/* Radiance to display levels, 0 to 255: Y = (5R + 9G + 2B) / 16, R = Y / Y_ref, S(R) = (R + 1/k) / (R + k) with k = 10, and
+ * D = 255 ((S - S(0)) / (1 - S(0)))^(1/2.2). */
 typedef struct sl_display_curve {
     float reference;           /* Y_ref */
 } sl_display_curve;
+/* Y; negative, NaN: 0; infinite: the largest float. */
+float sl_curve_luminance(sl_rgb radiance);
 float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance);
+float sl_curve_level_of(const sl_display_curve *curve, float luminance);
 
-/* Largest minus smallest level of the exitant radiance at a patch's corners: of diffuse ones E mean(kd) / pi. Corners never evaluated: -1. */
+/* What leaves a root towards the eye where its vertices' values are these: E mean(kd) / pi, the lobe's (radiance; NULL: none) and its own. */
+sl_rgb sl_exitant_radiance(const sl_primitives *primitives, uint32_t root, const float value[3], const float *radiance);
+/* Of a vertex, evaluated or not. */
+float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, uint32_t vertex);
+
+/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. */
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
 /* Age in grey levels: c (now - evaluated) of its oldest corner, if that was evaluated before the last relevant change; else 0. */
 float sl_patch_age(const sl_patches *patches, uint32_t patch, uint32_t now, uint32_t changed, float c);
 /* c of a material: 1 + 8 c_g d with Pellacini's contrast gloss c_g = cbrt(ks + kd/2) - cbrt(kd/2) and d = 1 - 1/sqrt(2 n + 1). */
 float sl_age_constant(const sl_material *material);
+/* Both together: p_err + min(p_age, 255), p_age the larger one of two: since the eye moved, of what is not only diffuse, and since its object's
+ * shading changed (updates; 0: never). Negative: never evaluated. */
+float sl_patch_priority(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch, uint32_t now, uint32_t eye_moved, uint32_t changed);
 
 /* Over the pixels of the id map: what each visible leaf counts for. */
 typedef struct sl_leaf_priority {
     uint32_t patch, pixels;
-    float priority;            /* p_err + min(p_age, 255); < 0: never evaluated, which comes first and does not count for the mean */
+    float priority;            /* p_err + min(p_age, 255); < 0 or NaN: never evaluated, which comes first and does not count for the mean */
     float normal;              /* out: p_norm, in [0,1] */
 } sl_leaf_priority;
 /* p_norm = clamp((p - lo) / (hi - lo)), hi = min(max, mean + 4 sigma), lo = max(min, mean - 4 sigma), weighted by pixels, recomputed with p clipped
- * to hi until it settles (at most 8 times), so that one outlier does not hide the rest. plain: (p - mean + 4 sigma) / (8 sigma), as printed. */
+ * to hi until it settles (at most 8 times), so that one outlier does not hide the rest. Where hi = lo, 0 for p = 0, else 1. plain:
+ * (p - mean + 4 sigma) / (8 sigma), as printed. */
 void sl_priorities_normalise(size_t count, sl_leaf_priority *leaves, bool plain);
 
 #endif

@@ -1,4 +1,8 @@
-/* Which pixels get samples: hit-and-test over the id map, flood fill from the hits (sections on priority-based selection and on flood fill). */
+/* Which pixels get samples: hit-and-test over the id map, flood fill from the hits (sections on priority-based selection and on flood fill).
+ *
+ *   selection.c    hit-and-test
+ *   systematic.c   instead: equal steps through the sums of priorities; or the highest priorities first
+ *   flood.c        from hits to the pixels beside them */
 #ifndef SL_SHADING_CACHE_SELECTION_H
 #define SL_SHADING_CACHE_SELECTION_H
 
@@ -21,9 +25,9 @@ typedef struct sl_selection_settings {
     uint64_t seed, update;     /* what draws are a function of */
 } sl_selection_settings;
 
-/* leaf: by pixel, index into leaves, or SL_NO_INDEX. At most 8 points / epsilon tests. choice has room for 2 * points. Returns how many. visited: one
- * bit a pixel, cleared by the caller. */
-size_t sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf, size_t leaf_count,
-                        const sl_leaf_priority *leaves, uint8_t *visited, sl_choice *choice, sl_counters *counters);
+/* leaf: by pixel, index into leaves, or SL_NO_INDEX. Each pixel is chosen at most once. At most 8 points / epsilon tests (epsilon 0: as if it were
+ * 0.03). choice has room for 2 * points. */
+sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf, size_t leaf_count,
+                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count, sl_counters *counters, sl_error *error);
 
 #endif

@@ -11,17 +11,23 @@ typedef struct sl_chosen_place {
 } sl_chosen_place;
 
 typedef struct sl_work_settings {
-    float split_above;         /* pixels: projected area and longest edge that a patch needs for a split: 1.2 stop sizes */
+    float split_above;         /* pixels: projected area that a patch needs for a split: 1.2 stop sizes; and its root for its longest edge */
     int levels;                /* splits one in another in one update: 3 */
     int crowd;                 /* places in a child that make it be processed, too: 4 */
     bool variance_aware;       /* p_err < 2 s: more samples instead of a split */
     uint32_t now;
-    const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale */
-    float coarsest;            /* > 0: patches of changing objects are not split below so many pixels^2 */
+    const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale; NULL: none is */
+    uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material has a lobe; 0: never */
+    const bool *changing;      /* by object; NULL: none */
+    float coarsest;            /* > 0: patches of changing objects need more than so many pixels^2 for a split, triangles half of it */
 } sl_work_settings;
 
-/* Projected area in pixels^2 of a patch as the camera sees it, from the clipped polygon, and its longest edge in pixels; infinite where
- * it crosses the near plane. */
+/* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first set of samples. Others in the list that
+ * were evaluated want one more set. */
+bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
+
+/* Projected area in pixels^2 of what the camera sees of a patch, from the polygon clipped to the picture, and its longest edge in pixels; infinite
+ * where that reaches the eye's plane. Both 0: none of it is in the picture. */
 typedef struct sl_patch_size {
     float area, edge;
 } sl_patch_size;
