@@ -6,26 +6,14 @@
 
 #include "cache/light_sample/lights.h"
 #include "cache/multi_mesh/topology.h"
-
-typedef struct sl_moved_box {
-    sl_vec3 low, high;
-} sl_moved_box;
-
-/* Where objects are: their vertices in a number each, and their boxes. */
-typedef struct sl_object_places {
-    size_t count;
-    uint64_t *hash;
-    sl_moved_box *box;
-} sl_object_places;
-sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places, sl_error *error);
-void sl_object_places_destroy(sl_object_places *places);
+#include "scene/object_places.h"
 
 typedef struct sl_irradiance_changes {
     size_t light_count;
     bool *light_changed;       /* all samples of that light go */
     uint8_t *triangle_moved;   /* samples on it go */
     size_t box_count;
-    sl_moved_box *box;         /* of what has moved, before and after: samples of lights seen through one go */
+    sl_box *box;         /* of what has moved, before and after: samples of lights seen through one go */
 } sl_irradiance_changes;
 /* From two states of one scene. Lights are told apart by their numbers: the same count of them before and after is wanted. */
 sl_status sl_irradiance_changes_find(const sl_scene *scene, const sl_object_places *before, const sl_object_places *after,

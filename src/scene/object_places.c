@@ -1,0 +1,50 @@
+#include "scene/object_places.h"
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/random.h"
+
+#include <math.h>
+
+static void add_vertex(sl_object_places *places, uint32_t object, uint32_t vertex, sl_vec3 p) {
+    uint64_t *hash = &places->hash[object];
+    sl_box *box = &places->box[object];
+    *hash = sl_hash64(*hash ^ ((uint64_t)sl_float_bits(p.x) << 32 | sl_float_bits(p.y)));
+    *hash = sl_hash64(*hash ^ ((uint64_t)sl_float_bits(p.z) << 32 | vertex));
+    box->low = sl_v3(fminf(box->low.x, p.x), fminf(box->low.y, p.y), fminf(box->low.z, p.z));
+    box->high = sl_v3(fmaxf(box->high.x, p.x), fmaxf(box->high.y, p.y), fmaxf(box->high.z, p.z));
+}
+
+sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places, sl_error *error) {
+    *places = NULL;
+    sl_object_places *p = sl_allocate(1, sizeof *p);
+    if (p) {
+        p->count = scene->object_count;
+        p->hash = sl_allocate(p->count, sizeof *p->hash);
+        p->box = sl_allocate(p->count, sizeof *p->box);
+    }
+    if (!p || !p->hash || !p->box) {
+        sl_object_places_destroy(p);
+        return sl_fail_memory(error, "the objects' places");
+    }
+    for (size_t i = 0; i < p->count; i++) {
+        p->box[i].low = sl_v3(INFINITY, INFINITY, INFINITY);
+        p->box[i].high = sl_v3(-INFINITY, -INFINITY, -INFINITY);
+    }
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        for (int c = 0; c < 3; c++) {
+            uint32_t vertex = scene->vertex[c][t];
+            add_vertex(p, scene->object_index[t], vertex, sl_scene_position(scene, vertex));
+        }
+    }
+    *places = p;
+    return SL_OK;
+}
+
+void sl_object_places_destroy(sl_object_places *p) {
+    if (!p) return;
+    sl_free(p->hash);
+    sl_free(p->box);
+    sl_free(p);
+}

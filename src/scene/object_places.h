@@ -1,0 +1,24 @@
+/* Where objects are, to find out which have moved between two states of a scene. */
+#ifndef SL_SCENE_OBJECT_PLACES_H
+#define SL_SCENE_OBJECT_PLACES_H
+
+#include "scene/scene.h"
+
+typedef struct sl_box {
+    sl_vec3 low, high;
+} sl_box;
+
+/* All vertices of each object in one number, and the box around them. */
+typedef struct sl_object_places {
+    size_t count;
+    uint64_t *hash;
+    sl_box *box;
+} sl_object_places;
+sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places, sl_error *error);
+void sl_object_places_destroy(sl_object_places *places);
+/* The same scene, before and after. */
+static inline bool sl_object_has_moved(const sl_object_places *before, const sl_object_places *after, size_t object) {
+    return before->hash[object] != after->hash[object];
+}
+
+#endif
