@@ -70,8 +70,8 @@ static inline sl_scene *triangle_scene(void) {
 
 static inline bool same_root_place(sl_root_place a, sl_root_place b) { return a.root == b.root && a.u == b.u && a.v == b.v; }
 
-/* Parents name their children and the other way round, corners lie where places say, vertices have as many references as patches have them for corners, no
- * two are one, and what is counted is there. */
+/* Parents name their children and the other way round, corners lie where places say, vertices have as many references as splits and roots have asked for them,
+ * no two are one, and what is counted is there. */
 static inline void assert_sound(const sl_patches *p) {
     size_t patches = 0, leaves = 0, vertices = 0;
     uint32_t *references = calloc(p->vertex_count + 1, sizeof *references);
@@ -92,17 +92,18 @@ static inline void assert_sound(const sl_patches *p) {
             assert_true(sl_patch_is_alive(p, parent));
             assert_int_equal(p->patch[parent].child, i / 4 * 4);
         }
-        for (int c = 0; c < 4; c++) {
-            uint32_t vertex = p->patch[i].vertex[c];
-            if (c == place.corners) {
-                assert_int_equal(vertex, SL_NO_INDEX);
-                continue;
-            }
+        for (int c = 0; c < place.corners; c++) {
+            uint32_t vertex = sl_patch_corner(p, i, c);
             assert_true(vertex < p->vertex_count);
             const sl_patch_vertex *v = &p->vertex[vertex];
             sl_root_place lies = {v->root, v->u, v->v};
             assert_true(same_root_place(lies, sl_root_canonical(p->primitives, (sl_root_place){place.root, place.u[c], place.v[c]})));
-            references[vertex]++;
+            if (parent == SL_NO_INDEX) references[vertex]++;
+        }
+        for (int m = 0; m < 5 && !sl_patch_is_leaf(p, i); m++) {
+            uint32_t vertex = p->block[p->patch[i].child / 4].middle[m];
+            assert_int_equal(vertex == SL_NO_INDEX, place.corners == 3 && m > 2);
+            if (vertex != SL_NO_INDEX) references[vertex]++;
         }
     }
     for (uint32_t i = 0; i < p->vertex_count; i++) {
@@ -132,7 +133,7 @@ static inline uint64_t structure_of(const sl_patches *p) {
         sl_patch_place place = sl_patch_place_of(p, i);
         uint64_t hash = place.root;
         for (int c = 0; c < place.corners; c++) {
-            const sl_patch_vertex *v = &p->vertex[p->patch[i].vertex[c]];
+            const sl_patch_vertex *v = &p->vertex[sl_patch_corner(p, i, c)];
             hash = (hash ^ ((uint64_t)v->root << 32 | (uint64_t)v->u << 16 | v->v)) * 0x9e3779b97f4a7c15u;
             hash ^= hash >> 29;
         }

@@ -270,7 +270,7 @@ static void a_vertex_that_changes_marks_all_leaves_around_it_and_no_others(void 
             for (int e = 0; e < 3; e++) {
                 uint32_t hanging[64];
                 size_t count = sl_patch_hanging(p, &place, e, hanging, 64);
-                has |= p->patch[i].vertex[e] == vertex;
+                has |= sl_patch_corner(p, i, e) == vertex;
                 for (size_t k = 0; k < count; k++) has |= hanging[k] == vertex;
             }
             assert_int_equal(has, (p->flags[i] & SL_PATCH_DIRTY) != 0);
@@ -291,10 +291,10 @@ static void values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor(voi
     assert_false(sl_patch_value(p, &place, 0.5, 0.5, false, value));
     const float corner[4] = {1, 2, 4, 8};
     for (int c = 0; c < 4; c++) {
-        sl_patch_vertex *v = &p->vertex[p->patch[root].vertex[c]];
+        sl_patch_vertex *v = &p->vertex[sl_patch_corner(p, root, c)];
         v->evaluated = 1;
         for (int i = 0; i < 3; i++) v->value[i] = corner[c] * (float)(i + 1);
-        p->radiance[p->patch[root].vertex[c]][1] = -corner[c];
+        p->radiance[sl_patch_corner(p, root, c)][1] = -corner[c];
     }
     split_levels(&h, root, 2);
     sl_patch_place leaf = sl_patch_locate(p, 0, 0.3, 0.6);
@@ -305,7 +305,7 @@ static void values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor(voi
     assert_true(sl_patch_value(p, &leaf, 0.3, 0.6, true, value));
     assert_true(fabs((double)value[1] + expected) < 1e-5);
     for (int c = 0; c < 4; c++) { /* the leaf's own corners, once they are there */
-        sl_patch_vertex *v = &p->vertex[p->patch[leaf.patch].vertex[c]];
+        sl_patch_vertex *v = &p->vertex[sl_patch_corner(p, leaf.patch, c)];
         v->evaluated = 2;
         v->value[0] = 100.0f;
     }
@@ -505,6 +505,7 @@ static void a_patch_takes_at_most_60_bytes(void **state) {
            of_edge, edge.patches->patches_alive, edge.patches->vertices_alive);
     assert_true(of_square <= 60.0);
     assert_true(of_triangle <= 60.0);
+    assert_true(of_edge <= 60.0);
     hierarchy_discard(&square);
     hierarchy_discard(&triangle);
     hierarchy_discard(&edge);

@@ -339,8 +339,8 @@ static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
     assert_int_equal(sl_patch_hanging(h.patches, &coarse, 3, vertex, 64), 7);
     assert_sound(h.patches);
     for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
-    uint32_t pole = h.patches->patch[coarse.patch].vertex[0];
-    assert_int_equal(h.patches->patch[coarse.patch].vertex[1], pole);
+    uint32_t pole = sl_patch_corner(h.patches, coarse.patch, 0);
+    assert_int_equal(sl_patch_corner(h.patches, coarse.patch, 1), pole);
     sl_patches_touch(h.patches, pole);
     size_t dirty = 0;
     for (uint32_t i = 0; i < h.patches->patch_count; i++) {

@@ -101,7 +101,7 @@ static void collect(hanging_list *list, const uint32_t from[2], const uint32_t t
 
 size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room) {
     int next = (edge + 1) % leaf->corners;
-    hanging_list list = {p, leaf->root, p->patch[leaf->patch].vertex[edge], vertex, 0, room};
+    hanging_list list = {p, leaf->root, sl_patch_corner(p, leaf->patch, edge), vertex, 0, room};
     collect(&list, (uint32_t[2]){leaf->u[edge], leaf->v[edge]}, (uint32_t[2]){leaf->u[next], leaf->v[next]});
     return list.count;
 }

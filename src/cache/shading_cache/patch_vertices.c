@@ -1,5 +1,5 @@
 /* Vertices of patches: found by the place that stands for all that share it (sl_root_canonical()), in a hash table with linear probing, and
- * counted by the patches that have them for corners. */
+ * counted by the splits and roots that asked for them. */
 #include <string.h>
 
 #include "base/error.h"
@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "cache/shading_cache/patch_parts.h"
 
-enum { COUNTED_UP_TO = UINT16_MAX }; /* a vertex of so many patches stays for good */
+enum { COUNTED_UP_TO = UINT16_MAX }; /* a vertex that so many asked for stays for good */
 
 /* ---- the table ---------------------------------------------------------------------------------------------------------------- */
 

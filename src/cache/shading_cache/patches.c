@@ -32,48 +32,58 @@ sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_p
 
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
-    void *all[] = {p->root_patch, p->wanted_root, p->patch, p->flags, p->parent, p->block_root, p->vertex, p->radiance, p->slot};
+    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block, p->vertex, p->radiance, p->slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
 
 size_t sl_patches_memory_bytes(const sl_patches *p) {
-    size_t of_patch = 4 * (sizeof *p->patch + 1) + sizeof *p->parent + sizeof *p->block_root; /* of four */
+    size_t of_four = 4 * (sizeof *p->patch + 1) + sizeof *p->block;
     size_t of_vertex = sizeof *p->vertex + (p->radiance ? sizeof *p->radiance : 0);
-    return p->patch_capacity / 4 * of_patch + p->vertex_capacity * of_vertex + p->slot_count * sizeof *p->slot;
+    return p->patch_capacity / 4 * of_four + p->wanted_capacity * sizeof *p->root_corner + p->vertex_capacity * of_vertex + p->slot_count * sizeof *p->slot;
 }
 
 /* ---- blocks of four patches ---------------------------------------------------------------------------------------------------- */
 
+typedef struct growing {
+    void **array;
+    size_t used, room; /* bytes */
+    void *larger;
+} growing;
+
 /* Copies into larger arrays; nothing is changed where one of them cannot be had. */
-static sl_status reserve_block(sl_patches *p, sl_error *error) {
-    if (p->first_free != SL_NO_INDEX || p->patch_count + 4 <= p->patch_capacity) return SL_OK;
-    size_t capacity = sl_patches_room(p->patch_capacity, p->patch_count + 4) / 4 * 4;
-    if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many patches");
-    struct {
-        void **array;
-        size_t used, room;
-        void *larger;
-    } all[] = {{(void **)&p->patch, p->patch_count * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
-               {(void **)&p->flags, p->patch_count, capacity, NULL},
-               {(void **)&p->parent, p->patch_count / 4 * sizeof *p->parent, capacity / 4 * sizeof *p->parent, NULL},
-               {(void **)&p->block_root, p->patch_count / 4 * sizeof *p->block_root, capacity / 4 * sizeof *p->block_root, NULL}};
-    enum { ARRAYS = sizeof all / sizeof all[0] };
+static sl_status enlarge(growing *all, int count, sl_error *error) {
     bool failed = false;
-    for (int i = 0; i < ARRAYS; i++) failed |= !(all[i].larger = sl_allocate_unset(all[i].room, 1));
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < count; i++) failed |= !(all[i].larger = sl_allocate_unset(all[i].room, 1));
+    for (int i = 0; i < count; i++) {
         void *unwanted = failed ? all[i].larger : *all[i].array;
         if (!failed && all[i].used) memcpy(all[i].larger, *all[i].array, all[i].used);
         if (!failed) *all[i].array = all[i].larger;
         sl_free(unwanted);
     }
-    if (failed) return sl_fail_memory(error, "patches");
-    p->patch_capacity = capacity;
-    return SL_OK;
+    return failed ? sl_fail_memory(error, "patches") : SL_OK;
 }
 
-static void clear_patch(sl_patches *p, uint32_t patch) {
-    p->patch[patch] = (sl_patch){.child = SL_NO_INDEX, .vertex = {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+static sl_status reserve_block(sl_patches *p, sl_error *error) {
+    size_t used = p->patch_count;
+    if (p->first_free != SL_NO_INDEX || used + 4 <= p->patch_capacity) return SL_OK;
+    size_t capacity = sl_patches_room(p->patch_capacity, used + 4) / 4 * 4;
+    if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many patches");
+    growing all[] = {{(void **)&p->patch, used * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
+                     {(void **)&p->flags, used, capacity, NULL},
+                     {(void **)&p->block, used / 4 * sizeof *p->block, capacity / 4 * sizeof *p->block, NULL}};
+    sl_status status = enlarge(all, 3, error);
+    if (status == SL_OK) p->patch_capacity = capacity;
+    return status;
+}
+
+static sl_status reserve_root(sl_patches *p, sl_error *error) {
+    if (p->wanted_count < p->wanted_capacity) return SL_OK;
+    size_t capacity = sl_patches_room(p->wanted_capacity, p->wanted_count + 1), size = sizeof *p->root_corner;
+    growing all[] = {{(void **)&p->root_corner, p->wanted_count * size, capacity * size, NULL}};
+    sl_status status = enlarge(all, 1, error);
+    if (status == SL_OK) p->wanted_capacity = capacity;
+    return status;
 }
 
 /* There is one: it has been reserved. */
@@ -85,10 +95,9 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
         first = (uint32_t)p->patch_count;
         p->patch_count += 4;
     }
-    p->parent[first / 4] = parent;
-    p->block_root[first / 4] = root;
+    p->block[first / 4] = (sl_patch_block){parent, root, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     for (uint32_t k = 0; k < 4; k++) {
-        clear_patch(p, first + k);
+        p->patch[first + k] = (sl_patch){.child = SL_NO_INDEX};
         p->flags[first + k] = 0;
     }
     return first;
@@ -96,10 +105,7 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
 
 /* Its patches are still to be taken out of the display. */
 static void give_block_back(sl_patches *p, uint32_t first) {
-    for (uint32_t k = 0; k < 4; k++) {
-        clear_patch(p, first + k);
-        p->flags[first + k] = SL_PATCH_DIRTY;
-    }
+    for (uint32_t k = 0; k < 4; k++) p->flags[first + k] = SL_PATCH_DIRTY;
     p->patch[first].child = p->first_free;
     p->first_free = first;
 }
@@ -170,30 +176,24 @@ sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, dou
 
 /* ---- roots -------------------------------------------------------------------------------------------------------------------- */
 
-/* Leaves that a new vertex lies on the edge of have to know of it. */
-static void take_corners(sl_patches *p, const sl_patch_place *place) {
-    for (int c = 0; c < place->corners; c++) {
-        sl_root_place at = {place->root, place->u[c], place->v[c]};
-        bool created = false;
-        p->patch[place->patch].vertex[c] = sl_vertex_take(p, at, &created);
-        if (created && place->depth > 0) sl_patches_touch_place(p, at);
-    }
-}
-
 uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_error *error) {
     *status = SL_OK;
     if (p->root_patch[root] != SL_NO_INDEX) return p->root_patch[root];
     bool block = p->wanted_count % 4 == 0;
     *status = sl_vertices_reserve(p, 4, error);
+    if (*status == SL_OK) *status = reserve_root(p, error);
     if (*status == SL_OK && block) *status = reserve_block(p, error);
     if (*status != SL_OK) return SL_NO_INDEX;
     if (block) p->last_root_block = take_block(p, SL_NO_INDEX, (uint32_t)p->wanted_count);
-    uint32_t patch = p->last_root_block + (uint32_t)(p->wanted_count % 4);
+    uint32_t patch = p->last_root_block + (uint32_t)(p->wanted_count % 4), *corner = p->root_corner[p->wanted_count];
     p->wanted_root[p->wanted_count++] = root;
     p->root_patch[root] = patch;
-    p->flags[patch] = (uint8_t)(SL_PATCH_DIRTY | (root_is_triangle(p, root) ? SL_PATCH_TRIANGLE : 0));
+    p->flags[patch] = (uint8_t)(SL_PATCH_ALIVE | SL_PATCH_DIRTY | (root_is_triangle(p, root) ? SL_PATCH_TRIANGLE : 0));
     sl_patch_place place = root_place(p, root);
-    take_corners(p, &place);
+    bool created;
+    for (int c = 0; c < 4; c++) {
+        corner[c] = c < place.corners ? sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created) : SL_NO_INDEX;
+    }
     p->patches_alive++;
     p->leaves_alive++;
     return patch;
@@ -239,23 +239,36 @@ static bool can_be_split(const sl_patches *p, const sl_patch_place *place) {
     return true;
 }
 
+enum { MIDDLES = 5 };
+static int middles_of(const sl_patch_place *parent) { return parent->corners == 3 ? 3 : MIDDLES; }
+
+/* Leaves that a new vertex lies on the edge of have to know of it. */
+static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t first) {
+    for (int m = 0; m < middles_of(parent); m++) {
+        int a = m == 4 ? 0 : m, b = m == 4 ? 2 : (m + 1) % parent->corners;
+        sl_root_place at = {parent->root, middle(parent->u[a], parent->u[b]), middle(parent->v[a], parent->v[b])};
+        bool created = false;
+        p->block[first / 4].middle[m] = sl_vertex_take(p, at, &created);
+        if (created) sl_patches_touch_place(p, at);
+    }
+}
+
 sl_status sl_patch_split(sl_patches *p, uint32_t patch, sl_error *error) {
     sl_patch_place place = sl_patch_place_of(p, patch);
     if (!sl_patch_is_leaf(p, patch) || !can_be_split(p, &place)) return SL_OK;
-    sl_status status = sl_vertices_reserve(p, 5, error);
+    sl_status status = sl_vertices_reserve(p, MIDDLES, error);
     if (status == SL_OK) status = reserve_block(p, error);
     if (status != SL_OK) return status;
     uint32_t first = take_block(p, patch, place.root);
     sl_patch *parent = &p->patch[patch];
-    parent->child = first;
     uint8_t flags = p->flags[patch] & (SL_PATCH_TRIANGLE | SL_PATCH_CHANGING);
     for (uint32_t k = 0; k < 4; k++) {
-        p->flags[first + k] = (uint8_t)(flags | SL_PATCH_DIRTY | (place.depth + 1));
+        p->flags[first + k] = (uint8_t)(flags | SL_PATCH_ALIVE | SL_PATCH_DIRTY | (place.depth + 1));
         p->patch[first + k].seen = parent->seen;
         p->patch[first + k].pixels = parent->pixels / 4 + (parent->pixels % 4 != 0);
-        sl_patch_place child = sl_patch_child_place(p, &place, (int)k);
-        take_corners(p, &child);
     }
+    take_middles(p, &place, first);
+    parent->child = first;
     p->flags[patch] |= SL_PATCH_DIRTY;
     p->patches_alive += 4;
     p->leaves_alive += 3;
@@ -281,14 +294,11 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
     for (uint32_t k = 0; k < 4; k++) sl_patch_drop_children(p, first + k);
     gather_pixels(p, patch);
     p->patch[patch].child = SL_NO_INDEX;
-    for (uint32_t k = 0; k < 4; k++) {
-        for (int c = 0; c < 4; c++) {
-            uint32_t vertex = p->patch[first + k].vertex[c];
-            if (vertex == SL_NO_INDEX) continue;
-            const sl_patch_vertex *v = &p->vertex[vertex];
-            sl_root_place place = {v->root, v->u, v->v};
-            if (sl_vertex_release(p, vertex)) sl_patches_touch_place(p, place);
-        }
+    for (int m = 0; m < MIDDLES; m++) {
+        uint32_t vertex = p->block[first / 4].middle[m];
+        if (vertex == SL_NO_INDEX) continue;
+        sl_root_place place = {p->vertex[vertex].root, p->vertex[vertex].u, p->vertex[vertex].v};
+        if (sl_vertex_release(p, vertex)) sl_patches_touch_place(p, place);
     }
     give_block_back(p, first);
     p->flags[patch] |= SL_PATCH_DIRTY;
@@ -300,7 +310,7 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
 
 static bool all_evaluated(const sl_patches *p, uint32_t patch) {
     for (int c = 0; c < sl_patch_corners(p, patch); c++) {
-        if (p->vertex[p->patch[patch].vertex[c]].evaluated == SL_VERTEX_NEVER) return false;
+        if (p->vertex[sl_patch_corner(p, patch, c)].evaluated == SL_VERTEX_NEVER) return false;
     }
     return true;
 }
@@ -336,14 +346,12 @@ bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, d
     }
     double weight[4];
     corner_weights(&place, scaled(u), scaled(v), weight);
-    const sl_patch *patch = &p->patch[place.patch];
-    for (int i = 0; i < 3; i++) {
-        double sum = 0.0;
-        for (int c = 0; c < place.corners; c++) {
-            uint32_t vertex = patch->vertex[c];
-            sum += weight[c] * (double)(second ? p->radiance[vertex][i] : p->vertex[vertex].value[i]);
-        }
-        value[i] = (float)sum;
+    double sum[3] = {0, 0, 0};
+    for (int c = 0; c < place.corners; c++) {
+        uint32_t vertex = sl_patch_corner(p, place.patch, c);
+        const float *of = second ? p->radiance[vertex] : p->vertex[vertex].value;
+        for (int i = 0; i < 3; i++) sum[i] += weight[c] * (double)of[i];
     }
+    for (int i = 0; i < 3; i++) value[i] = (float)sum[i];
     return true;
 }

@@ -6,8 +6,8 @@
  *   evict.c            ageing: children that nobody has seen for long, or that are below a pixel, go when there are too many
  *
  * Triangles are cut at their edges' middles (children 0 to 2 keep corners 0 to 2, 3 is the middle one), the others at the middles and the
- * centre (child i keeps corner i). Corners are counter-clockwise in (u, v). Vertices are counted by the patches that have them as corners: the last
- * one takes its vertex with it. */
+ * centre (child i keeps corner i). Corners are counter-clockwise in (u, v). Vertices are counted by the splits (and roots) that asked for them: the last
+ * one to go takes its vertex with it. */
 #ifndef SL_SHADING_CACHE_PATCHES_H
 #define SL_SHADING_CACHE_PATCHES_H
 
@@ -17,15 +17,23 @@ enum {
     SL_PATCH_LEVEL = 0xf,        /* depth below the root */
     SL_PATCH_TRIANGLE = 0x10,    /* three corners, not four */
     SL_PATCH_DIRTY = 0x20,       /* its display arrays are to be made again */
-    SL_PATCH_CHANGING = 0x40     /* it belongs to an object whose shading is changing */
+    SL_PATCH_CHANGING = 0x40,    /* it belongs to an object whose shading is changing */
+    SL_PATCH_ALIVE = 0x80        /* the others below patch_count are not in use */
 };
 
 typedef struct sl_patch {
     uint32_t child;              /* first of four; SL_NO_INDEX: a leaf */
-    uint32_t vertex[4];          /* [3] SL_NO_INDEX of triangles; [0] SL_NO_INDEX: not in use */
     uint32_t seen;               /* the last update in which the id map held it (of inner patches: one below it) */
     uint32_t pixels;             /* ... and how many pixels then; new children: the parent's, and a quarter of its pixels */
 } sl_patch;
+
+/* What four children have in common. Their corners are their parent's and the five vertices that its split made: the middles of edges i (corner i to i + 1), and
+ * the centre. Triangles have three. */
+typedef struct sl_patch_block {
+    uint32_t parent;             /* SL_NO_INDEX: four roots */
+    uint32_t root;               /* the one they belong to; of roots: index of the first in wanted_root */
+    uint32_t middle[5];
+} sl_patch_block;
 
 enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
 
@@ -43,12 +51,12 @@ typedef struct sl_patches {
     const sl_primitives *primitives;
     uint32_t *root_patch;        /* 2 x primitives, or SL_NO_INDEX: not wanted yet */
     uint32_t *wanted_root;       /* the wanted ones in the order in which they were: four to a block of patches */
-    size_t wanted_count;
+    uint32_t (*root_corner)[4];  /* their vertices; [3] SL_NO_INDEX of triangles */
+    size_t wanted_count, wanted_capacity;
     sl_patch *patch;
     uint8_t *flags;              /* by patch: SL_PATCH_ bits */
     size_t patch_count, patch_capacity, patches_alive, leaves_alive;
-    uint32_t *parent;            /* by block of four patches; SL_NO_INDEX: roots */
-    uint32_t *block_root;        /* by block of four patches: the root they belong to; of roots' blocks: index of the first in wanted_root */
+    sl_patch_block *block;       /* one for four patches */
     uint32_t first_free;         /* blocks that are not in use, by their patches' child */
     uint32_t last_root_block;    /* first patch of the block that new roots go to */
     sl_patch_vertex *vertex;
@@ -66,13 +74,23 @@ size_t sl_patches_memory_bytes(const sl_patches *patches);
 
 uint32_t sl_patches_root(sl_patches *patches, uint32_t root, sl_status *status, sl_error *error);
 /* Patches are never moved; those below patch_count that are not in use are skipped by this. */
-static inline bool sl_patch_is_alive(const sl_patches *p, uint32_t patch) { return p->patch[patch].vertex[0] != SL_NO_INDEX; }
+static inline bool sl_patch_is_alive(const sl_patches *p, uint32_t patch) { return p->flags[patch] & SL_PATCH_ALIVE; }
 static inline bool sl_patch_is_leaf(const sl_patches *p, uint32_t patch) { return p->patch[patch].child == SL_NO_INDEX; }
 static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) { return p->flags[patch] & SL_PATCH_TRIANGLE ? 3 : 4; }
-static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) { return p->parent[patch / 4]; }
+static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) { return p->block[patch / 4].parent; }
 static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) {
-    uint32_t root = p->block_root[patch / 4];
-    return p->parent[patch / 4] == SL_NO_INDEX ? p->wanted_root[root + patch % 4] : root;
+    const sl_patch_block *block = &p->block[patch / 4];
+    return block->parent == SL_NO_INDEX ? p->wanted_root[block->root + patch % 4] : block->root;
+}
+/* The vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards. */
+static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int corner) {
+    static const uint8_t triangle[4][3] = {{0, 0, 2}, {0, 0, 1}, {2, 1, 0}, {1, 2, 0}};
+    static const uint8_t quad[4][4] = {{0, 0, 4, 3}, {0, 0, 1, 4}, {4, 1, 0, 2}, {3, 4, 2, 0}};
+    uint32_t parent = sl_patch_parent(p, patch);
+    for (; parent != SL_NO_INDEX && patch % 4 == (uint32_t)corner; parent = sl_patch_parent(p, patch)) patch = parent;
+    const sl_patch_block *block = &p->block[patch / 4];
+    if (parent == SL_NO_INDEX) return p->root_corner[block->root + patch % 4][corner];
+    return block->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
 }
 
 /* A patch with its corners' (u, v), in 1/SL_PATCH_DYADIC. */
