@@ -72,7 +72,4 @@ sl_frame sl_mesh_gather_frame(sl_vec3 normal);
 /* The share of a hemisphere's irradiance that a square picture of half angle phi catches, C = 4/pi sin phi atan(sin phi). */
 double sl_gather_coverage(double phi);
 
-/* E_i before there is a coarse mesh: mean reflectance x power of all lights / area of all surfaces, exact in a sphere. */
-sl_rgb sl_ambient_irradiance(const sl_scene *scene);
-
 #endif

@@ -19,6 +19,7 @@
 #include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/merge.h"
 #include "cache/multi_mesh/plan.h"
+#include "scene/ambient.h"
 
 #include <string.h>
 

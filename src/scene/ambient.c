@@ -1,7 +1,8 @@
-/* Indirect light before there is a coarse mesh: mean reflectance x power of all lights / area of all surfaces. In a closed cavity of one reflectance that is
- * what one bounce brings on the average, and in a sphere what it brings everywhere. */
+#include "scene/ambient.h"
+
 #include "base/math.h"
-#include "cache/multi_mesh/gather.h"
+
+#include <math.h>
 
 typedef struct rgbd {
     double r, g, b;
@@ -68,12 +69,21 @@ static rgbd environment_irradiance(const sl_environment *e) {
     return sum;
 }
 
-sl_rgb sl_ambient_irradiance(const sl_scene *scene) {
+static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
     double area;
     rgbd reflecting = reflecting_area(scene, &area), power = power_of_lights(scene), sky = environment_irradiance(&scene->environment);
     double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
-    double e[3] = {reflecting.r * over * power.r * over + sky.r, reflecting.g * over * power.g * over + sky.g,
-                   reflecting.b * over * power.b * over + sky.b};
-    for (int k = 0; k < 3; k++) e[k] = e[k] > 0.0 && e[k] < 1e37 ? e[k] : 0.0;
+    const double reflectance[3] = {reflecting.r * over, reflecting.g * over, reflecting.b * over};
+    const double direct[3] = {power.r * over, power.g * over, power.b * over}, from_sky[3] = {sky.r, sky.g, sky.b};
+    double e[3];
+    for (int k = 0; k < 3; k++) {
+        double absorbed = 1.0 - fmin(reflectance[k], 0.99);
+        e[k] = reflectance[k] * direct[k] / (all_bounces ? absorbed : 1.0) + from_sky[k];
+        e[k] = e[k] > 0.0 && e[k] < 1e37 ? e[k] : 0.0;
+    }
     return (sl_rgb){(float)e[0], (float)e[1], (float)e[2]};
 }
+
+sl_rgb sl_ambient_irradiance(const sl_scene *scene) { return ambient(scene, false); }
+
+sl_rgb sl_ambient_irradiance_of_all_bounces(const sl_scene *scene) { return ambient(scene, true); }

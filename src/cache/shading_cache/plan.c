@@ -1,0 +1,85 @@
+#include "cache/shading_cache/plan.h"
+
+#include "scene/features.h"
+
+enum { POINTS = 64, AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, AGEING_WINDOW = 60, CHANGE_WINDOW = 3, FRAMES_AN_UPDATE = 20 };
+
+/* A picture of a still scene is done after so many points a pixel: the paper's cache has its quality at 0.03. */
+static const double points_a_pixel[] = {[SL_QUALITY_DRAFT] = 0.03, [SL_QUALITY_NORMAL] = 0.12, [SL_QUALITY_HIGH] = 0.5};
+static const int indirect_samples[] = {[SL_QUALITY_DRAFT] = 100, [SL_QUALITY_NORMAL] = 400, [SL_QUALITY_HIGH] = 1200};
+
+static int or_default(int value, int otherwise) { return value ? value : otherwise; }
+static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
+
+static uint32_t updates_for(const sl_settings *settings) {
+    double points = points_a_pixel[settings->quality] * (double)settings->width * (double)settings->height;
+    return 1u + (uint32_t)(points / (double)settings->shading_cache.points);
+}
+
+void sl_shading_complete(sl_settings *settings) {
+    sl_shading_cache_settings *c = &settings->shading_cache;
+    int area = c->area == SL_AREA_SAMPLED ? AREA_SAMPLES_ALONE : AREA_SAMPLES;
+    c->points = or_default(c->points, POINTS);
+    c->area_samples = or_default(c->area_samples, settings->quality == SL_QUALITY_HIGH ? 4 * area : area);
+    c->indirect_samples = or_default(c->indirect_samples, indirect_samples[settings->quality]);
+    c->path_depth = or_default(c->path_depth, PATH_DEPTH);
+    c->random_share = or_default_real(c->random_share, 0.03);
+    c->flood_threshold = or_default_real(c->flood_threshold, 0.5);
+    c->stop_size = or_default_real(c->stop_size, 1.0);
+    c->ageing_window = or_default(c->ageing_window, AGEING_WINDOW);
+    c->cache_limit = or_default_real(c->cache_limit, 1.5);
+    c->clean_up_seconds = or_default_real(c->clean_up_seconds, 5.0);
+    c->nominal_rate = or_default_real(c->nominal_rate, 2000.0);
+    c->change_threshold = or_default_real(c->change_threshold, 2.0);
+    c->change_window = or_default(c->change_window, CHANGE_WINDOW);
+    c->blending = or_default_real(c->blending, 1.0);
+    c->frames_per_update = or_default(c->frames_per_update, FRAMES_AN_UPDATE);
+    if (c->updates == 0) c->updates = updates_for(settings);
+}
+
+sl_shading_plan sl_shading_plan_make(const sl_scene *scene, const sl_settings *settings) {
+    sl_features f = sl_scene_features(scene);
+    bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
+    bool surfaces = f.diffuse_triangles || f.glossy_triangles || f.mirror_triangles;
+    const sl_shading_cache_settings *c = &settings->shading_cache;
+    return (sl_shading_plan){
+        .direct = lights && (f.diffuse_triangles || f.glossy_triangles),
+        .indirect = c->indirect != SL_INDIRECT_NONE && surfaces && (lights || f.environment),
+        .caustics = c->caustics && f.mirror_triangles && f.diffuse_triangles && lights,
+        .radiance = f.glossy_triangles || f.mirror_triangles,
+        .ageing = !c->no_ageing && (f.animated || f.glossy_triangles || f.mirror_triangles),
+        .curved = scene->bicubic_count > 0,
+    };
+}
+
+/* Everything up to the path depth; mirrors are surfaces whose radiance is cached. */
+void sl_shading_transport(const sl_settings *settings, sl_transport *transport) {
+    const sl_shading_cache_settings *c = &settings->shading_cache;
+    bool indirect = c->indirect != SL_INDIRECT_NONE;
+    *transport = (sl_transport){
+        .emission = true,
+        .eye_mirrors = indirect,
+        .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
+        .receiver_lobes = indirect ? SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY : 0,
+        .bounce_lobes = SL_LOBE_ALL,
+        .bounces = (uint32_t)(c->path_depth ? c->path_depth : PATH_DEPTH),
+        .direct_visibility = true,
+        .bounce_visibility = true,
+        .filter = SL_FILTER_CENTRE,
+    };
+}
+
+void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    const sl_shading_cache_settings *c = &settings->shading_cache;
+    sl_features f = sl_scene_features(scene);
+    sl_shading_plan p = sl_shading_plan_make(scene, settings);
+    sl_plan_pass(writer, true, "id map", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);
+    sl_plan_pass(writer, true, "selection", "%d points an update, %u updates", c->points, c->updates);
+    sl_plan_pass(writer, p.direct, "direct light", "%d points on each of %zu emissive triangles' lights, a ray to each of %zu others", c->area_samples, f.emitters,
+                 f.point_lights + f.spot_lights + f.directional_lights);
+    sl_plan_pass(writer, p.indirect, "indirect light", "%d bidirectional paths a point, %d surfaces long", c->indirect_samples, c->path_depth);
+    sl_plan_pass(writer, p.caustics, "caustics", "%s", p.caustics ? "a photon map" : f.mirror_triangles ? "left to the paths" : "there are no mirrors");
+    sl_plan_pass(writer, p.radiance, "radiance towards the eye", "%zu glossy and %zu mirror triangles", f.glossy_triangles, f.mirror_triangles);
+    sl_plan_pass(writer, p.ageing, "ageing", "%s", p.ageing ? "what is not diffuse, or moves" : "nothing moves, and all is diffuse");
+    sl_plan_pass(writer, p.curved, "tessellation", "%zu bicubic surfaces", scene->bicubic_count);
+}

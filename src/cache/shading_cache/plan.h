@@ -1,0 +1,22 @@
+/* What will run: settings completed, the paths, and which parts a scene needs (section 1.1: what is not needed does not run). */
+#ifndef SL_SHADING_CACHE_PLAN_H
+#define SL_SHADING_CACHE_PLAN_H
+
+#include "cache/method.h"
+
+typedef struct sl_shading_plan {
+    bool direct;        /* some light can be sampled */
+    bool indirect;      /* some surface reflects light to another */
+    bool caustics;      /* asked for, and something is a mirror */
+    bool radiance;      /* some surface is not diffuse: exitant radiance is cached, too */
+    bool ageing;        /* something may move, or is not diffuse */
+    bool curved;        /* bicubic surfaces are tessellated */
+} sl_shading_plan;
+
+/* Replaces what is 0 in settings->shading_cache, or left to quality. */
+void sl_shading_complete(sl_settings *settings);
+sl_shading_plan sl_shading_plan_make(const sl_scene *scene, const sl_settings *settings);
+void sl_shading_transport(const sl_settings *settings, sl_transport *transport);
+void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+
+#endif
