@@ -1,4 +1,5 @@
 /* The coarse mesh of multi-mesh caching: what it samples and how often, what lies between, and what bounces off it. */
+#include "scene/ambient.h"
 #include "multi_mesh_gather_support.h"
 
 static bool near(double a, double b, double tolerance) { return fabs(a - b) <= tolerance; }

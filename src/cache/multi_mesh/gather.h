@@ -1,7 +1,6 @@
 /* Indirect irradiance at a point: the coarse mesh of direct diffuse light, drawn as the point sees it under 160 degrees, times a weight
  * texture, summed on the hardware.
  *
- *   ambient.c            what stands for indirect light before
  *   coarse.c             the coarse mesh: what of it is to be sampled
  *   coarse_colours.c     ... its values times the bounce's reflectance
  *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
