@@ -4,8 +4,6 @@
  * common (Goldenshluger and Nemirovski 1997, "On spatially adaptive estimation of nonparametric regression": intersection of confidence
  * intervals), from a quarter of the k that was asked for. Not from fewer: where surfaces lie close together the nearest few photons are those of
  * the surface under the voxel's centre alone, and their area is the least certain of all. */
-#include <stdlib.h>
-
 #include "cache/light_octree/voxel_work.h"
 
 enum { CANDIDATES = 3, LEAST = 20 }; /* k / 4, k / 2, k */
@@ -21,10 +19,27 @@ typedef struct ranked_photon {
 
 size_t sl_voxel_ranking_bytes(void) { return sizeof(ranked_photon); }
 
-static int by_distance(const void *a, const void *b) {
-    const ranked_photon *p = a, *q = b;
-    if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
-    return (p->place > q->place) - (p->place < q->place);
+static bool is_nearer(const ranked_photon *a, const ranked_photon *b) {
+    return a->distance != b->distance ? a->distance < b->distance : a->place < b->place;
+}
+
+/* Moves the nearest `wanted` to the front, the farthest of them last (Hoare 1961, "Find"). */
+static void select_nearest(ranked_photon *p, size_t count, size_t wanted) {
+    size_t low = 0, high = count;
+    while (high - low > 1) {
+        ranked_photon pivot = p[low + (high - low) / 2];
+        size_t i = low, j = high - 1;
+        for (;;) {
+            while (is_nearer(&p[i], &pivot)) i++;
+            while (is_nearer(&pivot, &p[j])) j--;
+            if (i >= j) break;
+            ranked_photon swapped = p[i];
+            p[i++] = p[j];
+            p[j--] = swapped;
+        }
+        if (wanted <= i) high = i;
+        else low = i;
+    }
 }
 
 size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o) {
@@ -38,7 +53,6 @@ static void rank_photons(const sl_voxel_work *work, const sl_gathered_photons *g
         sl_rgb flux = {p->flux[0], p->flux[1], p->flux[2]};
         ranked[i] = (ranked_photon){gathered->distance[i], gathered->place[i], sl_luminance(flux)};
     }
-    qsort(ranked, gathered->count, sizeof *ranked, by_distance);
 }
 
 /* Density of the nearest `count` photons, and what it scatters by. */
@@ -53,27 +67,31 @@ static double density_of(const sl_voxel_work *work, const sl_voxel_light_options
     return density;
 }
 
-size_t sl_voxel_estimated_neighbours(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
-                                     sl_voxel_worker *w) {
-    sl_photon_query widest = *query;
-    widest.neighbours = sl_voxel_most_neighbours(o);
-    sl_voxel_gather gather = sl_voxel_gather_photons(work, &widest, w);
-    double low = 0.0, high = INFINITY, sum = 0.0, squares = 0.0;
-    size_t most = widest.neighbours, quarter = most / 4, chosen = quarter > LEAST ? quarter : most < LEAST ? most : LEAST, count = chosen, taken = 0;
+sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
+                                          sl_voxel_worker *w) {
+    sl_voxel_gather widest = sl_voxel_gather_photons(work, query, w);
+    double low = 0.0, high = INFINITY;
+    size_t most = query->neighbours, quarter = most / 4, count = quarter > LEAST ? quarter : LEAST, chosen = count;
     rank_photons(work, &w->gathered, w->ranked);
-    for (int k = 0; k < CANDIDATES && count <= gather.found && count <= most; k++, count *= 2) {
-        for (; taken < count; taken++) {
-            double luminance = (double)w->ranked[taken].luminance;
+    for (int k = 0; k < CANDIDATES && count <= widest.found && count <= most; k++, count *= 2) {
+        double sum = 0.0, squares = 0.0, scatter, radius = 0.0;
+        select_nearest(w->ranked, widest.found, count);
+        for (size_t i = 0; i < count; i++) {
+            double luminance = (double)w->ranked[i].luminance;
             sum += luminance;
             squares += luminance * luminance;
+            radius = w->ranked[i].distance > radius ? w->ranked[i].distance : radius;
         }
-        double scatter, radius = sqrt(w->ranked[count - 1].distance);
-        if (radius < query->minimum) radius = query->minimum;
-        double density = density_of(work, o, &gather, count, sum, squares, radius, w, &scatter);
+        radius = sqrt(radius) > query->minimum ? sqrt(radius) : query->minimum;
+        double density = density_of(work, o, &widest, count, sum, squares, radius, w, &scatter);
         low = density - confidence * scatter > low ? density - confidence * scatter : low;
         high = density + confidence * scatter < high ? density + confidence * scatter : high;
-        if (low > high) return chosen;
+        if (low > high) {
+            sl_photon_query nearer = *query;
+            nearer.neighbours = chosen;
+            return sl_voxel_gather_photons(work, &nearer, w);
+        }
         chosen = count;
     }
-    return most; /* no two disagree: all there are */
+    return widest; /* no two disagree */
 }

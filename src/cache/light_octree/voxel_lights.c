@@ -122,8 +122,7 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     set->done = true;
     if (!work->tree) return;
     sl_photon_query query = sl_voxel_query(work, o, set->centroid, set->normal, o->radius);
-    if (o->estimated_radius) query.neighbours = sl_voxel_estimated_neighbours(work, o, &query, w);
-    sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
+    sl_voxel_gather gather = o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w) : sl_voxel_gather_photons(work, &query, w);
     set->photons = (uint32_t)gather.found;
     set->radius = (float)gather.ellipsoid.radius;
     set->power_ratio = power_ratio(&gather);

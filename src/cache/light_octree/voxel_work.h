@@ -52,9 +52,9 @@ double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o
 
 /* The largest k that any voxel can take. */
 size_t sl_voxel_most_neighbours(const sl_voxel_light_options *o);
-/* The k with the least error in sight. Changes the worker's gather. */
-size_t sl_voxel_estimated_neighbours(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
-                                     sl_voxel_worker *w);
+/* With the k that promises the least error, up to the query's. */
+sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
+                                          sl_voxel_worker *w);
 size_t sl_voxel_ranking_bytes(void); /* for one photon */
 
 #endif
