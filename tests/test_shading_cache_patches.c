@@ -6,6 +6,7 @@
 
 #include "base/counters.h"
 #include "base/random.h"
+#include "rendering.h"
 
 static size_t power_of_4(int d) { return (size_t)1 << (2 * d); }
 
@@ -316,6 +317,30 @@ static void values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor(voi
 
 /* ---- splits and drops in any order ---- */
 
+static void split_and_drop_at_random(hierarchy *h, uint64_t steps, int deepest) {
+    sl_patches *p = h->patches;
+    uint32_t roots = 2 * (uint32_t)h->primitives->count;
+    uint64_t key = sl_random_key(11, roots);
+    for (uint64_t i = 0; i < steps; i++) {
+        uint32_t root = sl_random_bits(key, 4 * i) % roots, choice = sl_random_bits(key, 4 * i + 3);
+        want_root(h, root);
+        double u = (double)sl_random_unit(key, 4 * i + 1), v = (double)sl_random_unit(key, 4 * i + 2);
+        sl_patch_place place = sl_patch_locate(p, root, u, v);
+        bool growing = i / 2000 % 2 == 0;
+        if (choice % 8 < (growing ? 7u : 2u)) {
+            if (place.depth < deepest) split(h, place.patch);
+        } else {
+            uint32_t above = place.patch;
+            for (uint32_t k = choice >> 8; k % 3 && sl_patch_parent(p, above) != SL_NO_INDEX; k /= 3) above = sl_patch_parent(p, above);
+            sl_patch_drop_children(p, above);
+        }
+        if (i % 5000 == 4999) assert_sound(p);
+    }
+    for (uint32_t r = 0; r < roots; r++) sl_patch_drop_children(p, want_root(h, r));
+    assert_sound(p);
+    assert_int_equal(p->patches_alive, roots);
+}
+
 static void random_splits_and_drops_leave_a_sound_hierarchy(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -324,29 +349,45 @@ static void random_splits_and_drops_leave_a_sound_hierarchy(void **state) {
     uint32_t a = trace_mesh_vertex(&mesh, 0, 1, 0), b = trace_mesh_vertex(&mesh, 1, 1, 0), c = trace_mesh_vertex(&mesh, 0.5f, 2, 0);
     trace_mesh_triangle(&mesh, a, b, c, 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), false);
+    split_and_drop_at_random(&h, 100000, 9);
+    assert_int_equal(h.patches->vertices_alive, 2 * 7); /* 6 of the squares, the triangle's tip */
+    hierarchy_discard(&h);
+}
+
+static void so_do_they_on_curved_surfaces_with_a_pole(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(load_scene("scenes/vase.bpt"), false);
+    split_and_drop_at_random(&h, 20000, 7);
+    assert_int_equal(h.patches->vertices_alive, 2 * (4 * 4 + 1)); /* rings of four, and the pole */
+    hierarchy_discard(&h);
+}
+
+/* What a display does that keeps a list of triangles for each leaf and makes those again that are marked: it never misses a vertex. */
+static void leaves_that_are_not_marked_have_the_vertices_that_they_had(void **state) {
+    (void)state;
+    enum { ROOM = 256 };
+    hierarchy h = hierarchy_of(load_scene("scenes/vase.bpt"), false);
     sl_patches *p = h.patches;
-    for (uint32_t r = 0; r < 6; r++) want_root(&h, r);
-    uint64_t key = sl_random_key(11, 0);
-    for (uint64_t i = 0; i < 100000; i++) {
-        uint32_t root = sl_random_bits(key, 4 * i) % 6;
-        double u = (double)sl_random_unit(key, 4 * i + 1), v = (double)sl_random_unit(key, 4 * i + 2);
-        sl_patch_place place = sl_patch_locate(p, root, u, v);
-        bool growing = i / 2000 % 2 == 0;
-        if (sl_random_bits(key, 4 * i + 3) % 8 < (growing ? 7u : 2u)) {
-            if (place.depth < 9) split(&h, place.patch);
-        } else {
-            uint32_t above = place.patch;
-            for (uint32_t k = sl_random_bits(key, 4 * i + 3) >> 8; k % 3 && sl_patch_parent(p, above) != SL_NO_INDEX; k /= 3) {
-                above = sl_patch_parent(p, above);
+    static uint32_t known[20000][4]; /* by leaf: how many vertices hang on each edge */
+    uint64_t key = sl_random_key(2, 1);
+    for (uint32_t r = 0; r < 32; r += 2) want_root(&h, r);
+    for (uint64_t i = 0; i < 600; i++) {
+        for (size_t k = 0; k < p->patch_count; k++) p->flags[k] &= (uint8_t)~SL_PATCH_DIRTY;
+        sl_patch_place at = sl_patch_locate(p, 2 * (sl_random_bits(key, 3 * i) % 16), (double)sl_random_unit(key, 3 * i + 1),
+                                            (double)sl_random_unit(key, 3 * i + 2));
+        if (i % 4 != 3 && at.depth < 6) split(&h, at.patch);
+        else if (sl_patch_parent(p, at.patch) != SL_NO_INDEX) sl_patch_drop_children(p, sl_patch_parent(p, at.patch));
+        assert_true(p->patch_count < 20000);
+        for (uint32_t k = 0; k < p->patch_count; k++) {
+            if (!sl_patch_is_alive(p, k) || !sl_patch_is_leaf(p, k)) continue;
+            sl_patch_place leaf = sl_patch_place_of(p, k);
+            for (int edge = 0; edge < 4; edge++) {
+                uint32_t vertex[ROOM], count = (uint32_t)sl_patch_hanging(p, &leaf, edge, vertex, ROOM);
+                if (i > 0 && !(p->flags[k] & SL_PATCH_DIRTY)) assert_int_equal(count, known[k][edge]);
+                known[k][edge] = count;
             }
-            sl_patch_drop_children(p, above);
         }
-        if (i % 5000 == 4999) assert_sound(p);
     }
-    for (uint32_t r = 0; r < 6; r++) sl_patch_drop_children(p, p->root_patch[r]);
-    assert_sound(p);
-    assert_int_equal(p->patches_alive, 6);
-    assert_int_equal(p->vertices_alive, 2 * 7); /* 6 of the squares, the triangle's tip */
     hierarchy_discard(&h);
 }
 
@@ -445,6 +486,19 @@ static void eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths(voi
     hierarchy_discard(&h);
 }
 
+static void of_patches_seen_last_at_one_time_the_lower_index_goes_first(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t root = want_root(&h, 0);
+    split_levels(&h, root, 2);
+    see(h.patches, root, 5, 9);
+    sl_counters counters = {0};
+    assert_int_equal(sl_patches_evict(h.patches, 20, 90, 0.8, &counters, NULL), SL_OK); /* from 21 to 18 at most */
+    uint32_t child = h.patches->patch[root].child;
+    for (uint32_t k = 0; k < 4; k++) assert_int_equal(sl_patch_is_leaf(h.patches, child + k), k == 0);
+    hierarchy_discard(&h);
+}
+
 static void eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view(void **state) {
     (void)state;
     hierarchy h = two_walls();
@@ -526,9 +580,12 @@ int main(void) {
         cmocka_unit_test(a_vertex_that_changes_marks_all_leaves_around_it_and_no_others),
         cmocka_unit_test(values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor),
         cmocka_unit_test(random_splits_and_drops_leave_a_sound_hierarchy),
+        cmocka_unit_test(so_do_they_on_curved_surfaces_with_a_pole),
+        cmocka_unit_test(leaves_that_are_not_marked_have_the_vertices_that_they_had),
         cmocka_unit_test(patches_are_not_split_where_floats_cannot_tell_their_corners_apart),
         cmocka_unit_test(slivers_keep_their_shape_and_are_split_like_others),
         cmocka_unit_test(eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths),
+        cmocka_unit_test(of_patches_seen_last_at_one_time_the_lower_index_goes_first),
         cmocka_unit_test(eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view),
         cmocka_unit_test(what_was_just_split_in_view_is_not_evicted_before_it_could_be_seen),
         cmocka_unit_test(turning_back_within_the_window_costs_no_sample),

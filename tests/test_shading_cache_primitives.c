@@ -232,6 +232,56 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
     sl_scene_destroy(scene);
 }
 
+/* A quarter of a disc in the plane y = 0, whose middle is edge 0, 1, 2 or 3 of the surface. */
+static sl_scene *disc_scene(int pole) {
+    enum { V = 17 * 17, T = 2 * 16 * 16 };
+    static float xyz[3 * V], normal[3 * V], uv[2 * V];
+    static uint32_t index[3 * T];
+    static const float circle[4][2] = {{1, 0}, {1, 0.552285f}, {0.552285f, 1}, {0, 1}};
+    sl_bicubic b = {.steps = 16, .triangle_count = T};
+    for (int k = 0; k < 16; k++) {
+        int j = k / 4, i = k % 4; /* turned about so that row 0 becomes the edge */
+        int row = pole == 0 ? j : pole == 1 ? 3 - i : pole == 2 ? 3 - j : i, at = pole == 0 ? i : pole == 1 ? j : pole == 2 ? 3 - i : 3 - j;
+        float r = (float)row / 3.0f;
+        b.point[j][i] = sl_v3(r * circle[at][0], 0, r * circle[at][1]);
+    }
+    sl_bicubic_tessellate(&b, xyz, normal, uv, index);
+    sl_scene_parts parts = {.vertex_count = V, .positions = xyz, .normals = normal, .texture_coordinates = uv, .triangle_count = T,
+                            .indices = index, .bicubic_count = 1, .bicubics = &b};
+    sl_scene *scene;
+    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
+    assert_int_equal(scene->triangle_count, T - 16);
+    return scene;
+}
+
+static void where_half_of_the_triangles_are_missing_the_others_hold_their_points(void **state) {
+    (void)state;
+    for (int pole = 0; pole < 4; pole++) {
+        sl_scene *scene = disc_scene(pole);
+        sl_primitives *p = primitives_of(scene);
+        const sl_bicubic *b = &scene->bicubics[0];
+        for (uint32_t k = 0; k < 65 * 65; k++) {
+            uint32_t u = k % 65 * (SL_PATCH_DYADIC / 64), v = k / 65 * (SL_PATCH_DYADIC / 64);
+            sl_vec3 expected;
+            sl_bicubic_at(b, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &expected, NULL);
+            sl_root_point point;
+            sl_root_point_at(p, 0, u, v, &point);
+            double from_pole = (double)(pole == 0 ? v : pole == 1 ? SL_PATCH_DYADIC - u : pole == 2 ? SL_PATCH_DYADIC - v : u) / SL_PATCH_DYADIC;
+            /* The arc's height over its chord; a cell's angle at the pole, or how far a trapezium's halves are from bilinear. */
+            assert_true(distance(point.position, expected) <= 2e-3 * from_pole + fmin(0.11 * from_pole, 2e-3) + 1e-6);
+            assert_true(fabs(fabs((double)point.normal.y) - 1.0) < 1e-5);
+        }
+        sl_root_place corner = {0, 0, 0}, along = {0, 0, 0};
+        if (pole == 0) along.u = SL_PATCH_DYADIC / 2;
+        if (pole == 1) along.u = SL_PATCH_DYADIC, along.v = SL_PATCH_DYADIC / 2, corner.u = SL_PATCH_DYADIC;
+        if (pole == 2) along.v = SL_PATCH_DYADIC, along.u = SL_PATCH_DYADIC / 2, corner.v = SL_PATCH_DYADIC;
+        if (pole == 3) along.v = SL_PATCH_DYADIC / 2;
+        assert_true(same_root_place(sl_root_canonical(p, corner), sl_root_canonical(p, along)));
+        sl_primitives_destroy(p);
+        sl_scene_destroy(scene);
+    }
+}
+
 static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/vase.json");
@@ -438,6 +488,7 @@ int main(void) {
         cmocka_unit_test(three_triangles_of_a_strip_make_one_quadrilateral_and_a_triangle),
         cmocka_unit_test(points_of_roots_and_their_parameters_agree),
         cmocka_unit_test(points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces_normal),
+        cmocka_unit_test(where_half_of_the_triangles_are_missing_the_others_hold_their_points),
         cmocka_unit_test(any_numbers_are_answered_with_a_point_of_the_root),
         cmocka_unit_test(mean_reflectance_is_that_of_the_texture),
         cmocka_unit_test(a_canonical_place_is_where_the_point_is_with_its_normal),
