@@ -1,0 +1,148 @@
+/* Priorities in grey levels: what an eye would see of the interpolation error, and how old a patch is. */
+#include "cache/shading_cache/priority.h"
+
+#include <math.h>
+
+#include "base/math.h"
+
+/* ---- display levels ------------------------------------------------------------------------------------------------------------- */
+
+float sl_curve_luminance(sl_rgb radiance) {
+    float y = (5.0f * radiance.r + 9.0f * radiance.g + 2.0f * radiance.b) / 16.0f;
+    return y > 0.0f ? fminf(y, FLT_MAX) : 0.0f;
+}
+
+/* With S(R) = (R + 1/k) / (R + k), (S - 1/k^2) / (1 - 1/k^2) is R / (R + k): what stands below. */
+float sl_curve_level_of(const sl_display_curve *curve, float luminance) {
+    const double k = 10.0;
+    if (!(luminance > 0.0f)) return 0.0f;
+    double y = fmin((double)luminance, (double)FLT_MAX), dark = curve->reference > 0.0f ? k * (double)curve->reference : 0.0;
+    return 255.0f * fminf(sl_powf((float)(y / (y + dark)), 1.0f / 2.2f), 1.0f);
+}
+
+float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) { return sl_curve_level_of(curve, sl_curve_luminance(radiance)); }
+
+sl_rgb sl_exitant_radiance(const sl_primitives *primitives, uint32_t root, const float value[3], const float *radiance) {
+    const sl_material *material = sl_root_material(primitives, root);
+    sl_rgb kd = sl_root_mean_diffuse(primitives, root), sum = {0};
+    sl_rgb diffuse = sl_rgb_scale(sl_rgb_mul(kd, (sl_rgb){value[0], value[1], value[2]}), (float)(1.0 / SL_PI));
+    if (root % 2 == 0 || material->emission_two_sided) sum = material->emission;
+    if (radiance) sum = sl_rgb_add(sum, (sl_rgb){radiance[0], radiance[1], radiance[2]});
+    return sl_rgb_add(sum, diffuse);
+}
+
+static float level_at(const sl_patches *p, const sl_display_curve *curve, uint32_t root, uint32_t vertex) {
+    return sl_curve_level(curve, sl_exitant_radiance(p->primitives, root, p->vertex[vertex].value, p->radiance ? p->radiance[vertex] : NULL));
+}
+
+float sl_vertex_level(const sl_patches *p, const sl_display_curve *curve, uint32_t vertex) {
+    return level_at(p, curve, p->vertex[vertex].root, vertex);
+}
+
+/* ---- error and age of a patch --------------------------------------------------------------------------------------------------- */
+
+float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_t patch) {
+    const uint32_t *vertex = p->patch[patch].vertex;
+    uint32_t root = sl_patch_root(p, patch);
+    float low = 255.0f, high = 0.0f;
+    for (int c = 0; c < sl_patch_corners(p, patch); c++) {
+        if (p->vertex[vertex[c]].evaluated == SL_VERTEX_NEVER) return -1.0f;
+        float level = level_at(p, curve, root, vertex[c]);
+        low = fminf(low, level);
+        high = fmaxf(high, level);
+    }
+    return high - low;
+}
+
+float sl_patch_age(const sl_patches *p, uint32_t patch, uint32_t now, uint32_t changed, float c) {
+    uint32_t oldest = now;
+    for (int i = 0; i < sl_patch_corners(p, patch); i++) {
+        uint32_t evaluated = p->vertex[p->patch[patch].vertex[i]].evaluated;
+        if (evaluated == SL_VERTEX_NEVER) return 0.0f;
+        oldest = evaluated < oldest ? evaluated : oldest;
+    }
+    return oldest < changed ? c * (float)(now - oldest) : 0.0f;
+}
+
+static double cube_root(double x) { return x > 0.0 ? sl_pow(x, 1.0 / 3.0) : 0.0; }
+
+float sl_age_constant(const sl_material *material) {
+    double half = 0.5 * (double)sl_curve_luminance(material->diffuse), ks = (double)sl_curve_luminance(material->specular);
+    double contrast = cube_root(ks + half) - cube_root(half), n = (double)material->exponent;
+    double distinctness = n > 0.0 ? 1.0 - 1.0 / sqrt(2.0 * n + 1.0) : 0.0;
+    return (float)(1.0 + 8.0 * contrast * distinctness);
+}
+
+float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint32_t patch, uint32_t now, uint32_t eye_moved, uint32_t changed) {
+    float error = sl_patch_error(p, curve, patch);
+    if (error < 0.0f || (!eye_moved && !changed)) return error;
+    const sl_material *material = sl_root_material(p->primitives, sl_patch_root(p, patch));
+    float c = sl_age_constant(material), seen = 0.0f;
+    if (sl_material_is_glossy(material)) seen = sl_patch_age(p, patch, now, eye_moved, c);
+    return error + fminf(fmaxf(seen, sl_patch_age(p, patch, now, changed, c)), 255.0f);
+}
+
+/* ---- normalisation -------------------------------------------------------------------------------------------------------------- */
+
+/* Of the priorities of evaluated leaves, by pixels. Moments are taken about the smallest, so that equal ones have no variance at all. */
+typedef struct distribution {
+    double min, max, mean, sigma;
+} distribution;
+
+static bool is_evaluated(const sl_leaf_priority *leaf) { return leaf->priority >= 0.0f && leaf->pixels > 0; }
+
+static double finite_priority(const sl_leaf_priority *leaf) { return fmin((double)leaf->priority, (double)FLT_MAX); }
+
+static bool find_range(size_t count, const sl_leaf_priority *leaves, distribution *d) {
+    *d = (distribution){.min = HUGE_VAL, .max = -HUGE_VAL};
+    for (size_t i = 0; i < count; i++) {
+        if (!is_evaluated(&leaves[i])) continue;
+        d->min = fmin(d->min, finite_priority(&leaves[i]));
+        d->max = fmax(d->max, finite_priority(&leaves[i]));
+    }
+    return d->max >= d->min;
+}
+
+static void find_moments(size_t count, const sl_leaf_priority *leaves, double clip, distribution *d) {
+    double weight = 0.0, sum = 0.0, squares = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        if (!is_evaluated(&leaves[i])) continue;
+        double pixels = (double)leaves[i].pixels, above = fmin(finite_priority(&leaves[i]), clip) - d->min;
+        weight += pixels;
+        sum += pixels * above;
+        squares += pixels * above * above;
+    }
+    double mean = sum / weight;
+    d->mean = d->min + mean;
+    d->sigma = sqrt(fmax(squares / weight - mean * mean, 0.0));
+}
+
+/* One value of 10^6 among 10^4 between 0 and 1 puts mean + 4 sigma at 40,000, and all others at nothing; clipped to that its next place is 1,600,
+ * then 65, 3.3, 1.7. */
+static double find_high(size_t count, const sl_leaf_priority *leaves, distribution *d) {
+    enum { PASSES = 8 };
+    double high = d->max;
+    for (int pass = 0; pass < PASSES; pass++) {
+        find_moments(count, leaves, high, d);
+        double next = fmin(high, d->mean + 4.0 * d->sigma);
+        if (!(next < high)) break;
+        high = next;
+    }
+    return high;
+}
+
+void sl_priorities_normalise(size_t count, sl_leaf_priority *leaves, bool plain) {
+    distribution d;
+    double low = 0.0, high = 0.0;
+    if (find_range(count, leaves, &d)) {
+        if (plain) find_moments(count, leaves, d.max, &d);
+        high = plain ? d.mean + 4.0 * d.sigma : find_high(count, leaves, &d);
+        low = plain ? d.mean - 4.0 * d.sigma : fmax(d.min, d.mean - 4.0 * d.sigma);
+    }
+    for (size_t i = 0; i < count; i++) {
+        double p = finite_priority(&leaves[i]);
+        if (!(leaves[i].priority >= 0.0f)) leaves[i].normal = 1.0f; /* NaN, too: new samples are what mends it */
+        else if (high > low) leaves[i].normal = (float)fmin(fmax((p - low) / (high - low), 0.0), 1.0);
+        else leaves[i].normal = p > 0.0 ? 1.0f : 0.0f;
+    }
+}

@@ -1,0 +1,360 @@
+/* Priorities of patches: display levels, the interpolation error that shows, age, and what is normal among the pixels of a picture. */
+#include <float.h>
+#include <math.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/shading_cache/priority.h"
+#include "patch_support.h"
+
+static const sl_display_curve curve = {.reference = 2.0f};
+
+/* ---- display levels ---- */
+
+static double s_curve(double r) { return (r + 0.1) / (r + 10.0); }
+
+static void levels_are_those_of_the_s_curve(void **state) {
+    (void)state;
+    assert_true(fabs(s_curve(0.0) - 0.01) < 1e-15 && fabs(s_curve(1.0) - 0.1) < 1e-15 && fabs(s_curve(3.0) * s_curve(1.0 / 3.0) - 0.01) < 1e-15);
+    for (int exponent = -20; exponent <= 30; exponent++) {
+        float y = ldexpf(1.3f, exponent);
+        double s = s_curve((double)y / 2.0), wanted = 255.0 * sl_pow((s - 0.01) / 0.99, 1.0 / 2.2);
+        assert_true(fabs((double)sl_curve_level_of(&curve, y) - wanted) < 1e-4);
+    }
+}
+
+static void more_light_is_never_shown_as_darker(void **state) {
+    (void)state;
+    float last = 0.0f;
+    for (float y = 1e-6f; y < 1e6f; y *= 1.01f) {
+        float level = sl_curve_level_of(&curve, y);
+        assert_true(level > last || (level == last && level == 255.0f));
+        last = level;
+    }
+}
+
+static void luminance_is_five_nine_and_two_sixteenths(void **state) {
+    (void)state;
+    assert_true(sl_curve_luminance((sl_rgb){16, 0, 0}) == 5.0f && sl_curve_luminance((sl_rgb){0, 16, 0}) == 9.0f);
+    assert_true(sl_curve_luminance((sl_rgb){0, 0, 16}) == 2.0f && sl_curve_luminance((sl_rgb){1, 1, 1}) == 1.0f);
+}
+
+static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
+    (void)state;
+    for (float y = 1e-4f; y < 1e4f; y *= 3.0f) {
+        sl_display_curve other = {64.0f * curve.reference}, third = {1e-3f * curve.reference};
+        assert_true(sl_curve_level_of(&curve, y) == sl_curve_level_of(&other, 64.0f * y));
+        assert_true(fabsf(sl_curve_level_of(&curve, y) - sl_curve_level_of(&third, 1e-3f * y)) < 1e-3f);
+    }
+}
+
+static void light_that_is_no_number_has_a_level_nevertheless(void **state) {
+    (void)state;
+    assert_true(sl_curve_level(&curve, (sl_rgb){NAN, 1, 1}) == 0.0f && sl_curve_level(&curve, sl_grey(-1.0f)) == 0.0f);
+    assert_true(sl_curve_level(&curve, sl_grey(HUGE_VALF)) == 255.0f && sl_curve_level(&curve, sl_grey(FLT_MAX)) == 255.0f);
+    assert_true(sl_curve_level(&curve, sl_grey(0.0f)) == 0.0f);
+    for (int i = 0; i < 3; i++) { /* references that are none */
+        sl_display_curve none = {(float[]){0.0f, -1.0f, NAN}[i]};
+        assert_true(sl_curve_level_of(&none, 0.0f) == 0.0f && sl_curve_level_of(&none, 1.0f) == 255.0f);
+    }
+}
+
+/* ---- the error of a patch ---- */
+
+static void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uint32_t now) {
+    sl_patch_vertex *v = &h->patches->vertex[vertex];
+    for (int c = 0; c < 3; c++) v->value[c] = irradiance;
+    v->evaluated = now;
+    v->samples = 1;
+}
+
+static void evaluate_all(hierarchy *h, float irradiance, uint32_t now) {
+    for (uint32_t i = 0; i < h->patches->vertex_count; i++) evaluate(h, i, irradiance, now);
+}
+
+static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 0.0f, 1);
+    assert_true(sl_patch_error(h.patches, &curve, patch) == 0.0f);
+    evaluate(&h, h.patches->patch[patch].vertex[2], 1e12f, 1);
+    assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - 255.0f) < 1e-3f);
+    hierarchy_discard(&h);
+}
+
+static void errors_are_those_of_what_leaves_a_surface_not_of_what_arrives(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false); /* kd = 1/2 */
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 1.0f, 1);
+    evaluate(&h, h.patches->patch[patch].vertex[1], 5.0f, 1);
+    float wanted = sl_curve_level_of(&curve, 2.5f / (float)SL_PI) - sl_curve_level_of(&curve, 0.5f / (float)SL_PI);
+    assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - wanted) < 1e-3f);
+    assert_true(sl_vertex_level(h.patches, &curve, h.patches->patch[patch].vertex[1]) == sl_curve_level_of(&curve, 2.5f / (float)SL_PI));
+    hierarchy_discard(&h);
+}
+
+static sl_scene *lamp_and_gloss_scene(float emission, float specular, float exponent) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, specular, exponent, 0, emission);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
+    return trace_mesh_build(&mesh);
+}
+
+static void light_on_the_front_of_a_lamp_hardly_shows(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(1000.0f, 0, 0), false);
+    uint32_t front = want_root(&h, 0), back = want_root(&h, 1);
+    evaluate_all(&h, 0.0f, 1);
+    evaluate(&h, h.patches->patch[front].vertex[0], 10.0f, 1);
+    evaluate(&h, h.patches->patch[back].vertex[0], 10.0f, 1);
+    assert_true(sl_patch_error(h.patches, &curve, front) < 0.05f && sl_patch_error(h.patches, &curve, back) > 50.0f);
+    hierarchy_discard(&h);
+}
+
+static void highlights_count_where_there_are_lobes(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), true);
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 0.0f, 1);
+    float *lobe = h.patches->radiance[h.patches->patch[patch].vertex[3]];
+    lobe[0] = lobe[1] = lobe[2] = 4.0f;
+    assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - sl_curve_level_of(&curve, 4.0f)) < 1e-3f);
+    hierarchy_discard(&h);
+}
+
+static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(triangle_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    for (int c = 0; c < 3; c++) {
+        assert_true(sl_patch_error(h.patches, &curve, patch) == -1.0f && sl_patch_priority(h.patches, &curve, patch, 9, 8, 8) == -1.0f);
+        evaluate(&h, h.patches->patch[patch].vertex[c], 1.0f, 1);
+    }
+    assert_true(sl_patch_error(h.patches, &curve, patch) == 0.0f);
+    hierarchy_discard(&h);
+}
+
+static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    split_levels(&h, want_root(&h, 0), 2);
+    evaluate_all(&h, 1.0f, 1);
+    sl_patch_place at = sl_patch_locate(h.patches, 0, 0.4, 0.4); /* its corner 2 is the middle of the square */
+    uint32_t middle = h.patches->patch[at.patch].vertex[2];
+    evaluate(&h, middle, 3.0f, 2);
+    int raised = 0;
+    for (uint32_t i = 0; i < h.patches->patch_count; i++) {
+        if (!sl_patch_is_alive(h.patches, i) || !sl_patch_is_leaf(h.patches, i)) continue;
+        bool around = false;
+        for (int c = 0; c < 4; c++) around |= h.patches->patch[i].vertex[c] == middle;
+        assert_true((sl_patch_error(h.patches, &curve, i) > 0.0f) == around);
+        raised += around;
+    }
+    assert_int_equal(raised, 4);
+    hierarchy_discard(&h);
+}
+
+/* ---- age ---- */
+
+static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 1.0f, 7);
+    assert_true(sl_patch_age(h.patches, patch, 20, 0, 2.0f) == 0.0f && sl_patch_age(h.patches, patch, 20, 7, 2.0f) == 0.0f);
+    assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
+    for (int c = 0; c < 3; c++) evaluate(&h, h.patches->patch[patch].vertex[c], 1.0f, 9);
+    assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
+    evaluate(&h, h.patches->patch[patch].vertex[3], 1.0f, 9);
+    assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 0.0f);
+    hierarchy_discard(&h);
+}
+
+static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
+    (void)state;
+    for (int glossy = 0; glossy < 2; glossy++) {
+        hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, glossy ? 0.3f : 0.0f, 50.0f), true);
+        uint32_t patch = want_root(&h, 0);
+        evaluate_all(&h, 1.0f, 5);
+        assert_true(sl_patch_priority(h.patches, &curve, patch, 10, 0, 0) == 0.0f);
+        float priority = sl_patch_priority(h.patches, &curve, patch, 10, 6, 0);
+        assert_true(glossy ? priority > 5.0f : priority == 0.0f);
+        assert_true(sl_patch_priority(h.patches, &curve, patch, 10, 0, 6) >= 5.0f);
+        hierarchy_discard(&h);
+    }
+}
+
+static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), true);
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 1.0f, 5);
+    float c = sl_age_constant(sl_root_material(h.primitives, 0));
+    float eye = sl_patch_priority(h.patches, &curve, patch, 10, 6, 0), object = sl_patch_priority(h.patches, &curve, patch, 10, 4, 8);
+    assert_true(eye == 5.0f * c && object == eye && sl_patch_priority(h.patches, &curve, patch, 10, 6, 8) == eye);
+    assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) == 255.0f);
+    evaluate(&h, h.patches->patch[patch].vertex[0], 1e12f, 5);
+    assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) > 255.0f + 200.0f); /* on top of the error */
+    hierarchy_discard(&h);
+}
+
+static void the_glossier_a_material_the_faster_it_ages(void **state) {
+    (void)state;
+    sl_material m = {.diffuse = sl_grey(0.4f)};
+    assert_true(sl_age_constant(&m) == 1.0f);
+    m.specular = sl_grey(0.3f);
+    float last = sl_age_constant(&m);
+    assert_true(last == 1.0f); /* exponent 0: nothing to be told apart in it */
+    for (m.exponent = 1.0f; m.exponent < 1e6f; m.exponent *= 4.0f) {
+        double wanted = 1.0 + 8.0 * (cbrt(0.3 + 0.2) - cbrt(0.2)) * (1.0 - 1.0 / sqrt(2.0 * (double)m.exponent + 1.0));
+        assert_true(sl_age_constant(&m) > last && fabs((double)sl_age_constant(&m) - wanted) < 1e-5);
+        last = sl_age_constant(&m);
+    }
+    m.specular = sl_grey(0.5f);
+    assert_true(sl_age_constant(&m) > last);
+    sl_material black = {.exponent = 10.0f};
+    assert_true(sl_age_constant(&black) == 1.0f);
+}
+
+/* ---- normalisation ---- */
+
+enum { MANY = 10001 };
+
+static double mean_total(size_t count, const sl_leaf_priority *leaves) {
+    double sum = 0.0, pixels = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        sum += (0.03 + 0.97 * (double)leaves[i].normal) * (double)leaves[i].pixels;
+        pixels += (double)leaves[i].pixels;
+    }
+    return sum / pixels;
+}
+
+static void where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsilon(void **state) {
+    (void)state;
+    for (int percent = 1; percent <= 5; percent += 4) {
+        sl_leaf_priority leaves[1000] = {{0}};
+        for (uint32_t i = 0; i < 1000; i++) leaves[i] = (sl_leaf_priority){i, 1, i < 10u * (unsigned)percent ? 40.0f : 0.0f, -1.0f};
+        sl_priorities_normalise(1000, leaves, false);
+        assert_true(leaves[999].normal == 0.0f && leaves[0].normal == 1.0f);
+        double mean = mean_total(1000, leaves);
+        assert_true(fabs(mean - (percent == 1 ? 0.040 : 0.079)) < 5e-4);
+        sl_priorities_normalise(1000, leaves, true); /* as printed: nearly uniform, whatever the distribution */
+        assert_true(fabs(mean_total(1000, leaves) - 0.515) < 0.01);
+        assert_true(leaves[999].normal > 0.47f && leaves[999].normal < 0.49f);
+    }
+    sl_leaf_priority leaves[1000];
+    for (uint32_t i = 0; i < 1000; i++) leaves[i] = (sl_leaf_priority){i, 1, (float)i, 0.0f};
+    sl_priorities_normalise(1000, leaves, true);
+    assert_true(fabs(mean_total(1000, leaves) - 0.515) < 1e-6);
+}
+
+/* mean + 4 sigma of values clipped to `high`, or the largest of them. */
+static double next_high(const sl_leaf_priority *leaves, double high) {
+    double sum = 0.0, squares = 0.0;
+    for (int i = 0; i < MANY; i++) {
+        double p = fmin((double)leaves[i].priority, high);
+        sum += p;
+        squares += p * p;
+    }
+    double mean = sum / MANY;
+    return fmin(high, mean + 4.0 * sqrt(squares / MANY - mean * mean));
+}
+
+static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
+    (void)state;
+    static sl_leaf_priority leaves[MANY];
+    uint64_t key = sl_random_key(11, 0);
+    for (uint32_t i = 0; i < MANY; i++) leaves[i] = (sl_leaf_priority){i, 1, i ? sl_random_unit(key, i) : 1e6f, 0.0f};
+    const double wanted[] = {40098.0, 1608.0, 65.0, 3.3, 1.66};
+    double high = 1e6;
+    for (int i = 0; i < 5; i++) {
+        high = next_high(leaves, high);
+        assert_true(fabs(high / wanted[i] - 1.0) < 0.02);
+    }
+    sl_priorities_normalise(MANY, leaves, false);
+    assert_true(leaves[0].normal == 1.0f);
+    for (int i = 1; i < MANY; i++) assert_true(fabs((double)leaves[i].normal - (double)leaves[i].priority / high) < 0.01);
+}
+
+static void equal_priorities_are_all_1_and_no_priorities_all_0(void **state) {
+    (void)state;
+    for (int plain = 0; plain < 2; plain++) {
+        for (int k = 0; k < 4; k++) {
+            float p = (float[]){0.0f, 0.1f, 1e-30f, 255.0f}[k];
+            sl_leaf_priority leaves[7];
+            for (uint32_t i = 0; i < 7; i++) leaves[i] = (sl_leaf_priority){i, 3 + i, p, 0.5f};
+            sl_priorities_normalise(7, leaves, plain);
+            for (int i = 0; i < 7; i++) assert_true(leaves[i].normal == (p > 0.0f ? 1.0f : 0.0f));
+        }
+    }
+    sl_priorities_normalise(0, NULL, false);
+}
+
+static void leaves_never_evaluated_come_first_and_leave_the_others_as_they_are(void **state) {
+    (void)state;
+    sl_leaf_priority alone[50], mixed[60];
+    uint64_t key = sl_random_key(5, 5);
+    for (uint32_t i = 0; i < 50; i++) mixed[i] = alone[i] = (sl_leaf_priority){i, 1 + i % 3, 10.0f * sl_random_unit(key, i), 0.0f};
+    for (uint32_t i = 50; i < 60; i++) mixed[i] = (sl_leaf_priority){i, 100, -1.0f, 0.0f};
+    sl_priorities_normalise(50, alone, false);
+    sl_priorities_normalise(60, mixed, false);
+    for (int i = 0; i < 60; i++) assert_true(mixed[i].normal == (i < 50 ? alone[i].normal : 1.0f));
+    for (int i = 0; i < 60; i++) mixed[i].priority = -1.0f;
+    sl_priorities_normalise(60, mixed, false);
+    for (int i = 0; i < 60; i++) assert_true(mixed[i].normal == 1.0f);
+}
+
+static void priorities_that_are_no_numbers_harm_nothing(void **state) {
+    (void)state;
+    for (int plain = 0; plain < 2; plain++) {
+        sl_leaf_priority leaves[MANY / 10];
+        for (uint32_t i = 0; i < MANY / 10; i++) leaves[i] = (sl_leaf_priority){i, 1, (float)(i % 100), 0.0f};
+        leaves[0].priority = NAN;
+        leaves[1].priority = HUGE_VALF;
+        leaves[2].priority = FLT_MAX;
+        sl_priorities_normalise(MANY / 10, leaves, plain);
+        for (int i = 0; i < MANY / 10; i++) assert_true(leaves[i].normal >= 0.0f && leaves[i].normal <= 1.0f);
+        assert_true(leaves[0].normal == 1.0f && leaves[1].normal >= leaves[3].normal && leaves[2].normal == leaves[1].normal);
+    }
+}
+
+static void a_leaf_counts_by_its_pixels(void **state) {
+    (void)state;
+    sl_leaf_priority few[3] = {{0, 90, 1.0f, 0}, {1, 9, 5.0f, 0}, {2, 1, 30.0f, 0}}, many[100];
+    for (uint32_t i = 0; i < 100; i++) many[i] = (sl_leaf_priority){i, 1, i < 90 ? 1.0f : i < 99 ? 5.0f : 30.0f, 0};
+    for (int plain = 0; plain < 2; plain++) {
+        sl_priorities_normalise(3, few, plain);
+        sl_priorities_normalise(100, many, plain);
+        assert_true(fabsf(few[0].normal - many[0].normal) < 1e-6f && fabsf(few[1].normal - many[95].normal) < 1e-6f);
+        assert_true(fabsf(few[2].normal - many[99].normal) < 1e-6f);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(levels_are_those_of_the_s_curve),
+        cmocka_unit_test(more_light_is_never_shown_as_darker),
+        cmocka_unit_test(luminance_is_five_nine_and_two_sixteenths),
+        cmocka_unit_test(a_scene_and_its_reference_scaled_alike_look_the_same),
+        cmocka_unit_test(light_that_is_no_number_has_a_level_nevertheless),
+        cmocka_unit_test(a_patch_from_black_to_very_bright_has_an_error_of_255),
+        cmocka_unit_test(errors_are_those_of_what_leaves_a_surface_not_of_what_arrives),
+        cmocka_unit_test(light_on_the_front_of_a_lamp_hardly_shows),
+        cmocka_unit_test(highlights_count_where_there_are_lobes),
+        cmocka_unit_test(a_patch_with_a_corner_never_evaluated_has_no_error),
+        cmocka_unit_test(a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others),
+        cmocka_unit_test(only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner),
+        cmocka_unit_test(when_the_eye_moves_only_what_has_a_lobe_ages),
+        cmocka_unit_test(of_two_ages_the_larger_counts_and_no_more_than_255_levels),
+        cmocka_unit_test(the_glossier_a_material_the_faster_it_ages),
+        cmocka_unit_test(where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsilon),
+        cmocka_unit_test(one_outlier_does_not_hide_ten_thousand_others),
+        cmocka_unit_test(equal_priorities_are_all_1_and_no_priorities_all_0),
+        cmocka_unit_test(leaves_never_evaluated_come_first_and_leave_the_others_as_they_are),
+        cmocka_unit_test(priorities_that_are_no_numbers_harm_nothing),
+        cmocka_unit_test(a_leaf_counts_by_its_pixels),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
