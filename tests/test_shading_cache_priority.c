@@ -78,7 +78,7 @@ static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) 
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
     assert_true(sl_patch_error(h.patches, &curve, patch) == 0.0f);
-    evaluate(&h, h.patches->patch[patch].vertex[2], 1e12f, 1);
+    evaluate(&h, sl_patch_corner(h.patches, patch, 2), 1e12f, 1);
     assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - 255.0f) < 1e-3f);
     hierarchy_discard(&h);
 }
@@ -88,10 +88,10 @@ static void errors_are_those_of_what_leaves_a_surface_not_of_what_arrives(void *
     hierarchy h = hierarchy_of(square_scene(), false); /* kd = 1/2 */
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 1);
-    evaluate(&h, h.patches->patch[patch].vertex[1], 5.0f, 1);
+    evaluate(&h, sl_patch_corner(h.patches, patch, 1), 5.0f, 1);
     float wanted = sl_curve_level_of(&curve, 2.5f / (float)SL_PI) - sl_curve_level_of(&curve, 0.5f / (float)SL_PI);
     assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - wanted) < 1e-3f);
-    assert_true(sl_vertex_level(h.patches, &curve, h.patches->patch[patch].vertex[1]) == sl_curve_level_of(&curve, 2.5f / (float)SL_PI));
+    assert_true(sl_vertex_level(h.patches, &curve, sl_patch_corner(h.patches, patch, 1)) == sl_curve_level_of(&curve, 2.5f / (float)SL_PI));
     hierarchy_discard(&h);
 }
 
@@ -107,8 +107,8 @@ static void light_on_the_front_of_a_lamp_hardly_shows(void **state) {
     hierarchy h = hierarchy_of(lamp_and_gloss_scene(1000.0f, 0, 0), false);
     uint32_t front = want_root(&h, 0), back = want_root(&h, 1);
     evaluate_all(&h, 0.0f, 1);
-    evaluate(&h, h.patches->patch[front].vertex[0], 10.0f, 1);
-    evaluate(&h, h.patches->patch[back].vertex[0], 10.0f, 1);
+    evaluate(&h, sl_patch_corner(h.patches, front, 0), 10.0f, 1);
+    evaluate(&h, sl_patch_corner(h.patches, back, 0), 10.0f, 1);
     assert_true(sl_patch_error(h.patches, &curve, front) < 0.05f && sl_patch_error(h.patches, &curve, back) > 50.0f);
     hierarchy_discard(&h);
 }
@@ -118,7 +118,7 @@ static void highlights_count_where_there_are_lobes(void **state) {
     hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), true);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
-    float *lobe = h.patches->radiance[h.patches->patch[patch].vertex[3]];
+    float *lobe = h.patches->radiance[sl_patch_corner(h.patches, patch, 3)];
     lobe[0] = lobe[1] = lobe[2] = 4.0f;
     assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - sl_curve_level_of(&curve, 4.0f)) < 1e-3f);
     hierarchy_discard(&h);
@@ -130,7 +130,7 @@ static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
     uint32_t patch = want_root(&h, 0);
     for (int c = 0; c < 3; c++) {
         assert_true(sl_patch_error(h.patches, &curve, patch) == -1.0f && sl_patch_priority(h.patches, &curve, patch, 9, 8, 8) == -1.0f);
-        evaluate(&h, h.patches->patch[patch].vertex[c], 1.0f, 1);
+        evaluate(&h, sl_patch_corner(h.patches, patch, c), 1.0f, 1);
     }
     assert_true(sl_patch_error(h.patches, &curve, patch) == 0.0f);
     hierarchy_discard(&h);
@@ -142,13 +142,13 @@ static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it
     split_levels(&h, want_root(&h, 0), 2);
     evaluate_all(&h, 1.0f, 1);
     sl_patch_place at = sl_patch_locate(h.patches, 0, 0.4, 0.4); /* its corner 2 is the middle of the square */
-    uint32_t middle = h.patches->patch[at.patch].vertex[2];
+    uint32_t middle = sl_patch_corner(h.patches, at.patch, 2);
     evaluate(&h, middle, 3.0f, 2);
     int raised = 0;
     for (uint32_t i = 0; i < h.patches->patch_count; i++) {
         if (!sl_patch_is_alive(h.patches, i) || !sl_patch_is_leaf(h.patches, i)) continue;
         bool around = false;
-        for (int c = 0; c < 4; c++) around |= h.patches->patch[i].vertex[c] == middle;
+        for (int c = 0; c < 4; c++) around |= sl_patch_corner(h.patches, i, c) == middle;
         assert_true((sl_patch_error(h.patches, &curve, i) > 0.0f) == around);
         raised += around;
     }
@@ -165,9 +165,9 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
     evaluate_all(&h, 1.0f, 7);
     assert_true(sl_patch_age(h.patches, patch, 20, 0, 2.0f) == 0.0f && sl_patch_age(h.patches, patch, 20, 7, 2.0f) == 0.0f);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
-    for (int c = 0; c < 3; c++) evaluate(&h, h.patches->patch[patch].vertex[c], 1.0f, 9);
+    for (int c = 0; c < 3; c++) evaluate(&h, sl_patch_corner(h.patches, patch, c), 1.0f, 9);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 26.0f);
-    evaluate(&h, h.patches->patch[patch].vertex[3], 1.0f, 9);
+    evaluate(&h, sl_patch_corner(h.patches, patch, 3), 1.0f, 9);
     assert_true(sl_patch_age(h.patches, patch, 20, 8, 2.0f) == 0.0f);
     hierarchy_discard(&h);
 }
@@ -195,7 +195,7 @@ static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **sta
     float eye = sl_patch_priority(h.patches, &curve, patch, 10, 6, 0), object = sl_patch_priority(h.patches, &curve, patch, 10, 4, 8);
     assert_true(eye == 5.0f * c && object == eye && sl_patch_priority(h.patches, &curve, patch, 10, 6, 8) == eye);
     assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) == 255.0f);
-    evaluate(&h, h.patches->patch[patch].vertex[0], 1e12f, 5);
+    evaluate(&h, sl_patch_corner(h.patches, patch, 0), 1e12f, 5);
     assert_true(sl_patch_priority(h.patches, &curve, patch, 10000, 6, 8) > 255.0f + 200.0f); /* on top of the error */
     hierarchy_discard(&h);
 }

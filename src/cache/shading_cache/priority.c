@@ -42,12 +42,12 @@ float sl_vertex_level(const sl_patches *p, const sl_display_curve *curve, uint32
 /* ---- error and age of a patch --------------------------------------------------------------------------------------------------- */
 
 float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_t patch) {
-    const uint32_t *vertex = p->patch[patch].vertex;
     uint32_t root = sl_patch_root(p, patch);
     float low = 255.0f, high = 0.0f;
     for (int c = 0; c < sl_patch_corners(p, patch); c++) {
-        if (p->vertex[vertex[c]].evaluated == SL_VERTEX_NEVER) return -1.0f;
-        float level = level_at(p, curve, root, vertex[c]);
+        uint32_t vertex = sl_patch_corner(p, patch, c);
+        if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) return -1.0f;
+        float level = level_at(p, curve, root, vertex);
         low = fminf(low, level);
         high = fmaxf(high, level);
     }
@@ -57,7 +57,7 @@ float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_
 float sl_patch_age(const sl_patches *p, uint32_t patch, uint32_t now, uint32_t changed, float c) {
     uint32_t oldest = now;
     for (int i = 0; i < sl_patch_corners(p, patch); i++) {
-        uint32_t evaluated = p->vertex[p->patch[patch].vertex[i]].evaluated;
+        uint32_t evaluated = p->vertex[sl_patch_corner(p, patch, i)].evaluated;
         if (evaluated == SL_VERTEX_NEVER) return 0.0f;
         oldest = evaluated < oldest ? evaluated : oldest;
     }
