@@ -204,6 +204,7 @@ static void void_dark(sl_light_octree_settings *s) { s->keep_void_dark = true; }
 static void wide(sl_light_octree_settings *s) { s->wide_directions = true; }
 static void unit(sl_light_octree_settings *s) { s->unit_weights = true; }
 static void exactly_k(sl_light_octree_settings *s) { s->fixed_neighbours = true; }
+static void own(sl_light_octree_settings *s) { s->own_photons = true; }
 static void sixty(sl_light_octree_settings *s) { s->acceptance = SL_PI / 3.0; }
 static void spread(sl_light_octree_settings *s) { s->spread_tolerance = SL_PI / 18.0, s->lights = 8; }
 static void colour(sl_light_octree_settings *s) { s->lobes = SL_LOBES_NONE; }
@@ -219,7 +220,8 @@ static const choice choices[] = {
     {"default", "octree", none}, {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
     {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
     {"one set of lights a voxel", "whole", whole}, {"voxels weigh by facing", NULL, facing},
-    {"k photons, not k/4 to k", NULL, exactly_k}, {"photons within 60 degrees", NULL, sixty}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
+    {"k photons, not k/4 to k", NULL, exactly_k}, {"photons within 60 degrees", NULL, sixty},
+    {"each voxel's own photons", "own", own}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
     {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},
     {"irradiance on the surface", "surface", surface}, {"8 lights", NULL, eight}, {"8 lights or 10 degrees", NULL, spread},
     {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, one set a voxel", NULL, whole_harmonics},

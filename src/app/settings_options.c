@@ -126,6 +126,7 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
         {"voxel-filter", 0, SL_OPTION_CHOICE, &r->voxel_filter, NULL, "F", "trilinear or nearest [trilinear]", 0, 0, voxel_filter_names},
         {"unit-weights", 0, SL_OPTION_FLAG, &o->unit_weights, NULL, NULL, "K-means with equal weights", 0, 0, NULL},
         {"wide-directions", 0, SL_OPTION_FLAG, &o->wide_directions, NULL, NULL, "12 + 12 bits a direction, not 8 + 8", 0, 0, NULL},
+        {"own-photons", 0, SL_OPTION_FLAG, &o->own_photons, NULL, NULL, "a voxel counts its own photons, and looks for no others", 0, 0, NULL},
         {"whole-voxels", 0, SL_OPTION_FLAG, &o->whole_voxels, NULL, NULL, "one set of lights a voxel, not one for each group of normals", 0, 0, NULL},
         {"fixed-neighbours", 0, SL_OPTION_FLAG, &o->fixed_neighbours, NULL, NULL, "exactly K photons a voxel, not K/4 to K by an error estimate", 0, 0, NULL},
         {"void-dark", 0, SL_OPTION_FLAG, &o->keep_void_dark, NULL, NULL, "empty voxels count as black", 0, 0, NULL},

@@ -8,6 +8,7 @@
  *   photon_tree.c     P2: the kd-tree, and the k nearest photons
  *   octree.c          G1: the voxels, on geometry; triangle_cells.c, coplanar.c; octree_cuts.c: a shallower one
  *   voxel_gather.c    P3: a voxel's photons, and over which area they were strewn: photon_area.c exactly, surroundings.c for all triangles
+ *   own_photons.c     P3 without a search: the photons in the voxel
  *   voxel_error.c     P3: how many photons, by an estimate of the error
  *   cluster.c         P4: K-means on their directions
  *   voxel_lobes.c     P4: what each cluster's colour means

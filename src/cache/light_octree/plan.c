@@ -75,7 +75,8 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
     sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
     sl_plan_pass(writer, p.photons, "octree", "depth %d, shown from depth %d on", o->depth, p.first_depth);
-    sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
+    if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");
+    else sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
                  o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
     bool directional = o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE;
     sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel", lobes[o->lobes], o->lights);

@@ -1,4 +1,5 @@
 /* P3: a voxel's photons, side by side, and the area that they were strewn over (section 2.2). */
+#include "base/math.h"
 #include "cache/light_octree/voxel_work.h"
 
 sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius) {
@@ -40,6 +41,19 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
     gather->mean_place = sl_scaled(places, 1.0 / count);
 }
 
+sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set, const sl_photon_query *query, sl_voxel_worker *w) {
+    const sl_octree_leaf *leaf = &work->octree->leaf[set->leaf];
+    uint32_t first = work->own.first[set->leaf];
+    double voxel = sl_octree_voxel(work->octree);
+    bool touched = !((double)leaf->area > 1e-6 * voxel * voxel); /* but by rounding nothing is in it */
+    w->gathered.count = touched ? 0 : work->own.first[set->leaf + 1] - first;
+    for (size_t i = 0; i < w->gathered.count; i++) w->gathered.place[i] = work->own.place[first + i];
+    sl_voxel_gather gather = {.found = w->gathered.count, .kappa = 1.0, .own_area = (double)leaf->area};
+    gather.ellipsoid = (sl_ellipsoid){sl_to_double(query->centre), sl_to_double(query->normal), query->flatness, sqrt(gather.own_area / SL_PI)};
+    split_sides(work, query, w, &gather);
+    return gather;
+}
+
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w) {
     sl_photon_tree_gather(work->tree, query, &w->gathered);
     size_t found = w->gathered.count;
@@ -57,6 +71,7 @@ double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o
     double disc = sl_disc_area(e);
     double all = 0.0;
     area[0] = area[1] = disc;
+    if (o->own_photons) return disc; /* the voxel's own surfaces, as large */
     if (o->area == SL_PHOTON_AREA_SECTION) {
         double length = sl_lengthd(gather->mean_normal);
         if (length > 0.0) {

@@ -122,13 +122,13 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     set->done = true;
     if (!work->tree) return;
     sl_photon_query query = sl_voxel_query(work, o, set->centroid, set->normal, o->radius);
-    sl_voxel_gather gather = o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w) : sl_voxel_gather_photons(work, &query, w);
+    sl_voxel_gather gather = o->own_photons ? sl_voxel_own_photons(work, set, &query, w) : o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w) : sl_voxel_gather_photons(work, &query, w);
     set->photons = (uint32_t)gather.found;
     set->radius = (float)gather.ellipsoid.radius;
     set->power_ratio = power_ratio(&gather);
     sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
     if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
-    bool few = gather.found < SL_VOXEL_FEW, borrowed = false;
+    bool few = gather.found < SL_VOXEL_FEW && !o->own_photons, borrowed = false;
     voxel_result result = make_lights(work, o, &gather, w, set->normal, light);
     if (few && o->lobes != SL_LOBES_NONE) borrow_directions(work, lights, set, w, &result, light, &borrowed);
     set->from_parent = borrowed;

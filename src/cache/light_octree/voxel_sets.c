@@ -17,7 +17,7 @@ static sl_status check_options(const sl_voxel_light_options *o, sl_error *error)
 }
 
 static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w, sl_error *error) {
-    size_t k = sl_voxel_most_neighbours(&lights->options);
+    size_t k = lights->options.own_photons ? lights->work->own.most : sl_voxel_most_neighbours(&lights->options);
     bool ranks = lights->options.estimated_radius;
     if (ranks) w->ranked = sl_allocate(k, sl_voxel_ranking_bytes());
     w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
@@ -41,6 +41,7 @@ static void destroy_work(sl_voxel_work *work) {
         sl_lobe_photons_release(&w->photons);
     }
     sl_free(work->worker);
+    sl_own_photons_release(&work->own);
     sl_octree_destroy(work->parents);
     sl_surroundings_destroy(work->surroundings);
     sl_free(work);
@@ -56,7 +57,8 @@ static sl_status create_work(sl_voxel_lights *lights, unsigned threads, sl_error
     if (!work->worker) return sl_fail_memory(error, "lights of voxels");
     sl_status status = SL_OK;
     if (work->octree->depth > 1) status = sl_octree_cut(work->octree, work->octree->depth - 1, &work->parents, error);
-    if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP) {
+    if (status == SL_OK && o->own_photons && work->tree) status = sl_own_photons_find(work->octree, work->tree, &work->own, error);
+    if (status == SL_OK && o->area == SL_PHOTON_AREA_CLIP && !o->own_photons) {
         status = sl_surroundings_create(work->scene, work->geometry, o->radius / 8.0, work->workers, &work->surroundings, error);
     }
     size_t pieces = o->split_by_normal ? sl_voxel_pieces_max(work->octree, work->geometry) : 0;

@@ -20,12 +20,20 @@ typedef struct sl_voxel_worker {
     sl_counters counters;
 } sl_voxel_worker;
 
+/* The photons that lie in each leaf. */
+typedef struct sl_own_photons {
+    uint32_t *first;   /* leaf_count + 1 */
+    uint32_t *place;   /* in the tree's list, by leaf, then id */
+    size_t most;       /* in one leaf */
+} sl_own_photons;
+
 typedef struct sl_voxel_work {
     const sl_scene *scene;
     const sl_octree *octree, *geometry;
     const sl_photon_tree *tree;
     sl_octree *parents;           /* the cut above; NULL at depth 1 */
     sl_surroundings *surroundings; /* clip area alone */
+    sl_own_photons own;           /* own_photons alone */
     double cos_acceptance;
     bool by_side;                 /* photons are taken side by side; off: all of them, whatever their normals */
     unsigned workers;
@@ -37,12 +45,17 @@ typedef struct sl_voxel_gather {
     double kappa;
     size_t found;
     bool coincident;
+    double own_area;              /* own photons: of the surfaces in the voxel */
     sl_lobe_photons front, back;  /* by the side of n_v; all in front where sides are not told apart */
     sl_vec3d mean_normal, mean_place; /* of the photons, turned to n_v's side; about the centre */
 } sl_voxel_gather;
 
 sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius);
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w);
+/* own_photons.c: the photons of every leaf; and those of one. */
+sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own, sl_error *error);
+void sl_own_photons_release(sl_own_photons *own);
+sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set, const sl_photon_query *query, sl_voxel_worker *w);
 /* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing (photons beside the geometry) is
  * taken for the disc. */
 double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
