@@ -100,6 +100,7 @@ static inline void assert_sound(const sl_patches *p) {
             assert_true(same_root_place(lies, sl_root_canonical(p->primitives, (sl_root_place){place.root, place.u[c], place.v[c]})));
             if (parent == SL_NO_INDEX) references[vertex]++;
         }
+        if (place.corners == 3) assert_int_equal(sl_patch_corner(p, i, 3), SL_NO_INDEX);
         for (int m = 0; m < 5 && !sl_patch_is_leaf(p, i); m++) {
             uint32_t vertex = p->block[p->patch[i].child / 4].middle[m];
             assert_int_equal(vertex == SL_NO_INDEX, place.corners == 3 && m > 2);

@@ -82,9 +82,9 @@ static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) {
     const sl_patch_block *block = &p->block[patch / 4];
     return block->parent == SL_NO_INDEX ? p->wanted_root[block->root + patch % 4] : block->root;
 }
-/* The vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards. */
+/* The vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards. Triangles have SL_NO_INDEX for corner 3. */
 static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int corner) {
-    static const uint8_t triangle[4][3] = {{0, 0, 2}, {0, 0, 1}, {2, 1, 0}, {1, 2, 0}};
+    static const uint8_t triangle[4][4] = {{0, 0, 2, 3}, {0, 0, 1, 3}, {2, 1, 0, 3}, {1, 2, 0, 3}};
     static const uint8_t quad[4][4] = {{0, 0, 4, 3}, {0, 0, 1, 4}, {4, 1, 0, 2}, {3, 4, 2, 0}};
     uint32_t parent = sl_patch_parent(p, patch);
     for (; parent != SL_NO_INDEX && patch % 4 == (uint32_t)corner; parent = sl_patch_parent(p, patch)) patch = parent;
