@@ -52,23 +52,12 @@ typedef struct {
     float weight[LANES], wanted[LANES], visible[LANES];
 } light_samples;
 
-static void draw_numbers(const sl_direct *direct, const sl_lit_block *block, uint32_t sample, uint64_t stream, float *u0,
-                         float *u1, float *u2) {
-    for (size_t i = 0; i < block->count; i++) {
-        float u[3];
-        sl_direct_point(direct, block, i, sample, stream, u);
-        u0[i] = u[0];
-        u1[i] = u[1];
-        u2[i] = u[2];
-    }
-}
-
 static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first, light_samples *s) {
     sl_light_points points = sl_lit_points(block);
     sl_aim_block aims[CHUNK];
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 0, SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
-        draw_numbers(direct, block, first + k, 0, s->u0 + lane, s->u1 + lane, s->u2 + lane);
         aims[k] = (sl_aim_block){&points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
                                  s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
                                  s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
@@ -180,9 +169,9 @@ static void weigh_sun(const sl_direct *direct, const sl_lit_block *block, float 
 
 static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_t first, light_samples *s) {
     sl_light_points points = sl_lit_points(block);
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 1, SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
-        draw_numbers(direct, block, first + k, 1, s->u0 + lane, s->u1 + lane, s->u2 + lane);
         sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane,
                             .chosen = s->chosen + lane, .x = s->x + lane, .y = s->y + lane, .z = s->z + lane,
                             .weight = s->weight + lane, .r = s->r + lane, .g = s->g + lane, .b = s->b + lane,

@@ -33,6 +33,10 @@ static float scatter_of(const sl_direct_sums *s, size_t k) {
     return 0.25f * difference * difference;
 }
 
+void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count) {
+    for (size_t k = first; k < first + count; k++) sums->scatter[k] = scatter_of(sums, k);
+}
+
 /* The chord between two points of one smooth surface leans as far out of it at one end as into it at the other, so it is square to the sum
  * of the normals. A step between two parallel surfaces is not, however small the angle at which they are seen. */
 static bool is_chord(sl_vec3 d, sl_vec3 sum) {
@@ -72,7 +76,7 @@ static void find_neighbours(const window *w, int x, neighbours *n) {
             if (!(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f) || !same_surface(g, centre, i)) continue;
             n->pixel[n->count] = k;
             n->share[n->count++] = visible_share(s, k);
-            n->scatter += scatter_of(s, k);
+            n->scatter += s->scatter[k];
         }
     }
     n->scatter = n->count ? n->scatter / (float)n->count : 0.0f;
@@ -90,7 +94,7 @@ static bool column_scatters(const window *w, int column) {
     for (int v = -RADIUS; v <= RADIUS; v++) {
         int row = w->row + v;
         if (row < 0 || row >= g->height || column >= g->width) continue;
-        if (scatter_of(w->sums, (size_t)row * (size_t)g->width + (size_t)column - w->sums->first) > 0.0f) return true;
+        if (w->sums->scatter[(size_t)row * (size_t)g->width + (size_t)column - w->sums->first] > 0.0f) return true;
     }
     return false;
 }

@@ -68,6 +68,7 @@ typedef struct sl_direct_sums {
     float *odd_all;         /* other half shows how much they scatter */
     float *samples;         /* how many of `all`, and */
     float *partly;          /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
+    float *scatter;         /* variance of the visible share, as the two halves of the samples tell it */
     float *block;           /* holds all of the above */
 } sl_direct_sums;
 
@@ -76,11 +77,11 @@ typedef struct sl_sample_range {
     uint32_t first, end;
 } sl_sample_range;
 
-/* Three numbers in [0,1) for a sample of point i. */
-void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
-                     float u[3]);
+/* Three numbers in [0,1) for each sample of each point: those of a sample stride after those of the one before. */
+void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, uint64_t stream, size_t stride, float *u0, float *u1,
+                      float *u2);
 
-/* Two; better spread, where two do. */
+/* Two for a sample of point i; better spread, where two do. */
 void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
                         float u[2]);
 
@@ -118,6 +119,8 @@ void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, cons
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
                       sl_counters *counters);
+/* Scatter of sums [first, first + count). */
+void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count);
 /* The visible share of a row's pixels, smoothed: three planes of a row. */
 void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]);
 

@@ -70,12 +70,25 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
 
 /* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of every size
  * share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then tells most. */
-void sl_direct_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
-                     float u[3]) {
+void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, uint64_t stream, size_t stride, float *u0, float *u1,
+                      float *u2) {
     static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u}; /* powers of 1/g, g^4 = g + 1 */
-    uint32_t index = block->rank[i] * samples_with_refinement(direct) + sample;
-    for (uint64_t d = 0; d < 3; d++)
-        u[d] = (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
+    float *const u[3] = {u0, u1, u2};
+    const uint32_t all = samples_with_refinement(direct);
+    for (uint64_t d = 0; d < 3; d++) {
+        uint32_t start[SL_LIGHT_BLOCK];
+        for (size_t i = 0; i < block->count; i++) {
+            bool same_tile = i > 0 && block->tile_key[i] == block->tile_key[i - 1];
+            start[i] = same_tile ? start[i - 1] : sl_random_bits(block->tile_key[i], 3 * stream + d);
+        }
+        for (uint32_t sample = range.first; sample < range.end; sample++) {
+            float *restrict to = u[d] + (sample - range.first) * stride;
+            for (size_t i = 0; i < block->count; i++) {
+                uint32_t index = block->rank[i] * all + sample;
+                to[i] = (float)((start[i] + index * step[d]) >> 8) * 0x1p-24f;
+            }
+        }
+    }
 }
 
 void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
@@ -204,6 +217,13 @@ static void refine_row(void *context, size_t index, unsigned worker) {
     refine_block(p, &block, counters_of(p, y));
 }
 
+static void scatter_row(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const pass *p = context;
+    size_t width = (size_t)p->gbuffer->width;
+    sl_direct_find_scatter(p->sums, ((size_t)p->row + index) * width - p->sums->first, width);
+}
+
 static void finish_row(void *context, size_t index, unsigned worker) {
     (void)worker;
     const pass *p = context;
@@ -233,11 +253,11 @@ static void finish_row(void *context, size_t index, unsigned worker) {
 /* ---- a strip ---- */
 
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
-    enum { PLANES = 19 };
+    enum { PLANES = 20 };
     float **planes[PLANES] = {&sums->exact[0], &sums->exact[1], &sums->exact[2],  &sums->seen[0],   &sums->seen[1],
                               &sums->seen[2],  &sums->all[0],   &sums->all[1],    &sums->all[2],    &sums->plain[0],
                               &sums->plain[1], &sums->plain[2], &sums->glossy[0], &sums->glossy[1], &sums->glossy[2],
-                              &sums->odd_seen, &sums->odd_all,  &sums->samples,   &sums->partly};
+                              &sums->odd_seen, &sums->odd_all,  &sums->samples,   &sums->partly,    &sums->scatter};
     sums->first = first;
     sums->count = count;
     sums->block = sl_allocate(PLANES * count, sizeof *sums->block);
@@ -267,6 +287,7 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
         pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs};
         run(&p, sample_row, row0, row1, margin);
         if (samples_with_refinement(direct) > pilot_samples(direct)) run(&p, refine_row, row0, row1, FILTER_MARGIN);
+        run(&p, scatter_row, row0, row1, FILTER_MARGIN);
         run(&p, finish_row, row0, row1, 0);
         for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
     }

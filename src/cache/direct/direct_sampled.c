@@ -96,11 +96,12 @@ void sl_direct_wide_sun(const sl_direct *direct, const sl_lit_block *block, sl_s
                         sl_counters *counters) {
     light_samples s;
     for (uint32_t sample = range.first; sample < range.end; sample++) {
+        float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
+        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, 1, 0, u0, u1, u2);
         for (size_t i = 0; i < block->count; i++) {
-            float u[3], pdf;
+            float pdf;
             sl_rgb radiance;
-            sl_direct_point(direct, block, i, sample, 1, u);
-            sl_vec3 direction = sl_environment_sample(direct->settings.sun, u[1], u[2], &radiance, &pdf);
+            sl_vec3 direction = sl_environment_sample(direct->settings.sun, u1[i], u2[i], &radiance, &pdf);
             float scale = pdf > 0.0f ? 1.0f / (pdf * (float)direct->settings.light_samples) : 0.0f;
             set_sample(block, i, direction, 1.0f, sl_rgb_scale(radiance, scale), &s);
         }
@@ -114,13 +115,13 @@ void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, sl_sa
     light_samples s;
     float scale = 1.0f / (float)direct->settings.light_samples;
     for (uint32_t sample = range.first; sample < range.end; sample++) {
+        float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
+        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, 2, 0, u0, u1, u2);
         for (size_t i = 0; i < block->count; i++) {
-            float u[3];
             sl_light_sample light;
             sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]),
                     n = sl_v3(block->normal_x[i], block->normal_y[i], block->normal_z[i]);
-            sl_direct_point(direct, block, i, sample, 2, u);
-            bool any = sl_light_sampler_sample_at(direct->sampler, p, n, u[0], u[1], u[2], &light) &&
+            bool any = sl_light_sampler_sample_at(direct->sampler, p, n, u0[i], u1[i], u2[i], &light) &&
                        light.triangle != SL_NO_INDEX && light.triangle != block->triangle[i];
             if (any)
                 set_sample(block, i, light.to_light, light.distance, sl_rgb_scale(light.radiance, scale), &s);

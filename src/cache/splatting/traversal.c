@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-enum { COARSEST_STRIDE = 16, SMALLEST_BATCH = 8 };
+enum { COARSEST_STRIDE = 16, SMALLEST_BATCH = 4 };
 
 static void start_level(sl_traversal *t, int stride) {
     t->stride = stride;
@@ -205,8 +205,8 @@ sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pa
         status = commit(&batch, count, list, counters, error);
         /* The batch follows the waste; it never changes which records there are. */
         size_t wasted = count - (list->count - before);
-        if (wasted * 8 <= count && traversal->batch < SL_BATCH_MAX) traversal->batch *= 2;
-        else if (wasted * 3 > count && traversal->batch > SMALLEST_BATCH) traversal->batch /= 2;
+        if (wasted * 32 <= count && traversal->batch < SL_BATCH_MAX) traversal->batch *= 2;
+        else if (wasted * 8 > count && traversal->batch > SMALLEST_BATCH) traversal->batch /= 2;
     }
     sl_free(coefficients);
     sl_free(records);
