@@ -45,7 +45,9 @@ typedef struct sl_traversal {
     sl_traversal_order order;
     int width, height;
     int stride;               /* of the level being visited; 0: all visited */
-    uint64_t cells, cell, step, next; /* the level's grid: how many, the current one, how far to the next, how many visited */
+    uint64_t cells, next;     /* of the level's grid: how many, and how many of them visited */
+    uint64_t columns, rows, column, row;     /* the grid's, and of the current cell */
+    uint64_t step_columns, step_rows;        /* to the next, around the grid */
     uint64_t visited, total;  /* pixels */
     size_t batch;             /* candidates taken at once, adapted to how many turned out covered */
 } sl_traversal;
