@@ -361,6 +361,7 @@ typedef struct sl_light_octree_settings {
     sl_voxel_lobes lobes;
     sl_voxel_filter filter;
     bool unit_weights;            /* K-means with equal weights */
+    bool median_of_subsets;       /* a voxel's irradiance is the median of what fifths of its photons tell: against fireflies; biased */
     bool wide_directions;         /* 12 + 12 bits a direction instead of 8 + 8 */
     bool own_photons;             /* a voxel counts the photons that lie in it, over the area in it, and looks for no others: the paper's bands where
                                      that is a sliver; voxels are whole then */

@@ -402,6 +402,29 @@ static void a_bright_photon_among_dim_ones_is_reported(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Fifths of the photons vote: the firefly is in one of them. Without one the median is the mean but for noise. */
+static void the_median_of_subsets_does_not_see_a_firefly(void **state) {
+    (void)state;
+    const float floor[] = {-4, 0, -4, -4, 0, 4, 4, 0, 4, -4, 0, -4, 4, 0, 4, 4, 0, -4};
+    for (int firefly = 0; firefly < 2; firefly++) {
+        sl_scene *scene = scene_of_triangles(floor, 2);
+        sl_photon_list *list = new_list(40001);
+        strew_evenly(list, 40000, sl_v3(-4, 0, -4), sl_v3(8, 0, 0), sl_v3(0, 0, 8), sl_v3(0, 1, 0), 1.0f, 77);
+        if (firefly) strew(list, sl_v3(0.01f, 0, 0.01f), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 100.0f * 64.0f / 40000.0f);
+        sl_voxel_light_options o = plain_options(4);
+        o.neighbours = 200;
+        o.median_of_subsets = true;
+        lit l = light_up(scene, 4, list, &o, 1);
+        uint32_t leaf = sl_octree_find(l.octree, sl_octree_morton_at(l.octree, sl_v3(0.01f, 0, 0.01f)));
+        double here = irradiance_on(l.lights, l.lights->first_set[leaf], sl_v3(0, 1, 0)), sum = 0.0;
+        for (size_t i = 0; i < l.lights->set_count; i++) sum += irradiance_on(l.lights, i, sl_v3(0, 1, 0));
+        assert_true(here > 0.75 && here < 1.3); /* 1.5 with the firefly counted */
+        assert_true(fabs(sum / (double)l.lights->set_count - 1.0) < 0.04);
+        end_lit(&l);
+        sl_scene_destroy(scene);
+    }
+}
+
 /* An even sky's spread over the number of lights, voxel by voxel; and energies. */
 static void statistics_tell_spread_and_flux(void **state) {
     (void)state;
@@ -621,6 +644,7 @@ int main(void) {
         cmocka_unit_test(the_winding_does_not_matter),
         cmocka_unit_test(next_to_nothing_gives_finite_lights_or_none),
         cmocka_unit_test(a_bright_photon_among_dim_ones_is_reported),
+        cmocka_unit_test(the_median_of_subsets_does_not_see_a_firefly),
         cmocka_unit_test(statistics_tell_spread_and_flux),
         cmocka_unit_test(batches_and_threads_give_the_same_bits),
         cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),

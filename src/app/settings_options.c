@@ -125,6 +125,7 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
         {"lobes", 0, SL_OPTION_CHOICE, &r->lobes, NULL, "WHAT", "perpendicular, surface, none or harmonics [perpendicular]", 0, 0, lobe_names},
         {"voxel-filter", 0, SL_OPTION_CHOICE, &r->voxel_filter, NULL, "F", "trilinear or nearest [trilinear]", 0, 0, voxel_filter_names},
         {"unit-weights", 0, SL_OPTION_FLAG, &o->unit_weights, NULL, NULL, "K-means with equal weights", 0, 0, NULL},
+        {"median-of-subsets", 0, SL_OPTION_FLAG, &o->median_of_subsets, NULL, NULL, "against fireflies: fifths of the photons vote on irradiance", 0, 0, NULL},
         {"wide-directions", 0, SL_OPTION_FLAG, &o->wide_directions, NULL, NULL, "12 + 12 bits a direction, not 8 + 8", 0, 0, NULL},
         {"own-photons", 0, SL_OPTION_FLAG, &o->own_photons, NULL, NULL, "a voxel counts its own photons, and looks for no others", 0, 0, NULL},
         {"whole-voxels", 0, SL_OPTION_FLAG, &o->whole_voxels, NULL, NULL, "one set of lights a voxel, not one for each group of normals", 0, 0, NULL},

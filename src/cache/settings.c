@@ -241,6 +241,7 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_text(st, "lobes", lobes[o->lobes]);
     stamp_text(st, "voxel_filter", filters[o->filter]);
     stamp_flag(st, "unit_weights", o->unit_weights);
+    stamp_flag(st, "median_of_subsets", o->median_of_subsets);
     stamp_flag(st, "wide_directions", o->wide_directions);
     stamp_flag(st, "own_photons", o->own_photons);
     stamp_flag(st, "whole_voxels", o->whole_voxels);

@@ -238,6 +238,7 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .spread_tolerance = o->spread_tolerance,
                                     .unit_weights = o->unit_weights,
                                     .wide_directions = o->wide_directions,
+                                    .median_of_subsets = o->median_of_subsets,
                                     .own_photons = o->own_photons,
                                     .split_by_normal = !o->whole_voxels && !o->own_photons,
                                     .estimated_radius = !o->fixed_neighbours};

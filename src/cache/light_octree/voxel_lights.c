@@ -16,6 +16,8 @@ double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t phot
 
 /* ---- P4: lights ---- */
 
+enum { SUBSETS = 5 };
+
 typedef struct voxel_result {
     int lights;
     double irradiance[2];      /* E, luminance, on either side */
@@ -63,6 +65,26 @@ static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_
         result.lights += sl_lobes_of_photons(photons[1], o, scale[1], sl_neg(normal), back, light + result.lights, &result.spread);
     }
     return result;
+}
+
+/* A firefly, one photon of large power, is in one of the subsets alone: their median does not know it. Over the mean, which is what the sum
+ * of all photons tells. Where light is uneven the median is below the mean: the option is biased. */
+static double median_share(const sl_voxel_gather *gather) {
+    double sum[SUBSETS] = {0.0}, all = 0.0;
+    size_t at = 0;
+    const sl_lobe_photons *const sides[2] = {&gather->front, &gather->back};
+    for (int side = 0; side < 2; side++) {
+        for (size_t i = 0; i < sides[side]->count; i++) sum[at++ % SUBSETS] += sides[side]->luminance[i];
+    }
+    for (int i = 0; i < SUBSETS; i++) { /* ascending */
+        all += sum[i];
+        for (int k = i; k > 0 && sum[k] < sum[k - 1]; k--) {
+            double lesser = sum[k];
+            sum[k] = sum[k - 1];
+            sum[k - 1] = lesser;
+        }
+    }
+    return at >= 2 * SUBSETS && all > 0.0 ? SUBSETS * sum[SUBSETS / 2] / all : 1.0;
 }
 
 static void scale_lights(sl_directional_light *light, int count, double factor) {
@@ -130,6 +152,12 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
     bool few = gather.found < SL_VOXEL_FEW && !o->own_photons, borrowed = false;
     voxel_result result = make_lights(work, o, &gather, w, set->normal, light);
+    if (o->median_of_subsets) {
+        double share = median_share(&gather);
+        scale_lights(light, lights->texels, share);
+        result.irradiance[0] *= share;
+        result.irradiance[1] *= share;
+    }
     if (few && o->lobes != SL_LOBES_NONE) borrow_directions(work, lights, set, w, &result, light, &borrowed);
     set->from_parent = borrowed;
     report_set(set, &result);

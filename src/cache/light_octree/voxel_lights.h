@@ -22,6 +22,7 @@ typedef struct sl_voxel_light_options {
     double spread_tolerance; /* radians; 0: always n lights */
     bool unit_weights;
     bool wide_directions;
+    bool median_of_subsets;  /* irradiance is the median of that of SUBSETS parts of the photons (section 7) */
     bool own_photons;        /* those that lie in the voxel, instead of the k nearest; all normals */
     bool split_by_normal;    /* a set of lights for each group of normals (section 8) */
     bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (section 8) */
