@@ -5,7 +5,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/shading_cache/priority.h"
-#include "patch_support.h"
+#include "shading_cache_support.h"
 
 static const sl_display_curve curve = {.reference = 2.0f};
 
@@ -60,17 +60,6 @@ static void light_that_is_no_number_has_a_level_nevertheless(void **state) {
 }
 
 /* ---- the error of a patch ---- */
-
-static void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uint32_t now) {
-    sl_patch_vertex *v = &h->patches->vertex[vertex];
-    for (int c = 0; c < 3; c++) v->value[c] = irradiance;
-    v->evaluated = now;
-    v->samples = 1;
-}
-
-static void evaluate_all(hierarchy *h, float irradiance, uint32_t now) {
-    for (uint32_t i = 0; i < h->patches->vertex_count; i++) evaluate(h, i, irradiance, now);
-}
 
 static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) {
     (void)state;

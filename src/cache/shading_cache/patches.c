@@ -159,17 +159,21 @@ static void local_parameters(const sl_patch_place *place, double u, double v, do
 
 static double scaled(double t) { return t > 0.0 ? (t < 1.0 ? t * SL_PATCH_DYADIC : SL_PATCH_DYADIC) : 0.0; }
 
+static int child_at(const sl_patch_place *place, double u, double v) {
+    double a, b;
+    local_parameters(place, u, v, &a, &b);
+    if (place->corners == 3) return a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
+    return a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
+}
+
+int sl_patch_child_at(const sl_patch_place *place, double u, double v) { return child_at(place, scaled(u), scaled(v)); }
+
 sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, double v) {
     sl_patch_place place = root_place(p, root);
     u = scaled(u);
     v = scaled(v);
     while (place.patch != SL_NO_INDEX && !sl_patch_is_leaf(p, place.patch)) {
-        double a, b;
-        local_parameters(&place, u, v, &a, &b);
-        int child;
-        if (place.corners == 3) child = a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
-        else child = a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
-        place = sl_patch_child_place(p, &place, child);
+        place = sl_patch_child_place(p, &place, child_at(&place, u, v));
     }
     return place;
 }

@@ -103,6 +103,8 @@ sl_patch_place sl_patch_place_of(const sl_patches *patches, uint32_t patch);
 sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_place *parent, int child);
 /* The leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not wanted yet. */
 sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
+/* Which child of a patch, there or not, holds a point of its root. */
+int sl_patch_child_at(const sl_patch_place *place, double u, double v);
 
 /* Four children (SL_OK and nothing at SL_PATCH_DEPTH_MAX, or where a child would be degenerate: it stays a leaf). Vertices that are new are not
  * evaluated. Splits and drops mark as SL_PATCH_DIRTY what they make, what they leave unused, and all leaves around vertices that come or go. Without memory nothing changes. */

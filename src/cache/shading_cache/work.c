@@ -1,0 +1,218 @@
+/* From chosen pixels to work. A patch whose corners are not all there, or not as the scene is now, gets them; any other one that is larger than a pixel
+ * is cut in four, and its places go to the children. Where many places lie in one patch that is done again at once: several levels in one update. */
+#include "cache/shading_cache/work.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/random.h"
+
+/* A patch with the places chosen in it: part of an array of indices of places. */
+typedef struct group {
+    uint32_t patch, first, begin, count; /* first: the lowest of the places */
+} group;
+
+typedef struct worker {
+    sl_patches *patches;
+    const sl_display_curve *curve;
+    const sl_work_settings *settings;
+    const sl_camera *camera;
+    int width, height;
+    const sl_chosen_place *places;
+    uint32_t *handed;          /* indices of places, while they are handed on to children */
+    uint32_t *slot;            /* hash of the vertices asked for: 1 + index into vertex */
+    size_t slot_count;         /* a power of two */
+    uint32_t *vertex;
+    size_t count;
+    sl_counters *counters;
+    sl_error *error;
+} worker;
+
+/* ---- vertices asked for ---- */
+
+bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
+    const sl_patch_vertex *v = &p->vertex[vertex];
+    if (v->evaluated == SL_VERTEX_NEVER) return false;
+    if (settings->stale_before && v->evaluated < settings->stale_before[sl_root_object(p->primitives, v->root)]) return true;
+    return v->evaluated < settings->eye_moved && sl_material_is_glossy(sl_root_material(p->primitives, v->root));
+}
+
+static void ask_for(worker *w, uint32_t vertex) {
+    size_t at = (size_t)sl_hash64(vertex) & (w->slot_count - 1);
+    for (; w->slot[at]; at = (at + 1) & (w->slot_count - 1)) {
+        if (w->vertex[w->slot[at] - 1] == vertex) return;
+    }
+    w->vertex[w->count++] = vertex;
+    w->slot[at] = (uint32_t)w->count;
+}
+
+/* Those corners that were never evaluated, or before something moved; true: there were some. */
+static bool ask_for_missing(worker *w, uint32_t patch) {
+    bool any = false;
+    for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
+        uint32_t vertex = sl_patch_corner(w->patches, patch, c);
+        if (w->patches->vertex[vertex].evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        ask_for(w, vertex);
+        any = true;
+    }
+    return any;
+}
+
+static void ask_for_all(worker *w, uint32_t patch) {
+    for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) ask_for(w, sl_patch_corner(w->patches, patch, c));
+}
+
+/* ---- is it noise? ---- */
+
+/* How far a level is off where the irradiance is off by its standard error: |D'| sigma, as a central difference, since D' has no bound at black. */
+static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
+    const sl_patches *p = w->patches;
+    sl_rgb exitant = sl_exitant_radiance(p->primitives, root, p->vertex[vertex].value, p->radiance ? p->radiance[vertex] : NULL);
+    float luminance = sl_curve_luminance(exitant), kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
+    float off = sqrtf(fmaxf(p->vertex[vertex].variance, 0.0f)) * kd * (float)(1.0 / SL_PI);
+    return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) - (double)sl_curve_level_of(w->curve, luminance - off));
+}
+
+/* p_err < 2 s, s of the two corners that p_err is the difference of. */
+static bool is_noise(const worker *w, uint32_t patch) {
+    uint32_t root = sl_patch_root(w->patches, patch), low = 0, high = 0;
+    float least = HUGE_VALF, most = -1.0f;
+    for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
+        uint32_t vertex = sl_patch_corner(w->patches, patch, c);
+        if (w->patches->vertex[vertex].samples == UINT16_MAX) return false;
+        float level = sl_vertex_level(w->patches, w->curve, vertex);
+        if (level < least) least = level, low = vertex;
+        if (level > most) most = level, high = vertex;
+    }
+    double a = level_noise(w, root, low), b = level_noise(w, root, high);
+    return (double)(most - least) < 2.0 * sqrt(a * a + b * b);
+}
+
+/* ---- splits ---- */
+
+static bool is_large(const worker *w, const sl_patch_place *place) {
+    const sl_work_settings *s = w->settings;
+    sl_patch_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
+    float area = s->split_above;
+    if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(w->patches->primitives, place->root)]) {
+        area = fmaxf(area, place->corners == 3 ? 0.5f * s->coarsest : s->coarsest);
+    }
+    return size.area > area && size.edge > sqrtf(fmaxf(s->split_above, 0.0f));
+}
+
+/* Sorts the places of a patch by the child in which they lie, in their order otherwise. */
+static void hand_on(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, size_t begin[5]) {
+    size_t at = 0;
+    for (int child = 0; child < 4; child++) {
+        begin[child] = at;
+        for (size_t i = 0; i < count; i++) {
+            const sl_chosen_place *chosen = &w->places[index[i]];
+            if (sl_patch_child_at(place, (double)chosen->u, (double)chosen->v) == child) w->handed[at++] = index[i];
+        }
+    }
+    begin[4] = at;
+    for (size_t i = 0; i < count; i++) index[i] = w->handed[i];
+}
+
+static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level);
+
+/* A child with a crowd of places is cut as well, before it has all its corners: its children's are what will be seen. */
+static sl_status process_children(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level, bool always) {
+    size_t begin[5];
+    sl_status status = SL_OK;
+    hand_on(w, place, index, count, begin);
+    for (int c = 0; c < 4 && status == SL_OK; c++) {
+        size_t here = begin[c + 1] - begin[c];
+        if (here == 0) continue;
+        sl_patch_place child = sl_patch_child_place(w->patches, place, c);
+        bool crowd = here >= (size_t)w->settings->crowd && level < w->settings->levels;
+        if (always || crowd) status = process(w, &child, index + begin[c], here, level);
+        else ask_for_missing(w, child.patch);
+    }
+    return status;
+}
+
+/* level: splits above it in this update. */
+static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level) {
+    uint32_t patch = place->patch;
+    if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
+    if (level == 0 && ask_for_missing(w, patch)) return SL_OK;
+    bool noise = level == 0 && w->settings->variance_aware && is_noise(w, patch);
+    if (!noise && is_large(w, place)) {
+        sl_status status = sl_patch_split(w->patches, patch, w->error);
+        if (status != SL_OK) return status;
+        if (!sl_patch_is_leaf(w->patches, patch)) {
+            sl_count(w->counters, SL_COUNT_SPLITS, 1);
+            return process_children(w, place, index, count, level + 1, false);
+        }
+    }
+    if (level > 0) ask_for_missing(w, patch);
+    else if (w->settings->variance_aware) ask_for_all(w, patch); /* one more set of samples */
+    return SL_OK;
+}
+
+/* ---- all places ---- */
+
+typedef struct located {
+    uint32_t patch, index;
+} located;
+
+static int by_patch(const void *a, const void *b) {
+    const located *x = a, *y = b;
+    if (x->patch != y->patch) return x->patch < y->patch ? -1 : 1;
+    return x->index < y->index ? -1 : x->index > y->index;
+}
+
+static int by_first(const void *a, const void *b) {
+    const group *x = a, *y = b;
+    return x->first < y->first ? -1 : x->first > y->first;
+}
+
+/* Places sorted by patch, patches by the first place in them. Returns how many patches. */
+static size_t group_places(const sl_patches *patches, size_t count, const sl_chosen_place *places, located *sorted, uint32_t *index, group *groups) {
+    size_t group_count = 0;
+    for (uint32_t i = 0; i < count; i++) sorted[i] = (located){places[i].patch, i};
+    qsort(sorted, count, sizeof *sorted, by_patch);
+    for (uint32_t i = 0; i < count; i++) {
+        index[i] = sorted[i].index;
+        if (sorted[i].patch >= patches->patch_count || !sl_patch_is_alive(patches, sorted[i].patch)) continue;
+        bool begins = i == 0 || sorted[i - 1].patch != sorted[i].patch;
+        if (begins) groups[group_count++] = (group){sorted[i].patch, sorted[i].index, i, 0};
+        groups[group_count - 1].count++;
+    }
+    qsort(groups, group_count, sizeof *groups, by_first);
+    return group_count;
+}
+
+sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings, const sl_camera *camera, int width,
+                      int height, size_t count, const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count, sl_counters *counters,
+                      sl_error *error) {
+    *vertex_count = 0;
+    if (count == 0) return SL_OK;
+    worker w = {.patches = patches, .curve = curve, .settings = settings, .camera = camera, .width = width, .height = height, .places = places,
+                .slot_count = 16, .vertex = vertex, .counters = counters, .error = error};
+    while (w.slot_count < 8 * count) w.slot_count *= 2; /* at most 4 vertices a place */
+    located *sorted = sl_allocate_unset(count, sizeof *sorted);
+    group *groups = sl_allocate_unset(count, sizeof *groups);
+    uint32_t *index = sl_allocate_unset(2 * count, sizeof *index);
+    w.slot = sl_allocate(w.slot_count, sizeof *w.slot);
+    sl_status status = sorted && groups && index && w.slot ? SL_OK : sl_fail_memory(error, "work");
+    if (status == SL_OK) {
+        w.handed = index + count;
+        size_t group_count = group_places(patches, count, places, sorted, index, groups);
+        for (size_t i = 0; i < group_count && status == SL_OK; i++) {
+            sl_patch_place place = sl_patch_place_of(patches, groups[i].patch);
+            status = process(&w, &place, index + groups[i].begin, groups[i].count, 0);
+        }
+    }
+    *vertex_count = w.count;
+    sl_free(sorted);
+    sl_free(groups);
+    sl_free(index);
+    sl_free(w.slot);
+    return status;
+}

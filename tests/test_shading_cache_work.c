@@ -1,0 +1,434 @@
+/* From chosen pixels to work: what is asked for, what is split, how large patches are in the picture. */
+#include <math.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/shading_cache/work.h"
+#include "shading_cache_support.h"
+
+enum { WIDTH = 120, HEIGHT = 80, PLACES_MAX = 4096 };
+
+static const sl_display_curve curve = {.reference = 1.0f};
+static uint32_t stale_before[1];
+static bool changing[1];
+
+/* Looks down on the square of side 2 in z = 0 from the height at which a unit is so many pixels. */
+static sl_camera camera_above(float pixels_a_unit) {
+    float fov = 1.0f, height = 0.5f * HEIGHT / (pixels_a_unit * (float)sl_tan(0.5));
+    return (sl_camera){sl_v3(0, 0, height), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), fov};
+}
+
+static sl_work_settings usual(void) {
+    stale_before[0] = 0;
+    changing[0] = false;
+    return (sl_work_settings){.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 2, .stale_before = stale_before, .changing = changing};
+}
+
+typedef struct outcome {
+    uint32_t vertex[4 * PLACES_MAX + 64];
+    size_t count;
+    uint64_t splits;
+} outcome;
+static outcome out;
+
+static void work(hierarchy *h, const sl_work_settings *settings, const sl_camera *camera, size_t count, const sl_chosen_place *places) {
+    sl_counters counters = {0};
+    assert_int_equal(sl_work_out(h->patches, &curve, settings, camera, WIDTH, HEIGHT, count, places, out.vertex, &out.count, &counters, NULL), SL_OK);
+    out.splits = counters.value[SL_COUNT_SPLITS];
+    assert_sound(h->patches);
+    for (size_t i = 0; i < out.count; i++) {
+        assert_true(h->patches->vertex[out.vertex[i]].references > 0);
+        for (size_t j = 0; j < i; j++) assert_int_not_equal(out.vertex[i], out.vertex[j]);
+    }
+}
+
+/* n by n places, spread evenly over a patch that is a whole square root. */
+static size_t grid_of_places(uint32_t patch, int n, sl_chosen_place *places) {
+    size_t count = 0;
+    for (int j = 0; j < n; j++) {
+        for (int i = 0; i < n; i++) places[count++] = (sl_chosen_place){patch, ((float)i + 0.5f) / (float)n, ((float)j + 0.5f) / (float)n};
+    }
+    return count;
+}
+
+static int deepest(const sl_patches *p) {
+    int depth = 0;
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth) depth = p->flags[i] & SL_PATCH_LEVEL;
+    }
+    return depth;
+}
+
+/* ---- evaluate, or split ---- */
+
+static void a_patch_never_evaluated_gets_its_corners_and_stays_whole(void **state) {
+    (void)state;
+    sl_chosen_place places[64];
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    for (int kind = 0; kind < 2; kind++) {
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        uint32_t patch = want_root(&h, 0);
+        size_t count = grid_of_places(patch, 8, places);
+        work(&h, &settings, &camera, count, places);
+        assert_int_equal(out.splits, 0);
+        assert_int_equal(out.count, kind ? 3 : 4);
+        for (int c = 0; c < (kind ? 3 : 4); c++) assert_int_equal(out.vertex[c], sl_patch_corner(h.patches, patch, c));
+        evaluate_all(&h, 1.0f, 1);
+        evaluate(&h, sl_patch_corner(h.patches, patch, 1), 0.0f, SL_VERTEX_NEVER);
+        work(&h, &settings, &camera, count, places);
+        assert_int_equal(out.splits, 0);
+        assert_int_equal(out.count, 1);
+        assert_int_equal(out.vertex[0], sl_patch_corner(h.patches, patch, 1));
+        hierarchy_discard(&h);
+    }
+}
+
+static void corners_from_before_an_edit_are_shaded_again_before_anything_is_split(void **state) {
+    (void)state;
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    sl_chosen_place place = {patch, 0.1f, 0.1f};
+    evaluate_all(&h, 1.0f, 5);
+    stale_before[0] = 6;
+    settings.eye_moved = 9; /* which is nothing to diffuse surfaces */
+    evaluate(&h, sl_patch_corner(h.patches, patch, 2), 1.0f, 6);
+    work(&h, &settings, &camera, 1, &place);
+    assert_int_equal(out.count, 3);
+    assert_int_equal(out.splits, 0);
+    for (int c = 0; c < 4; c++) assert_int_equal(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)), c != 2);
+    settings.stale_before = NULL;
+    work(&h, &settings, &camera, 1, &place);
+    assert_int_equal(out.splits, 1);
+    hierarchy_discard(&h);
+}
+
+static void when_the_eye_moves_corners_with_lobes_are_shaded_again(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0.3f, 20, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
+    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), true);
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    sl_chosen_place place = {want_root(&h, 0), 0.1f, 0.1f};
+    evaluate_all(&h, 1.0f, 5);
+    settings.eye_moved = 6;
+    work(&h, &settings, &camera, 1, &place);
+    assert_int_equal(out.count, 4);
+    assert_int_equal(out.splits, 0);
+    hierarchy_discard(&h);
+}
+
+static void one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in(void **state) {
+    (void)state;
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 1.0f, 1);
+    work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.9f, 0.2f});
+    assert_int_equal(out.splits, 1);
+    assert_int_equal(out.count, 3);
+    uint32_t child = h.patches->patch[patch].child + 1, wanted = 0;
+    for (int c = 0; c < 4; c++) {
+        uint32_t vertex = sl_patch_corner(h.patches, child, c);
+        if (vertex != sl_patch_corner(h.patches, patch, 1)) assert_int_equal(out.vertex[wanted++], vertex);
+    }
+    hierarchy_discard(&h);
+}
+
+static void sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three(void **state) {
+    (void)state;
+    static const int side[] = {1, 2, 4, 8, 16}, depth[] = {1, 1, 2, 3, 3};
+    static sl_chosen_place places[256];
+    sl_camera camera = camera_above(35);
+    sl_work_settings settings = usual();
+    for (int k = 0; k < 5; k++) {
+        hierarchy h = hierarchy_of(square_scene(), false);
+        uint32_t patch = want_root(&h, 0);
+        evaluate_all(&h, 1.0f, 1);
+        size_t count = grid_of_places(patch, side[k], places);
+        work(&h, &settings, &camera, count, places);
+        assert_int_equal(deepest(h.patches), depth[k]);
+        size_t n = (size_t)1 << depth[k]; /* all corners of the finest grid but the square's own; of its middle alone the first child's */
+        assert_int_equal(out.count, k == 0 ? 3 : (n + 1) * (n + 1) - 4);
+        assert_int_equal(h.patches->leaves_alive, n * n);
+        hierarchy_discard(&h);
+    }
+}
+
+static void patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once(void **state) {
+    (void)state;
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t root = want_root(&h, 0);
+    split_levels(&h, root, 1);
+    uint32_t first = h.patches->patch[root].child;
+    const sl_chosen_place places[] = {{first + 2, 0.9f, 0.9f}, {first, 0.1f, 0.1f}, {first + 2, 0.8f, 0.8f}, {first + 1, 0.9f, 0.1f}};
+    work(&h, &settings, &camera, 4, places);
+    assert_int_equal(out.count, 8); /* 4 of the first, 3 more, 1 more */
+    for (int c = 0; c < 4; c++) assert_int_equal(out.vertex[c], sl_patch_corner(h.patches, first + 2, c));
+    assert_int_equal(out.vertex[4], sl_patch_corner(h.patches, first, 0));
+    assert_int_equal(out.vertex[7], sl_patch_corner(h.patches, first + 1, 1));
+    hierarchy_discard(&h);
+}
+
+static void places_in_patches_that_are_gone_or_split_already_do_no_harm(void **state) {
+    (void)state;
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t root = want_root(&h, 0);
+    split_levels(&h, root, 2);
+    evaluate_all(&h, 1.0f, 1);
+    uint32_t first = h.patches->patch[root].child, below = h.patches->patch[first].child;
+    sl_patch_drop_children(h.patches, first);
+    const sl_chosen_place places[] = {{below, 0.1f, 0.1f}, {root, 0.9f, 0.9f}, {100000, 0.5f, 0.5f}, {SL_NO_INDEX, 0.5f, 0.5f}, {root, NAN, NAN}};
+    assert_false(sl_patch_is_alive(h.patches, below));
+    work(&h, &settings, &camera, 5, places);
+    assert_int_equal(out.splits, 2); /* the leaves that hold (0.9, 0.9), and (0, 0) for what is no number */
+    work(&h, &settings, &camera, 0, NULL);
+    assert_int_equal(out.count, 0);
+    hierarchy_discard(&h);
+}
+
+/* ---- where splits end ---- */
+
+static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixels(void **state) {
+    (void)state;
+    static sl_chosen_place places[PLACES_MAX];
+    for (int kind = 0; kind < 2; kind++) {
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        sl_camera camera = camera_above(16); /* 32 x 32 pixels, or half of them */
+        sl_work_settings settings = usual();
+        want_root(&h, 0);
+        double pixels = kind ? 512.0 : 1024.0;
+        bool done = false;
+        for (int update = 0; update < 40 && !done; update++) {
+            size_t count = 0;
+            for (int i = 0; i < 64 * 64; i++) {
+                float u = ((float)(i % 64) + 0.5f) / 64.0f, v = ((float)(i / 64) + 0.5f) / 64.0f;
+                if (!kind || u + v < 1.0f) places[count++] = (sl_chosen_place){sl_patch_locate(h.patches, 0, (double)u, (double)v).patch, u, v};
+            }
+            work(&h, &settings, &camera, count, places);
+            for (size_t i = 0; i < out.count; i++) evaluate(&h, out.vertex[i], 1.0f, 1);
+            done = out.count == 0 && out.splits == 0;
+        }
+        assert_true(done);
+        for (uint32_t i = 0; i < h.patches->patch_count; i++) {
+            if (!sl_patch_is_alive(h.patches, i)) continue;
+            sl_patch_place place = sl_patch_place_of(h.patches, i);
+            float area = sl_patch_projected(h.patches, &place, &camera, WIDTH, HEIGHT).area;
+            assert_true(sl_patch_is_leaf(h.patches, i) ? area <= 1.2f : area > 1.2f);
+        }
+        assert_true((double)h.patches->leaves_alive >= pixels / 1.2 && (double)h.patches->leaves_alive < 4.0 * pixels / 1.2);
+        hierarchy_discard(&h);
+    }
+}
+
+static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void **state) {
+    (void)state;
+    static sl_chosen_place places[64];
+    hierarchy h = hierarchy_of(square_scene(), false);
+    sl_camera camera = camera_above(0.5f); /* the whole root is one pixel */
+    sl_work_settings settings = usual();
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 1.0f, 1);
+    size_t count = grid_of_places(patch, 8, places);
+    work(&h, &settings, &camera, count, places);
+    assert_int_equal(out.count + out.splits, 0);
+    settings.variance_aware = true;
+    work(&h, &settings, &camera, count, places);
+    assert_int_equal(out.count, 4);
+    assert_int_equal(out.splits, 0);
+    hierarchy_discard(&h);
+}
+
+static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    settings.variance_aware = true;
+    uint32_t patch = want_root(&h, 0);
+    sl_chosen_place place = {patch, 0.3f, 0.3f};
+    evaluate_all(&h, 4.0f, 1);
+    evaluate(&h, sl_patch_corner(h.patches, patch, 0), 4.5f, 1);
+    for (int c = 0; c < 4; c++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].variance = 0.25f; /* sigma 1/2, of the difference 0.71 */
+    work(&h, &settings, &camera, 1, &place);
+    assert_int_equal(out.count, 4);
+    assert_int_equal(out.splits, 0);
+    for (int c = 0; c < 4; c++) assert_false(sl_vertex_is_stale(h.patches, &settings, sl_patch_corner(h.patches, patch, c)));
+    /* The bound is at a difference of twice its standard error: 2 sqrt(2) sigma. */
+    for (int above = 0; above < 2; above++) {
+        float sigma = 0.5f / (2.0f * sqrtf(2.0f)) * (above ? 0.97f : 1.03f);
+        for (int c = 0; c < 4; c++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].variance = sigma * sigma;
+        work(&h, &settings, &camera, 1, &place);
+        assert_int_equal(out.splits, above);
+    }
+    hierarchy_discard(&h);
+}
+
+static void black_corners_with_noise_are_noise(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    sl_camera camera = camera_above(30);
+    sl_work_settings settings = usual();
+    settings.variance_aware = true;
+    uint32_t patch = want_root(&h, 0);
+    evaluate_all(&h, 0.0f, 1);
+    for (int c = 0; c < 4; c++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].variance = c < 3 ? 1.0f : NAN;
+    work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.3f, 0.3f});
+    assert_int_equal(out.count, 4);
+    assert_int_equal(out.splits, 0);
+    hierarchy_discard(&h);
+}
+
+static void what_changes_is_not_split_below_what_there_is_time_for(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        sl_camera camera = camera_above(10);
+        sl_work_settings settings = usual();
+        sl_chosen_place place = {want_root(&h, 0), 0.3f, 0.3f};
+        evaluate_all(&h, 1.0f, 1);
+        settings.coarsest = 401.0f; /* of 400 pixels; of the triangle's 200 half of it */
+        changing[0] = true;
+        work(&h, &settings, &camera, 1, &place);
+        assert_int_equal(out.splits, 0);
+        settings.coarsest = 399.0f;
+        work(&h, &settings, &camera, 1, &place);
+        assert_int_equal(out.splits, 1);
+        hierarchy_discard(&h);
+        h = hierarchy_of(square_scene(), false);
+        place.patch = want_root(&h, 0);
+        evaluate_all(&h, 1.0f, 1);
+        settings.coarsest = 401.0f;
+        changing[0] = false;
+        work(&h, &settings, &camera, 1, &place);
+        assert_int_equal(out.splits, 1);
+        hierarchy_discard(&h);
+    }
+}
+
+/* ---- size in the picture ---- */
+
+static sl_patch_size size_of(hierarchy *h, uint32_t patch, const sl_camera *camera) {
+    sl_patch_place place = sl_patch_place_of(h->patches, patch);
+    return sl_patch_projected(h->patches, &place, camera, WIDTH, HEIGHT);
+}
+
+static bool near_to(float a, double b) { return fabs((double)a - b) <= 1e-4 * (1.0 + fabs(b)); }
+
+static void a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_quarters(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false), t = hierarchy_of(triangle_scene(), false);
+    sl_camera camera = camera_above(20);
+    uint32_t square = want_root(&h, 0), triangle = want_root(&t, 0);
+    split(&h, square);
+    sl_patch_size whole = size_of(&h, square, &camera), half = size_of(&t, triangle, &camera);
+    assert_true(near_to(whole.area, 1600.0) && near_to(whole.edge, 40.0));
+    assert_true(near_to(half.area, 800.0) && near_to(half.edge, 40.0 * sqrt(2.0)));
+    for (uint32_t k = 0; k < 4; k++) {
+        sl_patch_size quarter = size_of(&h, h.patches->patch[square].child + k, &camera);
+        assert_true(near_to(quarter.area, 400.0) && near_to(quarter.edge, 20.0));
+    }
+    hierarchy_discard(&h);
+    hierarchy_discard(&t);
+}
+
+static void only_what_is_in_the_picture_counts(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    sl_camera camera = camera_above(20);
+    camera.eye.x = 3.0f; /* sixty pixels to the right: the picture's left side halves it */
+    sl_patch_size half = size_of(&h, patch, &camera);
+    assert_true(near_to(half.area, 800.0) && near_to(half.edge, 40.0));
+    camera.eye.x = 5.0f;
+    sl_patch_size none = size_of(&h, patch, &camera);
+    assert_true(none.area == 0.0f && none.edge == 0.0f);
+    camera = camera_above(20);
+    camera.back = sl_v3(0, 0, -1);
+    camera.right = sl_v3(-1, 0, 0);
+    none = size_of(&h, patch, &camera); /* it is behind */
+    assert_true(none.area == 0.0f && none.edge == 0.0f);
+    camera = camera_above(2000); /* larger than the picture */
+    assert_true(near_to(size_of(&h, patch, &camera).area, (double)(WIDTH * HEIGHT)));
+    hierarchy_discard(&h);
+}
+
+static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-1e4f, -1e4f, 0), sl_v3(2e4f, 0, 0), sl_v3(0, 2e4f, 0), 0);
+    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), false);
+    uint32_t patch = want_root(&h, 0);
+    sl_camera along = {sl_v3(0, 0, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), sl_v3(0, -1, 0), 1.0f}; /* looks along y, one above it: half the picture */
+    assert_true(fabs((double)size_of(&h, patch, &along).area / (0.5 * WIDTH * HEIGHT) - 1.0) < 0.01);
+    along.eye.z = 0.0f; /* in the floor */
+    assert_true(isinf(size_of(&h, patch, &along).area) || size_of(&h, patch, &along).area == 0.0f);
+    along.eye.z = 1e-4f; /* so close that the near plane cuts it */
+    along.back = sl_v3(0, 0, 1);
+    along.up = sl_v3(0, 1, 0);
+    assert_true(isinf(size_of(&h, patch, &along).area) && isinf(size_of(&h, patch, &along).edge));
+    hierarchy_discard(&h);
+}
+
+static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    want_root(&h, 0);
+    sl_camera camera = {sl_v3(0.3f, 0.3f, 1e-7f), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};
+    sl_work_settings settings = usual();
+    for (int i = 0; i < 40; i++) {
+        sl_chosen_place place = {sl_patch_locate(h.patches, 0, 0.65, 0.65).patch, 0.65f, 0.65f};
+        work(&h, &settings, &camera, 1, &place);
+        for (size_t k = 0; k < out.count; k++) evaluate(&h, out.vertex[k], 1.0f, 1);
+    }
+    assert_int_equal(out.count + out.splits, 0);
+    assert_int_equal(deepest(h.patches), SL_PATCH_DEPTH_MAX);
+    hierarchy_discard(&h);
+}
+
+static void edge_on_and_sliver_patches_are_not_split(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    sl_work_settings settings = usual();
+    sl_chosen_place place = {want_root(&h, 0), 0.5f, 0.5f};
+    evaluate_all(&h, 1.0f, 1);
+    sl_camera camera = {sl_v3(0, -5, 0.001f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), sl_v3(0, -1, 0), 1.0f};
+    sl_patch_size size = size_of(&h, place.patch, &camera);
+    assert_true(size.edge > 20.0f && size.area < 1.0f);
+    work(&h, &settings, &camera, 1, &place);
+    assert_int_equal(out.splits, 0);
+    hierarchy_discard(&h);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_patch_never_evaluated_gets_its_corners_and_stays_whole),
+        cmocka_unit_test(corners_from_before_an_edit_are_shaded_again_before_anything_is_split),
+        cmocka_unit_test(when_the_eye_moves_corners_with_lobes_are_shaded_again),
+        cmocka_unit_test(one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in),
+        cmocka_unit_test(sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three),
+        cmocka_unit_test(patches_are_handled_in_the_order_of_their_first_places_and_vertices_are_asked_for_once),
+        cmocka_unit_test(places_in_patches_that_are_gone_or_split_already_do_no_harm),
+        cmocka_unit_test(nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixels),
+        cmocka_unit_test(patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down),
+        cmocka_unit_test(noise_is_answered_by_more_samples_and_contrast_by_splits),
+        cmocka_unit_test(black_corners_with_noise_are_noise),
+        cmocka_unit_test(what_changes_is_not_split_below_what_there_is_time_for),
+        cmocka_unit_test(a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_quarters),
+        cmocka_unit_test(only_what_is_in_the_picture_counts),
+        cmocka_unit_test(a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it),
+        cmocka_unit_test(patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further),
+        cmocka_unit_test(edge_on_and_sliver_patches_are_not_split),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
