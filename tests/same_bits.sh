@@ -56,6 +56,7 @@ same radiance-polygons scenes/cornell-lamp.json -m direct-radiance -q high --imp
 same octree-mirror scenes/cornell-mirror.json -m light-octree -q draft --stored-photons 30000 -s 96x96
 same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --facing-voxels --lobes harmonics -s 64x64
 same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --whole-voxels --fixed-neighbours --atlas --atlas-size 256 -s 96x64
+same octree-bumps scenes/bricks.json -m light-octree -q draft --stored-photons 20000 --own-photons --median-of-subsets -s 64x48
 same mesh-cornell scenes/cornell.json -m multi-mesh -q draft -s 64x64
 same mesh-glossy scenes/cornell-glossy.json -m multi-mesh -q normal --selection chain --bounces 2 --side-strips -s 48x48
 same mesh-rays scenes/two-rooms.json -m multi-mesh -q draft --light-estimator look-at -s 64x48
