@@ -46,7 +46,7 @@ static void close_world(world *w) {
 static sl_bidirectional_request point_of(const sl_scene *scene, uint32_t triangle, float w1, float w2, bool front) {
     sl_surface s;
     sl_scene_surface(scene, triangle, w1, w2, sl_scale(sl_scene_geometric_normal(scene, triangle), front ? 1.0f : -1.0f), &s);
-    return (sl_bidirectional_request){s.position, s.geometric_normal, s.normal, triangle};
+    return (sl_bidirectional_request){s.position, s.geometric_normal, s.normal, triangle, NULL};
 }
 
 static sl_bidirectional_value irradiance(world *w, const sl_bidirectional_request *request) {

@@ -36,5 +36,7 @@ sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn);
 /* Where a ray leaves a surface: so far above its triangle that it is above it in spite of rounding. Interpolation errs by a few units
  * in the last place of the largest coordinate involved. */
 sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surface *surface);
+/* The same for a point on an edge or a corner, whatever meets there. */
+sl_vec3 sl_surface_lift_anywhere(const sl_scene *scene, sl_vec3 position, sl_vec3 geometric_normal);
 
 #endif

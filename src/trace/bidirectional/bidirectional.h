@@ -38,10 +38,13 @@ typedef struct sl_bidirectional_scratch sl_bidirectional_scratch;
 
 typedef struct sl_bidirectional_point_settings {
     uint32_t samples;        /* pairs of subpaths a value; 0: 400 */
+    uint32_t first;          /* how many pairs of the sequence are passed over: others for each set of samples whose means are to be averaged */
     uint32_t bounces;        /* surfaces between the point and the light, at most, mirrors not counted; 0: 6; or SL_BOUNCES_UNLIMITED */
     uint32_t roulette_after; /* surfaces of either walk; 0: 3 */
     uint64_t seed;
     bool balance;            /* the balance heuristic instead of the power heuristic */
+    bool without_caustics;   /* irradiance leaves out light that comes to the point by way of mirrors alone (L S+ D), which somebody else counts; */
+    float polished;          /* ... and > 0: glossy surfaces that are not diffuse count as mirrors from this exponent on */
 } sl_bidirectional_point_settings;
 
 /* settings may be NULL. */
@@ -56,7 +59,8 @@ typedef struct sl_bidirectional_request {
     sl_vec3 position;         /* on the surface: it is lifted here */
     sl_vec3 geometric_normal; /* unit, on the side that is asked about */
     sl_vec3 normal;           /* unit shading normal, on the same side */
-    uint32_t triangle;        /* its own */
+    uint32_t triangle;        /* its own; or SL_NO_INDEX, where it lies on an edge */
+    const sl_material *material; /* whose lobe radiance is asked for; NULL: the triangle's */
 } sl_bidirectional_request;
 
 typedef struct sl_bidirectional_value {
@@ -68,7 +72,7 @@ typedef struct sl_bidirectional_value {
  * or a mirror. The first direction of eye subpaths has the density cos / pi. */
 void sl_bidirectional_irradiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
                                  sl_bidirectional_scratch *scratch, sl_bidirectional_value *irradiance, sl_counters *counters);
-/* What the triangle's glossy lobe reflects of the same light towards an eye; directions are drawn from the lobe. A perfect mirror
+/* What the material's glossy lobe reflects of the same light towards an eye; directions are drawn from the lobe. A perfect mirror
  * reflects all there is, lights themselves too, since no light sample finds those. */
 void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request, sl_vec3 eye,
                                sl_bidirectional_scratch *scratch, sl_bidirectional_value *radiance, sl_counters *counters);

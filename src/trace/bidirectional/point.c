@@ -48,7 +48,7 @@ static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint
     unsigned count = p->settings.samples - first < SL_PACKET ? p->settings.samples - first : SL_PACKET;
     for (unsigned i = 0; i < count; i++) {
         key[i] = p->key;
-        index[i] = first + i;
+        index[i] = p->settings.first + first + i;
     }
     return count;
 }
@@ -147,12 +147,35 @@ void sl_bidirectional_scratch_destroy(sl_bidirectional_scratch *scratch) { sl_fr
 /* ---- values -------------------------------------------------------------------------------------------------------------- */
 
 typedef struct packet {
+    const sl_bidirectional_point_settings *settings;
+    bool without_caustics;
+    sl_subpath *eye[SL_PACKET];
+    const sl_path_vertex *light_path[SL_PACKET]; /* the light vertices y_0 ... of each lane */
     sl_rgb light[SL_PACKET];
 } packet;
 
+static bool is_specular(const sl_path_vertex *v, float polished) {
+    if (v->kind == SL_VERTEX_MIRROR) return true;
+    return polished > 0.0f && v->bsdf.exponent >= polished && !(sl_rgb_max(v->bsdf.diffuse) > 0.0f);
+}
+
+/* L S+ D: all surfaces between the light and the point are specular, in whichever way the path was made. A path belongs to one side or the
+ * other as a whole, so that its weights still sum to 1. */
+static bool is_caustic(const packet *p, unsigned lane, unsigned s, unsigned t) {
+    unsigned end = s == 0 ? t - 1 : t; /* s = 0: v_(t-1) is on the light */
+    for (unsigned i = 2; i < end; i++) {
+        if (!is_specular(&p->eye[lane]->vertex[i], p->settings->polished)) return false;
+    }
+    for (unsigned i = 1; i < s; i++) {
+        if (!is_specular(&p->light_path[lane][i], p->settings->polished)) return false;
+    }
+    return true;
+}
+
 static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance, double weight) {
     packet *p = context;
-    (void)s, (void)t, (void)x, (void)y;
+    (void)x, (void)y;
+    if (p->without_caustics && is_caustic(p, lane, s, t)) return;
     p->light[lane] = sl_rgb_add(p->light[lane], sl_rgb_scale(radiance, (float)weight));
 }
 
@@ -182,23 +205,21 @@ static void estimate(const sl_bidirectional_points *points, const sl_path_maker 
     for (uint32_t first = 0; first < samples; first += SL_PACKET) {
         uint64_t key[SL_PACKET];
         uint32_t index[SL_PACKET];
-        sl_subpath *eye[SL_PACKET];
-        const sl_path_vertex *light[SL_PACKET];
+        packet p = {.settings = &points->settings, .without_caustics = points->settings.without_caustics && maker == &points->diffuse};
         unsigned light_count[SL_PACKET], count = packet_of(points, first, key, index);
         sl_vec3 directions[SL_PACKET];
         double pdf[SL_PACKET];
         for (unsigned i = 0; i < count; i++) {
-            eye[i] = &scratch->path[i];
-            light[i] = points->vertex + points->first[first + i];
+            p.eye[i] = &scratch->path[i];
+            p.light_path[i] = points->vertex + points->first[first + i];
             light_count[i] = (unsigned)(points->first[first + i + 1] - points->first[first + i]);
             directions[i] = direction;
             pdf[i] = 1.0;
         }
-        if (point) sl_walk_from_point(maker, count, point, key, index, eye, counters);
-        else sl_walk_from_eye(maker, count, origin, directions, pdf, key, index, eye, counters);
-        packet p = {.light = {{0.0f, 0.0f, 0.0f}}};
+        if (point) sl_walk_from_point(maker, count, point, key, index, p.eye, counters);
+        else sl_walk_from_eye(maker, count, origin, directions, pdf, key, index, p.eye, counters);
         const sl_path_receiver receiver = {&p, receive};
-        sl_connect_all(maker, count, eye, light, light_count, key, index, &receiver, counters);
+        sl_connect_all(maker, count, p.eye, p.light_path, light_count, key, index, &receiver, counters);
         add_samples(&total, &p, count, counters);
     }
     sl_count(counters, SL_COUNT_SAMPLES, samples);
@@ -210,10 +231,16 @@ static void estimate(const sl_bidirectional_points *points, const sl_path_maker 
     }
 }
 
-static sl_path_vertex vertex_at(const sl_scene *scene, const sl_bidirectional_request *request, sl_vec3 to_viewer) {
+/* As sl_surface_lift(); where the point is on an edge, above whatever meets there. */
+static sl_vec3 lifted(const sl_scene *scene, const sl_bidirectional_request *request) {
+    if (request->triangle == SL_NO_INDEX) return sl_surface_lift_anywhere(scene, request->position, request->geometric_normal);
     sl_surface surface = {.position = request->position, .geometric_normal = request->geometric_normal, .normal = request->normal};
+    return sl_surface_lift(scene, request->triangle, &surface);
+}
+
+static sl_path_vertex vertex_at(const sl_scene *scene, const sl_bidirectional_request *request, sl_vec3 to_viewer) {
     sl_path_vertex v = {.kind = SL_VERTEX_SURFACE,
-                        .origin = sl_surface_lift(scene, request->triangle, &surface),
+                        .origin = lifted(scene, request),
                         .back = to_viewer,
                         .geometric_normal = request->geometric_normal,
                         .triangle = request->triangle,
@@ -233,10 +260,12 @@ void sl_bidirectional_irradiance(const sl_bidirectional_points *points, const sl
 void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request, sl_vec3 eye,
                                sl_bidirectional_scratch *scratch, sl_bidirectional_value *radiance, sl_counters *counters) {
     const sl_scene *scene = points->glossy.scene;
-    const sl_material *material = &scene->materials[scene->material_index[request->triangle]];
+    const sl_material *material = request->material;
+    *radiance = (sl_bidirectional_value){{0.0}, {0.0}};
+    if (!material && request->triangle == SL_NO_INDEX) return;
+    if (!material) material = &scene->materials[scene->material_index[request->triangle]];
     sl_vec3 to_eye = sl_normalize_or(sl_sub(eye, request->position), request->normal);
     sl_path_vertex v = vertex_at(scene, request, to_eye);
-    *radiance = (sl_bidirectional_value){{0.0}, {0.0}};
     if (sl_material_is_mirror(material)) {
         sl_vec3 direction = sl_normalize_or(sl_reflect(to_eye, request->normal), request->normal);
         if (!(sl_dot(direction, request->geometric_normal) > 0.0f)) return;
