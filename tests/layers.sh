@@ -27,7 +27,7 @@ allow cache/direct_radiance "($below|cache/(direct_radiance|light|method|announc
 allow cache/light_octree "($below|cache/(light_octree|direct|light|method|announce|picture_value))"
 allow cache/light_sample "($below|cache/light_sample)/"
 allow cache/multi_mesh "($below|cache/(multi_mesh|light_sample|method|announce|picture_value))"
-allow cache/shading_cache "($below|cache/(shading_cache|method|announce|picture_value))"
+allow cache/shading_cache "($below|cache/(shading_cache|light_sample|method|announce|picture_value))"
 allow cache/reference "($below|cache/(reference|method))"
 allow app '(app|scene/features)'
 # Every symbol that the library shows begins with sl_.

@@ -1,0 +1,283 @@
+/* Direct light. An area light's irradiance without occluders is known in closed form (Lambert's formula, light_sample/closed_forms.c); N points spread
+ * over the light tell what share of it is seen:
+ *
+ *     E = E_closed  sum w_i V_i / sum w_i,   w = (n . w)+ (-m . w)+ / r^2,
+ *
+ * so that noise is left where there are shadows alone. Or by the points alone, as the paper has it: E = L A / N sum w_i V_i. Lights without extent
+ * take a shadow ray. Every vertex uses the same points: vertices under the same light have the same error, and an unchanged scene unchanged bits.
+ *
+ * Who counts what: lamps and lights as seen from the point are counted here and nowhere else, by its diffuse part and by its glossy lobe. Mirrors
+ * reflect lamps as well as all else by bidirectional_renderer.c. So does the environment shine, which is counted here only where no renderer of
+ * indirect light is wanted. */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "cache/shading_cache/renderer_parts.h"
+#include "cache/shading_cache/solids.h"
+
+/* What lies within this share of the way to the light, at the light, is the light, or too near it to be told from it. */
+static const double light_margin = 1e-4;
+
+typedef struct area_renderer {
+    sl_renderer_settings settings;
+    sl_sampled_lights *lights;
+    sl_area_light *area;       /* by light; of those without extent empty */
+    size_t area_count;
+    sl_enclosures *solids;
+} area_renderer;
+
+/* ---- at a point ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct lit {
+    const area_renderer *renderer;
+    const sl_sample_request *request;
+    sl_lit_point point;
+    sl_vec3 origin;            /* of shadow rays: above the surface in spite of rounding */
+    sl_vec3d x, n, g;
+    sl_bsdf lobe;
+    bool has_lobe;
+    sl_counters *counters;
+} lit;
+
+/* Sums over a light's points. */
+typedef struct sums {
+    double all, seen;          /* of weights: w, w V */
+    double all_squares, seen_squares;
+    double lobe;               /* of w V f, ks = 1 */
+} sums;
+
+typedef struct packet {
+    sl_ray16 rays;
+    double weight[SL_PACKET], lobe[SL_PACKET];
+    unsigned count;
+} packet;
+
+static void put_ray(const lit *at, packet *p, sl_vec3 direction, double far, uint32_t skip, double weight, double lobe) {
+    unsigned i = p->count++;
+    p->rays.origin_x[i] = at->origin.x;
+    p->rays.origin_y[i] = at->origin.y;
+    p->rays.origin_z[i] = at->origin.z;
+    p->rays.direction_x[i] = direction.x;
+    p->rays.direction_y[i] = direction.y;
+    p->rays.direction_z[i] = direction.z;
+    p->rays.near[i] = 0.0f;
+    p->rays.far[i] = (float)far;
+    p->rays.skip[i] = skip;
+    p->weight[i] = weight;
+    p->lobe[i] = lobe;
+}
+
+static void trace(const lit *at, packet *p, sums *s) {
+    if (p->count == 0) return;
+    uint32_t hidden = sl_trace_occluded(*at->renderer->settings.tracer, &p->rays, p->count, true, at->counters);
+    for (unsigned i = 0; i < p->count; i++) {
+        if (hidden >> i & 1) continue;
+        s->seen += p->weight[i];
+        s->seen_squares += p->weight[i] * p->weight[i];
+        s->lobe += p->weight[i] * p->lobe[i];
+    }
+    p->count = 0;
+}
+
+/* f of the lobe for ks = 1. */
+static double lobe_value(const lit *at, sl_vec3 to_light) {
+    return at->has_lobe ? (double)sl_bsdf_value(&at->lobe, to_light, SL_LOBE_GLOSSY).r : 0.0;
+}
+
+static void add(sl_rgb *to, sl_rgb colour, double scale) {
+    *to = sl_rgb_add(*to, (sl_rgb){(float)((double)colour.r * scale), (float)((double)colour.g * scale), (float)((double)colour.b * scale)});
+}
+
+static sl_rgb lobe_colour(const lit *at, sl_rgb light) { return at->has_lobe ? sl_rgb_mul(light, at->request->material->specular) : sl_grey(0.0f); }
+
+/* ---- area lights ---------------------------------------------------------------------------------------------------------- */
+
+/* One point of the light: its weight, and its ray where it has any. */
+static void add_point(const lit *at, const sl_area_light *area, uint32_t index, packet *p, sums *s) {
+    sl_area_point y = sl_area_light_point(at->renderer->settings.scene, area, index);
+    sl_vec3d d = sl_subd(y.position, at->x);
+    double squared = sl_dotd(d, d), high = sl_dotd(at->n, d), front = -sl_dotd(y.normal, d);
+    if (area->light->two_sided) front = fabs(front);
+    if (!(squared > 0.0 && high > 0.0 && front > 0.0 && sl_dotd(at->g, d) > 0.0)) return;
+    double weight = high / squared * (front / squared);
+    if (!(weight > 0.0 && weight <= 0x1p500)) return;
+    s->all += weight;
+    s->all_squares += weight * weight;
+    if (!y.shines) return;
+    double lobe = at->has_lobe ? lobe_value(at, sl_to_float(sl_scaled(d, 1.0 / sqrt(squared)))) : 0.0;
+    sl_vec3 direction = sl_to_float(sl_subd(y.position, sl_to_double(at->origin)));
+    put_ray(at, p, direction, 1.0 - light_margin, y.triangle, weight, lobe);
+    if (p->count == SL_PACKET) trace(at, p, s);
+}
+
+/* What little of the light is above the horizon has none of the points: one ray to its middle. */
+static void add_middle(const lit *at, const sl_area_light *area, sums *s) {
+    sl_vec3 direction = sl_light_direction(area->light, &at->point);
+    if (!(sl_dot(direction, direction) > 0.0f)) return;
+    packet p = {.count = 0};
+    sl_hit16 hit;
+    put_ray(at, &p, direction, INFINITY, at->point.triangle, 1.0, 0.0);
+    sl_trace(*at->renderer->settings.tracer, &p.rays, 1, true, &hit, at->counters);
+    s->all = s->all_squares = 1.0;
+    const sl_sampled_lights *lights = at->renderer->lights;
+    uint32_t met = hit.triangle[0] != SL_NO_INDEX ? lights->light_of_triangle[hit.triangle[0]] : SL_NO_INDEX;
+    if (met == SL_NO_INDEX || &lights->light[met] != area->light) return;
+    s->seen = s->seen_squares = 1.0;
+    s->lobe = lobe_value(at, direction);
+}
+
+/* Variances of the mean: of a ratio of sums, and of a mean. */
+static double ratio_variance(const sums *s, double n) {
+    double share = s->seen / s->all, hidden = fmax(s->all_squares - s->seen_squares, 0.0);
+    double squares = s->seen_squares * (1.0 - share) * (1.0 - share) + hidden * share * share;
+    return n > 1.0 ? squares / (s->all * s->all) * n / (n - 1.0) : 0.0;
+}
+
+static double mean_variance(const sums *s, double n) {
+    return n > 1.0 ? fmax(s->seen_squares - s->seen * s->seen / n, 0.0) / (n * (n - 1.0)) : 0.0;
+}
+
+static void add_area_light(const lit *at, const sl_area_light *area, sl_sample *sample) {
+    const sl_shading_cache_settings *settings = &at->renderer->settings.cache;
+    double share = sl_light_unoccluded(area->light, &at->point), n = (double)settings->area_samples;
+    sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES, 1);
+    if (!(share > 0.0)) {
+        sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        return;
+    }
+    packet p = {.count = 0};
+    sums s = {.all = 0.0};
+    uint32_t first = at->request->set * (uint32_t)settings->area_samples + 1;
+    for (uint32_t i = 0; i < (uint32_t)settings->area_samples; i++) add_point(at, area, first + i, &p, &s);
+    trace(at, &p, &s);
+    double scale = area->area / n, variance = mean_variance(&s, n) * area->area * area->area; /* of E / L */
+    if (settings->area == SL_AREA_RATIO) {
+        if (!(s.all > 0.0)) add_middle(at, area, &s);
+        if (!(s.all > 0.0)) return;
+        scale = SL_PI * share / s.all;
+        variance = ratio_variance(&s, n) * SL_PI * SL_PI * share * share;
+    }
+    add(&sample->irradiance, area->light->radiance, scale * s.seen);
+    add(&sample->radiance, lobe_colour(at, area->light->radiance), scale * s.lobe);
+    double mean = (double)sl_rgb_mean(area->light->radiance);
+    sample->variance += (float)(variance * mean * mean);
+}
+
+/* ---- lights without extent ------------------------------------------------------------------------------------------------ */
+
+static void add_lights_without_extent(const lit *at, sl_sample *sample) {
+    const sl_scene *scene = at->renderer->settings.scene;
+    for (size_t first = 0; first < scene->light_count; first += SL_PACKET) {
+        packet p = {.count = 0};
+        sl_rgb arriving[SL_PACKET];
+        sl_vec3 to_light[SL_PACKET];
+        for (size_t l = first; l < scene->light_count && l < first + SL_PACKET; l++) {
+            float distance;
+            unsigned i = p.count;
+            sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES, 1);
+            bool shines = sl_light_illuminate(&scene->lights[l], at->point.position, &to_light[i], &distance, &arriving[i]);
+            float cosine = shines ? sl_dot(at->point.normal, to_light[i]) : 0.0f;
+            if (!(cosine > 0.0f && sl_dot(at->point.geometric_normal, to_light[i]) > 0.0f)) {
+                sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+                continue;
+            }
+            put_ray(at, &p, to_light[i], (double)distance * (1.0 - light_margin), at->point.triangle, (double)cosine, lobe_value(at, to_light[i]));
+        }
+        uint32_t hidden = p.count ? sl_trace_occluded(*at->renderer->settings.tracer, &p.rays, p.count, true, at->counters) : 0;
+        for (unsigned i = 0; i < p.count; i++) {
+            if (hidden >> i & 1) continue;
+            add(&sample->irradiance, arriving[i], p.weight[i]);
+            add(&sample->radiance, lobe_colour(at, arriving[i]), p.weight[i] * p.lobe[i]);
+        }
+    }
+}
+
+/* ---- the renderer --------------------------------------------------------------------------------------------------------- */
+
+static void render_point(const void *state, const sl_sample_request *request, unsigned worker, sl_sample *sample, sl_counters *counters) {
+    (void)worker;
+    const area_renderer *r = state;
+    const sl_root_point *p = &request->point;
+    sample->valid = !sl_enclosures_hold(r->solids, *r->settings.tracer, p, counters);
+    if (!sample->valid) return;
+    lit at = {.renderer = r,
+              .request = request,
+              .point = {p->position, p->normal, p->geometric_normal, p->triangle},
+              .origin = sl_surface_lift_anywhere(r->settings.scene, p->position, p->geometric_normal),
+              .x = sl_to_double(p->position),
+              .n = sl_to_double(p->normal),
+              .g = sl_to_double(p->geometric_normal),
+              .counters = counters};
+    at.has_lobe = sl_request_lobe(request, &at.lobe);
+    if (!at.has_lobe && !sl_request_wants_irradiance(request)) return;
+    for (size_t l = 0; l < r->area_count; l++) {
+        if (r->area[l].light) add_area_light(&at, &r->area[l], sample);
+    }
+    add_lights_without_extent(&at, sample);
+    if (r->settings.cache.indirect == SL_INDIRECT_NONE) {
+        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed, (uint32_t)r->settings.cache.area_samples, request, sample, counters);
+    }
+}
+
+static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
+                   sl_counters *counters) {
+    sl_render_each(render_point, state, count, requests, threads, samples, counters);
+}
+
+static void release_lights(area_renderer *r) {
+    for (size_t l = 0; l < r->area_count; l++) sl_area_light_release(&r->area[l]);
+    sl_free(r->area);
+    sl_sampled_lights_destroy(r->lights);
+    r->area = NULL;
+    r->area_count = 0;
+    r->lights = NULL;
+}
+
+static bool has_extent(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
+
+static sl_status make_lights(area_renderer *r, sl_error *error) {
+    release_lights(r);
+    sl_status status = sl_sampled_lights_find(r->settings.scene, &r->lights, error);
+    if (status != SL_OK) return status;
+    r->area = sl_allocate(r->lights->count, sizeof *r->area);
+    if (!r->area) return sl_fail_memory(error, "area lights");
+    r->area_count = r->lights->count;
+    for (size_t l = 0; l < r->area_count && status == SL_OK; l++) {
+        const sl_sampled_light *light = &r->lights->light[l];
+        if (has_extent(light)) status = sl_area_light_make(r->settings.scene, light, sl_random_key(r->settings.seed, l), &r->area[l], error);
+    }
+    return status;
+}
+
+static sl_status edit(void *state, unsigned changes, sl_error *error) {
+    area_renderer *r = state;
+    if (!(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return SL_OK;
+    sl_status status = make_lights(r, error);
+    if (status == SL_OK) sl_enclosures_edit(r->solids);
+    return status;
+}
+
+static void destroy(void *state) {
+    area_renderer *r = state;
+    if (!r) return;
+    release_lights(r);
+    sl_enclosures_destroy(r->solids);
+    sl_free(r);
+}
+
+sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error) {
+    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .destroy = destroy};
+    area_renderer *r = sl_allocate(1, sizeof *r);
+    if (!r) return sl_fail_memory(error, "a sample renderer");
+    r->settings = *settings;
+    sl_status status = make_lights(r, error);
+    if (status == SL_OK) status = sl_enclosures_find(settings->scene, &r->solids, error);
+    if (status != SL_OK) {
+        destroy(r);
+        return status;
+    }
+    renderer->state = r;
+    return SL_OK;
+}

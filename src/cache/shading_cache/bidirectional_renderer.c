@@ -1,0 +1,138 @@
+/* Indirect light by bidirectional path tracing (trace/bidirectional): light of all paths with something between light and point.
+ *
+ * Who counts what, beside area_renderer.c:
+ *   the environment seen from the point     here, among the paths that leave the scene
+ *   lamps that a mirror at the point shows  here: a mirror reflects all there is
+ *   caustics at diffuse points, L S+ D      here, or, where settings ask for a caustic renderer, there alone. S: mirrors, and surfaces without
+ *                                           diffuse part whose lobe is at least as narrow as SL_POLISHED. What a mirror shows of a caustic, or
+ *                                           light that goes on from one, or the lobe's part of it, is here in any case
+ *
+ * Set k of samples takes the next N pairs of subpaths of one sequence. Light subpaths serve all points and are walked once a set, when the first request
+ * asks for it. */
+#include <math.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/shading_cache/renderer_parts.h"
+#include "trace/bidirectional/bidirectional.h"
+
+/* Sets that are kept; more begin again. */
+enum { SETS_MAX = 256 };
+
+typedef struct sets {
+    sl_bidirectional_points *points[SETS_MAX];
+} sets;
+
+typedef struct renderer {
+    sl_renderer_settings settings;
+    sets *sets;
+    sl_bidirectional_scratch **scratch; /* by worker */
+    unsigned workers;
+} renderer;
+
+static sl_status make_set(const renderer *r, uint32_t set, sl_error *error) {
+    const sl_shading_cache_settings *cache = &r->settings.cache;
+    if (r->sets->points[set]) return SL_OK;
+    const sl_bidirectional_point_settings settings = {.samples = (uint32_t)cache->indirect_samples,
+                                                      .first = set * (uint32_t)cache->indirect_samples,
+                                                      .bounces = (uint32_t)cache->path_depth,
+                                                      .seed = r->settings.seed,
+                                                      .without_caustics = cache->caustics,
+                                                      .polished = SL_POLISHED};
+    return sl_bidirectional_points_create(r->settings.scene, *r->settings.tracer, &settings, &r->sets->points[set], error);
+}
+
+static void forget_sets(renderer *r) {
+    for (uint32_t s = 0; s < SETS_MAX; s++) {
+        sl_bidirectional_points_destroy(r->sets->points[s]);
+        r->sets->points[s] = NULL;
+    }
+}
+
+/* ---- at a point ----------------------------------------------------------------------------------------------------------- */
+
+static sl_rgb colour_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
+
+/* Of the channels' mean, as if they varied together: never less than it is. */
+static float mean_variance(const double v[3]) {
+    double deviation = (sqrt(v[0]) + sqrt(v[1]) + sqrt(v[2])) / 3.0;
+    return (float)(deviation * deviation);
+}
+
+static void render_point(const void *state, const sl_sample_request *q, unsigned worker, sl_sample *sample, sl_counters *counters) {
+    const renderer *r = state;
+    const sl_bidirectional_points *points = r->sets->points[q->set % SETS_MAX];
+    bool irradiance = sl_request_wants_irradiance(q), lobe = sl_request_wants_lobe(q), mirror = sl_request_wants_mirror(q);
+    if (!points) { /* no memory for it */
+        sample->valid = false;
+        return;
+    }
+    const sl_bidirectional_request request = {q->point.position, q->point.geometric_normal, q->point.normal, q->point.triangle, q->material};
+    sl_bidirectional_value value;
+    if (irradiance) {
+        sl_bidirectional_irradiance(points, &request, r->scratch[worker], &value, counters);
+        sample->irradiance = colour_of(value.mean);
+        sample->variance = mean_variance(value.variance);
+        sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
+    }
+    if (lobe || mirror) {
+        sl_bidirectional_radiance(points, &request, q->eye, r->scratch[worker], &value, counters);
+        sample->radiance = colour_of(value.mean);
+        sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
+    }
+    if (irradiance || lobe) {
+        sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed, (uint32_t)r->settings.cache.indirect_samples, q, sample, counters);
+    }
+}
+
+/* ---- the renderer --------------------------------------------------------------------------------------------------------- */
+
+static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
+                   sl_counters *counters) {
+    const renderer *r = state;
+    for (size_t i = 0; i < count; i++) make_set(r, requests[i].set % SETS_MAX, NULL);
+    sl_render_each(render_point, state, count, requests, threads < r->workers ? threads : r->workers, samples, counters);
+}
+
+/* The first set is made at once, so that what fails fails here. */
+static sl_status edit(void *state, unsigned changes, sl_error *error) {
+    renderer *r = state;
+    if (!(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return SL_OK;
+    forget_sets(r);
+    return make_set(r, 0, error);
+}
+
+static void destroy(void *state) {
+    renderer *r = state;
+    if (!r) return;
+    if (r->sets) forget_sets(r);
+    for (unsigned w = 0; r->scratch && w < r->workers; w++) sl_bidirectional_scratch_destroy(r->scratch[w]);
+    sl_free(r->scratch);
+    sl_free(r->sets);
+    sl_free(r);
+}
+
+static sl_status make(renderer *r, sl_error *error) {
+    r->workers = r->settings.threads > 0 ? r->settings.threads : 1;
+    r->sets = sl_allocate(1, sizeof *r->sets);
+    r->scratch = sl_allocate(r->workers, sizeof *r->scratch);
+    if (!r->sets || !r->scratch) return sl_fail_memory(error, "a sample renderer");
+    sl_status status = SL_OK;
+    for (unsigned w = 0; w < r->workers && status == SL_OK; w++) status = sl_bidirectional_scratch_create(&r->scratch[w], error);
+    return status == SL_OK ? make_set(r, 0, error) : status;
+}
+
+sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out, sl_error *error) {
+    *out = (sl_sample_renderer){.name = "bidirectional", .render = render, .edit = edit, .destroy = destroy};
+    renderer *r = sl_allocate(1, sizeof *r);
+    if (!r) return sl_fail_memory(error, "a sample renderer");
+    r->settings = *settings;
+    sl_status status = make(r, error);
+    if (status != SL_OK) {
+        destroy(r);
+        return status;
+    }
+    out->state = r;
+    return SL_OK;
+}

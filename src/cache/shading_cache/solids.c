@@ -1,0 +1,249 @@
+#include "cache/shading_cache/solids.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "trace/bsdf.h"
+
+typedef enum solid_kind { NO_SOLID, OPEN_SOLID, CLOSED_SOLID } solid_kind;
+
+/* What hangs together by common edges. */
+typedef struct body {
+    solid_kind kind;
+    bool shines;               /* it has emitters itself */
+    sl_vec3 low, high;
+    double area, volume;       /* signed volume over its box's centre: positive where fronts look outwards */
+    sl_vec3d areas;            /* sum of the triangles' area vectors: 0 of what is closed */
+} body;
+
+struct sl_enclosures {
+    const sl_scene *scene;
+    uint32_t *body_of;         /* by triangle */
+    body *bodies;
+    size_t count;
+    uint32_t *solid;           /* those that are one, in order */
+    size_t solid_count;
+};
+
+/* ---- what hangs together -------------------------------------------------------------------------------------------------- */
+
+typedef struct place {
+    float x, y, z;
+    uint32_t vertex;
+} place;
+
+typedef struct edge {
+    uint32_t low, high, triangle;
+} edge;
+
+static int compare_places(const void *a, const void *b) {
+    const place *p = a, *q = b;
+    if (p->x != q->x) return p->x < q->x ? -1 : 1;
+    if (p->y != q->y) return p->y < q->y ? -1 : 1;
+    if (p->z != q->z) return p->z < q->z ? -1 : 1;
+    return (p->vertex > q->vertex) - (p->vertex < q->vertex);
+}
+
+static int compare_edges(const void *a, const void *b) {
+    const edge *e = a, *f = b;
+    if (e->low != f->low) return e->low < f->low ? -1 : 1;
+    if (e->high != f->high) return e->high < f->high ? -1 : 1;
+    return (e->triangle > f->triangle) - (e->triangle < f->triangle);
+}
+
+static uint32_t root_of(uint32_t *parent, uint32_t t) {
+    while (parent[t] != t) {
+        parent[t] = parent[parent[t]];
+        t = parent[t];
+    }
+    return t;
+}
+
+/* By vertex the first one at its place. */
+static void join_places(const sl_scene *s, place *places, uint32_t *first) {
+    for (size_t v = 0; v < s->vertex_count; v++) {
+        places[v] = (place){s->position_x[v] + 0.0f, s->position_y[v] + 0.0f, s->position_z[v] + 0.0f, (uint32_t)v};
+    }
+    qsort(places, s->vertex_count, sizeof *places, compare_places);
+    for (size_t i = 0; i < s->vertex_count; i++) {
+        bool same = i > 0 && places[i].x == places[i - 1].x && places[i].y == places[i - 1].y && places[i].z == places[i - 1].z;
+        first[places[i].vertex] = same ? first[places[i - 1].vertex] : places[i].vertex;
+    }
+}
+
+/* Triangles that share an edge get the lowest of their numbers as parent. */
+static void join_edges(const sl_scene *s, const uint32_t *first, edge *edges, uint32_t *parent) {
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        parent[t] = (uint32_t)t;
+        for (size_t c = 0; c < 3; c++) {
+            uint32_t a = first[s->vertex[c][t]], b = first[s->vertex[(c + 1) % 3][t]];
+            edges[3 * t + c] = (edge){a < b ? a : b, a < b ? b : a, (uint32_t)t};
+        }
+    }
+    qsort(edges, 3 * s->triangle_count, sizeof *edges, compare_edges);
+    for (size_t i = 1; i < 3 * s->triangle_count; i++) {
+        if (edges[i].low != edges[i - 1].low || edges[i].high != edges[i - 1].high) continue;
+        uint32_t a = root_of(parent, edges[i - 1].triangle), b = root_of(parent, edges[i].triangle);
+        parent[a < b ? b : a] = a < b ? a : b;
+    }
+}
+
+static bool find_bodies(sl_enclosures *solids) {
+    const sl_scene *s = solids->scene;
+    place *places = sl_allocate(s->vertex_count, sizeof *places);
+    uint32_t *first = sl_allocate(s->vertex_count, sizeof *first);
+    edge *edges = sl_allocate(3 * s->triangle_count, sizeof *edges);
+    uint32_t *parent = sl_allocate(s->triangle_count, sizeof *parent);
+    bool done = places && first && edges && parent;
+    if (done) {
+        join_places(s, places, first);
+        join_edges(s, first, edges, parent);
+        for (uint32_t t = 0; t < s->triangle_count; t++) {
+            uint32_t root = root_of(parent, t); /* root <= t */
+            solids->body_of[t] = root == t ? (uint32_t)solids->count++ : solids->body_of[root];
+        }
+    }
+    sl_free(places);
+    sl_free(first);
+    sl_free(edges);
+    sl_free(parent);
+    return done;
+}
+
+/* ---- which of it is solid ------------------------------------------------------------------------------------------------- */
+
+static void measure_boxes(sl_enclosures *solids) {
+    const sl_scene *s = solids->scene;
+    for (size_t b = 0; b < solids->count; b++) {
+        solids->bodies[b] = (body){.low = sl_v3(INFINITY, INFINITY, INFINITY), .high = sl_v3(-INFINITY, -INFINITY, -INFINITY)};
+    }
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        body *b = &solids->bodies[solids->body_of[t]];
+        for (int c = 0; c < 3; c++) {
+            sl_vec3 p = sl_scene_position(s, s->vertex[c][t]);
+            b->low = sl_v3(fminf(b->low.x, p.x), fminf(b->low.y, p.y), fminf(b->low.z, p.z));
+            b->high = sl_v3(fmaxf(b->high.x, p.x), fmaxf(b->high.y, p.y), fmaxf(b->high.z, p.z));
+        }
+        if (s->emitter_of_triangle[t] != SL_NO_INDEX) b->shines = true;
+    }
+}
+
+static void measure_volumes(sl_enclosures *solids) {
+    const sl_scene *s = solids->scene;
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        body *b = &solids->bodies[solids->body_of[t]];
+        sl_vec3d centre = sl_scaled(sl_addd(sl_to_double(b->low), sl_to_double(b->high)), 0.5), corner[3];
+        for (int c = 0; c < 3; c++) corner[c] = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[c][t])), centre);
+        sl_vec3d area = sl_scaled(sl_crossd(sl_subd(corner[1], corner[0]), sl_subd(corner[2], corner[0])), 0.5);
+        b->areas = sl_addd(b->areas, area);
+        b->area += sl_lengthd(area);
+        b->volume += sl_dotd(area, corner[0]) / 3.0;
+    }
+}
+
+static bool box_holds(const body *b, sl_vec3 p) {
+    return p.x >= b->low.x && p.x <= b->high.x && p.y >= b->low.y && p.y <= b->high.y && p.z >= b->low.z && p.z <= b->high.z;
+}
+
+static bool light_inside(const sl_enclosures *solids, const body *b) {
+    const sl_scene *s = solids->scene;
+    for (size_t l = 0; l < s->light_count; l++) {
+        if (s->lights[l].type != SL_LIGHT_DIRECTIONAL && box_holds(b, s->lights[l].position)) return true;
+    }
+    for (size_t e = 0; e < s->emitter_count; e++) {
+        for (int c = 0; c < 3; c++) {
+            if (box_holds(b, sl_scene_position(s, s->vertex[c][s->emitters[e].triangle]))) return true;
+        }
+    }
+    return false;
+}
+
+void sl_enclosures_edit(sl_enclosures *solids) {
+    measure_boxes(solids);
+    measure_volumes(solids);
+    solids->solid_count = 0;
+    for (size_t i = 0; i < solids->count; i++) {
+        body *b = &solids->bodies[i];
+        sl_vec3 size = sl_sub(b->high, b->low);
+        double box = (double)size.x * (double)size.y * (double)size.z;
+        if (b->shines || !(b->volume > 0.01 * box) || light_inside(solids, b)) continue;
+        b->kind = sl_lengthd(b->areas) <= 1e-4 * b->area ? CLOSED_SOLID : OPEN_SOLID;
+        solids->solid[solids->solid_count++] = (uint32_t)i;
+    }
+}
+
+sl_status sl_enclosures_find(const sl_scene *scene, sl_enclosures **out, sl_error *error) {
+    *out = NULL;
+    sl_enclosures *solids = sl_allocate(1, sizeof *solids);
+    if (!solids) return sl_fail_memory(error, "the scene's solids");
+    solids->scene = scene;
+    solids->body_of = sl_allocate(scene->triangle_count, sizeof *solids->body_of);
+    bool found = solids->body_of && find_bodies(solids);
+    if (found) {
+        solids->bodies = sl_allocate(solids->count, sizeof *solids->bodies);
+        solids->solid = sl_allocate(solids->count, sizeof *solids->solid);
+    }
+    if (!found || !solids->bodies || !solids->solid) {
+        sl_enclosures_destroy(solids);
+        return sl_fail_memory(error, "the scene's solids");
+    }
+    sl_enclosures_edit(solids);
+    *out = solids;
+    return SL_OK;
+}
+
+void sl_enclosures_destroy(sl_enclosures *solids) {
+    if (!solids) return;
+    sl_free(solids->body_of);
+    sl_free(solids->bodies);
+    sl_free(solids->solid);
+    sl_free(solids);
+}
+
+/* ---- probe rays ----------------------------------------------------------------------------------------------------------- */
+
+enum { PROBES = 8 };
+
+/* Around the normal: none along what people build, none so flat that it meets what the point itself lies on. */
+static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
+    static const float height[PROBES] = {0.93f, 0.33f, 0.71f, 0.47f, 0.84f, 0.39f, 0.62f, 0.54f};
+    static const float turn[PROBES] = {0.03f, 0.17f, 0.30f, 0.42f, 0.53f, 0.67f, 0.79f, 0.92f};
+    for (int i = 0; i < PROBES; i++) {
+        sl_vec3 d = sl_direction_around(normal, height[i], turn[i]);
+        rays->origin_x[i] = p.x;
+        rays->origin_y[i] = p.y;
+        rays->origin_z[i] = p.z;
+        rays->direction_x[i] = d.x;
+        rays->direction_y[i] = d.y;
+        rays->direction_z[i] = d.z;
+        rays->near[i] = 0.0f;
+        rays->far[i] = INFINITY;
+        rays->skip[i] = SL_NO_INDEX;
+    }
+}
+
+bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_counters *counters) {
+    const sl_scene *s = solids->scene;
+    sl_vec3 p = sl_mad(point->position, 1e-5f * s->diagonal, point->geometric_normal);
+    uint32_t own = point->triangle != SL_NO_INDEX ? solids->body_of[point->triangle] : SL_NO_INDEX;
+    bool near = false;
+    for (size_t i = 0; i < solids->solid_count && !near; i++) near = solids->solid[i] != own && box_holds(&solids->bodies[solids->solid[i]], p);
+    if (!near) return false;
+    sl_ray16 rays;
+    sl_hit16 hits;
+    probe_rays(p, point->geometric_normal, &rays);
+    sl_trace(tracer, &rays, PROBES, false, &hits, counters);
+    int closed = 0, open = 0;
+    for (int i = 0; i < PROBES; i++) {
+        if (hits.triangle[i] == SL_NO_INDEX) continue;
+        uint32_t t = hits.triangle[i];
+        sl_vec3 d = sl_v3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+        const body *b = &solids->bodies[solids->body_of[t]];
+        if (!(sl_dot(d, sl_scene_geometric_normal(s, t)) > 0.0f) || !box_holds(b, p)) continue;
+        closed += b->kind == CLOSED_SOLID;
+        open += b->kind == OPEN_SOLID;
+    }
+    return 2 * closed > PROBES || closed + open == PROBES;
+}

@@ -1,0 +1,21 @@
+/* Points inside other geometry, where a table leg stands on the floor: light there is nobody's, and would darken what is around it. A ray from inside a
+ * solid meets its surface from behind; so do rays in scenes whose walls are wound the wrong way, or below a sheet that has no thickness, and those are
+ * points as good as others. So back faces count where they belong to what looks outwards as a whole and has no light inside:
+ *
+ *   closed     more than half of the probe rays meet such back faces
+ *   open       (a box without a bottom) all of them do */
+#ifndef SL_SHADING_CACHE_SOLIDS_H
+#define SL_SHADING_CACHE_SOLIDS_H
+
+#include "cache/shading_cache/primitives.h"
+#include "trace/trace.h"
+
+typedef struct sl_enclosures sl_enclosures;
+
+sl_status sl_enclosures_find(const sl_scene *scene, sl_enclosures **solids, sl_error *error);
+void sl_enclosures_destroy(sl_enclosures *solids);
+/* Objects or lights have moved. */
+void sl_enclosures_edit(sl_enclosures *solids);
+bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_counters *counters);
+
+#endif

@@ -1,0 +1,40 @@
+#include "renderer_support.h"
+
+void shop_open(shop *s, sl_scene *scene) {
+    *s = (shop){.scene = scene};
+    assert_non_null(scene);
+    assert_int_equal(sl_tracer_create(scene, 1, NULL, &s->tracer, NULL), SL_OK);
+    s->shown = s->tracer;
+    s->settings = (sl_renderer_settings){.scene = scene, .tracer = &s->shown, .seed = 1, .threads = 3};
+    s->settings.cache.area_samples = 64;
+    s->settings.cache.indirect_samples = 400;
+    s->settings.cache.path_depth = 6;
+}
+
+void shop_close(shop *s) {
+    sl_tracer_destroy(s->tracer);
+    sl_scene_destroy(s->scene);
+}
+
+sl_sample_renderer shop_renderer(shop *s, make_renderer *make) {
+    sl_sample_renderer renderer;
+    sl_error error;
+    if (make(&s->settings, &renderer, &error) != SL_OK) fail_msg("no renderer: %s", error.message);
+    return renderer;
+}
+
+sl_sample shop_sample(shop *s, const sl_sample_renderer *renderer, const sl_sample_request *request) {
+    sl_sample sample;
+    renderer->render(renderer->state, 1, request, 1, &sample, &s->counters);
+    return sample;
+}
+
+sl_sample_request request_on(const sl_scene *scene, uint32_t triangle, float w1, float w2, bool front) {
+    sl_surface surface;
+    sl_scene_surface(scene, triangle, w1, w2, sl_scale(sl_scene_geometric_normal(scene, triangle), front ? 1.0f : -1.0f), &surface);
+    return (sl_sample_request){.point = {surface.position, surface.normal, surface.geometric_normal, triangle}, .material = surface.material};
+}
+
+sl_sample_request request_at(sl_vec3 position, sl_vec3 normal) {
+    return (sl_sample_request){.point = {position, normal, normal, SL_NO_INDEX}};
+}
