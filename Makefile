@@ -86,7 +86,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance bench-light-octree install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -161,6 +161,12 @@ $(OCTREE_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(OCTREE_BENCH) $(BUIL
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
+MESH_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_mesh_*.c))
+MESH_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/mesh_*.c)) $(COMMON_BENCH)
+$(MESH_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(MESH_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 $(BUILD)/bench/bench_light_sample: $(BUILD)/o/bench/bench_light_sample.o $(COMMON_BENCH) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
@@ -218,6 +224,10 @@ bench-direct-radiance: all $(DRM_BENCHES)
 bench-light-octree: all $(OCTREE_BENCHES)
 	@./bench/light_octree.sh $(BUILD) $(if $(BRIEF),--brief)
 
+# Those on multi-mesh caching (docs/multi-mesh-experiments.md).
+bench-multi-mesh: all $(MESH_BENCHES) $(BUILD)/bench/bench_light_sample
+	@./bench/multi_mesh.sh $(BUILD) $(if $(BRIEF),--brief)
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
@@ -246,6 +256,7 @@ help:
 	@echo 'make bench-splatting  the experiments on radiance cache splatting; BRIEF=1: a short form'
 	@echo 'make bench-direct-radiance  those on direct radiance mapping'
 	@echo 'make bench-light-octree  those on the light octree'
+	@echo 'make bench-multi-mesh  those on multi-mesh caching'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
 	@echo 'make clean      remove what was built and generated'
 	@echo

@@ -348,7 +348,7 @@ int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/light-sample");
     sl_error error = {0};
     b.repetitions = o.once ? 3 : REPETITIONS;
-    bench_report_open(&b.report, &o, "light-sample");
+    bench_report_open(&b.report, &o, "light_sample");
     if (!bench_open_scene(&b.report, "scenes/generated/room.json", &b.scene)) return 1;
     need(sl_raster_create(b.scene, 1, &b.raster, &error), "raster", &error);
     need(sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error), "rays", &error);

@@ -723,6 +723,27 @@ static size_t multi_mesh_bytes(const void *state) {
     return bytes;
 }
 
+static sl_mesh_census census_of(const sl_mesh *mesh, size_t bytes) {
+    sl_mesh_census c = {.leaves = mesh->leaf_count, .vertices = mesh->vertex_count, .bytes = bytes};
+    for (size_t v = 0; v < mesh->vertex_count; v++) c.known += mesh->state[v] == SL_VERTEX_KNOWN;
+    return c;
+}
+
+void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS]) {
+    const multi_mesh_state *s = state;
+    for (int k = 0; k < SL_MESH_KINDS; k++) census[k] = (sl_mesh_census){0};
+    for (int i = 0; i < PARTS; i++)
+        if (s->part[i]) census[i] = census_of(s->part[i]->mesh, sl_displayed_memory_bytes(s->part[i]));
+    for (size_t l = 0; s->irradiance && l < s->lights->count; l++) {
+        const sl_mesh *mesh = sl_irradiance_mesh(s->irradiance, l);
+        sl_mesh_census c = census_of(mesh, sl_mesh_memory_bytes(mesh)), *all = &census[SL_MESH_IRRADIANCE];
+        all->leaves += c.leaves;
+        all->vertices += c.vertices;
+        all->known += c.known;
+        all->bytes += c.bytes;
+    }
+}
+
 const sl_method_class sl_multi_mesh_method = {
     .name = "multi-mesh",
     .complete = sl_multi_mesh_complete,

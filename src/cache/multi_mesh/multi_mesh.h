@@ -21,4 +21,12 @@
 
 #include "cache/method.h"
 
+/* How large the meshes of a method's state are: the three that the eye sees, in the order of sl_component, and all lights' together. */
+enum { SL_MESH_IRRADIANCE = 3, SL_MESH_KINDS };
+typedef struct sl_mesh_census {
+    size_t leaves, vertices, known; /* known: vertices with a value */
+    size_t bytes;
+} sl_mesh_census;
+void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS]);
+
 #endif
