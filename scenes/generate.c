@@ -20,6 +20,9 @@ static const struct {
     {"castle", gen_castle},
     {"cathedral", gen_cathedral},
     {"figure", gen_figure},
+    {"study", gen_study},
+    {"loft", gen_loft},
+    {"pool", gen_pool},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 

@@ -78,6 +78,17 @@ static void the_files_are_the_same_as_ever(void **state) {
         {"cathedral.obj", 0x2657a92c1a2627a3u},
         {"cathedral.mtl", 0x1f5514478c262c9bu},
         {"cathedral.json", 0xd98748536fd7a3c8u},
+        {"study.obj", 0x96e834c70f9eb269u},
+        {"study.json", 0x0e2b77b684648988u},
+        {"study-chair.obj", 0x7c944b4733b6a21au},
+        {"study-vase.bpt", 0x23d5b8c696fe0f9bu},
+        {"study-cloth.bpt", 0x7930f4275d4b11aau},
+        {"study-lamp.json", 0x2ce69b90720b0696u},
+        {"loft.obj", 0x35b17fe8c7dc4fb1u},
+        {"loft.json", 0x1ea85f50d8ab92a9u},
+        {"pool.obj", 0x0aaedc468d1eaf82u},
+        {"pool-ball.bpt", 0xc666c49083602929u},
+        {"pool.json", 0xe495fa5d70012cdau},
         {"castle-sky.pfm", 0x89e8dfdd487ee845u},
     };
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
@@ -93,6 +104,7 @@ static void the_scenes_have_the_sizes_they_promise(void **state) {
     static const struct { const char *file; double triangles; } promised[] = {
         {"room.obj", 7000.0},    {"cave.obj", 40000.0},      {"atrium.obj", 66000.0},
         {"castle.obj", 58000.0}, {"cathedral.obj", 80000.0}, {"mirror-cave.obj", 41000.0},
+        {"study.obj", 5280.0},  {"loft.obj", 614.0},      {"pool.obj", 11000.0},
     };
     for (size_t i = 0; i < sizeof promised / sizeof promised[0]; i++) {
         double ratio = (double)faces_in(promised[i].file) / promised[i].triangles;
@@ -160,7 +172,7 @@ static int generate_once(void **state) {
     if (!mkdtemp(folder)) return -1;
     if (access(named && *named ? named : "build/generate", X_OK) != 0) return 0; /* every test then skips */
     char arguments[128];
-    snprintf(arguments, sizeof arguments, "%s room cave mirror-cave atrium castle cathedral", folder);
+    snprintf(arguments, sizeof arguments, "%s room cave mirror-cave atrium castle cathedral study loft pool", folder);
     return run(arguments) == 0 ? 0 : -1;
 }
 

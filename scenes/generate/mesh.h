@@ -136,9 +136,20 @@ double gen_random(uint32_t seed, uint32_t a, uint32_t b); /* in [0,1), a hash of
 double gen_noise(v3 p, uint32_t seed);                    /* value noise in [-1,1], smooth, one unit a cell */
 double gen_fractal(v3 p, int octaves, uint32_t seed);     /* halving amplitudes, within [-2,2] */
 
+/* ---- bicubic surfaces (curved.c) -------------------------------------------------------------------------------- */
+
+typedef struct gen_bicubic { v3 p[4][4]; } gen_bicubic; /* [v][u], as in .bpt files */
+
+/* Turns a cubic curve (radius, height), from the bottom up, about y: `parts` surfaces of equal angles. Returns parts. */
+int gen_revolve(const v2 curve[4], int parts, gen_bicubic *surfaces);
+void gen_write_bicubic(const char *folder, const char *name, const gen_bicubic *surfaces, int count);
+
 /* ---- the files of a scene (output.c) ----------------------------------------------------------------------------- */
 
 void gen_write_scene(const char *folder, const char *name, const mesh *m, const char *json_middle);
+/* Their parts, for scenes of several meshes: NAME.obj and NAME.mtl alone; and any text, as NAME and ENDING. */
+void gen_write_mesh(const char *folder, const char *name, const mesh *m);
+__attribute__((format(printf, 4, 5))) void gen_write_text(const char *folder, const char *name, const char *ending, const char *format, ...);
 /* A latitude-longitude picture, row 0 at the top, as PFM. */
 void gen_write_pfm(const char *folder, const char *name, const float *rgb, int width, int height);
 
@@ -151,5 +162,14 @@ void gen_atrium(const char *folder);
 void gen_castle(const char *folder);
 void gen_cathedral(const char *folder);
 void gen_figure(const char *folder);
+void gen_study(const char *folder);
+void gen_loft(const char *folder);
+void gen_pool(const char *folder);
+
+/* What the study takes from the room (room.c). */
+void gen_room_walls(mesh *m); /* begins the mesh: walls, floor, window, curtains, door */
+void gen_room_table(mesh *m); /* and the rug under it */
+void gen_room_chair(mesh *m, double x, double z, double degrees);
+void gen_room_sides(mesh *m); /* sofa, shelves, pictures */
 
 #endif

@@ -1,6 +1,7 @@
 /* The files of a scene: NAME.obj, NAME.mtl, NAME.json. Each is written beside its name and renamed when complete. */
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,15 +95,17 @@ static void write_mtl(const char *folder, const char *name, const mesh *m) {
     close_and_rename(file, path, beside);
 }
 
-static void write_json(const char *folder, const char *name, const char *middle) {
+void gen_write_text(const char *folder, const char *name, const char *ending, const char *format, ...) {
     char path[PATH_BYTES], beside[PATH_BYTES + 8];
-    FILE *file = open_beside(folder, name, ".json", path, beside);
-    fprintf(file, "{\n  \"softlux\": 1,\n  \"meshes\": [{\"file\": \"%s.obj\"}],\n%s,\n", name, middle);
-    fprintf(file, "  \"film\": {\"width\": 1000, \"height\": 1000}\n}\n");
+    FILE *file = open_beside(folder, name, ending, path, beside);
+    va_list arguments;
+    va_start(arguments, format);
+    vfprintf(file, format, arguments);
+    va_end(arguments);
     close_and_rename(file, path, beside);
 }
 
-void gen_write_scene(const char *folder, const char *name, const mesh *m, const char *json_middle) {
+void gen_write_mesh(const char *folder, const char *name, const mesh *m) {
     char path[PATH_BYTES], beside[PATH_BYTES + 8];
     write_mtl(folder, name, m);
     FILE *file = open_beside(folder, name, ".obj", path, beside);
@@ -111,9 +114,15 @@ void gen_write_scene(const char *folder, const char *name, const mesh *m, const 
     put_vectors(file, "vn", m->normals, m->normal_count);
     put_faces(file, m);
     close_and_rename(file, path, beside);
-    write_json(folder, name, json_middle);
     printf("%-10s %7zu triangles, %7zu vertices\n", name, m->face_count, m->position_count);
     fflush(stdout);
+}
+
+void gen_write_scene(const char *folder, const char *name, const mesh *m, const char *json_middle) {
+    gen_write_mesh(folder, name, m);
+    gen_write_text(folder, name, ".json",
+                   "{\n  \"softlux\": 1,\n  \"meshes\": [{\"file\": \"%s.obj\"}],\n%s,\n"
+                   "  \"film\": {\"width\": 1000, \"height\": 1000}\n}\n", name, json_middle);
 }
 
 /* PFM: bottom row first; a negative scale says little endian, written so whatever the machine's own order is. */

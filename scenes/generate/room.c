@@ -181,7 +181,11 @@ static void table(mesh *m) {
     gen_box(m, gen_v3(-0.72, 0.62, -0.345), gen_v3(-0.695, 0.72, 0.345));
     gen_box(m, gen_v3(0.695, 0.62, -0.345), gen_v3(0.72, 0.72, 0.345));
     for (int i = 0; i < 4; i++) turned_leg(m, i & 1 ? 0.7 : -0.7, i & 2 ? 0.355 : -0.355, 0.72);
+    m->frame = before;
+}
 
+static void ware(mesh *m) {
+    frame before = gen_move(m, 3.1, 0, 2.3);
     gen_paint(m, "bowl", CERAMIC);
     gen_move(m, 0.2, 0.755, 0.02);
     outline bowl = {.count = 0};
@@ -348,33 +352,51 @@ static void plant(mesh *m) {
     m->frame = before;
 }
 
+void gen_room_walls(mesh *m) {
+    gen_mesh_init(m, materials, MATERIALS);
+    shell(m);
+    floor_boards(m);
+    window(m);
+    curtains(m);
+    door(m);
+}
+
+void gen_room_table(mesh *m) {
+    gen_paint(m, "rug", RUG);
+    gen_bevel_box(m, gen_v3(1.35, 0, 1.5), gen_v3(4.4, 0.012, 3.9), 0.006);
+    table(m);
+}
+
+void gen_room_chair(mesh *m, double x, double z, double degrees) {
+    gen_paint(m, "chairs", WOOD);
+    chair(m, x, z, degrees);
+}
+
+void gen_room_sides(mesh *m) {
+    sofa(m);
+    shelves(m);
+    picture(m, 3.45, 1.55, 0.5, 0.65, BOOK_OCHRE);
+    picture(m, 4.2, 1.5, 0.45, 0.45, BOOK_BLUE);
+    picture(m, 4.2, 2.05, 0.45, 0.3, RUG);
+}
+
 void gen_room(const char *folder) {
     mesh m;
-    gen_mesh_init(&m, materials, MATERIALS);
-    shell(&m);
-    floor_boards(&m);
-    window(&m);
-    curtains(&m);
-    door(&m);
+    gen_room_walls(&m);
     gen_paint(&m, "ceiling_light", LAMP);
     gen_quad(&m, gen_v3(2.0, 2.66, 2.3), gen_v3(3.0, 2.66, 2.3), gen_v3(3.0, 2.66, 3.3), gen_v3(2.0, 2.66, 3.3));
     gen_paint(&m, "ceiling_light_frame", WHITE);
     const v3 ring[4] = {{2.0, 2.66, 2.3}, {3.0, 2.66, 2.3}, {3.0, 2.66, 3.3}, {2.0, 2.66, 3.3}};
     const v2 rim[4] = {{-0.03, 0.04}, {-0.03, -0.01}, {0, -0.01}, {0, 0}};
     gen_sweep(&m, ring, 4, gen_v3(0, 1, 0), rim, 4, GEN_WRAP_COLUMNS | GEN_FLAT);
-    gen_paint(&m, "rug", RUG);
-    gen_bevel_box(&m, gen_v3(1.35, 0, 1.5), gen_v3(4.4, 0.012, 3.9), 0.006);
-    table(&m);
+    gen_room_table(&m);
+    ware(&m);
     gen_paint(&m, "chairs", WOOD);
     chair(&m, 2.75, 3.05, 176.0);
     chair(&m, 3.5, 3.1, -168.0);
     chair(&m, 2.7, 1.6, 4.0);
     chair(&m, 3.55, 1.55, -7.0);
-    sofa(&m);
-    shelves(&m);
-    picture(&m, 3.45, 1.55, 0.5, 0.65, BOOK_OCHRE);
-    picture(&m, 4.2, 1.5, 0.45, 0.45, BOOK_BLUE);
-    picture(&m, 4.2, 2.05, 0.45, 0.3, RUG);
+    gen_room_sides(&m);
     floor_lamp(&m);
     plant(&m);
     gen_write_scene(folder, "room", &m,
