@@ -296,18 +296,18 @@ static void what_changes_is_not_split_below_what_there_is_time_for(void **state)
         sl_work_settings settings = usual();
         sl_chosen_place place = {want_root(&h, 0), 0.3f, 0.3f};
         evaluate_all(&h, 1.0f, 1);
-        settings.coarsest = 401.0f; /* of 400 pixels; of the triangle's 200 half of it */
+        settings.coarsest = 101.0f; /* children of 100 pixels; of the triangle, 50 */
         changing[0] = true;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, 0);
-        settings.coarsest = 399.0f;
+        settings.coarsest = 99.0f;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, 1);
         hierarchy_discard(&h);
         h = hierarchy_of(square_scene(), false);
         place.patch = want_root(&h, 0);
         evaluate_all(&h, 1.0f, 1);
-        settings.coarsest = 401.0f;
+        settings.coarsest = 101.0f;
         changing[0] = false;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, 1);

@@ -37,8 +37,8 @@ static inline uint32_t sl_changes_since(const sl_changes *changes, uint32_t obje
 void sl_changes_settle(sl_changes *changes, const bool *still_stale, uint32_t now);
 /* Smallest projected area of patches of changing objects that T_c leaves time for: A / (r T_c) of quads, half of triangles. A: their visible pixels. */
 float sl_changes_coarsest(double visible_pixels, double rate, double seconds, bool triangles);
-/* Drops children of patches whose projected area (area[patch], pixels^2) is at or below that, where they belong to changing objects, once for
- * each change. Returns how many patches went. */
+/* Drops children that are at or below that, a quarter of their parent's projected area (area[patch], pixels^2), where they belong to changing objects,
+ * once for each change: what is left is no more than there is time for. Returns how many patches went. */
 size_t sl_changes_drop(sl_changes *changes, sl_patches *patches, const float *area, float coarsest_quad, float coarsest_triangle);
 
 #endif

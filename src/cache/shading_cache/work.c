@@ -99,7 +99,7 @@ static bool is_large(const worker *w, const sl_patch_place *place) {
     sl_patch_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
     float area = s->split_above;
     if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(w->patches->primitives, place->root)]) {
-        area = fmaxf(area, place->corners == 3 ? 0.5f * s->coarsest : s->coarsest);
+        area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
     }
     return size.area > area && size.edge > sqrtf(fmaxf(s->split_above, 0.0f));
 }

@@ -19,7 +19,7 @@ typedef struct sl_work_settings {
     const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale; NULL: none is */
     uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material has a lobe; 0: never */
     const bool *changing;      /* by object; NULL: none */
-    float coarsest;            /* > 0: patches of changing objects need more than so many pixels^2 for a split, triangles half of it */
+    float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
 } sl_work_settings;
 
 /* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first set of samples. Others in the list that

@@ -1,0 +1,281 @@
+/* Change: what is stale after an edit, when an object is changing and when that ends, how coarse it becomes. */
+#include <math.h>
+
+#include "base/random.h"
+#include "cache/shading_cache/change.h"
+#include "cache/shading_cache/selection.h"
+#include "cache/shading_cache/work.h"
+#include "shading_cache_support.h"
+
+static const sl_display_curve curve = {.reference = 1.0f};
+
+typedef struct world {
+    hierarchy h;
+    sl_changes *changes;
+} world;
+
+/* So many squares beside each other, each an object. */
+static world world_of(unsigned objects) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t object[16];
+    for (unsigned i = 0; i < objects; i++) {
+        trace_mesh_quad(&mesh, sl_v3(3.0f * (float)i, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
+        object[2 * i] = object[2 * i + 1] = i;
+    }
+    sl_scene_parts d = {.vertex_count = mesh.vertex_count, .positions = mesh.positions, .triangle_count = mesh.triangle_count, .indices = mesh.indices,
+                       .material_index = mesh.material_index, .object_index = object, .object_count = objects, .material_count = mesh.material_count,
+                       .materials = mesh.materials};
+    world w;
+    sl_scene *scene;
+    sl_error error = {0};
+    if (sl_scene_build(&d, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    trace_mesh_discard(&mesh);
+    w.h = hierarchy_of(scene, false);
+    assert_int_equal(scene->object_count, objects);
+    assert_int_equal(sl_changes_create(scene, 2.0f, 3, &w.changes, NULL), SL_OK);
+    return w;
+}
+
+static void world_discard(world *w) {
+    sl_changes_destroy(w->changes);
+    hierarchy_discard(&w->h);
+}
+
+/* ---- edits ---- */
+
+static void before_any_edit_nothing_is_stale_and_nothing_changes(void **state) {
+    (void)state;
+    world w = world_of(3);
+    static const bool stale[3];
+    for (uint32_t now = 1; now < 10; now++) sl_changes_settle(w.changes, stale, now);
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_false(w.changes->object[i].changing);
+        assert_int_equal(w.changes->object[i].stale_before, 0);
+        assert_int_equal(sl_changes_since(w.changes, i), 0);
+    }
+    world_discard(&w);
+}
+
+static void when_the_eye_moves_nothing_is_stale_but_what_has_lobes(void **state) {
+    (void)state;
+    world w = world_of(2);
+    sl_changes_edit(w.changes, SL_CHANGED_CAMERA, NULL, 7);
+    assert_int_equal(w.changes->eye_moved, 7);
+    for (uint32_t i = 0; i < 2; i++) assert_int_equal(w.changes->object[i].stale_before, 0);
+    world_discard(&w);
+}
+
+static void when_a_light_moves_all_is_stale_and_nothing_is_known_to_change(void **state) {
+    (void)state;
+    world w = world_of(2);
+    sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 7);
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(w.changes->object[i].stale_before, 7);
+        assert_false(w.changes->object[i].changing);
+        assert_int_equal(sl_changes_since(w.changes, i), 0);
+    }
+    assert_int_equal(w.changes->eye_moved, 0);
+    world_discard(&w);
+}
+
+static void an_object_that_moves_is_changing_at_once_and_the_others_are_stale(void **state) {
+    (void)state;
+    world w = world_of(3);
+    const bool moved[3] = {false, true, false};
+    sl_changes_edit(w.changes, SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA, moved, 4);
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(w.changes->object[i].stale_before, 4);
+        assert_int_equal(w.changes->object[i].changing, moved[i]);
+        assert_int_equal(w.changes->object[i].moved, moved[i] ? 4 : 0);
+        assert_int_equal(sl_changes_since(w.changes, i), moved[i] ? 4 : 0);
+    }
+    assert_int_equal(w.changes->eye_moved, 4);
+    world_discard(&w);
+}
+
+/* ---- what is a change ---- */
+
+static void only_differences_above_the_threshold_are_changes(void **state) {
+    (void)state;
+    world w = world_of(1);
+    assert_false(sl_changes_compare(w.changes, 0, 100.0f, 100.0f, 1) || sl_changes_compare(w.changes, 0, 100.0f, 102.0f, 1));
+    assert_false(sl_changes_compare(w.changes, 0, 102.0f, 100.0f, 1) || sl_changes_compare(w.changes, 0, NAN, 100.0f, 1));
+    assert_false(sl_changes_compare(w.changes, 0, 100.0f, NAN, 1));
+    assert_false(w.changes->object[0].changing);
+    assert_true(sl_changes_compare(w.changes, 0, 100.0f, 97.9f, 5));
+    assert_true(w.changes->object[0].changing && w.changes->object[0].changed == 5);
+    world_discard(&w);
+}
+
+static void a_still_scene_has_no_changes_in_a_thousand_updates(void **state) {
+    (void)state;
+    world w = world_of(1);
+    want_root(&w.h, 0);
+    evaluate_all(&w.h, 3.7f, 1);
+    static const bool stale[1];
+    for (uint32_t now = 2; now < 1002; now++) {
+        for (uint32_t v = 0; v < 4; v++) {
+            float before = sl_vertex_level(w.h.patches, &curve, v);
+            evaluate(&w.h, v, 3.7f, now); /* the same samples give the same bits */
+            assert_false(sl_changes_compare(w.changes, 0, before, sl_vertex_level(w.h.patches, &curve, v), now));
+        }
+        sl_changes_settle(w.changes, stale, now);
+        assert_false(w.changes->object[0].changing);
+    }
+    world_discard(&w);
+}
+
+/* A light has moved: a quarter of the picture's pixels shows something else now. Its patches have no priority, so epsilon has to find it. */
+static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void **state) {
+    (void)state;
+    enum { SIDE = 64, POINTS = 64, TRIALS = 200 };
+    static uint32_t leaf[SIDE * SIDE];
+    static sl_leaf_priority leaves[256];
+    sl_choice choice[2 * POINTS];
+    for (uint32_t i = 0; i < 256; i++) leaves[i] = (sl_leaf_priority){i, 16, 0.0f, 0.0f};
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) leaf[i] = i % SIDE / 4 + i / SIDE / 4 * 16;
+    sl_priorities_normalise(256, leaves, false);
+    double total = 0.0;
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        world w = world_of(1);
+        sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 2);
+        sl_selection_settings s = {.points = POINTS, .random_share = 0.03f, .flood_threshold = 0.5f, .per_patch = 16, .seed = trial, .update = 2};
+        sl_counters counters = {0};
+        size_t count, first = 0;
+        assert_int_equal(sl_select_pixels(&s, SIDE, SIDE, leaf, 256, leaves, choice, &count, &counters, NULL), SL_OK);
+        for (; first < count && !w.changes->object[0].changing; first++) {
+            bool lit = choice[first].pixel / SIDE < SIDE / 4;
+            sl_changes_compare(w.changes, 0, 100.0f, lit ? 130.0f : 100.0f, 2);
+        }
+        assert_true(w.changes->object[0].changing);                          /* in the first update: */
+        assert_true((double)counters.value[SL_COUNT_PIXEL_TESTS] <= 2 * POINTS / 0.03); /* M/epsilon tests are its mean */
+        total += (double)first;
+        world_discard(&w);
+    }
+    assert_true(fabs(total / TRIALS - 4.0) < 4.0 * sqrt(12.0 / TRIALS)); /* geometric, a quarter: mean 4, variance 12 */
+}
+
+/* ---- the end of a change ---- */
+
+static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before(void **state) {
+    (void)state;
+    world w = world_of(2);
+    bool stale[2] = {true, true};
+    sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 10);
+    assert_true(sl_changes_compare(w.changes, 1, 10.0f, 20.0f, 12));
+    assert_int_equal(sl_changes_since(w.changes, 1), 10); /* what was evaluated since the edit is new enough, though the change was found later */
+    for (uint32_t now = 12; now < 20; now++) {
+        sl_changes_settle(w.changes, stale, now);
+        assert_true(w.changes->object[1].changing && !w.changes->object[0].changing);
+    }
+    assert_true(sl_changes_compare(w.changes, 1, 20.0f, 30.0f, 20));
+    stale[1] = false;
+    for (uint32_t now = 20; now <= 24; now++) {
+        sl_changes_settle(w.changes, stale, now);
+        assert_int_equal(w.changes->object[1].changing, now < 23);
+    }
+    assert_int_equal(sl_changes_since(w.changes, 1), 0);
+    world_discard(&w);
+}
+
+static void an_object_in_motion_does_not_settle_before_its_last_move(void **state) {
+    (void)state;
+    world w = world_of(1);
+    const bool moved[1] = {true}, stale[1] = {false};
+    for (uint32_t now = 1; now < 12; now++) {
+        sl_changes_edit(w.changes, SL_CHANGED_OBJECTS, moved, now + 1); /* before the next update */
+        sl_changes_settle(w.changes, stale, now);
+        assert_true(w.changes->object[0].changing);
+    }
+    for (uint32_t now = 12; now < 18; now++) {
+        sl_changes_settle(w.changes, stale, now);
+        assert_int_equal(w.changes->object[0].changing, now < 15);
+    }
+    world_discard(&w);
+}
+
+/* ---- resolution ---- */
+
+static void how_coarse_depends_on_what_there_is_time_for(void **state) {
+    (void)state;
+    assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, false) - 26.04f) < 0.01f); /* the figure of section 2.8's example */
+    assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, true) - 13.02f) < 0.01f);
+    assert_true(sl_changes_coarsest(100000, 768, 2.5, false) == 2.0f * sl_changes_coarsest(100000, 768, 5, false));
+    assert_true(sl_changes_coarsest(0, 768, 5, false) == 0.0f && sl_changes_coarsest(NAN, 768, 5, false) == 0.0f);
+    assert_true(sl_changes_coarsest(1000, 768, 0, false) == FLT_MAX && sl_changes_coarsest(0, 0, 0, true) == 0.0f);
+}
+
+/* Projected areas of all patches, of a root of so many pixels seen face on. */
+static float *areas_of(const sl_patches *p, double pixels) {
+    float *area = calloc(p->patch_count + 1, sizeof *area);
+    assert_non_null(area);
+    for (uint32_t i = 0; i < p->patch_count; i++) area[i] = (float)(pixels / (double)(1u << 2 * (p->flags[i] & SL_PATCH_LEVEL)));
+    return area;
+}
+
+static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(void **state) {
+    (void)state;
+    world w = world_of(2);
+    split_levels(&w.h, want_root(&w.h, 0), 6); /* roots 0 and 2: the fronts of objects 0 and 1 */
+    split_levels(&w.h, want_root(&w.h, 2), 6);
+    evaluate_all(&w.h, 1.0f, 1);
+    sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 2);
+    sl_changes_compare(w.changes, 1, 10.0f, 20.0f, 2);
+    size_t leaves = w.h.patches->leaves_alive;
+    assert_int_equal(leaves, 2 * 4096);
+    const double pixels = 100000.0;
+    size_t last = 0;
+    for (int run = 0; run < 3; run++) { /* 5 s, again, and then less for a change that begins anew */
+        double seconds = run < 2 ? 0.5 : 0.05;
+        float coarsest = sl_changes_coarsest(pixels, 768, seconds, false), *area = areas_of(w.h.patches, pixels);
+        size_t before = w.h.patches->patches_alive, gone = sl_changes_drop(w.changes, w.h.patches, area, coarsest, 0.5f * coarsest);
+        assert_int_equal(before - w.h.patches->patches_alive, gone);
+        assert_sound(w.h.patches);
+        size_t left = w.h.patches->leaves_alive - 4096;
+        if (run == 1) assert_int_equal(gone, 0);
+        if (run != 1) assert_true(gone > 0 && (double)left <= 768.0 * seconds && 4.0 * (double)left > 768.0 * seconds);
+        if (run == 2) assert_true(left < last);
+        last = left;
+        free(area);
+        if (run != 1) continue;
+        sl_changes_settle(w.changes, (const bool[2]){false, false}, 9);
+        assert_false(w.changes->object[1].changing);
+        sl_changes_edit(w.changes, SL_CHANGED_LIGHTS, NULL, 10);
+        sl_changes_compare(w.changes, 1, 10.0f, 20.0f, 10);
+    }
+    uint32_t root = w.h.patches->root_patch[2];
+    for (int c = 0; c < sl_patch_corners(w.h.patches, root); c++) /* coarse values stay, to be renewed first */
+        assert_int_equal(w.h.patches->vertex[sl_patch_corner(w.h.patches, root, c)].evaluated, 1);
+    world_discard(&w);
+}
+
+static void areas_that_are_no_numbers_and_patches_at_the_eye_are_left_alone(void **state) {
+    (void)state;
+    world w = world_of(1);
+    split_levels(&w.h, want_root(&w.h, 0), 2);
+    sl_changes_compare(w.changes, 0, 10.0f, 20.0f, 2);
+    float *area = areas_of(w.h.patches, 10.0);
+    for (uint32_t i = 0; i < w.h.patches->patch_count; i++) area[i] = i % 2 ? NAN : HUGE_VALF;
+    assert_int_equal(sl_changes_drop(w.changes, w.h.patches, area, 1e30f, 1e30f), 0);
+    free(area);
+    world_discard(&w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(before_any_edit_nothing_is_stale_and_nothing_changes),
+        cmocka_unit_test(when_the_eye_moves_nothing_is_stale_but_what_has_lobes),
+        cmocka_unit_test(when_a_light_moves_all_is_stale_and_nothing_is_known_to_change),
+        cmocka_unit_test(an_object_that_moves_is_changing_at_once_and_the_others_are_stale),
+        cmocka_unit_test(only_differences_above_the_threshold_are_changes),
+        cmocka_unit_test(a_still_scene_has_no_changes_in_a_thousand_updates),
+        cmocka_unit_test(a_light_that_moved_is_found_within_the_tests_that_epsilon_needs),
+        cmocka_unit_test(a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before),
+        cmocka_unit_test(an_object_in_motion_does_not_settle_before_its_last_move),
+        cmocka_unit_test(how_coarse_depends_on_what_there_is_time_for),
+        cmocka_unit_test(what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them),
+        cmocka_unit_test(areas_that_are_no_numbers_and_patches_at_the_eye_are_left_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

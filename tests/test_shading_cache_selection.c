@@ -1,0 +1,462 @@
+/* The choice of pixels: hit-and-test, its bias, floods, equal steps along a curve, the highest first. */
+#include <math.h>
+
+#include "base/random.h"
+#include "cache/shading_cache/selection.h"
+#include "patch_support.h"
+
+/* A picture of leaves, as an id map and priorities would give it. */
+typedef struct picture {
+    int width, height;
+    uint32_t *leaf;
+    sl_leaf_priority *leaves;
+    size_t leaf_count;
+    sl_choice *choice;
+    size_t count;
+    sl_counters counters;
+} picture;
+
+static picture picture_of(int width, int height, size_t leaf_count) {
+    size_t pixels = (size_t)width * (size_t)height;
+    picture p = {.width = width, .height = height, .leaf_count = leaf_count};
+    p.leaf = malloc(pixels * sizeof *p.leaf);
+    p.leaves = calloc(leaf_count + 1, sizeof *p.leaves);
+    p.choice = malloc((2 * pixels + 1000) * sizeof *p.choice);
+    assert_true(p.leaf && p.leaves && p.choice);
+    memset(p.leaf, 0xff, pixels * sizeof *p.leaf);
+    return p;
+}
+
+static void picture_discard(picture *p) {
+    free(p->leaf);
+    free(p->leaves);
+    free(p->choice);
+}
+
+static void paint(picture *p, int x, int y, uint32_t leaf, float normal) {
+    p->leaf[y * p->width + x] = leaf;
+    p->leaves[leaf].patch = leaf;
+    p->leaves[leaf].pixels++;
+    p->leaves[leaf].normal = normal;
+    p->leaves[leaf].priority = 100.0f * normal;
+}
+
+static sl_selection_settings usual(int points) {
+    return (sl_selection_settings){.how = SL_PIXELS_HIT_AND_TEST, .points = points, .random_share = 0.03f, .flood_threshold = 2.0f, .per_patch = 10000,
+                                   .seed = 1};
+}
+
+/* Whatever the settings: no more choices than there may be, of pixels that show a leaf, each once, of no patch more than its share. */
+static void choose(picture *p, const sl_selection_settings *s) {
+    sl_counters zero = {0};
+    size_t pixels = (size_t)p->width * (size_t)p->height;
+    p->counters = zero;
+    assert_int_equal(sl_select_pixels(s, p->width, p->height, p->leaf, p->leaf_count, p->leaves, p->choice, &p->count, &p->counters, NULL), SL_OK);
+    assert_true(p->count <= 2 * (size_t)s->points);
+    uint8_t *chosen = calloc(pixels, 1);
+    int *in_leaf = calloc(p->leaf_count + 1, sizeof *in_leaf);
+    assert_true(chosen && in_leaf);
+    uint64_t kinds[3] = {0};
+    for (size_t i = 0; i < p->count; i++) {
+        const sl_choice *c = &p->choice[i];
+        assert_true(c->pixel < pixels && c->leaf != SL_NO_INDEX);
+        assert_int_equal(c->leaf, p->leaf[c->pixel]);
+        assert_int_equal(chosen[c->pixel]++, 0);
+        assert_true(++in_leaf[c->leaf] <= s->per_patch);
+        kinds[c->kind]++;
+    }
+    assert_int_equal(p->counters.value[SL_COUNT_PIXELS_HIT], kinds[SL_CHOICE_HIT]);
+    assert_int_equal(p->counters.value[SL_COUNT_PIXELS_RANDOM], kinds[SL_CHOICE_RANDOM]);
+    assert_int_equal(p->counters.value[SL_COUNT_PIXELS_FLOODED], kinds[SL_CHOICE_FLOOD]);
+    assert_true(kinds[SL_CHOICE_FLOOD] <= (uint64_t)s->points);
+    free(chosen);
+    free(in_leaf);
+}
+
+/* ---- hit-and-test ---- */
+
+static void patches_are_chosen_as_often_as_their_pixels_and_priorities_say(void **state) {
+    (void)state;
+    for (int how = SL_PIXELS_HIT_AND_TEST; how <= SL_PIXELS_SYSTEMATIC; how++) {
+        enum { LEAVES = 6, UPDATES = 40000 };
+        static const float normal[LEAVES] = {0.0f, 0.1f, 0.3f, 0.5f, 0.8f, 1.0f};
+        picture p = picture_of(32, 24, LEAVES);
+        for (int y = 0; y < 24; y++) {
+            for (int x = 0; x < 28; x++) { /* the rest shows nothing */
+                uint32_t leaf = (uint32_t)((x * x + y) / 60 % 7);
+                if (leaf < LEAVES) paint(&p, x, y, leaf, normal[leaf]);
+            }
+        }
+        sl_selection_settings s = usual(1);
+        s.how = (sl_pixel_selection)how;
+        double wanted[LEAVES], sum = 0.0, found[LEAVES] = {0}, chi = 0.0;
+        for (int i = 0; i < LEAVES; i++) sum += wanted[i] = (double)p.leaves[i].pixels * (0.03 + 0.97 * (double)normal[i]);
+        for (s.update = 0; s.update < UPDATES; s.update++) {
+            choose(&p, &s);
+            assert_int_equal(p.count, 1);
+            found[p.choice[0].leaf] += 1.0;
+        }
+        for (int i = 0; i < LEAVES; i++) {
+            double e = wanted[i] / sum * UPDATES;
+            chi += (found[i] - e) * (found[i] - e) / e;
+        }
+        assert_true(chi < 20.5); /* 5 degrees of freedom, 0.1 % */
+        picture_discard(&p);
+    }
+}
+
+static void tests_for_one_choice_are_the_inverse_of_the_mean_chance(void **state) {
+    (void)state;
+    picture p = picture_of(320, 240, 320);
+    double mean = 0.0;
+    for (int x = 0; x < 320; x++) {
+        float normal = 0.74193f * ((float)x / 319.0f) * ((float)x / 319.0f);
+        for (int y = 0; y < 240; y++) paint(&p, x, y, (uint32_t)x, normal);
+        mean += (0.03 + 0.97 * (double)normal) / 320.0;
+    }
+    assert_true(fabs(1.0 / mean - 3.700) < 5e-3);
+    sl_selection_settings s = usual(64);
+    double tests = 0.0, choices = 0.0, random = 0.0;
+    for (s.update = 0; s.update < 1500; s.update++) {
+        choose(&p, &s);
+        tests += (double)p.counters.value[SL_COUNT_PIXEL_TESTS];
+        random += (double)p.counters.value[SL_COUNT_PIXELS_RANDOM];
+        choices += (double)p.count;
+    }
+    assert_true(fabs(tests / choices - 3.700) < 0.03);
+    assert_true(fabs(random / tests - 0.03) < 4.0 * sqrt(0.03 * 0.97 / tests)); /* epsilon of all tests */
+    picture_discard(&p);
+}
+
+static void a_patch_without_any_priority_is_found_in_the_long_run_and_only_by_chance(void **state) {
+    (void)state;
+    picture p = picture_of(64, 64, 2);
+    for (int i = 0; i < 64 * 64; i++) paint(&p, i % 64, i / 64, i == 2000, i == 2000 ? 0.0f : 0.5f);
+    sl_selection_settings s = usual(64), none = usual(64);
+    none.random_share = 0.0f;
+    int found = 0;
+    for (s.update = 0; s.update < 2000; s.update++) {
+        choose(&p, &s);
+        for (size_t i = 0; i < p.count; i++) {
+            if (p.choice[i].leaf != 1) continue;
+            assert_int_equal(p.choice[i].kind, SL_CHOICE_RANDOM);
+            found++;
+        }
+        none.update = s.update;
+        choose(&p, &none);
+        for (size_t i = 0; i < p.count; i++) assert_int_equal(p.choice[i].leaf, 0);
+    }
+    assert_true(found >= 1); /* 1 - (1 - epsilon/N)^tests: 0.85 of 250,000 tests */
+    picture_discard(&p);
+}
+
+static void tests_come_to_an_end_where_nothing_is_to_be_hit(void **state) {
+    (void)state;
+    picture p = picture_of(200, 100, 1);
+    sl_selection_settings s = usual(64);
+    choose(&p, &s); /* no visible patch */
+    assert_int_equal(p.count, 0);
+    paint(&p, 7, 7, 0, 1.0f); /* one pixel of 20,000 */
+    choose(&p, &s);
+    assert_true(p.count <= 1);
+    assert_true(p.counters.value[SL_COUNT_PIXEL_TESTS] <= (uint64_t)ceil(8.0 * 64.0 / 0.03));
+    p.leaf_count = 0;
+    choose(&p, &s);
+    assert_int_equal(p.count, 0);
+    assert_int_equal(p.counters.value[SL_COUNT_PIXEL_TESTS], 0);
+    picture_discard(&p);
+    p = picture_of(20, 10, 1);
+    for (int i = 0; i < 200; i++) paint(&p, i % 20, i / 20, 0, 0.0f);
+    choose(&p, &s); /* epsilon alone: 33 tests a choice */
+    assert_int_equal(p.count, 64);
+    assert_int_equal(p.counters.value[SL_COUNT_PIXELS_RANDOM], 64);
+    s.random_share = 0.0f;
+    choose(&p, &s);
+    assert_int_equal(p.count, 0);
+    for (int how = 0; how < 3; how++) { /* no choices are wanted */
+        s = usual(how ? 64 : 0);
+        s.how = (sl_pixel_selection)how;
+        s.per_patch = how ? 0 : 16;
+        choose(&p, &s);
+        assert_int_equal(p.count, 0);
+    }
+    picture_discard(&p);
+}
+
+static void choices_are_a_function_of_seed_and_update_and_fewer_are_the_first_of_more(void **state) {
+    (void)state;
+    picture p = picture_of(100, 80, 80), q = picture_of(100, 80, 80);
+    for (int i = 0; i < 8000; i++) {
+        paint(&p, i % 100, i / 100, (uint32_t)(i / 100), (float)(i / 100) / 80.0f);
+        paint(&q, i % 100, i / 100, (uint32_t)(i / 100), (float)(i / 100) / 80.0f);
+    }
+    sl_selection_settings s = usual(64), fewer = usual(20);
+    choose(&p, &s);
+    choose(&q, &s);
+    assert_memory_equal(p.choice, q.choice, 64 * sizeof *p.choice);
+    choose(&q, &fewer);
+    assert_memory_equal(p.choice, q.choice, 20 * sizeof *p.choice);
+    s.update = 1;
+    choose(&q, &s);
+    assert_memory_not_equal(p.choice, q.choice, 64 * sizeof *p.choice);
+    s.update = 0;
+    s.seed = 2;
+    choose(&q, &s);
+    assert_memory_not_equal(p.choice, q.choice, 64 * sizeof *p.choice);
+    picture_discard(&p);
+    picture_discard(&q);
+}
+
+static void no_patch_gets_more_than_its_share_and_the_others_get_theirs(void **state) {
+    (void)state;
+    for (int how = 0; how < 3; how++) {
+        picture p = picture_of(60, 40, 3);
+        for (int i = 0; i < 2400; i++) paint(&p, i % 60, i / 60, i < 2000 ? 0 : i < 2390 ? 1 : 2, i < 2000 ? 1.0f : 0.5f);
+        sl_selection_settings s = usual(64);
+        s.how = (sl_pixel_selection)how;
+        s.per_patch = 16;
+        s.flood_threshold = 0.5f;
+        int in_leaf[3] = {0};
+        choose(&p, &s); /* which looks at the shares */
+        for (size_t i = 0; i < p.count; i++) in_leaf[p.choice[i].leaf]++;
+        assert_int_equal(in_leaf[0], 16);
+        if (how != SL_PIXELS_SYSTEMATIC) assert_int_equal(in_leaf[1], 16);
+        if (how != SL_PIXELS_SYSTEMATIC) assert_int_equal(in_leaf[2], 10);
+        picture_discard(&p);
+    }
+}
+
+static void every_patch_never_evaluated_is_chosen_within_a_bounded_number_of_updates(void **state) {
+    (void)state;
+    picture p = picture_of(64, 64, 4096);
+    for (int i = 0; i < 4096; i++) paint(&p, i % 64, i / 64, (uint32_t)i, 1.0f);
+    sl_selection_settings s = usual(64);
+    s.flood_threshold = 0.5f;
+    size_t left = 4096;
+    for (s.update = 0; left > 0; s.update++) {
+        assert_true(s.update < 50); /* 64 to 128 each: at best 32 */
+        choose(&p, &s);
+        for (size_t i = 0; i < p.count; i++) {
+            left -= p.leaves[p.choice[i].leaf].normal > 0.0f;
+            p.leaves[p.choice[i].leaf].normal = 0.0f;
+        }
+    }
+    picture_discard(&p);
+}
+
+/* ---- floods ---- */
+
+static bool beside(const picture *p, uint32_t a, uint32_t b) {
+    int dx = abs((int)(a % (uint32_t)p->width) - (int)(b % (uint32_t)p->width)), dy = abs((int)(a / (uint32_t)p->width) - (int)(b / (uint32_t)p->width));
+    return dx + dy == 1;
+}
+
+/* A shadow's edge: one-pixel patches in steps through a picture of 640 x 480. */
+static picture shadow_line(void) {
+    picture p = picture_of(640, 480, 1 + 2 * 480);
+    uint32_t next = 1;
+    for (int y = 0; y < 480; y++) {
+        for (int x = 0; x < 640; x++) {
+            bool line = x == y || x == y + 1;
+            paint(&p, x, y, line ? next++ : 0, line ? 1.0f : 0.0f);
+        }
+    }
+    return p;
+}
+
+static void one_hit_on_a_shadow_line_spreads_along_it(void **state) {
+    (void)state;
+    picture p = shadow_line();
+    sl_selection_settings s = usual(64);
+    s.flood_threshold = 0.5f;
+    s.random_share = 0.0f;
+    for (s.update = 0; s.update < 20; s.update++) {
+        choose(&p, &s);
+        assert_true(p.counters.value[SL_COUNT_PIXELS_FLOODED] == p.counters.value[SL_COUNT_PIXELS_HIT] || p.counters.value[SL_COUNT_PIXELS_FLOODED] == 64);
+        for (size_t i = 0; i < p.count; i++) {
+            assert_true(p.choice[i].leaf > 0);
+            bool reached = p.choice[i].kind != SL_CHOICE_FLOOD;
+            for (size_t j = 0; j < i && !reached; j++) reached = beside(&p, p.choice[i].pixel, p.choice[j].pixel);
+            assert_true(reached);
+        }
+    }
+    s.flood_threshold = 2.0f;
+    choose(&p, &s);
+    assert_int_equal(p.counters.value[SL_COUNT_PIXELS_FLOODED], 0);
+    picture_discard(&p);
+}
+
+static void a_thousand_draws_miss_a_patch_of_one_pixel(void **state) {
+    (void)state;
+    picture p = picture_of(640, 480, 2);
+    for (int i = 0; i < 640 * 480; i++) paint(&p, i % 640, i / 640, i == 150000, 1.0f);
+    sl_selection_settings s = usual(1000);
+    s.random_share = 0.0f;
+    int missed = 0;
+    for (s.update = 0; s.update < 300; s.update++) {
+        choose(&p, &s);
+        bool found = false;
+        for (size_t i = 0; i < p.count; i++) found |= p.choice[i].leaf == 1;
+        missed += !found;
+    }
+    assert_true(missed >= 295); /* (1 - 1 / 307,200)^1,000 = 0.997 */
+    picture_discard(&p);
+}
+
+static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) {
+    (void)state;
+    static const float normal[] = {0.3f, 0.6f, 0.9f, 0.8f, 0.45f};
+    picture p = picture_of(50, 10, 5);
+    for (int y = 0; y < 10; y++) {
+        for (int x = 0; x < 50; x++) paint(&p, x, y, (uint32_t)(x / 10), normal[x / 10]);
+    }
+    sl_selection_settings s = usual(1); /* one seed, one more */
+    s.flood_threshold = 0.5f;
+    int floods = 0, within = 0, upwards = 0;
+    for (s.update = 0; s.update < 5000; s.update++) {
+        choose(&p, &s);
+        float seed = p.leaves[p.choice[0].leaf].normal;
+        bool spreads = p.choice[0].kind == SL_CHOICE_HIT && seed >= 0.5f;
+        assert_int_equal(p.count, spreads ? 2 : 1);
+        if (!spreads) continue;
+        assert_true(p.leaves[p.choice[1].leaf].normal >= seed);
+        assert_true(beside(&p, p.choice[0].pixel, p.choice[1].pixel));
+        floods++;
+        within += p.choice[0].leaf == p.choice[1].leaf;
+        upwards += p.leaves[p.choice[1].leaf].normal > seed;
+    }
+    assert_true(within > floods / 2 && upwards > 10); /* also within one patch, where the paper's rule would stop, and into higher ones */
+    picture_discard(&p);
+}
+
+static void floods_run_through_patches_that_have_their_share(void **state) {
+    (void)state;
+    picture p = picture_of(48, 1, 3);
+    for (int x = 0; x < 48; x++) paint(&p, x, 0, x < 20 ? 0 : x < 40 ? 1 : 2, 1.0f);
+    sl_selection_settings s = usual(20);
+    s.random_share = 0.0f;
+    s.per_patch = 16;
+    s.flood_threshold = 0.5f;
+    for (s.update = 0; s.update < 50; s.update++) {
+        choose(&p, &s);
+        assert_int_equal(p.count, 16 + 16 + 8);
+    }
+    picture_discard(&p);
+}
+
+/* ---- equal steps ---- */
+
+static void a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbour_to_neighbour(void **state) {
+    (void)state;
+    static const int sizes[][2] = {{1, 1}, {1, 9}, {7, 1}, {2, 2}, {5, 3}, {16, 16}, {33, 20}, {64, 64}, {20, 100}};
+    for (int k = 0; k < 9; k++) {
+        int width = sizes[k][0], height = sizes[k][1];
+        picture p = picture_of(width, height, 1);
+        for (int i = 0; i < width * height; i++) paint(&p, i % width, i / width, 0, 1.0f);
+        sl_selection_settings s = usual(width * height);
+        s.how = SL_PIXELS_SYSTEMATIC;
+        s.random_share = 0.0f;
+        choose(&p, &s); /* which sees that none is chosen twice */
+        assert_int_equal(p.count, width * height);
+        bool square = width == height && (width & (width - 1)) == 0;
+        for (size_t i = 1; square && i < p.count; i++) assert_true(beside(&p, p.choice[i - 1].pixel, p.choice[i].pixel));
+        picture_discard(&p);
+    }
+}
+
+static void equal_steps_choose_each_pixel_as_often_as_its_chance_says_and_in_no_vain_test(void **state) {
+    (void)state;
+    enum { PIXELS = 2000, UPDATES = 4000, POINTS = 20 };
+    picture p = picture_of(50, 40, PIXELS);
+    uint64_t key = sl_random_key(8, 8);
+    double sum = 0.0, worst = 0.0;
+    static double found[PIXELS];
+    for (int i = 0; i < PIXELS; i++) {
+        paint(&p, i % 50, i / 50, (uint32_t)i, sl_random_unit(key, (uint64_t)i));
+        sum += 0.03 + 0.97 * (double)p.leaves[i].normal;
+    }
+    sl_selection_settings s = usual(POINTS);
+    s.how = SL_PIXELS_SYSTEMATIC;
+    double random = 0.0;
+    for (s.update = 0; s.update < UPDATES; s.update++) {
+        choose(&p, &s);
+        assert_int_equal(p.count, POINTS);
+        assert_int_equal(p.counters.value[SL_COUNT_PIXEL_TESTS], POINTS);
+        random += (double)p.counters.value[SL_COUNT_PIXELS_RANDOM];
+        for (size_t i = 0; i < p.count; i++) found[p.choice[i].pixel] += 1.0;
+    }
+    for (int i = 0; i < PIXELS; i++) {
+        double share = POINTS * (0.03 + 0.97 * (double)p.leaves[i].normal) / sum, error = sqrt(UPDATES * share * (1.0 - share));
+        worst = fmax(worst, fabs(found[i] - UPDATES * share) / error);
+    }
+    assert_true(worst < 4.5); /* of 2,000 normal deviates 3.5 is the median of the largest */
+    double all = (double)UPDATES * POINTS, wanted = 0.03 * PIXELS / sum;
+    assert_true(fabs(random / all - wanted) < 4.0 * sqrt(wanted * (1.0 - wanted) / all));
+    picture_discard(&p);
+}
+
+static void equal_steps_spread_evenly(void **state) {
+    (void)state;
+    picture p = picture_of(64, 64, 1);
+    for (int i = 0; i < 4096; i++) paint(&p, i % 64, i / 64, 0, 1.0f);
+    sl_selection_settings s = usual(64);
+    s.how = SL_PIXELS_SYSTEMATIC;
+    for (s.update = 0; s.update < 20; s.update++) {
+        choose(&p, &s);
+        int in_block[64] = {0};
+        for (size_t i = 0; i < p.count; i++) in_block[p.choice[i].pixel % 64 / 8 + p.choice[i].pixel / 64 / 8 * 8]++;
+        for (int b = 0; b < 64; b++) assert_int_equal(in_block[b], 1);
+    }
+    picture_discard(&p);
+}
+
+/* ---- the highest first ---- */
+
+static void sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two(void **state) {
+    (void)state;
+    picture p = picture_of(40, 30, 100);
+    for (int i = 0; i < 1200; i++) paint(&p, i % 40, i / 40, (uint32_t)(i % 40 / 4 + i / 40 / 3 * 10), 0.0f + (float)((i % 40 / 4 * 37 + i / 40 / 3 * 11) % 101) / 100.0f);
+    sl_selection_settings s = usual(30);
+    s.how = SL_PIXELS_SORTED;
+    p.leaves[50].priority = -1.0f; /* never evaluated */
+    p.leaves[50].normal = 1.0f;
+    choose(&p, &s);
+    assert_int_equal(p.count, 30);
+    bool chosen[100] = {false};
+    float least = 1.0f;
+    for (size_t i = 0; i < p.count; i++) {
+        assert_false(chosen[p.choice[i].leaf]);
+        chosen[p.choice[i].leaf] = true;
+        least = fminf(least, p.leaves[p.choice[i].leaf].normal);
+    }
+    assert_true(chosen[50]);
+    for (int i = 0; i < 100; i++) assert_true(chosen[i] || p.leaves[i].normal <= least);
+    s.points = 250;
+    choose(&p, &s);
+    int in_leaf[100] = {0};
+    for (size_t i = 0; i < p.count; i++) in_leaf[p.choice[i].leaf]++;
+    assert_int_equal(p.count, 250);
+    for (int i = 0; i < 100; i++) assert_true(in_leaf[i] == 2 || in_leaf[i] == 3);
+    picture_discard(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(patches_are_chosen_as_often_as_their_pixels_and_priorities_say),
+        cmocka_unit_test(tests_for_one_choice_are_the_inverse_of_the_mean_chance),
+        cmocka_unit_test(a_patch_without_any_priority_is_found_in_the_long_run_and_only_by_chance),
+        cmocka_unit_test(tests_come_to_an_end_where_nothing_is_to_be_hit),
+        cmocka_unit_test(choices_are_a_function_of_seed_and_update_and_fewer_are_the_first_of_more),
+        cmocka_unit_test(no_patch_gets_more_than_its_share_and_the_others_get_theirs),
+        cmocka_unit_test(every_patch_never_evaluated_is_chosen_within_a_bounded_number_of_updates),
+        cmocka_unit_test(one_hit_on_a_shadow_line_spreads_along_it),
+        cmocka_unit_test(a_thousand_draws_miss_a_patch_of_one_pixel),
+        cmocka_unit_test(floods_take_nothing_below_their_seed_or_the_threshold),
+        cmocka_unit_test(floods_run_through_patches_that_have_their_share),
+        cmocka_unit_test(a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbour_to_neighbour),
+        cmocka_unit_test(equal_steps_choose_each_pixel_as_often_as_its_chance_says_and_in_no_vain_test),
+        cmocka_unit_test(equal_steps_spread_evenly),
+        cmocka_unit_test(sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
