@@ -1,4 +1,4 @@
-/* Between patches.c, patch_vertices.c, patch_around.c and evict.c. */
+/* Between patches.c, patch_vertices.c, patch_around.c and evict.c; the display finds vertices by it, too. */
 #ifndef SL_SHADING_CACHE_PATCH_PARTS_H
 #define SL_SHADING_CACHE_PATCH_PARTS_H
 

@@ -117,6 +117,8 @@ void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
 bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, bool second, float value[3]);
 /* Vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves beside finer ones. At most `room`. */
 size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room);
+/* The same with how far along the edge each lies, in 1/SL_PATCH_DYADIC of it. */
+size_t sl_patch_hanging_at(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex, uint16_t *at, size_t room);
 
 /* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its value has changed. */
 void sl_patches_touch(sl_patches *patches, uint32_t vertex);

@@ -1,0 +1,216 @@
+/* The display arrays: two copies of the patches' trees and of their vertices' values, brought up to date by what has changed. */
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/shading_cache/display_parts.h"
+
+bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_bytes) {
+    if (wanted <= *capacity) return true;
+    size_t room = *capacity + *capacity / 64 + 64; /* what is allocated and not used counts, too */
+    if (room < wanted) room = wanted;
+    void *larger = sl_allocate_unset(room, entry_bytes);
+    if (!larger) return false;
+    if (*capacity) memcpy(larger, *list, *capacity * entry_bytes);
+    sl_free(*list);
+    *list = larger;
+    *capacity = room;
+    return true;
+}
+
+/* ---- life --------------------------------------------------------------------------------------------------------------------- */
+
+static void release_copy(sl_display_copy *copy) {
+    sl_free(copy->root);
+    sl_free(copy->block);
+    sl_free(copy->value);
+    sl_free(copy->fans.word);
+    sl_tessellation_release(&copy->tessellation);
+}
+
+void sl_display_destroy(sl_display *d) {
+    if (!d) return;
+    for (int k = 0; k < 2; k++) {
+        release_copy(&d->copy[k]);
+        sl_free(d->dirty[k]);
+        void *planes[] = {d->frame[k].id, d->frame[k].curved_id, d->frame[k].depth, d->frame[k].curved_depth};
+        for (int i = 0; i < 4; i++) sl_free(planes[i]);
+    }
+    sl_display_values_release(d);
+    sl_curved_edges_destroy(d->curved);
+    sl_raster_destroy(d->raster);
+    sl_free(d->left_out);
+    sl_free(d->root);
+    sl_free(d);
+}
+
+static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
+    frame->id = sl_allocate(pixels, sizeof *frame->id);
+    if (!curved) return frame->id != NULL;
+    frame->curved_id = sl_allocate(pixels, sizeof *frame->curved_id);
+    frame->depth = sl_allocate(pixels, sizeof *frame->depth);
+    frame->curved_depth = sl_allocate(pixels, sizeof *frame->curved_depth);
+    return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
+}
+
+static bool allocate_arrays(sl_display *d) {
+    size_t roots = 2 * d->primitives->count, pixels = (size_t)d->settings.width * (size_t)d->settings.height;
+    bool curved = d->primitives->curved > 0, ok = (d->root = sl_allocate_unset(roots, sizeof *d->root)) != NULL;
+    for (int k = 0; ok && k < 2; k++) {
+        d->copy[k].root = sl_allocate_unset(roots, sizeof *d->copy[k].root);
+        ok = d->copy[k].root && allocate_frame(&d->frame[k], pixels, curved);
+        if (ok) memset(d->copy[k].root, 0xff, roots * sizeof *d->copy[k].root); /* SL_NO_INDEX */
+    }
+    if (ok && curved) ok = (d->left_out = sl_allocate(d->scene->triangle_count, 1)) != NULL;
+    for (size_t t = 0; ok && curved && t < d->scene->triangle_count; t++) {
+        d->left_out[t] = d->primitives->kind[d->primitives->of_triangle[t]] == SL_PRIMITIVE_BICUBIC;
+    }
+    return ok;
+}
+
+sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitives, const sl_display_settings *settings, sl_display **display,
+                            sl_error *error) {
+    *display = NULL;
+    sl_display *d = sl_allocate(1, sizeof *d);
+    if (!d) return sl_fail_memory(error, "the display");
+    d->scene = scene;
+    d->primitives = primitives;
+    d->settings = *settings;
+    atomic_init(&d->shown, 0);
+    for (size_t m = 0; m < scene->material_count; m++) d->textured |= scene->materials[m].texture != SL_NO_INDEX;
+    sl_status status = allocate_arrays(d) ? SL_OK : sl_fail_memory(error, "the display");
+    if (status == SL_OK) status = sl_raster_create(scene, settings->threads, &d->raster, error);
+    if (status == SL_OK && primitives->curved) status = sl_curved_edges_find(primitives, &d->curved, error);
+    for (int k = 0; status == SL_OK && d->curved && k < 2; k++) status = sl_tessellate(d, &d->copy[k].tessellation, error);
+    if (status == SL_OK) *display = d;
+    else sl_display_destroy(d);
+    return status;
+}
+
+size_t sl_display_memory_bytes(const sl_display *d) {
+    size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
+    for (int k = 0; k < 2; k++) {
+        const sl_display_copy *c = &d->copy[k];
+        bytes += c->block_capacity * sizeof *c->block + c->vertex_capacity * d->channels * sizeof *c->value;
+        bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
+    }
+    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
+    return bytes;
+}
+
+/* ---- trees -------------------------------------------------------------------------------------------------------------------- */
+
+/* As many blocks as there are in the patches; new ones hold leaves until something else is heard of them. */
+static bool reserve_copy(sl_display_copy *copy, const sl_patches *p, size_t channels) {
+    size_t blocks = p->patch_count / 4;
+    void *block = copy->block, *value = copy->value;
+    bool ok = sl_display_grow(&block, &copy->block_capacity, blocks, sizeof *copy->block) &&
+              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, channels * sizeof *copy->value);
+    copy->block = block;
+    copy->value = value;
+    if (!ok) return false;
+    if (blocks > copy->block_count) memset(copy->block + copy->block_count, 0xff, (blocks - copy->block_count) * sizeof *copy->block);
+    copy->block_count = blocks;
+    copy->vertex_count = p->vertex_count;
+    return true;
+}
+
+static sl_status update_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch, sl_error *error) {
+    uint32_t *word = &copy->block[patch / 4].child[patch % 4];
+    if (sl_is_fan_word(*word)) sl_fan_release(&copy->fans, *word);
+    *word = SL_DISPLAY_LEAF;
+    if (!sl_patch_is_alive(p, patch)) return SL_OK;
+    if (!sl_patch_is_leaf(p, patch)) {
+        uint32_t first = p->patch[patch].child;
+        *word = first / 4;
+        memcpy(copy->block[first / 4].vertex, p->block[first / 4].middle, sizeof copy->block[first / 4].vertex);
+        return SL_OK;
+    }
+    sl_patch_place leaf = sl_patch_place_of(p, patch);
+    return sl_fan_of_leaf(&copy->fans, p, &leaf, word, error);
+}
+
+static void update_roots(sl_display *d, sl_display_copy *copy, const sl_patches *p) {
+    for (; d->root_count < p->wanted_count; d->root_count++) {
+        sl_display_root *root = &d->root[d->root_count];
+        root->patch = p->root_patch[p->wanted_root[d->root_count]];
+        memcpy(root->vertex, p->root_corner[d->root_count], sizeof root->vertex);
+    }
+    for (; copy->root_count < p->wanted_count; copy->root_count++) copy->root[p->wanted_root[copy->root_count]] = (uint32_t)copy->root_count;
+}
+
+/* ---- what has changed --------------------------------------------------------------------------------------------------------- */
+
+/* The patches with any of some flags, in order; none: all of them. */
+static bool list_patches(sl_display *d, int which, const sl_patches *p, uint8_t flags) {
+    d->dirty_count[which] = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < p->patch_count; i++) count += !flags || (p->flags[i] & flags) != 0;
+    void *list = d->dirty[which];
+    bool ok = sl_display_grow(&list, &d->dirty_capacity[which], count, sizeof *d->dirty[which]);
+    d->dirty[which] = list;
+    if (!ok) return false;
+    for (size_t i = 0; i < p->patch_count; i++) {
+        if (!flags || (p->flags[i] & flags)) d->dirty[which][d->dirty_count[which]++] = (uint32_t)i;
+    }
+    return true;
+}
+
+static void begin_anew(sl_display_copy *copy) {
+    sl_fans_begin(&copy->fans);
+    copy->block_count = 0;
+    copy->complete = false;
+}
+
+/* List 0: changed in this update; 1: in the one before, as this copy has not seen that. A copy that is not complete takes all. */
+static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p, sl_error *error) {
+    bool all = !copy->complete;
+    if (all) begin_anew(copy);
+    if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p, d->channels)) return sl_fail_memory(error, "the display");
+    if (all) d->dirty_count[1] = 0;
+    update_roots(d, copy, p);
+    sl_status status = SL_OK;
+    for (int which = 1; which >= 0; which--) {
+        for (size_t i = 0; status == SL_OK && i < d->dirty_count[which]; i++) status = update_patch(copy, p, d->dirty[which][i], error);
+    }
+    if (status == SL_OK) status = sl_display_values(d, copy, p, (const uint32_t *const *)d->dirty, d->dirty_count, error);
+    return status;
+}
+
+static void clear_flags(sl_patches *p) {
+    for (size_t i = 0; i < p->patch_count; i++) p->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
+}
+
+static void swap_lists(sl_display *d) {
+    uint32_t *list = d->dirty[0];
+    size_t capacity = d->dirty_capacity[0];
+    d->dirty[0] = d->dirty[1];
+    d->dirty_capacity[0] = d->dirty_capacity[1];
+    d->dirty[1] = list;
+    d->dirty_capacity[1] = capacity;
+    d->dirty_count[1] = d->dirty_count[0];
+}
+
+sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, sl_error *error) {
+    (void)counters;
+    int hidden = 1 - atomic_load_explicit(&d->shown, memory_order_relaxed);
+    sl_display_copy *copy = &d->copy[hidden];
+    d->channels = p->radiance ? 6 : 3;
+    sl_status status = update_copy(d, copy, p, error);
+    if (status == SL_OK && d->curved) status = sl_tessellate(d, &copy->tessellation, error);
+    if (status != SL_OK) { /* flags are left as they are: the other copy misses nothing */
+        copy->complete = false;
+        return status;
+    }
+    copy->complete = true;
+    clear_flags(p);
+    swap_lists(d);
+    atomic_store_explicit(&d->shown, hidden, memory_order_release);
+    return SL_OK;
+}
+
+sl_status sl_display_move(sl_display *d, sl_error *error) {
+    sl_status status = sl_raster_move(d->raster, d->settings.threads, error);
+    if (status != SL_OK || !d->curved) return status;
+    return sl_tessellation_move(d, &d->copy[atomic_load_explicit(&d->shown, memory_order_acquire)].tessellation, error);
+}

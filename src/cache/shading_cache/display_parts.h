@@ -1,0 +1,131 @@
+/* Between arrays.c, display_fans.c, vertex_values.c, tessellate.c and draw.c. */
+#ifndef SL_SHADING_CACHE_DISPLAY_PARTS_H
+#define SL_SHADING_CACHE_DISPLAY_PARTS_H
+
+#include <stdatomic.h>
+
+#include "cache/shading_cache/display.h"
+
+/* What a patch is in the display: a leaf, a leaf with a fan, or the block of four that its children are. */
+enum { SL_FAN_BIT = 0x40000000 };
+#define SL_DISPLAY_LEAF SL_NO_INDEX
+static inline bool sl_is_leaf_word(uint32_t word) { return word >= SL_FAN_BIT; }
+static inline bool sl_is_fan_word(uint32_t word) { return sl_is_leaf_word(word) && word != SL_DISPLAY_LEAF; }
+
+/* Four patches, numbered as in sl_patches, and the vertices that the split which made them has added: of a quadrilateral the middles of edges 0 to 3, then
+ * the centre; of a triangle the middles of edges 0 to 2. Their other corners are their parent's, which who looks for a leaf knows already. */
+typedef struct sl_display_block {
+    uint32_t child[4];
+    uint32_t vertex[5];
+} sl_display_block;
+
+/* A wanted root. */
+typedef struct sl_display_root {
+    uint32_t patch;
+    uint32_t vertex[4];
+} sl_display_root;
+
+/* Fans in one array of words: how many vertices hang on each edge, 16 bits an edge in two words; their numbers, edge by edge; how far along
+ * their edge they are, two to a word. Room is given out in powers of two. */
+enum { SL_FAN_SMALLEST = 4, SL_FAN_SIZES = 16 };
+typedef struct sl_fans {
+    uint32_t *word;
+    size_t used, capacity;
+    uint32_t free[SL_FAN_SIZES]; /* the first of each size that is not in use; it names the next */
+} sl_fans;
+
+/* Into how many pieces a curved surface is cut: its inside along u and v, and its edges 0 to 3. */
+typedef struct sl_curved_rates {
+    int u, v, edge[4];
+} sl_curved_rates;
+
+/* Curved surfaces as triangles for one view. */
+typedef struct sl_tessellation {
+    sl_raster *raster;         /* NULL: nothing yet */
+    sl_raster_mesh mesh;
+    float *x, *y, *z, *u, *v;  /* by vertex */
+    uint32_t *vertex[3];       /* by triangle */
+    uint32_t *primitive;
+    size_t vertex_count, triangle_count;
+    sl_curved_rates *rates;    /* by surface */
+    sl_vec3 *point;            /* 16 control points of each, as they were */
+    sl_camera camera;          /* that it was made for */
+} sl_tessellation;
+
+typedef struct sl_display_copy {
+    bool complete;             /* false: all of it is to be made */
+    uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
+    size_t root_count;
+    sl_display_block *block;
+    size_t block_count, block_capacity;
+    float *value;              /* by vertex: E, and with a radiance channel L_s */
+    size_t vertex_count, vertex_capacity;
+    sl_fans fans;
+    sl_tessellation tessellation;
+} sl_display_copy;
+
+/* A vertex without samples, and the two or four that it lies between; SL_NO_INDEX: it is a root's corner. */
+typedef struct sl_pending_vertex {
+    uint32_t vertex, root;
+    uint16_t u, v;             /* root, u, v: the vertex that was meant, if the number is another's by now */
+    uint32_t around[4];        /* [2] and [3] SL_NO_INDEX: two */
+} sl_pending_vertex;
+
+typedef struct sl_pending {
+    sl_pending_vertex *entry;
+    size_t count, capacity;
+} sl_pending;
+
+/* Planes of a frame: one for pictures and one for the id map, which may be drawn at the same time. */
+typedef struct sl_frame_planes {
+    uint32_t *id, *curved_id;
+    float *depth, *curved_depth;
+} sl_frame_planes;
+
+/* Curved surfaces and the edges that they share. */
+typedef struct sl_curved_edges sl_curved_edges;
+
+struct sl_display {
+    const sl_scene *scene;
+    const sl_primitives *primitives;
+    sl_display_settings settings;
+    size_t channels;           /* of vertex values: 3, or 6 */
+    sl_raster *raster;         /* of the scene */
+    uint8_t *left_out;         /* by scene triangle: those of curved surfaces; NULL: there are none */
+    bool textured;
+    sl_curved_edges *curved;   /* NULL: nothing is curved */
+    sl_display_copy copy[2];
+    atomic_int shown;
+    sl_display_root *root;     /* wanted ones, in the order in which they were; both copies look here: what is there stays */
+    size_t root_count;
+    uint32_t *dirty[2];        /* patches changed in this update, and in the one before */
+    size_t dirty_count[2], dirty_capacity[2];
+    sl_pending pending[SL_PATCH_DEPTH_MAX + 1]; /* by level of the vertex */
+    uint32_t *seen_pending;    /* one bit a vertex */
+    size_t seen_words;
+    sl_frame_planes frame[2];
+};
+
+/* arrays.c: grows a list to `wanted` entries; what was in it stays. */
+bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_bytes);
+
+/* display_fans.c. The word of a leaf: SL_DISPLAY_LEAF, or that of its fan. */
+void sl_fans_begin(sl_fans *fans);
+sl_status sl_fan_of_leaf(sl_fans *fans, const sl_patches *patches, const sl_patch_place *leaf, uint32_t *word, sl_error *error);
+void sl_fan_release(sl_fans *fans, uint32_t word);
+
+/* vertex_values.c. Values of the corners of the alive patches of a list, then of what has no samples yet. */
+sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl_patches *patches, const uint32_t *const list[2],
+                            const size_t count[2], sl_error *error);
+void sl_display_values_release(sl_display *display);
+
+/* tessellate.c. */
+sl_status sl_curved_edges_find(const sl_primitives *primitives, sl_curved_edges **curved, sl_error *error);
+void sl_curved_edges_destroy(sl_curved_edges *curved);
+/* For the scene's camera, unless it is for that already. */
+sl_status sl_tessellate(const sl_display *display, sl_tessellation *tessellation, sl_error *error);
+/* The same triangles, where their surfaces are now. */
+sl_status sl_tessellation_move(const sl_display *display, sl_tessellation *tessellation, sl_error *error);
+void sl_tessellation_release(sl_tessellation *tessellation);
+
+#endif

@@ -1,0 +1,268 @@
+/* Frames: visibility by the raster hardware, then for each pixel its root and (u, v), its leaf there, and L_e + k_d E / pi + L_s (section on display). */
+#include "base/counters.h"
+#include "base/math.h"
+#include "base/parallel.h"
+#include "cache/picture_value.h"
+#include "cache/shading_cache/leaf_lookup.h"
+#include "scene/surface_rules.h"
+
+enum { STRIP = 2048 }; /* pixels of a task */
+
+/* ---- visibility --------------------------------------------------------------------------------------------------------------- */
+
+/* The scene without its curved surfaces, and those as they are tessellated for the view; each pixel keeps the nearer one. */
+static sl_status draw_ids(const sl_display *d, const sl_display_copy *copy, const sl_view *view, unsigned threads, const sl_frame_planes *frame,
+                          sl_counters *counters, sl_error *error) {
+    sl_view planar = *view;
+    planar.left_out = d->left_out;
+    sl_target target = {view->width, view->height, frame->id, frame->depth};
+    sl_status status = sl_raster_id(d->raster, &planar, threads, &target, counters, error);
+    if (status != SL_OK || !d->curved) return status;
+    target = (sl_target){view->width, view->height, frame->curved_id, frame->curved_depth};
+    status = sl_raster_id(copy->tessellation.raster, view, threads, &target, counters, error);
+    if (status != SL_OK) return status;
+    for (size_t i = 0, pixels = (size_t)view->width * (size_t)view->height; i < pixels; i++) {
+        bool curved = frame->curved_id[i] != SL_NO_INDEX && !(frame->id[i] != SL_NO_INDEX && frame->depth[i] >= frame->curved_depth[i]);
+        if (curved) frame->id[i] = SL_NO_INDEX;
+        else frame->curved_id[i] = SL_NO_INDEX;
+    }
+    return SL_OK;
+}
+
+/* ---- pixels of one triangle --------------------------------------------------------------------------------------------------- */
+
+typedef struct frame_job {
+    const sl_display *display;
+    const sl_display_copy *copy;
+    sl_view view;
+    const sl_frame_planes *frame;
+    size_t pixels;
+    float *const *out;         /* pictures */
+    sl_resolver *resolver;     /* of textures; NULL: there are none */
+    const sl_display_ids *ids; /* id maps */
+} frame_job;
+
+/* What they have in common. */
+typedef struct triangle_run {
+    uint32_t root;             /* SL_NO_INDEX: the background */
+    const sl_display_root *wanted; /* NULL: not wanted yet */
+    bool triangle, curved, leaf_known;
+    float u[3], v[3];          /* at corner 0, and how much more at corners 1 and 2 */
+    sl_rgb emission, diffuse;
+    const sl_texture *texture; /* NULL: diffuse is all */
+    sl_leaf leaf;              /* that the last pixel was in */
+} triangle_run;
+
+static void corner_differences(float p[3]) {
+    p[1] -= p[0];
+    p[2] -= p[0];
+}
+
+static void scene_parameters(const sl_primitives *p, uint32_t t, triangle_run *run) {
+    static const float corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    for (int c = 0; c < 3; c++) {
+        double u, v;
+        sl_root_parameters(p, t, corner[c][0], corner[c][1], &u, &v);
+        run->u[c] = (float)u;
+        run->v[c] = (float)v;
+    }
+}
+
+/* The side that is seen, of a plane. */
+static uint32_t seen_root(uint32_t primitive, sl_vec3 geometric, sl_vec3 to_viewer) {
+    return 2 * primitive + (sl_side_seen(geometric, to_viewer) < 0.0f ? 1 : 0);
+}
+
+static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, triangle_run *run) {
+    const sl_scene *s = job->display->scene;
+    const sl_primitives *p = job->display->primitives;
+    run->root = SL_NO_INDEX;
+    if (id == SL_NO_INDEX && curved_id == SL_NO_INDEX) return;
+    run->curved = id == SL_NO_INDEX;
+    run->leaf_known = false;
+    sl_vec3 geometric, corner[3];
+    uint32_t primitive;
+    if (run->curved) {
+        const sl_tessellation *t = &job->copy->tessellation;
+        primitive = t->primitive[curved_id];
+        for (int c = 0; c < 3; c++) {
+            uint32_t v = t->vertex[c][curved_id];
+            corner[c] = sl_v3(t->x[v], t->y[v], t->z[v]);
+            run->u[c] = t->u[v];
+            run->v[c] = t->v[v];
+        }
+        geometric = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
+    } else {
+        primitive = p->of_triangle[id];
+        corner[0] = sl_scene_position(s, s->vertex[0][id]);
+        scene_parameters(p, id, run);
+        geometric = sl_scene_geometric_normal(s, id);
+    }
+    corner_differences(run->u);
+    corner_differences(run->v);
+    run->root = seen_root(primitive, geometric, sl_sub(job->view.origin, corner[0]));
+    run->triangle = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
+    uint32_t wanted = job->copy->root[run->root];
+    run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
+    const sl_material *material = sl_root_material(p, run->root);
+    run->emission = run->root % 2 == 0 || material->emission_two_sided ? material->emission : sl_grey(0.0f);
+    run->diffuse = material->diffuse;
+    run->texture = material->texture == SL_NO_INDEX ? NULL : &s->textures[material->texture];
+}
+
+static float cut(float t) { return t > 0.0f ? (t < 1.0f ? t : 1.0f) : 0.0f; }
+
+static void find_leaf(const frame_job *job, triangle_run *run, float w1, float w2, float *u, float *v) {
+    *u = cut(run->u[0] + w1 * run->u[1] + w2 * run->u[2]);
+    *v = cut(run->v[0] + w1 * run->v[1] + w2 * run->v[2]);
+    if (!run->wanted || (run->leaf_known && sl_leaf_still_holds(&run->leaf, (double)*u, (double)*v))) return;
+    sl_leaf_find(job->copy, run->wanted, run->triangle, (double)*u, (double)*v, &run->leaf);
+    run->leaf_known = true;
+}
+
+/* ---- strips of a frame -------------------------------------------------------------------------------------------------------- */
+
+/* Weights of corners 1 and 2, whichever raster drew the pixel. */
+typedef struct strip {
+    size_t first, count;
+    const uint32_t *id, *curved_id; /* the latter NULL where nothing is curved */
+    float w1[STRIP], w2[STRIP];
+} strip;
+
+static void begin_strip(const frame_job *job, size_t index, strip *s) {
+    uint32_t pixel[STRIP] = {0};
+    s->first = index * STRIP;
+    s->count = job->pixels - s->first < STRIP ? job->pixels - s->first : STRIP;
+    s->id = job->frame->id + s->first;
+    s->curved_id = job->display->curved ? job->frame->curved_id + s->first : NULL;
+    bool any = false;
+    for (size_t i = 0; i < s->count; i++) {
+        pixel[i] = (uint32_t)(s->first + i);
+        any |= s->curved_id && s->curved_id[i] != SL_NO_INDEX;
+    }
+    sl_raster_barycentrics(job->display->raster, &job->view, s->count, pixel, s->id, s->w1, s->w2);
+    if (!any) return;
+    float w1[STRIP], w2[STRIP];
+    sl_raster_barycentrics(job->copy->tessellation.raster, &job->view, s->count, pixel, s->curved_id, w1, w2);
+    for (size_t i = 0; i < s->count; i++) {
+        bool curved = s->curved_id[i] != SL_NO_INDEX;
+        s->w1[i] = curved ? w1[i] : s->w1[i];
+        s->w2[i] = curved ? w2[i] : s->w2[i];
+    }
+}
+
+static void next_pixel(const frame_job *job, const strip *s, size_t i, triangle_run *run) {
+    uint32_t curved = s->curved_id ? s->curved_id[i] : SL_NO_INDEX;
+    bool same = i > 0 && s->id[i] == s->id[i - 1] && (!s->curved_id || curved == s->curved_id[i - 1]);
+    if (!same) begin_run(job, s->id[i], curved, run);
+}
+
+static sl_rgb background(const frame_job *job, size_t pixel) {
+    const sl_environment *environment = &job->display->scene->environment;
+    if (!environment->present) return sl_grey(0.0f);
+    size_t width = (size_t)job->view.width;
+    return sl_environment_radiance(environment, sl_view_direction(&job->view, (double)(pixel % width) + 0.5, (double)(pixel / width) + 0.5));
+}
+
+/* Tessellated surfaces are not the scene's triangles: the texture is looked up where the same (u, v) lies on those. */
+static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, float u, float v) {
+    float w1, w2;
+    uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)u, (double)v, &w1, &w2);
+    return sl_scene_diffuse(job->display->scene, triangle, w1, w2);
+}
+
+static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
+    const sl_rgb guess = job->display->settings.guess;
+    float u, v, e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
+    find_leaf(job, run, w1, w2, &u, &v);
+    if (run->wanted) sl_leaf_value(job->copy, job->display->channels, &run->leaf, e);
+    sl_rgb kd = !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
+    const float over_pi = (float)(1.0 / SL_PI);
+    return (sl_rgb){run->emission.r + kd.r * e[0] * over_pi + e[3], run->emission.g + kd.g * e[1] * over_pi + e[4],
+                    run->emission.b + kd.b * e[2] * over_pi + e[5]};
+}
+
+static void shade_strip(void *context, size_t index, unsigned worker) {
+    const frame_job *job = context;
+    strip s;
+    begin_strip(job, index, &s);
+    float kd[3][STRIP];
+    if (job->resolver) {
+        sl_gbuffer part = {.width = (int)s.count, .height = 1, .diffuse_r = kd[0], .diffuse_g = kd[1], .diffuse_b = kd[2]};
+        sl_resolver_run(job->resolver, worker, s.first, s.count, &part);
+    }
+    triangle_run run = {.root = SL_NO_INDEX};
+    for (size_t i = 0; i < s.count; i++) {
+        next_pixel(job, &s, i, &run);
+        sl_rgb textured = {0}, radiance;
+        if (job->resolver) textured = (sl_rgb){kd[0][i], kd[1][i], kd[2][i]};
+        radiance = run.root == SL_NO_INDEX ? background(job, s.first + i) : shade(job, &run, s.w1[i], s.w2[i], &textured);
+        job->out[0][s.first + i] = sl_picture_value(radiance.r);
+        job->out[1][s.first + i] = sl_picture_value(radiance.g);
+        job->out[2][s.first + i] = sl_picture_value(radiance.b);
+    }
+}
+
+static void name_strip(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const frame_job *job = context;
+    strip s;
+    begin_strip(job, index, &s);
+    triangle_run run = {.root = SL_NO_INDEX};
+    for (size_t i = 0; i < s.count; i++) {
+        next_pixel(job, &s, i, &run);
+        float u = 0.0f, v = 0.0f;
+        bool covered = run.root != SL_NO_INDEX;
+        if (covered) find_leaf(job, &run, s.w1[i], s.w2[i], &u, &v);
+        if (job->ids->patch) job->ids->patch[s.first + i] = covered && run.wanted ? run.leaf.patch : SL_NO_INDEX;
+        if (job->ids->root) job->ids->root[s.first + i] = run.root;
+        if (job->ids->u) job->ids->u[s.first + i] = u;
+        if (job->ids->v) job->ids->v[s.first + i] = v;
+    }
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------------------- */
+
+static sl_status begin_frame(sl_display *d, int which, unsigned threads, frame_job *job, sl_counters *counters, sl_error *error) {
+    const sl_display_copy *copy = &d->copy[atomic_load_explicit(&d->shown, memory_order_acquire)];
+    *job = (frame_job){.display = d, .copy = copy, .view = sl_view_scene(d->scene, d->settings.width, d->settings.height),
+                       .frame = &d->frame[which], .pixels = (size_t)d->settings.width * (size_t)d->settings.height};
+    return draw_ids(d, copy, &job->view, threads, job->frame, counters, error);
+}
+
+static void run_strips(frame_job *job, unsigned threads, sl_task *task, sl_counters *counters) {
+    sl_parallel_for(threads, (job->pixels + STRIP - 1) / STRIP, task, job);
+    uint64_t covered = 0;
+    for (size_t i = 0; i < job->pixels; i++) {
+        covered += job->frame->id[i] != SL_NO_INDEX || (job->display->curved && job->frame->curved_id[i] != SL_NO_INDEX);
+    }
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, covered);
+}
+
+sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
+    frame_job job;
+    threads = sl_thread_count(threads);
+    sl_status status = begin_frame(d, 0, threads, &job, counters, error);
+    if (status == SL_OK && d->textured) {
+        status = sl_resolver_create(d->raster, 1, &job.view, NULL, job.frame->id, threads, &job.resolver, error);
+    }
+    if (status != SL_OK) return status;
+    job.out = planes;
+    run_strips(&job, threads, shade_strip, counters);
+    sl_resolver_destroy(job.resolver);
+    return SL_OK;
+}
+
+sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error) {
+    frame_job job;
+    threads = sl_thread_count(threads);
+    sl_status status = begin_frame(d, 1, threads, &job, counters, error);
+    if (status != SL_OK) return status;
+    job.ids = ids;
+    run_strips(&job, threads, name_strip, counters);
+    size_t planes = 0;
+    const void *const wanted[4] = {ids->patch, ids->root, ids->u, ids->v};
+    for (int k = 0; k < 4; k++) planes += wanted[k] != NULL;
+    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 4 * planes * job.pixels);
+    return SL_OK;
+}

@@ -1,0 +1,150 @@
+/* What vertices show. A vertex without samples lies in the middle of an edge, or of a quadrilateral, that was cut; it shows the mean of the edge's ends, or
+ * of the four corners, which may have none themselves; corners of roots have the guess. As that depends on where the vertex lies and on nothing else, all leaves
+ * that have it show the same, and nothing is seen of a split until its samples come. */
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/shading_cache/display_parts.h"
+#include "cache/shading_cache/patch_parts.h"
+
+/* ---- what a vertex lies between ------------------------------------------------------------------------------------------------ */
+
+static int zeros_below(uint32_t x) {
+    int zeros = 0;
+    while (zeros < SL_PATCH_DEPTH_MAX && !(x >> zeros & 1)) zeros++;
+    return zeros;
+}
+
+static uint32_t vertex_beside(const sl_patches *p, const sl_patch_vertex *of, int du, int dv) {
+    return sl_vertex_find(p, (sl_root_place){of->root, (uint16_t)(of->u + du), (uint16_t)(of->v + dv)});
+}
+
+/* Its level is the depth of the patches that it was made for: 0 is a root's corner. */
+static int find_around(const sl_patches *p, uint32_t vertex, sl_pending_vertex *entry) {
+    const sl_patch_vertex *v = &p->vertex[vertex];
+    *entry = (sl_pending_vertex){vertex, v->root, v->u, v->v, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+    int zu = zeros_below(v->u), zv = zeros_below(v->v), zeros = zu < zv ? zu : zv, step = 1 << zeros;
+    if (zeros == SL_PATCH_DEPTH_MAX) return 0;
+    bool triangle = p->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
+    if (zu != zv) {
+        entry->around[0] = vertex_beside(p, v, zu < zv ? -step : 0, zu < zv ? 0 : -step);
+        entry->around[1] = vertex_beside(p, v, zu < zv ? step : 0, zu < zv ? 0 : step);
+    } else {
+        entry->around[0] = vertex_beside(p, v, -step, step);
+        entry->around[1] = vertex_beside(p, v, step, -step);
+        entry->around[2] = triangle ? SL_NO_INDEX : vertex_beside(p, v, -step, -step);
+        entry->around[3] = triangle ? SL_NO_INDEX : vertex_beside(p, v, step, step);
+    }
+    return SL_PATCH_DEPTH_MAX - zeros;
+}
+
+/* ---- the list of those without samples ----------------------------------------------------------------------------------------- */
+
+void sl_display_values_release(sl_display *d) {
+    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) sl_free(d->pending[l].entry);
+    sl_free(d->seen_pending);
+}
+
+static bool append(sl_pending *list, const sl_pending_vertex *entry) {
+    void *all = list->entry;
+    bool ok = sl_display_grow(&all, &list->capacity, list->count + 1, sizeof *list->entry);
+    list->entry = all;
+    if (ok) list->entry[list->count++] = *entry;
+    return ok;
+}
+
+static bool still_holds(const sl_patches *p, const sl_pending_vertex *e) {
+    const sl_patch_vertex *v = &p->vertex[e->vertex];
+    return v->references && v->evaluated == SL_VERTEX_NEVER && v->root == e->root && v->u == e->u && v->v == e->v;
+}
+
+/* Entries go whose vertex has samples by now, or is gone, or will be entered again as it has been met. */
+static void drop_entries(sl_display *d, const sl_patches *p) {
+    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) {
+        sl_pending *list = &d->pending[l];
+        size_t kept = 0;
+        for (size_t i = 0; i < list->count; i++) {
+            sl_pending_vertex entry = list->entry[i];
+            bool met = d->seen_pending[entry.vertex / 32] >> entry.vertex % 32 & 1;
+            if (!met && still_holds(p, &entry)) list->entry[kept++] = entry;
+        }
+        list->count = kept;
+    }
+}
+
+/* ---- values -------------------------------------------------------------------------------------------------------------------- */
+
+static float *value_of(const sl_display *d, const sl_display_copy *copy, uint32_t vertex) { return copy->value + d->channels * vertex; }
+
+static void take_samples(const sl_display *d, const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
+    float *to = value_of(d, copy, vertex);
+    memcpy(to, p->vertex[vertex].value, sizeof p->vertex[vertex].value);
+    if (p->radiance) memcpy(to + 3, p->radiance[vertex], sizeof p->radiance[vertex]);
+}
+
+static void take_mean(const sl_display *d, const sl_display_copy *copy, const sl_pending_vertex *e) {
+    const float guess[6] = {d->settings.guess.r, d->settings.guess.g, d->settings.guess.b, 0, 0, 0};
+    int count = e->around[2] != SL_NO_INDEX && e->around[3] != SL_NO_INDEX ? 4 : 2;
+    for (int k = 0; k < count; k++) count = e->around[k] == SL_NO_INDEX ? 0 : count;
+    float *to = value_of(d, copy, e->vertex);
+    for (size_t c = 0; c < d->channels; c++) {
+        double sum = count ? 0.0 : (double)guess[c];
+        for (int k = 0; k < count; k++) sum += (double)value_of(d, copy, e->around[k])[c];
+        to[c] = (float)(count ? sum / count : sum);
+    }
+}
+
+/* Vertices of the list with samples get them, the others are met. */
+static void visit(sl_display *d, const sl_display_copy *copy, const sl_patches *p, size_t count, const uint32_t *list) {
+    for (size_t i = 0; i < count; i++) {
+        if (!sl_patch_is_alive(p, list[i])) continue;
+        for (int c = 0; c < sl_patch_corners(p, list[i]); c++) {
+            uint32_t vertex = sl_patch_corner(p, list[i], c);
+            if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) d->seen_pending[vertex / 32] |= 1u << vertex % 32;
+            else take_samples(d, copy, p, vertex);
+        }
+    }
+}
+
+/* Those that were met are entered, once each. */
+static bool enter(sl_display *d, const sl_patches *p, size_t count, const uint32_t *list) {
+    for (size_t i = 0; i < count; i++) {
+        for (int c = 0; sl_patch_is_alive(p, list[i]) && c < sl_patch_corners(p, list[i]); c++) {
+            uint32_t vertex = sl_patch_corner(p, list[i], c), bit = 1u << vertex % 32;
+            if (!(d->seen_pending[vertex / 32] & bit)) continue;
+            d->seen_pending[vertex / 32] &= ~bit;
+            sl_pending_vertex entry;
+            int level = find_around(p, vertex, &entry);
+            if (!append(&d->pending[level], &entry)) return false;
+        }
+    }
+    return true;
+}
+
+static bool make_room_for_marks(sl_display *d, const sl_patches *p) {
+    size_t words = p->vertex_count / 32 + 1, had = d->seen_words;
+    void *marks = d->seen_pending;
+    bool ok = sl_display_grow(&marks, &d->seen_words, words, sizeof *d->seen_pending);
+    d->seen_pending = marks;
+    if (ok && d->seen_words > had) memset(d->seen_pending + had, 0, (d->seen_words - had) * sizeof *d->seen_pending);
+    return ok;
+}
+
+/* Coarse levels first: what a vertex lies between is of lower levels. All of them, as what they depend on is not written down; they are few, since
+ * patches without samples come first. */
+sl_status sl_display_values(sl_display *d, sl_display_copy *copy, const sl_patches *p, const uint32_t *const list[2], const size_t count[2],
+                            sl_error *error) {
+    bool ok = make_room_for_marks(d, p);
+    for (int k = 0; ok && k < 2; k++) visit(d, copy, p, count[k], list[k]);
+    if (ok) drop_entries(d, p);
+    for (int k = 0; ok && k < 2; k++) ok = enter(d, p, count[k], list[k]);
+    if (!ok) {
+        if (d->seen_pending) memset(d->seen_pending, 0, d->seen_words * sizeof *d->seen_pending);
+        return sl_fail_memory(error, "the display's values");
+    }
+    for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) {
+        for (size_t i = 0; i < d->pending[l].count; i++) take_mean(d, copy, &d->pending[l].entry[i]);
+    }
+    return SL_OK;
+}
