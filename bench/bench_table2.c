@@ -179,7 +179,7 @@ typedef struct trial_grid {
     uint32_t samples[8];
 } trial_grid;
 
-static const trial_grid cornell_grid = {{1.2, 0.8, 0.5, 0.3, 0.15}, {12, 18, 28, 44}, {1, 2, 4, 16, 64}};
+static const trial_grid cornell_grid = {{1.2, 0.8, 0.5, 0.4, 0.3, 0.15}, {12, 14, 16, 18, 28, 44}, {1, 2, 4, 8, 16, 64}};
 static const trial_grid cornell_brief = {{1.2, 0.5, 0.15}, {12, 28}, {1, 4, 64}};
 static const trial_grid sponza_grid = {{0.8, 0.5, 0.35, 0.25}, {12, 16, 20, 28}, {1, 2, 4}};
 
