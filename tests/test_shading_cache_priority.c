@@ -267,6 +267,18 @@ static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
     for (int i = 1; i < MANY; i++) assert_true(fabs((double)leaves[i].normal - (double)leaves[i].priority / high) < 0.01);
 }
 
+static void what_one_pixel_in_a_hundred_has_is_told_apart(void **state) {
+    (void)state;
+    sl_leaf_priority leaves[3000];
+    uint64_t key = sl_random_key(12, 0);
+    for (uint32_t i = 0; i < 3000; i++) leaves[i] = (sl_leaf_priority){i, 1, i < 90 ? 20.0f + (float)i : sl_random_unit(key, i), 0.0f};
+    sl_priorities_normalise(3000, leaves, false);
+    for (uint32_t i = 0; i < 3000; i++) {
+        if (i < 20) assert_true(leaves[i + 1].normal > leaves[i].normal);
+        if (i >= 90) assert_true(leaves[i].normal < 0.05f);
+    }
+}
+
 static void equal_priorities_are_all_1_and_no_priorities_all_0(void **state) {
     (void)state;
     for (int plain = 0; plain < 2; plain++) {
@@ -340,6 +352,7 @@ int main(void) {
         cmocka_unit_test(the_glossier_a_material_the_faster_it_ages),
         cmocka_unit_test(where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsilon),
         cmocka_unit_test(one_outlier_does_not_hide_ten_thousand_others),
+        cmocka_unit_test(what_one_pixel_in_a_hundred_has_is_told_apart),
         cmocka_unit_test(equal_priorities_are_all_1_and_no_priorities_all_0),
         cmocka_unit_test(leaves_never_evaluated_come_first_and_leave_the_others_as_they_are),
         cmocka_unit_test(priorities_that_are_no_numbers_harm_nothing),

@@ -117,8 +117,20 @@ static void find_moments(size_t count, const sl_leaf_priority *leaves, double cl
     d->sigma = sqrt(fmax(squares / weight - mean * mean, 0.0));
 }
 
+static bool are_outliers(size_t count, const sl_leaf_priority *leaves, double high) {
+    const double few = 0.001;
+    double above = 0.0, all = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        if (!is_evaluated(&leaves[i])) continue;
+        all += (double)leaves[i].pixels;
+        if (finite_priority(&leaves[i]) > high) above += (double)leaves[i].pixels;
+    }
+    return above <= few * all;
+}
+
 /* One value of 10^6 among 10^4 between 0 and 1 puts mean + 4 sigma at 40,000, and all others at nothing; clipped to that its next place is 1,600,
- * then 65, 3.3, 1.7. */
+ * then 65, 3.3, 1.7. What one pixel in a hundred has is no outlier, but what there is to refine: clipped again and again it would come down to
+ * what all the others have. */
 static double find_high(size_t count, const sl_leaf_priority *leaves, distribution *d) {
     enum { PASSES = 8 };
     double high = d->max;
@@ -127,6 +139,7 @@ static double find_high(size_t count, const sl_leaf_priority *leaves, distributi
         double next = fmin(high, d->mean + 4.0 * d->sigma);
         if (!(next < high)) break;
         high = next;
+        if (!are_outliers(count, leaves, high)) break;
     }
     return high;
 }

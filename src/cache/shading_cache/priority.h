@@ -37,8 +37,8 @@ typedef struct sl_leaf_priority {
     float normal;              /* out: p_norm, in [0,1] */
 } sl_leaf_priority;
 /* p_norm = clamp((p - lo) / (hi - lo)), hi = min(max, mean + 4 sigma), lo = max(min, mean - 4 sigma), weighted by pixels, recomputed with p clipped
- * to hi until it settles (at most 8 times), so that one outlier does not hide the rest. Where hi = lo, 0 for p = 0, else 1. plain:
- * (p - mean + 4 sigma) / (8 sigma), as printed. */
+ * to hi (at most 8 times) as long as no more than one pixel in a thousand lies above it, so that one outlier does not hide the rest. Where hi = lo, 0
+ * for p = 0, else 1. plain: (p - mean + 4 sigma) / (8 sigma), as printed. */
 void sl_priorities_normalise(size_t count, sl_leaf_priority *leaves, bool plain);
 
 #endif
