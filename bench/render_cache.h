@@ -1,0 +1,49 @@
+/* The rival of the shading cache: the RenderCache (Walter, Drettakis, Parker 1999), on the same sample renderers. It keeps shaded points instead of
+ * shaded patches, throws them at each new frame's pixels, and fills the gaps.
+ *
+ *   one frame:  project ── z-buffer ── depth cull ── 3x3 fill ── picture
+ *                                          └── priorities ── error diffusion ── samples ── into the cache
+ *
+ * Points lie on triangles, by barycentric weights: where objects move they go along. */
+#ifndef SL_BENCH_RENDER_CACHE_H
+#define SL_BENCH_RENDER_CACHE_H
+
+#include "cache/shading_cache/renderers.h"
+
+typedef struct render_cache render_cache;
+
+typedef struct render_cache_settings {
+    const sl_scene *scene;
+    const sl_tracer *const *tracer;     /* where the caller keeps it, made anew by him where objects move */
+    const sl_sample_renderer *renderer; /* `renderers` of them: what they return is added up */
+    int renderers;
+    int width, height;
+    int samples;                        /* rays a frame */
+    double points_a_pixel;              /* 0: 1.5 */
+    bool wide_fill;                     /* gaps wider than 3x3 are filled from coarser and coarser averages (as its second version, Walter et al.
+                                           2002, does at one coarser level); else they show what they showed before */
+    unsigned threads;
+    uint64_t seed;
+} render_cache_settings;
+
+typedef struct render_cache_bill {
+    uint64_t frames, samples, culled;
+    double project, fill, choose, render; /* processor ms of the calling thread, all frames together; render: of all threads */
+} render_cache_bill;
+
+sl_status render_cache_create(const render_cache_settings *settings, render_cache **cache, sl_error *error);
+void render_cache_destroy(render_cache *cache);
+/* The scene has changed, as told to sl_method_edit(). */
+void render_cache_edit(render_cache *cache, unsigned changes);
+/* One frame from where everything stands now; then its samples, which the next one shows. */
+void render_cache_frame(render_cache *cache, sl_counters *counters);
+/* What the cache holds now, without another sample. */
+void render_cache_show(render_cache *cache);
+/* Radiance of the last frame: three planes, row 0 at the top. */
+const float *render_cache_picture(const render_cache *cache);
+/* Points that pixels show; 1 everywhere: no gap left. */
+double render_cache_covered(const render_cache *cache);
+render_cache_bill render_cache_costs(const render_cache *cache);
+size_t render_cache_memory_bytes(const render_cache *cache);
+
+#endif
