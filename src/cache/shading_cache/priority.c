@@ -12,46 +12,63 @@ float sl_curve_luminance(sl_rgb radiance) {
     return y > 0.0f ? fminf(y, FLT_MAX) : 0.0f;
 }
 
-/* With S(R) = (R + 1/k) / (R + k), (S - 1/k^2) / (1 - 1/k^2) is R / (R + k): what stands below. */
+/* With S(R) = (R + 1/k) / (R + k), (S - 1/k^2) / (1 - 1/k^2) is R / (R + k): what stands below. The power of floats of base/math.h is off by 1e-5
+ * of a level at most. */
 float sl_curve_level_of(const sl_display_curve *curve, float luminance) {
     const double k = 10.0;
     if (!(luminance > 0.0f)) return 0.0f;
     double y = fmin((double)luminance, (double)FLT_MAX), dark = curve->reference > 0.0f ? k * (double)curve->reference : 0.0;
-    return 255.0f * fminf(sl_powf((float)(y / (y + dark)), 1.0f / 2.2f), 1.0f);
+    return 255.0f * fminf(sl_exp2f(sl_log2f((float)(y / (y + dark))) * (1.0f / 2.2f)), 1.0f);
 }
 
 float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) { return sl_curve_level_of(curve, sl_curve_luminance(radiance)); }
 
-sl_rgb sl_exitant_radiance(const sl_primitives *primitives, uint32_t root, const float value[3], const float *radiance) {
+/* ---- what leaves a patch -------------------------------------------------------------------------------------------------------- */
+
+/* Its luminance is linear in the irradiance: E mean(kd) / pi, and the surface's own light. */
+typedef struct exitance {
+    sl_rgb emission, reflected;
+} exitance;
+
+static exitance exitance_of(const sl_primitives *primitives, uint32_t root) {
     const sl_material *material = sl_root_material(primitives, root);
-    sl_rgb kd = sl_root_mean_diffuse(primitives, root), sum = {0};
-    sl_rgb diffuse = sl_rgb_scale(sl_rgb_mul(kd, (sl_rgb){value[0], value[1], value[2]}), (float)(1.0 / SL_PI));
-    if (root % 2 == 0 || material->emission_two_sided) sum = material->emission;
-    if (radiance) sum = sl_rgb_add(sum, (sl_rgb){radiance[0], radiance[1], radiance[2]});
-    return sl_rgb_add(sum, diffuse);
+    exitance e = {.reflected = sl_rgb_scale(sl_root_mean_diffuse(primitives, root), (float)(1.0 / SL_PI))};
+    if (root % 2 == 0 || material->emission_two_sided) e.emission = material->emission;
+    return e;
 }
 
-static float level_at(const sl_patches *p, const sl_display_curve *curve, uint32_t root, uint32_t vertex) {
-    return sl_curve_level(curve, sl_exitant_radiance(p->primitives, root, p->vertex[vertex].value, p->radiance ? p->radiance[vertex] : NULL));
+static float luminance_at(const sl_patches *p, const exitance *e, uint32_t vertex) {
+    const float *value = p->vertex[vertex].value;
+    sl_rgb sum = sl_rgb_add(e->emission, sl_rgb_mul(e->reflected, (sl_rgb){value[0], value[1], value[2]}));
+    if (!p->radiance) return sl_curve_luminance(sum);
+    const float *lobe = p->radiance[vertex];
+    return sl_curve_luminance(sl_rgb_add(sum, (sl_rgb){lobe[0], lobe[1], lobe[2]}));
+}
+
+float sl_vertex_luminance(const sl_patches *p, uint32_t vertex) {
+    exitance e = exitance_of(p->primitives, p->vertex[vertex].root);
+    return luminance_at(p, &e, vertex);
 }
 
 float sl_vertex_level(const sl_patches *p, const sl_display_curve *curve, uint32_t vertex) {
-    return level_at(p, curve, p->vertex[vertex].root, vertex);
+    return sl_curve_level_of(curve, sl_vertex_luminance(p, vertex));
 }
 
 /* ---- error and age of a patch --------------------------------------------------------------------------------------------------- */
 
+/* Levels grow with luminance: only those of the darkest and of the brightest corner are needed. */
 float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_t patch) {
-    uint32_t root = sl_patch_root(p, patch);
-    float low = 255.0f, high = 0.0f;
+    exitance e = exitance_of(p->primitives, sl_patch_root(p, patch));
+    float low = FLT_MAX, high = 0.0f;
     for (int c = 0; c < sl_patch_corners(p, patch); c++) {
         uint32_t vertex = sl_patch_corner(p, patch, c);
         if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) return -1.0f;
-        float level = level_at(p, curve, root, vertex);
-        low = fminf(low, level);
-        high = fmaxf(high, level);
+        float luminance = luminance_at(p, &e, vertex);
+        low = luminance < low ? luminance : low;
+        high = luminance > high ? luminance : high;
     }
-    return high - low;
+    if (!(high > low)) return 0.0f;
+    return fmaxf(sl_curve_level_of(curve, high) - sl_curve_level_of(curve, low), 0.0f);
 }
 
 float sl_patch_age(const sl_patches *p, uint32_t patch, uint32_t now, uint32_t changed, float c) {
@@ -73,13 +90,14 @@ float sl_age_constant(const sl_material *material) {
     return (float)(1.0 + 8.0 * contrast * distinctness);
 }
 
+/* With one c for both, the larger age is that since the later of the two. */
 float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint32_t patch, uint32_t now, uint32_t eye_moved, uint32_t changed) {
     float error = sl_patch_error(p, curve, patch);
     if (error < 0.0f || (!eye_moved && !changed)) return error;
     const sl_material *material = sl_root_material(p->primitives, sl_patch_root(p, patch));
-    float c = sl_age_constant(material), seen = 0.0f;
-    if (sl_material_is_glossy(material)) seen = sl_patch_age(p, patch, now, eye_moved, c);
-    return error + fminf(fmaxf(seen, sl_patch_age(p, patch, now, changed, c)), 255.0f);
+    if (sl_material_is_glossy(material) && eye_moved > changed) changed = eye_moved;
+    float updates = sl_patch_age(p, patch, now, changed, 1.0f);
+    return updates > 0.0f ? error + fminf(sl_age_constant(material) * updates, 255.0f) : error;
 }
 
 /* ---- normalisation -------------------------------------------------------------------------------------------------------------- */

@@ -15,9 +15,8 @@ float sl_curve_luminance(sl_rgb radiance);
 float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance);
 float sl_curve_level_of(const sl_display_curve *curve, float luminance);
 
-/* What leaves a root towards the eye where its vertices' values are these: E mean(kd) / pi, the lobe's (radiance; NULL: none) and its own. */
-sl_rgb sl_exitant_radiance(const sl_primitives *primitives, uint32_t root, const float value[3], const float *radiance);
-/* Of a vertex, evaluated or not. */
+/* Y of what leaves a vertex towards the eye, evaluated or not: E mean(kd) / pi, the lobe's radiance, and the surface's own; and its level. */
+float sl_vertex_luminance(const sl_patches *patches, uint32_t vertex);
 float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, uint32_t vertex);
 
 /* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. */

@@ -71,8 +71,7 @@ static void ask_for_all(worker *w, uint32_t patch) {
 /* How far a level is off where the irradiance is off by its standard error: |D'| sigma, as a central difference, since D' has no bound at black. */
 static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     const sl_patches *p = w->patches;
-    sl_rgb exitant = sl_exitant_radiance(p->primitives, root, p->vertex[vertex].value, p->radiance ? p->radiance[vertex] : NULL);
-    float luminance = sl_curve_luminance(exitant), kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
+    float luminance = sl_vertex_luminance(p, vertex), kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
     float off = sqrtf(fmaxf(p->vertex[vertex].variance, 0.0f)) * kd * (float)(1.0 / SL_PI);
     return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) - (double)sl_curve_level_of(w->curve, luminance - off));
 }
