@@ -203,6 +203,8 @@ static void the_glossier_a_material_the_faster_it_ages(void **state) {
     }
     m.specular = sl_grey(0.5f);
     assert_true(sl_age_constant(&m) > last);
+    sl_material mirror = {.mirror = sl_grey(0.9f)};
+    assert_true(fabs((double)sl_age_constant(&mirror) - 1.0 - 8.0 * cbrt(0.9)) < 1e-5);
     sl_material black = {.exponent = 10.0f};
     assert_true(sl_age_constant(&black) == 1.0f);
 }

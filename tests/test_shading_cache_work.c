@@ -4,6 +4,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/shading_cache/work.h"
+#include "scene/bicubic.h"
 #include "shading_cache_support.h"
 
 enum { WIDTH = 120, HEIGHT = 80, PLACES_MAX = 4096 };
@@ -380,6 +381,38 @@ static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_i
     hierarchy_discard(&h);
 }
 
+/* A sheet rolled to a pipe of radius 1 or so: its corners span nothing. */
+static sl_scene *pipe_scene(void) {
+    enum { N = 8, V = (N + 1) * (N + 1) };
+    static float xyz[3 * V], normal[3 * V], uv[2 * V];
+    static uint32_t index[6 * N * N];
+    static const float x[4] = {0.0f, 4.0f, -4.0f, 0.0f}, z[4] = {0.0f, 4.0f, 4.0f, 0.0f};
+    sl_bicubic b = {.steps = N, .triangle_count = 2 * N * N};
+    for (int j = 0; j < 4; j++) {
+        for (int i = 0; i < 4; i++) b.point[j][i] = sl_v3(x[i], (float)j - 1.5f, z[i]);
+    }
+    sl_bicubic_tessellate(&b, xyz, normal, uv, index);
+    sl_scene_parts parts = {.vertex_count = V, .positions = xyz, .normals = normal, .texture_coordinates = uv, .triangle_count = 2 * N * N,
+                            .indices = index, .bicubic_count = 1, .bicubics = &b};
+    sl_scene *scene;
+    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
+    return scene;
+}
+
+static void a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(pipe_scene(), false);
+    uint32_t patch = want_root(&h, 0);
+    sl_camera camera = camera_above(0.1f); /* from far away: so many pixels a unit */
+    float whole = size_of(&h, patch, &camera).area, parts = 0.0f;
+    split_levels(&h, patch, 1);
+    for (uint32_t k = 0; k < 4; k++) parts += size_of(&h, h.patches->patch[patch].child + k, &camera).area;
+    /* It is 2.31 wide and 3 long, and seen twice, in front of itself. */
+    assert_true(whole > 0.9f * 2.0f * 2.31f * 3.0f * 0.01f && whole < 1.1f * 2.0f * 2.31f * 3.0f * 0.01f);
+    assert_true(fabsf(parts / whole - 1.0f) < 0.15f);
+    hierarchy_discard(&h);
+}
+
 static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), false);
@@ -427,6 +460,7 @@ int main(void) {
         cmocka_unit_test(a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_quarters),
         cmocka_unit_test(only_what_is_in_the_picture_counts),
         cmocka_unit_test(a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it),
+        cmocka_unit_test(a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners),
         cmocka_unit_test(patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further),
         cmocka_unit_test(edge_on_and_sliver_patches_are_not_split),
     };

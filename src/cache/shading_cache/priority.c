@@ -12,7 +12,7 @@ float sl_curve_luminance(sl_rgb radiance) {
     return y > 0.0f ? fminf(y, FLT_MAX) : 0.0f;
 }
 
-/* With S(R) = (R + 1/k) / (R + k), (S - 1/k^2) / (1 - 1/k^2) is R / (R + k): what stands below. The power of floats of base/math.h is off by 1e-5
+/* With S(R) = (R + 1/k) / (R + k), (S - 1/k^2) / (1 - 1/k^2) is R / (R + k): what stands below. The power of floats of base/math.h is off by 1e-4
  * of a level at most. */
 float sl_curve_level_of(const sl_display_curve *curve, float luminance) {
     const double k = 10.0;
@@ -84,9 +84,9 @@ float sl_patch_age(const sl_patches *p, uint32_t patch, uint32_t now, uint32_t c
 static double cube_root(double x) { return x > 0.0 ? sl_pow(x, 1.0 / 3.0) : 0.0; }
 
 float sl_age_constant(const sl_material *material) {
-    double half = 0.5 * (double)sl_curve_luminance(material->diffuse), ks = (double)sl_curve_luminance(material->specular);
-    double contrast = cube_root(ks + half) - cube_root(half), n = (double)material->exponent;
-    double distinctness = n > 0.0 ? 1.0 - 1.0 / sqrt(2.0 * n + 1.0) : 0.0;
+    double half = 0.5 * (double)sl_curve_luminance(material->diffuse), n = (double)material->exponent;
+    double ks = (double)sl_curve_luminance(sl_rgb_add(material->specular, material->mirror)), contrast = cube_root(ks + half) - cube_root(half);
+    double distinctness = sl_material_is_mirror(material) ? 1.0 : n > 0.0 ? 1.0 - 1.0 / sqrt(2.0 * n + 1.0) : 0.0;
     return (float)(1.0 + 8.0 * contrast * distinctness);
 }
 
@@ -95,7 +95,7 @@ float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint
     float error = sl_patch_error(p, curve, patch);
     if (error < 0.0f || (!eye_moved && !changed)) return error;
     const sl_material *material = sl_root_material(p->primitives, sl_patch_root(p, patch));
-    if (sl_material_is_glossy(material) && eye_moved > changed) changed = eye_moved;
+    if (sl_looks_otherwise_from_elsewhere(material) && eye_moved > changed) changed = eye_moved;
     float updates = sl_patch_age(p, patch, now, changed, 1.0f);
     return updates > 0.0f ? error + fminf(sl_age_constant(material) * updates, 255.0f) : error;
 }

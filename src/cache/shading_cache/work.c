@@ -38,7 +38,7 @@ bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, u
     const sl_patch_vertex *v = &p->vertex[vertex];
     if (v->evaluated == SL_VERTEX_NEVER) return false;
     if (settings->stale_before && v->evaluated < settings->stale_before[sl_root_object(p->primitives, v->root)]) return true;
-    return v->evaluated < settings->eye_moved && sl_material_is_glossy(sl_root_material(p->primitives, v->root));
+    return v->evaluated < settings->eye_moved && sl_looks_otherwise_from_elsewhere(sl_root_material(p->primitives, v->root));
 }
 
 static void ask_for(worker *w, uint32_t vertex) {

@@ -17,7 +17,7 @@ typedef struct sl_work_settings {
     bool variance_aware;       /* p_err < 2 s: more samples instead of a split */
     uint32_t now;
     const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale; NULL: none is */
-    uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material has a lobe; 0: never */
+    uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
     const bool *changing;      /* by object; NULL: none */
     float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
 } sl_work_settings;
