@@ -4,6 +4,8 @@
 #include "base/counters.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "cache/shading_cache/change.h"
+#include "cache/shading_cache/work.h"
 
 static long allocations_left = -1; /* until one fails, then all do; -1: none fails */
 static long blocks_held;
@@ -121,10 +123,75 @@ static void patches_that_ran_out_of_memory_go_on_as_if_they_had_not(void **state
     for (int i = 0; i < 2; i++) hierarchy_discard(&h[i]);
 }
 
+/* ---- an update ---- */
+
+enum { SIDE = 16 };
+
+typedef struct update {
+    hierarchy h;
+    sl_pixel_selection how;
+    sl_choice choice[128];
+    size_t choices;
+    sl_chosen_place place[64];
+    uint32_t vertex[4 * 64 + 64];
+    size_t vertices;
+    sl_counters counters;
+    sl_changes *changes;
+} update;
+
+static sl_status choose(void *context) {
+    update *u = context;
+    static uint32_t leaf[SIDE * SIDE];
+    static sl_leaf_priority leaves[SIDE];
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) leaf[i] = i % SIDE;
+    for (uint32_t i = 0; i < SIDE; i++) leaves[i] = (sl_leaf_priority){i, SIDE, 1.0f, 0.9f};
+    sl_selection_settings s = {.how = u->how, .points = 64, .random_share = 0.03f, .flood_threshold = 0.5f, .per_patch = 16, .seed = 1};
+    return sl_select_pixels(&s, SIDE, SIDE, leaf, SIDE, leaves, u->choice, &u->choices, &u->counters, NULL);
+}
+
+static sl_status work_out(void *context) {
+    update *u = context;
+    const sl_display_curve curve = {1.0f};
+    const sl_work_settings settings = {.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 2};
+    sl_camera camera = {sl_v3(0, 0, 2), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};
+    return sl_work_out(u->h.patches, &curve, &settings, &camera, 512, 512, 64, u->place, u->vertex, &u->vertices, &u->counters, NULL);
+}
+
+static sl_status create_changes(void *context) { return sl_changes_create(((update *)context)->h.scene, 2.0f, 3, &((update *)context)->changes, NULL); }
+
+static void an_update_without_memory_fails_and_the_next_one_does_the_same_as_ever(void **state) {
+    (void)state;
+    static update u, again;
+    u.h = hierarchy_of(square_scene(), false);
+    for (int how = 0; how < 3; how++) {
+        u.how = again.how = (sl_pixel_selection)how;
+        assert_true(until_it_succeeds(choose, &u) >= 3);
+        assert_int_equal(choose(&again), SL_OK);
+        assert_int_equal(u.choices, again.choices);
+        assert_memory_equal(u.choice, again.choice, u.choices * sizeof *u.choice);
+    }
+    assert_int_equal(until_it_succeeds(create_changes, &u), 2);
+    sl_changes_destroy(u.changes);
+    want_root(&u.h, 0);
+    for (uint32_t i = 0; i < u.h.patches->vertex_count; i++) u.h.patches->vertex[i].evaluated = 1;
+    uint32_t root = u.h.patches->root_patch[0];
+    for (int i = 0; i < 64; i++) u.place[i] = (sl_chosen_place){root, (float)(i % 8) / 8.0f + 0.05f, (float)i / 64.0f};
+    sl_status status = SL_ERROR_RESOURCES; /* splits that succeeded stay: what is left is a hierarchy, and may grow on */
+    for (long room = 0; status != SL_OK; room++) {
+        allocations_left = room;
+        status = work_out(&u);
+        allocations_left = -1;
+        assert_sound(u.h.patches);
+    }
+    assert_true(u.counters.value[SL_COUNT_SPLITS] >= 1 && u.vertices <= 4 * 64);
+    hierarchy_discard(&u.h);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loading_finding_and_creating_without_memory_leave_nothing_behind),
         cmocka_unit_test(patches_that_ran_out_of_memory_go_on_as_if_they_had_not),
+        cmocka_unit_test(an_update_without_memory_fails_and_the_next_one_does_the_same_as_ever),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
