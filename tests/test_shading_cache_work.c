@@ -225,6 +225,7 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
             sl_patch_place place = sl_patch_place_of(h.patches, i);
             float area = sl_patch_projected(h.patches, &place, &camera, WIDTH, HEIGHT).area;
             assert_true(sl_patch_is_leaf(h.patches, i) ? area <= 1.2f : area > 1.2f);
+            assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, i), area <= 1.2f);
         }
         assert_true((double)h.patches->leaves_alive >= pixels / 1.2 && (double)h.patches->leaves_alive < 4.0 * pixels / 1.2);
         hierarchy_discard(&h);
@@ -242,6 +243,10 @@ static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void
     size_t count = grid_of_places(patch, 8, places);
     work(&h, &settings, &camera, count, places);
     assert_int_equal(out.count + out.splits, 0);
+    assert_true(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch));
+    stale_before[0] = 2;
+    assert_false(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch));
+    stale_before[0] = 0;
     settings.variance_aware = true;
     work(&h, &settings, &camera, count, places);
     assert_int_equal(out.count, 4);
@@ -426,6 +431,7 @@ static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(
     }
     assert_int_equal(out.count + out.splits, 0);
     assert_int_equal(deepest(h.patches), SL_PATCH_DEPTH_MAX);
+    assert_true(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, sl_patch_locate(h.patches, 0, 0.65, 0.65).patch));
     hierarchy_discard(&h);
 }
 

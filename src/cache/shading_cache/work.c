@@ -50,12 +50,16 @@ static void ask_for(worker *w, uint32_t vertex) {
     w->slot[at] = (uint32_t)w->count;
 }
 
+static bool is_missing(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
+    return p->vertex[vertex].evaluated == SL_VERTEX_NEVER || sl_vertex_is_stale(p, settings, vertex);
+}
+
 /* Those corners that were never evaluated, or before something moved; true: there were some. */
 static bool ask_for_missing(worker *w, uint32_t patch) {
     bool any = false;
     for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
         uint32_t vertex = sl_patch_corner(w->patches, patch, c);
-        if (w->patches->vertex[vertex].evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        if (!is_missing(w->patches, w->settings, vertex)) continue;
         ask_for(w, vertex);
         any = true;
     }
@@ -93,14 +97,21 @@ static bool is_noise(const worker *w, uint32_t patch) {
 
 /* ---- splits ---- */
 
-static bool is_large(const worker *w, const sl_patch_place *place) {
-    const sl_work_settings *s = w->settings;
-    sl_patch_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
+static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, const sl_camera *camera, int width, int height) {
+    sl_patch_size size = sl_patch_projected(p, place, camera, width, height);
     float area = s->split_above;
-    if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(w->patches->primitives, place->root)]) {
+    if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(p->primitives, place->root)]) {
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
     }
     return size.area > area && size.edge > sqrtf(fmaxf(s->split_above, 0.0f));
+}
+
+bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch) {
+    for (int c = 0; c < sl_patch_corners(p, patch); c++) {
+        if (is_missing(p, settings, sl_patch_corner(p, patch, c))) return false;
+    }
+    sl_patch_place place = sl_patch_place_of(p, patch);
+    return place.depth == SL_PATCH_DEPTH_MAX || !is_large(p, settings, &place, camera, width, height);
 }
 
 /* Sorts the places of a patch by the child in which they lie, in their order otherwise. */
@@ -141,7 +152,7 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
     if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
     if (level == 0 && ask_for_missing(w, patch)) return SL_OK;
     bool noise = level == 0 && w->settings->variance_aware && is_noise(w, patch);
-    if (!noise && is_large(w, place)) {
+    if (!noise && is_large(w->patches, w->settings, place, w->camera, w->width, w->height)) {
         sl_status status = sl_patch_split(w->patches, patch, w->error);
         if (status != SL_OK) return status;
         if (!sl_patch_is_leaf(w->patches, patch)) {

@@ -33,6 +33,10 @@ typedef struct sl_patch_size {
 } sl_patch_size;
 sl_patch_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place, const sl_camera *camera, int width, int height);
 
+/* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split. Where that holds for all visible leaves a
+ * picture of a still scene is done. */
+bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch);
+
 /* Handles all places, patch by patch in the order in which patches first occur: requests vertices never evaluated or stale; else splits and hands
  * places on. vertex: the vertices to be shaded, each once, in that order; room for 4 * count + 64. */
 sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings, const sl_camera *camera, int width,
