@@ -25,14 +25,27 @@ typedef struct sl_display_root {
     uint32_t vertex[4];
 } sl_display_root;
 
-/* Fans in one array of words: how many vertices hang on each edge, 16 bits an edge in two words; their numbers, edge by edge; how far along
- * their edge they are, two to a word. Room is given out in powers of two. */
-enum { SL_FAN_SMALLEST = 4, SL_FAN_SIZES = 16 };
+/* Fans in one array of words, room being given out in powers of two: first 16 bits with the number of vertices that hang on the leaf's edges, and 16 for each
+ * with its edge (2 bits) and how far along it (14 bits), around the leaf; then their numbers, from the next whole word on. */
+enum { SL_FAN_SMALLEST = 2, SL_FAN_SIZES = 17 };
 typedef struct sl_fans {
     uint32_t *word;
     size_t used, capacity;
     uint32_t free[SL_FAN_SIZES]; /* the first of each size that is not in use; it names the next */
 } sl_fans;
+
+typedef struct sl_fan_spoke {
+    int edge;
+    float along;               /* in 1/SL_PATCH_DYADIC of the edge */
+} sl_fan_spoke;
+
+static inline const uint32_t *sl_fan_at(const sl_fans *fans, uint32_t word) { return fans->word + (size_t)SL_FAN_SMALLEST * (word & (SL_FAN_BIT - 1)); }
+static inline uint32_t sl_fan_count(const uint32_t *fan) { return fan[0] & 0xffff; }
+static inline const uint32_t *sl_fan_vertices(const uint32_t *fan) { return fan + sl_fan_count(fan) / 2 + 1; }
+static inline sl_fan_spoke sl_fan_spoke_at(const uint32_t *fan, uint32_t k) {
+    uint32_t code = fan[(k + 1) / 2] >> 16 * ((k + 1) % 2) & 0xffff;
+    return (sl_fan_spoke){(int)(code >> SL_PATCH_DEPTH_MAX), (float)(code & (SL_PATCH_DYADIC - 1))};
+}
 
 /* Into how many pieces a curved surface is cut: its inside along u and v, and its edges 0 to 3. */
 typedef struct sl_curved_rates {

@@ -46,11 +46,12 @@ typedef struct frame_job {
 typedef struct triangle_run {
     uint32_t root;             /* SL_NO_INDEX: the background */
     const sl_display_root *wanted; /* NULL: not wanted yet */
-    bool triangle, curved, leaf_known;
+    bool curved;
     float u[3], v[3];          /* at corner 0, and how much more at corners 1 and 2 */
     sl_rgb emission, diffuse;
     const sl_texture *texture; /* NULL: diffuse is all */
     sl_leaf leaf;              /* that the last pixel was in */
+    sl_leaf_field field;
 } triangle_run;
 
 static void corner_differences(float p[3]) {
@@ -60,6 +61,10 @@ static void corner_differences(float p[3]) {
 
 static void scene_parameters(const sl_primitives *p, uint32_t t, triangle_run *run) {
     static const float corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    if (p->kind[p->of_triangle[t]] == SL_PRIMITIVE_TRIANGLE) { /* the same */
+        for (int c = 0; c < 3; c++) run->u[c] = corner[c][0], run->v[c] = corner[c][1];
+        return;
+    }
     for (int c = 0; c < 3; c++) {
         double u, v;
         sl_root_parameters(p, t, corner[c][0], corner[c][1], &u, &v);
@@ -79,7 +84,6 @@ static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, tri
     run->root = SL_NO_INDEX;
     if (id == SL_NO_INDEX && curved_id == SL_NO_INDEX) return;
     run->curved = id == SL_NO_INDEX;
-    run->leaf_known = false;
     sl_vec3 geometric, corner[3];
     uint32_t primitive;
     if (run->curved) {
@@ -101,24 +105,23 @@ static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, tri
     corner_differences(run->u);
     corner_differences(run->v);
     run->root = seen_root(primitive, geometric, sl_sub(job->view.origin, corner[0]));
-    run->triangle = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
     uint32_t wanted = job->copy->root[run->root];
     run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
+    run->leaf = sl_leaf_begin(run->wanted, p->kind[primitive] == SL_PRIMITIVE_TRIANGLE);
     const sl_material *material = sl_root_material(p, run->root);
     run->emission = run->root % 2 == 0 || material->emission_two_sided ? material->emission : sl_grey(0.0f);
     run->diffuse = material->diffuse;
     run->texture = material->texture == SL_NO_INDEX ? NULL : &s->textures[material->texture];
 }
 
-static float cut(float t) { return t > 0.0f ? (t < 1.0f ? t : 1.0f) : 0.0f; }
-
-static void find_leaf(const frame_job *job, triangle_run *run, float w1, float w2, float *u, float *v) {
-    *u = cut(run->u[0] + w1 * run->u[1] + w2 * run->u[2]);
-    *v = cut(run->v[0] + w1 * run->v[1] + w2 * run->v[2]);
-    if (!run->wanted || (run->leaf_known && sl_leaf_still_holds(&run->leaf, (double)*u, (double)*v))) return;
-    sl_leaf_find(job->copy, run->wanted, run->triangle, (double)*u, (double)*v, &run->leaf);
-    run->leaf_known = true;
+/* The leaf of a place, if its root has any; returns whether it is another one than before. */
+static bool find_leaf(const frame_job *job, triangle_run *run, float w1, float w2, int32_t *u, int32_t *v) {
+    *u = sl_place_of(run->u[0] + w1 * run->u[1] + w2 * run->u[2]);
+    *v = sl_place_of(run->v[0] + w1 * run->v[1] + w2 * run->v[2]);
+    return run->wanted && !sl_leaf_find(job->copy, &run->leaf, *u, *v);
 }
+
+static float as_parameter(int32_t place) { return (float)place * (1.0f / (float)SL_PLACE_ONE); }
 
 /* ---- strips of a frame -------------------------------------------------------------------------------------------------------- */
 
@@ -165,17 +168,25 @@ static sl_rgb background(const frame_job *job, size_t pixel) {
 }
 
 /* Tessellated surfaces are not the scene's triangles: the texture is looked up where the same (u, v) lies on those. */
-static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, float u, float v) {
+static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int32_t u, int32_t v) {
     float w1, w2;
-    uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)u, (double)v, &w1, &w2);
+    uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)as_parameter(u), (double)as_parameter(v), &w1, &w2);
     return sl_scene_diffuse(job->display->scene, triangle, w1, w2);
 }
 
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
     const sl_rgb guess = job->display->settings.guess;
-    float u, v, e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
-    find_leaf(job, run, w1, w2, &u, &v);
-    if (run->wanted) sl_leaf_value(job->copy, job->display->channels, &run->leaf, e);
+    const size_t channels = job->display->channels;
+    float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
+    int32_t u, v;
+    bool fresh = find_leaf(job, run, w1, w2, &u, &v);
+    if (run->wanted && channels == 3) { /* the constant, so that colours are compiled for it */
+        if (fresh) sl_leaf_field_of(job->copy, 3, &run->leaf, &run->field);
+        sl_leaf_value(job->copy, 3, &run->leaf, &run->field, e);
+    } else if (run->wanted) {
+        if (fresh) sl_leaf_field_of(job->copy, 6, &run->leaf, &run->field);
+        sl_leaf_value(job->copy, 6, &run->leaf, &run->field, e);
+    }
     sl_rgb kd = !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
     const float over_pi = (float)(1.0 / SL_PI);
     return (sl_rgb){run->emission.r + kd.r * e[0] * over_pi + e[3], run->emission.g + kd.g * e[1] * over_pi + e[4],
@@ -211,13 +222,13 @@ static void name_strip(void *context, size_t index, unsigned worker) {
     triangle_run run = {.root = SL_NO_INDEX};
     for (size_t i = 0; i < s.count; i++) {
         next_pixel(job, &s, i, &run);
-        float u = 0.0f, v = 0.0f;
+        int32_t u = 0, v = 0;
         bool covered = run.root != SL_NO_INDEX;
         if (covered) find_leaf(job, &run, s.w1[i], s.w2[i], &u, &v);
-        if (job->ids->patch) job->ids->patch[s.first + i] = covered && run.wanted ? run.leaf.patch : SL_NO_INDEX;
+        if (job->ids->patch) job->ids->patch[s.first + i] = covered && run.wanted ? sl_leaf_patch(&run.leaf) : SL_NO_INDEX;
         if (job->ids->root) job->ids->root[s.first + i] = run.root;
-        if (job->ids->u) job->ids->u[s.first + i] = u;
-        if (job->ids->v) job->ids->v[s.first + i] = v;
+        if (job->ids->u) job->ids->u[s.first + i] = as_parameter(u);
+        if (job->ids->v) job->ids->v[s.first + i] = as_parameter(v);
     }
 }
 

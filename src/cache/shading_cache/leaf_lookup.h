@@ -3,64 +3,121 @@
 #define SL_SHADING_CACHE_LEAF_LOOKUP_H
 
 #include <math.h>
-#include <string.h>
 
 #include "cache/shading_cache/display_parts.h"
 
-/* The leaf that was found last: neighbours mostly lie in the same one. */
+/* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All is exact. */
+enum { SL_PLACE_BITS = 24, SL_PLACE_ONE = 1 << SL_PLACE_BITS };
+static inline int32_t sl_place_of(float t) { return t > 0.0f ? (t < 1.0f ? (int32_t)(t * (float)SL_PLACE_ONE) : SL_PLACE_ONE) : 0; }
+
+/* A leaf and the way to it. */
 typedef struct sl_leaf {
-    uint32_t patch, word;
+    const sl_display_root *root;
     bool triangle;
-    uint32_t vertex[4];
-    double u, v, scale;        /* corner 0, and how many leaves to the root's side; negative for triangles turned by half a turn */
-    double a, b;               /* the point: 0 to 1 from corner 0 to corner 1, and to the last corner */
+    int depth;                 /* -1: none yet */
+    uint32_t word;
+    uint32_t block[SL_PATCH_DEPTH_MAX + 1]; /* from depth 1 on: in which it is ... */
+    uint8_t child[SL_PATCH_DEPTH_MAX + 1];  /* ... and which of the four */
+    int32_t last_u, last_v;    /* squares: the place that was found; triangles: corner 0 */
+    int32_t side;              /* negative for triangles turned by half a turn */
+    float over_side;
+    float a, b;                /* the place: 0 to 1 from corner 0 to corner 1, and to the last corner */
 } sl_leaf;
 
-/* Strictly inside: on edges it is for the tree to say. All numbers are exact, as scales are powers of two. */
-static inline bool sl_leaf_still_holds(sl_leaf *leaf, double u, double v) {
-    double a = (u - leaf->u) * leaf->scale, b = (v - leaf->v) * leaf->scale;
-    if (!(a > 0.0 && b > 0.0 && (leaf->triangle ? a + b < 1.0 : (a < 1.0 && b < 1.0)))) return false;
-    leaf->a = a;
-    leaf->b = b;
-    return true;
+static inline sl_leaf sl_leaf_begin(const sl_display_root *root, bool triangle) {
+    return (sl_leaf){.root = root, .triangle = triangle, .depth = -1};
 }
 
-/* Corners of children, in the parent's corners and then the vertices of their block: see patches.c. */
-static const uint8_t sl_triangle_corner[4][4] = {{0, 4, 6, 0}, {4, 1, 5, 0}, {6, 5, 2, 0}, {5, 6, 4, 0}};
-static const uint8_t sl_quad_corner[4][4] = {{0, 4, 8, 7}, {4, 1, 5, 8}, {8, 5, 2, 6}, {7, 8, 6, 3}};
+static inline uint32_t sl_leaf_patch(const sl_leaf *leaf) {
+    return leaf->depth == 0 ? leaf->root->patch : 4 * leaf->block[leaf->depth] + leaf->child[leaf->depth];
+}
 
-static inline void sl_leaf_step(sl_leaf *leaf, const sl_display_block *block) {
-    double a = 2.0 * leaf->a, b = 2.0 * leaf->b, side = 0.5 / leaf->scale;
-    uint32_t child, vertex[9];
-    memcpy(vertex, leaf->vertex, sizeof leaf->vertex);
-    memcpy(vertex + 4, block->vertex, sizeof block->vertex);
-    const uint8_t *corner;
-    if (leaf->triangle) {
-        child = a >= 1.0 ? 1 : b >= 1.0 ? 2 : a + b <= 1.0 ? 0 : 3;
-        corner = sl_triangle_corner[child];
+static inline uint32_t sl_root_word(const sl_display_copy *copy, const sl_display_root *root) {
+    return copy->block[root->patch / 4].child[root->patch % 4];
+}
+
+static inline void sl_leaf_step(const sl_display_copy *copy, sl_leaf *leaf, uint32_t child) {
+    leaf->depth++;
+    leaf->block[leaf->depth] = leaf->word;
+    leaf->child[leaf->depth] = (uint8_t)child;
+    leaf->word = copy->block[leaf->word].child[child];
+}
+
+/* Which children to take the digits of u and v tell. As many first digits as this place has in common with the last one, so much of the way is
+ * the same. Returns whether it is the same leaf. */
+static inline bool sl_leaf_of_square(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
+    int32_t inside_u = u < SL_PLACE_ONE ? u : SL_PLACE_ONE - 1, inside_v = v < SL_PLACE_ONE ? v : SL_PLACE_ONE - 1;
+    uint32_t differing = (uint32_t)((inside_u ^ leaf->last_u) | (inside_v ^ leaf->last_v));
+    leaf->last_u = inside_u;
+    leaf->last_v = inside_v;
+    if (leaf->depth >= 0) {
+        if (differing >> (SL_PLACE_BITS - leaf->depth) == 0) return true;
+        leaf->depth = __builtin_clz(differing) - (32 - SL_PLACE_BITS); /* up to where they part */
+        leaf->word = leaf->block[leaf->depth + 1];
     } else {
-        child = a < 1.0 ? (b < 1.0 ? 0 : 3) : (b < 1.0 ? 1 : 2);
-        corner = sl_quad_corner[child];
+        leaf->depth = 0;
+        leaf->word = sl_root_word(copy, leaf->root);
     }
-    bool right = child == 1 || (leaf->triangle ? child == 3 : child == 2), up = child >= 2, turned = leaf->triangle && child == 3;
-    leaf->u += right ? side : 0.0;
-    leaf->v += up ? side : 0.0;
-    a -= right ? 1.0 : 0.0;
-    b -= up ? 1.0 : 0.0;
-    leaf->a = turned ? -a : a;
-    leaf->b = turned ? -b : b;
-    leaf->scale *= turned ? -2.0 : 2.0;
-    for (int c = 0; c < 4; c++) leaf->vertex[c] = vertex[corner[c]];
-    leaf->patch = 4 * leaf->word + child;
-    leaf->word = block->child[child];
+    while (!sl_is_leaf_word(leaf->word)) {
+        int digit = SL_PLACE_BITS - 1 - leaf->depth;
+        uint32_t right = (uint32_t)inside_u >> digit & 1, up = (uint32_t)inside_v >> digit & 1;
+        sl_leaf_step(copy, leaf, (right ^ up) | up << 1);
+    }
+    leaf->side = SL_PLACE_ONE >> leaf->depth;
+    leaf->over_side = 1.0f / (float)leaf->side;
+    return false;
 }
 
-/* u and v in [0,1]. */
-static inline void sl_leaf_find(const sl_display_copy *copy, const sl_display_root *root, bool triangle, double u, double v, sl_leaf *leaf) {
-    *leaf = (sl_leaf){.patch = root->patch, .word = copy->block[root->patch / 4].child[root->patch % 4], .triangle = triangle,
-                      .scale = 1.0, .a = u, .b = v};
-    memcpy(leaf->vertex, root->vertex, sizeof leaf->vertex);
-    while (!sl_is_leaf_word(leaf->word)) sl_leaf_step(leaf, &copy->block[leaf->word]);
+/* On edges it is for the tree to say: the last leaf still holds what lies strictly inside it. */
+static inline bool sl_leaf_of_triangle(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
+    if (leaf->depth >= 0) {
+        bool turned = leaf->side < 0;
+        int32_t a = turned ? leaf->last_u - u : u - leaf->last_u, b = turned ? leaf->last_v - v : v - leaf->last_v;
+        if (a > 0 && b > 0 && a + b < (turned ? -leaf->side : leaf->side)) return true;
+    }
+    int32_t a = u, b = v, half = SL_PLACE_ONE, turn = 1;
+    leaf->depth = 0;
+    leaf->word = sl_root_word(copy, leaf->root);
+    leaf->last_u = leaf->last_v = 0;
+    while (!sl_is_leaf_word(leaf->word)) {
+        half >>= 1;
+        bool right = a >= half, up = !right && b >= half, middle = !right && !up && a + b > half;
+        leaf->last_u += right || middle ? turn * half : 0;
+        leaf->last_v += up || middle ? turn * half : 0;
+        a -= right ? half : 0;
+        b -= up ? half : 0;
+        a = middle ? half - a : a;
+        b = middle ? half - b : b;
+        turn = middle ? -turn : turn;
+        sl_leaf_step(copy, leaf, right ? 1 : up ? 2 : middle ? 3 : 0);
+    }
+    leaf->side = turn * (SL_PLACE_ONE >> leaf->depth);
+    leaf->over_side = 1.0f / (float)leaf->side;
+    return false;
+}
+
+/* Returns whether it is the leaf that was found last. */
+static inline bool sl_leaf_find(const sl_display_copy *copy, sl_leaf *leaf, int32_t u, int32_t v) {
+    bool same = leaf->triangle ? sl_leaf_of_triangle(copy, leaf, u, v) : sl_leaf_of_square(copy, leaf, u, v);
+    int32_t corner_u = leaf->triangle ? leaf->last_u : leaf->last_u & -leaf->side, corner_v = leaf->triangle ? leaf->last_v : leaf->last_v & -leaf->side;
+    leaf->a = (float)(u - corner_u) * leaf->over_side;
+    leaf->b = (float)(v - corner_v) * leaf->over_side;
+    return same;
+}
+
+/* The vertices at its corners: corner i of child i is its parent's, and so on upwards; the others are those that the split has made. */
+static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *leaf, uint32_t vertex[4]) {
+    static const uint8_t made[2][4][4] = {{{0, 0, 4, 3}, {0, 0, 1, 4}, {4, 1, 0, 2}, {3, 4, 2, 0}},
+                                          {{0, 0, 2, 0}, {0, 0, 1, 0}, {2, 1, 0, 0}, {1, 2, 0, 0}}}; /* triangles have no corner 3 */
+    int depth = leaf->depth;
+    uint32_t own = depth > 0 ? leaf->child[depth] : 4;
+    for (int c = 0; c < 4; c++) {
+        vertex[c] = depth > 0 ? copy->block[leaf->block[depth]].vertex[made[leaf->triangle][own][c]] : leaf->root->vertex[c];
+    }
+    if (own >= (leaf->triangle ? 3u : 4u)) return;
+    do depth--;
+    while (depth > 0 && leaf->child[depth] == own);
+    vertex[own] = depth > 0 ? copy->block[leaf->block[depth]].vertex[made[leaf->triangle][leaf->child[depth]][own]] : leaf->root->vertex[own];
 }
 
 /* ---- what it shows ------------------------------------------------------------------------------------------------------------ */
@@ -69,8 +126,6 @@ static inline const float *sl_display_value(const sl_display_copy *copy, size_t 
     return copy->value + channels * vertex;
 }
 
-static inline float sl_between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? (float)t : 1.0f) : 0.0f; }
-
 /* The edge towards which a point lies as seen from the centre (edge i is corner i to i + 1), how far along it, and how far out from the centre. */
 typedef struct sl_fan_place {
     int edge;
@@ -78,85 +133,78 @@ typedef struct sl_fan_place {
 } sl_fan_place;
 
 static inline sl_fan_place sl_fan_place_of(const sl_leaf *leaf) {
-    float a = sl_between_0_and_1(leaf->a), b = sl_between_0_and_1(leaf->b);
+    float a = leaf->a, b = leaf->b;
     if (!leaf->triangle) {
         float x = 2.0f * a - 1.0f, y = 2.0f * b - 1.0f, ax = fabsf(x), ay = fabsf(y), out = ax > ay ? ax : ay;
         int edge = ay >= ax ? (y < 0.0f ? 0 : 2) : (x > 0.0f ? 1 : 3);
         float ahead = edge == 0 ? x : edge == 1 ? y : edge == 2 ? -x : -y;
         return (sl_fan_place){edge, out > 0.0f ? 0.5f + 0.5f * (ahead / out) : 0.5f, out};
     }
-    float w[3] = {sl_between_0_and_1(1.0 - leaf->a - leaf->b), a, b};
+    float w[3] = {1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f, a, b};
     int edge = w[2] <= w[0] && w[2] <= w[1] ? 0 : w[0] <= w[1] ? 1 : 2;
     float least = w[(edge + 2) % 3], from = w[edge] - least, to = w[(edge + 1) % 3] - least;
-    return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f, sl_between_0_and_1((double)(from + to))};
+    return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f, from + to < 1.0f ? from + to : 1.0f};
 }
 
-/* Ends of the piece of an edge on which a place lies, and how far along the piece it is. */
-static inline float sl_fan_piece(const sl_fans *fans, const sl_leaf *leaf, const sl_fan_place *place, uint32_t end[2]) {
-    const uint32_t *fan = fans->word + (size_t)SL_FAN_SMALLEST * (leaf->word & (SL_FAN_BIT - 1));
-    uint32_t count[4], before = 0, all = 0;
-    for (int e = 0; e < 4; e++) {
-        count[e] = fan[e / 2] >> 16 * (e % 2) & 0xffff;
-        before += e < place->edge ? count[e] : 0;
-        all += count[e];
-    }
-    const uint32_t *vertex = fan + 2 + before;
-    const uint16_t *at = (const uint16_t *)(fan + 2 + all) + before;
+/* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's vertices are ordered around the leaf. */
+static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4], const sl_fan_place *place, uint32_t end[2]) {
+    const uint32_t *fan = sl_fan_at(&copy->fans, leaf->word), count = sl_fan_count(fan), *vertex = sl_fan_vertices(fan);
     float along = place->along * (float)SL_PATCH_DYADIC, low = 0.0f, high = SL_PATCH_DYADIC;
-    int corners = leaf->triangle ? 3 : 4;
-    end[0] = leaf->vertex[place->edge];
-    end[1] = leaf->vertex[(place->edge + 1) % corners];
-    for (uint32_t k = 0; k < count[place->edge]; k++) {
-        if (along < (float)at[k]) {
-            high = (float)at[k];
+    int next = place->edge + 1;
+    end[0] = corner[place->edge];
+    end[1] = corner[next == (leaf->triangle ? 3 : 4) ? 0 : next];
+    for (uint32_t k = 0; k < count; k++) {
+        sl_fan_spoke spoke = sl_fan_spoke_at(fan, k);
+        bool before = spoke.edge == place->edge && !(along < spoke.along), beyond = spoke.edge == place->edge && along < spoke.along;
+        low = before ? spoke.along : low;
+        end[0] = before ? vertex[k] : end[0];
+        if (beyond) {
+            high = spoke.along;
             end[1] = vertex[k];
             break;
         }
-        low = (float)at[k];
-        end[0] = vertex[k];
     }
     return (along - low) / (high - low);
 }
 
-/* Vertices of which a point's value is made, and their weights: four at most, or, in a fan, all corners for the centre and two on the edge. */
-typedef struct sl_leaf_weights {
-    int count;
-    uint32_t vertex[6];
-    float weight[6];
-} sl_leaf_weights;
+/* The leaf's values as far as they do not depend on the place: k0 + a k1 + b k2 + a b k3, for each channel; of fans their centre, k0, alone. */
+typedef struct sl_leaf_field {
+    uint32_t corner[4];
+    float k[4][6];
+} sl_leaf_field;
 
-static inline sl_leaf_weights sl_leaf_weights_at(const sl_display_copy *copy, const sl_leaf *leaf) {
-    sl_leaf_weights w = {.count = leaf->triangle ? 3 : 4};
-    for (int c = 0; c < w.count; c++) w.vertex[c] = leaf->vertex[c];
-    if (sl_is_fan_word(leaf->word)) {
-        sl_fan_place place = sl_fan_place_of(leaf);
-        for (int c = 0; c < w.count; c++) w.weight[c] = (1.0f - place.out) / (float)w.count;
-        float along = sl_fan_piece(&copy->fans, leaf, &place, w.vertex + w.count);
-        w.weight[w.count++] = place.out * (1.0f - along);
-        w.weight[w.count++] = place.out * along;
-        return w;
+static inline void sl_leaf_field_of(const sl_display_copy *copy, size_t channels, const sl_leaf *leaf, sl_leaf_field *field) {
+    const float *corner[4];
+    uint32_t corners = leaf->triangle ? 3 : 4;
+    bool fan = sl_is_fan_word(leaf->word);
+    sl_leaf_corners(copy, leaf, field->corner);
+    for (uint32_t c = 0; c < corners; c++) corner[c] = sl_display_value(copy, channels, field->corner[c]);
+    if (leaf->triangle) corner[3] = corner[2];
+    for (size_t i = 0; i < channels; i++) {
+        float v0 = corner[0][i], v1 = corner[1][i], v2 = corner[2][i], v3 = corner[3][i];
+        field->k[0][i] = !fan ? v0 : leaf->triangle ? (v0 + v1 + v2) * (1.0f / 3.0f) : ((v0 + v2) + (v1 + v3)) * 0.25f;
+        field->k[1][i] = v1 - v0;
+        field->k[2][i] = v3 - v0;
+        field->k[3][i] = leaf->triangle ? 0.0f : (v0 - v1) + (v2 - v3);
     }
-    float a = sl_between_0_and_1(leaf->a), b = sl_between_0_and_1(leaf->b);
-    if (leaf->triangle) {
-        w.weight[0] = sl_between_0_and_1(1.0 - leaf->a - leaf->b);
-        w.weight[1] = a;
-        w.weight[2] = b;
-    } else {
-        w.weight[0] = (1.0f - a) * (1.0f - b);
-        w.weight[1] = a * (1.0f - b);
-        w.weight[2] = a * b;
-        w.weight[3] = (1.0f - a) * b;
-    }
-    return w;
 }
 
-/* channels: 3 or 6. */
-static inline void sl_leaf_value(const sl_display_copy *copy, size_t channels, const sl_leaf *leaf, float value[6]) {
-    sl_leaf_weights w = sl_leaf_weights_at(copy, leaf);
-    for (size_t c = 0; c < channels; c++) value[c] = 0.0f;
-    for (int k = 0; k < w.count; k++) {
-        const float *corner = sl_display_value(copy, channels, w.vertex[k]);
-        for (size_t c = 0; c < channels; c++) value[c] += w.weight[k] * corner[c];
+static inline void sl_leaf_value(const sl_display_copy *copy, size_t channels, const sl_leaf *leaf, const sl_leaf_field *field, float value[6]) {
+    if (!sl_is_fan_word(leaf->word)) {
+        float a = leaf->a, b = leaf->b, ab = a * b;
+        for (size_t i = 0; i < channels; i++) {
+            float plain = (field->k[0][i] + a * field->k[1][i]) + (b * field->k[2][i] + ab * field->k[3][i]);
+            value[i] = plain > 0.0f ? plain : 0.0f; /* black corners stay black, whatever rounding says */
+        }
+        return;
+    }
+    sl_fan_place place = sl_fan_place_of(leaf);
+    uint32_t end[2];
+    float along = sl_fan_piece(copy, leaf, field->corner, &place, end);
+    const float *from = sl_display_value(copy, channels, end[0]), *to = sl_display_value(copy, channels, end[1]);
+    for (size_t i = 0; i < channels; i++) {
+        float on_edge = from[i] + along * (to[i] - from[i]);
+        value[i] = field->k[0][i] + place.out * (on_edge - field->k[0][i]);
     }
 }
 
