@@ -243,6 +243,31 @@ static void lobes_reflect_a_lamps_points(void **state) {
     shop_close(&s);
 }
 
+/* A lobe that is narrower than the distance between the lamp's points shows the lamp: ks L (n + 2) / (n + 1) cos. */
+static void narrow_lobes_show_the_lamp(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t glossy = trace_mesh_material(&mesh, 0.0f, 0.6f, 20000, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    shop s;
+    shop_open(&s, trace_mesh_build(&mesh));
+    sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
+    for (int i = 0; i < 20; i++) {
+        float x = 0.02f * (float)i;
+        sl_sample_request q = request_on(s.scene, 0, 0.3f, 0.3f, true);
+        q.point.position = sl_v3(1.0f, 0, 0.1f);
+        q.radiance = true;
+        q.eye = sl_v3(2.0f - x, 2.0f, 0.1f + x); /* mirrored: at (x, 2, 0.1 - x) of the lamp */
+        double found = (double)shop_sample(&s, &r, &q).radiance.g, cosine = 2.0 / sl_lengthd(sl_v3d(1.0 - (double)x, 2.0, (double)x));
+        if (!(fabs(found - 3.0 * cosine) < 0.04 * 3.0)) fail_msg("at %g: %g, expected %g", (double)x, found, 3.0 * cosine);
+        q.eye = sl_v3(2.6f, 2.0f, 0.1f); /* beside it */
+        assert_true(shop_sample(&s, &r, &q).radiance.g < 1e-3f);
+    }
+    r.destroy(r.state);
+    shop_close(&s);
+}
+
 /* ---- the environment ------------------------------------------------------------------------------------------------------ */
 
 /* It is counted by one renderer: that of indirect light, or, without one, that of direct light. */
@@ -689,6 +714,7 @@ int main(void) {
         cmocka_unit_test(penumbras_have_their_width),
         cmocka_unit_test(lights_without_extent_follow_their_formulas),
         cmocka_unit_test(lobes_reflect_a_lamps_points),
+        cmocka_unit_test(narrow_lobes_show_the_lamp),
         cmocka_unit_test(the_sky_is_counted_once),
         cmocka_unit_test(furnaces_are_evenly_lit),
         cmocka_unit_test(cavities_are_evenly_lit),

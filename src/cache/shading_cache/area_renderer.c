@@ -6,6 +6,9 @@
  * so that noise is left where there are shadows alone. Or by the points alone, as the paper has it: E = L A / N sum w_i V_i. Lights without extent
  * take a shadow ray. Every vertex uses the same points: vertices under the same light have the same error, and an unchanged scene unchanged bits.
  *
+ * The glossy lobe reflects what the same points send, and what directions drawn from the lobe itself meet of lamps, put together by the balance heuristic
+ * (Veach and Guibas 1995): a narrow lobe would fall between the points.
+ *
  * Who counts what: lamps and lights as seen from the point are counted here and nowhere else, by its diffuse part and by its glossy lobe. Mirrors
  * reflect lamps as well as all else by bidirectional_renderer.c. So does the environment shine, which is counted here only where no renderer of
  * indirect light is wanted. */
@@ -25,6 +28,7 @@ typedef struct area_renderer {
     sl_sampled_lights *lights;
     sl_area_light *area;       /* by light; of those without extent empty */
     size_t area_count;
+    sl_halton lobe_points;
     sl_enclosures *solids;
 } area_renderer;
 
@@ -45,7 +49,7 @@ typedef struct lit {
 typedef struct sums {
     double all, seen;          /* of weights: w, w V */
     double all_squares, seen_squares;
-    double lobe;               /* of w V f, ks = 1 */
+    double lobe;               /* radiance of the lobe by the points, ks = 1, L = 1 */
 } sums;
 
 typedef struct packet {
@@ -81,6 +85,8 @@ static void trace(const lit *at, packet *p, sums *s) {
     p->count = 0;
 }
 
+static uint32_t lobe_draws(const area_renderer *r) { return (uint32_t)(r->settings.cache.area_samples + 1) / 2; }
+
 /* f of the lobe for ks = 1. */
 static double lobe_value(const lit *at, sl_vec3 to_light) {
     return at->has_lobe ? (double)sl_bsdf_value(&at->lobe, to_light, SL_LOBE_GLOSSY).r : 0.0;
@@ -94,6 +100,12 @@ static sl_rgb lobe_colour(const lit *at, sl_rgb light) { return at->has_lobe ? s
 
 /* ---- area lights ---------------------------------------------------------------------------------------------------------- */
 
+/* The balance heuristic's density of a direction: of all points of the light and all draws from the lobe. */
+static double density_of(const lit *at, const sl_area_light *area, double squared, double cosine, sl_vec3 to_light) {
+    double points = (double)at->renderer->settings.cache.area_samples;
+    return points * squared / (area->area * cosine) + (double)lobe_draws(at->renderer) * (double)sl_bsdf_pdf(&at->lobe, to_light);
+}
+
 /* One point of the light: its weight, and its ray where it has any. */
 static void add_point(const lit *at, const sl_area_light *area, uint32_t index, packet *p, sums *s) {
     sl_area_point y = sl_area_light_point(at->renderer->settings.scene, area, index);
@@ -106,7 +118,12 @@ static void add_point(const lit *at, const sl_area_light *area, uint32_t index, 
     s->all += weight;
     s->all_squares += weight * weight;
     if (!y.shines) return;
-    double lobe = at->has_lobe ? lobe_value(at, sl_to_float(sl_scaled(d, 1.0 / sqrt(squared)))) : 0.0;
+    double lobe = 0.0;
+    if (at->has_lobe) {
+        double distance = sqrt(squared), cosine = front / distance;
+        sl_vec3 to_light = sl_to_float(sl_scaled(d, 1.0 / distance));
+        lobe = lobe_value(at, to_light) * squared / cosine / density_of(at, area, squared, cosine, to_light);
+    }
     sl_vec3 direction = sl_to_float(sl_subd(y.position, sl_to_double(at->origin)));
     put_ray(at, p, direction, 1.0 - light_margin, y.triangle, weight, lobe);
     if (p->count == SL_PACKET) trace(at, p, s);
@@ -125,7 +142,6 @@ static void add_middle(const lit *at, const sl_area_light *area, sums *s) {
     uint32_t met = hit.triangle[0] != SL_NO_INDEX ? lights->light_of_triangle[hit.triangle[0]] : SL_NO_INDEX;
     if (met == SL_NO_INDEX || &lights->light[met] != area->light) return;
     s->seen = s->seen_squares = 1.0;
-    s->lobe = lobe_value(at, direction);
 }
 
 /* Variances of the mean: of a ratio of sums, and of a mean. */
@@ -160,9 +176,43 @@ static void add_area_light(const lit *at, const sl_area_light *area, sl_sample *
         variance = ratio_variance(&s, n) * SL_PI * SL_PI * share * share;
     }
     add(&sample->irradiance, area->light->radiance, scale * s.seen);
-    add(&sample->radiance, lobe_colour(at, area->light->radiance), scale * s.lobe);
+    add(&sample->radiance, lobe_colour(at, area->light->radiance), s.lobe);
     double mean = (double)sl_rgb_mean(area->light->radiance);
     sample->variance += (float)(variance * mean * mean);
+}
+
+/* ---- lamps that the lobe meets -------------------------------------------------------------------------------------------- */
+
+static void add_met_lamp(const lit *at, sl_vec3 direction, const sl_hit16 *hits, unsigned i, sl_sample *sample) {
+    const area_renderer *r = at->renderer;
+    uint32_t triangle = hits->triangle[i], light = triangle != SL_NO_INDEX ? r->lights->light_of_triangle[triangle] : SL_NO_INDEX;
+    if (light == SL_NO_INDEX) return;
+    const sl_area_light *area = &r->area[light];
+    double cosine = -(double)sl_dot(sl_scene_geometric_normal(r->settings.scene, triangle), direction), distance = (double)hits->t[i];
+    if (area->light->two_sided) cosine = fabs(cosine);
+    double arriving = (double)sl_dot(direction, at->point.normal);
+    if (!(cosine > 0.0 && arriving > 0.0 && distance > 0.0)) return;
+    double density = density_of(at, area, distance * distance, cosine, direction);
+    add(&sample->radiance, lobe_colour(at, area->light->radiance), lobe_value(at, direction) * arriving / density);
+}
+
+static void add_lobe(const lit *at, sl_sample *sample) {
+    const area_renderer *r = at->renderer;
+    uint32_t draws = lobe_draws(r), first = at->request->set * draws + 1;
+    for (uint32_t i = 0; i < draws;) {
+        packet p = {.count = 0};
+        sl_vec3 direction[SL_PACKET];
+        sl_hit16 hits;
+        for (; i < draws && p.count < SL_PACKET; i++) {
+            double u[2];
+            sl_halton_point(&r->lobe_points, first + i, u);
+            float u1 = fminf((float)u[0], 0x1.fffffep-1f), u2 = fminf((float)u[1], 0x1.fffffep-1f);
+            sl_vec3 *d = &direction[p.count];
+            if (sl_bsdf_sample(&at->lobe, 0.0f, u1, u2, d)) put_ray(at, &p, *d, INFINITY, at->point.triangle, 0.0, 0.0);
+        }
+        if (p.count > 0) sl_trace(*r->settings.tracer, &p.rays, p.count, true, &hits, at->counters);
+        for (unsigned k = 0; k < p.count; k++) add_met_lamp(at, direction[k], &hits, k, sample);
+    }
 }
 
 /* ---- lights without extent ------------------------------------------------------------------------------------------------ */
@@ -215,6 +265,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
     for (size_t l = 0; l < r->area_count; l++) {
         if (r->area[l].light) add_area_light(&at, &r->area[l], sample);
     }
+    if (at.has_lobe && r->settings.scene->emitter_count > 0) add_lobe(&at, sample);
     add_lights_without_extent(&at, sample);
     if (r->settings.cache.indirect == SL_INDIRECT_NONE) {
         sl_sky_light(r->settings.scene, *r->settings.tracer, r->settings.seed, (uint32_t)r->settings.cache.area_samples, request, sample, counters);
@@ -272,6 +323,7 @@ sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_rende
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;
+    r->lobe_points = sl_halton_make(sl_random_key(settings->seed, 0x6c6f6265u));
     sl_status status = make_lights(r, error);
     if (status == SL_OK) status = sl_enclosures_find(settings->scene, &r->solids, error);
     if (status != SL_OK) {
