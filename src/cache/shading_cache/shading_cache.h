@@ -5,8 +5,8 @@
  *   primitives.c       triangles, quadrilaterals, bicubic patches and their parameters
  *   patches.c          the hierarchy; vertices; eviction
  *   priority.c         display levels, interpolation error, age, normalisation                                        U2, U3
- *   selection.c        hit-and-test, flood fill                                                                       U4
- *   work.c             requests: evaluate or split                                                                    U5, U6
+ *   selection.c        hit-and-test; systematic.c: instead of it; flood.c: from hits to what is beside them               U4
+ *   work.c             requests: evaluate or split; patch_size.c: how large a patch is in the picture                  U5, U6
  *   renderers.h        direct light, bidirectional paths, caustics                                                    U7
  *   change.c           change detection, resolution drop                                                              U8, U9
  *   display.h          arrays, tessellation, drawing                                                                  U10
