@@ -473,7 +473,6 @@ static sl_status drop_resolution(shading_state *s, sl_error *error) {
 static sl_status commit(shading_state *s, size_t count, sl_error *error) {
     uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
     for (size_t i = 0; i < count; i++) commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
-    sl_announce_pass(&s->announcer, "samples", "section 4.3");
     find_stale(s);
     sl_changes_settle(s->changes, s->stale, s->now);
     return s->counters.value[SL_COUNT_CHANGES_DETECTED] > before ? drop_resolution(s, error) : SL_OK;
@@ -494,12 +493,17 @@ static sl_status one_update(shading_state *s, sl_error *error) {
     sl_status status = see_priorities(s, error);
     if (status != SL_OK) return status;
     status = select_pixels(s, &choices, error);
+    sl_announce_pass(&s->announcer, "selection", "section 4.2");
     if (status == SL_OK) status = work_out(s, choices, &vertices, error);
     if (status != SL_OK) return status;
+    sl_announce_pass(&s->announcer, "requests", "section 4.3");
     sample_vertices(s, vertices);
+    sl_announce_pass(&s->announcer, "samples", "section 4.3");
     status = commit(s, vertices, error);
     if (status == SL_OK) status = age(s, error);
+    sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
+    sl_announce_pass(&s->announcer, "display arrays", "section 3");
     s->done = s->now >= s->settings.shading_cache.updates || choices == 0;
     return status;
 }
