@@ -24,6 +24,7 @@ static const variant variants[] = {{"plane", "splatting", SL_GATHER_PLANE, SL_DI
                                    {"hemicube", "splatting", SL_GATHER_HEMICUBE, SL_DIRECT_RAYS},
                                    {"rays", "splatting", SL_GATHER_RAYS, SL_DIRECT_RAYS},
                                    {"shadow maps", "splatting", SL_GATHER_PLANE, SL_DIRECT_SHADOW_MAPS},
+                                   {"multi-mesh", "multi-mesh", SL_GATHER_AUTO, SL_DIRECT_RAYS},
                                    {"path", "path", SL_GATHER_AUTO, SL_DIRECT_AUTO},
                                    {"bidirectional", "bidirectional", SL_GATHER_AUTO, SL_DIRECT_AUTO}};
 enum { VARIANTS = sizeof variants / sizeof *variants, PATH = VARIANTS - 2 };

@@ -170,6 +170,8 @@ void sl_light_sampling_destroy(sl_light_sampling *s) {
     sl_free(s);
 }
 
+double sl_light_sampling_step(const sl_light_sampling *s) { return (double)s->step; }
+
 size_t sl_light_sampling_memory_bytes(const sl_light_sampling *s) {
     size_t bytes = sizeof *s + s->lights->count * sizeof *s->shape;
     for (size_t i = 0; i < s->lights->count; i++) {

@@ -42,6 +42,8 @@ typedef struct sl_light_sampling sl_light_sampling;
 sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, const sl_sampled_lights *lights,
                                    const sl_light_sample_settings *settings, sl_light_sampling **sampling, sl_error *error);
 void sl_light_sampling_destroy(sl_light_sampling *sampling);
+/* How far ahead of a point, on the way to a light, its rays and pictures begin: what the point touches hides nothing from it. */
+double sl_light_sampling_step(const sl_light_sampling *sampling);
 size_t sl_light_sampling_memory_bytes(const sl_light_sampling *sampling);
 
 /* One worker's pictures. */

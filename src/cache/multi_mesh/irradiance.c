@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { SAMPLES_A_TASK = 4 };
@@ -32,6 +33,7 @@ struct sl_irradiance_meshes {
     sample_result *result;
     size_t wanted_count, wanted_capacity;
     sample_worker *worker;
+    double inwards;            /* how far vertices on edges are moved into their faces */
 };
 
 typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAILED } fetch_state;
@@ -239,12 +241,29 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_p
     return sl_light_sample_take(m->settings.sampling, light, &point, w->scratch, &w->counters);
 }
 
+/* A vertex on an edge touches the walls beyond: whether they are before it or behind is rounding, and rays begin past them. What is meant is the limit
+ * from within its own face, so the vertex is moved towards that face's middle, by more than rays begin ahead of it: the wall at whose foot it lies hides
+ * what is behind the wall. Where the face falls below the tangent plane (a bulge) it stays in the plane, so as not to dive. */
+static void step_inside(const sl_irradiance_meshes *m, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *at) {
+    if (mesh->key[vertex].kind == SL_VERTEX_IN_FACE) return;
+    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(at->position), n = sl_to_double(at->normal);
+    for (int i = 0; i < 3; i++) middle = sl_addd(middle, sl_to_double(m->settings.topology->site_position[m->settings.topology->site[i][at->face]]));
+    sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
+    double length = sl_lengthd(way), step = fmin(m->inwards, 0.25 * length);
+    if (!(length > 0.0) || !isfinite(length)) return;
+    way = sl_scaled(way, step / length);
+    double rise = sl_dotd(way, n);
+    if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
+    at->position = sl_to_float(sl_addd(p, way));
+}
+
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry: then it is asked for a little
  * further inside its face. */
 static sample_result sample_vertex(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sample_worker *w) {
     const sl_mesh *mesh = m->mesh[light];
     sl_mesh_point at;
     sl_mesh_point_of(mesh, vertex, &at);
+    step_inside(m, mesh, vertex, &at);
     float share = take(m, light, &at, w);
     if (share > 0.0f) return (sample_result){share, true};
     sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
@@ -395,6 +414,7 @@ sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradian
                                       sl_error *error) {
     forget_scratch(m);
     m->settings = *settings;
+    m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
     for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, changes);
     return make_scratch(m, error);
 }
@@ -406,6 +426,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_irradiance_meshes *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "irradiance meshes");
     m->settings = *settings;
+    m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
     size_t lights = settings->lights->count;
     m->mesh = sl_allocate(lights, sizeof(sl_mesh *));
     m->worker = sl_allocate(settings->threads, sizeof *m->worker);
