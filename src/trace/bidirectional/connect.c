@@ -7,6 +7,7 @@
 
 #include "base/counters.h"
 #include "base/math.h"
+#include "base/random.h"
 #include "trace/path_walk.h"
 
 static bool is_light(sl_rgb c) { return sl_rgb_max(c) > 0.0f && sl_rgb_is_finite(c); }
@@ -18,6 +19,20 @@ static bool direction_between(sl_vec3 a, sl_vec3 b, sl_vec3 *direction, double *
     if (!(*squared > 0.0 && *squared <= DBL_MAX)) return false;
     *direction = sl_to_float(sl_scaled(offset, 1.0 / sqrt(*squared)));
     return true;
+}
+
+/* Russian roulette (Veach 1997, section 10.4): what carries less than `least` survives with the probability value / least, before it costs more.
+ * Returns what it is multiplied by, 0 where it does not survive. */
+static double survival(const sl_path_maker *m, const sl_connection *c, double value, uint64_t decision) {
+    double least = (double)m->least;
+    if (!(value < least)) return 1.0;
+    return (double)sl_random_unit(c->roulette, 2 * (SL_SUBPATH_VERTICES_MAX * c->t + c->s) + decision) * least < value ? least / value : 0.0;
+}
+
+/* The first decision needs no weight, as no weight is above 1. */
+static bool is_worth_it(const sl_path_maker *m, sl_connection *c) {
+    c->scale = survival(m, c, (double)sl_rgb_max(c->radiance), 0);
+    return c->scale > 0.0;
 }
 
 static void see(sl_connection *c, sl_vec3 from, sl_vec3 to, uint32_t skip) {
@@ -46,6 +61,7 @@ bool sl_connect_nothing(const sl_path_maker *m, const sl_path_vertex *eye, unsig
     c->s = 0;
     c->radiance = sl_rgb_mul(v->emitted, v->emission_weight);
     c->may_be_hidden = false;
+    c->scale = 1.0;
     if (!is_light(c->radiance)) return false;
     c->eye_last = sl_emission_origin_pdf(m, v);
     c->eye_before = t >= 3 ? sl_emission_pdf(m, v, &eye[t - 2]) : 0.0;
@@ -60,12 +76,12 @@ bool sl_connect_light(const sl_path_maker *m, const sl_path_vertex *eye, unsigne
     const sl_path_vertex *x = &eye[t - 1];
     sl_rgb reflected = sl_bsdf_reflect(&x->bsdf, sample->to_light, sl_direct_lobes(m, x->surfaces));
     c->radiance = sl_rgb_mul(x->weight, sl_rgb_mul(reflected, sample->radiance));
-    if (!is_light(c->radiance)) return false;
+    c->t = t;
+    c->s = 1;
+    if (!is_light(c->radiance) || !is_worth_it(m, c)) return false;
     c->own = sl_emission_sampled(m, x->origin, sample);
     c->eye = eye;
     c->light = &c->own;
-    c->t = t;
-    c->s = 1;
     /* The path tracer's shadow ray. */
     c->may_be_hidden = x->surfaces > 1 || m->transport.direct_visibility;
     c->from = x->origin;
@@ -105,11 +121,11 @@ bool sl_connect_walks(const sl_path_maker *m, const sl_path_vertex *eye, unsigne
     /* weight(y) is in units of the scene's radius squared. */
     float geometry = (float)((double)cosine * m->radius * m->radius / squared);
     c->radiance = sl_rgb_scale(sl_rgb_mul(sl_rgb_mul(x->weight, at_x), sl_rgb_mul(y->weight, at_y)), geometry);
-    if (!is_light(c->radiance)) return false;
-    c->eye = eye;
-    c->light = light;
     c->t = t;
     c->s = s;
+    if (!is_light(c->radiance) || !is_worth_it(m, c)) return false;
+    c->eye = eye;
+    c->light = light;
     see(c, x->origin, y->origin, y->triangle);
     c->light_last = sl_density_at(x, y, (double)sl_bsdf_pdf(&x->bsdf, w));
     c->eye_last = sl_density_at(y, x, (double)sl_bsdf_pdf(&y->bsdf, sl_neg(w)));
@@ -153,6 +169,7 @@ bool sl_connect_camera(const sl_path_maker *m, const sl_path_vertex *light, unsi
     c->light = light;
     c->t = 1;
     c->s = s;
+    c->scale = 1.0;
     see(c, eye, y->origin, y->triangle);
     c->light_last = sl_density_at(&c->own, y, pdf);
     c->light_before = light_density_before(m, light, s, w, sl_eye_lobes(m, 1));
@@ -190,7 +207,8 @@ static void empty(queue *q) {
 }
 
 static void put(queue *q, unsigned lane, const sl_connection *c, double x, double y) {
-    double weight = sl_connection_weight(q->maker, c);
+    double weight = sl_connection_weight(q->maker, c) * c->scale;
+    if (c->may_be_hidden) weight *= survival(q->maker, c, (double)sl_rgb_max(c->radiance) * weight, 1);
     if (!(weight > 0.0)) return;
     if (!c->may_be_hidden) {
         q->receiver->add(q->receiver->context, lane, c->s, c->t, x, y, c->radiance, weight);
@@ -223,11 +241,12 @@ static void connect_eye_vertex(queue *q, unsigned lane, const sl_subpath *eye, u
                                unsigned light_count, uint64_t key, uint32_t index) {
     const sl_path_maker *m = q->maker;
     const sl_path_vertex *x = &eye->vertex[t - 1];
-    sl_connection c;
+    sl_connection c = {.scale = 1.0};
     if (sl_connect_nothing(m, eye->vertex, t, &c)) put(q, lane, &c, 0.0, 0.0);
     if (!is_joinable(x)) return;
     float point[3];
     sl_light_sample sample;
+    if (m->least > 0.0f) c.roulette = sl_random_key(key, 0x726f756c65747465u + index);
     sl_sequence_point(m->sequence, key, SL_SET_LIGHT + SL_SETS_A_VERTEX * (t - 2), index, point);
     if (sl_direct_lobes(m, x->surfaces) && sl_light_sampler_sample_2d(m->lights, x->origin, point[0], point[1], &sample) &&
         sl_connect_light(m, eye->vertex, t, &sample, &c)) {

@@ -11,6 +11,10 @@
 #include "trace/bidirectional/bidirectional.h"
 #include "trace/bidirectional/subpath.h"
 
+/* Of the mean of the samples so far: connections that carry less are not all worth a shadow ray. What is decided for later samples depends on earlier
+ * ones alone, so nothing is biased. */
+static const double worth_a_ray = 0.15;
+
 struct sl_bidirectional_points {
     sl_bidirectional_point_settings settings; /* complete */
     sl_light_sampler *lights;
@@ -198,14 +202,15 @@ static void add_samples(sums *total, const packet *p, unsigned count, sl_counter
 }
 
 /* Paths by way of v_1, or, where the point is NULL, along a ray. */
-static void estimate(const sl_bidirectional_points *points, const sl_path_maker *maker, const sl_path_vertex *point, sl_vec3 origin,
+static void estimate(const sl_bidirectional_points *points, const sl_path_maker *shared, const sl_path_vertex *point, sl_vec3 origin,
                      sl_vec3 direction, sl_bidirectional_scratch *scratch, sl_bidirectional_value *value, sl_counters *counters) {
     sums total = {{0.0}, {0.0}};
+    sl_path_maker own = *shared, *maker = &own;
     uint32_t samples = points->settings.samples;
     for (uint32_t first = 0; first < samples; first += SL_PACKET) {
         uint64_t key[SL_PACKET];
         uint32_t index[SL_PACKET];
-        packet p = {.settings = &points->settings, .without_caustics = points->settings.without_caustics && maker == &points->diffuse};
+        packet p = {.settings = &points->settings, .without_caustics = points->settings.without_caustics && shared == &points->diffuse};
         unsigned light_count[SL_PACKET], count = packet_of(points, first, key, index);
         sl_vec3 directions[SL_PACKET];
         double pdf[SL_PACKET];
@@ -221,6 +226,7 @@ static void estimate(const sl_bidirectional_points *points, const sl_path_maker 
         const sl_path_receiver receiver = {&p, receive};
         sl_connect_all(maker, count, p.eye, p.light_path, light_count, key, index, &receiver, counters);
         add_samples(&total, &p, count, counters);
+        own.least = (float)(worth_a_ray * fmax(total.sum[0], fmax(total.sum[1], total.sum[2])) / (double)(first + count));
     }
     sl_count(counters, SL_COUNT_SAMPLES, samples);
     double n = (double)samples;

@@ -60,6 +60,7 @@ typedef struct sl_path_maker {
     double radius;            /* through which distant light comes */
     bool light_image;         /* light subpaths are joined to the camera (t = 1), */
     bool direct_image;        /* those of one surface too (s = 2) */
+    float least;              /* connections that carry less are taken in a share of cases, and count for more there; 0: all are taken */
     unsigned eye_vertices;    /* those that are given: 1, the eye, or 2, a point before it */
     float tan_x, tan_y;       /* of half the camera's fields of view */
 } sl_path_maker;
@@ -131,6 +132,8 @@ typedef struct sl_connection {
     unsigned t, s;
     sl_path_vertex own;       /* an end that belongs to no walk: a light sample (s = 1) or the eye (t = 1) */
     sl_rgb radiance;          /* unweighted; where nothing hides the vertices from each other */
+    uint64_t roulette;        /* in: key of the random numbers that decide where the maker's `least` is not reached */
+    double scale;             /* what those that survive that count for more */
     bool may_be_hidden;
     sl_vec3 from, towards;    /* the ray between them, from v_(t-1) to v_t */
     float far;
