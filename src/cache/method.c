@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_multi_mesh_method, &sl_path_method, &sl_bidirectional_method};
+static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_multi_mesh_method, &sl_shading_cache_method, &sl_path_method, &sl_bidirectional_method};
 enum { CLASSES = sizeof classes / sizeof classes[0] };
 
 struct sl_method {

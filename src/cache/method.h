@@ -36,6 +36,7 @@ extern const sl_method_class sl_splatting_method; /* cache/splatting */
 extern const sl_method_class sl_direct_radiance_method; /* cache/direct_radiance */
 extern const sl_method_class sl_light_octree_method;    /* cache/light_octree */
 extern const sl_method_class sl_multi_mesh_method;      /* cache/multi_mesh */
+extern const sl_method_class sl_shading_cache_method;   /* cache/shading_cache */
 extern const sl_method_class sl_path_method;      /* cache/reference */
 extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 
