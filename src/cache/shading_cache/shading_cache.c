@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "cache/announce.h"
 #include "cache/picture_value.h"
 #include "cache/shading_cache/change.h"
@@ -22,7 +23,7 @@
 
 #include <string.h>
 
-enum { RENDERERS_MAX = 3, LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, AGE_MAX = 255, NUDGES = 3 };
+enum { RENDERERS_MAX = 3, LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, LEAVES_A_TASK = 1024, NUDGES = 3 };
 
 /* A patch is split above 1.2 stop sizes, and dropped by ageing below 0.8: in between nothing swings to and fro. */
 static const float split_slack = 1.2f, drop_slack = 0.8f;
@@ -61,6 +62,7 @@ typedef struct shading_state {
     uint32_t *stale_before;
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
+    uint32_t last_update;          /* after which a picture is done: an edit allows as many again */
     uint32_t edits;                /* frames shown since the last update, of a series */
     bool drawn;                    /* the display knows the view */
     bool done;
@@ -179,6 +181,7 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
     s->plan = sl_shading_plan_make(scene, settings);
     s->announcer = (sl_announcer){.observer = settings->observer, .method = "shading-cache", .counters = &s->counters};
     s->curve = (sl_display_curve){middle_radiance(s)};
+    s->last_update = settings->shading_cache.updates;
     sl_status status = make_cache(s, error);
     if (status != SL_OK) {
         shading_destroy(s);
@@ -262,21 +265,17 @@ static void count_pixels(shading_state *s) {
     }
 }
 
-static bool is_glossy(const sl_material *material) { return sl_material_is_glossy(material) || sl_material_is_mirror(material); }
-
-/* The update since which a root's patches age: its object is changing, or what is not diffuse is seen from elsewhere. */
-static uint32_t ages_since(const shading_state *s, uint32_t root) {
-    uint32_t changed = sl_changes_since(s->changes, sl_root_object(s->primitives, root));
-    return is_glossy(sl_root_material(s->primitives, root)) && s->changes->eye_moved > changed ? s->changes->eye_moved : changed;
-}
-
-static float priority_of(const shading_state *s, uint32_t patch) {
-    float error = sl_patch_error(s->patches, &s->curve, patch);
-    if (error < 0.0f || s->settings.shading_cache.no_ageing) return error;
-    uint32_t root = sl_patch_root(s->patches, patch), changed = ages_since(s, root);
-    if (changed == 0) return error;
-    float age = sl_patch_age(s->patches, patch, s->now, changed, sl_age_constant(sl_root_material(s->primitives, root)));
-    return error + (age < (float)AGE_MAX ? age : (float)AGE_MAX);
+/* Objects that change, and what is seen from elsewhere and is not diffuse, grow old. */
+static void prioritise_some(void *context, size_t task, unsigned worker) {
+    (void)worker;
+    shading_state *s = context;
+    bool ages = !s->settings.shading_cache.no_ageing;
+    size_t end = (task + 1) * LEAVES_A_TASK < s->leaf_count ? (task + 1) * LEAVES_A_TASK : s->leaf_count;
+    for (size_t i = task * LEAVES_A_TASK; i < end; i++) {
+        uint32_t patch = s->leaf[i].patch, object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
+        s->leaf[i].priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
+                                                ages ? sl_changes_since(s->changes, object) : 0);
+    }
 }
 
 static void announce_priorities(shading_state *s) {
@@ -293,7 +292,7 @@ static sl_status see_priorities(shading_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "id map", "section 4.1");
     count_pixels(s);
-    for (size_t i = 0; i < s->leaf_count; i++) s->leaf[i].priority = priority_of(s, s->leaf[i].patch);
+    sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, prioritise_some, s);
     sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
     announce_priorities(s);
     return SL_OK;
@@ -359,7 +358,7 @@ static void make_request(const shading_state *s, uint32_t vertex, int nudge, sl_
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     const sl_material *material = sl_root_material(s->primitives, v->root);
     bool more = v->evaluated != SL_VERTEX_NEVER && s->settings.shading_cache.variance_aware && !sl_vertex_is_stale(s->patches, &s->work, vertex);
-    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .radiance = is_glossy(material), .set = more ? v->samples : 0};
+    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .radiance = sl_looks_otherwise_from_elsewhere(material), .set = more ? v->samples : 0};
     place_request(s, vertex, nudge, &request->point);
 }
 
@@ -395,12 +394,28 @@ static void sample_vertices(shading_state *s, size_t count) {
 
 /* ---- U8: commit, change ---- */
 
-static float level_of(const shading_state *s, uint32_t vertex) {
+/* A value may tell of change if it replaces one that was made with the same samples. Radiance towards an eye that has moved tells nothing. */
+typedef struct compared {
+    bool comparable, radiance;
+    float before;
+} compared;
+
+static float level_of(const shading_state *s, uint32_t vertex, bool with_radiance) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     sl_rgb exitant = sl_rgb_mul(sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI)), sl_root_mean_diffuse(s->primitives, v->root));
-    const float (*radiance)[3] = (const float (*)[3])s->patches->radiance;
-    if (radiance) exitant = sl_rgb_add(exitant, (sl_rgb){radiance[vertex][0], radiance[vertex][1], radiance[vertex][2]});
+    if (with_radiance) {
+        const float *radiance = s->patches->radiance[vertex];
+        exitant = sl_rgb_add(exitant, (sl_rgb){radiance[0], radiance[1], radiance[2]});
+    }
     return sl_curve_level(&s->curve, exitant);
+}
+
+static compared compare_before(const shading_state *s, uint32_t vertex, const sl_sample_request *request) {
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && request->set == 0 && v->samples == 1,
+                  .radiance = s->patches->radiance && v->evaluated >= s->changes->eye_moved};
+    c.before = c.comparable ? level_of(s, vertex, c.radiance) : 0.0f;
+    return c;
 }
 
 static void blend(float value[3], sl_rgb now, float share) {
@@ -422,9 +437,9 @@ static void commit_sample(shading_state *s, uint32_t vertex, const sl_sample_req
         v->evaluated = v->evaluated == SL_VERTEX_NEVER ? s->now : v->evaluated; /* the old value stays */
         return;
     }
-    bool again = v->evaluated != SL_VERTEX_NEVER && request->set == 0;
+    compared c = compare_before(s, vertex, request);
     uint32_t object = sl_root_object(s->primitives, v->root);
-    float before = again ? level_of(s, vertex) : 0.0f, share = share_of(s, vertex, request->set, s->changes->object[object].changing);
+    float share = share_of(s, vertex, request->set, s->changes->object[object].changing);
     blend(v->value, sample->irradiance, share);
     if (s->patches->radiance) blend(s->patches->radiance[vertex], sample->radiance, share);
     v->variance += share * (share * sample->variance - v->variance * (2.0f - share));
@@ -432,7 +447,8 @@ static void commit_sample(shading_state *s, uint32_t vertex, const sl_sample_req
     v->samples = (uint16_t)(request->set < UINT16_MAX ? request->set + 1 : UINT16_MAX);
     v->evaluated = s->now;
     sl_patches_touch(s->patches, vertex);
-    if (again && sl_changes_compare(s->changes, object, before, level_of(s, vertex), s->now)) sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
+    if (c.comparable && sl_changes_compare(s->changes, object, c.before, level_of(s, vertex, c.radiance), s->now))
+        sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 
 /* Objects of which visible leaves still show what was before. */
@@ -487,6 +503,16 @@ static sl_status age(shading_state *s, sl_error *error) {
     return sl_patches_evict(s->patches, limit, since, (double)drop_slack * c->stop_size, &s->counters, error);
 }
 
+/* Nothing that is seen wants any more: every leaf is as small as it gets, and as the scene is now. */
+static bool nothing_is_left(const shading_state *s) {
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        uint32_t patch = s->leaf[i].patch;
+        if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) return false;
+        if (!sl_patch_is_finished(s->patches, &s->work, &s->scene->camera, s->settings.width, s->settings.height, patch)) return false;
+    }
+    return true;
+}
+
 static sl_status one_update(shading_state *s, sl_error *error) {
     size_t choices = 0, vertices = 0;
     s->now++;
@@ -504,7 +530,7 @@ static sl_status one_update(shading_state *s, sl_error *error) {
     sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
     sl_announce_pass(&s->announcer, "display arrays", "section 3");
-    s->done = s->now >= s->settings.shading_cache.updates || choices == 0;
+    s->done = s->now >= s->last_update || nothing_is_left(s);
     return status;
 }
 
@@ -520,8 +546,8 @@ static sl_status shading_update(void *state, sl_progress *progress, sl_error *er
     if (!s->tracer) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = take_view(s, error);
     if (status == SL_OK && !s->done && !shows_only(s)) status = one_update(s, error);
-    uint32_t updates = s->settings.shading_cache.updates;
-    progress->fraction = s->done ? 1.0 : (double)(s->now % updates) / (double)updates;
+    double left = (double)(s->last_update - s->now) / (double)s->settings.shading_cache.updates;
+    progress->fraction = s->done ? 1.0 : 1.0 - left;
     progress->frame_done = true;
     progress->done = s->done;
     return status;
@@ -560,6 +586,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     shading_state *s = state;
     sl_status status = note_motion(s, changes, error);
     s->done = false;
+    s->last_update = s->now + s->settings.shading_cache.updates;
     s->edits++;
     if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
