@@ -1,0 +1,319 @@
+/* Hard cases of multi-mesh caching as whole pictures, against closed forms and exact shadows; and that it comes to an end, whatever the scene. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "matched.h"
+#include "rendering.h"
+
+static const double pi = 3.14159265358979323846;
+enum { SIDE = 64, PIXELS = SIDE * SIDE };
+
+static sl_settings mesh_settings(int width, int height) {
+    sl_settings s = small_settings("multi-mesh", width, height);
+    s.threads = 2;
+    s.quality = SL_QUALITY_DRAFT;
+    return s;
+}
+
+static double sum_of(const sl_image *image, const char *channel) {
+    const float *plane = sl_image_channel(image, channel);
+    double sum = 0.0;
+    for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++) sum += (double)plane[i];
+    return sum;
+}
+
+/* ---- light of known amount ---- */
+
+/* A disc of angular radius sigma around a glossy floor's normal, seen along that normal: k_s L (1 - cos^(n+2) sigma). Shrunk to a point inside the
+ * lobe, and held below the lamp's radiance, it comes within 5.5 %. */
+static void a_discs_highlight_is_within_5_percent_of_the_integral(void **state) {
+    (void)state;
+    static const double exponent[] = {10, 10, 100, 100, 1000}, degrees[] = {20, 60, 5, 60, 1};
+    for (int k = 0; k < 5; k++) {
+        char obj[8192], json[512];
+        double sigma = degrees[k] * pi / 180.0, radius = tan(sigma);
+        int n = snprintf(obj, sizeof obj, "v -9 0 -9\nv -9 0 9\nv 9 0 9\nv 9 0 -9\nusemtl floor\nf 1 2 3 4\nv 0 1 0\n");
+        for (int i = 0; i < 64; i++)
+            n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g 1 %.9g\n", radius * cos(2 * pi * i / 64), radius * sin(2 * pi * i / 64));
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "usemtl lamp\n");
+        for (int i = 0; i < 64; i++) n += snprintf(obj + n, sizeof obj - (size_t)n, "f 5 %d %d\n", 6 + i, 6 + (i + 1) % 64);
+        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {\"diffuse\": 0, \"specular\": 0.5, "
+                 "\"exponent\": %g}, \"lamp\": {\"diffuse\": 0, \"emission\": 3}}, \"camera\": {\"eye\": [0, 0.5, 0], \"target\": [0, 0, 0], \"up\": [0, 0, 1], "
+                 "\"fov_deg\": 0.5}}", exponent[k]);
+        sl_scene *scene = scene_from_text(json, obj);
+        sl_settings settings = mesh_settings(9, 9);
+        settings.quality = SL_QUALITY_HIGH;
+        sl_image *image = render(scene, &settings, NULL);
+        double expected = 0.5 * 3.0 * (1.0 - pow(cos(sigma), exponent[k] + 2.0)), found = (double)sl_image_channel(image, "specular.G")[40];
+        print_message("n %.0f, %.0f degrees: %.4f, the integral %.4f: %+.1f %%\n", exponent[k], degrees[k], found, expected, 100.0 * (found / expected - 1.0));
+        assert_true(fabs(found / expected - 1.0) < 0.055);
+        assert_true(found <= 0.5 * 3.0 * (1.0 + 1e-6)); /* never brighter than the lamp */
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* Turned so that the floor sees its edge alone, below it, above it but facing away; and tiny: a square of a ten thousandth as a point of its power. */
+static void a_lamp_edge_on_or_below_gives_nothing_and_a_tiny_one_what_a_point_gives(void **state) {
+    (void)state;
+    static const char floor_obj[] = "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n";
+    static const char *const light[] = {
+        "{\"type\": \"quad\", \"corner\": [0, -1, -1], \"edge1\": [0, 1, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}",   /* up to the floor */
+        "{\"type\": \"quad\", \"corner\": [-1, -1, -1], \"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 5}",  /* below it, facing up */
+        "{\"type\": \"quad\", \"corner\": [-1, 0, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}",   /* in it */
+        "{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [0, 0, 2], \"edge2\": [2, 0, 0], \"radiance\": 5}",   /* facing away */
+        "{\"type\": \"quad\", \"corner\": [-0.00005, 2, -0.00005], \"edge1\": [0.0001, 0, 0], \"edge2\": [0, 0, 0.0001], \"power\": 30}",
+        "{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 9.5492966}"}; /* 30 / pi: along the normal the same */
+    double sum[6];
+    float centre[6];
+    for (int k = 0; k < 6; k++) {
+        char json[768];
+        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [%s], \"camera\": {\"eye\": [0, 1.9, 0], \"target\": [0, 0, "
+                 "0], \"up\": [0, 0, 1], \"fov_deg\": 70}}", light[k]);
+        sl_scene *scene = scene_from_text(json, floor_obj);
+        sl_settings settings = mesh_settings(33, 33);
+        settings.quality = SL_QUALITY_NORMAL;
+        sl_image *image = render(scene, &settings, NULL);
+        assert_sound_picture(image, light[k]);
+        sum[k] = sum_of(image, "direct.G") + sum_of(image, "indirect.G");
+        centre[k] = sl_image_channel(image, "direct.G")[16 * 33 + 16];
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
+    for (int k = 0; k < 4; k++) assert_true(sum[k] == 0.0);
+    print_message("below the tiny lamp %g, below a point %g\n", (double)centre[4], (double)centre[5]);
+    assert_true(fabs((double)(centre[4] / centre[5]) - 1.0) < 0.02);
+    assert_true(sum[4] > 0.0 && sum[4] < sum[5]); /* off its normal it gives less than a point does */
+}
+
+/* ---- exact shadows ---- */
+
+static sl_image *exact_direct_light(const sl_scene *scene, int width, int height) {
+    sl_settings s = small_settings("path", width, height);
+    s.transport = "direct";
+    s.filter = SL_FILTER_CENTRE;
+    s.spp = 4;
+    s.threads = 2;
+    return render(scene, &s, NULL); /* without noise: there are but point lights */
+}
+
+static bool nearly(float a, float b, float room) { return fabsf(a - b) <= room; }
+
+/* Whether the exact picture jumps within `reach` pixels of this one. */
+static bool near_a_border(const float *exact, int x, int y, int reach, float jump) {
+    float least = INFINITY, most = 0.0f;
+    for (int j = y - reach; j <= y + reach; j++) {
+        for (int i = x - reach; i <= x + reach; i++) {
+            if (i < 0 || j < 0 || i >= SIDE || j >= SIDE) continue;
+            least = fminf(least, exact[j * SIDE + i]);
+            most = fmaxf(most, exact[j * SIDE + i]);
+        }
+    }
+    return most - least > jump;
+}
+
+/* How many pixels differ from exact direct light by more than a tenth of its most, farther than `reach` pixels from where that jumps. */
+static int count_wrong(const sl_scene *scene, sl_quality quality, int reach) {
+    sl_settings settings = mesh_settings(SIDE, SIDE);
+    settings.quality = quality;
+    sl_image *ours = render(scene, &settings, NULL), *theirs = exact_direct_light(scene, SIDE, SIDE);
+    assert_sound_picture(ours, "direct light");
+    const float *mine = sl_image_channel(ours, "direct.G"), *exact = sl_image_channel(theirs, "G");
+    float most = 0.0f;
+    int wrong = 0, at_borders = 0;
+    for (int i = 0; i < PIXELS; i++) most = fmaxf(most, exact[i]);
+    assert_true(most > 0.0f);
+    for (int i = 0; i < PIXELS; i++) {
+        if (nearly(mine[i], exact[i], 0.1f * most)) continue;
+        if (near_a_border(exact, i % SIDE, i / SIDE, reach, 0.2f * most)) at_borders++;
+        else wrong++;
+    }
+    print_message("%d of %d pixels differ beside borders, %d elsewhere\n", at_borders, PIXELS, wrong);
+    sl_image_destroy(ours);
+    sl_image_destroy(theirs);
+    return wrong;
+}
+
+/* A plate below a point light throws a shadow whose border leaves of at most 8 pixels blur, and nothing beyond. */
+static void a_point_lights_shadow_is_sharp_within_a_leaf(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0.3, 3, 0.1], "
+                                      "\"intensity\": 20}], \"camera\": {\"eye\": [0, 2.5, 4], \"target\": [0, 0, 0], \"fov_deg\": 45}}",
+                                      "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nv -0.7 1 -0.4\nv -0.5 1 0.5\nv 0.4 1 0.6\nv 0.5 1 -0.5\nf 5 6 7 8\n");
+    assert_int_equal(count_wrong(scene, SL_QUALITY_HIGH, 4), 0);
+    assert_true(count_wrong(scene, SL_QUALITY_NORMAL, 8) <= 4); /* at corners */
+    sl_scene_destroy(scene);
+}
+
+/* The floor's vertices lie under the leg, where no light is: that darkness does not creep out. */
+static void a_leg_on_a_floors_vertex_has_no_dark_halo(void **state) {
+    (void)state;
+    char obj[2048];
+    int n = snprintf(obj, sizeof obj, "usemtl floor\nv -3 0 -3\nv 0 0 -3\nv 3 0 -3\nv -3 0 0\nv 0 0 0\nv 3 0 0\nv -3 0 3\nv 0 0 3\nv 3 0 3\n"
+                                      "f 1 4 5 2\nf 2 5 6 3\nf 4 7 8 5\nf 5 8 9 6\nusemtl leg\n");
+    for (int i = 0; i < 8; i++) n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? 0.25 : -0.25, i & 2 ? 1.0 : 0.0, i & 4 ? 0.2 : -0.3);
+    snprintf(obj + n, sizeof obj - (size_t)n, "f 10 11 13 12\nf 14 16 17 15\nf 10 14 15 11\nf 12 13 17 16\nf 10 12 16 14\nf 11 15 17 13\n");
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [1, 3, 2], \"intensity\": "
+                                      "20}], \"camera\": {\"eye\": [0.5, 2, 3.5], \"target\": [0, 0.2, 0], \"fov_deg\": 40}}", obj);
+    assert_true(count_wrong(scene, SL_QUALITY_HIGH, 4) <= 2);
+    assert_true(count_wrong(scene, SL_QUALITY_NORMAL, 8) <= 8);
+    sl_scene_destroy(scene);
+}
+
+/* A closed room of 3 x 2 x 2 cut in two by a wall without thickness, or by one of a thousandth: the lamp's half is lit, the other is black. */
+static void no_light_leaks_through_a_thin_wall(void **state) {
+    (void)state;
+    for (int thick = 0; thick < 2; thick++) {
+        char obj[2048];
+        double x0 = thick ? -0.0015 : 0.0, x1 = thick ? 0.0015 : 0.0;
+        snprintf(obj, sizeof obj, "v -1.5 0 -1\nv 1.5 0 -1\nv 1.5 0 1\nv -1.5 0 1\nv -1.5 2 -1\nv 1.5 2 -1\nv 1.5 2 1\nv -1.5 2 1\n"
+                 "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n"
+                 "v %g -0.01 -1.01\nv %g -0.01 1.01\nv %g 2.01 1.01\nv %g 2.01 -1.01\nv %g -0.01 -1.01\nv %g -0.01 1.01\nv %g 2.01 1.01\nv %g 2.01 -1.01\n"
+                 "f 9 10 11 12\nf 16 15 14 13\n", x0, x0, x0, x0, x1, x1, x1, x1);
+        for (int side = -1; side <= 1; side += 2) {
+            char json[768];
+            snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 1.9, -0.5], "
+                     "\"edge1\": [0.6, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": 8}], \"camera\": {\"eye\": [%g, 1, 0], \"target\": [%g, 0.7, 0.1], \"fov_deg\": 80}}",
+                     1.4 * side, 0.2 * side);
+            sl_scene *scene = scene_from_text(json, obj);
+            sl_settings settings = mesh_settings(SIDE, SIDE);
+            settings.quality = SL_QUALITY_NORMAL;
+            sl_image *image = render(scene, &settings, NULL);
+            double direct = sum_of(image, "direct.G") / PIXELS, indirect = sum_of(image, "indirect.G") / PIXELS;
+            print_message("wall %g thick, %s half: direct %.5f, indirect %.5f\n", x1 - x0, side < 0 ? "lit" : "dark", direct, indirect);
+            if (side < 0) assert_true(direct > 0.1 && indirect > 0.05);
+            else assert_true(direct < 0.003 && indirect < 0.003);
+            sl_image_destroy(image);
+            sl_scene_destroy(scene);
+        }
+    }
+}
+
+/* ---- layers ---- */
+
+static void the_picture_is_the_sum_of_its_layers_and_a_lamp_shows_its_radiance(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = mesh_settings(SIDE, SIDE);
+    sl_image *image = render(scene, &settings, NULL);
+    static const char *const colours = "RGB";
+    int lamp = 0;
+    for (int c = 0; c < 3; c++) {
+        char name[4][16];
+        snprintf(name[0], 16, "direct.%c", colours[c]);
+        snprintf(name[1], 16, "specular.%c", colours[c]);
+        snprintf(name[2], 16, "indirect.%c", colours[c]);
+        snprintf(name[3], 16, "emission.%c", colours[c]);
+        for (int i = 0; i < PIXELS; i++) {
+            double sum = 0.0, whole = (double)image->planes[c * PIXELS + i];
+            for (int k = 0; k < 4; k++) sum += (double)sl_image_channel(image, name[k])[i];
+            assert_true(fabs(sum - whole) <= 1e-6 * whole);
+            lamp += c == 0 && sl_image_channel(image, name[3])[i] > 0.0f;
+        }
+    }
+    assert_true(sum_of(image, "specular.G") > 0.0);
+    assert_true(lamp > 0);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void a_view_of_nothing_takes_no_samples_for_it(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 3, 0], \"intensity\": "
+                                      "20}], \"camera\": {\"eye\": [0, 1, 0], \"target\": [0, 5, 1], \"fov_deg\": 45}}", "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n");
+    sl_settings settings = mesh_settings(32, 32);
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    for (int i = 0; i < 3 * 32 * 32; i++) assert_true(image->planes[i] == 0.0f);
+    assert_int_equal(counters.value[SL_COUNT_SPLITS], 0);
+    assert_int_equal(counters.value[SL_COUNT_INDIRECT_SAMPLES], 0);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* ---- it ends ---- */
+
+static void a_scene_ends(const char *what, const char *json, const char *obj) {
+    sl_scene *scene = scene_from_text(json, obj);
+    sl_settings settings = mesh_settings(24, 24);
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    assert_sound_picture(image, what);
+    print_message("%s: %llu light samples, %llu splits\n", what, (unsigned long long)counters.value[SL_COUNT_LIGHT_SAMPLES],
+                  (unsigned long long)counters.value[SL_COUNT_SPLITS]);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* 5 x 5 x 5 small boxes between a lamp and a floor, half of them mirrors: shadows everywhere. */
+static void shadows_like_noise_and_mirrors_end(void **state) {
+    (void)state;
+    static char obj[40000];
+    int n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nusemtl floor\nf 1 2 3 4\n"), v = 5;
+    for (int k = 0; k < 125; k++) {
+        double x = k % 5 - 2 + 0.3 * (k / 25), y = 0.4 + 0.4 * (k / 25), z = k / 5 % 5 - 2 + 0.2 * (k / 25);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\nv %g %g %g\nv %g %g %g\nusemtl %s\nf %d %d %d\n", x, y, z, x + 0.4, y + 0.1, z, x, y, z + 0.4,
+                      k % 2 ? "mirror" : "plain", v, v + 1, v + 2);
+        v += 3;
+    }
+    a_scene_ends("noise", "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"mirror\": {\"mirror\": 0.9}, \"plain\": {\"diffuse\": "
+                 "0.5, \"specular\": 0.4, \"exponent\": 400}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 4, 0], \"intensity\": 90}, {\"type\": \"quad\", "
+                 "\"corner\": [-1, 4, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}], \"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}}", obj);
+}
+
+/* Needles a millionth as wide as they are long, triangles that are a line, a point, or the same twice. */
+static void slivers_and_triangles_without_area_end(void **state) {
+    (void)state;
+    static char obj[8192];
+    int n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nf 1 2 2\nf 3 3 3\nf 1 2 3\nv 0 0 0\nf 1 5 3\n"), v = 6;
+    for (int k = 0; k < 40; k++) {
+        double x = 0.2 * k - 4, wide = k % 3 ? 1e-6 : 1e-3;
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g 0.5 -4\nv %.9g 0.5 -4\nv %.9g 0.5 4\nf %d %d %d\n", x, x + wide, x, v, v + 2, v + 1);
+        v += 3;
+    }
+    a_scene_ends("slivers", "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [2, 0, 0], "
+                 "\"edge2\": [0, 0, 2], \"radiance\": 5}, {\"type\": \"quad\", \"corner\": [-1, 1, -1], \"edge1\": [1e-9, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 5}], "
+                 "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}}", obj);
+}
+
+/* A thousand points and a thousand lamps: as many meshes. */
+static void thousands_of_lights_end(void **state) {
+    (void)state;
+    static char obj[160000], json[200000];
+    int n = snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"lamp\": {\"diffuse\": 0, \"emission\": 40}}, "
+                                        "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0]}, \"lights\": [");
+    for (int k = 0; k < 1000; k++)
+        n += snprintf(json + n, sizeof json - (size_t)n, "%s{\"type\": \"point\", \"position\": [%g, %g, %g], \"intensity\": 0.01}", k ? "," : "", 0.2 * (k % 40) - 4,
+                      1 + 0.001 * k, 0.3 * (k / 40) - 4);
+    snprintf(json + n, sizeof json - (size_t)n, "]}");
+    n = snprintf(obj, sizeof obj, "v -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nusemtl floor\nf 1 2 3 4\nusemtl lamp\n");
+    for (int k = 0; k < 1000; k++) {
+        double x = 0.2 * (k % 40) - 4, y = 0.5 + 0.0005 * k, z = 0.3 * (k / 40) - 4; /* each in a plane of its own */
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\nv %g %g %g\nv %g %g %g\nf %d %d %d\n", x, y, z, x + 0.02, y, z, x, y, z + 0.02, 5 + 3 * k,
+                      6 + 3 * k, 7 + 3 * k);
+    }
+    a_scene_ends("two thousand lights", json, obj);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_discs_highlight_is_within_5_percent_of_the_integral),
+        cmocka_unit_test(a_lamp_edge_on_or_below_gives_nothing_and_a_tiny_one_what_a_point_gives),
+        cmocka_unit_test(a_point_lights_shadow_is_sharp_within_a_leaf),
+        cmocka_unit_test(a_leg_on_a_floors_vertex_has_no_dark_halo),
+        cmocka_unit_test(no_light_leaks_through_a_thin_wall),
+        cmocka_unit_test(the_picture_is_the_sum_of_its_layers_and_a_lamp_shows_its_radiance),
+        cmocka_unit_test(a_view_of_nothing_takes_no_samples_for_it),
+        cmocka_unit_test(shadows_like_noise_and_mirrors_end),
+        cmocka_unit_test(slivers_and_triangles_without_area_end),
+        cmocka_unit_test(thousands_of_lights_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,160 @@
+/* Irradiance meshes: each light has its own, refined where radiance asks for it and its own shadows are, and nowhere else. */
+#include "light_sample_support.h"
+
+#include "base/math.h"
+#include "cache/multi_mesh/irradiance.h"
+
+enum { DEPTH = 6, LEFT = 0, RIGHT = 1 };
+
+typedef struct lit_floor {
+    light_world world;
+    sl_topology *topology;
+    sl_irradiance_meshes *meshes;
+    sl_counters counters;
+} lit_floor;
+
+/* A floor of two triangles, a lamp over its left half and one over its right; and, if asked for, a plate below the left one that the other's light passes. */
+static void make(lit_floor *f, bool plate) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_quad(&mesh, sl_v3(-8, 0, -8), sl_v3(0, 0, 16), sl_v3(16, 0, 0), grey);
+    add_ceiling_light(&mesh, -5, -0.5f, 1, 1, 3);
+    add_ceiling_light(&mesh, 4, -0.5f, 1, 1, 3.25f);
+    if (plate) trace_mesh_quad(&mesh, sl_v3(-5, 1.5f, -0.5f), sl_v3(0, 0, 1), sl_v3(1, 0, 0), grey);
+    *f = (lit_floor){.counters = {{0}}};
+    light_world_make(&f->world, &mesh);
+    assert_int_equal(f->world.lights->count, 2);
+    assert_int_equal(sl_topology_create(f->world.scene, false, &f->topology, NULL), SL_OK);
+    sl_irradiance_settings s = {.scene = f->world.scene, .topology = f->topology, .tracer = f->world.tracer, .lights = f->world.lights,
+                                .sampling = f->world.sampling, .perception = {.exposure = 30.0f, .threshold_scale = 1.0f}, .ambient = {0.01f, 0.01f, 0.01f},
+                                .max_depth = 12, .threads = 1};
+    assert_int_equal(sl_irradiance_meshes_create(&s, &f->meshes, NULL), SL_OK);
+}
+
+static void discard(lit_floor *f) {
+    sl_irradiance_meshes_destroy(f->meshes);
+    sl_topology_destroy(f->topology);
+    light_world_free(&f->world);
+}
+
+/* Asks for all of the floor at a grid of 2^depth a side, as if leaves three levels deep were small enough. */
+static void ask(lit_floor *f, int depth) {
+    uint32_t step = SL_MESH_DYADIC >> depth;
+    for (uint32_t face = 0; face <= 2; face += 2) {
+        for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += step) {
+            for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += step) {
+                sl_face_point x = {face, (uint16_t)p, (uint16_t)q, depth < 3 ? depth : 3};
+                float share[2];
+                bool valid;
+                assert_int_equal(sl_irradiance_at(f->meshes, 1, &x, share, &valid, &f->counters, NULL), SL_OK);
+                assert_true(valid && share[0] >= 0.0f && share[0] <= 1.0f && share[1] >= 0.0f && share[1] <= 1.0f);
+            }
+        }
+    }
+}
+
+static int deepest_below(const sl_mesh *mesh, const sl_mesh_place *place) {
+    int deepest = place->depth;
+    if (sl_mesh_is_leaf(mesh, place->node)) return deepest;
+    for (int c = 0; c < sl_mesh_children(mesh, place->node); c++) {
+        sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
+        int below = deepest_below(mesh, &child);
+        deepest = below > deepest ? below : deepest;
+    }
+    return deepest;
+}
+
+static int deepest_of(const lit_floor *f, size_t light) {
+    const sl_mesh *mesh = sl_irradiance_mesh(f->meshes, light);
+    int deepest = 0;
+    for (uint32_t face = 0; face <= 2; face += 2) {
+        sl_mesh_place root = sl_mesh_root_place(mesh, face);
+        int below = deepest_below(mesh, &root);
+        deepest = below > deepest ? below : deepest;
+    }
+    return deepest;
+}
+
+static void an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was(void **state) {
+    (void)state;
+    size_t leaves[2][2], vertices[2][2];
+    for (int plate = 0; plate < 2; plate++) {
+        lit_floor f;
+        make(&f, plate == 1);
+        ask(&f, DEPTH);
+        for (size_t l = 0; l < 2; l++) {
+            leaves[plate][l] = sl_irradiance_mesh(f.meshes, l)->leaf_count;
+            vertices[plate][l] = sl_irradiance_mesh(f.meshes, l)->vertex_count;
+        }
+        print_message("%s a plate: left lamp %zu leaves, right lamp %zu\n", plate ? "with" : "without", leaves[plate][LEFT], leaves[plate][RIGHT]);
+        discard(&f);
+    }
+    assert_true(leaves[1][LEFT] > leaves[0][LEFT]);
+    assert_int_equal(leaves[1][RIGHT], leaves[0][RIGHT]);
+    assert_int_equal(vertices[1][RIGHT], vertices[0][RIGHT]);
+}
+
+static void no_leaf_is_deeper_than_what_was_asked_for(void **state) {
+    (void)state;
+    for (int depth = 0; depth <= DEPTH; depth += 2) {
+        lit_floor f;
+        make(&f, true);
+        ask(&f, depth);
+        for (size_t l = 0; l < 2; l++) assert_true(deepest_of(&f, l) <= depth);
+        discard(&f);
+    }
+}
+
+/* What was found once is not sampled again, and lies between its leaf's corners where it was not. */
+static void a_light_without_shadows_stays_coarse_and_is_sampled_once(void **state) {
+    (void)state;
+    lit_floor f;
+    make(&f, false);
+    ask(&f, DEPTH);
+    uint64_t samples = f.counters.value[SL_COUNT_LIGHT_SAMPLES];
+    uint64_t grid = 2 * 2 * (uint64_t)((1 << DEPTH) + 1) * ((1 << DEPTH) + 2) / 2; /* lights x faces x points */
+    print_message("%llu samples for %llu points and lights\n", (unsigned long long)samples, (unsigned long long)grid);
+    assert_true(4 * samples < grid);
+    ask(&f, DEPTH);
+    assert_int_equal(f.counters.value[SL_COUNT_LIGHT_SAMPLES], samples);
+    discard(&f);
+}
+
+/* A wall without thickness stands at the floor's edge, a lamp is behind it: no vertex at its foot is lit. */
+static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), grey);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(6, 0, 0), sl_v3(0, 6, 0), grey);
+    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    trace_mesh_quad(&mesh, sl_v3(0, 1, -0.5f), sl_v3(4, 0, 0), sl_v3(0, 1, 0), lamp);
+    lit_floor f = {.counters = {{0}}};
+    light_world_make(&f.world, &mesh);
+    assert_int_equal(sl_topology_create(f.world.scene, false, &f.topology, NULL), SL_OK);
+    sl_irradiance_settings s = {.scene = f.world.scene, .topology = f.topology, .tracer = f.world.tracer, .lights = f.world.lights,
+                                .sampling = f.world.sampling, .perception = {.exposure = 1.0f, .threshold_scale = 1.0f}, .max_depth = 12, .threads = 1};
+    assert_int_equal(sl_irradiance_meshes_create(&s, &f.meshes, NULL), SL_OK);
+    for (uint32_t face = 0; face <= 2; face += 2) {
+        for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += SL_MESH_DYADIC / 8) {
+            for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += SL_MESH_DYADIC / 8) {
+                sl_face_point x = {face, (uint16_t)p, (uint16_t)q, 0};
+                float share;
+                bool valid;
+                assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, &share, &valid, &f.counters, NULL), SL_OK);
+                assert_true(valid && share == 0.0f);
+            }
+        }
+    }
+    discard(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was),
+        cmocka_unit_test(no_leaf_is_deeper_than_what_was_asked_for),
+        cmocka_unit_test(a_light_without_shadows_stays_coarse_and_is_sampled_once),
+        cmocka_unit_test(at_a_walls_foot_no_light_comes_from_behind_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
