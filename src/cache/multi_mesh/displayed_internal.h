@@ -23,10 +23,18 @@ static inline bool sl_displayed_is_settled(const sl_displayed *d, uint32_t verte
 static inline sl_edge_state sl_edge_of(const sl_mesh_node *node, int edge) { return (sl_edge_state)(node->flags >> 2 * edge & 3u); }
 enum { SL_ALL_EDGES_CLOSED = SL_EDGE_CLOSED | SL_EDGE_CLOSED << 2 | SL_EDGE_CLOSED << 4 };
 static inline bool sl_all_edges_closed(const sl_mesh_node *node) { return (node->flags & SL_NODE_EDGES) == SL_ALL_EDGES_CLOSED; }
+/* Is it known already that the leaf is to be cut? Too large, or an edge is. */
+static inline bool sl_needs_cut(const sl_mesh_node *node) {
+    bool cut = !(node->flags & SL_NODE_SMALL);
+    for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
+    return cut;
+}
 /* May the leaf be cut at all? Patches of a pixel or less are not. */
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth;
 }
+/* Few pixels, and no difference between the corners that an eye can tell: its edges need no test. */
+bool sl_displayed_is_trusted(const sl_displayed *d, const sl_mesh_place *leaf);
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Sets or clears SL_NODE_SMALL. */
 void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);

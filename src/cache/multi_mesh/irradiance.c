@@ -11,6 +11,10 @@
 
 enum { SAMPLES_A_TASK = 4 };
 
+/* Of what an eye can tell. Errors of the lights' meshes add up, and to those of the mesh that asks: with 8 lights, meshes as coarse as the
+ * threshold allows make pictures that one mesh for all makes from fewer samples (bench_mesh_joint). */
+static const float TOLERANCE = 0.25f;
+
 /* A sample that a round wants: a vertex of a light's mesh. */
 typedef struct wanted_sample {
     uint32_t light, vertex;
@@ -137,7 +141,7 @@ static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, co
         return SL_EDGE_SPLIT;
     float mean = 0.5f * (mesh->value[a] + mesh->value[b]);
     sl_rgb interpolated = shown(m, light, place->face, mean), computed = shown(m, light, place->face, mesh->value[middle]);
-    return sl_display_contrast(&m->settings.perception, interpolated, computed) > 1.0f ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
+    return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
 }
 
 /* Tests a leaf's edges as far as their samples are there; wants those that are not. */
@@ -210,6 +214,15 @@ static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl
     return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
 }
 
+/* The edge of a leaf in whose middle a point lies, or -1. */
+static int edge_halved_by(const sl_mesh_place *place, const sl_face_point *x) {
+    for (int i = 0; i < 3; i++) {
+        int a = (i + 1) % 3, b = (i + 2) % 3;
+        if (place->p[a] + place->p[b] == 2 * x->p && place->q[a] + place->q[b] == 2 * x->q) return i;
+    }
+    return -1;
+}
+
 static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share, sl_error *error) {
     sl_mesh *mesh = m->mesh[light];
     sl_status status = SL_OK;
@@ -220,6 +233,10 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
         if (corner >= 0) return fetch_corner(m, light, mesh->node[place.node].vertex[corner], share);
         if (sl_mesh_is_leaf(mesh, place.node)) {
             if (place.depth >= x->wanted_depth) {
+                int edge = edge_halved_by(&place, x);
+                uint32_t middle = edge >= 0 ? sl_mesh_middle(mesh, &place, edge, &status, error) : SL_NO_INDEX;
+                if (status != SL_OK) return FETCH_FAILED;
+                if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, share);
                 fetch_state state = test_leaf(m, light, &place, error);
                 if (state != FETCH_READY) return state;
                 if (is_confident(mesh, place.node)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;

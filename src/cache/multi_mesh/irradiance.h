@@ -3,6 +3,7 @@
  *
  * fetch(x, l), from the root of x's face in the mesh of light l:
  *   x is a corner                      its sample
+ *   ... or the middle of a leaf's edge its sample: the leaf's test would take it, too
  *   a leaf whose three edges are closed, and which is no larger than whoever asks wants it to be: interpolated
  *   a leaf still too large             cut, and on
  *   another leaf                       its edges are tested, then it is closed or cut, and on

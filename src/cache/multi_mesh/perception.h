@@ -17,6 +17,8 @@ float sl_perception_exposure(const sl_scene *scene, float mean_radiance);
 
 /* D of a channel, in [0,255], monotone; negative, NaN: 0; infinite: 255. */
 float sl_display_level(const sl_perception *perception, float radiance);
+/* Of three channels, in the time of one. */
+void sl_display_colour(const sl_perception *perception, sl_rgb radiance, float level[3]);
 /* The same for loops over pixels, which it lets vectorise: within 1e-4 of a grey level, and monotone but for as much. exposure >= 0. */
 static inline float sl_display_level_fast(float exposure, float radiance) {
     float exposed = exposure * radiance;

@@ -22,6 +22,7 @@ void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl
     sl_mesh_node *node = &d->mesh->node[leaf->node];
     sl_screen_size size = sl_displayed_size(d, clip, leaf);
     bool small = !(size.area > d->settings.leaf_area) && !(size.edge > d->settings.leaf_edge);
+    small |= node->pixels <= d->settings.few_pixels; /* most of it is hidden */
     bool known = sl_all_edges_closed(node) && size.edge < 2.0f * node->tested_size;
     node->flags = (node->flags & ~(uint32_t)SL_NODE_SMALL) | (small || known ? SL_NODE_SMALL : 0u);
 }
@@ -61,9 +62,7 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
         const float *value = &mesh->value[3 * (size_t)v], unit = 1.0f / (float)SL_MESH_DYADIC;
         sl_rgb shown = d->settings.shown.radiance(d->settings.shown.context, d->settings.component, leaf->face, (float)leaf->p[i] * unit,
                                                   (float)leaf->q[i] * unit, (sl_rgb){value[0], value[1], value[2]});
-        level[known][0] = sl_display_level(&d->settings.perception, shown.r);
-        level[known][1] = sl_display_level(&d->settings.perception, shown.g);
-        level[known][2] = sl_display_level(&d->settings.perception, shown.b);
+        sl_display_colour(&d->settings.perception, shown, level[known]);
         for (int j = 0; j < known; j++) {
             float contrast = contrast_of_levels(&d->settings.perception, level[known], level[j]);
             most = contrast > most ? contrast : most;
@@ -73,13 +72,21 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
     return most;
 }
 
+static bool is_trusted(const sl_displayed *d, const sl_mesh_node *node, float contrast) {
+    return d->settings.few_trusted && node->pixels <= d->settings.few_pixels && !sl_needs_cut(node) && contrast <= 1.0f;
+}
+
+bool sl_displayed_is_trusted(const sl_displayed *d, const sl_mesh_place *leaf) {
+    return is_trusted(d, &d->mesh->node[leaf->node], sl_displayed_corner_contrast(d, leaf));
+}
+
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
     if (!sl_may_split(d, leaf) || (node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f;
-    bool cut = !small;
-    for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
-    return (float)node->pixels * (sl_displayed_corner_contrast(d, leaf) + (cut ? TOO_LARGE : UNTESTED));
+    float contrast = sl_displayed_corner_contrast(d, leaf);
+    if (is_trusted(d, node, contrast)) return 0.0f;
+    return (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }
 
 /* ---- up to the roots ---- */

@@ -10,10 +10,7 @@
 
 /* Is it certain that the leaf will be split? Then all its middles are wanted, those of closed edges too. */
 static bool will_split(const sl_displayed *d, const sl_mesh_place *leaf) {
-    const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    bool will = !(node->flags & SL_NODE_SMALL);
-    for (int e = 0; e < 3; e++) will |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
-    return will && sl_may_split(d, leaf);
+    return sl_needs_cut(&d->mesh->node[leaf->node]) && sl_may_split(d, leaf);
 }
 
 static void ask(sl_displayed *d, uint32_t v, uint32_t *vertex, size_t *count) {
@@ -83,7 +80,7 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
 static bool is_closed(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (node->child != SL_NO_INDEX || (node->flags & SL_NODE_TAKEN)) return false;
-    if (sl_may_split(d, leaf)) return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node);
+    if (sl_may_split(d, leaf)) return ((node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node)) || sl_displayed_is_trusted(d, leaf);
     return sl_all_edges_closed(node) || sl_displayed_corner_contrast(d, leaf) <= 1.0f;
 }
 
