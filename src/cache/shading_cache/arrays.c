@@ -91,7 +91,7 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->block_capacity * sizeof *c->block + c->vertex_capacity * d->channels * sizeof *c->value;
+        bytes += c->block_capacity * sizeof *c->block + c->vertex_capacity * c->channels * sizeof *c->value;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
@@ -101,11 +101,11 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 /* ---- trees -------------------------------------------------------------------------------------------------------------------- */
 
 /* As many blocks as there are in the patches; new ones hold leaves until something else is heard of them. */
-static bool reserve_copy(sl_display_copy *copy, const sl_patches *p, size_t channels) {
+static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     size_t blocks = p->patch_count / 4;
     void *block = copy->block, *value = copy->value;
     bool ok = sl_display_grow(&block, &copy->block_capacity, blocks, sizeof *copy->block) &&
-              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, channels * sizeof *copy->value);
+              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, copy->channels * sizeof *copy->value);
     copy->block = block;
     copy->value = value;
     if (!ok) return false;
@@ -166,7 +166,7 @@ static void begin_anew(sl_display_copy *copy) {
 static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p, sl_error *error) {
     bool all = !copy->complete;
     if (all) begin_anew(copy);
-    if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p, d->channels)) return sl_fail_memory(error, "the display");
+    if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p)) return sl_fail_memory(error, "the display");
     if (all) d->dirty_count[1] = 0;
     update_roots(d, copy, p);
     sl_status status = SL_OK;
@@ -195,7 +195,7 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
     (void)counters;
     int hidden = 1 - atomic_load_explicit(&d->shown, memory_order_relaxed);
     sl_display_copy *copy = &d->copy[hidden];
-    d->channels = p->radiance ? 6 : 3;
+    copy->channels = p->radiance ? 6 : 3;
     sl_status status = update_copy(d, copy, p, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(d, &copy->tessellation, error);
     if (status != SL_OK) { /* flags are left as they are: the other copy misses nothing */

@@ -71,7 +71,8 @@ typedef struct sl_display_copy {
     size_t root_count;
     sl_display_block *block;
     size_t block_count, block_capacity;
-    float *value;              /* by vertex: E, and with a radiance channel L_s */
+    size_t channels;           /* of values: 3, E; or 6, L_s after it */
+    float *value;              /* by vertex */
     size_t vertex_count, vertex_capacity;
     sl_fans fans;
     sl_tessellation tessellation;
@@ -102,7 +103,6 @@ struct sl_display {
     const sl_scene *scene;
     const sl_primitives *primitives;
     sl_display_settings settings;
-    size_t channels;           /* of vertex values: 3, or 6 */
     sl_raster *raster;         /* of the scene */
     uint8_t *left_out;         /* by scene triangle: those of curved surfaces; NULL: there are none */
     bool textured;

@@ -176,7 +176,7 @@ static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int3
 
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
     const sl_rgb guess = job->display->settings.guess;
-    const size_t channels = job->display->channels;
+    const size_t channels = job->copy->channels;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
     int32_t u, v;
     bool fresh = find_leaf(job, run, w1, w2, &u, &v);

@@ -75,10 +75,10 @@ static void drop_entries(sl_display *d, const sl_patches *p) {
 
 /* ---- values -------------------------------------------------------------------------------------------------------------------- */
 
-static float *value_of(const sl_display *d, const sl_display_copy *copy, uint32_t vertex) { return copy->value + d->channels * vertex; }
+static float *value_of(const sl_display_copy *copy, uint32_t vertex) { return copy->value + copy->channels * vertex; }
 
-static void take_samples(const sl_display *d, const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
-    float *to = value_of(d, copy, vertex);
+static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
+    float *to = value_of(copy, vertex);
     memcpy(to, p->vertex[vertex].value, sizeof p->vertex[vertex].value);
     if (p->radiance) memcpy(to + 3, p->radiance[vertex], sizeof p->radiance[vertex]);
 }
@@ -87,10 +87,10 @@ static void take_mean(const sl_display *d, const sl_display_copy *copy, const sl
     const float guess[6] = {d->settings.guess.r, d->settings.guess.g, d->settings.guess.b, 0, 0, 0};
     int count = e->around[2] != SL_NO_INDEX && e->around[3] != SL_NO_INDEX ? 4 : 2;
     for (int k = 0; k < count; k++) count = e->around[k] == SL_NO_INDEX ? 0 : count;
-    float *to = value_of(d, copy, e->vertex);
-    for (size_t c = 0; c < d->channels; c++) {
+    float *to = value_of(copy, e->vertex);
+    for (size_t c = 0; c < copy->channels; c++) {
         double sum = count ? 0.0 : (double)guess[c];
-        for (int k = 0; k < count; k++) sum += (double)value_of(d, copy, e->around[k])[c];
+        for (int k = 0; k < count; k++) sum += (double)value_of(copy, e->around[k])[c];
         to[c] = (float)(count ? sum / count : sum);
     }
 }
@@ -102,7 +102,7 @@ static void visit(sl_display *d, const sl_display_copy *copy, const sl_patches *
         for (int c = 0; c < sl_patch_corners(p, list[i]); c++) {
             uint32_t vertex = sl_patch_corner(p, list[i], c);
             if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) d->seen_pending[vertex / 32] |= 1u << vertex % 32;
-            else take_samples(d, copy, p, vertex);
+            else take_samples(copy, p, vertex);
         }
     }
 }
