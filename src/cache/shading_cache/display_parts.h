@@ -35,8 +35,7 @@ typedef struct sl_fans {
 } sl_fans;
 
 typedef struct sl_fan_spoke {
-    int edge;
-    float along;               /* in 1/SL_PATCH_DYADIC of the edge */
+    int32_t edge, along;       /* the latter in 1/SL_PATCH_DYADIC of the edge */
 } sl_fan_spoke;
 
 static inline const uint32_t *sl_fan_at(const sl_fans *fans, uint32_t word) { return fans->word + (size_t)SL_FAN_SMALLEST * (word & (SL_FAN_BIT - 1)); }
@@ -44,7 +43,7 @@ static inline uint32_t sl_fan_count(const uint32_t *fan) { return fan[0] & 0xfff
 static inline const uint32_t *sl_fan_vertices(const uint32_t *fan) { return fan + sl_fan_count(fan) / 2 + 1; }
 static inline sl_fan_spoke sl_fan_spoke_at(const uint32_t *fan, uint32_t k) {
     uint32_t code = fan[(k + 1) / 2] >> 16 * ((k + 1) % 2) & 0xffff;
-    return (sl_fan_spoke){(int)(code >> SL_PATCH_DEPTH_MAX), (float)(code & (SL_PATCH_DYADIC - 1))};
+    return (sl_fan_spoke){(int32_t)(code >> SL_PATCH_DEPTH_MAX), (int32_t)(code & (SL_PATCH_DYADIC - 1))};
 }
 
 /* Into how many pieces a curved surface is cut: its inside along u and v, and its edges 0 to 3. */

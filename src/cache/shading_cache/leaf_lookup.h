@@ -149,22 +149,20 @@ static inline sl_fan_place sl_fan_place_of(const sl_leaf *leaf) {
 /* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's vertices are ordered around the leaf. */
 static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4], const sl_fan_place *place, uint32_t end[2]) {
     const uint32_t *fan = sl_fan_at(&copy->fans, leaf->word), count = sl_fan_count(fan), *vertex = sl_fan_vertices(fan);
-    float along = place->along * (float)SL_PATCH_DYADIC, low = 0.0f, high = SL_PATCH_DYADIC;
-    int next = place->edge + 1;
-    end[0] = corner[place->edge];
-    end[1] = corner[next == (leaf->triangle ? 3 : 4) ? 0 : next];
-    for (uint32_t k = 0; k < count; k++) {
+    float along = place->along * (float)SL_PATCH_DYADIC;
+    int32_t whole = (int32_t)along, low = 0, high = SL_PATCH_DYADIC, next = place->edge + 1;
+    uint32_t from = corner[place->edge], to = corner[next == (leaf->triangle ? 3 : 4) ? 0 : next];
+    for (uint32_t k = 0; k < count; k++) { /* no choice of ways, but of numbers: nobody could guess the ways */
         sl_fan_spoke spoke = sl_fan_spoke_at(fan, k);
-        bool before = spoke.edge == place->edge && !(along < spoke.along), beyond = spoke.edge == place->edge && along < spoke.along;
+        bool here = spoke.edge == place->edge, before = here & (spoke.along <= whole), beyond = here & (spoke.along > whole) & (spoke.along < high);
         low = before ? spoke.along : low;
-        end[0] = before ? vertex[k] : end[0];
-        if (beyond) {
-            high = spoke.along;
-            end[1] = vertex[k];
-            break;
-        }
+        from = before ? vertex[k] : from;
+        high = beyond ? spoke.along : high;
+        to = beyond ? vertex[k] : to;
     }
-    return (along - low) / (high - low);
+    end[0] = from;
+    end[1] = to;
+    return (along - (float)low) / (float)(high - low);
 }
 
 /* The leaf's values as far as they do not depend on the place: k0 + a k1 + b k2 + a b k3, for each channel; of fans their centre, k0, alone. */
