@@ -160,6 +160,12 @@ $(BUILD)/tests/test_render_cache: $(BUILD)/o/tests/test_render_cache.o $(BUILD)/
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
 
+SHADING_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_shading_*.c))
+SHADING_BENCH := $(BUILD)/o/bench/shading_run.o $(BUILD)/o/bench/render_cache.o $(COMMON_BENCH)
+$(SHADING_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(SHADING_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 OCTREE_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_octree_*.c))
 OCTREE_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/octree_*.c)) $(COMMON_BENCH)
 $(OCTREE_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(OCTREE_BENCH) $(BUILD)/libsoftlux.a
@@ -233,6 +239,10 @@ bench-light-octree: all $(OCTREE_BENCHES)
 bench-multi-mesh: all $(MESH_BENCHES) $(BUILD)/bench/bench_light_sample
 	@./bench/multi_mesh.sh $(BUILD) $(if $(BRIEF),--brief)
 
+# Those on the shading cache (docs/shading-cache-experiments.md).
+bench-shading-cache: all $(SHADING_BENCHES)
+	@./bench/shading_cache.sh $(BUILD) $(if $(BRIEF),--brief)
+
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
@@ -262,6 +272,7 @@ help:
 	@echo 'make bench-direct-radiance  those on direct radiance mapping'
 	@echo 'make bench-light-octree  those on the light octree'
 	@echo 'make bench-multi-mesh  those on multi-mesh caching'
+	@echo 'make bench-shading-cache  those on the shading cache, beside a RenderCache'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
 	@echo 'make clean      remove what was built and generated'
 	@echo

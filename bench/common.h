@@ -37,6 +37,7 @@ typedef struct bench_report {
     FILE *text, *table;    /* NAME.md; NAME-TABLE.csv, or NULL */
     char folder[512], name[64];
     int widths[32];
+    const char *error_axis; /* what drawings call their errors; NULL: relMSE */
 } bench_report;
 
 void bench_report_open(bench_report *r, const bench_options *o, const char *name);

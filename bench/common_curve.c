@@ -54,7 +54,7 @@ static void include(drawing *d, const bench_series *s) {
     }
 }
 
-static void draw_axes(const drawing *d, const char *title) {
+static void draw_axes(const drawing *d, const char *title, const char *error_axis) {
     fprintf(d->file, "<text x=\"%d\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">%s</text>\n", (LEFT + RIGHT) / 2, title);
     for (double x = d->x0; x <= d->x1; x++) {
         double at = place_x(d, pow(10.0, x));
@@ -67,8 +67,8 @@ static void draw_axes(const drawing *d, const char *title) {
                 LEFT - 6, at + 4.0, y);
     }
     fprintf(d->file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">processor seconds</text>\n", (LEFT + RIGHT) / 2, BOTTOM + 42);
-    fprintf(d->file, "<text x=\"20\" y=\"%d\" text-anchor=\"middle\" transform=\"rotate(-90 20 %d)\">relMSE</text>\n", (TOP + BOTTOM) / 2,
-            (TOP + BOTTOM) / 2);
+    fprintf(d->file, "<text x=\"20\" y=\"%d\" text-anchor=\"middle\" transform=\"rotate(-90 20 %d)\">%s</text>\n", (TOP + BOTTOM) / 2,
+            (TOP + BOTTOM) / 2, error_axis);
 }
 
 static void draw_series(const drawing *d, const bench_series *s) {
@@ -95,7 +95,7 @@ void bench_draw_curves(const bench_report *r, const char *scene, const bench_ser
     for (size_t i = 0; i < count; i++) include(&d, &series[i]);
     fprintf(d.file, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"660\" height=\"480\" font-family=\"sans-serif\" font-size=\"12\">\n"
                     "<rect width=\"660\" height=\"480\" fill=\"white\"/>\n");
-    draw_axes(&d, scene);
+    draw_axes(&d, scene, r->error_axis ? r->error_axis : "relMSE");
     for (size_t i = 0; i < count; i++) draw_series(&d, &series[i]);
     int line = TOP;
     for (size_t i = 0; i < count; i++) {

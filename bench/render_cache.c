@@ -68,7 +68,7 @@ sl_status render_cache_create(const render_cache_settings *settings, render_cach
     c->depth = calloc(c->pixels, sizeof *c->depth);
     c->kept = calloc(c->pixels, sizeof *c->kept);
     c->picture = calloc(3 * c->pixels, sizeof *c->picture);
-    c->pyramid = calloc(settings->wide_fill ? 8 * c->pixels + 64 * (size_t)(settings->width + settings->height) : 1, sizeof *c->pyramid);
+    c->pyramid = calloc(8 * c->pixels + 64 * (size_t)(settings->width + settings->height), sizeof *c->pyramid);
     c->priority = calloc(c->pixels, sizeof *c->priority);
     for (int i = 0; i < 2; i++) c->error[i] = calloc((size_t)settings->width, sizeof **c->error);
     c->chosen = calloc(samples, sizeof *c->chosen);
@@ -247,8 +247,8 @@ static const float *fill_wide_gaps(render_cache *c) {
 
 /* ---- the picture and what it lacks ---- */
 
-static void show(render_cache *c) {
-    const float *wide = c->s.wide_fill ? fill_wide_gaps(c) : NULL;
+static void show(render_cache *c, bool wide_fill) {
+    const float *wide = wide_fill ? fill_wide_gaps(c) : NULL;
     for (size_t i = 0; i < c->pixels; i++) {
         float color[3], weight;
         int missing = fill_from_neighbours(c, i, color, &weight);
@@ -423,18 +423,18 @@ static void store_points(render_cache *c, size_t count) {
 
 /* ---- a frame ---- */
 
-void render_cache_show(render_cache *c) {
+void render_cache_show(render_cache *c, bool wide_fill) {
     double start = now_ms();
     project_points(c);
     cull_by_depth(c);
     double projected = now_ms();
-    show(c);
+    show(c, wide_fill);
     c->bill.project += projected - start;
     c->bill.fill += now_ms() - projected;
 }
 
 void render_cache_frame(render_cache *c, sl_counters *counters) {
-    render_cache_show(c);
+    render_cache_show(c, false);
     double start = now_ms();
     grow_older(c);
     size_t count = choose_pixels(c);
@@ -445,6 +445,21 @@ void render_cache_frame(render_cache *c, sl_counters *counters) {
     c->bill.choose += chosen - start;
     c->bill.render += process_ms() - all;
     c->bill.frames++;
+}
+
+sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels, float *values, sl_error *error) {
+    render_cache_settings s = *settings;
+    sl_counters counters = {{0}};
+    render_cache *c;
+    s.samples = (int)count;
+    sl_status status = render_cache_create(&s, &c, error);
+    if (status != SL_OK) return status;
+    memcpy(c->chosen, pixels, count * sizeof *pixels);
+    find_points(c, count, &counters);
+    shade_points(c, count, &counters);
+    for (size_t i = 0; i < count; i++) memcpy(values + 3 * i, c->fresh[i].color, sizeof c->fresh[i].color);
+    render_cache_destroy(c);
+    return SL_OK;
 }
 
 const float *render_cache_picture(const render_cache *c) { return c->picture; }

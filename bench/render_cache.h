@@ -20,8 +20,6 @@ typedef struct render_cache_settings {
     int width, height;
     int samples;                        /* rays a frame */
     double points_a_pixel;              /* 0: 1.5 */
-    bool wide_fill;                     /* gaps wider than 3x3 are filled from coarser and coarser averages (as its second version, Walter et al.
-                                           2002, does at one coarser level); else they show what they showed before */
     unsigned threads;
     uint64_t seed;
 } render_cache_settings;
@@ -37,8 +35,11 @@ void render_cache_destroy(render_cache *cache);
 void render_cache_edit(render_cache *cache, unsigned changes);
 /* One frame from where everything stands now; then its samples, which the next one shows. */
 void render_cache_frame(render_cache *cache, sl_counters *counters);
-/* What the cache holds now, without another sample. */
-void render_cache_show(render_cache *cache);
+/* What the cache holds now, without another sample. wide_fill: gaps wider than 3x3 are filled from coarser and coarser averages (as its second version,
+ * Walter et al. 2002, does at one coarser level); else they show what they showed before. */
+void render_cache_show(render_cache *cache, bool wide_fill);
+/* No cache at all: what the renderers say of pixels' centres, 3 values each. Of the settings samples and points do not matter. */
+sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels, float *values, sl_error *error);
 /* Radiance of the last frame: three planes, row 0 at the top. */
 const float *render_cache_picture(const render_cache *cache);
 /* Points that pixels show; 1 everywhere: no gap left. */

@@ -58,7 +58,7 @@ static void move_to(world *w, double time) {
 
 static void run_frames(world *w, int frames) {
     for (int i = 0; i < frames; i++) render_cache_frame(w->cache, &w->counters);
-    render_cache_show(w->cache);
+    render_cache_show(w->cache, false);
 }
 
 /* What the pixel's ray says, with an arithmetic of its own; object: what it hits, or SL_NO_INDEX. */
@@ -128,11 +128,10 @@ static void few_samples_are_spread_over_the_picture(void **state) {
 static void wide_gaps_are_filled_where_that_is_asked_for(void **state) {
     (void)state;
     world w = open_world("scenes/furnace.json");
-    w.tracer = w.own;
-    render_cache_settings s = {.scene = w.scene, .tracer = &w.tracer, .renderer = &w.renderer, .renderers = 1, .width = SIZE, .height = SIZE, .samples = 16,
-                               .threads = 1, .wide_fill = true};
-    assert_int_equal(render_cache_create(&s, &w.cache, NULL), SL_OK);
+    make_cache(&w, 16, 1);
     run_frames(&w, 1);
+    assert_true(share_right(&w, SL_NO_INDEX) < 0.1);
+    render_cache_show(w.cache, true);
     assert_true(share_right(&w, SL_NO_INDEX) > 0.99);
     close_world(&w);
 }
@@ -144,7 +143,7 @@ static void points_follow_the_camera(void **state) {
     run_frames(&w, 8);
     uint64_t samples = render_cache_costs(w.cache).samples;
     move_to(&w, 0.1);
-    render_cache_show(w.cache);
+    render_cache_show(w.cache, false);
     assert_true(render_cache_costs(w.cache).samples == samples);
     assert_true(share_right(&w, SL_NO_INDEX) > 0.9);
     run_frames(&w, 12);
@@ -165,7 +164,7 @@ static void points_go_along_with_their_object(void **state) {
     make_cache(&w, SIZE * SIZE / 4, 1);
     run_frames(&w, 8);
     move_to(&w, 0.3);
-    render_cache_show(w.cache);
+    render_cache_show(w.cache, false);
     assert_true(share_right(&w, object_named(&w, "ball")) > 0.75);
     run_frames(&w, 12);
     assert_true(share_right(&w, SL_NO_INDEX) > 0.995);

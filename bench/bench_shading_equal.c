@@ -1,0 +1,166 @@
+/* A view at rest: error over shaded points, and over time (section 6 of the paper; its figure of diffuse interreflection: what the RenderCache has after
+ * 120 s the shading cache has after 10). The same sample renderers for both, the same points a batch; beside them the path tracer, pixel by pixel.
+ *
+ * Errors are those of displayed grey levels (RMS) against what the renderers say of each pixel: what both caches approach. How far that itself is from the path tracer's picture is said
+ * first; no cache of these samples can be better. The sweep of the non-matching ratio (pixels a frame / points a second, in seconds) is read off the same
+ * curves: the error after ten seconds. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "cache/shading_cache/plan.h"
+#include "shading_bench.h"
+#include "timing.h"
+
+typedef struct curve {
+    bench_series by_points, by_time; /* by_points: points stand for seconds; rel_mse: RMS levels */
+} curve;
+
+static void add(curve *c, double points, double seconds, double error) {
+    if (c->by_points.count == BENCH_POINTS) return;
+    c->by_points.point[c->by_points.count++] = (bench_point){.seconds = points, .rel_mse = error};
+    c->by_time.point[c->by_time.count++] = (bench_point){.seconds = seconds, .rel_mse = error};
+}
+
+/* Errors are looked at whenever there are a fifth more points than the last time. */
+static bool is_due(double *next, double points) {
+    if (points < *next) return false;
+    *next = 1.2 * points;
+    return true;
+}
+
+static void run_cache(bench_report *r, const bench_options *o, shading_world *w, double most, curve *c) {
+    shading_run run;
+    double next = 1.0;
+    shading_run_open(&run, w, NULL, false);
+    for (double points = 0.0; points < most;) {
+        shading_run_update(&run);
+        double before = points;
+        points = (double)shading_run_points(&run);
+        if (is_due(&next, points)) add(c, points, run.seconds, shading_run_error(&run));
+        if (points == before) break; /* nothing left to refine */
+    }
+    if (o->pictures) shading_run_picture(&run, r, "cache");
+    shading_run_close(&run);
+}
+
+/* Both fills have the same points. */
+static void run_rival(bench_report *r, const bench_options *o, shading_world *w, double most, curve *narrow, curve *wide) {
+    render_cache *cache = shading_rival(w, w->settings.shading_cache.points);
+    sl_counters counters = {{0}};
+    double next = 1.0, spent = 0.0;
+    for (double points = 0.0; points < most;) {
+        double from = process_ms();
+        render_cache_frame(cache, &counters);
+        spent += 1e-3 * (process_ms() - from);
+        points = (double)render_cache_costs(cache).samples;
+        if (!is_due(&next, points)) continue;
+        render_cache_show(cache, false);
+        add(narrow, points, spent, shading_error(w, render_cache_picture(cache)));
+        render_cache_show(cache, true);
+        add(wide, points, spent, shading_error(w, render_cache_picture(cache)));
+    }
+    if (o->pictures) shading_rival_picture(w, cache, r, "rendercache");
+    render_cache_destroy(cache);
+}
+
+static void run_path(shading_world *w, const bench_options *o, curve *c) {
+    for (uint32_t samples = 1; samples <= (o->brief ? 4 : 64); samples *= 4) {
+        double seconds;
+        double error = shading_path_error(w, samples, &seconds);
+        add(c, (double)samples, seconds, error);
+    }
+}
+
+static double first_points(const bench_series *s, double error) {
+    for (size_t i = 0; i < s->count; i++)
+        if (s->point[i].rel_mse <= error) return s->point[i].seconds;
+    return 0.0;
+}
+
+static void text_of(double value, char text[24]) {
+    if (value > 0.0) snprintf(text, 24, "%.3g", value);
+    else snprintf(text, 24, "-");
+}
+
+/* Points and seconds to the errors that the cache has at some of its points. */
+static void equal_quality(bench_report *r, const shading_world *w, curve curves[4]) {
+    static const double shares[] = {0.005, 0.01, 0.029, 0.1};
+    double pixels = (double)w->settings.width * (double)w->settings.height;
+    bench_table(r, w->name, "scene|points / pixel|points|RMS levels|RenderCache needs|times|wide fill needs|times|cache s|RenderCache s|times|path tracer s|times");
+    for (int i = 0; i < 4; i++) {
+        double points = shares[i] * pixels, error = bench_between(&curves[0].by_points, points, false);
+        if (!(error > 0.0)) continue;
+        double needs[2], seconds[4];
+        for (int k = 0; k < 2; k++) needs[k] = first_points(&curves[1 + k].by_points, error);
+        seconds[0] = bench_between(&curves[0].by_time, error, true);
+        seconds[1] = first_points(&curves[1].by_time, error);
+        seconds[3] = bench_between(&curves[3].by_time, error, true);
+        char text[7][24];
+        text_of(needs[0], text[0]), text_of(needs[0] / points, text[1]), text_of(needs[1], text[2]), text_of(needs[1] / points, text[3]);
+        text_of(seconds[1], text[4]), text_of(seconds[0] > 0.0 ? seconds[1] / seconds[0] : 0.0, text[5]), text_of(seconds[3], text[6]);
+        bench_row(r, "%s|%.4f|%.0f|%.2f|%s|%s|%s|%s|%.2f|%s|%s|%s|%.3g", w->name, shares[i], points, error, text[0], text[1], text[2], text[3], seconds[0], text[4],
+                  text[5], text[6], seconds[0] > 0.0 ? seconds[3] / seconds[0] : 0.0);
+    }
+}
+
+static void ratios(bench_report *r, const shading_world *w, curve curves[4]) {
+    static const double nmrs[] = {10, 30, 100, 300, 1000, 2500};
+    double pixels = (double)w->settings.width * (double)w->settings.height;
+    bench_table(r, "nmr", "scene|NMR s|points in 10 s|cache RMS levels|RenderCache|wide fill");
+    for (int i = 0; i < 6; i++) {
+        double points = 10.0 * pixels / nmrs[i];
+        char text[3][24];
+        for (int k = 0; k < 3; k++) {
+            const bench_series *s = &curves[k].by_points;
+            double last = s->count ? s->point[s->count - 1].seconds : 0.0;
+            text_of(points >= last && points < 1.2 * last ? s->point[s->count - 1].rel_mse : bench_between(s, points, false), text[k]);
+        }
+        bench_row(r, "%s|%.0f|%.0f|%s|%s|%s", w->name, nmrs[i], points, text[0], text[1], text[2]);
+    }
+}
+
+static void say_limit(bench_report *r, const bench_options *o, shading_world *w) {
+    bench_reference truth;
+    sl_transport transport;
+    sl_shading_transport(&w->settings, &transport);
+    bench_reference_get(w->scene, w->tracer, &transport, &w->pixels, o->brief ? 256 : 4096, &truth);
+    bench_error e = bench_compare(w->limit.half[0], &truth, NULL);
+    bench_say(r, "\n%s, %d x %d, %d paths and %d light samples a point, %zu pixels judged. The samples themselves: relMSE %.2e, %.1f %% RMS against %u path-traced samples.\n",
+              w->name, w->settings.width, w->settings.height, w->settings.shading_cache.indirect_samples, w->settings.shading_cache.area_samples, w->pixels.count,
+              e.rel_mse, 100.0 * e.rel_rmse, truth.samples);
+    bench_reference_free(&truth);
+}
+
+static void experiment(bench_report *r, const bench_options *o, const char *path) {
+    shading_world w;
+    static curve curves[4];
+    int size = 512;
+    if (!shading_open(r, o, path, size, o->brief ? 25 : 400, &w)) return;
+    shading_judge(&w, o->brief ? 16 : 8);
+    say_limit(r, o, &w);
+    for (int i = 0; i < 4; i++) curves[i].by_points.count = curves[i].by_time.count = 0;
+    double pixels = (double)size * (double)size;
+    run_cache(r, o, &w, (o->brief ? 0.06 : 0.15) * pixels, &curves[0]);
+    run_rival(r, o, &w, (o->brief ? 0.12 : 0.5) * pixels, &curves[1], &curves[2]);
+    run_path(&w, o, &curves[3]);
+    equal_quality(r, &w, curves);
+    ratios(r, &w, curves);
+    bench_series drawn[4];
+    static const char *const names[4] = {"shading cache", "RenderCache", "RenderCache, wide fill", "path tracer"}, *const colors[4] = {"#06c", "#c40", "#a3a", "#282"};
+    for (int i = 0; i < 4; i++) drawn[i] = curves[i].by_time, drawn[i].name = names[i], drawn[i].color = colors[i], drawn[i].line = true;
+    bench_draw_curves(r, w.name, drawn, 4);
+    bench_say(r, "\n![error over time, %s](pictures/%s-%s.svg)\n", w.name, r->name, w.name);
+    shading_close(&w);
+}
+
+int main(int argc, char **argv) {
+    bench_options o = bench_options_parse(argc, argv, "build/shading-cache");
+    bench_report r;
+    bench_report_open(&r, &o, "shading_equal");
+    r.error_axis = "RMS error, grey levels";
+    experiment(&r, &o, "scenes/generated/study.json");
+    experiment(&r, &o, "scenes/generated/loft.json");
+    experiment(&r, &o, "scenes/generated/pool.json");
+    bench_report_close(&r);
+    return 0;
+}

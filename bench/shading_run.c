@@ -1,0 +1,215 @@
+/* Worlds, the cache update by update, its rivals. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cache/shading_cache/plan.h"
+#include "base/math.h"
+#include "scene/ambient.h"
+#include "shading_bench.h"
+#include "timing.h"
+
+/* ---- worlds ---- */
+
+static sl_settings settings_for(int size, int indirect) {
+    sl_settings s = sl_settings_default();
+    s.method = "shading-cache";
+    s.width = s.height = size;
+    s.threads = 1;
+    s.shading_cache.indirect_samples = indirect;
+    s.shading_cache.indirect = indirect > 0 ? SL_INDIRECT_BIDIRECTIONAL : SL_INDIRECT_NONE;
+    s.shading_cache.frames_per_update = 1;
+    s.shading_cache.updates = UINT32_MAX;
+    sl_shading_complete(&s);
+    return s;
+}
+
+static void make_tracer(shading_world *w) {
+    sl_error error;
+    sl_tracer_destroy(w->own);
+    if (sl_tracer_create(w->scene, 1, NULL, &w->own, &error) != SL_OK) bench_fail("tracer", &error);
+    w->tracer = w->own;
+}
+
+static void make_renderers(shading_world *w) {
+    sl_shading_plan plan = sl_shading_plan_make(w->scene, &w->settings);
+    sl_renderer_settings s = {.scene = w->scene, .tracer = &w->tracer, .cache = w->settings.shading_cache, .seed = w->settings.seed, .threads = 1};
+    sl_error error;
+    if (plan.direct && sl_area_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK) bench_fail("direct light", &error);
+    if (plan.indirect && sl_bidirectional_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK) bench_fail("indirect light", &error);
+}
+
+bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect, shading_world *w) {
+    memset(w, 0, sizeof *w);
+    bench_scene_name(path, w->name);
+    if (!bench_wants(o, w->name) || !bench_open_scene(r, path, &w->scene)) return false;
+    w->settings = settings_for(size, indirect);
+    w->display = (sl_display_curve){sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) * (float)(1.0 / SL_PI)};
+    make_tracer(w);
+    make_renderers(w);
+    return true;
+}
+
+static void forget_pixels(shading_world *w) {
+    bench_pixels_free(&w->pixels);
+    bench_reference_free(&w->limit);
+}
+
+void shading_close(shading_world *w) {
+    forget_pixels(w);
+    for (int i = 0; i < w->renderers; i++) w->renderer[i].destroy(w->renderer[i].state);
+    sl_tracer_destroy(w->own);
+    sl_scene_destroy(w->scene);
+}
+
+unsigned shading_move(shading_world *w, double time) {
+    unsigned changes = 0;
+    sl_error error;
+    if (sl_scene_set_time(w->scene, time, &changes, &error) != SL_OK) bench_fail("time", &error);
+    if (changes & SL_CHANGED_OBJECTS) make_tracer(w);
+    for (int i = 0; i < w->renderers && changes; i++)
+        if (w->renderer[i].edit(w->renderer[i].state, changes, &error) != SL_OK) bench_fail("renderer", &error);
+    return changes;
+}
+
+static render_cache_settings rival_settings(const shading_world *w, int samples) {
+    return (render_cache_settings){.scene = w->scene, .tracer = &w->tracer, .renderer = w->renderer, .renderers = w->renderers, .width = w->settings.width,
+                                   .height = w->settings.height, .samples = samples, .threads = 1, .seed = 1};
+}
+
+void shading_judge(shading_world *w, int block) {
+    sl_error error;
+    forget_pixels(w);
+    bench_pixels_make(w->scene, w->tracer, w->settings.width, w->settings.height, block, &w->pixels);
+    size_t count = w->pixels.count;
+    w->limit = (bench_reference){.count = count, .samples = 1, .half = {calloc(3 * count + 1, sizeof(float)), NULL}};
+    if (!w->limit.half[0]) bench_fail("pixels", NULL);
+    w->limit.half[1] = w->limit.half[0];
+    const sl_shading_cache_settings *c = &w->settings.shading_cache;
+    const uint64_t what[] = {sl_scene_hash(w->scene), (uint64_t)w->settings.width, (uint64_t)c->indirect_samples, (uint64_t)c->area_samples, (uint64_t)c->area};
+    uint64_t hash = bench_hash(bench_hash(3, what, sizeof what), w->pixels.index, count * sizeof *w->pixels.index);
+    if (bench_store_load("shading", hash, 3 * count, w->limit.half[0])) return;
+    render_cache_settings s = rival_settings(w, 1);
+    if (render_cache_reference(&s, count, w->pixels.index, w->limit.half[0], &error) != SL_OK) bench_fail("reference", &error);
+    bench_store_save("shading", hash, 3 * count, w->limit.half[0]);
+}
+
+double shading_error(shading_world *w, const float *planes) {
+    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
+    double sum = 0.0;
+    for (size_t i = 0; i < w->pixels.count; i++) {
+        for (size_t k = 0; k < 3; k++) {
+            float shown = planes[k * pixels + w->pixels.index[i]], right = w->limit.half[0][3 * i + k];
+            double apart = (double)sl_curve_level_of(&w->display, shown) - (double)sl_curve_level_of(&w->display, right);
+            sum += apart * apart / (3.0 * (double)w->pixels.count);
+        }
+    }
+    return sqrt(sum);
+}
+
+/* ---- the cache ---- */
+
+/* What an observer's own picture takes falls to the stage that is announced with one. */
+static void end_stage(void *context, const sl_pass *pass) {
+    shading_run *run = context;
+    double now = process_ms();
+    for (int i = 0; i < SHADING_STAGES; i++) {
+        shading_stage *s = &run->stage[i];
+        if (s->name && strcmp(s->name, pass->name) != 0) continue;
+        s->name = pass->name;
+        s->ms += now - run->last;
+        break;
+    }
+    run->last = process_ms();
+}
+
+void shading_run_open(shading_run *run, shading_world *w, const sl_settings *settings, bool watched) {
+    sl_settings s = settings ? *settings : w->settings;
+    sl_error error;
+    memset(run, 0, sizeof *run);
+    run->world = w;
+    run->observer = (sl_observer){run, end_stage};
+    s.observer = watched ? &run->observer : NULL;
+    if (sl_method_create(w->scene, &s, &run->method, &error) != SL_OK) bench_fail("shading cache", &error);
+}
+
+void shading_run_close(shading_run *run) { sl_method_destroy(run->method); }
+
+void shading_run_edit(shading_run *run, unsigned changes) {
+    sl_error error;
+    if (changes && sl_method_edit(run->method, changes, &error) != SL_OK) bench_fail("edit", &error);
+}
+
+void shading_run_update(shading_run *run) {
+    sl_progress progress = {0};
+    sl_error error;
+    double from = run->last = process_ms(), wall = wall_ms();
+    if (sl_method_update(run->method, &progress, &error) != SL_OK) bench_fail("update", &error);
+    run->seconds += 1e-3 * (process_ms() - from);
+    run->wall += 1e-3 * (wall_ms() - wall);
+    run->updates++;
+}
+
+uint64_t shading_run_points(const shading_run *run) { return sl_method_counters(run->method)->value[SL_COUNT_POINTS_SHADED]; }
+
+static sl_image *picture_of(shading_run *run) {
+    sl_image *image;
+    sl_error error;
+    if (sl_method_resolve(run->method, &image, &error) != SL_OK) bench_fail("picture", &error);
+    return image;
+}
+
+double shading_run_error(shading_run *run) {
+    sl_image *image = picture_of(run);
+    double e = shading_error(run->world, image->planes);
+    sl_image_destroy(image);
+    return e;
+}
+
+void shading_run_picture(shading_run *run, const bench_report *r, const char *what) {
+    sl_image *image = picture_of(run);
+    bench_write_picture(r, run->world->name, what, image);
+    sl_image_destroy(image);
+}
+
+/* ---- rivals ---- */
+
+render_cache *shading_rival(const shading_world *w, int samples) {
+    render_cache_settings s = rival_settings(w, samples);
+    render_cache *cache;
+    sl_error error;
+    if (render_cache_create(&s, &cache, &error) != SL_OK) bench_fail("RenderCache", &error);
+    return cache;
+}
+
+void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r, const char *what) {
+    sl_image *image;
+    sl_error error;
+    int size = w->settings.width;
+    if (sl_image_create(size, size, 3, NULL, &image, &error) != SL_OK) bench_fail("picture", &error);
+    memcpy(image->planes, render_cache_picture(cache), 3 * (size_t)size * (size_t)size * sizeof(float));
+    bench_write_picture(r, w->name, what, image);
+    sl_image_destroy(image);
+}
+
+double shading_path_error(shading_world *w, uint32_t samples, double *seconds) {
+    int size = w->settings.width;
+    size_t pixels = (size_t)size * (size_t)size;
+    sl_path_settings settings = {size, size, 1, 77, {0}};
+    sl_path_tracer *path;
+    sl_counters counters = {{0}};
+    sl_error error;
+    sl_shading_transport(&w->settings, &settings.transport);
+    settings.transport.filter = SL_FILTER_CENTRE;
+    float *planes = calloc(3 * pixels, sizeof *planes);
+    double from = process_ms();
+    if (!planes || sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK) bench_fail("path tracer", planes ? &error : NULL);
+    for (uint32_t i = 0; i < samples; i++)
+        if (sl_path_tracer_sample(path, i, &counters, &error) != SL_OK) bench_fail("path tracer", &error);
+    *seconds = 1e-3 * (process_ms() - from);
+    sl_path_tracer_mean(path, -1, planes, planes + pixels, planes + 2 * pixels);
+    double e = shading_error(w, planes);
+    sl_path_tracer_destroy(path);
+    free(planes);
+    return e;
+}
