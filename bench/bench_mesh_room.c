@@ -17,6 +17,7 @@
 #include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/mesh.h"
 #include "mesh_bench.h"
+#include "scene/ambient.h"
 #include "timing.h"
 
 static const char room[] = "scenes/generated/room.json";
