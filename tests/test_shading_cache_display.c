@@ -226,6 +226,51 @@ static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_o
     hierarchy_discard(&h);
 }
 
+/* Quadrilaterals' halves may begin with any of their corners. */
+static void parameters_of_pixels_are_those_of_the_triangles_that_they_show(void **state) {
+    (void)state;
+    static id_picture ids;
+    static uint32_t shown[PIXELS];
+    size_t quads = 0;
+    for (int turn = 0; turn < 9; turn++) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+        uint32_t v[4] = {trace_mesh_vertex(&mesh, -1, -1, 0), trace_mesh_vertex(&mesh, 1, -1, 0.5f), trace_mesh_vertex(&mesh, 1.5f, 1, 0.5f),
+                         trace_mesh_vertex(&mesh, -0.5f, 1, 0)};
+        const uint32_t half[2][3] = {{v[0], v[1], v[2]}, {v[0], v[2], v[3]}};
+        for (int k = 0; k < 2; k++) {
+            int first = k ? turn / 3 : turn % 3;
+            trace_mesh_triangle(&mesh, half[k][first], half[k][(first + 1) % 3], half[k][(first + 2) % 3], 0);
+        }
+        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), false);
+        look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
+        sl_display *display = display_of(&h);
+        sl_raster *raster;
+        sl_view view = sl_view_scene(h.scene, W, H);
+        sl_target target = {W, H, shown, NULL};
+        sl_counters counters = {0};
+        assert_int_equal(sl_raster_create(h.scene, 1, &raster, NULL), SL_OK);
+        assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
+        map_ids(display, 1, &ids);
+        size_t covered = 0;
+        for (uint32_t i = 0; i < PIXELS; i++) {
+            if (shown[i] == SL_NO_INDEX) continue;
+            float w1, w2;
+            double u, along_v;
+            sl_raster_barycentrics(raster, &view, 1, &i, &shown[i], &w1, &w2);
+            sl_root_parameters(h.primitives, shown[i], w1, w2, &u, &along_v);
+            assert_true(fabs((double)ids.u[i] - u) < 1e-6 && fabs((double)ids.v[i] - along_v) < 1e-6);
+            covered++;
+        }
+        assert_true(covered > 500);
+        quads += h.primitives->kind[0] == SL_PRIMITIVE_QUAD;
+        sl_raster_destroy(raster);
+        sl_display_destroy(display);
+        hierarchy_discard(&h);
+    }
+    assert_int_equal(quads, 9);
+}
+
 /* ---- before any sample ---------------------------------------------------------------------------------------------------------- */
 
 static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(void **state) {
@@ -296,8 +341,8 @@ static void value_beside(const sl_display *d, uint32_t root, double u, double v,
     sl_leaf leaf = sl_leaf_begin(&d->root[copy->root[root]], triangle);
     sl_leaf_field field;
     sl_leaf_find(copy, &leaf, sl_place_of((float)u), sl_place_of((float)v));
-    sl_leaf_field_of(copy, copy->channels, &leaf, &field);
-    sl_leaf_value(copy, copy->channels, &leaf, &field, value);
+    sl_leaf_field_of(copy, copy->colours, &leaf, &field);
+    sl_leaf_value(copy, copy->colours, &leaf, &field, value);
 }
 
 static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state) {
@@ -370,7 +415,7 @@ static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **st
         assert_true(fabs((double)value[c] - mean) < 1e-5);
     }
     value_beside(display, 0, 0.0, 0.0, value);
-    for (int c = 0; c < 3; c++) assert_true(value[c] == h.patches->vertex[sl_patch_corner(h.patches, child, 0)].value[c]);
+    for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - (double)h.patches->vertex[sl_patch_corner(h.patches, child, 0)].value[c]) < 1e-5);
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }
@@ -501,6 +546,31 @@ static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
     hierarchy_discard(&h);
 }
 
+/* ---- colours in eight bytes ----------------------------------------------------------------------------------------------------- */
+
+static void packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest_channel(void **state) {
+    (void)state;
+    uint64_t key = sl_random_key(71, 0);
+    for (uint64_t i = 0; i < 20000; i++) {
+        float colour[3], back[3], most = 0.0f, scale = sl_power_of_two((int)below(key, 5 * i, 200) - 80);
+        for (uint64_t c = 0; c < 3; c++) colour[c] = scale * sl_random_unit(key, 5 * i + 1 + c) * (sl_random_unit(key, 5 * i + 4) < 0.3f && c ? 0.0f : 1.0f);
+        for (int c = 0; c < 3; c++) most = fmaxf(most, colour[c]);
+        sl_unpack_colour(sl_pack_colour(colour), back);
+        for (int c = 0; c < 3; c++) assert_true(fabs((double)back[c] - (double)colour[c]) <= 0x1p-18 * (double)most);
+        for (int c = 0; c < 3; c++) assert_true(colour[c] > 0.0f || back[c] == 0.0f);
+    }
+    const float hard[6][3] = {{0, 0, 0}, {1, 1, 1}, {NAN, -1, 2}, {INFINITY, 1, 0}, {0x1p-149f, 0, 0x1p-126f}, {0x1.fffffep127f, 0, 0}};
+    const float want[6][3] = {{0, 0, 0}, {1, 1, 1}, {0, 0, 2}, {INFINITY, 0, 0}, {0, 0, 0}, {INFINITY, 0, 0}};
+    for (int i = 0; i < 6; i++) {
+        float back[3];
+        sl_unpack_colour(sl_pack_colour(hard[i]), back);
+        for (int c = 0; c < 3; c++) {
+            bool huge = isinf(want[i][c]);
+            assert_true(huge ? isfinite(back[c]) && back[c] > 0x1.fffep127f : back[c] == want[i][c]);
+        }
+    }
+}
+
 /* ---- motion ---------------------------------------------------------------------------------------------------------------------- */
 
 static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void **state) {
@@ -566,6 +636,7 @@ static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_what_evaluation_pixel_by_pixel_gives),
+        cmocka_unit_test(parameters_of_pixels_are_those_of_the_triangles_that_they_show),
         cmocka_unit_test(the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_once),
         cmocka_unit_test(silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess),
         cmocka_unit_test(a_split_without_samples_is_not_seen),
@@ -575,6 +646,7 @@ int main(void) {
         cmocka_unit_test(what_is_shown_stays_as_it_was_until_the_build_ends),
         cmocka_unit_test(frames_are_drawn_while_the_other_copy_is_built),
         cmocka_unit_test(frames_are_the_same_bits_with_any_number_of_threads),
+        cmocka_unit_test(packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest_channel),
         cmocka_unit_test(a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had),
         cmocka_unit_test(patches_and_both_copies_take_few_bytes_a_patch),
     };

@@ -91,7 +91,7 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->block_capacity * sizeof *c->block + c->vertex_capacity * c->channels * sizeof *c->value;
+        bytes += c->block_capacity * sizeof *c->block + c->vertex_capacity * c->colours * sizeof *c->value;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
@@ -105,7 +105,7 @@ static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     size_t blocks = p->patch_count / 4;
     void *block = copy->block, *value = copy->value;
     bool ok = sl_display_grow(&block, &copy->block_capacity, blocks, sizeof *copy->block) &&
-              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, copy->channels * sizeof *copy->value);
+              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, copy->colours * sizeof *copy->value);
     copy->block = block;
     copy->value = value;
     if (!ok) return false;
@@ -195,7 +195,7 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
     (void)counters;
     int hidden = 1 - atomic_load_explicit(&d->shown, memory_order_relaxed);
     sl_display_copy *copy = &d->copy[hidden];
-    copy->channels = p->radiance ? 6 : 3;
+    copy->colours = p->radiance ? 2 : 1;
     sl_status status = update_copy(d, copy, p, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(d, &copy->tessellation, error);
     if (status != SL_OK) { /* flags are left as they are: the other copy misses nothing */

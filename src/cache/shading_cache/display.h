@@ -7,6 +7,7 @@
  *   arrays.c         the two copies: trees, only what has changed
  *   display_fans.c   leaves beside finer ones: fans around their centre, so that colours meet along edges
  *   vertex_values.c  what vertices show: their samples, or, before they have any, what lies between those around them
+ *   packed_colour.h  colours in eight bytes
  *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there
  *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded, only interpolated
  *   draw.c           id map, Gouraud, texture, emission

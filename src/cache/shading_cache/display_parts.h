@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 
 #include "cache/shading_cache/display.h"
+#include "cache/shading_cache/packed_colour.h"
 
 /* What a patch is in the display: a leaf, a leaf with a fan, or the block of four that its children are. */
 enum { SL_FAN_BIT = 0x40000000 };
@@ -70,8 +71,8 @@ typedef struct sl_display_copy {
     size_t root_count;
     sl_display_block *block;
     size_t block_count, block_capacity;
-    size_t channels;           /* of values: 3, E; or 6, L_s after it */
-    float *value;              /* by vertex */
+    size_t colours;            /* of a vertex: 1, E; or 2, L_s after it */
+    sl_packed_colour *value;   /* by vertex */
     size_t vertex_count, vertex_capacity;
     sl_fans fans;
     sl_tessellation tessellation;

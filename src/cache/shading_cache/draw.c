@@ -59,17 +59,18 @@ static void corner_differences(float p[3]) {
     p[2] -= p[0];
 }
 
+/* Of a triangle that is drawn as it stands: plain, or half of a quadrilateral, whose corners go round from wherever the triangle begins. */
 static void scene_parameters(const sl_primitives *p, uint32_t t, triangle_run *run) {
-    static const float corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-    if (p->kind[p->of_triangle[t]] == SL_PRIMITIVE_TRIANGLE) { /* the same */
-        for (int c = 0; c < 3; c++) run->u[c] = corner[c][0], run->v[c] = corner[c][1];
-        return;
-    }
+    static const float round[3][3][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+    uint32_t primitive = p->of_triangle[t];
+    bool plain = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
+    const float(*corner)[2] = round[plain ? 0 : 1 + (t - p->first_triangle[primitive])];
+    double u = 0.0, v = 0.0;
+    if (!plain) sl_root_parameters(p, t, 0.0f, 0.0f, &u, &v);
+    int first = u == 0.0 && v == 0.0 ? 0 : u == (double)corner[1][0] && v == (double)corner[1][1] ? 1 : 2;
     for (int c = 0; c < 3; c++) {
-        double u, v;
-        sl_root_parameters(p, t, corner[c][0], corner[c][1], &u, &v);
-        run->u[c] = (float)u;
-        run->v[c] = (float)v;
+        run->u[c] = corner[(first + c) % 3][0];
+        run->v[c] = corner[(first + c) % 3][1];
     }
 }
 
@@ -176,16 +177,16 @@ static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int3
 
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
     const sl_rgb guess = job->display->settings.guess;
-    const size_t channels = job->copy->channels;
+    const size_t colours = job->copy->colours;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
     int32_t u, v;
     bool fresh = find_leaf(job, run, w1, w2, &u, &v);
-    if (run->wanted && channels == 3) { /* the constant, so that colours are compiled for it */
-        if (fresh) sl_leaf_field_of(job->copy, 3, &run->leaf, &run->field);
-        sl_leaf_value(job->copy, 3, &run->leaf, &run->field, e);
+    if (run->wanted && colours == 1) { /* the constant, so that colours are compiled for it */
+        if (fresh) sl_leaf_field_of(job->copy, 1, &run->leaf, &run->field);
+        sl_leaf_value(job->copy, 1, &run->leaf, &run->field, e);
     } else if (run->wanted) {
-        if (fresh) sl_leaf_field_of(job->copy, 6, &run->leaf, &run->field);
-        sl_leaf_value(job->copy, 6, &run->leaf, &run->field, e);
+        if (fresh) sl_leaf_field_of(job->copy, 2, &run->leaf, &run->field);
+        sl_leaf_value(job->copy, 2, &run->leaf, &run->field, e);
     }
     sl_rgb kd = !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
     const float over_pi = (float)(1.0 / SL_PI);

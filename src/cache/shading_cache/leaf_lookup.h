@@ -122,8 +122,9 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
 
 /* ---- what it shows ------------------------------------------------------------------------------------------------------------ */
 
-static inline const float *sl_display_value(const sl_display_copy *copy, size_t channels, uint32_t vertex) {
-    return copy->value + channels * vertex;
+/* E, and with two colours L_s after it. */
+static inline void sl_display_value(const sl_display_copy *copy, size_t colours, uint32_t vertex, float value[6]) {
+    for (size_t k = 0; k < colours; k++) sl_unpack_colour(copy->value[colours * vertex + k], value + 3 * k);
 }
 
 /* The edge towards which a point lies as seen from the centre (edge i is corner i to i + 1), how far along it, and how far out from the centre. */
@@ -171,14 +172,12 @@ typedef struct sl_leaf_field {
     float k[4][6];
 } sl_leaf_field;
 
-static inline void sl_leaf_field_of(const sl_display_copy *copy, size_t channels, const sl_leaf *leaf, sl_leaf_field *field) {
-    const float *corner[4];
-    uint32_t corners = leaf->triangle ? 3 : 4;
+static inline void sl_leaf_field_of(const sl_display_copy *copy, size_t colours, const sl_leaf *leaf, sl_leaf_field *field) {
+    float corner[4][6];
     bool fan = sl_is_fan_word(leaf->word);
     sl_leaf_corners(copy, leaf, field->corner);
-    for (uint32_t c = 0; c < corners; c++) corner[c] = sl_display_value(copy, channels, field->corner[c]);
-    if (leaf->triangle) corner[3] = corner[2];
-    for (size_t i = 0; i < channels; i++) {
+    for (int c = 0; c < 4; c++) sl_display_value(copy, colours, field->corner[c == 3 && leaf->triangle ? 2 : c], corner[c]);
+    for (size_t i = 0; i < 3 * colours; i++) {
         float v0 = corner[0][i], v1 = corner[1][i], v2 = corner[2][i], v3 = corner[3][i];
         field->k[0][i] = !fan ? v0 : leaf->triangle ? (v0 + v1 + v2) * (1.0f / 3.0f) : ((v0 + v2) + (v1 + v3)) * 0.25f;
         field->k[1][i] = v1 - v0;
@@ -187,10 +186,10 @@ static inline void sl_leaf_field_of(const sl_display_copy *copy, size_t channels
     }
 }
 
-static inline void sl_leaf_value(const sl_display_copy *copy, size_t channels, const sl_leaf *leaf, const sl_leaf_field *field, float value[6]) {
+static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, const sl_leaf *leaf, const sl_leaf_field *field, float value[6]) {
     if (!sl_is_fan_word(leaf->word)) {
         float a = leaf->a, b = leaf->b, ab = a * b;
-        for (size_t i = 0; i < channels; i++) {
+        for (size_t i = 0; i < 3 * colours; i++) {
             float plain = (field->k[0][i] + a * field->k[1][i]) + (b * field->k[2][i] + ab * field->k[3][i]);
             value[i] = plain > 0.0f ? plain : 0.0f; /* black corners stay black, whatever rounding says */
         }
@@ -198,9 +197,10 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t channels, c
     }
     sl_fan_place place = sl_fan_place_of(leaf);
     uint32_t end[2];
-    float along = sl_fan_piece(copy, leaf, field->corner, &place, end);
-    const float *from = sl_display_value(copy, channels, end[0]), *to = sl_display_value(copy, channels, end[1]);
-    for (size_t i = 0; i < channels; i++) {
+    float along = sl_fan_piece(copy, leaf, field->corner, &place, end), from[6], to[6];
+    sl_display_value(copy, colours, end[0], from);
+    sl_display_value(copy, colours, end[1], to);
+    for (size_t i = 0; i < 3 * colours; i++) {
         float on_edge = from[i] + along * (to[i] - from[i]);
         value[i] = field->k[0][i] + place.out * (on_edge - field->k[0][i]);
     }

@@ -75,23 +75,25 @@ static void drop_entries(sl_display *d, const sl_patches *p) {
 
 /* ---- values -------------------------------------------------------------------------------------------------------------------- */
 
-static float *value_of(const sl_display_copy *copy, uint32_t vertex) { return copy->value + copy->channels * vertex; }
+static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex) { return copy->value + copy->colours * vertex; }
 
 static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
-    float *to = value_of(copy, vertex);
-    memcpy(to, p->vertex[vertex].value, sizeof p->vertex[vertex].value);
-    if (p->radiance) memcpy(to + 3, p->radiance[vertex], sizeof p->radiance[vertex]);
+    sl_packed_colour *to = value_of(copy, vertex);
+    to[0] = sl_pack_colour(p->vertex[vertex].value);
+    if (p->radiance) to[1] = sl_pack_colour(p->radiance[vertex]);
 }
 
 static void take_mean(const sl_display *d, const sl_display_copy *copy, const sl_pending_vertex *e) {
-    const float guess[6] = {d->settings.guess.r, d->settings.guess.g, d->settings.guess.b, 0, 0, 0};
+    const float guess[2][3] = {{d->settings.guess.r, d->settings.guess.g, d->settings.guess.b}, {0, 0, 0}};
     int count = e->around[2] != SL_NO_INDEX && e->around[3] != SL_NO_INDEX ? 4 : 2;
     for (int k = 0; k < count; k++) count = e->around[k] == SL_NO_INDEX ? 0 : count;
-    float *to = value_of(copy, e->vertex);
-    for (size_t c = 0; c < copy->channels; c++) {
-        double sum = count ? 0.0 : (double)guess[c];
-        for (int k = 0; k < count; k++) sum += (double)value_of(copy, e->around[k])[c];
-        to[c] = (float)(count ? sum / count : sum);
+    for (size_t which = 0; which < copy->colours; which++) {
+        float sum[3] = {0, 0, 0}, one[3];
+        for (int k = 0; k < count; k++) {
+            sl_unpack_colour(value_of(copy, e->around[k])[which], one);
+            for (int c = 0; c < 3; c++) sum[c] += one[c] / (float)count;
+        }
+        value_of(copy, e->vertex)[which] = sl_pack_colour(count ? sum : guess[which]);
     }
 }
 
