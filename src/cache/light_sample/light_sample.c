@@ -280,6 +280,7 @@ static double by_pictures(const sample *s) {
         sl_light_sums sums = {0.0, 0.0};
         sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums) : sl_window_shoot(&s->query, size, &sums);
         if (shot == SL_SHOT_IMPOSSIBLE) return by_rays(s);
+        if (shot == SL_SHOT_HIDDEN) return 0.0;
         if (shot == SL_SHOT_NOTHING_BETWEEN) {
             sl_count(s->query.counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
             return s->unoccluded;

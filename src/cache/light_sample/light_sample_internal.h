@@ -88,6 +88,7 @@ typedef struct sl_light_sums {
 } sl_light_sums;
 typedef enum sl_light_shot {
     SL_SHOT_TAKEN,
+    SL_SHOT_HIDDEN,          /* something is before all of the light: the rest of the work was not needed */
     SL_SHOT_NOTHING_BETWEEN, /* no picture was needed: all of the light is seen */
     SL_SHOT_IMPOSSIBLE       /* no frustum holds the light: take rays */
 } sl_light_shot;

@@ -1,7 +1,8 @@
-/* The paper's frustum: it looks at the light and just holds it, whatever its shape. The light alone is drawn first: that is where it is, and
- * which of its triangles show their front. Then the scene: where that is nearer, the light is hidden. Each pixel counts with its solid angle
- * and cosine; the light's own cosine is in the solid angle already. */
+/* The paper's frustum: it looks at the light and just holds it, whatever its shape. The scene is drawn first: where all of it
+ * is nearer than the light, that is hidden. Then the light alone: that is where it is, and which of its triangles show their front; where the scene is
+ * nearer, it is hidden. Each pixel counts with its solid angle and cosine; the light's own cosine is in the solid angle already. */
 #include <math.h>
+#include <string.h>
 
 #include "cache/light_sample/light_sample_internal.h"
 
@@ -30,6 +31,20 @@ static void set_tangents(float *tangent, int size, float first, float last) {
     }
 }
 
+/* Whether all that the scene's picture shows is nearer than the light's nearest: nothing of the light is seen then, whatever its own picture is like. */
+static bool hides_all(const float *depth, size_t pixels, float nearest) {
+    enum { BLOCK = 512 };
+    if (!(nearest > 0.0f)) return false;
+    const float limit = 1.001f / nearest; /* depths are 1/w */
+    for (size_t i = 0; i < pixels; i += BLOCK) {
+        int farther = 0;
+        size_t end = i + BLOCK < pixels ? i + BLOCK : pixels;
+        for (size_t k = i; k < end; k++) farther |= !(depth[k] > limit);
+        if (farther) return false;
+    }
+    return true;
+}
+
 /* The paper's picture lies along an edge of the light. For the ratio it is turned against it, as a window is, by a slope of 0.382. */
 static sl_light_sight find_view(const sl_light_query *query, int size, sl_light_view *v) {
     const sl_light_sampling *sampling = query->sampling;
@@ -56,10 +71,15 @@ sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_s
     if (sight == SL_LIGHT_HIDDEN) return SL_SHOT_TAKEN;
     if (sight == SL_LIGHT_TOO_WIDE || !(v.left < v.right) || !(v.bottom < v.top)) return SL_SHOT_IMPOSSIBLE;
     const sl_target light_target = {size, size, s->light_id, s->light_depth}, target = {size, size, s->id, s->depth};
-    v.view.skip_triangle = own_triangle(light, point->triangle);
-    sl_raster_id_small(sampling->shape[query->light].raster, &v.view, &light_target, s->light_raster, query->counters);
     v.view.skip_triangle = point->triangle;
     sl_raster_id_small(sampling->raster, &v.view, &target, s->raster, query->counters);
+    if (hides_all(s->depth, (size_t)size * (size_t)size, v.nearest)) {
+        memset(s->planes, 0, (size_t)size * (size_t)size * sizeof *s->planes);
+        s->picture_size = size;
+        return SL_SHOT_HIDDEN;
+    }
+    v.view.skip_triangle = own_triangle(light, point->triangle);
+    sl_raster_id_small(sampling->shape[query->light].raster, &v.view, &light_target, s->light_raster, query->counters);
     find_facing(light, eye, s->facing);
     set_tangents(s->column_x, size, v.left, v.right);
     set_tangents(s->row_y, size, v.bottom, v.top);

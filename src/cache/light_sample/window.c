@@ -182,6 +182,17 @@ sl_light_sums sl_light_reduce(const sl_light_query *query, int size) {
     return sums;
 }
 
+static bool hides_all(const uint32_t *id, size_t pixels) {
+    enum { BLOCK = 512 };
+    for (size_t i = 0; i < pixels; i += BLOCK) {
+        int seen = 0;
+        size_t end = i + BLOCK < pixels ? i + BLOCK : pixels;
+        for (size_t k = i; k < end; k++) seen |= id[k] == SL_NO_INDEX;
+        if (seen) return false;
+    }
+    return true;
+}
+
 sl_light_shot sl_window_shoot(const sl_light_query *query, int size, sl_light_sums *sums) {
     const sl_light_sampling *sampling = query->sampling;
     const sl_light_shape_info *shape = &sampling->shape[query->light];
@@ -199,6 +210,11 @@ sl_light_shot sl_window_shoot(const sl_light_query *query, int size, sl_light_su
     bool cull = !sampling->settings.all_triangles && sampling->settings.estimator == SL_LIGHT_RATIO;
     if (cull && !sl_raster_meets(sampling->raster, &view)) return SL_SHOT_NOTHING_BETWEEN;
     sl_raster_id_small(sampling->raster, &view, &(sl_target){size, size, scratch->id, NULL}, scratch->raster, query->counters);
+    if (hides_all(scratch->id, (size_t)size * (size_t)size)) {
+        memset(scratch->planes, 0, (size_t)size * (size_t)size * sizeof *scratch->planes);
+        scratch->picture_size = size;
+        return SL_SHOT_HIDDEN;
+    }
     set_tangents(scratch->column_x, scratch->row_x, size, sl_dotd(w->a, x) / h, sl_dotd(w->b, x) / h, sl_dotd(to, x) / h);
     set_tangents(scratch->column_y, scratch->row_y, size, sl_dotd(w->a, y) / h, sl_dotd(w->b, y) / h, sl_dotd(to, y) / h);
     double pixel = sl_lengthd(sl_crossd(w->a, w->b)) / (h * h * (double)size * (double)size);

@@ -14,6 +14,7 @@ static const double least_cosine = 0.02;
 typedef struct {
     size_t count;
     sl_vec3d d[OUTLINE_MAX];
+    double length[OUTLINE_MAX];
     size_t next[OUTLINE_MAX]; /* the other end of the edge that starts here */
 } outline;
 
@@ -43,7 +44,10 @@ static void add_above_horizon(outline *o, const sl_vec3d d[3], sl_vec3d n, bool 
             o->d[o->count++] = sl_addd(d[k], sl_scaled(sl_subd(d[m], d[k]), t));
         }
     }
-    for (size_t i = first; i < o->count; i++) o->next[i] = i + 1 < o->count ? i + 1 : first;
+    for (size_t i = first; i < o->count; i++) {
+        o->next[i] = i + 1 < o->count ? i + 1 : first;
+        o->length[i] = sl_lengthd(o->d[i]);
+    }
 }
 
 static void add_triangle(outline *o, sl_vec3d eye, const sl_vec3 *corner, sl_vec3d normal, bool horizon, bool two_sided) {
@@ -135,20 +139,23 @@ typedef struct {
     double least_cosine;
 } extent;
 
+static inline double lesser(double a, double b) { return b < a ? b : a; } /* NaN in b: a */
+static inline double greater(double a, double b) { return b > a ? b : a; }
+
 static extent measure(const outline *o, sl_vec3d x, sl_vec3d y, sl_vec3d z) {
     extent e = {INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY, 0.0, 1.0};
     for (size_t i = 0; i < o->count; i++) {
-        double w = sl_dotd(o->d[i], z), length = sl_lengthd(o->d[i]);
-        e.nearest = fmin(e.nearest, w);
-        e.farthest = fmax(e.farthest, w);
+        double w = sl_dotd(o->d[i], z), length = o->length[i];
+        e.nearest = lesser(e.nearest, w);
+        e.farthest = greater(e.farthest, w);
         if (!(length > 0.0)) continue;
-        e.least_cosine = fmin(e.least_cosine, w / length);
+        e.least_cosine = lesser(e.least_cosine, w / length);
         if (!(w > 0.0)) continue;
         double u = sl_dotd(o->d[i], x) / w, v = sl_dotd(o->d[i], y) / w;
-        e.left = fmin(e.left, u);
-        e.right = fmax(e.right, u);
-        e.bottom = fmin(e.bottom, v);
-        e.top = fmax(e.top, v);
+        e.left = lesser(e.left, u);
+        e.right = greater(e.right, u);
+        e.bottom = lesser(e.bottom, v);
+        e.top = greater(e.top, v);
     }
     return e;
 }
