@@ -148,9 +148,39 @@ static void mirrors_that_no_light_reaches_make_no_photons(void **state) {
     sl_caustic_map map;
     assert_int_equal(sl_caustic_map_make(&s.settings, &map, NULL), SL_OK);
     assert_int_equal(map.count, 0);
-    assert_true(map.emitted > 0);
+    assert_int_equal(map.emitted, 0); /* none but those that looked for them */
     sl_caustic_map_release(&map);
     shop_close(&s);
+}
+
+/* Aimed numbers are spread as their density says, wherever there were hits: sums of weights are areas. */
+static void aimed_photons_weigh_one_over_their_density(void **state) {
+    (void)state;
+    static double hits[SL_AIM_ALL];
+    static sl_caustic_aim aim;
+    enum { LIGHT = SL_AIM_PLANE, ROW = SL_AIM_CELLS, AT = 5 * LIGHT + 4 * ROW - 1 };
+    hits[AT] = 40.0;
+    hits[5 * LIGHT + 9 * ROW + 4] = 1.0;
+    hits[63 * LIGHT] = 3.0;
+    sl_caustic_aim_make(hits, &aim);
+    static const uint32_t lights[] = {4, 5, 63, 64 + 5};
+    for (int l = 0; l < 4; l++) {
+        double area = 0.0, part = 0.0, aimed = 0.0;
+        enum { N = 512 };
+        for (int i = 0; i < N * N; i++) {
+            float whither[3] = {((float)(i % N) + 0.5f) / N, ((float)(i / N) + 0.5f) / N, 0.7f};
+            double weight = (double)sl_caustic_aim_warp(&aim, lights[l], whither) / (N * N);
+            assert_true(weight > 0.0 && weight * (N * N) <= 4.01);
+            for (int k = 0; k < 2; k++) assert_true(whither[k] >= 0.0f && whither[k] < 1.0f);
+            assert_true(whither[2] == 0.7f);
+            area += weight;
+            if (whither[0] < 0.3f) part += weight;
+            if (sl_aim_cell(lights[l], whither) == AT) aimed += 1.0 / (N * N);
+        }
+        assert_true(fabs(area - 1.0) < 0.01 && fabs(part - 0.3) < 0.01);
+        double expected = lights[l] % 64 == 5 ? 0.75 / 18.0 + 0.25 / LIGHT : 0.0; /* nine cells around each hit */
+        assert_true(fabs(aimed - expected) < 0.005);
+    }
 }
 
 /* The k nearest by the tree are those that looking at every photon finds. */
@@ -222,6 +252,7 @@ int main(void) {
         cmocka_unit_test(nothing_is_counted_twice),
         cmocka_unit_test(rough_surfaces_make_no_caustics),
         cmocka_unit_test(mirrors_that_no_light_reaches_make_no_photons),
+        cmocka_unit_test(aimed_photons_weigh_one_over_their_density),
         cmocka_unit_test(the_tree_finds_the_nearest),
         cmocka_unit_test(maps_are_the_same_bits_with_any_threads_and_follow_edits),
     };

@@ -60,6 +60,10 @@ typedef struct sl_path_maker {
     double radius;            /* through which distant light comes */
     bool light_image;         /* light subpaths are joined to the camera (t = 1), */
     bool direct_image;        /* those of one surface too (s = 2) */
+    /* Where light is wanted: changes the numbers that start light subpath `lane` of a packet and returns what its
+     * weight is multiplied by, 1 over the new density. NULL: none. */
+    float (*aim)(void *context, unsigned lane, float where[3], float whither[3]);
+    void *aim_context;
     float least;              /* connections that carry less are taken in a share of cases, and count for more there; 0: all are taken */
     unsigned eye_vertices;    /* those that are given: 1, the eye, or 2, a point before it */
     float tan_x, tan_y;       /* of half the camera's fields of view */
