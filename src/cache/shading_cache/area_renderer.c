@@ -18,7 +18,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/renderer_parts.h"
-#include "cache/shading_cache/solids.h"
+#include "cache/shading_cache/enclosures.h"
 
 /* What lies within this share of the way to the light, at the light, is the light, or too near it to be told from it. */
 static const double light_margin = 1e-4;

@@ -4,8 +4,8 @@
  *
  *   closed     more than half of the probe rays meet such back faces
  *   open       (a box without a bottom) all of them do */
-#ifndef SL_SHADING_CACHE_SOLIDS_H
-#define SL_SHADING_CACHE_SOLIDS_H
+#ifndef SL_SHADING_CACHE_ENCLOSURES_H
+#define SL_SHADING_CACHE_ENCLOSURES_H
 
 #include "cache/shading_cache/primitives.h"
 #include "trace/trace.h"

@@ -1,4 +1,4 @@
-#include "cache/shading_cache/solids.h"
+#include "cache/shading_cache/enclosures.h"
 
 #include <math.h>
 #include <stdlib.h>
