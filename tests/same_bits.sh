@@ -60,6 +60,9 @@ same octree-bumps scenes/bricks.json -m light-octree -q draft --stored-photons 2
 same mesh-cornell scenes/cornell.json -m multi-mesh -q draft -s 64x64
 same mesh-glossy scenes/cornell-glossy.json -m multi-mesh -q normal --selection chain --bounces 2 --side-strips -s 48x48
 same mesh-rays scenes/two-rooms.json -m multi-mesh -q draft --light-estimator look-at -s 64x48
+same shading-cornell scenes/cornell.json -m shading-cache -q draft --updates 10 -s 64x64
+same shading-glossy scenes/cornell-glossy.json -m shading-cache -q draft --updates 10 --pixel-selection systematic --variance-aware -s 48x48
+same shading-vase scenes/vase.json -m shading-cache -q draft --updates 6 --caustics -s 64x64
 same path-cornell scenes/cornell.json -m path --spp 4 -s 64x64
 same path-glossy scenes/cornell-glossy.json -m path --spp 4 -s 64x64
 same path-mirror scenes/cornell-mirror.json -m path --spp 4 -s 64x64

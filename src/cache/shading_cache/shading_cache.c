@@ -63,7 +63,8 @@ typedef struct shading_state {
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     uint32_t last_update;          /* after which a picture is done: an edit allows as many again */
-    uint32_t edits;                /* frames shown since the last update, of a series */
+    uint32_t edits;                /* ... of a series: frames */
+    bool shows_only;               /* the next frame of a series waits for no update */
     bool drawn;                    /* the display knows the view */
     bool done;
     sl_counters counters;
@@ -340,18 +341,24 @@ static sl_status work_out(shading_state *s, size_t choices, size_t *vertices, sl
 
 /* ---- U7: samples ---- */
 
-/* A vertex inside other geometry is asked for a little further inside its root. */
+static bool on_the_border(const sl_primitives *primitives, const sl_patch_vertex *v) {
+    bool triangle = primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
+    if (v->u == 0 || v->v == 0) return true;
+    return triangle ? v->u + v->v >= SL_PATCH_DYADIC : v->u >= SL_PATCH_DYADIC || v->v >= SL_PATCH_DYADIC;
+}
+
+/* Where a vertex is shaded. On its root's border it is moved inwards by 1/256 of the way to the middle: in the crease between two walls it would see
+ * half of what is behind the other. Inside other geometry it is asked for further and further inside. */
 static void place_request(const shading_state *s, uint32_t vertex, int nudge, sl_root_point *point) {
+    static const int32_t ways[NUDGES + 1] = {256, 100, 20, 5};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool triangle = s->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
-    uint32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, shift = nudge == 1 ? 10 : nudge == 2 ? 7 : 5;
-    uint32_t u = v->u, w = v->v;
-    if (nudge) {
-        int32_t du = (int32_t)centre - (int32_t)u, dv = (int32_t)centre - (int32_t)w, part = (int32_t)1 << shift;
-        u = (uint32_t)((int32_t)u + du / part);
-        w = (uint32_t)((int32_t)w + dv / part);
+    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, u = v->u, w = v->v;
+    if (nudge || on_the_border(s->primitives, v)) {
+        u += (centre - u) / ways[nudge];
+        w += (centre - w) / ways[nudge];
     }
-    sl_root_point_at(s->primitives, v->root, u, w, point);
+    sl_root_point_at(s->primitives, v->root, (uint32_t)u, (uint32_t)w, point);
 }
 
 static void make_request(const shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
@@ -369,11 +376,23 @@ static void add_sample(sl_sample *sum, const sl_sample *part) {
     sum->valid = sum->valid && part->valid;
 }
 
+/* The next run of requests from `first` that are worth asking for: what one renderer calls invalid no other one is asked about. */
+static size_t next_run(const sl_sample *samples, size_t count, size_t *first) {
+    while (*first < count && !samples[*first].valid) ++*first;
+    size_t end = *first;
+    while (end < count && samples[end].valid) end++;
+    return end - *first;
+}
+
 static void render_samples(shading_state *s, size_t count, const sl_sample_request *requests, sl_sample *samples) {
     for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.valid = true};
     for (int r = 0; r < s->renderer_count; r++) {
-        s->renderer[r].render(s->renderer[r].state, count, requests, s->settings.threads, s->part, &s->counters);
-        for (size_t i = 0; i < count; i++) add_sample(&samples[i], &s->part[i]);
+        size_t first = 0, run;
+        while ((run = next_run(samples, count, &first)) > 0) {
+            s->renderer[r].render(s->renderer[r].state, run, requests + first, s->settings.threads, s->part, &s->counters);
+            for (size_t i = 0; i < run; i++) add_sample(&samples[first + i], &s->part[i]);
+            first += run;
+        }
     }
     sl_count(&s->counters, SL_COUNT_POINTS_SHADED, count);
 }
@@ -536,16 +555,12 @@ static sl_status one_update(shading_state *s, sl_error *error) {
 
 /* ---- the method ---- */
 
-/* Of a series of frames every frames_per_update-th waits for an update; the others show what there is, from where things are. */
-static bool shows_only(shading_state *s) {
-    return s->edits > 0 && s->edits % (uint32_t)s->settings.shading_cache.frames_per_update != 0;
-}
-
 static sl_status shading_update(void *state, sl_progress *progress, sl_error *error) {
     shading_state *s = state;
     if (!s->tracer) return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = take_view(s, error);
-    if (status == SL_OK && !s->done && !shows_only(s)) status = one_update(s, error);
+    if (status == SL_OK && !s->done && !s->shows_only) status = one_update(s, error);
+    s->shows_only = false;
     double left = (double)(s->last_update - s->now) / (double)s->settings.shading_cache.updates;
     progress->fraction = s->done ? 1.0 : 1.0 - left;
     progress->frame_done = true;
@@ -581,13 +596,14 @@ static sl_status note_motion(shading_state *s, unsigned what, sl_error *error) {
     return SL_OK;
 }
 
-/* The display follows at once; the shading finds out for itself what has changed. */
+/* The display follows at once; the shading finds out for itself what has changed. Of a series of frames every frames_per_update-th waits for an
+ * update; the others show what there is, from where things are. */
 static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     shading_state *s = state;
     sl_status status = note_motion(s, changes, error);
     s->done = false;
     s->last_update = s->now + s->settings.shading_cache.updates;
-    s->edits++;
+    s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0;
     if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);

@@ -1,0 +1,191 @@
+/* Whole pictures by the shading cache: the geometry from the first frame on, the path tracer on the same paths, edits. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "matched.h"
+#include "rendering.h"
+
+static sl_settings cache_settings(int width, int height) {
+    sl_settings s = small_settings("shading-cache", width, height);
+    s.threads = 2;
+    s.quality = SL_QUALITY_DRAFT;
+    return s;
+}
+
+static sl_image *path_picture(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
+    sl_settings reference = small_settings("path", settings->width, settings->height);
+    reference.transport = "matched:shading-cache";
+    reference.shading_cache = settings->shading_cache;
+    reference.spp = spp;
+    reference.threads = 2;
+    return render(scene, &reference, NULL);
+}
+
+static sl_comparison compared(const sl_image *ours, const sl_image *truth, const char *what) {
+    sl_comparison c;
+    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
+    print_message("%s: bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", what, 100.0 * c.bias, 100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
+    return c;
+}
+
+static void the_cornell_box_converges_to_what_paths_find(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = cache_settings(64, 64);
+    settings.shading_cache.updates = 3;
+    sl_image *truth = path_picture(scene, &settings, 256), *early = render(scene, &settings, NULL);
+    settings.shading_cache.updates = 80;
+    sl_image *late = render(scene, &settings, NULL);
+    assert_sound_picture(early, "early");
+    sl_comparison first = compared(early, truth, "3 updates"), second = compared(late, truth, "80 updates");
+    assert_true(fabs(second.bias) < 0.02);
+    assert_true(second.rel_rmse < 0.5 * first.rel_rmse);
+    assert_true(second.rel_rmse < 0.04);
+    sl_image_destroy(early);
+    sl_image_destroy(late);
+    sl_image_destroy(truth);
+    sl_scene_destroy(scene);
+}
+
+static void glossy_surfaces_reflect_towards_the_eye(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = cache_settings(48, 48);
+    settings.shading_cache.updates = 120;
+    sl_image *truth = path_picture(scene, &settings, 512), *ours = render(scene, &settings, NULL);
+    assert_sound_picture(ours, "glossy");
+    sl_comparison c = compared(ours, truth, "glossy");
+    assert_true(fabs(c.bias) < 0.03);
+    assert_true(c.rel_rmse < 0.12);
+    sl_image_destroy(ours);
+    sl_image_destroy(truth);
+    sl_scene_destroy(scene);
+}
+
+/* Before any sample a picture has the scene's outlines, in the guess of indirect light. */
+static void the_first_frame_shows_the_geometry_without_a_sample(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = cache_settings(48, 48);
+    sl_method *method;
+    sl_image *image;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], 0);
+    settings.shading_cache.updates = 1;
+    sl_image *truth = path_picture(scene, &settings, 16);
+    const float *ours = sl_image_channel(image, "G"), *theirs = sl_image_channel(truth, "G");
+    int lit = 0;
+    for (int i = 0; i < 48 * 48; i++) {
+        lit += ours[i] > 0.0f;
+        assert_true((ours[i] > 0.0f) || theirs[i] == 0.0f); /* nothing that the eye sees is missing */
+    }
+    assert_true(lit > 1500);
+    sl_image_destroy(image);
+    sl_image_destroy(truth);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void to_the_end(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+}
+
+/* G24: after a light has jumped the picture becomes what it is from a cold start. */
+static void after_a_light_has_moved_the_change_is_found_and_cleaned_up(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/moving-light.json");
+    sl_settings settings = cache_settings(48, 48);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 60;
+    sl_method *method;
+    unsigned changes = 0;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    to_the_end(method);
+    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED], 0);
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    sl_image *at_once, *later, *truth = path_picture(scene, &settings, 4);
+    assert_int_equal(sl_method_resolve(method, &at_once, NULL), SL_OK);
+    for (int i = 0; i < 3; i++) to_the_end(method), sl_method_edit(method, 0, NULL);
+    assert_int_equal(sl_method_resolve(method, &later, NULL), SL_OK);
+    assert_true(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED] > 0);
+    sl_comparison before = compared(at_once, truth, "at once"), after = compared(later, truth, "240 updates later");
+    assert_true(after.rel_rmse < 0.35 * before.rel_rmse);
+    sl_image_destroy(at_once);
+    sl_image_destroy(later);
+    sl_image_destroy(truth);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* G7: what moves is shown where it is before any update. */
+static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/moving-ball.json");
+    sl_settings settings = cache_settings(64, 64);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 40;
+    sl_method *method;
+    unsigned changes = 0;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    to_the_end(method);
+    sl_image *before, *after;
+    assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+    uint64_t shaded = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], shaded);
+    assert_false(same_picture(before, after));
+    assert_sound_picture(after, "moved");
+    sl_image_destroy(before);
+    sl_image_destroy(after);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void a_still_scene_never_seems_to_change(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = cache_settings(32, 32);
+    settings.shading_cache.updates = 200;
+    sl_counters counters;
+    sl_image_destroy(render(scene, &settings, &counters));
+    assert_int_equal(counters.value[SL_COUNT_CHANGES_DETECTED], 0);
+    assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
+    sl_scene_destroy(scene);
+}
+
+static void bits_do_not_depend_on_threads(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = cache_settings(40, 40);
+    settings.shading_cache.updates = 20;
+    assert_same_bits_with_any_threads(scene, &settings);
+    settings.shading_cache.selection = SL_PIXELS_SYSTEMATIC;
+    settings.shading_cache.variance_aware = true;
+    assert_same_bits_with_any_threads(scene, &settings);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_cornell_box_converges_to_what_paths_find),
+        cmocka_unit_test(glossy_surfaces_reflect_towards_the_eye),
+        cmocka_unit_test(the_first_frame_shows_the_geometry_without_a_sample),
+        cmocka_unit_test(after_a_light_has_moved_the_change_is_found_and_cleaned_up),
+        cmocka_unit_test(a_moved_object_is_shown_in_its_place_at_once),
+        cmocka_unit_test(a_still_scene_never_seems_to_change),
+        cmocka_unit_test(bits_do_not_depend_on_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
