@@ -316,17 +316,39 @@ static void a_solid_light_is_hidden_by_halves(void **unused) {
     light_world_free(&w);
 }
 
-/* A box that shines inwards is not convex from where it is seen; two walls of it hide each other from outside. */
+/* A hollow ball that shines inwards is not convex from where it is seen: rays count it from within, and from outside its back is nearest. */
 static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
+    (void)unused;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 8, 0.0f, true, lamp);
+    light_world w;
+    light_world_make(&w, &mesh);
+    assert_int_equal(w.lights->count, 1);
+    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
+    assert_near(sample_light(&w, 0, sl_v3(0, 0, 0), up), 1.0, 0.1); /* all around: no frustum holds it */
+    assert_true(sample_light(&w, 0, sl_v3(0, -3, 0), up) < 0.02);
+    light_world_free(&w);
+}
+
+/* A box is six lights, whose shares add up to all there is, also where walls meet; from outside each is turned away or behind another. */
+static void a_hollow_box_lights_all_of_what_is_in_it(void **unused) {
     (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, lamp);
     light_world w;
     light_world_make(&w, &mesh);
-    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
-    assert_near(sample_light(&w, 0, sl_v3(0, 0, 0), up), 1.0, 0.1); /* all around: no frustum holds it */
-    assert_true(sample_light(&w, 0, sl_v3(0, -3, 0), up) < 0.02);    /* from outside its back is nearest */
+    assert_int_equal(w.lights->count, 6);
+    static const sl_vec3 points[] = {{0, 0, 0}, {0.3f, -1, 0.4f}, {0.999f, -1, 0.4f}, {-0.9999f, -1, 0.9999f}, {0, -3, 0}, {5, -2, 3}};
+    for (size_t e = 0; e < 4; e += 3) {
+        set_estimator(&w, estimators[e]);
+        for (size_t k = 0; k < sizeof points / sizeof *points; k++) {
+            double sum = 0.0;
+            for (size_t light = 0; light < 6; light++) sum += sample_light(&w, light, points[k], up);
+            assert_near(sum, k < 4 ? 1.0 : 0.0, 1e-3);
+        }
+    }
     light_world_free(&w);
 }
 
@@ -415,6 +437,7 @@ int main(void) {
         cmocka_unit_test(two_sided_lights_shine_to_both_sides),
         cmocka_unit_test(a_solid_light_is_hidden_by_halves),
         cmocka_unit_test(a_hollow_light_counts_what_is_seen_of_it),
+        cmocka_unit_test(a_hollow_box_lights_all_of_what_is_in_it),
         cmocka_unit_test(points_without_direction_or_place_get_nothing),
         cmocka_unit_test(samples_of_anything_are_finite_and_repeat),
     };

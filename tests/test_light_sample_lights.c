@@ -153,8 +153,29 @@ static void settings_out_of_range_are_refused(void **unused) {
     light_world_free(&w);
 }
 
+/* A room that shines inwards is six lights and a block that shines outwards one. */
+static void a_hollow_of_few_planes_is_as_many_lights(void **state) {
+    (void)state;
+    for (int inside = 0; inside < 2; inside++) {
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+        trace_mesh_box(&mesh, sl_v3(-1, 0, -2), sl_v3(1.5f, 3, 2), inside == 1, lamp);
+        sl_scene *scene = trace_mesh_build(&mesh);
+        sl_sampled_lights *lights;
+        assert_int_equal(sl_sampled_lights_find(scene, &lights, NULL), SL_OK);
+        assert_int_equal(lights->count, inside ? 6 : 1);
+        for (size_t i = 0; i < lights->count; i++) {
+            assert_int_equal(lights->light[i].kind, inside ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID);
+            assert_int_equal(lights->light[i].triangles, inside ? 2 : 12);
+        }
+        sl_sampled_lights_destroy(lights);
+        sl_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_hollow_of_few_planes_is_as_many_lights),
         cmocka_unit_test(coplanar_triangles_of_one_radiance_are_one_light),
         cmocka_unit_test(bulbs_apart_are_lights_of_their_own),
         cmocka_unit_test(a_swarm_of_lamps_is_one_light),

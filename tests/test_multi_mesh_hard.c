@@ -60,6 +60,22 @@ static void a_discs_highlight_is_within_5_percent_of_the_integral(void **state) 
     }
 }
 
+/* All surfaces of a closed room and of a block in it shine with 1/2 and reflect 1/2: direct light alone sends 1/4, what is gathered of that 1/8. */
+static void a_furnace_is_evenly_lit_from_all_its_walls(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/furnace.json");
+    sl_settings settings = mesh_settings(SIDE, SIDE);
+    sl_image *image = render(scene, &settings, NULL);
+    const float *direct = sl_image_channel(image, "direct.G"), *indirect = sl_image_channel(image, "indirect.G"), *emission = sl_image_channel(image, "emission.G");
+    for (int i = 0; i < PIXELS; i++) {
+        assert_true(fabs((double)direct[i] - 0.25) < 0.25 * 0.003);
+        assert_true(fabs((double)indirect[i] - 0.125) < 0.125 * 0.003);
+        assert_true(emission[i] == 0.5f);
+    }
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 /* Turned so that the floor sees its edge alone, below it, above it but facing away; and tiny: a square of a ten thousandth as a point of its power. */
 static void a_lamp_edge_on_or_below_gives_nothing_and_a_tiny_one_what_a_point_gives(void **state) {
     (void)state;
@@ -305,6 +321,7 @@ static void thousands_of_lights_end(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_discs_highlight_is_within_5_percent_of_the_integral),
+        cmocka_unit_test(a_furnace_is_evenly_lit_from_all_its_walls),
         cmocka_unit_test(a_lamp_edge_on_or_below_gives_nothing_and_a_tiny_one_what_a_point_gives),
         cmocka_unit_test(a_point_lights_shadow_is_sharp_within_a_leaf),
         cmocka_unit_test(a_leg_on_a_floors_vertex_has_no_dark_halo),

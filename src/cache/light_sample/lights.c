@@ -1,8 +1,10 @@
 /* Which lights there are (lights.h). Emissive triangles of one object and radiance belong together. Where they lie in one plane they are one
  * planar light, wherever in it they are. Where they do not, what hangs together by common corners is a light of its own (a lamp of four bulbs
- * is four lights, each of which a frustum can hold), planar or solid; but where that would be a swarm, all of it is one solid light. */
+ * is four lights, each of which a frustum can hold), planar or solid, or, where it is a hollow of few planes, as many planar ones; but where that would be
+ * a swarm, all of it is one solid light. */
 #include "cache/light_sample/lights.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -236,6 +238,61 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
     c->triangles += count;
 }
 
+/* Whether a triangle has a corner before another's plane, by more than a ten-thousandth of the two and roundings: it shines on it. */
+static bool is_before(const sl_scene *scene, uint32_t plane, uint32_t triangle) {
+    sl_vec3 a[3], b[3];
+    sl_vec3d cross, other;
+    corners_of(scene, plane, a, &cross);
+    corners_of(scene, triangle, b, &other);
+    for (int k = 0; k < 3; k++) {
+        sl_vec3d d = sl_subd(sl_to_double(b[k]), sl_to_double(a[0]));
+        double size = (double)fmaxf(fabsf(b[k].x), fmaxf(fabsf(b[k].y), fabsf(b[k].z)));
+        if (sl_dotd(cross, d) > sl_lengthd(cross) * (1e-4 * (sl_lengthd(d) + sqrt(sl_lengthd(cross))) + 4e-7 * size)) return true;
+    }
+    return false;
+}
+
+/* A hollow of few planes, such as a room whose walls shine: no picture holds it, seen from within. Each of its planes is a light then. Marks them as pieces;
+ * false: it is convex, or has too many. */
+static bool find_planes_of_hollow(const sl_scene *scene, source *s, size_t count) {
+    enum { PLANES_MAX = 16 };
+    uint32_t first[PLANES_MAX];
+    size_t planes = 0;
+    bool hollow = false;
+    if (s->two_sided) return false;
+    for (size_t i = 0; i < count; i++) {
+        size_t k = 0;
+        sl_vec3 normal;
+        for (; k < planes; k++) {
+            const source pair[2] = {s[first[k]], s[i]};
+            if (one_plane(scene, pair, 2, &normal)) break;
+        }
+        if (k == PLANES_MAX) return false;
+        if (k == planes) first[planes++] = (uint32_t)i;
+        s[i].piece = first[k];
+    }
+    for (size_t i = 0; i < count && !hollow; i++) {
+        for (size_t k = 0; k < planes && !hollow; k++) hollow = s[i].piece != first[k] && is_before(scene, s[first[k]].triangle, s[i].triangle);
+    }
+    return hollow;
+}
+
+/* What hangs together. */
+static void add_piece(collection *c, source *s, size_t count) {
+    sl_vec3 normal;
+    bool planar = one_plane(c->scene, s, count, &normal);
+    if (planar || !find_planes_of_hollow(c->scene, s, count)) {
+        add_area_light(c, s, count, planar, normal);
+        return;
+    }
+    qsort(s, count, sizeof *s, by_piece);
+    for (size_t first = 0, end; first < count; first = end) {
+        for (end = first + 1; end < count && s[end].piece == s[first].piece;) end++;
+        planar = one_plane(c->scene, s + first, end - first, &normal);
+        add_area_light(c, s + first, end - first, planar, normal);
+    }
+}
+
 /* A run of one object and radiance. */
 static sl_status add_run(collection *c, source *s, size_t count, sl_error *error) {
     sl_vec3 normal;
@@ -252,8 +309,7 @@ static sl_status add_run(collection *c, source *s, size_t count, sl_error *error
     }
     for (size_t first = 0, end; first < count; first = end) {
         for (end = first + 1; end < count && s[end].piece == s[first].piece;) end++;
-        bool planar = one_plane(c->scene, s + first, end - first, &normal);
-        add_area_light(c, s + first, end - first, planar, normal);
+        add_piece(c, s + first, end - first);
     }
     return SL_OK;
 }

@@ -1,6 +1,7 @@
 /* The lights of a scene as samplers of single lights see them: each of one colour, so that what arrives from it at a point is a number
  * times that colour. An area light is the emissive triangles of one object that have one radiance and lie in one plane. Where they do not lie
- * in one plane, what hangs together by common corners is one light, planar or (a ball) not: four bulbs are four lights. */
+ * in one plane, what hangs together by common corners is one light, planar or (a ball) not: four bulbs are four lights. A hollow
+ * of few planes, as a room whose walls shine, is one light a plane. */
 #ifndef SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
 #define SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
 
