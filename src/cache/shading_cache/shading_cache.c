@@ -266,6 +266,14 @@ static void count_pixels(shading_state *s) {
     }
 }
 
+/* Corners of one colour do not say that nothing lies between them; the larger a leaf, the more may. One of 1/1024 of the picture or more counts as
+ * if it were wrong by some levels, so that it does not wait for a random pixel. */
+static float least_priority(const shading_state *s, const sl_leaf_priority *leaf) {
+    static const float levels_when_large = 16.0f;
+    float share = 1024.0f * (float)leaf->pixels / (float)pixels_of(s);
+    return levels_when_large * (share < 1.0f ? share : 1.0f);
+}
+
 /* Objects that change, and what is seen from elsewhere and is not diffuse, grow old. */
 static void prioritise_some(void *context, size_t task, unsigned worker) {
     (void)worker;
@@ -274,8 +282,10 @@ static void prioritise_some(void *context, size_t task, unsigned worker) {
     size_t end = (task + 1) * LEAVES_A_TASK < s->leaf_count ? (task + 1) * LEAVES_A_TASK : s->leaf_count;
     for (size_t i = task * LEAVES_A_TASK; i < end; i++) {
         uint32_t patch = s->leaf[i].patch, object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
-        s->leaf[i].priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
-                                                ages ? sl_changes_since(s->changes, object) : 0);
+        float priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
+                                           ages ? sl_changes_since(s->changes, object) : 0);
+        float least = least_priority(s, &s->leaf[i]);
+        s->leaf[i].priority = priority < 0.0f || priority > least ? priority : least;
     }
 }
 
