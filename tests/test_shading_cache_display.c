@@ -420,6 +420,42 @@ static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **st
     hierarchy_discard(&h);
 }
 
+static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t root = want_root(&h, 0);
+    split(&h, root);
+    uint32_t child = h.patches->patch[root].child;
+    for (int i = 0; i < 512; i++) { /* along the right edge of child 0 */
+        for (sl_patch_place at; (at = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;) split(&h, at.patch);
+    }
+    evaluate_all(&h, 2);
+    sl_display *display = display_of(&h);
+    build(display, &h);
+    sl_patch_place coarse = sl_patch_place_of(h.patches, child);
+    static uint32_t hanging[1024];
+    static uint16_t at[1024];
+    assert_int_equal(sl_patch_hanging_at(h.patches, &coarse, 1, hanging, at, 1024), 511);
+    float value[6];
+    for (int k = 0; k < 511; k++) {
+        value_beside(display, 0, 0.5 - 0x1p-24, 0.5 * at[k] / SL_PATCH_DYADIC, value);
+        for (int c = 0; c < 3; c++) assert_true(fabs((double)value[c] - (double)h.patches->vertex[hanging[k]].value[c]) < 1e-4);
+    }
+    size_t words[2];
+    for (int round = 0; round < 6; round++) { /* room that is given back is used again */
+        sl_patch_drop_children(h.patches, child + 1);
+        build(display, &h);
+        for (int i = 0; i < 512; i++) {
+            for (sl_patch_place p; (p = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;) split(&h, p.patch);
+        }
+        build(display, &h);
+        if (round % 2) words[round / 2 % 2] = display->copy[0].fans.used + display->copy[1].fans.used;
+    }
+    assert_int_equal(words[0], words[1]);
+    sl_display_destroy(display);
+    hierarchy_discard(&h);
+}
+
 /* ---- two copies ------------------------------------------------------------------------------------------------------------------ */
 
 static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
@@ -642,6 +678,7 @@ int main(void) {
         cmocka_unit_test(a_split_without_samples_is_not_seen),
         cmocka_unit_test(colours_meet_along_edges_between_coarse_and_fine_leaves),
         cmocka_unit_test(a_fan_goes_through_its_corners_centre_and_hanging_vertices),
+        cmocka_unit_test(a_fan_may_have_hundreds_of_vertices_and_lose_them_again),
         cmocka_unit_test(an_incremental_build_is_a_full_one_bit_by_bit),
         cmocka_unit_test(what_is_shown_stays_as_it_was_until_the_build_ends),
         cmocka_unit_test(frames_are_drawn_while_the_other_copy_is_built),
