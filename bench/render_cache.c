@@ -274,8 +274,8 @@ static void hand_on(float *row, int width, int x, float share) {
     row[x < 0 ? 0 : x >= width ? width - 1 : x] += share;
 }
 
-/* Errors left below the last row are the next frame's above its first, so that over frames all that is wanted is chosen; the first of all starts with
- * random ones. A frame may so have some more or less. */
+/* Errors left below the last row are the next frame's above its first, so that over frames all that is wanted is chosen. A
+ * frame may so have some more or less. The threshold is random: with a fixed one few samples crowd where rows begin. */
 static size_t choose_pixels(render_cache *c) {
     int width = c->s.width;
     uint64_t key = sl_random_key(c->s.seed, c->bill.frames), sum = 0;
@@ -283,7 +283,6 @@ static size_t choose_pixels(render_cache *c) {
     for (size_t i = 0; i < c->pixels; i++) sum += c->priority[i];
     if (sum == 0) return 0;
     float scale = (float)((double)c->s.samples / (double)sum);
-    for (int x = 0; x < width && c->bill.frames == 0; x++) c->error[0][x] = sl_random_unit(key, (uint64_t)x) - 0.5f;
     for (int y = 0; y < c->s.height; y++) {
         float *here = c->error[y & 1], *below = c->error[~y & 1];
         int step = y & 1 ? -1 : 1;
@@ -292,7 +291,7 @@ static size_t choose_pixels(render_cache *c) {
             int x = y & 1 ? width - 1 - i : i;
             uint32_t pixel = (uint32_t)(y * width + x);
             float value = here[x] + scale * (float)c->priority[pixel];
-            if (value >= 0.5f && count < most) {
+            if (value > sl_random_unit(key, pixel) && count < most) {
                 c->chosen[count++] = pixel;
                 value -= 1.0f;
             }
