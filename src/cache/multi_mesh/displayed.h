@@ -33,8 +33,7 @@ typedef struct sl_shown_radiance {
 typedef struct sl_displayed_settings {
     sl_component component;
     float leaf_area, leaf_edge;   /* pixels^2, pixels: the size criterion */
-    uint32_t few_pixels;          /* leaves that show no more pixels than that meet the size criterion however large they are; */
-    bool few_trusted;             /* ... and are not tested where their corners look alike */
+    uint32_t few_pixels;          /* leaves that show no more pixels than that meet the size criterion however large they are */
     int max_depth;
     sl_mesh_selection selection;
     uint64_t seed;                /* of the chain */

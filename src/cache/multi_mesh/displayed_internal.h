@@ -33,8 +33,6 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth;
 }
-/* Few pixels, and no difference between the corners that an eye can tell: its edges need no test. */
-bool sl_displayed_is_trusted(const sl_displayed *d, const sl_mesh_place *leaf);
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Sets or clears SL_NODE_SMALL. */
 void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);

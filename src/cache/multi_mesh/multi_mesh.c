@@ -186,7 +186,7 @@ static sl_status make_part(multi_mesh_state *s, sl_component part, sl_error *err
     const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
     sl_displayed_settings settings = {.component = part, .leaf_area = coarser * coarser * (float)m->leaf_area, .leaf_edge = coarser * (float)m->leaf_edge,
-                                      .few_pixels = part == SL_INDIRECT ? 2 * FEW_PIXELS : FEW_PIXELS, .few_trusted = part == SL_INDIRECT,
+                                      .few_pixels = part == SL_INDIRECT ? 2 * FEW_PIXELS : FEW_PIXELS,
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
                                       .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
                                       .threads = s->settings.threads};

@@ -72,21 +72,11 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
     return most;
 }
 
-static bool is_trusted(const sl_displayed *d, const sl_mesh_node *node, float contrast) {
-    return d->settings.few_trusted && node->pixels <= d->settings.few_pixels && !sl_needs_cut(node) && contrast <= 1.0f;
-}
-
-bool sl_displayed_is_trusted(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return is_trusted(d, &d->mesh->node[leaf->node], sl_displayed_corner_contrast(d, leaf));
-}
-
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
     if (!sl_may_split(d, leaf) || (node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f;
-    float contrast = sl_displayed_corner_contrast(d, leaf);
-    if (is_trusted(d, node, contrast)) return 0.0f;
-    return (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
+    return (float)node->pixels * (sl_displayed_corner_contrast(d, leaf) + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }
 
 /* ---- up to the roots ---- */

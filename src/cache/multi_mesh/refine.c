@@ -80,7 +80,7 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
 static bool is_closed(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (node->child != SL_NO_INDEX || (node->flags & SL_NODE_TAKEN)) return false;
-    if (sl_may_split(d, leaf)) return ((node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node)) || sl_displayed_is_trusted(d, leaf);
+    if (sl_may_split(d, leaf)) return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node);
     return sl_all_edges_closed(node) || sl_displayed_corner_contrast(d, leaf) <= 1.0f;
 }
 
