@@ -293,6 +293,9 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
         /* Each served leaf had more than one pixel, and is one of at most twelve on the way to any of them. */
         assert_true(served < 2 * SL_MESH_DEPTH_MAX * r.pixels->count);
         assert_true(c.leaves > r.pixels->count / 2);
+        double bytes = (double)sl_displayed_memory_bytes(r.mesh) / (double)c.leaves;
+        print_message("%zu leaves, %.0f bytes each, all told\n", (size_t)c.leaves, bytes);
+        assert_true(bytes < 150.0);
         rig_draw(&r, 1);
         for (size_t i = 0; i < 96 * 72; i++) {
             if (r.id[i] != SL_NO_INDEX) assert_true(r.plane[0][i] >= 0.0f && r.plane[0][i] <= 1.0f);

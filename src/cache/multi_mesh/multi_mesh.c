@@ -422,14 +422,51 @@ static void gather_all(multi_mesh_state *s, size_t count, const sl_mesh_point *p
     }
 }
 
+/* Where the vertex gathers: a little inside its face if it lies within a solid, as direct light does (irradiance.c); false: there, too. */
+static bool find_gather_point(multi_mesh_state *s, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point) {
+    static const double nudges[] = {0.01, 0.05, 0.2};
+    sl_mesh_point_of(mesh, vertex, point);
+    bool inside = s->tracer && sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
+    for (size_t i = 0; i < sizeof nudges / sizeof nudges[0] && inside; i++) {
+        sl_mesh_point_nudged(mesh, vertex, nudges[i], point);
+        inside = sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
+    }
+    return !inside;
+}
+
+/* A vertex where all but nothing arrives may be walled in by what is no solid, as a beam's end in a wall that is but a face: it gathers once more, a fifth
+ * of the way into its face. */
+static sl_status gather_again_inside(multi_mesh_state *s, size_t count, const wanted_vertex *wanted, sl_mesh_point *points, sl_rgb *irradiance,
+                                     sl_error *error) {
+    const sl_mesh *mesh = s->part[SL_INDIRECT]->mesh;
+    size_t dark = 0;
+    float little = 0.02f * sl_rgb_mean(s->ambient);
+    uint32_t *which = sl_allocate(count, sizeof *which);
+    sl_rgb *again = sl_allocate(count, sizeof *again);
+    for (size_t i = 0; i < count && which && again; i++) {
+        if (!(sl_rgb_mean(irradiance[i]) < little)) continue;
+        sl_mesh_point_nudged(mesh, wanted[i].vertex, 0.2, &points[dark]);
+        which[dark++] = (uint32_t)i;
+    }
+    if (dark) gather_all(s, dark, points, again);
+    for (size_t i = 0; i < dark; i++) irradiance[which[i]] = again[i];
+    sl_status status = which && again ? SL_OK : sl_fail_memory(error, "gathers");
+    sl_free(which);
+    sl_free(again);
+    return status;
+}
+
 static sl_status sample_indirect(multi_mesh_state *s, size_t count, const wanted_vertex *wanted, sl_error *error) {
     sl_displayed *part = s->part[SL_INDIRECT];
     sl_mesh_point *points = sl_allocate(count, sizeof *points);
     sl_rgb *irradiance = sl_allocate(count, sizeof *irradiance);
-    sl_status status = points && irradiance ? SL_OK : sl_fail_memory(error, "gathers");
-    for (size_t i = 0; i < count && status == SL_OK; i++) sl_mesh_point_of(part->mesh, wanted[i].vertex, &points[i]);
+    bool *valid = sl_allocate(count, sizeof *valid);
+    sl_status status = points && irradiance && valid ? SL_OK : sl_fail_memory(error, "gathers");
+    for (size_t i = 0; i < count && status == SL_OK; i++) valid[i] = find_gather_point(s, part->mesh, wanted[i].vertex, &points[i]);
     if (status == SL_OK) gather_all(s, count, points, irradiance);
-    for (size_t i = 0; i < count && status == SL_OK; i++) put_value(part, wanted[i].vertex, irradiance[i], true, &s->counters);
+    if (status == SL_OK) status = gather_again_inside(s, count, wanted, points, irradiance, error);
+    for (size_t i = 0; i < count && status == SL_OK; i++) put_value(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
+    sl_free(valid);
     sl_free(irradiance);
     sl_free(points);
     return status;
