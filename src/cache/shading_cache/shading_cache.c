@@ -62,7 +62,7 @@ typedef struct shading_state {
     uint32_t *stale_before;
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
-    uint32_t last_update;          /* after which a picture is done: an edit allows as many again */
+    uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
     uint32_t edits;                /* ... of a series: frames */
     bool shows_only;               /* the next frame of a series waits for no update */
     bool drawn;                    /* the display knows the view */
@@ -612,7 +612,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     shading_state *s = state;
     sl_status status = note_motion(s, changes, error);
     s->done = false;
-    s->last_update = s->now + s->settings.shading_cache.updates;
+    s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
     s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0;
     if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
