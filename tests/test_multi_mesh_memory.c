@@ -8,30 +8,10 @@
 
 #include <cmocka.h>
 
-#include "base/memory.h"
 #include "base/random.h"
 #include "cache/multi_mesh/mesh.h"
+#include "failing_memory.h"
 #include "trace_scenes.h"
-
-static long allocations_left = -1; /* until one fails, then all do; -1: none fails */
-static long blocks_held;
-
-void *sl_allocate(size_t count, size_t size) {
-    if (allocations_left == 0) return NULL;
-    if (allocations_left > 0) allocations_left--;
-    size_t bytes = (count * size + 64) / 64 * 64;
-    void *block = aligned_alloc(64, bytes);
-    assert_non_null(block);
-    blocks_held++;
-    return memset(block, 0, bytes);
-}
-
-void *sl_allocate_unset(size_t count, size_t size) { return sl_allocate(count, size); }
-
-void sl_free(void *block) {
-    if (block != NULL) blocks_held--;
-    free(block);
-}
 
 static sl_scene *scene_of_a_sphere(void) {
     trace_mesh parts = trace_mesh_begin();

@@ -2,30 +2,10 @@
 #include "patch_support.h"
 
 #include "base/counters.h"
-#include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/change.h"
 #include "cache/shading_cache/work.h"
-
-static long allocations_left = -1; /* until one fails, then all do; -1: none fails */
-static long blocks_held;
-
-void *sl_allocate(size_t count, size_t size) {
-    if (allocations_left == 0) return NULL;
-    if (allocations_left > 0) allocations_left--;
-    size_t bytes = (count * size + 64) / 64 * 64;
-    void *block = aligned_alloc(64, bytes);
-    assert_non_null(block);
-    blocks_held++;
-    return memset(block, 0, bytes);
-}
-
-void *sl_allocate_unset(size_t count, size_t size) { return sl_allocate(count, size); }
-
-void sl_free(void *block) {
-    if (block != NULL) blocks_held--;
-    free(block);
-}
+#include "failing_memory.h"
 
 static sl_scene *scene_of_quads_and_triangles(void) {
     trace_mesh mesh = trace_mesh_begin();
