@@ -26,7 +26,7 @@ static void make(lit_floor *f, bool plate) {
     assert_int_equal(f->world.lights->count, 2);
     assert_int_equal(sl_topology_create(f->world.scene, false, &f->topology, NULL), SL_OK);
     sl_irradiance_settings s = {.scene = f->world.scene, .topology = f->topology, .tracer = f->world.tracer, .lights = f->world.lights,
-                                .sampling = f->world.sampling, .perception = {.exposure = 30.0f, .threshold_scale = 1.0f}, .ambient = {0.01f, 0.01f, 0.01f},
+                                .sampling = f->world.sampling, .perception = {.exposure = 30.0f, .threshold_scale = 4.0f}, .ambient = {0.01f, 0.01f, 0.01f},
                                 .max_depth = 12, .threads = 1};
     assert_int_equal(sl_irradiance_meshes_create(&s, &f->meshes, NULL), SL_OK);
 }
