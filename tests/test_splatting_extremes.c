@@ -170,9 +170,11 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
     for (int i = 0; i < 10; i++) {
         sl_settings settings = small_settings("splatting", 32, 32);
         settings.direct = i % 2 ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
-        sl_image *image = render(room(i / 2 == 1 ? 1.0 : 1e-4, 0.0, shiny, lamps[i / 2], lights[i / 2]), &settings, NULL);
+        sl_scene *scene = room(i / 2 == 1 ? 1.0 : 1e-4, 0.0, shiny, lamps[i / 2], lights[i / 2]);
+        sl_image *image = render(scene, &settings, NULL);
         assert_sound_picture(image, lights[i / 2]);
         sl_image_destroy(image);
+        sl_scene_destroy(scene);
     }
 }
 
