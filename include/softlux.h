@@ -1,4 +1,5 @@
-/* softlux: global illumination of triangle scenes on a CPU, with methods written for graphics hardware.
+/** @file
+ * softlux: global illumination of triangle scenes on a CPU, with methods written for graphics hardware.
  *
  * This is the library's only public header. Start reading at sl_scene_load(), then sl_method_create().
  *
@@ -35,7 +36,7 @@ extern "C" {
 
 /* ---- errors ------------------------------------------------------------------------------------------------- */
 
-/* The numbers are also the program's exit statuses; 1 is kept for a comparison that failed its bounds. */
+/** The numbers are also the program's exit statuses; 1 is kept for a comparison that failed its bounds. */
 typedef enum sl_status {
     SL_OK = 0,
     SL_ERROR_USAGE = 2,
@@ -46,62 +47,62 @@ typedef enum sl_status {
 
 typedef struct sl_error {
     sl_status status;
-    char message[1024]; /* one line: file, line where there is one, what was expected; no newline */
+    char message[1024]; /**< one line: file, line where there is one, what was expected; no newline */
 } sl_error;
 
 /* ---- counters: the hardware's bill ------------------------------------------------------------------------------ */
 
-/* Deterministic: equal at any number of threads. sl_counter_name() gives the name used in JSON and metadata. */
+/** Deterministic: equal at any number of threads. sl_counter_name() gives the name used in JSON and metadata. */
 typedef enum sl_counter {
-    SL_COUNT_RASTER_PASSES,        /* renders of the scene into some target */
-    SL_COUNT_RASTER_PASSES_SKIPPED, /* ... that were not needed: no geometry or no light there, or nothing to be lit by it */
+    SL_COUNT_RASTER_PASSES,        /**< renders of the scene into some target */
+    SL_COUNT_RASTER_PASSES_SKIPPED, /**< ... that were not needed: no geometry or no light there, or nothing to be lit by it */
     SL_COUNT_CLUSTERS_TESTED,
-    SL_COUNT_CLUSTERS_CULLED,      /* rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
-    SL_COUNT_TRIANGLES_SUBMITTED,  /* reached the transform */
-    SL_COUNT_TRIANGLES_CULLED,     /* outside the view, or covering no pixel centre */
-    SL_COUNT_TRIANGLES_DROPPED,    /* not finite */
+    SL_COUNT_CLUSTERS_CULLED,      /**< rejected whole: outside, between pixel centres, or hidden in every tile that they touch */
+    SL_COUNT_TRIANGLES_SUBMITTED,  /**< reached the transform */
+    SL_COUNT_TRIANGLES_CULLED,     /**< outside the view, or covering no pixel centre */
+    SL_COUNT_TRIANGLES_DROPPED,    /**< not finite */
     SL_COUNT_TRIANGLES_CLIPPED,
     SL_COUNT_TRIANGLES_RASTERIZED,
     SL_COUNT_FRAGMENTS_SHADED,
     SL_COUNT_FRAGMENTS_BLENDED,
     SL_COUNT_BYTES_READ_BACK,
     SL_COUNT_SHADOW_LOOKUPS,
-    SL_COUNT_RAYS,                 /* closest-hit rays */
-    SL_COUNT_SHADOW_RAYS,          /* any-hit rays */
-    SL_COUNT_GATHERS,              /* gathers computed, also those of records that were discarded */
+    SL_COUNT_RAYS,                 /**< closest-hit rays */
+    SL_COUNT_SHADOW_RAYS,          /**< any-hit rays */
+    SL_COUNT_GATHERS,              /**< gathers computed, also those of records that were discarded */
     SL_COUNT_RECORDS,
-    SL_COUNT_RECORDS_DISCARDED,    /* speculative records found covered at commit */
+    SL_COUNT_RECORDS_DISCARDED,    /**< speculative records found covered at commit */
     SL_COUNT_SPLATS,
-    SL_COUNT_HIDDEN_RECORDS,       /* records that gathers see and the eye does not: more than one bounce */
-    SL_COUNT_HIDDEN_LOOK_UPS,      /* points where gathers asked for their irradiance */
-    SL_COUNT_HIDDEN_MISSES,        /* ... and no hidden record covered the point: others stood in */
-    SL_COUNT_MAP_PHOTONS,          /* sample photons of direct radiance maps */
-    SL_COUNT_MAP_PHOTONS_DROPPED,  /* ... that lie too near to the light, or hold no light */
-    SL_COUNT_PHOTON_LOOK_UPS,      /* receivers times photons that were summed */
-    SL_COUNT_PHOTONS_EMITTED,      /* photon paths */
+    SL_COUNT_HIDDEN_RECORDS,       /**< records that gathers see and the eye does not: more than one bounce */
+    SL_COUNT_HIDDEN_LOOK_UPS,      /**< points where gathers asked for their irradiance */
+    SL_COUNT_HIDDEN_MISSES,        /**< ... and no hidden record covered the point: others stood in */
+    SL_COUNT_MAP_PHOTONS,          /**< sample photons of direct radiance maps */
+    SL_COUNT_MAP_PHOTONS_DROPPED,  /**< ... that lie too near to the light, or hold no light */
+    SL_COUNT_PHOTON_LOOK_UPS,      /**< receivers times photons that were summed */
+    SL_COUNT_PHOTONS_EMITTED,      /**< photon paths */
     SL_COUNT_PHOTONS_STORED,
-    SL_COUNT_PHOTONS_GATHERED,     /* found by k-nearest gathers, together */
-    SL_COUNT_LEAVES,               /* voxels that got their lights */
+    SL_COUNT_PHOTONS_GATHERED,     /**< found by k-nearest gathers, together */
+    SL_COUNT_LEAVES,               /**< voxels that got their lights */
     SL_COUNT_LEAVES_WITHOUT_PHOTONS,
-    SL_COUNT_DIRECTIONAL_LIGHTS,   /* virtual ones, of all voxels */
-    SL_COUNT_TEXTURE_FETCHES,      /* of the octree, its lights, and the atlas */
-    SL_COUNT_LIGHT_SAMPLES,        /* irradiance from one light at one vertex */
-    SL_COUNT_LIGHT_SAMPLES_SKIPPED, /* ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
-    SL_COUNT_COARSE_SAMPLES,       /* vertices of the coarse mesh, which gathers see */
-    SL_COUNT_INDIRECT_SAMPLES,     /* gathers of indirect irradiance at vertices */
-    SL_COUNT_SPLITS,               /* mesh triangles or patches cut in four */
-    SL_COUNT_COLLAPSES,            /* ... and put together again */
+    SL_COUNT_DIRECTIONAL_LIGHTS,   /**< virtual ones, of all voxels */
+    SL_COUNT_TEXTURE_FETCHES,      /**< of the octree, its lights, and the atlas */
+    SL_COUNT_LIGHT_SAMPLES,        /**< irradiance from one light at one vertex */
+    SL_COUNT_LIGHT_SAMPLES_SKIPPED, /**< ... that needed no picture: the light is turned away, below the horizon, or nothing is in between */
+    SL_COUNT_COARSE_SAMPLES,       /**< vertices of the coarse mesh, which gathers see */
+    SL_COUNT_INDIRECT_SAMPLES,     /**< gathers of indirect irradiance at vertices */
+    SL_COUNT_SPLITS,               /**< mesh triangles or patches cut in four */
+    SL_COUNT_COLLAPSES,            /**< ... and put together again */
     SL_COUNT_PIXELS_REDRAWN,
-    SL_COUNT_PIXEL_TESTS,          /* hit-and-test draws of the shading cache */
-    SL_COUNT_PIXELS_HIT,           /* ... accepted for their priority */
-    SL_COUNT_PIXELS_RANDOM,        /* ... accepted whatever their priority */
-    SL_COUNT_PIXELS_FLOODED,       /* pixels beside them that were taken too */
-    SL_COUNT_POINTS_SHADED,        /* vertices whose shading a sample renderer computed */
+    SL_COUNT_PIXEL_TESTS,          /**< hit-and-test draws of the shading cache */
+    SL_COUNT_PIXELS_HIT,           /**< ... accepted for their priority */
+    SL_COUNT_PIXELS_RANDOM,        /**< ... accepted whatever their priority */
+    SL_COUNT_PIXELS_FLOODED,       /**< pixels beside them that were taken too */
+    SL_COUNT_POINTS_SHADED,        /**< vertices whose shading a sample renderer computed */
     SL_COUNT_PATCHES_EVICTED,
-    SL_COUNT_CHANGES_DETECTED,     /* vertices that were found to look otherwise than before */
+    SL_COUNT_CHANGES_DETECTED,     /**< vertices that were found to look otherwise than before */
     SL_COUNT_FRAMES_DISPLAYED,
-    SL_COUNT_SAMPLES,              /* path-tracer samples: pixels times samples a pixel */
-    SL_COUNT_NONFINITE,            /* samples or pixels that were NaN or infinite and were set aside */
+    SL_COUNT_SAMPLES,              /**< path-tracer samples: pixels times samples a pixel */
+    SL_COUNT_NONFINITE,            /**< samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS
 } sl_counter;
 
@@ -117,10 +118,10 @@ enum { SL_CHANNEL_NAME_MAX = 64, SL_METADATA_KEY_MAX = 64 };
 
 typedef struct sl_metadatum {
     char key[SL_METADATA_KEY_MAX];
-    char *value; /* owned by the image */
+    char *value; /**< owned by the image */
 } sl_metadatum;
 
-/* Planar float image. Channel c is the width*height floats from planes + c*width*height, row 0 at the top.
+/** Planar float image. Channel c is the width*height floats from planes + c*width*height, row 0 at the top.
  * Channels are named as in EXR: "R", "G", "B" for the picture itself, "direct.R" and so on for its layers. */
 typedef struct sl_image {
     int width, height, channels;
@@ -130,40 +131,40 @@ typedef struct sl_image {
     size_t metadata_count;
 } sl_image;
 
-/* A black image; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). */
+/** A black image; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). */
 SL_API sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
                                  sl_image **image, sl_error *error);
-SL_API void sl_image_destroy(sl_image *image); /* NULL is allowed */
-/* The plane of a named channel, or NULL. */
+SL_API void sl_image_destroy(sl_image *image); /**< NULL is allowed */
+/** The plane of a named channel, or NULL. */
 SL_API float *sl_image_channel(const sl_image *image, const char *name);
-/* Adds or replaces a metadata string; both strings are copied. */
+/** Adds or replaces a metadata string; both strings are copied. */
 SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error);
-SL_API const char *sl_image_metadata(const sl_image *image, const char *key); /* or NULL */
-/* Reads EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
+SL_API const char *sl_image_metadata(const sl_image *image, const char *key); /**< or NULL */
+/** Reads EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
  * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is
  * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
-/* Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (RGB), .png (see sl_tone). The file
+/** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (RGB), .png (see sl_tone). The file
  * appears whole or not at all: it is written beside its name and renamed. */
 SL_API sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error);
 
-/* PNG out: value * 2^exposure_stops, then the curve, then sRGB, then 8 bits rounded to nearest. */
+/** PNG out: value * 2^exposure_stops, then the curve, then sRGB, then 8 bits rounded to nearest. */
 typedef enum sl_tone_curve {
-    SL_TONE_CLIP,     /* min(x, 1) */
-    SL_TONE_REINHARD  /* per channel x (1 + x/w^2) / (1 + x), w = 4: the extended curve, white at 4 */
+    SL_TONE_CLIP,     /**< min(x, 1) */
+    SL_TONE_REINHARD  /**< per channel x (1 + x/w^2) / (1 + x), w = 4: the extended curve, white at 4 */
 } sl_tone_curve;
 
 typedef struct sl_tone {
     sl_tone_curve curve;
     float exposure_stops;
-    bool automatic; /* exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
+    bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
 } sl_tone;
 
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
 
 /* ---- comparison ---------------------------------------------------------------------------------------------------- */
 
-/* x = image, r = reference, over R, G, B (or a lone Y three times) of the compared pixels: those whose six values are all
+/** x = image, r = reference, over R, G, B (or a lone Y three times) of the compared pixels: those whose six values are all
  * finite and whose mask, if any, is > 0.5. Sums in double in a fixed order. A ratio 0/0 is 0; another ratio to 0 (the mean
  * of a black reference) is infinite.
  * ssim (Wang et al. 2004) and flip (Andersson et al. 2020) see all pixels as neighbours, those with a value that is not
@@ -171,29 +172,29 @@ SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_
  * ssim the sRGB-encoded Rec. 709 luminance (Gaussian window of 11x11 pixels, sigma 1.5, K1 = 0.01, K2 = 0.03), flip the
  * colours. */
 typedef struct sl_comparison {
-    uint64_t values;      /* how many values were compared: 3 a pixel */
-    uint64_t nonfinite;   /* NaN or infinite values under the mask, of both images together */
-    uint64_t negative;    /* values below 0 under the mask, of both images together */
-    bool identical;       /* every bit of every R, G, B value under the mask is equal, be it finite or not */
-    double rmse;          /* sqrt(mean (x-r)^2) */
-    double rel_rmse;      /* rmse / |mean(r)| */
-    double rel_mse;       /* mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
-    double rel_mse_trimmed; /* the same without the largest 0.1 % of the terms (rounded down to a whole number) */
-    double rel_mse_noise; /* the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it has the layers
+    uint64_t values;      /**< how many values were compared: 3 a pixel */
+    uint64_t nonfinite;   /**< NaN or infinite values under the mask, of both images together */
+    uint64_t negative;    /**< values below 0 under the mask, of both images together */
+    bool identical;       /**< every bit of every R, G, B value under the mask is equal, be it finite or not */
+    double rmse;          /**< sqrt(mean (x-r)^2) */
+    double rel_rmse;      /**< rmse / |mean(r)| */
+    double rel_mse;       /**< mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
+    double rel_mse_trimmed; /**< the same without the largest 0.1 % of the terms (rounded down to a whole number) */
+    double rel_mse_noise; /**< the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it has the layers
                              even.* and odd.*, two independent halves (the path tracers write them); else 0 */
-    double max_abs;       /* max |x-r| */
-    double bias;          /* sum(x-r) / |sum(r)| */
-    double ssim;          /* mean structural similarity; 1 where equal */
-    double flip;          /* mean LDR-FLIP at 67 pixels per degree, in [0,1]; 0 where equal */
+    double max_abs;       /**< max |x-r| */
+    double bias;          /**< sum(x-r) / |sum(r)| */
+    double ssim;          /**< mean structural similarity; 1 where equal */
+    double flip;          /**< mean LDR-FLIP at 67 pixels per degree, in [0,1]; 0 where equal */
     double mean_image, mean_reference;
 } sl_comparison;
 
 typedef struct sl_compare_options {
-    const sl_image *mask;  /* first channel, same size; or NULL */
-    float exposure_stops;  /* for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
+    const sl_image *mask;  /**< first channel, same size; or NULL */
+    float exposure_stops;  /**< for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
 } sl_compare_options;
 
-/* options may be NULL. Fails if the sizes differ, a picture is missing, or no pixel can be compared. If difference is not
+/** options may be NULL. Fails if the sizes differ, a picture is missing, or no pixel can be compared. If difference is not
  * NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys: of each pixel's
  * three values the farthest from 0; blue where too dark, red where too bright, full colour at 50 %; grey outside the mask,
  * green where a value is not finite. */
@@ -204,31 +205,31 @@ SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *referen
 
 typedef struct sl_scene sl_scene;
 
-/* Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. */
+/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
 SL_API void sl_scene_destroy(sl_scene *scene);
-/* What loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */
+/** What loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */
 SL_API size_t sl_scene_warning_count(const sl_scene *scene);
 SL_API const char *sl_scene_warning(const sl_scene *scene, size_t index);
 SL_API size_t sl_scene_triangle_count(const sl_scene *scene);
 SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
-SL_API uint64_t sl_scene_hash(const sl_scene *scene); /* of everything that can reach a pixel */
-/* What changed between two states of a scene; a method is told so with sl_method_edit(). */
+SL_API uint64_t sl_scene_hash(const sl_scene *scene); /**< of everything that can reach a pixel */
+/** What changed between two states of a scene; a method is told so with sl_method_edit(). */
 enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
-/* Moves camera, objects and lights to their keyframes' state at a time; *changes (may be NULL) gets SL_CHANGED_ bits. */
+/** Moves camera, objects and lights to their keyframes' state at a time; *changes (may be NULL) gets SL_CHANGED_ bits. */
 SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error);
-/* Looks from eye to target; the up vector need not be perpendicular. Fails if the frame is degenerate. */
+/** Looks from eye to target; the up vector need not be perpendicular. Fails if the frame is degenerate. */
 SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
                                      float vertical_fov_rad, sl_error *error);
 
 /* ---- observers: every pass announces itself -------------------------------------------------------------------------- */
 
 typedef struct sl_pass {
-    const char *method;   /* "splatting" */
-    const char *name;     /* "splat irradiance records" */
-    const char *source;   /* section or equation of the paper, "section 4, Algorithm 1" */
-    const sl_image *buffer;      /* what the pass made, row 0 at the top; valid during the call only; may be NULL */
-    const sl_counters *counters; /* what this pass alone cost */
+    const char *method;   /**< "splatting" */
+    const char *name;     /**< "splat irradiance records" */
+    const char *source;   /**< section or equation of the paper, "section 4, Algorithm 1" */
+    const sl_image *buffer;      /**< what the pass made, row 0 at the top; valid during the call only; may be NULL */
+    const sl_counters *counters; /**< what this pass alone cost */
 } sl_pass;
 
 typedef struct sl_observer {
@@ -241,255 +242,255 @@ typedef struct sl_observer {
 typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
 typedef enum sl_gather_kind { SL_GATHER_AUTO, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS } sl_gather_kind;
 typedef enum sl_pixel_filter {
-    SL_FILTER_METHOD, /* what the method or the matched method does */
-    SL_FILTER_BOX,    /* samples spread over the pixel */
-    SL_FILTER_CENTRE  /* all samples at the pixel's centre, as a rasterizer samples */
+    SL_FILTER_METHOD, /**< what the method or the matched method does */
+    SL_FILTER_BOX,    /**< samples spread over the pixel */
+    SL_FILTER_CENTRE  /**< all samples at the pixel's centre, as a rasterizer samples */
 } sl_pixel_filter;
 typedef enum sl_direct_kind { SL_DIRECT_AUTO, SL_DIRECT_RAYS, SL_DIRECT_SHADOW_MAPS } sl_direct_kind;
-/* The order in which splatting visits pixels for new records. */
+/** The order in which splatting visits pixels for new records. */
 typedef enum sl_traversal_order {
-    SL_ORDER_COARSE_TO_FINE, /* few gathers in vain when records are made in parallel */
-    SL_ORDER_LINEAR          /* row by row, as in the paper */
+    SL_ORDER_COARSE_TO_FINE, /**< few gathers in vain when records are made in parallel */
+    SL_ORDER_LINEAR          /**< row by row, as in the paper */
 } sl_traversal_order;
-/* What a splatting record's reach is judged by. */
+/** What a splatting record's reach is judged by. */
 typedef enum sl_radius_metric {
-    SL_METRIC_AUTO,     /* the one that measured best */
-    SL_METRIC_HARMONIC, /* harmonic mean distance (Ward et al. 1988), the paper's */
-    SL_METRIC_MINIMUM,  /* minimum distance (Tabellion and Lamorlette 2004) */
-    SL_METRIC_HESSIAN,  /* second derivatives, occlusion included (Schwarzhaupt et al. 2012) */
-    SL_METRIC_ADAPTIVE  /* disagreement with neighbours (Krivanek et al. 2006) */
+    SL_METRIC_AUTO,     /**< the one that measured best */
+    SL_METRIC_HARMONIC, /**< harmonic mean distance (Ward et al. 1988), the paper's */
+    SL_METRIC_MINIMUM,  /**< minimum distance (Tabellion and Lamorlette 2004) */
+    SL_METRIC_HESSIAN,  /**< second derivatives, occlusion included (Schwarzhaupt et al. 2012) */
+    SL_METRIC_ADAPTIVE  /**< disagreement with neighbours (Krivanek et al. 2006) */
 } sl_radius_metric;
 
 /* ---- Direct Radiance Mapping ----
  *
  * How a sample photon's light falls on a receiver. Numbers are those of the paper's equations; those three are computed as printed. */
 typedef enum sl_photon_weight {
-    SL_WEIGHT_AUTO,     /* flux; polygon at high quality */
-    SL_WEIGHT_FLUX,     /* (14) with the form factor of a disc put right, of the photon's flux: bounded, any number of photons */
-    SL_WEIGHT_POLYGON,  /* the photon's footprint as a polygon, in closed form: for receivers close to it */
-    SL_WEIGHT_PLAIN,    /* point to point: unbiased, singular */
-    SL_WEIGHT_EVEN,     /* (11) */
-    SL_WEIGHT_DISC,     /* (14) */
-    SL_WEIGHT_BOX       /* (15) */
+    SL_WEIGHT_AUTO,     /**< flux; polygon at high quality */
+    SL_WEIGHT_FLUX,     /**< (14) with the form factor of a disc put right, of the photon's flux: bounded, any number of photons */
+    SL_WEIGHT_POLYGON,  /**< the photon's footprint as a polygon, in closed form: for receivers close to it */
+    SL_WEIGHT_PLAIN,    /**< point to point: unbiased, singular */
+    SL_WEIGHT_EVEN,     /**< (11) */
+    SL_WEIGHT_DISC,     /**< (14) */
+    SL_WEIGHT_BOX       /**< (15) */
 } sl_photon_weight;
-/* Which directions a light's map covers. */
+/** Which directions a light's map covers. */
 typedef enum sl_map_shape {
-    SL_MAP_AUTO,     /* a frustum for spots, a hemicube for area lights, a cube for points */
-    SL_MAP_FRUSTUM,  /* the paper's */
+    SL_MAP_AUTO,     /**< a frustum for spots, a hemicube for area lights, a cube for points */
+    SL_MAP_FRUSTUM,  /**< the paper's */
     SL_MAP_HEMICUBE,
     SL_MAP_CUBE
 } sl_map_shape;
 typedef enum sl_map_filter {
-    SL_MAP_FILTER_AUTO,     /* flux */
-    SL_MAP_FILTER_POINT,    /* the texel at the sample */
-    SL_MAP_FILTER_RADIANCE, /* radiance from a MIP level, the paper's */
-    SL_MAP_FILTER_FLUX      /* the flux of all texels around the sample, in groups that lie on one surface */
+    SL_MAP_FILTER_AUTO,     /**< flux */
+    SL_MAP_FILTER_POINT,    /**< the texel at the sample */
+    SL_MAP_FILTER_RADIANCE, /**< radiance from a MIP level, the paper's */
+    SL_MAP_FILTER_FLUX      /**< the flux of all texels around the sample, in groups that lie on one surface */
 } sl_map_filter;
-/* What curved mirrors show of indirect light. */
+/** What curved mirrors show of indirect light. */
 typedef enum sl_mirror_light {
-    SL_MIRROR_LIGHT_FULL,   /* their environment cubes hold it */
-    SL_MIRROR_LIGHT_TRICK,  /* they do not; the mirror itself receives it as if it were diffuse */
-    SL_MIRROR_LIGHT_DIRECT  /* none */
+    SL_MIRROR_LIGHT_FULL,   /**< their environment cubes hold it */
+    SL_MIRROR_LIGHT_TRICK,  /**< they do not; the mirror itself receives it as if it were diffuse */
+    SL_MIRROR_LIGHT_DIRECT  /**< none */
 } sl_mirror_light;
-/* Occlusion between a receiver and the photons, which the paper leaves out. */
+/** Occlusion between a receiver and the photons, which the paper leaves out. */
 typedef enum sl_photon_visibility {
     SL_VISIBILITY_NONE,
-    SL_VISIBILITY_RAYS,   /* a ray for each pixel and photon */
-    SL_VISIBILITY_BLOCKS  /* rays for one pixel of each block, carried to its neighbours on the same surface */
+    SL_VISIBILITY_RAYS,   /**< a ray for each pixel and photon */
+    SL_VISIBILITY_BLOCKS  /**< rays for one pixel of each block, carried to its neighbours on the same surface */
 } sl_photon_visibility;
 
-/* Direct Radiance Mapping (Frisvad et al. 2005). 0, wherever it stands, is the default that is named. */
+/** Direct Radiance Mapping (Frisvad et al. 2005). 0, wherever it stands, is the default that is named. */
 typedef struct sl_radiance_map_settings {
-    int samples;                     /* m of m x m sample photons a face; by quality 3, 4, 8 */
-    int map_size;                    /* w: texels a side of a face, rounded up to a multiple of m; 16, or 2 m where that is more */
+    int samples;                     /**< m of m x m sample photons a face; by quality 3, 4, 8 */
+    int map_size;                    /**< w: texels a side of a face, rounded up to a multiple of m; 16, or 2 m where that is more */
     sl_map_shape shape;
-    double map_fov;                  /* radians, of a frustum; the spot's own, or 90 degrees */
+    double map_fov;                  /**< radians, of a frustum; the spot's own, or 90 degrees */
     sl_photon_weight weight;
     sl_map_filter filter;
-    bool importance_samples;         /* photons where the map's flux is, instead of a regular grid */
-    bool steady_samples;             /* photons keep to their surface when a moving light would make them jump */
+    bool importance_samples;         /**< photons where the map's flux is, instead of a regular grid */
+    bool steady_samples;             /**< photons keep to their surface when a moving light would make them jump */
     sl_photon_visibility visibility;
     sl_mirror_light mirror_light;
-    int reflections;                 /* planar mirrors one after another; 1 */
-    int cube_size;                   /* texels a side of a curved mirror's environment cube; 128 */
-    bool traced_light_mirrors;       /* light by way of curved mirrors, traced */
-    int shadow_size;                 /* texels a side of a face of a depth cube; 512 */
-    int emitter_samples;             /* an area light shines from n x n points of it, and each takes pictures; 1, the paper's, or 2 at high quality */
-    bool eight_bit_positions;        /* the map's positions as 8-bit colours, scaled into the scene's box */
-    bool texture_photons;            /* fragments fetch photons from textures, instead of finding them in registers: the same bits */
-    bool separate_passes;            /* a geometry pass for each of the map's pictures, as without multiple render targets */
-    bool local_light_only;           /* no shadows and no indirect light: what the paper compares its times with */
-    bool direct_light_only;          /* shadows, but no indirect light: likewise */
-    bool without_layers;             /* pictures have R, G, B alone: the layers, and the estimate of spread, cost a fifth of a small frame */
+    int reflections;                 /**< planar mirrors one after another; 1 */
+    int cube_size;                   /**< texels a side of a curved mirror's environment cube; 128 */
+    bool traced_light_mirrors;       /**< light by way of curved mirrors, traced */
+    int shadow_size;                 /**< texels a side of a face of a depth cube; 512 */
+    int emitter_samples;             /**< an area light shines from n x n points of it, and each takes pictures; 1, the paper's, or 2 at high quality */
+    bool eight_bit_positions;        /**< the map's positions as 8-bit colours, scaled into the scene's box */
+    bool texture_photons;            /**< fragments fetch photons from textures, instead of finding them in registers: the same bits */
+    bool separate_passes;            /**< a geometry pass for each of the map's pictures, as without multiple render targets */
+    bool local_light_only;           /**< no shadows and no indirect light: what the paper compares its times with */
+    bool direct_light_only;          /**< shadows, but no indirect light: likewise */
+    bool without_layers;             /**< pictures have R, G, B alone: the layers, and the estimate of spread, cost a fifth of a small frame */
 } sl_radiance_map_settings;
 
 /* ---- the light octree ---- */
 
-/* Which photon hits are kept. */
+/** Which photon hits are kept. */
 typedef enum sl_photon_store {
-    SL_STORE_INDIRECT, /* those after at least one bounce: direct light is another pass's affair */
-    SL_STORE_ALL,      /* the first hits too: the picture's indirect part then holds direct light as well */
-    SL_STORE_CAUSTIC   /* those that came by mirrors alone */
+    SL_STORE_INDIRECT, /**< those after at least one bounce: direct light is another pass's affair */
+    SL_STORE_ALL,      /**< the first hits too: the picture's indirect part then holds direct light as well */
+    SL_STORE_CAUSTIC   /**< those that came by mirrors alone */
 } sl_photon_store;
-/* The area over which gathered photons are spread (section 2.2). */
+/** The area over which gathered photons are spread (section 2.2). */
 typedef enum sl_photon_area {
-    SL_PHOTON_AREA_CLIP,   /* of the scene's triangles within the ellipsoid */
-    SL_PHOTON_AREA_SECTION, /* of the photons' mean plane within it */
-    SL_PHOTON_AREA_DISC    /* of its equator */
+    SL_PHOTON_AREA_CLIP,   /**< of the scene's triangles within the ellipsoid */
+    SL_PHOTON_AREA_SECTION, /**< of the photons' mean plane within it */
+    SL_PHOTON_AREA_DISC    /**< of its equator */
 } sl_photon_area;
-/* What a voxel keeps of its photons' directions. */
+/** What a voxel keeps of its photons' directions. */
 typedef enum sl_voxel_lobes {
-    SL_LOBES_PERPENDICULAR, /* directional lights of the irradiance perpendicular to them: shading has a cosine */
-    SL_LOBES_SURFACE,       /* ... of the irradiance on the surface, as the paper's sum is printed: shading has none */
-    SL_LOBES_NONE,          /* one irradiance: the paper's colour octree */
-    SL_LOBES_HARMONICS      /* spherical harmonics of order 2 or 3 instead of directional lights */
+    SL_LOBES_PERPENDICULAR, /**< directional lights of the irradiance perpendicular to them: shading has a cosine */
+    SL_LOBES_SURFACE,       /**< ... of the irradiance on the surface, as the paper's sum is printed: shading has none */
+    SL_LOBES_NONE,          /**< one irradiance: the paper's colour octree */
+    SL_LOBES_HARMONICS      /**< spherical harmonics of order 2 or 3 instead of directional lights */
 } sl_voxel_lobes;
 typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_filter;
 
-/* The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
+/** The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
 typedef struct sl_light_octree_settings {
-    int depth;                    /* of the octree, 1 to 8; by quality 5, 6, 6; shallower ones are shown first */
-    uint64_t photons;             /* to be stored; by quality 150,000, 600,000, 1,200,000 */
-    int neighbours;               /* k, at most; by quality 150, 300, 500 */
-    double radius;                /* r, in scene units; by density: 2 sqrt(k A / (pi N)), at least one voxel */
-    double flatness;              /* f in (0,1]; 0.25 */
-    int lights;                   /* n: virtual directional lights a voxel, 1 to 8; 4 */
-    double spread_tolerance;      /* radians: fewer lights where that is met; 0: off */
-    double acceptance;            /* radians between a photon's normal and the voxel's; 35 degrees, of whole voxels 60; pi: all */
+    int depth;                    /**< of the octree, 1 to 8; by quality 5, 6, 6; shallower ones are shown first */
+    uint64_t photons;             /**< to be stored; by quality 150,000, 600,000, 1,200,000 */
+    int neighbours;               /**< k, at most; by quality 150, 300, 500 */
+    double radius;                /**< r, in scene units; by density: 2 sqrt(k A / (pi N)), at least one voxel */
+    double flatness;              /**< f in (0,1]; 0.25 */
+    int lights;                   /**< n: virtual directional lights a voxel, 1 to 8; 4 */
+    double spread_tolerance;      /**< radians: fewer lights where that is met; 0: off */
+    double acceptance;            /**< radians between a photon's normal and the voxel's; 35 degrees, of whole voxels 60; pi: all */
     sl_photon_store store;
     sl_photon_area area;
     sl_voxel_lobes lobes;
     sl_voxel_filter filter;
-    bool unit_weights;            /* K-means with equal weights */
-    bool median_of_subsets;       /* a voxel's irradiance is the median of what fifths of its photons tell: against fireflies; biased */
-    bool wide_directions;         /* 12 + 12 bits a direction instead of 8 + 8 */
-    bool own_photons;             /* a voxel counts the photons that lie in it, over the area in it, and looks for no others: the paper's bands where
+    bool unit_weights;            /**< K-means with equal weights */
+    bool median_of_subsets;       /**< a voxel's irradiance is the median of what fifths of its photons tell: against fireflies; biased */
+    bool wide_directions;         /**< 12 + 12 bits a direction instead of 8 + 8 */
+    bool own_photons;             /**< a voxel counts the photons that lie in it, over the area in it, and looks for no others: the paper's bands where
                                      that is a sliver; voxels are whole then */
-    bool whole_voxels;            /* one set of lights a voxel, as the paper; else one for each group of normals in it */
-    bool fixed_neighbours;        /* k photons a voxel, as the paper; else k/4 to k of them, by an error estimate */
-    bool keep_void_dark;          /* empty voxels count as black in filtering: the paper's holes */
-    bool environment_mirrors;     /* mirrors show the environment from a cube map, and nothing of the scene; no ray is followed */
-    bool facing_voxels;           /* in filtering voxels also weigh by the cosine between their normal and the point's */
-    bool atlas;                   /* light is rendered to a texture atlas first, and the picture looks it up there */
-    int atlas_size;               /* texels a side; 1024 */
-    bool direct_sky;              /* all of the environment lights pixels directly, by light samples; else only what stands out of it, and the
+    bool whole_voxels;            /**< one set of lights a voxel, as the paper; else one for each group of normals in it */
+    bool fixed_neighbours;        /**< k photons a voxel, as the paper; else k/4 to k of them, by an error estimate */
+    bool keep_void_dark;          /**< empty voxels count as black in filtering: the paper's holes */
+    bool environment_mirrors;     /**< mirrors show the environment from a cube map, and nothing of the scene; no ray is followed */
+    bool facing_voxels;           /**< in filtering voxels also weigh by the cosine between their normal and the point's */
+    bool atlas;                   /**< light is rendered to a texture atlas first, and the picture looks it up there */
+    int atlas_size;               /**< texels a side; 1024 */
+    bool direct_sky;              /**< all of the environment lights pixels directly, by light samples; else only what stands out of it, and the
                                      octree holds the rest, without noise but blurred to the photons' distance */
-    bool indirect_only;           /* direct light is left out */
+    bool indirect_only;           /**< direct light is left out */
 } sl_light_octree_settings;
 
 /* ---- multi-mesh caching ---- */
 
-/* How light arriving from an area light is sampled at a vertex. */
+/** How light arriving from an area light is sampled at a vertex. */
 typedef enum sl_light_estimator {
-    SL_LIGHT_RATIO,   /* in closed form, times the visible share by the light's own plane as a window: the default */
-    SL_LIGHT_WINDOW,  /* the same window's weights alone */
-    SL_LIGHT_LOOK_AT, /* the paper's frustum around the light, with the pixels' solid angles */
-    SL_LIGHT_RAYS     /* as SL_LIGHT_RATIO, the visible share by jittered shadow rays */
+    SL_LIGHT_RATIO,   /**< in closed form, times the visible share by the light's own plane as a window: the default */
+    SL_LIGHT_WINDOW,  /**< the same window's weights alone */
+    SL_LIGHT_LOOK_AT, /**< the paper's frustum around the light, with the pixels' solid angles */
+    SL_LIGHT_RAYS     /**< as SL_LIGHT_RATIO, the visible share by jittered shadow rays */
 } sl_light_estimator;
-/* Which mesh triangle is refined next. */
+/** Which mesh triangle is refined next. */
 typedef enum sl_mesh_selection {
-    SL_SELECT_HEAP,  /* the one that matters most */
-    SL_SELECT_CHAIN  /* the paper's random chain */
+    SL_SELECT_HEAP,  /**< the one that matters most */
+    SL_SELECT_CHAIN  /**< the paper's random chain */
 } sl_mesh_selection;
 
-/* Multi-mesh caching with hardware sampling. 0, wherever it stands, is the default that is named. */
+/** Multi-mesh caching with hardware sampling. 0, wherever it stands, is the default that is named. */
 typedef struct sl_multi_mesh_settings {
     sl_light_estimator estimator;
-    int light_size;             /* N of N x N pixels around a light; 64, doubled up to 256 for points close to it */
-    int light_rays;             /* n of n x n jittered rays instead; 16 */
-    double gather_fov;          /* radians; 160 degrees */
-    bool undivided_gather;      /* the gather's loss beyond its field of view is not made up for: the paper's */
-    bool side_strips;           /* the rest of the hemisphere is drawn, too, where it may matter */
-    double threshold_scale;     /* times the threshold map of what an eye can tell; by quality 2, 1, 0.5 */
-    double exposure;            /* displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); by the light in the scene */
-    double leaf_area;           /* pixels squared: leaves larger than that are split whatever their edges say; by quality 256, 64, 16; of indirect light 4 times that */
-    double leaf_edge;           /* pixels: likewise; by quality 32, 16, 8; of indirect light twice that */
-    int max_depth;              /* of splits; 12 */
-    int coarse_depth;           /* of the coarse mesh; by quality 3, 4, 5 */
-    double coarse_edge;         /* scene units: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
+    int light_size;             /**< N of N x N pixels around a light; 64, doubled up to 256 for points close to it */
+    int light_rays;             /**< n of n x n jittered rays instead; 16 */
+    double gather_fov;          /**< radians; 160 degrees */
+    bool undivided_gather;      /**< the gather's loss beyond its field of view is not made up for: the paper's */
+    bool side_strips;           /**< the rest of the hemisphere is drawn, too, where it may matter */
+    double threshold_scale;     /**< times the threshold map of what an eye can tell; by quality 2, 1, 0.5 */
+    double exposure;            /**< displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); by the light in the scene */
+    double leaf_area;           /**< pixels squared: leaves larger than that are split whatever their edges say; by quality 256, 64, 16; of indirect light 4 times that */
+    double leaf_edge;           /**< pixels: likewise; by quality 32, 16, 8; of indirect light twice that */
+    int max_depth;              /**< of splits; 12 */
+    int coarse_depth;           /**< of the coarse mesh; by quality 3, 4, 5 */
+    double coarse_edge;         /**< scene units: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
     sl_mesh_selection selection;
-    int batch;                  /* K leaves at a time; 32 */
-    bool joint_mesh;            /* light and radiance share one mesh: what the paper argues against */
-    bool plain_highlights;      /* the light as a point in the lobe, though it outshines the lamp: (6) as printed */
-    bool keep_hanging;          /* leaves ignore their neighbours' vertices on common edges: colours jump there */
+    int batch;                  /**< K leaves at a time; 32 */
+    bool joint_mesh;            /**< light and radiance share one mesh: what the paper argues against */
+    bool plain_highlights;      /**< the light as a point in the lobe, though it outshines the lamp: (6) as printed */
+    bool keep_hanging;          /**< leaves ignore their neighbours' vertices on common edges: colours jump there */
 } sl_multi_mesh_settings;
 
 /* ---- the shading cache ---- */
 
-/* How direct light of area lights is sampled at a point. */
+/** How direct light of area lights is sampled at a point. */
 typedef enum sl_area_sampling {
-    SL_AREA_RATIO,  /* in closed form, times the visible share of the samples: the default */
-    SL_AREA_SAMPLED /* the samples' mean alone, the paper's */
+    SL_AREA_RATIO,  /**< in closed form, times the visible share of the samples: the default */
+    SL_AREA_SAMPLED /**< the samples' mean alone, the paper's */
 } sl_area_sampling;
-/* Who computes indirect light. */
+/** Who computes indirect light. */
 typedef enum sl_indirect_renderer {
-    SL_INDIRECT_BIDIRECTIONAL, /* bidirectional path tracing, the paper's */
+    SL_INDIRECT_BIDIRECTIONAL, /**< bidirectional path tracing, the paper's */
     SL_INDIRECT_NONE
 } sl_indirect_renderer;
-/* How pixels are chosen for samples. */
+/** How pixels are chosen for samples. */
 typedef enum sl_pixel_selection {
-    SL_PIXELS_HIT_AND_TEST, /* the paper's: random pixels, accepted by priority, and flood fill from them */
-    SL_PIXELS_SYSTEMATIC,   /* equal steps through the sums of priorities along a Hilbert curve */
-    SL_PIXELS_SORTED        /* the highest priorities first: what the paper compares with */
+    SL_PIXELS_HIT_AND_TEST, /**< the paper's: random pixels, accepted by priority, and flood fill from them */
+    SL_PIXELS_SYSTEMATIC,   /**< equal steps through the sums of priorities along a Hilbert curve */
+    SL_PIXELS_SORTED        /**< the highest priorities first: what the paper compares with */
 } sl_pixel_selection;
 
-/* The Shading Cache (Tole, Pellacini, Walter, Greenberg 2002). 0, wherever it stands, is the default that is named. */
+/** The Shading Cache (Tole, Pellacini, Walter, Greenberg 2002). 0, wherever it stands, is the default that is named. */
 typedef struct sl_shading_cache_settings {
-    int points;                  /* M: shaded in an update; 64 */
-    int area_samples;            /* points on each area light; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
+    int points;                  /**< M: shaded in an update; 64 */
+    int area_samples;            /**< points on each area light; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
     sl_area_sampling area;
-    int indirect_samples;        /* eye paths at a point; by quality 100, 400, 1200 */
-    int path_depth;              /* 6 */
+    int indirect_samples;        /**< eye paths at a point; by quality 100, 400, 1200 */
+    int path_depth;              /**< 6 */
     sl_indirect_renderer indirect;
-    bool caustics;               /* a photon map of caustics is another sample renderer */
-    double random_share;         /* epsilon: pixels chosen whatever their priority; 0.03 */
+    bool caustics;               /**< a photon map of caustics is another sample renderer */
+    double random_share;         /**< epsilon: pixels chosen whatever their priority; 0.03 */
     sl_pixel_selection selection;
-    double flood_threshold;      /* normalised priority down to which floods run; 0.5 */
-    bool no_flood, no_random;    /* without these two: what each is worth */
-    bool plain_normalisation;    /* mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
-    bool no_ageing;              /* samples do not grow old */
-    bool no_resolution_drop;     /* what changes keeps its fine patches */
-    double stop_size;            /* pixels: patches smaller than that are not split; 1 */
-    int ageing_window;           /* updates: what was not seen for so long may be evicted; 60 */
-    double cache_limit;          /* patches a pixel; 1.5 */
-    double clean_up_seconds;     /* T_c: how fast what changes is to look right again; 5 */
-    double nominal_rate;         /* samples a second that this is reckoned with; 2000 */
-    double change_threshold;     /* grey levels; 2 */
-    int change_window;           /* updates; 3 */
-    double blending;             /* beta: share of a new value in an unchanged scene; 1 */
-    bool variance_aware;         /* more samples where noise passes for contrast */
-    int frames_per_update;       /* of the deterministic schedule; 20 */
-    uint32_t updates;            /* a picture of a still scene is done after so many; 0: when nothing is left to refine */
-    double mean_level_radiance;  /* Y_ref: radiance in the middle of the displayed levels; by the light in the scene */
+    double flood_threshold;      /**< normalised priority down to which floods run; 0.5 */
+    bool no_flood, no_random;    /**< without these two: what each is worth */
+    bool plain_normalisation;    /**< mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
+    bool no_ageing;              /**< samples do not grow old */
+    bool no_resolution_drop;     /**< what changes keeps its fine patches */
+    double stop_size;            /**< pixels: patches smaller than that are not split; 1 */
+    int ageing_window;           /**< updates: what was not seen for so long may be evicted; 60 */
+    double cache_limit;          /**< patches a pixel; 1.5 */
+    double clean_up_seconds;     /**< T_c: how fast what changes is to look right again; 5 */
+    double nominal_rate;         /**< samples a second that this is reckoned with; 2000 */
+    double change_threshold;     /**< grey levels; 2 */
+    int change_window;           /**< updates; 3 */
+    double blending;             /**< beta: share of a new value in an unchanged scene; 1 */
+    bool variance_aware;         /**< more samples where noise passes for contrast */
+    int frames_per_update;       /**< of the deterministic schedule; 20 */
+    uint32_t updates;            /**< a picture of a still scene is done after so many; 0: when nothing is left to refine */
+    double mean_level_radiance;  /**< Y_ref: radiance in the middle of the displayed levels; by the light in the scene */
 } sl_shading_cache_settings;
 
 typedef struct sl_settings {
-    const char *method;    /* "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
-    const char *transport; /* "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
+    const char *method;    /**< "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
+    const char *transport; /**< "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
-    int width, height;     /* 0: the scene's film */
-    unsigned threads;      /* 0: one a processor */
+    int width, height;     /**< 0: the scene's film */
+    unsigned threads;      /**< 0: one a processor */
     uint64_t seed;
     sl_quality quality;
-    uint32_t spp;          /* path, bidirectional: samples a pixel; splatting: light samples a pixel; 0: by quality */
-    double accuracy;       /* splatting: a of the paper; 0: by quality */
-    int gather_size;       /* splatting, multi-mesh: N of an N x N gather; 0: by quality */
+    uint32_t spp;          /**< path, bidirectional: samples a pixel; splatting: light samples a pixel; 0: by quality */
+    double accuracy;       /**< splatting: a of the paper; 0: by quality */
+    int gather_size;       /**< splatting, multi-mesh: N of an N x N gather; 0: by quality */
     sl_gather_kind gather;
     sl_direct_kind direct;
     sl_pixel_filter filter;
     sl_traversal_order order;
     sl_radius_metric metric;
-    double glossy_accuracy; /* splatting: a of the radiance records; 0: by quality */
-    int harmonics_order;   /* splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
-    uint32_t bounces;      /* splatting, multi-mesh (1 or 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
-    bool glossy_hits;      /* splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
-    uint32_t hit_samples;  /* splatting: light samples for each thing that a gather sees; 0: by quality */
-    uint32_t records_per_frame; /* splatting: a frame ends after so many new records (a walk-through); 0: no limit */
-    sl_radiance_map_settings radiance_map; /* direct-radiance */
-    sl_light_octree_settings light_octree; /* light-octree */
-    sl_multi_mesh_settings multi_mesh; /* multi-mesh */
-    sl_shading_cache_settings shading_cache; /* shading-cache */
-    const sl_observer *observer; /* or NULL */
+    double glossy_accuracy; /**< splatting: a of the radiance records; 0: by quality */
+    int harmonics_order;   /**< splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
+    uint32_t bounces;      /**< splatting, multi-mesh (1 or 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
+    bool glossy_hits;      /**< splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
+    uint32_t hit_samples;  /**< splatting: light samples for each thing that a gather sees; 0: by quality */
+    uint32_t records_per_frame; /**< splatting: a frame ends after so many new records (a walk-through); 0: no limit */
+    sl_radiance_map_settings radiance_map; /**< direct-radiance */
+    sl_light_octree_settings light_octree; /**< light-octree */
+    sl_multi_mesh_settings multi_mesh; /**< multi-mesh */
+    sl_shading_cache_settings shading_cache; /**< shading-cache */
+    const sl_observer *observer; /**< or NULL */
 } sl_settings;
 
 SL_API sl_settings sl_settings_default(void);
@@ -497,22 +498,22 @@ SL_API sl_settings sl_settings_default(void);
 typedef struct sl_method sl_method;
 
 typedef struct sl_progress {
-    uint64_t batches;  /* done so far */
-    double fraction;   /* an estimate in [0,1] */
-    bool frame_done;   /* with records_per_frame: the frame has what it may have; resolve it, then edit or go on refining */
-    bool done;         /* nothing left to refine; until an edit, updating again changes nothing */
+    uint64_t batches;  /**< done so far */
+    double fraction;   /**< an estimate in [0,1] */
+    bool frame_done;   /**< with records_per_frame: the frame has what it may have; resolve it, then edit or go on refining */
+    bool done;         /**< nothing left to refine; until an edit, updating again changes nothing */
 } sl_progress;
 
-/* The scene must outlive the method and must not change but as told to sl_method_edit(). */
+/** The scene must outlive the method and must not change but as told to sl_method_edit(). */
 SL_API sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                                   sl_error *error);
 SL_API void sl_method_destroy(sl_method *method);
-/* One more batch: a pure function of the state and the batch's number, never of time. */
+/** One more batch: a pure function of the state and the batch's number, never of time. */
 SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error);
-/* The picture so far: R, G, B and the method's layers. The caller destroys it. */
+/** The picture so far: R, G, B and the method's layers. The caller destroys it. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
-/* The method's cache in a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
+/** The method's cache in a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
  * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
  * other ones, of another version, or one that is damaged is refused, with a line that says so, and nothing changes. With a file
  * saved from the same place nothing is gathered anew, and the picture has the same bits. */
@@ -521,10 +522,10 @@ SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_er
 SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
-/* The names of all methods, in order; NULL past the end. */
+/** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);
 
-/* What a method would do with a scene: one line for each pass that runs or is left out, and why. NUL-terminated
+/** What a method would do with a scene: one line for each pass that runs or is left out, and why. NUL-terminated
  * text, the caller frees it with free(). */
 SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
 
