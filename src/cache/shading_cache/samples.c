@@ -1,0 +1,197 @@
+/* U7, samples of the vertices that were asked for, and U8: they are committed in that order, tell of changes, and what changes is shown with coarser
+ * patches (sections on the sample renderer and on moving objects). */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/shading_cache/state.h"
+
+#include <string.h>
+
+enum { NUDGES = 3 };
+
+/* ---- U7: samples ---- */
+
+static bool on_the_border(const sl_primitives *primitives, const sl_patch_vertex *v) {
+    bool triangle = primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
+    if (v->u == 0 || v->v == 0) return true;
+    return triangle ? v->u + v->v >= SL_PATCH_DYADIC : v->u >= SL_PATCH_DYADIC || v->v >= SL_PATCH_DYADIC;
+}
+
+/* Where a vertex is shaded. On its root's border it is moved inwards by 1/256 of the way to the middle: in the crease between two walls it would see
+ * half of what is behind the other. Inside other geometry it is asked for further and further inside. */
+static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_root_point *point) {
+    static const int32_t ways[NUDGES + 1] = {256, 100, 20, 5};
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    bool triangle = s->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
+    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, u = v->u, w = v->v;
+    if (nudge || on_the_border(s->primitives, v)) {
+        u += (centre - u) / ways[nudge];
+        w += (centre - w) / ways[nudge];
+    }
+    sl_root_point_at(s->primitives, v->root, (uint32_t)u, (uint32_t)w, point);
+}
+
+static void make_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    const sl_material *material = sl_root_material(s->primitives, v->root);
+    bool more = v->evaluated != SL_VERTEX_NEVER && s->settings.shading_cache.variance_aware && !sl_vertex_is_stale(s->patches, &s->work, vertex);
+    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .radiance = sl_looks_otherwise_from_elsewhere(material), .set = more ? v->samples : 0};
+    place_request(s, vertex, nudge, &request->point);
+}
+
+static void add_sample(sl_sample *sum, const sl_sample *part) {
+    sum->irradiance = sl_rgb_add(sum->irradiance, part->irradiance);
+    sum->radiance = sl_rgb_add(sum->radiance, part->radiance);
+    sum->variance += part->variance;
+    sum->valid = sum->valid && part->valid;
+}
+
+/* The next run of requests from `first` that are worth asking for: what one renderer calls invalid no other one is asked about. */
+static size_t next_run(const sl_sample *samples, size_t count, size_t *first) {
+    while (*first < count && !samples[*first].valid) ++*first;
+    size_t end = *first;
+    while (end < count && samples[end].valid) end++;
+    return end - *first;
+}
+
+static void render_samples(sl_shading_state *s, size_t count, const sl_sample_request *requests, sl_sample *samples) {
+    for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.valid = true};
+    for (int r = 0; r < s->renderer_count; r++) {
+        size_t first = 0, run;
+        while ((run = next_run(samples, count, &first)) > 0) {
+            s->renderer[r].render(s->renderer[r].state, run, requests + first, s->settings.threads, s->part, &s->counters);
+            for (size_t i = 0; i < run; i++) add_sample(&samples[first + i], &s->part[i]);
+            first += run;
+        }
+    }
+    sl_count(&s->counters, SL_COUNT_POINTS_SHADED, count);
+}
+
+void sl_shading_sample(sl_shading_state *s, size_t count) {
+    for (size_t i = 0; i < count; i++) make_request(s, s->vertex[i], 0, &s->request[i]);
+    render_samples(s, count, s->request, s->sample);
+    for (int nudge = 1; nudge <= NUDGES; nudge++) {
+        for (size_t i = 0; i < count; i++) {
+            if (s->sample[i].valid) continue;
+            sl_sample again;
+            make_request(s, s->vertex[i], nudge, &s->request[i]);
+            render_samples(s, 1, &s->request[i], &again);
+            s->sample[i] = again;
+        }
+    }
+}
+
+/* ---- U8: commit, change ---- */
+
+/* A value may tell of change if it replaces one that was made with the same samples. Radiance towards an eye that has moved tells nothing. */
+typedef struct compared {
+    bool comparable, radiance;
+    float before;
+} compared;
+
+static float level_of(const sl_shading_state *s, uint32_t vertex, bool with_radiance) {
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    sl_rgb exitant = sl_rgb_mul(sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI)), sl_root_mean_diffuse(s->primitives, v->root));
+    if (with_radiance) {
+        const float *radiance = s->patches->radiance[vertex];
+        exitant = sl_rgb_add(exitant, (sl_rgb){radiance[0], radiance[1], radiance[2]});
+    }
+    return sl_curve_level(&s->curve, exitant);
+}
+
+static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && request->set == 0 && v->samples == 1,
+                  .radiance = s->patches->radiance && v->evaluated >= s->changes->eye_moved};
+    c.before = c.comparable ? level_of(s, vertex, c.radiance) : 0.0f;
+    return c;
+}
+
+static void blend(float value[3], sl_rgb now, float share) {
+    const float parts[3] = {now.r, now.g, now.b};
+    for (int k = 0; k < 3; k++) value[k] += share * (parts[k] - value[k]);
+}
+
+/* The share of a new value: all of it, but where it refines an unchanged one (beta), or joins earlier sets of samples. */
+static float share_of(const sl_shading_state *s, uint32_t vertex, uint32_t set, bool changing) {
+    if (s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER || changing) return 1.0f;
+    if (set > 0) return 1.0f / (float)(set + 1);
+    return sl_vertex_is_stale(s->patches, &s->work, vertex) ? 1.0f : (float)s->settings.shading_cache.blending;
+}
+
+static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request, const sl_sample *sample) {
+    sl_patch_vertex *v = &s->patches->vertex[vertex];
+    if (!sl_rgb_is_finite(sample->irradiance) || !sl_rgb_is_finite(sample->radiance)) {
+        sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
+        v->evaluated = v->evaluated == SL_VERTEX_NEVER ? s->now : v->evaluated; /* the old value stays */
+        return;
+    }
+    compared c = compare_before(s, vertex, request);
+    uint32_t object = sl_root_object(s->primitives, v->root);
+    float share = share_of(s, vertex, request->set, s->changes->object[object].changing);
+    blend(v->value, sample->irradiance, share);
+    if (s->patches->radiance) blend(s->patches->radiance[vertex], sample->radiance, share);
+    v->variance += share * (share * sample->variance - v->variance * (2.0f - share));
+    v->variance = v->variance > 0.0f ? v->variance : 0.0f;
+    v->samples = (uint16_t)(request->set < UINT16_MAX ? request->set + 1 : UINT16_MAX);
+    v->evaluated = s->now;
+    sl_patches_touch(s->patches, vertex);
+    if (c.comparable && sl_changes_compare(s->changes, object, c.before, level_of(s, vertex, c.radiance), s->now))
+        sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
+}
+
+/* What changes is shown with patches as coarse as leaves time to shade them all anew. */
+float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    double visible = 0.0;
+    if (c->no_resolution_drop) return 0.0f;
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, s->leaf[i].patch));
+        if (s->changes->object[object].changing) visible += s->leaf[i].pixels;
+    }
+    return visible > 0.0 ? sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles) : 0.0f;
+}
+
+/* Objects of which visible leaves still show what was before. */
+static void find_stale(sl_shading_state *s) {
+    memset(s->stale, 0, s->scene->object_count * sizeof *s->stale);
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        uint32_t patch = s->leaf[i].patch;
+        if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) continue;
+        uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
+        for (int c = 0; c < sl_patch_corners(s->patches, patch); c++) {
+            const sl_patch_vertex *v = &s->patches->vertex[sl_patch_corner(s->patches, patch, c)];
+            s->stale[object] |= v->evaluated < s->changes->object[object].stale_before;
+        }
+    }
+}
+
+static void projected_areas(const sl_shading_state *s, float *area) {
+    for (uint32_t p = 0; p < s->patches->patch_count; p++) {
+        if (!sl_patch_is_alive(s->patches, p)) continue;
+        uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, p));
+        if (!s->changes->object[object].changing || sl_patch_is_leaf(s->patches, p)) continue;
+        sl_patch_place place = sl_patch_place_of(s->patches, p);
+        area[p] = sl_patch_projected(s->patches, &place, &s->scene->camera, s->settings.width, s->settings.height).area;
+    }
+}
+
+static sl_status drop_resolution(sl_shading_state *s, sl_error *error) {
+    float quads = sl_shading_coarsest(s, false), triangles = sl_shading_coarsest(s, true);
+    if (!(quads > 0.0f)) return SL_OK;
+    float *area = sl_allocate(s->patches->patch_count, sizeof *area);
+    if (!area) return sl_fail_memory(error, "coarser patches");
+    projected_areas(s, area);
+    sl_changes_drop(s->changes, s->patches, area, quads, triangles);
+    sl_free(area);
+    return SL_OK;
+}
+
+sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) {
+    uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
+    for (size_t i = 0; i < count; i++) commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
+    find_stale(s);
+    sl_changes_settle(s->changes, s->stale, s->now);
+    return s->counters.value[SL_COUNT_CHANGES_DETECTED] > before ? drop_resolution(s, error) : SL_OK;
+}

@@ -1,0 +1,174 @@
+/* One update (section on the system's components): U1 to U10.
+ *
+ *   id map ── priorities ── normalised ── selected pixels ── split, or asked for ── samples ── committed ── aged ── display arrays ── swap
+ *                                                                                   │
+ *                                                  changes found, coarser patches ──┘
+ */
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/shading_cache/state.h"
+
+enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, LEAVES_A_TASK = 1024 };
+
+/* A patch is split above 1.2 stop sizes, and dropped by ageing below 0.8: in between nothing swings to and fro. */
+static const float split_slack = 1.2f, drop_slack = 0.8f;
+
+/* ---- U1, U2: the id map, and what of its patches wants samples ---- */
+
+static sl_status room_for_leaves(sl_shading_state *s, sl_error *error) {
+    size_t patches = s->patches->patch_capacity;
+    if (patches > s->leaf_of_patch_room) {
+        sl_free(s->leaf_of_patch);
+        s->leaf_of_patch_room = 0;
+        s->leaf_of_patch = sl_allocate(patches, sizeof *s->leaf_of_patch);
+        if (!s->leaf_of_patch) return sl_fail_memory(error, "visible patches");
+        s->leaf_of_patch_room = patches;
+    }
+    size_t leaves = s->patches->patches_alive < sl_shading_pixels(s) ? s->patches->patches_alive : sl_shading_pixels(s);
+    if (leaves > s->leaf_room) {
+        sl_free(s->leaf);
+        s->leaf_room = 0;
+        s->leaf = sl_allocate(leaves, sizeof *s->leaf);
+        if (!s->leaf) return sl_fail_memory(error, "visible patches");
+        s->leaf_room = leaves;
+    }
+    return SL_OK;
+}
+
+/* Counts each leaf's pixels; the leaf and what is above it have been seen. */
+static void count_pixels(sl_shading_state *s) {
+    for (size_t i = 0; i < s->leaf_of_patch_room; i++) s->leaf_of_patch[i] = SL_NO_INDEX;
+    s->leaf_count = 0;
+    for (size_t i = 0; i < sl_shading_pixels(s); i++) {
+        uint32_t patch = s->ids.patch[i];
+        s->leaf_of_pixel[i] = SL_NO_INDEX;
+        if (patch == SL_NO_INDEX) continue;
+        uint32_t *leaf = &s->leaf_of_patch[patch];
+        if (*leaf == SL_NO_INDEX) {
+            *leaf = (uint32_t)s->leaf_count;
+            s->leaf[s->leaf_count++] = (sl_leaf_priority){.patch = patch};
+        }
+        s->leaf[*leaf].pixels++;
+        s->leaf_of_pixel[i] = *leaf;
+    }
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        for (uint32_t p = s->leaf[i].patch; p != SL_NO_INDEX; p = sl_patch_parent(s->patches, p)) {
+            sl_patch *patch = &s->patches->patch[p];
+            if (patch->seen != s->now) patch->pixels = 0;
+            patch->seen = s->now;
+            patch->pixels += s->leaf[i].pixels;
+        }
+    }
+}
+
+/* Corners of one colour do not say that nothing lies between them; the larger a leaf, the more may. One of 1/1024 of the picture or more counts as
+ * if it were wrong by some levels, so that it does not wait for a random pixel. */
+static float least_priority(const sl_shading_state *s, const sl_leaf_priority *leaf) {
+    static const float levels_when_large = 16.0f;
+    float share = 1024.0f * (float)leaf->pixels / (float)sl_shading_pixels(s);
+    return levels_when_large * (share < 1.0f ? share : 1.0f);
+}
+
+/* Objects that change, and what is seen from elsewhere and is not diffuse, grow old. */
+static void prioritise_some(void *context, size_t task, unsigned worker) {
+    (void)worker;
+    sl_shading_state *s = context;
+    bool ages = !s->settings.shading_cache.no_ageing;
+    size_t end = (task + 1) * LEAVES_A_TASK < s->leaf_count ? (task + 1) * LEAVES_A_TASK : s->leaf_count;
+    for (size_t i = task * LEAVES_A_TASK; i < end; i++) {
+        uint32_t patch = s->leaf[i].patch, object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
+        float priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
+                                           ages ? sl_changes_since(s->changes, object) : 0);
+        float least = least_priority(s, &s->leaf[i]);
+        s->leaf[i].priority = priority < 0.0f || priority > least ? priority : least;
+    }
+}
+
+static void announce_priorities(sl_shading_state *s) {
+    float *plane = s->announcer.observer ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
+    for (size_t i = 0; plane && i < sl_shading_pixels(s); i++)
+        plane[i] = s->leaf_of_pixel[i] == SL_NO_INDEX ? 0.0f : s->leaf[s->leaf_of_pixel[i]].normal;
+    sl_announce(&s->announcer, "priorities", "section 4.2", s->settings.width, s->settings.height, 1, plane, true);
+    sl_free(plane);
+}
+
+static sl_status see_priorities(sl_shading_state *s, sl_error *error) {
+    sl_status status = sl_display_id_map(s->display, s->settings.threads, &s->ids, &s->counters, error);
+    if (status == SL_OK) status = room_for_leaves(s, error);
+    if (status != SL_OK) return status;
+    sl_announce_pass(&s->announcer, "id map", "section 4.1");
+    count_pixels(s);
+    sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, prioritise_some, s);
+    sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
+    announce_priorities(s);
+    return SL_OK;
+}
+
+/* ---- U4 to U6: which pixels, and what work that makes ---- */
+
+static sl_status select_pixels(sl_shading_state *s, size_t *choices, sl_error *error) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    sl_selection_settings selection = {.how = c->selection, .points = c->points, .random_share = c->no_random ? 0.0f : (float)c->random_share,
+                                       .flood_threshold = c->no_flood ? 2.0f : (float)c->flood_threshold, .per_patch = CHOICES_A_PATCH,
+                                       .seed = s->settings.seed, .update = s->now};
+    return sl_select_pixels(&selection, s->settings.width, s->settings.height, s->leaf_of_pixel, s->leaf_count, s->leaf, s->choice, choices,
+                            &s->counters, error);
+}
+
+static sl_status work_out(sl_shading_state *s, size_t choices, size_t *vertices, sl_error *error) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    for (size_t i = 0; i < choices; i++) {
+        uint32_t pixel = s->choice[i].pixel;
+        s->place[i] = (sl_chosen_place){s->ids.patch[pixel], s->ids.u[pixel], s->ids.v[pixel]};
+    }
+    for (size_t i = 0; i < s->scene->object_count; i++) {
+        s->stale_before[i] = s->changes->object[i].stale_before;
+        s->changing[i] = s->changes->object[i].changing;
+    }
+    s->work = (sl_work_settings){.split_above = split_slack * (float)c->stop_size, .levels = LEVELS_AN_UPDATE, .crowd = CROWD,
+                                 .variance_aware = c->variance_aware, .now = s->now, .stale_before = c->no_ageing ? NULL : s->stale_before,
+                                 .eye_moved = c->no_ageing ? 0 : s->changes->eye_moved, .changing = s->changing, .coarsest = sl_shading_coarsest(s, false)};
+    return sl_work_out(s->patches, &s->curve, &s->work, &s->scene->camera, s->settings.width, s->settings.height, choices, s->place, s->vertex,
+                       vertices, &s->counters, error);
+}
+
+/* ---- U9, U10 ---- */
+
+static sl_status age(sl_shading_state *s, sl_error *error) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    size_t limit = (size_t)(c->cache_limit * (double)sl_shading_pixels(s)) + 2 * s->primitives->count;
+    uint32_t window = (uint32_t)c->ageing_window, since = s->now > window ? s->now - window : 0;
+    return sl_patches_evict(s->patches, limit, since, (double)drop_slack * c->stop_size, &s->counters, error);
+}
+
+/* Nothing that is seen wants any more: every leaf is as small as it gets, and as the scene is now. */
+static bool nothing_is_left(const sl_shading_state *s) {
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        uint32_t patch = s->leaf[i].patch;
+        if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) return false;
+        if (!sl_patch_is_finished(s->patches, &s->work, &s->scene->camera, s->settings.width, s->settings.height, patch)) return false;
+    }
+    return true;
+}
+
+sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
+    size_t choices = 0, vertices = 0;
+    s->now++;
+    sl_status status = see_priorities(s, error);
+    if (status != SL_OK) return status;
+    status = select_pixels(s, &choices, error);
+    sl_announce_pass(&s->announcer, "selection", "section 4.2");
+    if (status == SL_OK) status = work_out(s, choices, &vertices, error);
+    if (status != SL_OK) return status;
+    sl_announce_pass(&s->announcer, "requests", "section 4.3");
+    sl_shading_sample(s, vertices);
+    sl_announce_pass(&s->announcer, "samples", "section 4.3");
+    status = sl_shading_commit(s, vertices, error);
+    if (status == SL_OK) status = age(s, error);
+    sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
+    if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
+    sl_announce_pass(&s->announcer, "display arrays", "section 3");
+    s->done = s->now >= s->last_update || nothing_is_left(s);
+    return status;
+}
