@@ -3,6 +3,9 @@
  *
  *   plan.c           which passes a scene needs
  *   multi_mesh.c     the passes of a picture, batch by batch
+ *   samples.c        samples of vertices, by all threads
+ *   coarse_rounds.c  the coarse mesh, some vertices a batch
+ *   world.c          what outlives a picture, and what is kept when lights and objects move
  *   topology.c       faces, and which corners they share
  *   mesh.c           a quadtree of triangles for each face; split, collapse; interpolation
  *   pixels.c         visible sizes                                                             P1, P1b

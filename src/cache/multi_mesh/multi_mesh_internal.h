@@ -1,0 +1,84 @@
+/* What the parts of the method share: its state, and what each part does with it. */
+#ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
+#define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
+
+#include "cache/announce.h"
+#include "cache/multi_mesh/displayed.h"
+#include "cache/multi_mesh/gather.h"
+#include "cache/multi_mesh/irradiance.h"
+#include "cache/multi_mesh/merge.h"
+#include "cache/multi_mesh/multi_mesh.h"
+#include "cache/multi_mesh/plan.h"
+
+typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_PHASE_DONE } sl_mesh_phase;
+
+typedef struct sl_gather_worker {
+    sl_mesh_gather_scratch *scratch;
+    sl_counters counters;
+} sl_gather_worker;
+
+typedef struct sl_multi_mesh_state {
+    const sl_scene *scene;
+    sl_settings settings;
+    sl_multi_mesh_plan plan;
+    sl_perception perception;
+    sl_rgb ambient;                 /* indirect irradiance before anything of it is known */
+
+    /* what depends on geometry and lights */
+    sl_raster *raster;
+    sl_tracer *tracer;
+    sl_topology *topology, *by_exponent; /* by_exponent: of the specular mesh; NULL: the same */
+    sl_sampled_lights *lights;
+    sl_light_sampling *sampling;
+    sl_irradiance_meshes *irradiance;
+    sl_object_places *places;       /* where objects were when all this was made */
+    sl_coarse *coarse;
+    sl_mesh_gather *gather;
+    sl_gather_worker *gatherer;     /* one a thread */
+    sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
+    size_t coarse_done;             /* vertices of the coarse mesh that are there, */
+    sl_rgb *coarse_indirect;        /* two bounces: E_i at the coarse mesh's vertices; NULL: there is but one, or the coarse mesh is whole */
+    bool coarse_whole;
+
+    /* what depends on the view */
+    uint32_t *id;
+    sl_visible_pixels *visible;
+    sl_materials_seen *materials;
+    float *planes[SL_COMPONENTS][3];
+    float *plane_memory;
+
+    sl_mesh_phase phase;
+    sl_counters counters;
+    sl_announcer announcer;
+} sl_multi_mesh_state;
+
+static inline size_t sl_multi_mesh_pixels(const sl_multi_mesh_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_t face) {
+    return &scene->materials[scene->material_index[face / 2]];
+}
+
+/* ---- world.c ---- */
+
+sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error);
+/* After lights or objects have moved. */
+sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error);
+void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
+
+/* ---- samples.c ---- */
+
+/* A vertex of a displayed mesh that is to be sampled. */
+typedef struct sl_wanted_vertex {
+    uint32_t vertex;
+    int wanted_depth;
+} sl_wanted_vertex;
+/* Values of vertices of one displayed mesh: from then on they are KNOWN or INVALID. */
+sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error);
+/* Irradiance that points gather from the coarse mesh. */
+void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance);
+
+/* ---- coarse_rounds.c ---- */
+
+/* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins. */
+sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
+
+#endif

@@ -1,0 +1,128 @@
+/* Samples of vertices: direct radiance from the irradiance meshes, indirect irradiance from gathers. A batch's samples are taken by all threads and
+ * committed in order. */
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/multi_mesh/direct.h"
+
+enum { GATHERS_A_TASK = 2 };
+
+static void put_value(sl_displayed *part, uint32_t vertex, sl_rgb value, bool valid, sl_counters *counters) {
+    sl_mesh *mesh = part->mesh;
+    bool finite = sl_rgb_is_finite(value);
+    if (!finite) sl_count(counters, SL_COUNT_NONFINITE, 1);
+    mesh->value[3 * (size_t)vertex] = finite ? value.r : 0.0f;
+    mesh->value[3 * (size_t)vertex + 1] = finite ? value.g : 0.0f;
+    mesh->value[3 * (size_t)vertex + 2] = finite ? value.b : 0.0f;
+    mesh->state[vertex] = valid && finite ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID;
+}
+
+/* Radiance of one vertex from its lights' shares. */
+static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex, const float *share) {
+    if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share);
+    sl_mesh_point point;
+    sl_mesh_point_of(s->part[part]->mesh, vertex, &point);
+    return sl_direct_specular(s->lights, share, &point, sl_face_material(s->scene, point.face)->exponent, s->scene->camera.eye,
+                              s->settings.multi_mesh.plain_highlights);
+}
+
+static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error) {
+    size_t lights = s->lights->count;
+    sl_face_point *points = sl_allocate(count, sizeof *points);
+    float *share = sl_allocate(count * lights, sizeof *share);
+    bool *valid = sl_allocate(count, sizeof *valid);
+    sl_status status = points && share && valid ? SL_OK : sl_fail_memory(error, "samples");
+    for (size_t i = 0; i < count && status == SL_OK; i++) {
+        int depth = s->settings.multi_mesh.joint_mesh ? SL_MESH_DEPTH_MAX : wanted[i].wanted_depth;
+        points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex, depth);
+    }
+    if (status == SL_OK) status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
+    for (size_t i = 0; i < count && status == SL_OK; i++)
+        put_value(s->part[part], wanted[i].vertex, direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i], &s->counters);
+    sl_free(valid);
+    sl_free(share);
+    sl_free(points);
+    return status;
+}
+
+typedef struct gathering {
+    const sl_multi_mesh_state *s;
+    size_t count;
+    const sl_mesh_point *point;
+    sl_rgb *irradiance;
+} gathering;
+
+static void gather_some(void *context, size_t task, unsigned worker) {
+    const gathering *g = context;
+    sl_gather_worker *w = &g->s->gatherer[worker];
+    size_t end = (task + 1) * GATHERS_A_TASK < g->count ? (task + 1) * GATHERS_A_TASK : g->count;
+    for (size_t i = task * GATHERS_A_TASK; i < end; i++)
+        g->irradiance[i] = sl_mesh_gather_take(g->s->gather, &g->point[i], w->scratch, &w->counters);
+}
+
+void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance) {
+    gathering g = {s, count, points, irradiance};
+    sl_parallel_for(s->settings.threads, (count + GATHERS_A_TASK - 1) / GATHERS_A_TASK, gather_some, &g);
+    for (unsigned t = 0; t < s->settings.threads; t++) {
+        sl_counters_add(&s->counters, &s->gatherer[t].counters);
+        s->gatherer[t].counters = (sl_counters){{0}};
+    }
+}
+
+/* Where the vertex gathers: a little inside its face if it lies within a solid, as direct light does (irradiance.c); false: there, too. */
+static bool find_gather_point(sl_multi_mesh_state *s, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point) {
+    static const double nudges[] = {0.01, 0.05, 0.2};
+    sl_mesh_point_of(mesh, vertex, point);
+    bool inside = s->tracer && sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
+    for (size_t i = 0; i < sizeof nudges / sizeof nudges[0] && inside; i++) {
+        sl_mesh_point_nudged(mesh, vertex, nudges[i], point);
+        inside = sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
+    }
+    return !inside;
+}
+
+/* A vertex where all but nothing arrives may be walled in by what is no solid, as a beam's end in a wall that is but a face: it gathers once more, a fifth
+ * of the way into its face. */
+static sl_status gather_again_inside(sl_multi_mesh_state *s, size_t count, const sl_wanted_vertex *wanted, sl_mesh_point *points, sl_rgb *irradiance,
+                                     sl_error *error) {
+    const sl_mesh *mesh = s->part[SL_INDIRECT]->mesh;
+    size_t dark = 0;
+    float little = 0.02f * sl_rgb_mean(s->ambient);
+    uint32_t *which = sl_allocate(count, sizeof *which);
+    sl_rgb *again = sl_allocate(count, sizeof *again);
+    for (size_t i = 0; i < count && which && again; i++) {
+        if (!(sl_rgb_mean(irradiance[i]) < little)) continue;
+        sl_mesh_point_nudged(mesh, wanted[i].vertex, 0.2, &points[dark]);
+        which[dark++] = (uint32_t)i;
+    }
+    if (dark) sl_multi_mesh_gather(s, dark, points, again);
+    for (size_t i = 0; i < dark; i++) irradiance[which[i]] = again[i];
+    sl_status status = which && again ? SL_OK : sl_fail_memory(error, "gathers");
+    sl_free(which);
+    sl_free(again);
+    return status;
+}
+
+static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_wanted_vertex *wanted, sl_error *error) {
+    sl_displayed *part = s->part[SL_INDIRECT];
+    sl_mesh_point *points = sl_allocate(count, sizeof *points);
+    sl_rgb *irradiance = sl_allocate(count, sizeof *irradiance);
+    bool *valid = sl_allocate(count, sizeof *valid);
+    sl_status status = points && irradiance && valid ? SL_OK : sl_fail_memory(error, "gathers");
+    for (size_t i = 0; i < count && status == SL_OK; i++) valid[i] = find_gather_point(s, part->mesh, wanted[i].vertex, &points[i]);
+    if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance);
+    if (status == SL_OK) status = gather_again_inside(s, count, wanted, points, irradiance, error);
+    for (size_t i = 0; i < count && status == SL_OK; i++) put_value(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
+    sl_free(valid);
+    sl_free(irradiance);
+    sl_free(points);
+    return status;
+}
+
+sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error) {
+    if (count == 0) return SL_OK;
+    return part == SL_INDIRECT ? sample_indirect(s, count, wanted, error) : sample_direct(s, part, count, wanted, error);
+}

@@ -1,0 +1,207 @@
+/* What a picture is made from, as long as lights and objects stay where they are: rays, corners, lights and how they are sampled, irradiance
+ * meshes, the coarse mesh, the meshes that the eye sees. When lights or objects move, samples of direct light that still hold are
+ * taken along (changes.c); what gathers and eyes see starts again. */
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "scene/ambient.h"
+
+enum { FEW_PIXELS = 8 };
+
+/* ---- what a face shows: how parts are judged (section 2.7) ---- */
+
+static sl_rgb value_of(const sl_multi_mesh_state *s, sl_component part, uint32_t face, float w1, float w2) {
+    float value[3];
+    if (s->part[part] && sl_mesh_value(s->part[part]->mesh, face, w1, w2, value)) return (sl_rgb){value[0], value[1], value[2]};
+    return part == SL_INDIRECT && s->plan.indirect ? s->ambient : sl_grey(0.0f);
+}
+
+static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t face, float w1, float w2, sl_rgb value) {
+    const sl_multi_mesh_state *s = context;
+    const sl_material *material = sl_face_material(s->scene, face);
+    sl_rgb parts[SL_COMPONENTS];
+    for (int i = 0; i < SL_COMPONENTS; i++) parts[i] = i == (int)part ? value : value_of(s, (sl_component)i, face, w1, w2);
+    sl_rgb received = sl_rgb_add(parts[SL_DIRECT_DIFFUSE], sl_rgb_scale(parts[SL_INDIRECT], (float)(1.0 / SL_PI)));
+    sl_rgb reflected = sl_rgb_add(sl_rgb_mul(material->diffuse, received), sl_rgb_mul(material->specular, parts[SL_DIRECT_SPECULAR]));
+    bool shines = face % 2 == 0 || material->emission_two_sided;
+    return shines ? sl_rgb_add(reflected, material->emission) : reflected;
+}
+
+/* ---- what there is, and its end ---- */
+
+/* What gathers see, and what the eye sees: all that does not survive a light or an object that moves. */
+static void forget_pictures(sl_multi_mesh_state *s) {
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        sl_displayed_destroy(s->part[i]);
+        s->part[i] = NULL;
+    }
+    for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++) sl_mesh_gather_scratch_destroy(s->gatherer[t].scratch);
+    sl_free(s->gatherer);
+    sl_free(s->coarse_indirect);
+    sl_mesh_gather_destroy(s->gather);
+    sl_coarse_destroy(s->coarse);
+    s->gatherer = NULL;
+    s->coarse_indirect = NULL;
+    s->gather = NULL;
+    s->coarse = NULL;
+}
+
+void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
+    forget_pictures(s);
+    sl_irradiance_meshes_destroy(s->irradiance);
+    sl_object_places_destroy(s->places);
+    sl_light_sampling_destroy(s->sampling);
+    sl_sampled_lights_destroy(s->lights);
+    sl_topology_destroy(s->by_exponent);
+    sl_topology_destroy(s->topology);
+    sl_tracer_destroy(s->tracer);
+    sl_raster_destroy(s->raster);
+    s->irradiance = NULL;
+    s->places = NULL;
+    s->sampling = NULL;
+    s->lights = NULL;
+    s->by_exponent = s->topology = NULL;
+    s->tracer = NULL;
+    s->raster = NULL;
+}
+
+static sl_status make_sampling(sl_multi_mesh_state *s, sl_error *error) {
+    const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
+    sl_light_sample_settings sampling = sl_light_sample_defaults();
+    sampling.estimator = m->estimator;
+    sampling.size = m->light_size;
+    sampling.rays = m->light_rays;
+    sampling.threads = s->settings.threads;
+    sl_status status = sl_sampled_lights_find(s->scene, &s->lights, error);
+    if (status == SL_OK) status = sl_light_sampling_create(s->scene, s->raster, s->tracer, s->lights, &sampling, &s->sampling, error);
+    return status;
+}
+
+static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) {
+    return (sl_irradiance_settings){.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights,
+                                    .sampling = s->sampling, .perception = s->perception, .ambient = s->ambient,
+                                    .max_depth = s->settings.multi_mesh.max_depth, .threads = s->settings.threads};
+}
+
+static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
+    sl_status status = make_sampling(s, error);
+    sl_irradiance_settings irradiance = irradiance_settings(s);
+    return status == SL_OK ? sl_irradiance_meshes_create(&irradiance, &s->irradiance, error) : status;
+}
+
+static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *error) {
+    const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
+    const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
+    float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
+    sl_displayed_settings settings = {.component = part, .leaf_area = coarser * coarser * (float)m->leaf_area, .leaf_edge = coarser * (float)m->leaf_edge,
+                                      .few_pixels = part == SL_INDIRECT ? 2 * FEW_PIXELS : FEW_PIXELS,
+                                      .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
+                                      .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
+                                      .threads = s->settings.threads};
+    return sl_displayed_create(topology, &settings, &s->part[part], error);
+}
+
+static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
+    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), s->settings.multi_mesh.coarse_depth};
+    s->coarse_done = 0;
+    s->coarse_whole = false;
+    return sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
+}
+
+static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    if (s->plan.indirect) status = make_coarse(s, error);
+    if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
+    if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
+    if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
+    return status;
+}
+
+/* Displayed levels follow the light that is in the scene, never a picture's content. */
+static void set_perception(sl_multi_mesh_state *s) {
+    const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
+    s->ambient = sl_ambient_irradiance(s->scene);
+    s->perception.threshold_scale = (float)m->threshold_scale;
+    s->perception.exposure =
+        m->exposure > 0.0 ? (float)m->exposure : sl_perception_exposure(s->scene, sl_rgb_mean(s->ambient) * (float)(1.0 / SL_PI));
+}
+
+sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    set_perception(s);
+    sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
+    if (status == SL_OK && s->plan.lights) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
+    if (status == SL_OK && s->plan.several_exponents) status = sl_topology_create(s->scene, true, &s->by_exponent, error);
+    if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    return status == SL_OK ? make_pictures(s, error) : status;
+}
+
+/* ---- lights and objects that move ---- */
+
+/* The world as it is now, beside what is left of the old one. */
+typedef struct old_world {
+    sl_topology *topology, *by_exponent;
+    sl_sampled_lights *lights;
+    sl_light_sampling *sampling;
+    sl_tracer *tracer;
+    sl_object_places *places;
+} old_world;
+
+static void forget_old_world(old_world *old) {
+    sl_light_sampling_destroy(old->sampling);
+    sl_sampled_lights_destroy(old->lights);
+    sl_topology_destroy(old->by_exponent);
+    sl_topology_destroy(old->topology);
+    sl_tracer_destroy(old->tracer);
+    sl_object_places_destroy(old->places);
+}
+
+/* New rays, corners, lights and places beside the old ones; the irradiance meshes still hold those. */
+static sl_status renew_world(sl_multi_mesh_state *s, old_world *old, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    *old = (old_world){s->topology, s->by_exponent, s->lights, s->sampling, s->tracer, s->places};
+    s->topology = s->by_exponent = NULL;
+    s->lights = NULL;
+    s->sampling = NULL;
+    s->tracer = NULL;
+    s->places = NULL;
+    sl_status status = sl_raster_move(s->raster, threads, error);
+    if (status == SL_OK) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK) status = sl_topology_create(s->scene, false, &s->topology, error);
+    if (status == SL_OK && s->plan.several_exponents) status = sl_topology_create(s->scene, true, &s->by_exponent, error);
+    if (status == SL_OK) status = make_sampling(s, error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    return status;
+}
+
+static sl_status keep_samples(sl_multi_mesh_state *s, const old_world *old, sl_error *error) {
+    sl_irradiance_settings irradiance = irradiance_settings(s);
+    if (s->lights->count != old->lights->count || !sl_topology_same_structure(s->topology, old->topology)) {
+        sl_irradiance_meshes_destroy(s->irradiance);
+        s->irradiance = NULL;
+        return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
+    }
+    sl_irradiance_changes *changes;
+    sl_status status = sl_irradiance_changes_find(s->scene, old->places, s->places, old->lights, s->lights, &changes, error);
+    if (status == SL_OK) status = sl_irradiance_meshes_follow(s->irradiance, &irradiance, changes, error);
+    sl_irradiance_changes_destroy(changes);
+    return status;
+}
+
+sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error) {
+    old_world old;
+    forget_pictures(s);
+    if (!s->irradiance) { /* there was no light, or an earlier edit failed */
+        sl_multi_mesh_forget_world(s);
+        return sl_multi_mesh_make_world(s, error);
+    }
+    sl_status status = renew_world(s, &old, error);
+    if (status == SL_OK) status = keep_samples(s, &old, error);
+    if (status == SL_OK) status = make_pictures(s, error);
+    forget_old_world(&old);
+    return status;
+}
