@@ -8,43 +8,29 @@
 #include "timing.h"
 
 typedef struct world {
-    char name[64];
-    octree_view view;
-    bench_pixels pixels, all;   /* those that are judged; a quarter of all, with which gathers are timed */
-    bench_reference reference;
-    float *values, *all_values;
+    octree_world judged;
+    bench_pixels all;           /* a quarter of all, with which gathers are timed */
+    float *all_values;
 } world;
 
 static bool open_world(bench_report *r, const bench_options *o, const char *path, world *w) {
-    int size = o->brief ? 128 : 256;
-    sl_settings settings = sl_settings_default();
-    sl_transport transport;
     memset(w, 0, sizeof *w);
-    bench_scene_name(path, w->name);
-    if (!bench_wants(o, w->name) || !octree_view_open(r, path, size, size, &w->view)) return false;
-    sl_octree_transport(&settings, &transport);
-    transport.emission = false;
-    transport.direct_lobes = 0;
-    bench_pixels_make(w->view.scene, w->view.tracer, size, size, o->brief ? 8 : 6, &w->pixels);
-    bench_pixels_make(w->view.scene, w->view.tracer, size, size, 2, &w->all);
-    bench_reference_get(w->view.scene, w->view.tracer, &transport, &w->pixels, o->brief ? 512 : 4096, &w->reference);
-    w->values = calloc(3 * w->pixels.count + 1, sizeof(float));
+    if (!octree_world_open(r, o, path, &w->judged)) return false;
+    const octree_view *view = &w->judged.view;
+    bench_pixels_make(view->scene, view->tracer, w->judged.pixels.width, w->judged.pixels.height, 2, &w->all);
     w->all_values = calloc(3 * w->all.count + 1, sizeof(float));
-    if (!w->values || !w->all_values) bench_fail("values", NULL);
+    if (!w->all_values) bench_fail("values", NULL);
     return true;
 }
 
 static void close_world(world *w) {
-    free(w->values);
     free(w->all_values);
-    bench_reference_free(&w->reference);
-    bench_pixels_free(&w->pixels);
     bench_pixels_free(&w->all);
-    octree_view_close(&w->view);
+    octree_world_close(&w->judged);
 }
 
-static void add(bench_series *s, const world *w, double seconds, const char *what) {
-    bench_error e = bench_compare(w->values, &w->reference, NULL);
+static void add(bench_series *s, const octree_world *w, double seconds, const char *what) {
+    bench_error e = bench_compare(w->values[0], &w->reference, NULL);
     bench_point *p = &s->point[s->count++];
     *p = (bench_point){.seconds = seconds, .rel_mse = e.rel_mse};
     snprintf(p->what, sizeof p->what, "%.52s%s", what, e.noisy ? " (noise)" : "");
@@ -55,7 +41,8 @@ static void add(bench_series *s, const world *w, double seconds, const char *wha
 static const uint64_t maps[] = {40000, 150000, 600000, 2400000};
 static const int ks[] = {30, 100, 300};
 
-static void with_map(const bench_options *o, world *w, uint64_t photons, bench_series *octrees, bench_series *direct) {
+static void with_map(const bench_options *o, world *all, uint64_t photons, bench_series *octrees, bench_series *direct) {
+    octree_world *w = &all->judged;
     sl_light_octree_settings s = octree_settings();
     sl_counters counters = {{0}};
     double traced[2], voxels, before = w->view.embree + w->view.gbuffer_seconds;
@@ -66,18 +53,13 @@ static void with_map(const bench_options *o, world *w, uint64_t photons, bench_s
     for (s.depth = 4; s.depth <= 6; s.depth++) {
         sl_octree *octree = octree_voxels(w->view.scene, s.depth, 1, &voxels);
         for (int k = 0; k < 3; k += o->brief ? 2 : 1) {
-            octree_light light;
             s.neighbours = ks[k];
-            octree_light_voxels(w->view.scene, octree, tree, &s, 1, &light);
-            sl_octree_shading shading = {.texture = light.texture, .filter = s.filter};
-            double pixels = octree_shade_view(&w->view, &shading, 1);
-            octree_view_pick(&w->view, &w->pixels, w->values);
+            octree_picture picture = octree_world_picture(w, octree, tree, &s, 1, w->values[0]);
             snprintf(what, sizeof what, "%uk photons, k %d, depth %d", (unsigned)(photons / 1000), s.neighbours, s.depth);
-            add(octrees, w, before + voxels + light.seconds[0] + light.seconds[1] + pixels, what);
-            octree_light_free(&light);
+            add(octrees, w, before + voxels + picture.seconds, what);
             if (s.depth < 6) continue;
-            octree_direct(&w->view, &w->pixels, octree, tree, &s, OCTREE_AT_PIXEL, w->values);
-            double gathers = 4.0 * octree_direct(&w->view, &w->all, octree, tree, &s, OCTREE_AT_PIXEL, w->all_values);
+            octree_direct(&w->view, &w->pixels, octree, tree, &s, OCTREE_AT_PIXEL, w->values[0]);
+            double gathers = 4.0 * octree_direct(&w->view, &all->all, octree, tree, &s, OCTREE_AT_PIXEL, all->all_values);
             snprintf(what, sizeof what, "%uk photons, k %d", (unsigned)(photons / 1000), s.neighbours);
             add(direct, w, before + voxels + gathers, what); /* its areas need the octree too */
         }
@@ -89,7 +71,7 @@ static void with_map(const bench_options *o, world *w, uint64_t photons, bench_s
 /* ---- the path tracer ---- */
 
 /* One run, judged whenever its samples have doubled. */
-static void run_path_tracer(const bench_options *o, world *w, bench_series *path) {
+static void run_path_tracer(const bench_options *o, octree_world *w, bench_series *path) {
     sl_settings settings = sl_settings_default();
     sl_method *method;
     sl_image *image;
@@ -112,7 +94,7 @@ static void run_path_tracer(const bench_options *o, world *w, bench_series *path
         if (sl_method_update(method, &progress, &error) != SL_OK) bench_fail("path tracer", &error);
         spent += octree_seconds(1) - from;
         if (n & (n - 1)) continue;
-        if (sl_method_resolve(method, &image, &error) != SL_OK || !bench_pick(image, NULL, &w->pixels, w->values)) bench_fail("path tracer", &error);
+        if (sl_method_resolve(method, &image, &error) != SL_OK || !bench_pick(image, NULL, &w->pixels, w->values[0])) bench_fail("path tracer", &error);
         snprintf(what, sizeof what, "%u samples", (unsigned)n);
         add(path, w, spent, what);
         sl_image_destroy(image);
@@ -121,7 +103,7 @@ static void run_path_tracer(const bench_options *o, world *w, bench_series *path
     /* One more point: the reference's own noise is the path tracer's error at so many samples, and its time grows with them. */
     bench_point *last = &path->point[path->count++];
     *last = (bench_point){.seconds = spent * (double)w->reference.samples / (double)settings.spp,
-                          .rel_mse = bench_compare(w->values, &w->reference, NULL).noise};
+                          .rel_mse = bench_compare(w->values[0], &w->reference, NULL).noise};
     snprintf(last->what, sizeof last->what, "%u samples, by noise", (unsigned)w->reference.samples);
 }
 
@@ -138,7 +120,7 @@ static void pass_done(void *context, const sl_pass *pass) {
 }
 
 /* By a clock, with all threads, as a person waits; direct light included. */
-static void progressive(const world *w, char *text, size_t size) {
+static void progressive(const octree_world *w, char *text, size_t size) {
     stopwatch watch = {.from = 1e-3 * wall_ms()};
     sl_observer observer = {&watch, pass_done};
     sl_settings settings = sl_settings_default();
@@ -184,7 +166,7 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     bench_series *octrees = &series[0], *directs = &series[1], *octree = &series[2], *direct = &series[3], *path = &series[4];
     memset(series, 0, sizeof series);
     for (size_t m = 0; m < sizeof maps / sizeof *maps - (o->brief ? 2 : 0); m++) with_map(o, &w, maps[m], octrees, directs);
-    run_path_tracer(o, &w, path);
+    run_path_tracer(o, &w.judged, path);
     *octree = bench_envelope(octrees);
     *direct = bench_envelope(directs);
     octrees->color = "#9bd", directs->color = "#9d9";
@@ -193,14 +175,14 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     path->name = "path tracer, same paths", path->color = "#c40", path->line = true;
     bench_say(r, "\n%s, %d x %d, %u reference samples. *by paths*, *by photons*: seconds that the path tracer, and photons gathered at pixels, take for the same\n"
                  "error, over these; empty beyond what they were tried with.\n",
-              w.name, w.pixels.width, w.pixels.height, w.reference.samples);
-    bench_table(r, w.name, "scene|method|with|cpu s|relMSE|by paths|by photons");
-    rows(r, w.name, "octree", octree, direct, path);
-    rows(r, w.name, "photons", direct, NULL, path);
-    rows(r, w.name, "paths", path, NULL, NULL);
-    bench_draw_curves(r, w.name, series, 5);
-    progressive(&w, text, sizeof text);
-    bench_say(r, "\n%s: %s.\n\n![time to an error, %s](pictures/octree_curve-%s.svg)\n", w.name, text, w.name, w.name);
+              w.judged.name, w.judged.pixels.width, w.judged.pixels.height, w.judged.reference.samples);
+    bench_table(r, w.judged.name, "scene|method|with|cpu s|relMSE|by paths|by photons");
+    rows(r, w.judged.name, "octree", octree, direct, path);
+    rows(r, w.judged.name, "photons", direct, NULL, path);
+    rows(r, w.judged.name, "paths", path, NULL, NULL);
+    bench_draw_curves(r, w.judged.name, series, 5);
+    progressive(&w.judged, text, sizeof text);
+    bench_say(r, "\n%s: %s.\n\n![time to an error, %s](pictures/octree_curve-%s.svg)\n", w.judged.name, text, w.judged.name, w.judged.name);
     close_world(&w);
 }
 

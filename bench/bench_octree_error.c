@@ -4,27 +4,10 @@
  * Every picture is made from photons of two seeds, x and y: with A and B halves of the reference, mean (x-A)(y-B) is what no number of such maps
  * would average out (systematic), mean (x-y)^2 / 2 what would (random). */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/math.h"
 #include "octree_bench.h"
-
-enum { SEEDS = 2, TREES = 16 };
-
-typedef struct world {
-    char name[64];
-    octree_view view;
-    bench_pixels pixels;
-    bench_reference reference;
-    sl_octree *octree[SL_OCTREE_DEPTH_MAX + 1];
-    struct {
-        uint64_t photons;
-        sl_photon_tree *tree[SEEDS];
-    } map[TREES];
-    int maps;
-    float *values[SEEDS];
-} world;
 
 typedef struct trial {
     size_t leaves;
@@ -32,59 +15,9 @@ typedef struct trial {
     bench_error error; /* of the first seed */
 } trial;
 
-/* ---- the world ---- */
-
-static bool open_world(bench_report *r, const bench_options *o, const char *path, world *w) {
-    int size = o->brief ? 128 : 256;
-    sl_settings settings = sl_settings_default();
-    sl_transport transport;
-    memset(w, 0, sizeof *w);
-    bench_scene_name(path, w->name);
-    if (!bench_wants(o, w->name) || !octree_view_open(r, path, size, size, &w->view)) return false;
-    sl_octree_transport(&settings, &transport);
-    transport.emission = false;
-    transport.direct_lobes = 0;
-    bench_pixels_make(w->view.scene, w->view.tracer, size, size, o->brief ? 8 : 6, &w->pixels);
-    bench_reference_get(w->view.scene, w->view.tracer, &transport, &w->pixels, o->brief ? 512 : 4096, &w->reference);
-    for (int seed = 0; seed < SEEDS; seed++) {
-        w->values[seed] = calloc(3 * w->pixels.count + 1, sizeof(float));
-        if (!w->values[seed]) bench_fail("values", NULL);
-    }
-    return true;
-}
-
-static void close_world(world *w) {
-    for (int seed = 0; seed < SEEDS; seed++) {
-        free(w->values[seed]);
-        for (int i = 0; i < w->maps; i++) sl_photon_tree_destroy(w->map[i].tree[seed]);
-    }
-    for (int depth = 0; depth <= SL_OCTREE_DEPTH_MAX; depth++) sl_octree_destroy(w->octree[depth]);
-    bench_reference_free(&w->reference);
-    bench_pixels_free(&w->pixels);
-    octree_view_close(&w->view);
-}
-
-static sl_octree *octree_of(world *w, int depth) {
-    double seconds;
-    if (!w->octree[depth]) w->octree[depth] = octree_voxels(w->view.scene, depth, 2, &seconds);
-    return w->octree[depth];
-}
-
-static const sl_photon_tree *photons_of(world *w, const sl_light_octree_settings *settings, int seed) {
-    int i = 0;
-    double seconds[2];
-    sl_counters counters = {{0}};
-    while (i < w->maps && w->map[i].photons != settings->photons) i++;
-    if (i == TREES) bench_fail("too many photon maps", NULL);
-    if (i == w->maps) w->map[w->maps++].photons = settings->photons;
-    if (!w->map[i].tree[seed])
-        w->map[i].tree[seed] = octree_photons(w->view.scene, w->view.tracer, settings, (uint64_t)seed, 2, seconds, &counters);
-    return w->map[i].tree[seed];
-}
-
 /* ---- a trial ---- */
 
-static void judge(const world *w, trial *t) {
+static void judge(const octree_world *w, trial *t) {
     const float *a = w->reference.half[0], *b = w->reference.half[1], *x = w->values[0], *y = w->values[1];
     size_t count = 3 * w->pixels.count;
     double both = 0.0, apart = 0.0, mean = 0.0;
@@ -99,36 +32,31 @@ static void judge(const world *w, trial *t) {
     t->random = mean > 0.0 ? sqrt(apart * (double)count) / mean : 0.0;
 }
 
-static trial try(const bench_report *r, world *w, const sl_light_octree_settings *settings, const char *picture) {
+static trial try(const bench_report *r, octree_world *w, const sl_light_octree_settings *settings, const char *picture) {
     trial t = {0};
-    sl_octree *octree = octree_of(w, settings->depth);
-    for (int seed = 0; seed < SEEDS; seed++) {
-        octree_light light;
-        octree_light_voxels(w->view.scene, octree, photons_of(w, settings, seed), settings, 2, &light);
-        sl_octree_shading shading = {.texture = light.texture, .filter = settings->filter, .keep_void_dark = settings->keep_void_dark,
-                                     .facing = settings->facing_voxels};
-        octree_shade_view(&w->view, &shading, 2);
-        octree_view_pick(&w->view, &w->pixels, w->values[seed]);
+    sl_octree *octree = octree_world_octree(w, settings->depth);
+    for (int seed = 0; seed < OCTREE_SEEDS; seed++) {
+        const sl_photon_tree *tree = octree_world_photons(w, settings, seed);
+        t.mib = octree_world_picture(w, octree, tree, settings, 2, w->values[seed]).mib;
         if (picture && seed == 0) octree_view_write(&w->view, r, w->name, picture);
-        t.mib = (double)sl_voxel_texture_bytes(light.texture) / 1048576.0;
-        octree_light_free(&light);
     }
     t.leaves = octree->leaf_count;
     judge(w, &t);
     return t;
 }
 
-static trial try_direct(world *w, const sl_light_octree_settings *settings, octree_place place) {
+static trial try_direct(octree_world *w, const sl_light_octree_settings *settings, octree_place place) {
     trial t = {0};
-    for (int seed = 0; seed < SEEDS; seed++)
-        octree_direct(&w->view, &w->pixels, octree_of(w, settings->depth), photons_of(w, settings, seed), settings, place, w->values[seed]);
+    for (int seed = 0; seed < OCTREE_SEEDS; seed++)
+        octree_direct(&w->view, &w->pixels, octree_world_octree(w, settings->depth), octree_world_photons(w, settings, seed), settings, place,
+                      w->values[seed]);
     judge(w, &t);
     return t;
 }
 
 static const char header[] = "scene|what|leaves|MiB|relRMSE %|systematic %|random %|bias %|relMSE|trimmed";
 
-static void row(bench_report *r, const world *w, const char *what, const trial *t) {
+static void row(bench_report *r, const octree_world *w, const char *what, const trial *t) {
     char size[64] = "|", text[32];
     if (t->leaves) snprintf(size, sizeof size, "%zu|%.2f", t->leaves, t->mib);
     bench_row(r, "%s|%s|%s|%.2f|%.2f|%.2f|%+.2f|%s|%.2e", w->name, what, size, 100.0 * t->error.rel_rmse, 100.0 * t->systematic,
@@ -143,7 +71,7 @@ static sl_light_octree_settings base(const bench_options *o) {
 
 /* ---- over depth, lights, photons and neighbours ---- */
 
-static void sweeps(bench_report *r, const bench_options *o, world *w) {
+static void sweeps(bench_report *r, const bench_options *o, octree_world *w) {
     static const int lights[] = {1, 2, 3, 4, 6, 8}, neighbours[] = {50, 100, 300, 500};
     static const uint64_t photons[] = {150000, 300000, 600000, 1200000, 2400000};
     sl_light_octree_settings s;
@@ -227,7 +155,7 @@ static const choice choices[] = {
     {"harmonics, 9 coefficients", "harmonics", harmonics}, {"harmonics, one set a voxel", NULL, whole_harmonics},
 };
 
-static void remedies(bench_report *r, const bench_options *o, world *w) {
+static void remedies(bench_report *r, const bench_options *o, octree_world *w) {
     for (size_t i = 0; i < sizeof choices / sizeof *choices; i++) {
         sl_light_octree_settings s = base(o);
         choices[i].set(&s);
@@ -238,7 +166,7 @@ static void remedies(bench_report *r, const bench_options *o, world *w) {
 
 /* ---- where it comes from ---- */
 
-static void ladder(bench_report *r, const bench_options *o, world *w) {
+static void ladder(bench_report *r, const bench_options *o, octree_world *w) {
     sl_light_octree_settings s = base(o);
     s.photons *= 4;
     trial t = try_direct(w, &s, OCTREE_AT_PIXEL);
@@ -275,9 +203,9 @@ static void ladder(bench_report *r, const bench_options *o, world *w) {
 /* ---- the experiment ---- */
 
 static void experiment(bench_report *r, const bench_options *o, const char *path) {
-    static world w;
+    static octree_world w;
     char table[80];
-    if (!open_world(r, o, path, &w)) return;
+    if (!octree_world_open(r, o, path, &w)) return;
     sl_light_octree_settings s = base(o);
     bench_say(r, "\n%s, %d x %d, %zu pixels, %u reference samples; where nothing else is said depth %d, %u thousand photons, k = %d, n = %d\n", w.name,
               w.pixels.width, w.pixels.height, w.pixels.count, w.reference.samples, s.depth, (unsigned)(s.photons / 1000), s.neighbours, s.lights);
@@ -294,7 +222,7 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
         bench_table(r, table, header);
         sweeps(r, o, &w);
     }
-    close_world(&w);
+    octree_world_close(&w);
 }
 
 int main(int argc, char **argv) {

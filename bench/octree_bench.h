@@ -1,4 +1,5 @@
-/* What the experiments on the light octree share beside common.h: its passes one by one, each with its seconds; and pictures made of them. */
+/* What the experiments on the light octree share beside common.h: its passes one by one, each with its seconds; pictures made of them; and what
+ * these are compared with. */
 #ifndef SL_BENCH_OCTREE_H
 #define SL_BENCH_OCTREE_H
 
@@ -61,5 +62,39 @@ typedef enum octree_place {
 /* Radiance of chosen pixels from the k photons that are nearest; octree: for clipped areas, and for places. Returns processor seconds. */
 double octree_direct(const octree_view *view, const bench_pixels *pixels, const sl_octree *octree, const sl_photon_tree *tree,
                      const sl_light_octree_settings *settings, octree_place place, float *values);
+
+/* ---- worlds (octree_world.c): a view, the pixels that are judged, and their reference ---- */
+
+enum { OCTREE_SEEDS = 2, OCTREE_MAPS = 16 };
+
+/* Octrees and photon maps are made when they are first asked for, and kept. */
+typedef struct octree_world {
+    char name[64];
+    octree_view view;
+    bench_pixels pixels;
+    bench_reference reference;   /* indirect light alone */
+    float *values[OCTREE_SEEDS]; /* the last pictures at those pixels */
+    sl_octree *octree[SL_OCTREE_DEPTH_MAX + 1];
+    struct {
+        uint64_t photons;
+        sl_photon_tree *tree[OCTREE_SEEDS];
+    } map[OCTREE_MAPS];
+    int maps;
+} octree_world;
+
+/* False where the scene is not there, or not wanted. */
+bool octree_world_open(bench_report *r, const bench_options *o, const char *path, octree_world *w);
+void octree_world_close(octree_world *w);
+sl_octree *octree_world_octree(octree_world *w, int depth);
+const sl_photon_tree *octree_world_photons(octree_world *w, const sl_light_octree_settings *settings, int seed);
+
+typedef struct octree_picture {
+    double seconds;              /* of lights, textures and pixels */
+    double mib;                  /* of the textures */
+} octree_picture;
+
+/* Lights the octree's voxels from those photons, and the view from them; its pixels go to `values`. */
+octree_picture octree_world_picture(octree_world *w, const sl_octree *octree, const sl_photon_tree *tree,
+                                    const sl_light_octree_settings *settings, unsigned threads, float *values);
 
 #endif
