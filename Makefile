@@ -11,6 +11,8 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 PREFIX ?= /usr/local
+LIBDIR ?= $(PREFIX)/lib
+MANDIR ?= $(PREFIX)/share/man
 DESTDIR ?=
 
 COMPILER := $(if $(findstring clang,$(CC)),clang,gcc)
@@ -86,7 +88,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall clean help setup
+.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -100,7 +102,7 @@ $(BUILD)/libsoftlux.a: $(LIBRARY_OBJECTS)
 	$(AR) rcs $@ $^
 
 $(BUILD)/libsoftlux.so: $(LIBRARY_OBJECTS)
-	$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,-soname,libsoftlux.so.0 -o $@ $^ $(LDFLAGS) $(LIBS)
+	$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,--no-undefined -Wl,-soname,libsoftlux.so.0 -o $@ $^ $(LDFLAGS) $(LIBS)
 	@ln -sf libsoftlux.so $(BUILD)/libsoftlux.so.0
 
 # stb_image's integers overflow in damaged JPEGs; this makes that defined.
@@ -243,19 +245,32 @@ bench-multi-mesh: all $(MESH_BENCHES) $(BUILD)/bench/bench_light_sample
 bench-shading-cache: all $(SHADING_BENCHES)
 	@./bench/shading_cache.sh $(BUILD) $(if $(BRIEF),--brief)
 
+# ---- installing ------------------------------------------------------------------------------------------------------
+
+VERSION := $(shell sed -n 's/^.define SL_VERSION "\(.*\)"/\1/p' include/softlux.h)
+COMMANDS = $(shell $(BUILD)/softlux --help | sed -n '/^commands:/,/^$$/s/^  \([a-z-]*\) .*/\1/p')
+
 install: all
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1
 	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
 	install -m 644 include/softlux.h $(DESTDIR)$(PREFIX)/include/softlux.h
-	install -m 644 $(BUILD)/libsoftlux.a $(DESTDIR)$(PREFIX)/lib/libsoftlux.a
-	install -m 755 $(BUILD)/libsoftlux.so $(DESTDIR)$(PREFIX)/lib/libsoftlux.so.0
-	ln -sf libsoftlux.so.0 $(DESTDIR)$(PREFIX)/lib/libsoftlux.so
-	printf 'prefix=%s\nName: softlux\nDescription: global illumination of triangle scenes on a CPU\nVersion: 0.1.0\nLibs: -L$${prefix}/lib -lsoftlux\nCflags: -I$${prefix}/include\n' '$(PREFIX)' \
-	  > $(DESTDIR)$(PREFIX)/lib/pkgconfig/softlux.pc
+	install -m 644 $(BUILD)/libsoftlux.a $(DESTDIR)$(LIBDIR)/libsoftlux.a
+	install -m 755 $(BUILD)/libsoftlux.so $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(VERSION)
+	ln -sf libsoftlux.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(firstword $(subst ., ,$(VERSION)))
+	ln -sf libsoftlux.so.$(firstword $(subst ., ,$(VERSION))) $(DESTDIR)$(LIBDIR)/libsoftlux.so
+	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|; s|@LIBS@|$(LIBS) $(OPENMP)|' packaging/softlux.pc.in \
+	  > $(DESTDIR)$(LIBDIR)/pkgconfig/softlux.pc
+	$(BUILD)/softlux --man > $(DESTDIR)$(MANDIR)/man1/softlux.1
+	for c in $(COMMANDS); do $(BUILD)/softlux $$c --man > $(DESTDIR)$(MANDIR)/man1/softlux-$$c.1 || exit; done
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/softlux $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(PREFIX)/lib/libsoftlux.* \
-	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/softlux.pc
+	rm -f $(DESTDIR)$(PREFIX)/bin/softlux $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(LIBDIR)/libsoftlux.* \
+	  $(DESTDIR)$(LIBDIR)/pkgconfig/softlux.pc $(DESTDIR)$(MANDIR)/man1/softlux.1 $(DESTDIR)$(MANDIR)/man1/softlux-*.1
+
+# The contract of every public function as pages, into build/doc/html; a warning is a failure.
+doc:
+	@mkdir -p $(BUILD)/doc
+	@(cat packaging/Doxyfile; echo 'OUTPUT_DIRECTORY = $(BUILD)/doc'; echo 'PROJECT_NUMBER = $(VERSION)'; echo 'WARN_AS_ERROR = FAIL_ON_WARNINGS') | doxygen -
 
 clean:
 	rm -rf build scenes/generated
@@ -274,6 +289,7 @@ help:
 	@echo 'make bench-multi-mesh  those on multi-mesh caching'
 	@echo 'make bench-shading-cache  those on the shading cache, beside a RenderCache'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
+	@echo 'make doc        the public header as pages, into build/doc/html'
 	@echo 'make clean      remove what was built and generated'
 	@echo
 	@echo 'CONFIG=release|debug|tsan|baseline, CC=gcc|clang; CFLAGS and LDFLAGS are added last.'

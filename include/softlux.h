@@ -18,8 +18,12 @@
  *
  * Conventions: right-handed world, y up; radiance in W/(m^2 sr), irradiance in W/m^2, per RGB channel (Rec. 709,
  * linear); angles in radians; images have row 0 at the top. A function that can fail returns an sl_status and
- * describes the failure, one line, in *error (which may be NULL). The library never prints, exits or aborts.
- * The same input gives the same bits at any number of threads, with any compiler and instruction set. */
+ * describes the failure, one line, in *error (which may be NULL); what it would have made is NULL then. The library never prints,
+ * exits or aborts. The same input gives the same bits at any number of threads, with any compiler and instruction set.
+ *
+ * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
+ * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
+ * call spreads over sl_settings.threads threads of its own. */
 #ifndef SOFTLUX_H
 #define SOFTLUX_H
 
@@ -31,7 +35,9 @@
 extern "C" {
 #endif
 
+/** The version of this header; pictures carry the library's in their metadata. */
 #define SL_VERSION "0.1.0"
+/** Marks what the shared library exports. */
 #define SL_API __attribute__((visibility("default")))
 
 /* ---- errors ------------------------------------------------------------------------------------------------- */
@@ -45,8 +51,9 @@ typedef enum sl_status {
     SL_ERROR_RESOURCES = 5
 } sl_status;
 
+/** What went wrong. Written by the function that failed, and by it alone. */
 typedef struct sl_error {
-    sl_status status;
+    sl_status status; /**< what that function returned */
     char message[1024]; /**< one line: file, line where there is one, what was expected; no newline */
 } sl_error;
 
@@ -106,41 +113,48 @@ typedef enum sl_counter {
     SL_COUNTERS
 } sl_counter;
 
+/** One number for each sl_counter. */
 typedef struct sl_counters {
-    uint64_t value[SL_COUNTERS];
+    uint64_t value[SL_COUNTERS]; /**< by sl_counter */
 } sl_counters;
 
+/** "rays", "fragments_shaded" and so on; a constant string; "unknown" where there is no such counter. */
 SL_API const char *sl_counter_name(sl_counter counter);
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 enum { SL_CHANNEL_NAME_MAX = 64, SL_METADATA_KEY_MAX = 64 };
 
+/** One entry of a picture's metadata. */
 typedef struct sl_metadatum {
-    char key[SL_METADATA_KEY_MAX];
+    char key[SL_METADATA_KEY_MAX]; /**< NUL-terminated */
     char *value; /**< owned by the image */
 } sl_metadatum;
 
 /** Planar float image. Channel c is the width*height floats from planes + c*width*height, row 0 at the top.
  * Channels are named as in EXR: "R", "G", "B" for the picture itself, "direct.R" and so on for its layers. */
 typedef struct sl_image {
-    int width, height, channels;
-    char (*channel_name)[SL_CHANNEL_NAME_MAX];
-    float *planes;
-    sl_metadatum *metadata;
-    size_t metadata_count;
+    int width;    /**< pixels, 1 to 32768 */
+    int height;   /**< likewise */
+    int channels; /**< planes */
+    char (*channel_name)[SL_CHANNEL_NAME_MAX]; /**< channels of them, NUL-terminated; owned by the image, as are the arrays below */
+    float *planes;          /**< planes[channel][row][column], without gaps */
+    sl_metadatum *metadata; /**< in the order in which it was set; see sl_image_set_metadata() */
+    size_t metadata_count;  /**< entries of metadata */
 } sl_image;
 
-/** A black image; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). */
+/** A black image, which the caller destroys; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). */
 SL_API sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
                                  sl_image **image, sl_error *error);
-SL_API void sl_image_destroy(sl_image *image); /**< NULL is allowed */
-/** The plane of a named channel, or NULL. */
+/** Frees a picture and all that it owns. NULL is allowed. */
+SL_API void sl_image_destroy(sl_image *image);
+/** The plane of a named channel, height rows of width values, or NULL where there is none. It belongs to the image. */
 SL_API float *sl_image_channel(const sl_image *image, const char *name);
 /** Adds or replaces a metadata string; both strings are copied. */
 SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error);
-SL_API const char *sl_image_metadata(const sl_image *image, const char *key); /**< or NULL */
-/** Reads EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
+/** The value of a key, which the image owns, or NULL where it has none. */
+SL_API const char *sl_image_metadata(const sl_image *image, const char *key);
+/** Reads a picture, which the caller destroys: EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
  * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is
  * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
@@ -154,12 +168,14 @@ typedef enum sl_tone_curve {
     SL_TONE_REINHARD  /**< per channel x (1 + x/w^2) / (1 + x), w = 4: the extended curve, white at 4 */
 } sl_tone_curve;
 
+/** How radiance becomes 8 bits. {0} clips and leaves exposure alone. */
 typedef struct sl_tone {
-    sl_tone_curve curve;
-    float exposure_stops;
+    sl_tone_curve curve;  /**< what compresses bright values */
+    float exposure_stops; /**< values are multiplied by 2 to this power */
     bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
 } sl_tone;
 
+/** R, G, B as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. */
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
 
 /* ---- comparison ---------------------------------------------------------------------------------------------------- */
@@ -186,15 +202,17 @@ typedef struct sl_comparison {
     double bias;          /**< sum(x-r) / |sum(r)| */
     double ssim;          /**< mean structural similarity; 1 where equal */
     double flip;          /**< mean LDR-FLIP at 67 pixels per degree, in [0,1]; 0 where equal */
-    double mean_image, mean_reference;
+    double mean_image;     /**< mean(x) */
+    double mean_reference; /**< mean(r) */
 } sl_comparison;
 
+/** {0}: all pixels, exposure as it is. */
 typedef struct sl_compare_options {
     const sl_image *mask;  /**< first channel, same size; or NULL */
     float exposure_stops;  /**< for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
 } sl_compare_options;
 
-/** options may be NULL. Fails if the sizes differ, a picture is missing, or no pixel can be compared. If difference is not
+/** Tells how far a picture is from a reference. options may be NULL. Fails if the sizes differ, a picture is missing, or no pixel can be compared. If difference is not
  * NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys: of each pixel's
  * three values the farthest from 0; blue where too dark, red where too bright, full colour at 50 %; grey outside the mask,
  * green where a value is not finite. */
@@ -203,20 +221,27 @@ SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *referen
 
 /* ---- scenes -------------------------------------------------------------------------------------------------------- */
 
+/** Triangles, materials, lights, environment and camera; opaque. Immutable but for the two functions that move it. */
 typedef struct sl_scene sl_scene;
 
-/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. */
+/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller destroys the scene. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
+/** Frees a scene that no method reads any more. NULL is allowed. */
 SL_API void sl_scene_destroy(sl_scene *scene);
-/** What loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */
+/** How many lines there are about what loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */
 SL_API size_t sl_scene_warning_count(const sl_scene *scene);
+/** One of them, without a newline, owned by the scene; NULL past the end. */
 SL_API const char *sl_scene_warning(const sl_scene *scene, size_t index);
+/** Triangles that can be seen or hit, those of curved surfaces included. */
 SL_API size_t sl_scene_triangle_count(const sl_scene *scene);
+/** The size in pixels that the scene's file asks for, or 512 x 512. */
 SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
-SL_API uint64_t sl_scene_hash(const sl_scene *scene); /**< of everything that can reach a pixel */
+/** A hash of everything that can reach a pixel, the camera included: equal scenes have equal ones, on every machine. */
+SL_API uint64_t sl_scene_hash(const sl_scene *scene);
 /** What changed between two states of a scene; a method is told so with sl_method_edit(). */
 enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
-/** Moves camera, objects and lights to their keyframes' state at a time; *changes (may be NULL) gets SL_CHANGED_ bits. */
+/** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the scene are then to be
+ * told by sl_method_edit(), before anything else is asked of them; *changes (may be NULL) gets SL_CHANGED_ bits. */
 SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error);
 /** Looks from eye to target; the up vector need not be perpendicular. Fails if the frame is degenerate. */
 SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
@@ -224,6 +249,7 @@ SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const 
 
 /* ---- observers: every pass announces itself -------------------------------------------------------------------------- */
 
+/** One pass of a method, as it is told to an observer. */
 typedef struct sl_pass {
     const char *method;   /**< "splatting" */
     const char *name;     /**< "splat irradiance records" */
@@ -232,20 +258,25 @@ typedef struct sl_pass {
     const sl_counters *counters; /**< what this pass alone cost */
 } sl_pass;
 
+/** Is told of every pass, in order, by the thread that called the library. */
 typedef struct sl_observer {
-    void *context;
-    void (*pass)(void *context, const sl_pass *pass);
+    void *context; /**< handed to pass */
+    void (*pass)(void *context, const sl_pass *pass); /**< must not call the method that it is told of */
 } sl_observer;
 
 /* ---- methods --------------------------------------------------------------------------------------------------------- */
 
+/** A place on a method's curve of speed against error: settings that are left at 0 follow it. */
 typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
+/** What plays the hemisphere over a point: rasterized planes of one view or of five, or rays; AUTO decides by a cost model on counts. */
 typedef enum sl_gather_kind { SL_GATHER_AUTO, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS } sl_gather_kind;
+/** Where in a pixel the reference tracers sample. */
 typedef enum sl_pixel_filter {
     SL_FILTER_METHOD, /**< what the method or the matched method does */
     SL_FILTER_BOX,    /**< samples spread over the pixel */
     SL_FILTER_CENTRE  /**< all samples at the pixel's centre, as a rasterizer samples */
 } sl_pixel_filter;
+/** How splatting tells whether a light is seen. AUTO: by rays where there are any, else by shadow maps. */
 typedef enum sl_direct_kind { SL_DIRECT_AUTO, SL_DIRECT_RAYS, SL_DIRECT_SHADOW_MAPS } sl_direct_kind;
 /** The order in which splatting visits pixels for new records. */
 typedef enum sl_traversal_order {
@@ -261,9 +292,9 @@ typedef enum sl_radius_metric {
     SL_METRIC_ADAPTIVE  /**< disagreement with neighbours (Krivanek et al. 2006) */
 } sl_radius_metric;
 
-/* ---- Direct Radiance Mapping ----
- *
- * How a sample photon's light falls on a receiver. Numbers are those of the paper's equations; those three are computed as printed. */
+/* ---- Direct Radiance Mapping ---- */
+
+/** How a sample photon's light falls on a receiver. Numbers are those of the paper's equations; those three are computed as printed. */
 typedef enum sl_photon_weight {
     SL_WEIGHT_AUTO,     /**< flux; polygon at high quality */
     SL_WEIGHT_FLUX,     /**< (14) with the form factor of a disc put right, of the photon's flux: bounded, any number of photons */
@@ -280,6 +311,7 @@ typedef enum sl_map_shape {
     SL_MAP_HEMICUBE,
     SL_MAP_CUBE
 } sl_map_shape;
+/** What a sample photon takes from the map around it. */
 typedef enum sl_map_filter {
     SL_MAP_FILTER_AUTO,     /**< flux */
     SL_MAP_FILTER_POINT,    /**< the texel at the sample */
@@ -303,14 +335,14 @@ typedef enum sl_photon_visibility {
 typedef struct sl_radiance_map_settings {
     int samples;                     /**< m of m x m sample photons a face; by quality 3, 4, 8 */
     int map_size;                    /**< w: texels a side of a face, rounded up to a multiple of m; 16, or 2 m where that is more */
-    sl_map_shape shape;
+    sl_map_shape shape;              /**< AUTO */
     double map_fov;                  /**< radians, of a frustum; the spot's own, or 90 degrees */
-    sl_photon_weight weight;
-    sl_map_filter filter;
+    sl_photon_weight weight;         /**< AUTO */
+    sl_map_filter filter;            /**< AUTO */
     bool importance_samples;         /**< photons where the map's flux is, instead of a regular grid */
     bool steady_samples;             /**< photons keep to their surface when a moving light would make them jump */
-    sl_photon_visibility visibility;
-    sl_mirror_light mirror_light;
+    sl_photon_visibility visibility; /**< NONE, the paper's */
+    sl_mirror_light mirror_light;    /**< FULL */
     int reflections;                 /**< planar mirrors one after another; 1 */
     int cube_size;                   /**< texels a side of a curved mirror's environment cube; 128 */
     bool traced_light_mirrors;       /**< light by way of curved mirrors, traced */
@@ -345,6 +377,7 @@ typedef enum sl_voxel_lobes {
     SL_LOBES_NONE,          /**< one irradiance: the paper's colour octree */
     SL_LOBES_HARMONICS      /**< spherical harmonics of order 2 or 3 instead of directional lights */
 } sl_voxel_lobes;
+/** How the voxels around a point are put together. */
 typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_filter;
 
 /** The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
@@ -357,10 +390,10 @@ typedef struct sl_light_octree_settings {
     int lights;                   /**< n: virtual directional lights a voxel, 1 to 8; 4 */
     double spread_tolerance;      /**< radians: fewer lights where that is met; 0: off */
     double acceptance;            /**< radians between a photon's normal and the voxel's; 35 degrees, of whole voxels 60; pi: all */
-    sl_photon_store store;
-    sl_photon_area area;
-    sl_voxel_lobes lobes;
-    sl_voxel_filter filter;
+    sl_photon_store store;        /**< INDIRECT */
+    sl_photon_area area;          /**< CLIP */
+    sl_voxel_lobes lobes;         /**< PERPENDICULAR */
+    sl_voxel_filter filter;       /**< TRILINEAR */
     bool unit_weights;            /**< K-means with equal weights */
     bool median_of_subsets;       /**< a voxel's irradiance is the median of what fifths of its photons tell: against fireflies; biased */
     bool wide_directions;         /**< 12 + 12 bits a direction instead of 8 + 8 */
@@ -395,7 +428,7 @@ typedef enum sl_mesh_selection {
 
 /** Multi-mesh caching with hardware sampling. 0, wherever it stands, is the default that is named. */
 typedef struct sl_multi_mesh_settings {
-    sl_light_estimator estimator;
+    sl_light_estimator estimator; /**< RATIO */
     int light_size;             /**< N of N x N pixels around a light; 64, doubled up to 256 for points close to it */
     int light_rays;             /**< n of n x n jittered rays instead; 16 */
     double gather_fov;          /**< radians; 160 degrees */
@@ -408,7 +441,7 @@ typedef struct sl_multi_mesh_settings {
     int max_depth;              /**< of splits; 12 */
     int coarse_depth;           /**< of the coarse mesh; by quality 3, 4, 5 */
     double coarse_edge;         /**< scene units: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
-    sl_mesh_selection selection;
+    sl_mesh_selection selection; /**< HEAP */
     int batch;                  /**< K leaves at a time; 32 */
     bool joint_mesh;            /**< light and radiance share one mesh: what the paper argues against */
     bool plain_highlights;      /**< the light as a point in the lobe, though it outshines the lamp: (6) as printed */
@@ -438,15 +471,16 @@ typedef enum sl_pixel_selection {
 typedef struct sl_shading_cache_settings {
     int points;                  /**< M: shaded in an update; 64 */
     int area_samples;            /**< points on each area light; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
-    sl_area_sampling area;
+    sl_area_sampling area;       /**< RATIO */
     int indirect_samples;        /**< eye paths at a point; by quality 100, 400, 1200 */
     int path_depth;              /**< 6 */
-    sl_indirect_renderer indirect;
+    sl_indirect_renderer indirect; /**< BIDIRECTIONAL */
     bool caustics;               /**< a photon map of caustics is another sample renderer */
     double random_share;         /**< epsilon: pixels chosen whatever their priority; 0.03 */
-    sl_pixel_selection selection;
+    sl_pixel_selection selection; /**< HIT_AND_TEST */
     double flood_threshold;      /**< normalised priority down to which floods run; 0.5 */
-    bool no_flood, no_random;    /**< without these two: what each is worth */
+    bool no_flood;               /**< without flood fill: to see what it is worth */
+    bool no_random;              /**< without the random share: likewise */
     bool plain_normalisation;    /**< mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
     bool no_ageing;              /**< samples do not grow old */
     bool no_resolution_drop;     /**< what changes keeps its fine patches */
@@ -464,22 +498,24 @@ typedef struct sl_shading_cache_settings {
     double mean_level_radiance;  /**< Y_ref: radiance in the middle of the displayed levels; by the light in the scene */
 } sl_shading_cache_settings;
 
+/** What a method is asked for. Begin with sl_settings_default(). */
 typedef struct sl_settings {
     const char *method;    /**< "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
     const char *transport; /**< "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
-    int width, height;     /**< 0: the scene's film */
+    int width;             /**< pixels; 0: the scene's film */
+    int height;            /**< likewise */
     unsigned threads;      /**< 0: one a processor */
-    uint64_t seed;
-    sl_quality quality;
+    uint64_t seed;         /**< of the random numbers: another seed, other noise */
+    sl_quality quality;    /**< where on the curve of speed against error; NORMAL */
     uint32_t spp;          /**< path, bidirectional: samples a pixel; splatting: light samples a pixel; 0: by quality */
     double accuracy;       /**< splatting: a of the paper; 0: by quality */
     int gather_size;       /**< splatting, multi-mesh: N of an N x N gather; 0: by quality */
-    sl_gather_kind gather;
-    sl_direct_kind direct;
-    sl_pixel_filter filter;
-    sl_traversal_order order;
-    sl_radius_metric metric;
+    sl_gather_kind gather; /**< splatting: AUTO */
+    sl_direct_kind direct; /**< splatting: AUTO */
+    sl_pixel_filter filter; /**< path, bidirectional: METHOD */
+    sl_traversal_order order; /**< splatting: COARSE_TO_FINE */
+    sl_radius_metric metric;  /**< splatting: AUTO */
     double glossy_accuracy; /**< splatting: a of the radiance records; 0: by quality */
     int harmonics_order;   /**< splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
     uint32_t bounces;      /**< splatting, multi-mesh (1 or 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
@@ -493,10 +529,13 @@ typedef struct sl_settings {
     const sl_observer *observer; /**< or NULL */
 } sl_settings;
 
+/** Splatting at normal quality, everything else by quality, scene and machine. */
 SL_API sl_settings sl_settings_default(void);
 
+/** A method at work on a scene: its caches and its picture so far; opaque. */
 typedef struct sl_method sl_method;
 
+/** How far a method has come. */
 typedef struct sl_progress {
     uint64_t batches;  /**< done so far */
     double fraction;   /**< an estimate in [0,1] */
@@ -504,23 +543,32 @@ typedef struct sl_progress {
     bool done;         /**< nothing left to refine; until an edit, updating again changes nothing */
 } sl_progress;
 
-/** The scene must outlive the method and must not change but as told to sl_method_edit(). */
+/** Prepares a method for a scene: checks and completes the settings (which are copied), and computes no pixel yet. The scene must
+ * outlive the method and must not change but as told to sl_method_edit(); the caller destroys the method. */
 SL_API sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                                   sl_error *error);
+/** Frees a method; its scene stays. NULL is allowed. */
 SL_API void sl_method_destroy(sl_method *method);
-/** One more batch: a pure function of the state and the batch's number, never of time. */
+/** One more batch: a pure function of the state and the batch's number, never of time. Short: tenths of a second, so that a caller can
+ * show progress and stop between batches. After a failure the method can only be destroyed. */
 SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error);
-/** The picture so far: R, G, B and the method's layers. The caller destroys it. */
+/** The picture so far: R, G, B and the method's layers, with all that made it as metadata. The caller destroys it. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
+/** Tells what of the scene has changed since the method last saw it: SL_CHANGED_ bits, as sl_scene_set_time() gives them. The
+ * method keeps what is still right and goes on with updates from there. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
-/** The method's cache in a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
+/** Whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
+SL_API bool sl_method_keeps_cache(const sl_method *method);
+/** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
  * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
  * other ones, of another version, or one that is damaged is refused, with a line that says so, and nothing changes. With a file
- * saved from the same place nothing is gathered anew, and the picture has the same bits. */
-SL_API bool sl_method_keeps_cache(const sl_method *method);
+ * saved from the same place nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. */
 SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error);
+/** Takes over what sl_method_save() wrote, before the first update. */
 SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);
+/** All that was counted since the method was created; owned by it, and valid until it is called again. */
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
+/** Bytes that the method holds, its own hierarchies, caches and pictures, without the scene. */
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
 /** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);

@@ -1,5 +1,6 @@
 /* softlux: the program. Each subcommand has a file of its own. */
 #include "app/commands.h"
+#include "app/manual.h"
 #include "app/options.h"
 #include "softlux.h"
 
@@ -26,6 +27,12 @@ static void print_help(FILE *out) {
                  "example: softlux render scenes/cornell.json -o cornell.png\n");
 }
 
+static void print_manual(void) {
+    const char *names[COMMANDS], *summaries[COMMANDS];
+    for (size_t i = 0; i < COMMANDS; i++) names[i] = commands[i].name, summaries[i] = commands[i].summary;
+    sl_print_program_manual(names, summaries, COMMANDS);
+}
+
 int main(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
@@ -33,6 +40,10 @@ int main(int argc, char **argv) {
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_help(stdout);
+        return 0;
+    }
+    if (strcmp(argv[1], "--man") == 0) {
+        print_manual();
         return 0;
     }
     if (strcmp(argv[1], "--version") == 0) {

@@ -1,5 +1,7 @@
 #include "app/options.h"
 
+#include "app/manual.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -51,6 +53,7 @@ static void print_option(const sl_option *o) {
 static void print_help(const sl_command_line *line) {
     printf("usage: %s\n\n%s\n\noptions:\n", line->usage, line->summary);
     printf("  %-32s %s\n", "-h, --help", "this page");
+    printf("  %-32s %s\n", "    --man", "this page as a manual page, for man(1)");
     for (const sl_option *o = line->options; o->name; o++) print_option(o);
     if (line->details) printf("\n%s\n", line->details);
 }
@@ -184,6 +187,10 @@ bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const 
     for (int i = 0; i < argc; i++) {
         if (!only_operands && (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)) {
             print_help(line);
+            return false;
+        }
+        if (!only_operands && strcmp(argv[i], "--man") == 0) {
+            sl_print_command_manual(line);
             return false;
         }
         if (!only_operands && strcmp(argv[i], "--") == 0) {

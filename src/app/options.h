@@ -1,5 +1,5 @@
-/* Command lines from tables: `--name value`, `--name=value`, `-n value`, flags, `--` and operands in any order; `--help` is
- * printed from the same table, so that the two cannot disagree. */
+/* Command lines from tables: `--name value`, `--name=value`, `-n value`, flags, `--` and operands in any order; `--help` and
+ * `--man` are printed from the same table, so that they cannot disagree. */
 #ifndef SL_APP_OPTIONS_H
 #define SL_APP_OPTIONS_H
 
@@ -38,7 +38,7 @@ typedef struct sl_command_line {
 } sl_command_line;
 
 /* Parses argv[0..argc). operands receives up to operands_max strings. Returns true to go on; otherwise *status is the exit status
- * (0 after --help, 2 after a mistake, which has been described on stderr in one line). */
+ * (0 after --help and --man, 2 after a mistake, which has been described on stderr in one line). */
 bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands, int *operand_count,
                       int *status);
 

@@ -1,0 +1,100 @@
+/* Manual pages: the tables of options as man(7) has it. */
+#include "app/manual.h"
+
+#include "softlux.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Words as they stand: a dot or quote at a line's beginning would be a request, a backslash an escape, and a plain minus a hyphen. */
+static void print_text(const char *text) {
+    bool line_begins = true;
+    for (const char *c = text; *c; c++) {
+        if (line_begins && (*c == '.' || *c == '\'')) fputs("\\&", stdout);
+        line_begins = *c == '\n';
+        if (*c == '\\') fputs("\\e", stdout);
+        else if (*c == '-') fputs("\\-", stdout);
+        else putchar(*c);
+    }
+}
+
+static void print_heading(const char *page, const char *summary) {
+    printf(".TH ");
+    for (const char *c = page; *c; c++) putchar(toupper((unsigned char)*c));
+    printf(" 1 \"\" \"softlux %s\" \"softlux\"\n.SH NAME\n", SL_VERSION);
+    print_text(page);
+    printf(" \\- ");
+    print_text(summary);
+    putchar('\n');
+}
+
+static void print_option(const sl_option *o) {
+    if (o->kind == SL_OPTION_HEADING) {
+        printf(".SS \"");
+        print_text(o->help);
+        printf("\"\n");
+        return;
+    }
+    printf(".TP\n");
+    if (o->letter) printf("\\fB\\-%c\\fR, ", o->letter);
+    printf("\\fB\\-\\-");
+    print_text(o->name);
+    printf("\\fR");
+    if (o->metavar) {
+        printf(" \\fI");
+        print_text(o->metavar);
+        printf("\\fR");
+    }
+    putchar('\n');
+    print_text(o->help);
+    putchar('\n');
+}
+
+static void print_exit_statuses(void) {
+    printf(".SH EXIT STATUS\n0 success, 1 a comparison or an error bound failed, 2 usage, 3 input, 4 output, 5 resources.\n"
+           "After a failure one line on standard error says what was expected, and where.\n");
+}
+
+/* "softlux render SCENE ..." is described on the page softlux-render. */
+static void page_name(const char *usage, char *page, size_t size) {
+    size_t length = 0;
+    for (int words = 0; usage[length] && length + 1 < size; length++) {
+        if (usage[length] == ' ' && ++words == 2) break;
+        page[length] = usage[length] == ' ' ? '-' : usage[length];
+    }
+    page[length] = '\0';
+}
+
+void sl_print_command_manual(const sl_command_line *line) {
+    char page[64], purpose[128];
+    page_name(line->usage, page, sizeof page);
+    snprintf(purpose, sizeof purpose, "%.*s", (int)strcspn(line->summary, ".:;\n"), line->summary);
+    print_heading(page, purpose);
+    printf(".SH SYNOPSIS\n");
+    print_text(line->usage);
+    printf("\n.SH DESCRIPTION\n");
+    print_text(line->summary);
+    printf("\n.SH OPTIONS\n.TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR\na short form of this page\n");
+    for (const sl_option *o = line->options; o->name; o++) print_option(o);
+    if (line->details) {
+        printf(".SH NOTES\n.nf\n");
+        print_text(line->details);
+        printf("\n.fi\n");
+    }
+    print_exit_statuses();
+    printf(".SH SEE ALSO\n.BR softlux (1)\n");
+}
+
+void sl_print_program_manual(const char *const *names, const char *const *summaries, size_t count) {
+    print_heading("softlux", "global illumination of triangle scenes on a CPU, deterministic and without a GPU");
+    printf(".SH SYNOPSIS\nsoftlux \\fICOMMAND\\fR ...\n.SH COMMANDS\n");
+    for (size_t i = 0; i < count; i++) {
+        printf(".TP\n.BR softlux\\-%s (1)\n", names[i]);
+        print_text(summaries[i]);
+        putchar('\n');
+    }
+    print_exit_statuses();
+    printf(".SH EXAMPLES\nsoftlux render scenes/cornell.json \\-o cornell.png\n.SH SEE ALSO\n");
+    for (size_t i = 0; i < count; i++) printf(".BR softlux\\-%s (1)%s\n", names[i], i + 1 < count ? "," : "");
+}

@@ -1,0 +1,49 @@
+#!/bin/sh
+# softlux as a library, installed into a folder of its own: what it exports, what pkg-config says, the example in C and C++ against the
+# shared and the static library, manual pages, and the header's pages.
+set -eu
+cd "$(dirname "$0")/.."
+build=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+prefix=/opt/softlux
+make -s BUILD="$build" DESTDIR="$folder" PREFIX=$prefix install
+
+lib=$folder$prefix/lib
+foreign=$(nm -D --defined-only "$lib/libsoftlux.so" | awk '{print $3}' | grep -v '^sl_' || true)
+[ -z "$foreign" ] || { echo "the shared library exports $foreign"; exit 1; }
+for f in $(sed -n 's/^SL_API[^(]*[ *]\(sl_[a-z_]*\)(.*/\1/p' include/softlux.h); do
+    nm -D --defined-only "$lib/libsoftlux.so" | grep -q " $f$" || { echo "the shared library lacks $f"; exit 1; }
+done
+readelf -d "$lib/libsoftlux.so" | grep -q 'SONAME.*libsoftlux\.so\.[0-9]*\]' || { echo 'the shared library has no version'; exit 1; }
+
+PKG_CONFIG_PATH=$lib/pkgconfig PKG_CONFIG_SYSROOT_DIR=$folder
+export PKG_CONFIG_PATH PKG_CONFIG_SYSROOT_DIR
+[ "$(pkg-config --modversion softlux)" = "$("$build/softlux" --version | cut -d' ' -f2)" ]
+strict='-Wall -Wextra -Wpedantic -Werror'
+shared="$(pkg-config --cflags --libs softlux) -Wl,-rpath,$lib"
+# shellcheck disable=SC2046,SC2086
+{
+    gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/c" $shared
+    g++ -std=c++11 -x c++ $strict examples/golden_image_test.c -o "$folder/c++" $shared
+    gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/static" $(pkg-config --cflags softlux) "$lib/libsoftlux.a" \
+        $(pkg-config --static --libs-only-l softlux | sed 's/-lsoftlux//') -fopenmp
+}
+"$folder/c" scenes/cornell.json "$folder/golden.exr"
+for program in c c++ static; do "$folder/$program" scenes/cornell.json "$folder/golden.exr" | grep -q identical; done
+if "$folder/c" scenes/two-rooms.json "$folder/golden.exr" >"$folder/out"; then
+    echo 'the example took another picture for the golden one'; exit 1
+fi
+
+for command in $("$build/softlux" --help | sed -n '/^commands:/,/^$/s/^  \([a-z-]*\) .*/\1/p'); do
+    page=$folder$prefix/share/man/man1/softlux-$command.1
+    grep -q '^.SH SYNOPSIS' "$page"
+    for option in $("$build/softlux" "$command" --help | sed -n 's/^  .*--\([a-z-]*\) .*/\1/p' | grep -v '^man$'); do
+        grep -q "$(printf '%s' "$option" | sed 's/-/.-/g')" "$page" || { echo "softlux-$command(1) lacks --$option"; exit 1; }
+    done
+    ! command -v groff >/dev/null || [ -z "$(groff -man -ww -Tutf8 -z "$page" 2>&1)" ]
+done
+
+if command -v doxygen >/dev/null; then make -s BUILD="$build" doc; else echo 'skip: the pages of the header: no doxygen'; fi
+make -s BUILD="$build" DESTDIR="$folder" PREFIX=$prefix uninstall
+[ -z "$(find "$folder$prefix" -type f -o -type l)" ] || { echo 'uninstall left files'; exit 1; }
