@@ -102,7 +102,7 @@ static inline void assert_sound(const sl_patches *p) {
         }
         if (place.corners == 3) assert_int_equal(sl_patch_corner(p, i, 3), SL_NO_INDEX);
         for (int m = 0; m < 5 && !sl_patch_is_leaf(p, i); m++) {
-            uint32_t vertex = p->block[p->patch[i].child / 4].middle[m];
+            uint32_t vertex = sl_patch_block_of(p, p->patch[i].child)->middle[m];
             assert_int_equal(vertex == SL_NO_INDEX, place.corners == 3 && m > 2);
             if (vertex != SL_NO_INDEX) references[vertex]++;
         }
@@ -118,7 +118,10 @@ static inline void assert_sound(const sl_patches *p) {
     assert_int_equal(leaves, p->leaves_alive);
     assert_int_equal(vertices, p->vertices_alive);
     size_t free_blocks = 0, free_vertices = 0;
-    for (uint32_t i = p->first_free; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++) assert_false(sl_patch_is_alive(p, i));
+    const uint32_t blocks[3] = {p->first_free, p->resting[0], p->resting[1]};
+    for (int k = 0; k < 3; k++) {
+        for (uint32_t i = blocks[k]; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++) assert_false(sl_patch_is_alive(p, i));
+    }
     for (uint32_t i = p->first_free_vertex; i != SL_NO_INDEX; i = p->vertex[i].root, free_vertices++) assert_int_equal(p->vertex[i].references, 0);
     size_t root_blocks = (p->wanted_count + 3) / 4;
     assert_int_equal(p->patch_count, 4 * root_blocks + (patches - p->wanted_count) + 4 * free_blocks);

@@ -494,12 +494,13 @@ static void what_is_shown_stays_as_it_was_until_the_build_ends(void **state) {
     hierarchy h = hierarchy_of(room(false), false);
     sl_display *display = display_of(&h);
     want_all(&h);
+    change_at_random(&h, sl_random_key(7, 6), 1, 1500);
     evaluate_all(&h, 1);
     build(display, &h);
     build(display, &h);
     draw(display, 1, &before);
-    change_at_random(&h, sl_random_key(7, 7), 2, 400);
-    draw(display, 1, &after); /* the patches have changed and grown; what is shown has its own arrays */
+    change_at_random(&h, sl_random_key(7, 7), 2, 1500);
+    draw(display, 1, &after); /* the patches have changed, grown and gone; what is shown has its own arrays, and nobody else has taken the vertices that it names */
     assert_memory_equal(&before, &after, sizeof before);
     build(display, &h);
     draw(display, 1, &after);

@@ -537,6 +537,27 @@ static void turning_back_within_the_window_costs_no_sample(void **state) {
     hierarchy_discard(&h);
 }
 
+/* Frames may be drawn from what the display knew before. */
+static void children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    sl_patches *p = h.patches;
+    uint32_t root = want_root(&h, 0);
+    split_levels(&h, root, 2);
+    uint32_t first = p->patch[root].child, dropped = p->patch[first].child;
+    const uint32_t *middle = sl_patch_block_of(p, dropped)->middle, before[2] = {middle[0], middle[4]};
+    sl_patch_drop_children(p, first);
+    for (int builds = 0; builds < 3; builds++) {
+        uint32_t leaf = p->patch[p->patch[root].child + 1 + (uint32_t)builds].child;
+        split(&h, leaf);
+        assert_int_equal(p->patch[leaf].child == dropped, builds == 2);
+        assert_int_equal(middle[0] == before[0] && middle[4] == before[1], builds < 2);
+        assert_sound(p);
+        sl_patches_rested(p);
+    }
+    hierarchy_discard(&h);
+}
+
 /* ---- memory ---- */
 
 static double bytes_a_patch(hierarchy *h) { return (double)sl_patches_memory_bytes(h->patches) / (double)h->patches->patches_alive; }
@@ -589,6 +610,7 @@ int main(void) {
         cmocka_unit_test(eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view),
         cmocka_unit_test(what_was_just_split_in_view_is_not_evicted_before_it_could_be_seen),
         cmocka_unit_test(turning_back_within_the_window_costs_no_sample),
+        cmocka_unit_test(children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before),
         cmocka_unit_test(a_patch_takes_at_most_60_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -22,7 +22,8 @@ bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_
 
 static void release_copy(sl_display_copy *copy) {
     sl_free(copy->root);
-    sl_free(copy->block);
+    sl_free(copy->word);
+    sl_free(copy->chunk);
     sl_free(copy->value);
     sl_free(copy->fans.word);
     sl_tessellation_release(&copy->tessellation);
@@ -91,7 +92,7 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->block_capacity * sizeof *c->block + c->vertex_capacity * c->colours * sizeof *c->value;
+        bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk + c->vertex_capacity * c->colours * sizeof *c->value;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
@@ -100,30 +101,30 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 
 /* ---- trees -------------------------------------------------------------------------------------------------------------------- */
 
-/* As many blocks as there are in the patches; new ones hold leaves until something else is heard of them. */
+/* As many patches as there are; new ones are leaves until something else is heard of them. */
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
-    size_t blocks = p->patch_count / 4;
-    void *block = copy->block, *value = copy->value;
-    bool ok = sl_display_grow(&block, &copy->block_capacity, blocks, sizeof *copy->block) &&
-              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, copy->colours * sizeof *copy->value);
-    copy->block = block;
+    void *word = copy->word, *value = copy->value, *chunk = copy->chunk;
+    bool ok = sl_display_grow(&word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
+              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, copy->colours * sizeof *copy->value) &&
+              sl_display_grow(&chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
+    copy->word = word;
     copy->value = value;
+    copy->chunk = chunk;
     if (!ok) return false;
-    if (blocks > copy->block_count) memset(copy->block + copy->block_count, 0xff, (blocks - copy->block_count) * sizeof *copy->block);
-    copy->block_count = blocks;
+    for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
+    for (; copy->chunk_count < p->block_chunks; copy->chunk_count++) copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
+    copy->patch_count = p->patch_count;
     copy->vertex_count = p->vertex_count;
     return true;
 }
 
 static sl_status update_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch, sl_error *error) {
-    uint32_t *word = &copy->block[patch / 4].child[patch % 4];
+    uint32_t *word = &copy->word[patch];
     if (sl_is_fan_word(*word)) sl_fan_release(&copy->fans, *word);
     *word = SL_DISPLAY_LEAF;
     if (!sl_patch_is_alive(p, patch)) return SL_OK;
     if (!sl_patch_is_leaf(p, patch)) {
-        uint32_t first = p->patch[patch].child;
-        *word = first / 4;
-        memcpy(copy->block[first / 4].vertex, p->block[first / 4].middle, sizeof copy->block[first / 4].vertex);
+        *word = p->patch[patch].child / 4;
         return SL_OK;
     }
     sl_patch_place leaf = sl_patch_place_of(p, patch);
@@ -158,7 +159,7 @@ static bool list_patches(sl_display *d, int which, const sl_patches *p, uint8_t 
 
 static void begin_anew(sl_display_copy *copy) {
     sl_fans_begin(&copy->fans);
-    copy->block_count = 0;
+    copy->patch_count = 0;
     copy->complete = false;
 }
 
@@ -205,6 +206,7 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
     copy->complete = true;
     clear_flags(p);
     swap_lists(d);
+    sl_patches_rested(p);
     atomic_store_explicit(&d->shown, hidden, memory_order_release);
     return SL_OK;
 }

@@ -13,12 +13,6 @@ enum { SL_FAN_BIT = 0x40000000 };
 static inline bool sl_is_leaf_word(uint32_t word) { return word >= SL_FAN_BIT; }
 static inline bool sl_is_fan_word(uint32_t word) { return sl_is_leaf_word(word) && word != SL_DISPLAY_LEAF; }
 
-/* Four patches, numbered as in sl_patches, and the vertices that the split which made them has added: of a quadrilateral the middles of edges 0 to 3, then
- * the centre; of a triangle the middles of edges 0 to 2. Their other corners are their parent's, which who looks for a leaf knows already. */
-typedef struct sl_display_block {
-    uint32_t child[4];
-    uint32_t vertex[5];
-} sl_display_block;
 
 /* A wanted root. */
 typedef struct sl_display_root {
@@ -69,8 +63,10 @@ typedef struct sl_display_copy {
     bool complete;             /* false: all of it is to be made */
     uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
     size_t root_count;
-    sl_display_block *block;
-    size_t block_count, block_capacity;
+    uint32_t *word;            /* by patch, numbered as in sl_patches */
+    size_t patch_count, patch_capacity;
+    const sl_patch_block **chunk; /* those of sl_patches, for the vertices that splits have made: as they stay while anything here names them, both copies share them */
+    size_t chunk_count, chunk_capacity;
     size_t colours;            /* of a vertex: 1, E; or 2, L_s after it */
     sl_packed_colour *value;   /* by vertex */
     size_t vertex_count, vertex_capacity;
@@ -118,6 +114,11 @@ struct sl_display {
     size_t seen_words;
     sl_frame_planes frame[2];
 };
+
+/* The vertices that the split which made four children has added. Their other corners are their parent's, which who looks for a leaf knows already. */
+static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, uint32_t block) {
+    return copy->chunk[block / SL_BLOCKS_A_CHUNK][block % SL_BLOCKS_A_CHUNK].middle;
+}
 
 /* arrays.c: grows a list to `wanted` entries; what was in it stays. */
 bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_bytes);

@@ -33,14 +33,14 @@ static inline uint32_t sl_leaf_patch(const sl_leaf *leaf) {
 }
 
 static inline uint32_t sl_root_word(const sl_display_copy *copy, const sl_display_root *root) {
-    return copy->block[root->patch / 4].child[root->patch % 4];
+    return copy->word[root->patch];
 }
 
 static inline void sl_leaf_step(const sl_display_copy *copy, sl_leaf *leaf, uint32_t child) {
     leaf->depth++;
     leaf->block[leaf->depth] = leaf->word;
     leaf->child[leaf->depth] = (uint8_t)child;
-    leaf->word = copy->block[leaf->word].child[child];
+    leaf->word = copy->word[4 * leaf->word + child];
 }
 
 /* Which children to take the digits of u and v tell. As many first digits as this place has in common with the last one, so much of the way is
@@ -112,12 +112,12 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
     int depth = leaf->depth;
     uint32_t own = depth > 0 ? leaf->child[depth] : 4;
     for (int c = 0; c < 4; c++) {
-        vertex[c] = depth > 0 ? copy->block[leaf->block[depth]].vertex[made[leaf->triangle][own][c]] : leaf->root->vertex[c];
+        vertex[c] = depth > 0 ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][own][c]] : leaf->root->vertex[c];
     }
     if (own >= (leaf->triangle ? 3u : 4u)) return;
     do depth--;
     while (depth > 0 && leaf->child[depth] == own);
-    vertex[own] = depth > 0 ? copy->block[leaf->block[depth]].vertex[made[leaf->triangle][leaf->child[depth]][own]] : leaf->root->vertex[own];
+    vertex[own] = depth > 0 ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][leaf->child[depth]][own]] : leaf->root->vertex[own];
 }
 
 /* ---- what it shows ------------------------------------------------------------------------------------------------------------ */

@@ -16,7 +16,7 @@ sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_p
     if (!p) return sl_fail_memory(error, "patches");
     size_t roots = 2 * primitives->count;
     p->primitives = primitives;
-    p->first_free = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
+    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
     p->root_patch = sl_allocate_unset(roots, sizeof *p->root_patch);
     p->wanted_root = sl_allocate(roots, sizeof *p->wanted_root);
     if (radiance) p->radiance = sl_allocate(0, sizeof *p->radiance); /* that it is there says that it is wanted */
@@ -32,15 +32,17 @@ sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_p
 
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
-    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block, p->vertex, p->radiance, p->slot};
+    for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
+    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk, p->vertex, p->radiance, p->slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
 
 size_t sl_patches_memory_bytes(const sl_patches *p) {
-    size_t of_four = 4 * (sizeof *p->patch + 1) + sizeof *p->block;
+    size_t of_chunk = SL_BLOCKS_A_CHUNK * sizeof **p->block_chunk + sizeof *p->block_chunk;
     size_t of_vertex = sizeof *p->vertex + (p->radiance ? sizeof *p->radiance : 0);
-    return p->patch_capacity / 4 * of_four + p->wanted_capacity * sizeof *p->root_corner + p->vertex_capacity * of_vertex + p->slot_count * sizeof *p->slot;
+    return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk + p->wanted_capacity * sizeof *p->root_corner +
+           p->vertex_capacity * of_vertex + p->slot_count * sizeof *p->slot;
 }
 
 /* ---- blocks of four patches ---------------------------------------------------------------------------------------------------- */
@@ -64,15 +66,31 @@ static sl_status enlarge(growing *all, int count, sl_error *error) {
     return failed ? sl_fail_memory(error, "patches") : SL_OK;
 }
 
+static sl_status reserve_chunk(sl_patches *p, sl_error *error) {
+    if (p->patch_count < 4 * SL_BLOCKS_A_CHUNK * p->block_chunks) return SL_OK;
+    if (p->block_chunks == p->block_chunks_room) {
+        size_t room = sl_patches_room(p->block_chunks, 0), size = sizeof *p->block_chunk;
+        growing all[] = {{(void **)&p->block_chunk, p->block_chunks * size, room * size, NULL}};
+        sl_status status = enlarge(all, 1, error);
+        if (status != SL_OK) return status;
+        p->block_chunks_room = room;
+    }
+    sl_patch_block *chunk = sl_allocate_unset(SL_BLOCKS_A_CHUNK, sizeof *chunk);
+    if (!chunk) return sl_fail_memory(error, "patches");
+    p->block_chunk[p->block_chunks++] = chunk;
+    return SL_OK;
+}
+
 static sl_status reserve_block(sl_patches *p, sl_error *error) {
     size_t used = p->patch_count;
-    if (p->first_free != SL_NO_INDEX || used + 4 <= p->patch_capacity) return SL_OK;
+    if (p->first_free != SL_NO_INDEX) return SL_OK;
+    sl_status status = reserve_chunk(p, error);
+    if (status != SL_OK || used + 4 <= p->patch_capacity) return status;
     size_t capacity = sl_patches_room(p->patch_capacity, used + 4) / 4 * 4;
     if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many patches");
     growing all[] = {{(void **)&p->patch, used * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
-                     {(void **)&p->flags, used, capacity, NULL},
-                     {(void **)&p->block, used / 4 * sizeof *p->block, capacity / 4 * sizeof *p->block, NULL}};
-    sl_status status = enlarge(all, 3, error);
+                     {(void **)&p->flags, used, capacity, NULL}};
+    status = enlarge(all, 2, error);
     if (status == SL_OK) p->patch_capacity = capacity;
     return status;
 }
@@ -95,7 +113,7 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
         first = (uint32_t)p->patch_count;
         p->patch_count += 4;
     }
-    p->block[first / 4] = (sl_patch_block){parent, root, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+    *sl_patch_block_of(p, first) = (sl_patch_block){parent, root, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     for (uint32_t k = 0; k < 4; k++) {
         p->patch[first + k] = (sl_patch){.child = SL_NO_INDEX};
         p->flags[first + k] = 0;
@@ -106,8 +124,19 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
 /* Its patches are still to be taken out of the display. */
 static void give_block_back(sl_patches *p, uint32_t first) {
     for (uint32_t k = 0; k < 4; k++) p->flags[first + k] = SL_PATCH_DIRTY;
-    p->patch[first].child = p->first_free;
-    p->first_free = first;
+    p->patch[first].child = p->resting[0];
+    p->resting[0] = first;
+}
+
+/* The copy that was just built knows nothing of what was given back before, and is the one that is drawn. A frame may still be under way from the other one, but not
+ * when that is built the next time. */
+void sl_patches_rested(sl_patches *p) {
+    uint32_t *last = &p->resting[1];
+    while (*last != SL_NO_INDEX) last = &p->patch[*last].child;
+    *last = p->first_free;
+    p->first_free = p->resting[1];
+    p->resting[1] = p->resting[0];
+    p->resting[0] = SL_NO_INDEX;
 }
 
 /* ---- places ------------------------------------------------------------------------------------------------------------------- */
@@ -252,7 +281,7 @@ static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t f
         int a = m == 4 ? 0 : m, b = m == 4 ? 2 : (m + 1) % parent->corners;
         sl_root_place at = {parent->root, middle(parent->u[a], parent->u[b]), middle(parent->v[a], parent->v[b])};
         bool created = false;
-        p->block[first / 4].middle[m] = sl_vertex_take(p, at, &created);
+        sl_patch_block_of(p, first)->middle[m] = sl_vertex_take(p, at, &created);
         if (created) sl_patches_touch_place(p, at);
     }
 }
@@ -299,7 +328,7 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
     gather_pixels(p, patch);
     p->patch[patch].child = SL_NO_INDEX;
     for (int m = 0; m < MIDDLES; m++) {
-        uint32_t vertex = p->block[first / 4].middle[m];
+        uint32_t vertex = sl_patch_block_of(p, first)->middle[m];
         if (vertex == SL_NO_INDEX) continue;
         sl_root_place place = {p->vertex[vertex].root, p->vertex[vertex].u, p->vertex[vertex].v};
         if (sl_vertex_release(p, vertex)) sl_patches_touch_place(p, place);

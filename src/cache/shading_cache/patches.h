@@ -35,6 +35,9 @@ typedef struct sl_patch_block {
     uint32_t middle[5];
 } sl_patch_block;
 
+/* Blocks lie in chunks that never move, and one that was given back rests for two builds of the display: so frames may be drawn from them while patches are split. */
+enum { SL_BLOCKS_A_CHUNK = 64 };
+
 enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
 
 typedef struct sl_patch_vertex {
@@ -56,8 +59,10 @@ typedef struct sl_patches {
     sl_patch *patch;
     uint8_t *flags;              /* by patch: SL_PATCH_ bits */
     size_t patch_count, patch_capacity, patches_alive, leaves_alive;
-    sl_patch_block *block;       /* one for four patches */
+    sl_patch_block **block_chunk; /* one block for four patches: sl_patch_block_of() */
+    size_t block_chunks, block_chunks_room;
     uint32_t first_free;         /* blocks that are not in use, by their patches' child */
+    uint32_t resting[2];         /* those given back since the last build of the display, and since the one before */
     uint32_t last_root_block;    /* first patch of the block that new roots go to */
     sl_patch_vertex *vertex;
     float (*radiance)[3];        /* by vertex: exitant radiance of the lobe towards the eye, where some material has one; NULL: none has */
@@ -77,9 +82,12 @@ uint32_t sl_patches_root(sl_patches *patches, uint32_t root, sl_status *status, 
 static inline bool sl_patch_is_alive(const sl_patches *p, uint32_t patch) { return p->flags[patch] & SL_PATCH_ALIVE; }
 static inline bool sl_patch_is_leaf(const sl_patches *p, uint32_t patch) { return p->patch[patch].child == SL_NO_INDEX; }
 static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) { return p->flags[patch] & SL_PATCH_TRIANGLE ? 3 : 4; }
-static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) { return p->block[patch / 4].parent; }
+static inline sl_patch_block *sl_patch_block_of(const sl_patches *p, uint32_t patch) {
+    return &p->block_chunk[patch / (4 * SL_BLOCKS_A_CHUNK)][patch / 4 % SL_BLOCKS_A_CHUNK];
+}
+static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) { return sl_patch_block_of(p, patch)->parent; }
 static inline uint32_t sl_patch_root(const sl_patches *p, uint32_t patch) {
-    const sl_patch_block *block = &p->block[patch / 4];
+    const sl_patch_block *block = sl_patch_block_of(p, patch);
     return block->parent == SL_NO_INDEX ? p->wanted_root[block->root + patch % 4] : block->root;
 }
 /* The vertex at a corner of a patch: corner i of child i is its parent's, and so on upwards. Triangles have SL_NO_INDEX for corner 3. */
@@ -88,7 +96,7 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
     static const uint8_t quad[4][4] = {{0, 0, 4, 3}, {0, 0, 1, 4}, {4, 1, 0, 2}, {3, 4, 2, 0}};
     uint32_t parent = sl_patch_parent(p, patch);
     for (; parent != SL_NO_INDEX && patch % 4 == (uint32_t)corner; parent = sl_patch_parent(p, patch)) patch = parent;
-    const sl_patch_block *block = &p->block[patch / 4];
+    const sl_patch_block *block = sl_patch_block_of(p, patch);
     if (parent == SL_NO_INDEX) return p->root_corner[block->root + patch % 4][corner];
     return block->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
 }
@@ -111,6 +119,8 @@ int sl_patch_child_at(const sl_patch_place *place, double u, double v);
 sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
 /* All below it goes. Its pixels become those of what was below. */
 void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
+/* The display has been built: blocks given back before the last build but one are in no copy any more, and may be used again. */
+void sl_patches_rested(sl_patches *patches);
 
 /* The value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never been evaluated the nearest ancestor whose
  * corners all are stands in; false: there is none. second: the radiance channel. */
