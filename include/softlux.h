@@ -577,6 +577,47 @@ SL_API const char *sl_method_name(size_t index);
  * text, the caller frees it with free(). */
 SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
 
+/* ---- the error of a picture, without a reference ------------------------------------------------------------------------ */
+
+/** How far a picture is from the converged picture of the same light paths: that of --method path with the same
+ * transport and pixel filter, and no noise. */
+typedef struct sl_error_estimate {
+    double rel_rmse;    /**< an estimate of sl_comparison.rel_rmse; 0 where the picture is better than the probes can tell */
+    double bound;       /**< with 95 % confidence the error is not above that; infinite where nothing can be promised */
+    double least;       /**< with 95 % confidence it is not below that */
+    double rmse;        /**< the estimate in units of radiance */
+    double mean;        /**< of the converged picture, estimated */
+    double noise;       /**< rmse of the probes' own values: what one half of their samples is off by */
+    uint64_t probes;    /**< pixels that were looked at: all of them where a picture's own halves tell */
+    uint64_t samples;   /**< traced for that, altogether */
+    uint64_t nonfinite; /**< pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
+    bool blind;         /**< light of lights without extent by way of mirrors would count, but no path from an eye finds it: the
+                             converged picture meant here is without it */
+} sl_error_estimate;
+
+/** Probes: pixels of which two independent estimates p and q are path traced. E[(x - p)(x - q)] is the squared error of a
+ * picture's value x there. They know nothing of the picture, so they serve for any number of pictures of the scene with
+ * this size, transport and filter. */
+typedef struct sl_error_probe sl_error_probe;
+
+/** settings: of the pictures to be judged; method, transport, filter, size, seed and threads count, and what the method's light
+ * paths depend on. The scene must outlive the probe and must not change. */
+SL_API sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **probe,
+                                       sl_error *error);
+SL_API void sl_error_probe_destroy(sl_error_probe *probe); /**< NULL is allowed */
+/** Traces until there are at least so many probes, with so many samples for each of p and q. What is there is kept. */
+SL_API sl_status sl_error_probe_trace(sl_error_probe *probe, uint64_t probes, uint32_t samples, sl_error *error);
+/** What the probes traced so far say of a picture. Fails if there are none, or the size is another. */
+SL_API sl_status sl_error_probe_estimate(const sl_error_probe *probe, const sl_image *image, sl_error_estimate *estimate,
+                                         sl_error *error);
+/** The same, tracing more until it is clear whether the error is within rel_rmse: bound <= rel_rmse, or least > rel_rmse; or until
+ * a number of samples is reached that grows as 1/rel_rmse^2. */
+SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, sl_error_estimate *estimate,
+                                      sl_error *error);
+SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
+/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. */
+SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate *estimate, sl_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -74,6 +74,18 @@ static sl_status choose_transport(const sl_method_class *class, const sl_setting
     return SL_OK;
 }
 
+sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error) {
+    const sl_method_class *class = find_class(settings->method);
+    if (!class) return unknown_method(settings->method, error);
+    sl_status status = choose_transport(class, settings, transport, error);
+    if (status != SL_OK || settings->filter == SL_FILTER_METHOD) return status;
+    if (!class->any_transport && settings->filter != transport->filter)
+        return sl_fail(error, SL_ERROR_USAGE, "%s samples pixels in its own way; another filter needs --method path or bidirectional",
+                       class->name);
+    transport->filter = settings->filter;
+    return SL_OK;
+}
+
 /* Checks what was asked for and fills in what was left to the scene, the machine or the quality. */
 static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, sl_error *error) {
     if (settings->width == 0 && settings->height == 0) sl_scene_film(scene, &settings->width, &settings->height);
@@ -89,14 +101,8 @@ sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, s
     const sl_method_class *class = find_class(settings->method);
     if (!class) return unknown_method(settings->method, error);
     sl_transport transport;
-    sl_status status = choose_transport(class, settings, &transport, error);
+    sl_status status = sl_method_transport(settings, &transport, error);
     if (status != SL_OK) return status;
-    if (settings->filter != SL_FILTER_METHOD) {
-        if (!class->any_transport && settings->filter != transport.filter)
-            return sl_fail(error, SL_ERROR_USAGE, "%s samples pixels in its own way; another filter needs --method path or bidirectional",
-                           class->name);
-        transport.filter = settings->filter;
-    }
     sl_method *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "a method");
     m->class = class;

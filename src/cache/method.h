@@ -40,6 +40,9 @@ extern const sl_method_class sl_shading_cache_method;   /* cache/shading_cache *
 extern const sl_method_class sl_path_method;      /* cache/reference */
 extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 
+/* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what was asked for. */
+sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
+
 /* Tells the observer, if any, of a pass. planes: `channels` planes of width*height, bottom row first where bottom_first.
  * Costs nothing without an observer. */
 void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,

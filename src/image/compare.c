@@ -22,7 +22,7 @@ typedef struct {
 
 /* ---- what is compared --------------------------------------------------------------------------------------- */
 
-static sl_status find_planes(const sl_image *image, const char *which, const float *planes[3], sl_error *error) {
+sl_status sl_image_colour_planes(const sl_image *image, const char *which, const float *planes[3], sl_error *error) {
     const char *const names[3] = {"R", "G", "B"};
     const float *grey = sl_image_channel(image, "Y");
     for (int c = 0; c < 3; c++) {
@@ -247,8 +247,8 @@ sl_status sl_image_compare(const sl_image *image, const sl_image *reference, con
     if (status == SL_OK && options && options->mask) status = check_size(image, options->mask, "mask", error);
     comparison c = {.width = image->width, .height = image->height};
     c.pixels = (size_t)c.width * (size_t)c.height;
-    if (status == SL_OK) status = find_planes(image, "image", c.image, error);
-    if (status == SL_OK) status = find_planes(reference, "reference", c.reference, error);
+    if (status == SL_OK) status = sl_image_colour_planes(image, "image", c.image, error);
+    if (status == SL_OK) status = sl_image_colour_planes(reference, "reference", c.reference, error);
     if (status == SL_OK) status = compare(&c, options, result, difference, error);
     if (status == SL_OK) noise_of_reference(&c, reference, result);
     sl_free(c.state);

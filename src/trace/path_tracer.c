@@ -1,10 +1,7 @@
 /* The reference path tracer's film: pixels in tiles of 4 x 4, one packet each. Even and odd samples draw from sequences that are
  * scrambled apart, so the two halves are independent pictures. */
-#include <math.h>
-
 #include "base/counters.h"
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -65,40 +62,12 @@ void sl_path_tracer_destroy(sl_path_tracer *path) {
 typedef struct sample_pass {
     sl_path_tracer *path;
     unsigned half;
-    uint32_t index;     /* of the half's points */
-    float tan_x, tan_y; /* of half the fields of view */
+    uint32_t index; /* of the half's points */
+    sl_path_lens lens;
 } sample_pass;
 
 static uint64_t stream_key(const sl_path_tracer *path, unsigned half, uint64_t stream) {
     return sl_random_key(path->settings.seed, 2 * stream + half);
-}
-
-static void camera_ray(const sample_pass *pass, int x, int y, uint64_t key, sl_ray16 *rays, unsigned i) {
-    const sl_path_tracer *path = pass->path;
-    float point[3] = {0.5f, 0.5f, 0.0f};
-    if (path->settings.transport.filter == SL_FILTER_BOX) {
-        sl_sequence_point(&path->sequence, key, SL_SET_PIXEL, pass->index, point);
-    }
-    float u = (2.0f * ((float)x + point[0]) / (float)path->settings.width - 1.0f) * pass->tan_x;
-    float v = (1.0f - 2.0f * ((float)y + point[1]) / (float)path->settings.height) * pass->tan_y;
-    const sl_camera *c = &path->scene->camera;
-    sl_vec3 direction = sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
-    rays->origin_x[i] = c->eye.x;
-    rays->origin_y[i] = c->eye.y;
-    rays->origin_z[i] = c->eye.z;
-    rays->direction_x[i] = direction.x;
-    rays->direction_y[i] = direction.y;
-    rays->direction_z[i] = direction.z;
-    rays->near[i] = 0.0f;
-    rays->far[i] = INFINITY;
-    rays->skip[i] = SL_NO_INDEX;
-}
-
-/* A sample that is not a number would spoil its pixel for good. */
-static sl_rgb finite_or_black(sl_rgb radiance, sl_counters *counters) {
-    if (sl_rgb_is_finite(radiance)) return radiance;
-    sl_count(counters, SL_COUNT_NONFINITE, 1);
-    return sl_grey(0.0f);
 }
 
 static void sample_tile(const sample_pass *pass, size_t tile, sl_counters *counters) {
@@ -114,14 +83,14 @@ static void sample_tile(const sample_pass *pass, size_t tile, sl_counters *count
         if (x >= width || y >= height) continue;
         pixels[count] = (size_t)y * (size_t)width + (size_t)x;
         keys[count] = stream_key(path, pass->half, pixels[count]);
-        camera_ray(pass, x, y, keys[count], &rays, count);
+        sl_path_camera_ray(&path->walk, &pass->lens, x, y, keys[count], pass->index, &rays, count);
         count++;
     }
     sl_rgb radiance[SL_PACKET];
     sl_path_walk_radiance(&path->walk, &rays, count, true, keys, pass->index, radiance, counters);
     sl_count(counters, SL_COUNT_SAMPLES, count);
     for (unsigned i = 0; i < count; i++) {
-        sl_halves_add(&path->halves, pass->half, pixels[i], finite_or_black(radiance[i], counters));
+        sl_halves_add(&path->halves, pass->half, pixels[i], sl_path_finite_or_black(radiance[i], counters));
     }
 }
 
@@ -140,9 +109,8 @@ static void sample_tiles(void *context, size_t task, unsigned worker) {
 
 sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters, sl_error *error) {
     if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
-    double tangent = sl_tan(0.5 * (double)path->scene->camera.vertical_fov);
-    double aspect = (double)path->settings.width / (double)path->settings.height;
-    sample_pass pass = {path, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES), (float)(tangent * aspect), (float)tangent};
+    sample_pass pass = {path, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES),
+                        sl_path_lens_of(path->scene, path->settings.width, path->settings.height)};
     for (unsigned i = 0; i < path->settings.threads; i++) path->worker_counters[i] = (sl_counters){{0}};
     sl_parallel_for(path->settings.threads, (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK, sample_tiles, &pass);
     for (unsigned i = 0; i < path->settings.threads; i++) sl_counters_add(counters, &path->worker_counters[i]);
@@ -169,5 +137,5 @@ void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, u
         keys[i] = stream_key(path, (unsigned)(sample % SL_HALVES), (stream << 4 | i) ^ (uint64_t)1 << 62);
     }
     sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / SL_HALVES), found, counters);
-    for (unsigned i = 0; i < count; i++) radiance[i] = finite_or_black(found[i], counters);
+    for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(found[i], counters);
 }

@@ -22,6 +22,19 @@ void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsig
  * taken, each with probability 1/n: put into lane 0. Returns n, by which its light is multiplied. */
 uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *ray, uint64_t key, sl_hit16 *hit, sl_counters *counters);
 
+/* Where the rays of a film leave: tangents of half its fields of view. */
+typedef struct sl_path_lens {
+    int width, height;
+    float tan_x, tan_y;
+} sl_path_lens;
+
+sl_path_lens sl_path_lens_of(const sl_scene *scene, int width, int height);
+/* Ray i, through pixel (x, y): where in it, point (key, ., index) says, if the transport's filter is the box. */
+void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key, uint32_t index, sl_ray16 *rays,
+                        unsigned i);
+/* A sample that is not a number would spoil its pixel for good. */
+sl_rgb sl_path_finite_or_black(sl_rgb radiance, sl_counters *counters);
+
 /* The sets of points that a walk draws from: set 0 is for the pixel, then four a vertex. */
 enum { SL_SET_PIXEL = 0, SL_SET_LIGHT = 1, SL_SET_DIRECTION = 2, SL_SET_ROULETTE = 3, SL_SET_THROUGH = 4, SL_SETS_A_VERTEX = 4 };
 

@@ -1,0 +1,308 @@
+/* The error of a picture that is estimated without a reference, held against references and against errors that were planted. */
+#include "cache/audit/audit.h"
+#include "rendering.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SIZE = 32 };
+
+static sl_error_probe *probe_of(const sl_scene *scene, const sl_settings *settings) {
+    sl_error error;
+    sl_error_probe *probe = NULL;
+    if (sl_error_probe_create(scene, settings, &probe, &error) != SL_OK) fail_msg("%s", error.message);
+    return probe;
+}
+
+static sl_error_estimate estimate_with(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples) {
+    sl_error error;
+    sl_error_estimate estimate;
+    sl_status status = sl_error_probe_trace(probe, probes, samples, &error);
+    if (status == SL_OK) status = sl_error_probe_estimate(probe, image, &estimate, &error);
+    if (status != SL_OK) fail_msg("%s", error.message);
+    return estimate;
+}
+
+/* A path traced picture of the same paths as a method's. */
+static sl_image *reference_of(const sl_scene *scene, const char *transport, uint32_t spp) {
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    settings.transport = transport;
+    settings.spp = spp;
+    settings.seed = 77;
+    return render(scene, &settings, NULL);
+}
+
+/* Relative error against a noisy reference, less what its noise adds. */
+static double measured_error(const sl_image *image, const sl_image *reference) {
+    sl_comparison c;
+    sl_error_estimate noise;
+    assert_int_equal(sl_image_compare(image, reference, NULL, &c, NULL, NULL), SL_OK);
+    assert_int_equal(sl_error_estimate_from_halves(reference, &noise, NULL), SL_OK);
+    double square = c.rmse * c.rmse - noise.rmse * noise.rmse;
+    return sqrt(square > 0.0 ? square : 0.0) / fabs(c.mean_reference);
+}
+
+static void add_to_picture(sl_image *image, float offset) {
+    for (size_t i = 0; i < (size_t)(3 * image->width * image->height); i++) image->planes[i] += offset;
+}
+
+static void estimates_agree_with_a_converged_reference_for_every_method(void **state) {
+    (void)state;
+    static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache"};
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        char transport[64];
+        snprintf(transport, sizeof transport, "matched:%s", methods[i]);
+        sl_settings settings = small_settings(methods[i], SIZE, SIZE);
+        sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, transport, 128);
+        sl_error_probe *probe = probe_of(scene, &settings);
+        sl_error_estimate e = estimate_with(probe, image, 1024, 32);
+        double truth = measured_error(image, reference);
+        print_message("%s: %.4f, estimated %.4f, %.4f to %.4f\n", methods[i], truth, e.rel_rmse, e.least, e.bound);
+        assert_true(truth <= e.bound);
+        assert_true(truth >= e.least);
+        assert_true(e.bound < 2.0 * truth);
+        sl_error_probe_destroy(probe);
+        sl_image_destroy(image);
+        sl_image_destroy(reference);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_planted_error_is_what_is_estimated(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    settings.transport = "direct";
+    sl_image *image = reference_of(scene, "direct", 64);
+    sl_error_probe *probe = probe_of(scene, &settings);
+    sl_error_estimate clean = estimate_with(probe, image, 512, 64);
+    float offset = 0.2f * (float)clean.mean;
+    add_to_picture(image, offset);
+    sl_error_estimate e = estimate_with(probe, image, 512, 64);
+    assert_true(clean.rel_rmse < 0.05);
+    assert_true(fabs(e.rel_rmse - 0.2) < 0.01);
+    assert_true(e.bound >= 0.2 && e.bound < 0.25);
+    assert_true(e.least <= 0.2 && e.least > 0.15);
+    assert_true(fabs(e.mean - clean.mean) < 1e-6 * clean.mean); /* a picture's own bias is seen through */
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
+    (void)state;
+    enum { SEEDS = 40 };
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", SIZE, SIZE);
+    sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, "matched:splatting", 256);
+    double truth = measured_error(image, reference);
+    unsigned above = 0, below = 0;
+    for (unsigned seed = 0; seed < SEEDS; seed++) {
+        settings.seed = seed;
+        sl_error_probe *probe = probe_of(scene, &settings);
+        sl_error_estimate e = estimate_with(probe, image, 128, 8);
+        above += e.bound >= truth;
+        below += e.least <= truth;
+        sl_error_probe_destroy(probe);
+    }
+    print_message("truth %.4f; %u of %u bounds hold, %u of those from below\n", truth, above, SEEDS, below);
+    assert_true(10 * above >= 9 * SEEDS);
+    assert_true(10 * below >= 9 * SEEDS);
+    sl_image_destroy(image);
+    sl_image_destroy(reference);
+    sl_scene_destroy(scene);
+}
+
+static void probes_are_the_same_however_they_were_asked_for(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", SIZE, SIZE);
+    sl_image *image = render(scene, &settings, NULL);
+    sl_error_probe *probe = probe_of(scene, &settings);
+    sl_error_estimate at_once = estimate_with(probe, image, 96, 6), again = estimate_with(probe, image, 10, 2);
+    assert_memory_equal(&at_once, &again, sizeof again); /* nothing is lost or traced anew */
+    for (unsigned threads = 1; threads <= 7; threads += 3) {
+        settings.threads = threads;
+        sl_error_probe *other = probe_of(scene, &settings);
+        estimate_with(other, image, 32, 4);
+        estimate_with(other, image, 96, 4);
+        sl_error_estimate step_by_step = estimate_with(other, image, 96, 6);
+        assert_memory_equal(&at_once, &step_by_step, sizeof step_by_step);
+        assert_memory_equal(sl_error_probe_counters(probe), sl_error_probe_counters(other), sizeof(sl_counters));
+        sl_error_probe_destroy(other);
+    }
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void a_judgement_traces_until_the_answer_is_clear(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    settings.transport = "direct";
+    sl_image *image = reference_of(scene, "direct", 32);
+    sl_error_probe *probe = probe_of(scene, &settings);
+    sl_error_estimate e;
+    add_to_picture(image, 0.2f * (float)estimate_with(probe, image, 256, 16).mean);
+    assert_int_equal(sl_error_probe_judge(probe, image, 0.4, &e, NULL), SL_OK);
+    assert_true(e.bound <= 0.4);
+    uint64_t easy = e.samples;
+    assert_int_equal(sl_error_probe_judge(probe, image, 0.1, &e, NULL), SL_OK);
+    assert_true(e.least > 0.1 && e.samples == easy); /* clearly worse: no more had to be traced */
+    assert_int_equal(sl_error_probe_judge(probe, image, 0.205, &e, NULL), SL_OK);
+    assert_true(e.samples > easy);
+    assert_true(e.bound <= 0.205);
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void a_black_scene_has_no_error_and_a_lit_one_in_black_has_all(void **state) {
+    (void)state;
+    sl_scene *dark = scene_from_text("{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"lights\":[{\"type\":\"spot\",\"position\":[0,0,9],"
+                                     "\"direction\":[0,0,1],\"intensity\":[1,1,1],\"inner_deg\":10,\"outer_deg\":20}],\"camera\":{\"eye\":[0,0,3],\"target\":[0,0,0],\"up\":[0,1,0],\"fov_deg\":40}}",
+                                     "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    sl_image *black;
+    assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, &black, NULL), SL_OK);
+    sl_error_probe *probe = probe_of(dark, &settings);
+    sl_error_estimate e = estimate_with(probe, black, 64, 4);
+    assert_true(e.rel_rmse == 0.0 && e.bound == 0.0 && e.least == 0.0 && e.mean == 0.0);
+    sl_error_probe_destroy(probe);
+    sl_scene_destroy(dark);
+    sl_scene *lit = load_scene("scenes/cornell.json");
+    probe = probe_of(lit, &settings);
+    e = estimate_with(probe, black, 512, 16);
+    assert_true(e.rel_rmse > 1.0 && e.bound >= e.rel_rmse && e.least <= e.rel_rmse);
+    sl_error_probe_destroy(probe);
+    sl_scene_destroy(lit);
+    sl_image_destroy(black);
+}
+
+static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    sl_image *image = reference_of(scene, "full", 16);
+    sl_error_probe *probe = probe_of(scene, &settings);
+    sl_error_estimate before = estimate_with(probe, image, 1024, 8);
+    for (int x = 0; x < SIZE; x++) image->planes[5 * SIZE + x] = x % 2 ? NAN : INFINITY;
+    sl_error_estimate e = estimate_with(probe, image, 1024, 8);
+    assert_int_equal(e.nonfinite, SIZE);
+    assert_true(isinf(e.bound));
+    assert_true(isfinite(e.rel_rmse) && fabs(e.mean - before.mean) < 0.1 * before.mean);
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* Path tracing with few samples is off most at the rims of lamps: the two halves know. */
+static void a_picture_of_two_halves_knows_its_own_error(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_image *reference = reference_of(scene, "full", 512);
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    settings.spp = 8;
+    sl_image *image = render(scene, &settings, NULL);
+    sl_error_estimate e;
+    assert_int_equal(sl_error_estimate_from_halves(image, &e, NULL), SL_OK);
+    double truth = measured_error(image, reference);
+    print_message("path: %.4f, estimated %.4f, %.4f to %.4f\n", truth, e.rel_rmse, e.least, e.bound);
+    assert_true(e.least <= truth && truth <= e.bound && e.bound < 2.5 * truth);
+    sl_image_destroy(image);
+    settings.spp = 1; /* one half is black: nothing to go by */
+    image = render(scene, &settings, NULL);
+    assert_int_equal(sl_error_estimate_from_halves(image, &e, NULL), SL_OK);
+    assert_true(isinf(e.bound));
+    sl_image_destroy(image);
+    sl_image_destroy(reference);
+    sl_scene_destroy(scene);
+}
+
+static void what_no_path_from_the_eye_finds_is_owned_up_to(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/mirror-balls.json");
+    const struct { const char *method; bool blind; } cases[] = {{"light-octree", true}, {"splatting", false}, {"path", true}};
+    for (size_t i = 0; i < 3; i++) {
+        sl_settings settings = small_settings(cases[i].method, SIZE, SIZE);
+        sl_error_probe *probe = probe_of(scene, &settings);
+        sl_image *image;
+        assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, &image, NULL), SL_OK);
+        assert_int_equal(estimate_with(probe, image, 16, 1).blind, cases[i].blind);
+        sl_image_destroy(image);
+        sl_error_probe_destroy(probe);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void mistakes_are_told(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", SIZE, SIZE);
+    sl_error_estimate e;
+    sl_error error;
+    sl_image *small;
+    assert_int_equal(sl_image_create(8, 8, 3, NULL, &small, NULL), SL_OK);
+    sl_error_probe *probe = probe_of(scene, &settings), *none;
+    assert_int_equal(sl_error_probe_estimate(probe, small, &e, &error), SL_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "8 x 8"));
+    assert_int_equal(sl_error_estimate_from_halves(small, &e, &error), SL_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "even.R"));
+    sl_image_destroy(small);
+    assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, &small, NULL), SL_OK);
+    assert_int_equal(sl_error_probe_estimate(probe, small, &e, &error), SL_ERROR_USAGE); /* no probes yet */
+    assert_int_equal(sl_error_probe_judge(probe, small, 0.0, &e, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_error_probe_judge(probe, small, (double)NAN, &e, &error), SL_ERROR_USAGE);
+    settings.method = "guesswork";
+    assert_int_equal(sl_error_probe_create(scene, &settings, &none, &error), SL_ERROR_USAGE);
+    assert_null(none);
+    sl_error_probe_destroy(probe);
+    sl_error_probe_destroy(NULL);
+    sl_image_destroy(small);
+    sl_scene_destroy(scene);
+}
+
+/* Groups of one pixel each, all with the square 4 but one with 400: the spread must count, and the largest square once more. */
+static void the_bound_is_that_of_student_and_the_rule_of_three(void **state) {
+    (void)state;
+    sl_audit_group groups[10];
+    for (int i = 0; i < 10; i++) groups[i] = (sl_audit_group){.squares = 12.0, .largest = 4.0, .values = 3};
+    sl_error_estimate e = {0};
+    sl_audit_conclude(groups, 10, 10.0, &e);
+    assert_true(fabs(e.rel_rmse - 0.2) < 1e-12 && fabs(e.least - 0.2) < 1e-12);
+    assert_true(fabs(e.bound - sqrt(4.0 + 3.0 * 4.0 / 10.0) / 10.0) < 1e-12);
+    groups[3].squares = 1200.0;
+    groups[3].largest = 400.0;
+    e = (sl_error_estimate){0};
+    sl_audit_conclude(groups, 10, 10.0, &e);
+    double mean = 43.6, spread = 1.833 * 396.0 / 10.0; /* t of 9 degrees; s / sqrt(10) = 39.6 */
+    assert_true(fabs(e.rmse * e.rmse - mean) < 1e-9);
+    assert_true(fabs(e.bound * e.bound * 100.0 - (mean + spread + 3.0 * 400.0 / 10.0)) < 0.1);
+    assert_true(e.least == 0.0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_bound_is_that_of_student_and_the_rule_of_three),
+        cmocka_unit_test(a_planted_error_is_what_is_estimated),
+        cmocka_unit_test(estimates_agree_with_a_converged_reference_for_every_method),
+        cmocka_unit_test(the_bound_holds_for_at_least_nine_of_ten_seeds),
+        cmocka_unit_test(probes_are_the_same_however_they_were_asked_for),
+        cmocka_unit_test(a_judgement_traces_until_the_answer_is_clear),
+        cmocka_unit_test(a_black_scene_has_no_error_and_a_lit_one_in_black_has_all),
+        cmocka_unit_test(nothing_is_promised_for_a_picture_with_a_value_that_is_no_number),
+        cmocka_unit_test(a_picture_of_two_halves_knows_its_own_error),
+        cmocka_unit_test(what_no_path_from_the_eye_finds_is_owned_up_to),
+        cmocka_unit_test(mistakes_are_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
