@@ -68,7 +68,7 @@ LIBS = $(PACKAGE_LIBS) -l$(EMBREE) -lm -lpthread
 
 LIBRARY_SOURCES := $(filter-out src/app/% %_kernels.c,$(wildcard src/*/*.c src/*/*/*.c src/*/*/*/*.c))
 KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/*/*/*_kernels.c src/*/*/*/*_kernels.c)
-APP_SOURCES := $(wildcard src/app/*.c)
+APP_SOURCES := $(wildcard src/app/*.c src/app/*/*.c)
 TEST_SOURCES := $(wildcard tests/test_*.c)
 BENCH_SOURCES := $(wildcard bench/bench_*.c)
 GENERATE_SOURCES := $(wildcard scenes/generate/*.c)

@@ -23,7 +23,7 @@ expect() { # expect STATUS PATTERN-OF-OUTPUT ARGUMENTS...: and on failure exactl
 expect 0 'usage: softlux' --help
 expect 0 'softlux [0-9]' --version
 expect 2 'did you mean render' rendr
-for command in render compare info; do expect 0 'usage: softlux' $command --help; done
+for command in render compare info bench; do expect 0 'usage: softlux' $command --help; done
 expect 2 'did you mean --quality' render scenes/cornell.json --qality high
 expect 2 'expected one of draft' render scenes/cornell.json -q best
 expect 2 'WIDTHxHEIGHT' render scenes/cornell.json --size 64
@@ -41,6 +41,10 @@ for key in method size threads seconds batches memory_bytes counters; do
     grep -q "\"$key\"" "$folder/out" || { echo "render --json lacks $key"; bad=1; }
 done
 expect 0 'triangles' info scenes/cornell.json
+expect 2 'did you mean splatting' bench scenes/cornell.json --methods path,splating -o "$folder/report"
+expect 2 "unknown 'best'" bench scenes/cornell.json --qualities best -o "$folder/report"
+expect 3 'nowhere.json' bench nowhere.json --quiet -o "$folder/report"
+expect 4 'no-such-folder' bench scenes/cornell.json -o "$folder/no-such-folder/report"
 expect 0 'skip *mirrors' info scenes/cornell.json
 expect 0 'rmse' compare "$folder/a.exr" "$folder/a.exr" --identical
 expect 0 '"identical"' compare "$folder/a.exr" "$folder/a.exr" --json

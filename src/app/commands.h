@@ -8,5 +8,6 @@ enum { SL_EXIT_COMPARISON_FAILED = 1 };
 int sl_command_render(int argc, char **argv);
 int sl_command_compare(int argc, char **argv);
 int sl_command_info(int argc, char **argv);
+int sl_command_bench(int argc, char **argv);
 
 #endif

@@ -15,6 +15,7 @@ static const struct {
     {"render", sl_command_render, "compute a picture of a scene"},
     {"compare", sl_command_compare, "error metrics between two pictures; exit status for golden-image tests"},
     {"info", sl_command_info, "what is in a scene, and what a method would do with it"},
+    {"bench", sl_command_bench, "speed against error of every method on a scene"},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

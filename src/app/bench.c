@@ -1,0 +1,285 @@
+/* softlux bench: speed against error of every method, on any scenes, as one report. */
+#include "app/bench/evaluate.h"
+#include "app/bench/references.h"
+#include "app/bench/report.h"
+#include "app/commands.h"
+#include "app/options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MOST_SCENES = 64, DEFAULT_SIZE = 192 };
+
+static const char details[] =
+    "Every method runs over its three qualities and over settings between and beyond them, each run in a process of its own, in turns; a reference for each\n"
+    "set of light paths is made by the path tracer, and kept. DIR then holds report.md, results.csv, the pictures,\n"
+    "and journal.jsonl: what was measured, a line a run. Ctrl-C keeps it; the same command goes on from there.\n"
+    "Times are the processor's, of all threads together; the clock's stand beside them. A trial that crashes or does not end is a row that says so.\n\n"
+    "exit status 0, 2 usage, 3 input (no scene could be read), 4 output, 5 resources\n\n"
+    "example: softlux bench scenes/cornell.json -o build/report";
+
+typedef struct request {
+    const char *scenes[MOST_SCENES];
+    char references[SL_BENCH_PATH];
+    int scene_count, size[2];
+    uint64_t repeats, threads, memory;
+    sl_bench_options options;
+} request;
+
+static volatile sig_atomic_t interrupted;
+_Static_assert(sizeof(sig_atomic_t) == sizeof(int), "one flag for both");
+
+static void on_interrupt(int signal_number) {
+    (void)signal_number;
+    interrupted = 1;
+}
+
+static void watch_for_interrupt(void) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_interrupt;
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+/* ---- the command line ---- */
+
+static int complain(const sl_error *error) {
+    fprintf(stderr, "softlux: %s\n", error->message);
+    return (int)error->status;
+}
+
+/* The first name in a list that is none of those known. */
+static bool check_list(const char *option, const char *list, const char *const *known, size_t count, int *status) {
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
+        char word[64], one[64];
+        bool found = false;
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
+        for (size_t i = 0; i < count; i++) found = found || strcmp(word, known[i]) == 0;
+        if (found) continue;
+        const char *near = sl_nearest_word(word, known, count);
+        snprintf(one, sizeof one, "%s%s", near ? "; did you mean " : "", near ? near : "");
+        fprintf(stderr, "softlux: --%s: unknown '%s'%s\n", option, word, one);
+        *status = SL_ERROR_USAGE;
+        return false;
+    }
+    return true;
+}
+
+static bool check_lists(const sl_bench_options *o, int *status) {
+    enum { MOST = 32 };
+    const char *methods[MOST], *qualities[SL_BENCH_QUALITIES];
+    size_t count = 0;
+    for (; count < MOST && sl_method_name(count); count++) methods[count] = sl_method_name(count);
+    for (int q = 0; q < SL_BENCH_QUALITIES; q++) qualities[q] = sl_bench_quality_name((sl_bench_quality)q);
+    return check_list("methods", o->methods, methods, count, status) && check_list("qualities", o->qualities, qualities, SL_BENCH_QUALITIES, status);
+}
+
+static bool parse(int argc, char **argv, request *q, int *status) {
+    sl_bench_options *o = &q->options;
+    *q = (request){.repeats = 3, .threads = 1};
+    *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0, .interrupted = &interrupted};
+    const sl_option options[] = {
+        {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR", "folder of the report, made where it is not there [softlux-report]", 0, 0, NULL},
+        {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0, NULL},
+        {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST", "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
+        {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]", 0, 0, NULL},
+        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than 5 seconds [3]", 1, 50, NULL},
+        {"threads", 't', SL_OPTION_COUNT, &q->threads, NULL, "N", "workers of each trial [1]", 1, 256, NULL},
+        {"budget", 0, SL_OPTION_REAL, &o->budget, NULL, "SECONDS", "for a scene's trials; the rest is left out [no limit]", 0.1, 1e9, NULL},
+        {"limit", 0, SL_OPTION_REAL, &o->limit, NULL, "SECONDS", "for one trial, by the clock; then it is stopped [60]", 0.1, 1e9, NULL},
+        {"memory", 0, SL_OPTION_COUNT, &q->memory, NULL, "MB", "of addresses for one trial [no limit]", 16, 1e7, NULL},
+        {"references", 0, SL_OPTION_TEXT, &o->references, NULL, "DIR", "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]", 0, 0, NULL},
+        {"reference-budget", 0, SL_OPTION_REAL, &o->reference_budget, NULL, "SECONDS",
+         "for each reference; its noise is to be a tenth of the smallest error told with it [20]", 0.1, 1e9, NULL},
+        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
+        {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
+        {.name = NULL}};
+    const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]", "Speed against error of every method, as tables.", details, options, 1,
+                                  MOST_SCENES};
+    if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status)) return false;
+    o->repeats = (int)q->repeats;
+    o->threads = (unsigned)q->threads;
+    o->memory_bytes = q->memory << 20;
+    o->width = q->size[0];
+    o->height = q->size[1];
+    sl_reference_default_folder(q->references);
+    if (!o->references) o->references = q->references;
+    return true;
+}
+
+/* ---- a scene ---- */
+
+/* In a child, since reading a scene may start threads: what is in it, as JSON. */
+static bool describe_work(void *context, char **report) {
+    sl_scene *scene = NULL;
+    sl_error error;
+    char text[160];
+    int width = 0, height = 0;
+    if (sl_scene_load(context, &scene, &error) != SL_OK) {
+        *report = strdup(error.message);
+        return false;
+    }
+    sl_scene_film(scene, &width, &height);
+    snprintf(text, sizeof text, "%016llx %d %d %zu", (unsigned long long)sl_scene_hash(scene), width, height, sl_scene_triangle_count(scene));
+    *report = strdup(text);
+    sl_scene_destroy(scene);
+    return true;
+}
+
+/* The film, made small: the error of a method hardly depends on the size, its time does. */
+static void choose_size(const sl_bench_options *o, sl_bench_scene *s) {
+    int larger = s->width > s->height ? s->width : s->height;
+    double scale = larger > DEFAULT_SIZE ? (double)DEFAULT_SIZE / (double)larger : 1.0;
+    s->width = (int)lround(scale * (double)s->width);
+    s->height = (int)lround(scale * (double)s->height);
+    if (s->width < 1) s->width = 1;
+    if (s->height < 1) s->height = 1;
+    if (o->width > 0) s->width = o->width, s->height = o->height;
+}
+
+static void name_scene(const char *path, sl_bench_scene *s) {
+    const char *slash = strrchr(path, '/');
+    snprintf(s->path, sizeof s->path, "%s", path);
+    snprintf(s->name, sizeof s->name, "%s", slash ? slash + 1 : path);
+    char *dot = strrchr(s->name, '.');
+    if (dot && dot != s->name) *dot = '\0';
+}
+
+/* False: the scene cannot be read, which its `trouble` says. */
+static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_error *error) {
+    const sl_child_limits limits = {0.0, 0, o->interrupted};
+    char copy[SL_BENCH_PATH];
+    sl_child_end end;
+    unsigned long long triangles = 0;
+    name_scene(path, s);
+    snprintf(copy, sizeof copy, "%s", path);
+    sl_status status = sl_child_run(describe_work, copy, &limits, &end, error);
+    if (status != SL_OK) return status;
+    if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
+    else if (sscanf(end.text, "%16s %d %d %llu", s->hash, &s->width, &s->height, &triangles) != 4) snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
+    s->triangles = triangles;
+    free(end.text);
+    choose_size(o, s);
+    return SL_OK;
+}
+
+static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_journal *journal, sl_error *error) {
+    sl_status status = describe(o, path, s, error);
+    if (status != SL_OK || s->trouble[0]) return status;
+    status = sl_schedule_run(o, s, journal, error);
+    if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
+    if (status == SL_OK && sl_evaluate(o, s, error) != SL_OK) {
+        fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
+        if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
+    }
+    return status;
+}
+
+/* ---- the report ---- */
+
+static void name_machine(sl_bench_results *r) {
+    char line[256];
+    FILE *in = fopen("/proc/cpuinfo", "r");
+    snprintf(r->machine, sizeof r->machine, "an unknown processor");
+    while (in && fgets(line, sizeof line, in)) {
+        char *colon = strchr(line, ':');
+        if (strncmp(line, "model name", 10) != 0 || !colon) continue;
+        snprintf(r->machine, sizeof r->machine, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+        break;
+    }
+    if (in) fclose(in);
+    r->processors = (int)sysconf(_SC_NPROCESSORS_ONLN);
+}
+
+/* From all entries of this program's runs, those of earlier starts included. */
+static void take_calibration(const sl_bench_options *o, const sl_journal *journal, sl_bench_results *r) {
+    enum { MOST = 4096 };
+    static double wall[MOST], cpu[MOST];
+    const cJSON *entry;
+    int count = 0;
+    for (size_t i = 0; (entry = sl_journal_at(journal, i)) && count < MOST; i++) {
+        const cJSON *w = cJSON_GetObjectItem(entry, "calibration_wall"), *c = cJSON_GetObjectItem(entry, "calibration_cpu");
+        if (!strstr(cJSON_GetObjectItem(entry, "key")->valuestring, o->program) || !cJSON_IsNumber(w) || !cJSON_IsNumber(c)) continue;
+        wall[count] = w->valuedouble;
+        cpu[count++] = c->valuedouble;
+    }
+    r->calibration = sl_bench_spread_of(wall, count);
+    r->unrest = sl_bench_unrest_of(wall, count);
+    r->unrest_cpu = sl_bench_unrest_of(cpu, count);
+    r->share_of_processor = r->calibration.median > 0.0 ? sl_bench_spread_of(cpu, count).median / r->calibration.median : 1.0;
+    r->noisy = r->unrest > 0.05 || r->share_of_processor < 0.9;
+}
+
+static sl_status write_reports(const sl_bench_options *o, const sl_bench_results *r, sl_error *error) {
+    sl_status status = sl_report_csv(r, o->folder, error);
+    if (status == SL_OK) status = sl_report_markdown(r, o->folder, error);
+    return status;
+}
+
+static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
+    char pictures[SL_BENCH_PATH];
+    snprintf(pictures, sizeof pictures, "%s/pictures", o->folder);
+    const char *const folders[] = {o->folder, pictures};
+    for (int i = 0; i < 2; i++) {
+        if (mkdir(folders[i], 0777) == 0 || errno == EEXIST) continue;
+        snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", folders[i], strerror(errno));
+        return error->status = SL_ERROR_OUTPUT;
+    }
+    return SL_OK;
+}
+
+/* The report is written after every scene, so that the last one that failed takes nothing away. */
+static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_results *r, sl_error *error) {
+    sl_status status = SL_OK;
+    for (int i = 0; i < q->scene_count && status == SL_OK && !interrupted; i++) {
+        status = measure(&q->options, q->scenes[i], &r->scenes[r->scene_count++], journal, error);
+        r->interrupted = interrupted != 0;
+        take_calibration(&q->options, journal, r);
+        if (status == SL_OK) status = write_reports(&q->options, r, error);
+    }
+    return status;
+}
+
+static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_status status, const sl_error *error) {
+    if (status != SL_OK) return complain(error);
+    size_t measured = 0;
+    for (size_t i = 0; i < r->scene_count; i++) {
+        measured += !r->scenes[i].trouble[0];
+        if (r->scenes[i].trouble[0] && (o->quiet || o->json)) fprintf(stderr, "softlux: %s\n", r->scenes[i].trouble);
+    }
+    if (o->json) sl_report_json(r, stdout);
+    else if (!o->quiet) sl_report_terminal(r, stdout);
+    return measured || r->interrupted ? 0 : SL_ERROR_INPUT;
+}
+
+int sl_command_bench(int argc, char **argv) {
+    request q;
+    sl_bench_results results = {0};
+    sl_journal *journal = NULL;
+    sl_error error;
+    int exit_status;
+    char path[SL_BENCH_PATH];
+    if (!parse(argc, argv, &q, &exit_status)) return exit_status;
+    sl_program_fingerprint(q.options.program);
+    watch_for_interrupt();
+    snprintf(results.version, sizeof results.version, "%s", SL_VERSION);
+    results.threads = (int)q.options.threads;
+    results.repeats = q.options.repeats;
+    name_machine(&results);
+    results.scenes = calloc((size_t)q.scene_count, sizeof *results.scenes);
+    snprintf(path, sizeof path, "%s/journal.jsonl", q.options.folder);
+    sl_status status = make_folders(&q.options, &error);
+    if (status == SL_OK) status = sl_journal_open(path, &journal, &error);
+    if (status == SL_OK && results.scenes) status = measure_all(&q, journal, &results, &error);
+    exit_status = conclude(&q.options, &results, status, &error);
+    sl_journal_close(journal);
+    sl_bench_results_free(&results);
+    return exit_status;
+}

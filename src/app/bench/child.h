@@ -1,0 +1,34 @@
+/* Work in a process of its own: it may crash, run out of memory or never end, and all that happens here is that this is told. The memory that
+ * it took is its own, too, and its clock starts at zero. */
+#ifndef SL_APP_BENCH_CHILD_H
+#define SL_APP_BENCH_CHILD_H
+
+#include "softlux.h"
+
+typedef enum sl_child_outcome {
+    SL_CHILD_DONE,
+    SL_CHILD_FAILED,     /* it said why */
+    SL_CHILD_CRASHED,    /* by a signal, or by an exit of its own */
+    SL_CHILD_STOPPED,    /* the seconds were up */
+    SL_CHILD_INTERRUPTED /* somebody wants this program to end */
+} sl_child_outcome;
+
+typedef struct sl_child_limits {
+    double seconds;        /* by the clock; 0: none */
+    uint64_t memory_bytes; /* of addresses; 0: none */
+    volatile const int *interrupted; /* set by a signal handler; or NULL */
+} sl_child_limits;
+
+typedef struct sl_child_end {
+    sl_child_outcome outcome;
+    char *text;    /* what it reported; "" where it did not end well; the caller frees it */
+    char why[256]; /* where it did not end well: one line */
+} sl_child_end;
+
+/* A report to the parent, and whether all went well; where not, the report is a line that says what did not. */
+typedef bool sl_child_work(void *context, char **report);
+
+/* Runs work in a child and waits for it. The calling process must not have run a parallel loop before: OpenMP does not survive a fork. */
+sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end, sl_error *error);
+
+#endif

@@ -1,0 +1,192 @@
+#include "app/bench/evaluate.h"
+
+#include "app/bench/judge.h"
+#include "app/bench/references.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* A reference's noise is to be below this share of the smallest error told with it. */
+static const double wanted_share = 0.1;
+
+static double wall_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void show(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r) {
+    if (o->quiet || !isatty(STDERR_FILENO)) return;
+    fprintf(stderr, "\r\033[K%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%", s->name, r->transport, (unsigned long long)r->samples,
+            100.0 * r->noise, 100.0 * r->wanted);
+    fflush(stderr);
+}
+
+/* ---- which references ---- */
+
+static sl_bench_reference *add_reference(sl_bench_scene *s, const char *transport) {
+    for (size_t i = 0; i < s->reference_count; i++) {
+        if (strcmp(s->references[i].transport, transport) == 0) return &s->references[i];
+    }
+    sl_bench_reference *r = &s->references[s->reference_count++];
+    snprintf(r->transport, sizeof r->transport, "%s", transport);
+    return r;
+}
+
+static bool list_references(sl_bench_scene *s) {
+    s->reference_count = 0;
+    s->references = calloc(s->row_count + 3, sizeof *s->references);
+    if (!s->references) return false;
+    add_reference(s, "full");
+    add_reference(s, "one-bounce");
+    for (size_t i = 0; i < s->row_count; i++) {
+        if (s->rows[i].end == SL_BENCH_RAN) add_reference(s, s->rows[i].transport);
+    }
+    add_reference(s, "direct");
+    return true;
+}
+
+static bool is_judged_by(const sl_bench_row *row, const char *transport, sl_bench_truth truth) {
+    if (row->end != SL_BENCH_RAN) return false;
+    return strcmp(transport, truth == SL_BENCH_MATCHED ? row->transport : sl_bench_truth_name(truth)) == 0;
+}
+
+static bool is_used_by(const sl_bench_row *row, const char *transport) {
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        if (is_judged_by(row, transport, (sl_bench_truth)t)) return true;
+    }
+    return false;
+}
+
+/* ---- as good as they have to be ---- */
+
+/* The smallest error that would be told with this reference; 0: none. */
+static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
+    double smallest = 0.0;
+    for (size_t i = 0; i < s->row_count; i++) {
+        sl_image *picture = NULL;
+        sl_bench_error e;
+        sl_error error;
+        if (!is_used_by(&s->rows[i], r->transport) || sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK) continue;
+        if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && (smallest == 0.0 || e.rel_rmse < smallest))
+            smallest = e.rel_rmse;
+        sl_image_destroy(picture);
+    }
+    return smallest;
+}
+
+/* Reads the reference as it stands, and sees how good it is and should be. */
+static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask) {
+    sl_image *image = NULL;
+    double mean;
+    sl_error error;
+    r->samples = 0;
+    if (sl_image_read(r->file, &image, NULL) != SL_OK) return;
+    const char *chunks = sl_image_metadata(image, "softlux.reference.chunks"), *seconds = sl_image_metadata(image, "softlux.reference.seconds");
+    if (chunks && sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
+        r->samples = SL_REFERENCE_CHUNK * strtoull(chunks, NULL, 10);
+        r->seconds = seconds ? strtod(seconds, NULL) : 0.0;
+        r->wanted = wanted_share * smallest_error(s, r, image, mask);
+    }
+    sl_image_destroy(image);
+}
+
+/* Noise falls with the square root of the samples. At most as many again as there are, since the first estimates are rough. */
+static uint64_t pairs_wanted(const sl_bench_reference *r, double seconds_left, double seconds_a_pair) {
+    double pairs = (double)r->samples / (2.0 * SL_REFERENCE_CHUNK), ratio = r->noise / r->wanted, more = pairs * (ratio * ratio - 1.0);
+    if (more > pairs) more = pairs;
+    if (seconds_a_pair > 0.0 && more > seconds_left / seconds_a_pair) more = seconds_left / seconds_a_pair;
+    return more > 1.0 ? (uint64_t)more : 1;
+}
+
+static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask, sl_error *error) {
+    double from = wall_seconds(), a_pair = 0.0;
+    sl_status status = SL_OK;
+    sl_reference_path(o->references, s, r->transport, r->file);
+    look_at(s, r, mask);
+    while (status == SL_OK && !r->trouble[0] && !*o->interrupted) {
+        double begin = wall_seconds(), left = o->reference_budget - (begin - from);
+        bool enough = r->samples > 0 && (r->wanted <= 0.0 || r->noise <= r->wanted);
+        if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= 0.0)) break;
+        uint64_t pairs = r->samples ? pairs_wanted(r, o->reference_budget > 0.0 ? left : HUGE_VAL, a_pair) : 1;
+        status = sl_reference_extend(o, s, pairs, r, error);
+        a_pair = (wall_seconds() - begin) / (double)pairs;
+        if (status == SL_OK && !r->trouble[0]) look_at(s, r, mask);
+        show(o, s, r);
+    }
+    return status;
+}
+
+/* ---- the answers ---- */
+
+static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
+    char scratch[SL_BENCH_PATH + 16];
+    sl_image *picture = NULL;
+    snprintf(scratch, sizeof scratch, "%s/scratch.png", o->folder);
+    if (!is_used_by(row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        if (!is_judged_by(row, r->transport, (sl_bench_truth)t)) continue;
+        sl_image *difference = NULL;
+        sl_error error;
+        bool wanted = t == SL_BENCH_MATCHED && row->quality != SL_BENCH_CURVE && !row->difference;
+        if (sl_judge(picture, reference, mask, &row->error[t], wanted ? &difference : NULL, &error) != SL_OK)
+            snprintf(row->why, sizeof row->why, "%.200s", error.message);
+        if (difference) row->difference = sl_picture_text(difference, false, scratch);
+        sl_image_destroy(difference);
+    }
+    sl_image_destroy(picture);
+}
+
+/* What the paths of a reference leave out of full global illumination. */
+static void compare_with_full(const sl_bench_options *o, sl_bench_reference *r, const sl_image *reference, const sl_image *full, const sl_image *mask) {
+    char scratch[SL_BENCH_PATH + 16];
+    const sl_compare_options options = {.mask = mask};
+    sl_bench_error e;
+    sl_comparison c;
+    sl_error error;
+    sl_image *difference = NULL;
+    double noise, mean, all;
+    snprintf(scratch, sizeof scratch, "%s/scratch.png", o->folder);
+    if (!full || sl_judge_quickly(reference, full, mask, &e, &error) != SL_OK || !e.known) return;
+    if (sl_judge_noise(reference, mask, &noise, &mean, &error) != SL_OK || sl_judge_noise(full, mask, &noise, &all, &error) != SL_OK) return;
+    r->energy = all > 0.0 ? mean / all : 0.0;
+    r->missing = e.rel_rmse;
+    r->missing_known = true;
+    if (sl_image_compare(reference, full, &options, &c, &difference, NULL) == SL_OK) r->difference = sl_picture_text(difference, false, scratch);
+    sl_image_destroy(difference);
+}
+
+static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_image *mask) {
+    char scratch[SL_BENCH_PATH + 16];
+    sl_image *full = NULL;
+    snprintf(scratch, sizeof scratch, "%s/scratch.png", o->folder);
+    for (size_t i = 0; i < s->reference_count; i++) {
+        sl_bench_reference *r = &s->references[i];
+        sl_image *reference = NULL;
+        if (!r->samples || sl_image_read(r->file, &reference, NULL) != SL_OK) continue;
+        for (size_t k = 0; k < s->row_count; k++) judge_row(o, &s->rows[k], r, reference, mask);
+        if (i == 0) full = reference;
+        else compare_with_full(o, r, reference, full, mask);
+        if (i > 0) sl_image_destroy(reference);
+    }
+    if (full) s->picture = sl_picture_text(full, true, scratch);
+    sl_image_destroy(full);
+}
+
+sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *error) {
+    sl_image *mask = sl_reference_mask(o, s, error);
+    if (!mask) return error->status;
+    sl_status status = list_references(s) ? SL_OK : SL_ERROR_RESOURCES;
+    if (status != SL_OK) snprintf(error->message, sizeof error->message, "not enough memory for a list of references"), error->status = status;
+    s->pixels_compared = 0;
+    for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++) s->pixels_compared += mask->planes[i] > 0.5f;
+    for (size_t i = 0; i < s->reference_count && status == SL_OK; i++) status = refine(o, s, &s->references[i], mask, error);
+    if (status == SL_OK) judge_all(o, s, mask);
+    if (!o->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+    sl_image_destroy(mask);
+    return status;
+}

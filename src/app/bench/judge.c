@@ -1,0 +1,134 @@
+#include "app/bench/judge.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct halves {
+    const float *a[3], *b[3];
+} halves;
+
+static sl_status find_halves(const sl_image *reference, const sl_image *mask, halves *h, sl_error *error) {
+    static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
+    bool found = mask->width == reference->width && mask->height == reference->height;
+    for (int k = 0; k < 3; k++) {
+        h->a[k] = sl_image_channel(reference, names[0][k]);
+        h->b[k] = sl_image_channel(reference, names[1][k]);
+        found = found && h->a[k] && h->b[k];
+    }
+    if (found) return SL_OK;
+    snprintf(error->message, sizeof error->message, "a reference without its two halves, or of another size than its mask");
+    return error->status = SL_ERROR_INPUT;
+}
+
+sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean, sl_error *error) {
+    halves h;
+    double squares = 0.0, sum = 0.0, count = 0.0;
+    sl_status status = find_halves(reference, mask, &h, error);
+    if (status != SL_OK) return status;
+    size_t pixels = (size_t)reference->width * (size_t)reference->height;
+    for (size_t i = 0; i < pixels; i++) {
+        if (!(mask->planes[i] > 0.5f)) continue;
+        for (int k = 0; k < 3; k++) {
+            double a = (double)h.a[k][i], b = (double)h.b[k][i];
+            if (!isfinite(a) || !isfinite(b)) continue;
+            squares += 0.25 * (a - b) * (a - b);
+            sum += 0.5 * (a + b);
+            count += 1.0;
+        }
+    }
+    *mean = count > 0.0 ? sum / count : 0.0;
+    *noise = *mean > 0.0 ? sqrt(squares / count) / *mean : 0.0;
+    return SL_OK;
+}
+
+/* The mean of (x-A)(x-B), and of (x-R)^2 as it is measured. */
+static void squared_errors(const sl_image *picture, const halves *h, const sl_image *mask, double *less_noise, double *measured) {
+    static const char *const names[3] = {"R", "G", "B"};
+    double product = 0.0, square = 0.0, count = 0.0;
+    size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    for (int k = 0; k < 3; k++) {
+        const float *x = sl_image_channel(picture, names[k]);
+        for (size_t i = 0; i < pixels; i++) {
+            double a = (double)h->a[k][i], b = (double)h->b[k][i], v = (double)x[i], r = 0.5 * (a + b);
+            if (!(mask->planes[i] > 0.5f) || !isfinite(v) || !isfinite(r)) continue;
+            product += (v - a) * (v - b);
+            square += (v - r) * (v - r);
+            count += 1.0;
+        }
+    }
+    *less_noise = count > 0.0 ? product / count : 0.0;
+    *measured = count > 0.0 ? square / count : 0.0;
+}
+
+/* What lies further below the noise than this cannot be told from nothing. */
+static const double tellable_share = 0.25;
+
+sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *e, sl_error *error) {
+    halves h;
+    double mean, less_noise, measured;
+    memset(e, 0, sizeof *e);
+    sl_status status = find_halves(reference, mask, &h, error);
+    if (status == SL_OK) status = sl_judge_noise(reference, mask, &e->noise, &mean, error);
+    bool alike = picture->width == mask->width && picture->height == mask->height && sl_image_channel(picture, "R") &&
+                 sl_image_channel(picture, "G") && sl_image_channel(picture, "B");
+    if (status == SL_OK && !alike) {
+        snprintf(error->message, sizeof error->message, "a picture without R, G, B or of another size than its reference");
+        status = error->status = SL_ERROR_INPUT;
+    }
+    if (status != SL_OK || !(mean > 0.0)) return status;
+    squared_errors(picture, &h, mask, &less_noise, &measured);
+    e->known = true;
+    double least = tellable_share * e->noise;
+    e->measured = sqrt(measured) / mean;
+    e->rel_rmse = less_noise > 0.0 ? sqrt(less_noise) / mean : 0.0;
+    e->lost = !(e->rel_rmse > least);
+    if (e->lost) e->rel_rmse = least;
+    return SL_OK;
+}
+
+sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *e, sl_image **difference,
+                   sl_error *error) {
+    sl_comparison c;
+    const sl_compare_options options = {.mask = mask};
+    sl_status status = sl_judge_quickly(picture, reference, mask, e, error);
+    if (status == SL_OK) status = sl_image_compare(picture, reference, &options, &c, difference, error);
+    if (status != SL_OK) return status;
+    e->rel_mse = c.rel_mse - c.rel_mse_noise > 0.0 ? c.rel_mse - c.rel_mse_noise : 0.0;
+    e->bias = c.bias;
+    e->flip = c.flip;
+    e->nonfinite = c.nonfinite;
+    return SL_OK;
+}
+
+/* ---- pictures as text ---- */
+
+static char *base_64(const unsigned char *bytes, size_t count) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char *text = malloc(4 * ((count + 2) / 3) + 1), *out = text;
+    if (!text) return NULL;
+    for (size_t i = 0; i < count; i += 3) {
+        uint32_t three = (uint32_t)bytes[i] << 16;
+        if (i + 1 < count) three |= (uint32_t)bytes[i + 1] << 8;
+        if (i + 2 < count) three |= bytes[i + 2];
+        for (size_t k = 0; k < 4; k++) *out++ = i + k > count ? '=' : digits[(three >> (18 - 6 * k)) & 63];
+    }
+    *out = '\0';
+    return text;
+}
+
+char *sl_picture_text(const sl_image *image, bool tone, const char *scratch) {
+    const sl_tone curve = {tone ? SL_TONE_REINHARD : SL_TONE_CLIP, 0.0f, tone};
+    char *text = NULL;
+    if (sl_image_write_png(image, scratch, curve, NULL) != SL_OK) return NULL;
+    FILE *in = fopen(scratch, "rb");
+    long size = in && fseek(in, 0, SEEK_END) == 0 ? ftell(in) : -1;
+    unsigned char *bytes = size > 0 ? malloc((size_t)size) : NULL;
+    if (bytes && fseek(in, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, in) == (size_t)size) text = base_64(bytes, (size_t)size);
+    free(bytes);
+    if (in) fclose(in);
+    unlink(scratch);
+    return text;
+}

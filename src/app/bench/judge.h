@@ -1,0 +1,19 @@
+/* How far a picture is from a reference that is itself a little noisy. */
+#ifndef SL_APP_BENCH_JUDGE_H
+#define SL_APP_BENCH_JUDGE_H
+
+#include "app/bench/results.h"
+#include "softlux.h"
+
+/* Relative RMSE over the masked pixels, without the reference's noise: with A and B its independent halves, E[(x-A)(x-B)] = (x-truth)^2. difference
+ * (may be NULL) receives false colours, which the caller destroys. Fails where the picture has no R, G, B or another size. */
+sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *result, sl_image **difference,
+                   sl_error *error);
+/* The same without what needs neighbours: rel_rmse, measured, noise and lost alone. */
+sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *result, sl_error *error);
+/* The reference's own noise, and its mean over the masked pixels. */
+sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean, sl_error *error);
+/* As PNG in base 64; NULL: it could not be made. tone: of radiance; else values as they are. scratch: a file that may be written. The caller frees it. */
+char *sl_picture_text(const sl_image *image, bool tone, const char *scratch);
+
+#endif

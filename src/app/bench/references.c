@@ -1,0 +1,226 @@
+#include "app/bench/references.h"
+
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+/* ---- where they are ---- */
+
+void sl_reference_default_folder(char path[SL_BENCH_PATH]) {
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    if (cache && cache[0] == '/') snprintf(path, SL_BENCH_PATH, "%s/softlux/references", cache);
+    else if (home && home[0]) snprintf(path, SL_BENCH_PATH, "%s/.cache/softlux/references", home);
+    else snprintf(path, SL_BENCH_PATH, "softlux-references");
+}
+
+void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *transport, char path[SL_BENCH_PATH]) {
+    char name[SL_BENCH_NAME];
+    snprintf(name, sizeof name, "%s", transport);
+    for (char *c = name; *c; c++) {
+        if (*c == ':') *c = '-';
+    }
+    snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centre-%s.exr", folder, s->hash, s->width, s->height, name, SL_VERSION);
+}
+
+/* ---- in the child: more chunks ---- */
+
+typedef struct extension {
+    const char *scene_path, *transport, *path;
+    int width, height;
+    uint64_t pairs;
+} extension;
+
+static double cpu_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static const char *const half_channels[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
+
+static double metadata_number(const sl_image *image, const char *key) {
+    const char *text = sl_image_metadata(image, key);
+    return text ? strtod(text, NULL) : 0.0;
+}
+
+/* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as none. */
+static bool begin(const extension *e, double *sums, uint64_t *chunks, double *seconds) {
+    sl_image *image = NULL;
+    size_t pixels = (size_t)e->width * (size_t)e->height;
+    *chunks = 0;
+    *seconds = 0.0;
+    if (sl_image_read(e->path, &image, NULL) != SL_OK) return true;
+    bool usable = image->width == e->width && image->height == e->height;
+    for (int k = 0; k < 6; k++) usable = usable && sl_image_channel(image, half_channels[k / 3][k % 3]);
+    if (usable) {
+        *chunks = (uint64_t)metadata_number(image, "softlux.reference.chunks");
+        *seconds = metadata_number(image, "softlux.reference.seconds");
+    }
+    for (int k = 0; k < 6 && *chunks; k++) {
+        const float *from = sl_image_channel(image, half_channels[k / 3][k % 3]);
+        for (size_t i = 0; i < pixels; i++) sums[(size_t)k * pixels + i] = (double)from[i] * (double)(*chunks / 2);
+    }
+    sl_image_destroy(image);
+    return true;
+}
+
+static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t chunk, double *sums, sl_error *error) {
+    sl_settings settings = sl_settings_default();
+    sl_progress progress = {0};
+    sl_method *method = NULL;
+    sl_image *image = NULL;
+    size_t pixels = (size_t)e->width * (size_t)e->height;
+    settings.method = "path";
+    settings.transport = e->transport;
+    settings.filter = SL_FILTER_CENTRE;
+    settings.width = e->width;
+    settings.height = e->height;
+    settings.spp = SL_REFERENCE_CHUNK;
+    settings.seed = 0x5eed0000u + chunk; /* none that a trial has */
+    sl_status status = sl_method_create(scene, &settings, &method, error);
+    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, error);
+    if (status == SL_OK) status = sl_method_resolve(method, &image, error);
+    for (size_t i = 0; status == SL_OK && i < 3 * pixels; i++) sums[(chunk % 2) * 3 * pixels + i] += (double)image->planes[i];
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    return status;
+}
+
+static sl_status write_reference(const extension *e, const double *sums, uint64_t chunks, double seconds, sl_error *error) {
+    static const char *const names[] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
+    sl_image *image = NULL;
+    size_t values = 3 * (size_t)e->width * (size_t)e->height;
+    char text[32];
+    sl_status status = sl_image_create(e->width, e->height, 9, names, &image, error);
+    for (size_t i = 0; status == SL_OK && i < values; i++) {
+        double even = sums[i] / (double)(chunks / 2), odd = sums[values + i] / (double)(chunks / 2);
+        image->planes[i] = (float)(0.5 * (even + odd));
+        image->planes[values + i] = (float)even;
+        image->planes[2 * values + i] = (float)odd;
+    }
+    snprintf(text, sizeof text, "%" PRIu64, chunks);
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.reference.chunks", text, error);
+    snprintf(text, sizeof text, "%.3f", seconds);
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.reference.seconds", text, error);
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.transport", e->transport, error);
+    if (status == SL_OK) status = sl_image_write(image, e->path, error);
+    sl_image_destroy(image);
+    return status;
+}
+
+static bool extend_work(void *context, char **report) {
+    const extension *e = context;
+    sl_scene *scene = NULL;
+    sl_error error = {SL_ERROR_RESOURCES, "not enough memory for a reference"};
+    uint64_t chunks = 0;
+    double seconds = 0.0, *sums = calloc(6 * (size_t)e->width * (size_t)e->height, sizeof *sums);
+    char text[96];
+    sl_status status = sums && begin(e, sums, &chunks, &seconds) ? SL_OK : SL_ERROR_RESOURCES;
+    if (status == SL_OK) status = sl_scene_load(e->scene_path, &scene, &error);
+    for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++) status = add_chunk(e, scene, chunks++, sums, &error);
+    seconds += cpu_seconds();
+    if (status == SL_OK) status = write_reference(e, sums, chunks, seconds, &error);
+    snprintf(text, sizeof text, "{\"chunks\": %" PRIu64 ", \"seconds\": %.3f}", chunks, seconds);
+    *report = strdup(status == SL_OK ? text : error.message);
+    sl_scene_destroy(scene);
+    free(sums);
+    return status == SL_OK;
+}
+
+/* ---- in the parent ---- */
+
+/* Like mkdir -p. */
+static sl_status make_folder(const char *path, sl_error *error) {
+    char part[SL_BENCH_PATH];
+    size_t length = strlen(path);
+    for (size_t i = 1; i <= length && i < sizeof part; i++) {
+        if (path[i] != '/' && path[i]) continue;
+        snprintf(part, sizeof part, "%.*s", (int)i, path);
+        if (mkdir(part, 0777) == 0 || errno == EEXIST) continue;
+        snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", part, strerror(errno));
+        return error->status = SL_ERROR_OUTPUT;
+    }
+    return SL_OK;
+}
+
+static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
+    snprintf(r->trouble, sizeof r->trouble, "%s", end->why);
+}
+
+sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs, sl_bench_reference *r, sl_error *error) {
+    const sl_child_limits limits = {0.0, o->memory_bytes, o->interrupted};
+    extension e = {s->path, r->transport, r->file, s->width, s->height, pairs};
+    sl_child_end end;
+    sl_reference_path(o->references, s, r->transport, r->file);
+    sl_status status = make_folder(o->references, error);
+    if (status == SL_OK) status = sl_child_run(extend_work, &e, &limits, &end, error);
+    if (status != SL_OK) return status;
+    cJSON *told = cJSON_Parse(end.text);
+    if (end.outcome != SL_CHILD_DONE) {
+        tell_trouble(r, &end);
+    } else if (told) {
+        r->samples = SL_REFERENCE_CHUNK * (uint64_t)cJSON_GetObjectItem(told, "chunks")->valuedouble;
+        r->seconds = cJSON_GetObjectItem(told, "seconds")->valuedouble;
+        r->trouble[0] = '\0';
+    }
+    cJSON_Delete(told);
+    free(end.text);
+    return SL_OK;
+}
+
+/* ---- the mask ---- */
+
+/* 1 - what shines, of direct radiance mapping's layers: the cheapest of all pictures. */
+static bool mask_work(void *context, char **report) {
+    const extension *e = context;
+    const char *const layers[] = {"emission.R", "emission.G", "emission.B"};
+    sl_settings settings = sl_settings_default();
+    sl_progress progress = {0};
+    sl_scene *scene = NULL;
+    sl_method *method = NULL;
+    sl_image *picture = NULL, *mask = NULL;
+    sl_error error;
+    settings.method = "direct-radiance";
+    settings.radiance_map.direct_light_only = true;
+    settings.width = e->width;
+    settings.height = e->height;
+    sl_status status = sl_scene_load(e->scene_path, &scene, &error);
+    if (status == SL_OK) status = sl_method_create(scene, &settings, &method, &error);
+    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
+    if (status == SL_OK) status = sl_method_resolve(method, &picture, &error);
+    if (status == SL_OK) status = sl_image_create(e->width, e->height, 1, NULL, &mask, &error);
+    size_t pixels = (size_t)e->width * (size_t)e->height, kept = 0;
+    for (size_t i = 0; status == SL_OK && i < pixels; i++) {
+        mask->planes[i] = 1.0f;
+        for (int k = 0; k < 3; k++) {
+            const float *layer = sl_image_channel(picture, layers[k]);
+            if (layer && layer[i] > 0.0f) mask->planes[i] = 0.0f;
+        }
+        kept += mask->planes[i] > 0.5f;
+    }
+    for (size_t i = 0; status == SL_OK && !kept && i < pixels; i++) mask->planes[i] = 1.0f;
+    if (status == SL_OK) status = sl_image_write(mask, e->path, &error);
+    *report = strdup(status == SL_OK ? "{}" : error.message);
+    return status == SL_OK;
+}
+
+sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, sl_error *error) {
+    const sl_child_limits limits = {0.0, 0, o->interrupted};
+    char path[SL_BENCH_PATH];
+    extension e = {s->path, "", path, s->width, s->height, 0};
+    sl_image *mask = NULL;
+    sl_child_end end;
+    sl_reference_path(o->references, s, "mask", path);
+    if (sl_image_read(path, &mask, NULL) == SL_OK) return mask;
+    if (make_folder(o->references, error) != SL_OK || sl_child_run(mask_work, &e, &limits, &end, error) != SL_OK) return NULL;
+    free(end.text);
+    if (end.outcome == SL_CHILD_DONE && sl_image_read(path, &mask, error) == SL_OK) return mask;
+    error->status = SL_ERROR_RESOURCES;
+    if (end.outcome != SL_CHILD_DONE) snprintf(error->message, sizeof error->message, "no mask: %.200s", end.why);
+    return NULL;
+}

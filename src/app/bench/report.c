@@ -1,0 +1,49 @@
+#include "app/bench/report.h"
+
+#include "app/bench/curves.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error) {
+    char path[SL_BENCH_PATH], temporary[SL_BENCH_PATH + 16];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
+    FILE *out = fopen(temporary, "w");
+    bool well = out && fputs(text, out) >= 0;
+    if (out && fclose(out) != 0) well = false;
+    if (well && rename(temporary, path) == 0) return SL_OK;
+    snprintf(error->message, sizeof error->message, "cannot write %.900s: %s", path, strerror(errno));
+    unlink(temporary);
+    return error->status = SL_ERROR_OUTPUT;
+}
+
+void sl_error_text(const sl_bench_error *e, char text[32]) {
+    double percent = 100.0 * e->rel_rmse;
+    int digits = percent >= 100.0 ? 0 : percent >= 9.95 ? 1 : percent >= 0.995 ? 2 : 3;
+    if (!e->known) snprintf(text, 32, "-");
+    else snprintf(text, 32, "%s%.*f %%", e->lost ? "< " : "", digits, percent);
+}
+
+void sl_seconds_text(double seconds, char text[32]) {
+    int digits = seconds >= 99.5 ? 0 : seconds >= 9.95 ? 1 : seconds >= 0.995 ? 2 : 3;
+    snprintf(text, 32, "%.*f", digits, seconds);
+}
+
+sl_bench_lead sl_bench_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error) {
+    sl_curve curves[SL_CURVES];
+    sl_bench_lead lead = {NULL, 0.0, 0.0};
+    char path[SL_BENCH_NAME];
+    size_t count = sl_curves_of(scene, truth, curves);
+    snprintf(path, sizeof path, "path, %s", sl_bench_truth_name(truth));
+    for (size_t i = 0; i < count; i++) {
+        double seconds = sl_curve_time_to(&curves[i], truth, error);
+        if (strcmp(curves[i].name, path) == 0) lead.path_seconds = seconds;
+        if (sl_curve_is_tracer(&curves[i]) || !(seconds > 0.0)) continue;
+        if (!lead.method || seconds < lead.seconds) lead.method = curves[i].name, lead.seconds = seconds;
+    }
+    return lead;
+}

@@ -1,0 +1,34 @@
+/* The results as files in a folder: results.csv, report.md. A file appears whole or not at all. */
+#ifndef SL_APP_BENCH_REPORT_H
+#define SL_APP_BENCH_REPORT_H
+
+#include "app/bench/results.h"
+#include "softlux.h"
+
+#include <stdio.h>
+
+sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_error *error);
+sl_status sl_report_markdown(const sl_bench_results *results, const char *folder, sl_error *error);
+/* To the terminal: what matters, a line each. */
+void sl_report_terminal(const sl_bench_results *results, FILE *out);
+/* The rows as one JSON object. */
+void sl_report_json(const sl_bench_results *results, FILE *out);
+
+/* ---- what the writers share ---- */
+
+/* Writes text as folder/name. */
+sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error);
+/* "3.2 %", "< 0.04 %" below what the reference can tell, "-" where it is not known. */
+void sl_error_text(const sl_bench_error *error, char text[32]);
+/* "0.31" to three digits. */
+void sl_seconds_text(double seconds, char text[32]);
+
+/* How much sooner than the path tracer the best of the methods reaches an error against a truth. */
+typedef struct sl_bench_lead {
+    const char *method; /* NULL: none reaches it */
+    double seconds;
+    double path_seconds; /* 0: the path tracer did not get there */
+} sl_bench_lead;
+sl_bench_lead sl_bench_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error);
+
+#endif

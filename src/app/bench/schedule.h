@@ -1,0 +1,31 @@
+/* In which order trials run, and what of them has been measured already. */
+#ifndef SL_APP_BENCH_SCHEDULE_H
+#define SL_APP_BENCH_SCHEDULE_H
+
+#include "app/bench/journal.h"
+#include "app/bench/trials.h"
+
+typedef struct sl_bench_options {
+    const char *folder;               /* of the report */
+    const char *references;           /* folder */
+    const char *methods, *qualities;  /* lists with commas between, or NULL: all */
+    int width, height;                /* 0: as the scene says, made small */
+    int repeats;
+    double budget, limit, reference_budget; /* seconds: of all trials of a scene; of one; of each reference. 0: none */
+    uint64_t memory_bytes;            /* of one trial; 0: none */
+    unsigned threads;
+    bool quiet, json;
+    volatile const int *interrupted;
+    char program[17];
+} sl_bench_options;
+
+/* Whether a comma-separated list, or NULL, names it. */
+bool sl_list_names(const char *list, const char *name);
+/* Runs what the journal does not hold yet. Returns when all is done, the budget is spent, or somebody interrupts. */
+sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal, sl_error *error);
+/* The rows of the scene from what the journal holds of it. */
+sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal, sl_error *error);
+/* Where the picture of a trial is kept. */
+void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial, char path[SL_BENCH_PATH]);
+
+#endif

@@ -1,0 +1,158 @@
+/* One trial, in its own process: a scene, a method, a picture, and what they cost. */
+#include "app/bench/trials.h"
+#include "app/settings_options.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+bool sl_trial_settings(const char *arguments, sl_settings *settings) {
+    enum { WORDS = 48 };
+    char text[SL_BENCH_ARGUMENTS], *words[WORDS], *rest = NULL;
+    sl_raw_settings raw;
+    sl_option options[SL_SETTINGS_OPTIONS];
+    const char *operands[1];
+    int count = 0, operand_count, status;
+    snprintf(text, sizeof text, "%s", arguments);
+    for (char *w = strtok_r(text, " ", &rest); w && count < WORDS; w = strtok_r(NULL, " ", &rest)) words[count++] = w;
+    sl_settings_options(&raw, options);
+    const sl_command_line line = {arguments, "", NULL, options, 0, 0};
+    if (!sl_options_parse(&line, count, words, operands, &operand_count, &status)) return false;
+    *settings = sl_settings_taken(&raw);
+    /* Texts among the settings point into `text`, which ends here: the two that there are can be found again. */
+    settings->method = settings->transport = NULL;
+    for (size_t i = 0; sl_method_name(i); i++) {
+        const char *given = strstr(arguments, "-m ");
+        size_t length = strlen(sl_method_name(i));
+        if (given && strncmp(given + 3, sl_method_name(i), length) == 0 && (given[3 + length] == ' ' || !given[3 + length]))
+            settings->method = sl_method_name(i);
+    }
+    if (strstr(arguments, "--transport one-bounce")) settings->transport = "one-bounce";
+    if (strstr(arguments, "--transport full")) settings->transport = "full";
+    return settings->method != NULL;
+}
+
+static double clock_seconds(clockid_t clock) {
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- a look: which passes take the time ---- */
+
+enum { PASSES = 256 };
+
+typedef struct stopwatch {
+    double from, last; /* processor seconds */
+    size_t count;
+    struct {
+        char name[64];
+        double seconds;
+    } pass[PASSES];
+} stopwatch;
+
+static void add_to(stopwatch *w, const char *name, double seconds) {
+    size_t i = 0;
+    while (i < w->count && strcmp(w->pass[i].name, name) != 0) i++;
+    if (i == PASSES) i--;
+    if (i == w->count) snprintf(w->pass[w->count++].name, sizeof w->pass[i].name, "%.63s", name);
+    w->pass[i].seconds += seconds;
+}
+
+/* A pass announces itself when it is done: what passed since the last one did is its. */
+static void pass_done(void *context, const sl_pass *pass) {
+    stopwatch *w = context;
+    double now = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    add_to(w, pass->name, now - w->last);
+    w->last = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+static void add_parts(cJSON *root, stopwatch *w) {
+    cJSON *parts = cJSON_AddObjectToObject(root, "parts");
+    double sum = 0.0;
+    for (size_t i = 0; i < w->count; i++) sum += w->pass[i].seconds;
+    for (size_t i = 0; i < w->count && sum > 0.0; i++) cJSON_AddNumberToObject(parts, w->pass[i].name, w->pass[i].seconds / sum);
+}
+
+/* ---- the picture ---- */
+
+typedef struct made {
+    sl_method *method;
+    sl_image *image;
+    sl_progress progress;
+    double cpu, wall, first_picture;
+} made;
+
+/* The first picture is there after the first update; showing it costs time that another run would not need: so of a look only. */
+static sl_status show_first(made *m, double from, sl_error *error) {
+    sl_image *first = NULL;
+    sl_status status = sl_method_resolve(m->method, &first, error);
+    m->first_picture = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - from;
+    sl_image_destroy(first);
+    return status;
+}
+
+static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, stopwatch *watch, made *m, sl_error *error) {
+    double wall = clock_seconds(CLOCK_MONOTONIC), cpu = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    watch->from = watch->last = cpu;
+    sl_status status = sl_method_create(scene, settings, &m->method, error);
+    while (status == SL_OK && !m->progress.done) {
+        status = sl_method_update(m->method, &m->progress, error);
+        if (settings->observer && status == SL_OK && !(m->first_picture > 0.0)) status = show_first(m, cpu, error);
+    }
+    if (status == SL_OK) status = sl_method_resolve(m->method, &m->image, error);
+    m->wall = clock_seconds(CLOCK_MONOTONIC) - wall;
+    m->cpu = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu;
+    if (settings->observer) add_to(watch, "the rest", cpu + m->cpu - watch->last);
+    return status;
+}
+
+static char *report(const sl_trial_run *run, const made *m, stopwatch *watch) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddNumberToObject(root, "cpu_seconds", m->cpu);
+    cJSON_AddNumberToObject(root, "wall_seconds", m->wall);
+    cJSON_AddNumberToObject(root, "peak_bytes", 1024.0 * (double)usage.ru_maxrss);
+    cJSON_AddNumberToObject(root, "method_bytes", (double)sl_method_memory_bytes(m->method));
+    cJSON_AddNumberToObject(root, "batches", (double)m->progress.batches);
+    cJSON *counters = cJSON_AddObjectToObject(root, "counters");
+    const sl_counters *c = sl_method_counters(m->method);
+    for (int i = 0; i < SL_COUNTERS; i++) {
+        if (c->value[i]) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
+    }
+    if (run->look) {
+        cJSON_AddNumberToObject(root, "first_picture", m->first_picture);
+        add_parts(root, watch);
+    }
+    char *text = cJSON_PrintUnformatted(root);
+    cJSON_Delete(root);
+    return text;
+}
+
+bool sl_trial_work(void *context, char **answer) {
+    static stopwatch watch;
+    const sl_trial_run *run = context;
+    const sl_observer observer = {&watch, pass_done};
+    sl_settings settings = sl_settings_default();
+    sl_scene *scene = NULL;
+    sl_error error = {SL_ERROR_USAGE, "a trial with arguments that mean nothing"};
+    made m = {0};
+    sl_status status = sl_trial_settings(run->trial->arguments, &settings) ? SL_OK : SL_ERROR_USAGE;
+    settings.width = run->width;
+    settings.height = run->height;
+    settings.threads = run->threads;
+    settings.observer = run->look ? &observer : NULL;
+    if (status == SL_OK) status = sl_scene_load(run->scene_path, &scene, &error);
+    if (status == SL_OK) status = make_picture(scene, &settings, &watch, &m, &error);
+    if (status == SL_OK && run->picture) status = sl_image_write(m.image, run->picture, &error);
+    *answer = status == SL_OK ? report(run, &m, &watch) : strdup(error.message);
+    sl_image_destroy(m.image);
+    sl_method_destroy(m.method);
+    sl_scene_destroy(scene);
+    return status == SL_OK;
+}
