@@ -153,7 +153,7 @@ static double copy_seconds(const mesh_world *w, unsigned threads) {
     if (!planes) bench_fail("memory", NULL);
     for (int i = 0; i < REPETITIONS; i++) {
         double from = mesh_seconds(threads);
-        sl_observe(&observer, "", "", "", w->pixels.width, w->pixels.height, 3, planes, true, &counters);
+        sl_observe(&observer, "", "", "", w->pixels.width, w->pixels.height, 3, planes, true, &counters, NULL, 0);
         seconds[i] = mesh_seconds(threads) - from;
     }
     sl_free(planes);

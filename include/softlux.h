@@ -249,6 +249,22 @@ SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const 
 
 /* ---- observers: every pass announces itself -------------------------------------------------------------------------- */
 
+/** What a mark is. */
+typedef enum sl_mark_kind {
+    SL_MARK_POINT,   /**< a photon's hit, a sample: at `at` */
+    SL_MARK_SEGMENT, /**< an edge of a mesh, a lobe's axis: from `at` to `to` */
+    SL_MARK_DISC     /**< a record's reach: around `at`, perpendicular to `to`, a unit vector */
+} sl_mark_kind;
+
+/** Something that a pass leaves in the scene rather than in a picture, to be drawn over one. */
+typedef struct sl_mark {
+    sl_mark_kind kind; /**< which of the fields below count */
+    float at[3];       /**< world */
+    float to[3];       /**< world: the other end of a segment, or a disc's normal */
+    float radius;      /**< of a disc, scene units */
+    float colour[3];   /**< linear, of whatever it stands for: irradiance, flux */
+} sl_mark;
+
 /** One pass of a method, as it is told to an observer. */
 typedef struct sl_pass {
     const char *method;   /**< "splatting" */
@@ -256,6 +272,8 @@ typedef struct sl_pass {
     const char *source;   /**< section or equation of the paper, "section 4, Algorithm 1" */
     const sl_image *buffer;      /**< what the pass made, row 0 at the top; valid during the call only; may be NULL */
     const sl_counters *counters; /**< what this pass alone cost */
+    const sl_mark *marks;        /**< mark_count of them, valid during the call only */
+    size_t mark_count;           /**< 0 where the pass leaves none */
 } sl_pass;
 
 /** Is told of every pass, in order, by the thread that called the library. */
@@ -570,6 +588,35 @@ SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *e
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
 /** Bytes that the method holds, its own hierarchies, caches and pictures, without the scene. */
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
+/* ---- the story of a pixel ---- */
+
+/** One thing that made a pixel: a record, a photon, a voxel's light, a vertex of a mesh. */
+typedef struct sl_story_term {
+    const char *layer;      /**< of the picture, that it adds to: "indirect", "direct", "emission"; a constant string */
+    const char *kind;       /**< "irradiance record"; a constant string */
+    uint64_t index;         /**< which one, by the method's own numbers */
+    bool placed;            /**< whether position means anything */
+    float position[3];      /**< world */
+    double weight;          /**< as the method computes it, before any normalisation */
+    float value[3];         /**< what it holds, by the method's own units: irradiance, radiance, flux */
+    double contribution[3]; /**< what it adds to the pixel */
+} sl_story_term;
+
+/** All that made a pixel. Contributions and rounding add up, in double, to the pixel's exact value. */
+typedef struct sl_story {
+    float pixel[3];       /**< R, G, B of the picture */
+    size_t count;         /**< terms */
+    sl_story_term *terms; /**< in the order in which the method adds them */
+    double rounding[3];   /**< what rounding of the method's own sums, in float, has left: parts in a million */
+} sl_story;
+
+/** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve() gave last: the method must
+ * not have been updated or edited since. The caller destroys the story. Fails where the method tells none (the tracers) or the pixel
+ * lies outside. */
+SL_API sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error);
+/** Frees a story. NULL is allowed. */
+SL_API void sl_story_destroy(sl_story *story);
+
 /** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);
 

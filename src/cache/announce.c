@@ -5,13 +5,25 @@
 
 #include <string.h>
 
-void sl_announce(sl_announcer *a, const char *name, const char *source, int width, int height, int channels, const float *planes,
-                 bool bottom_first) {
+/* What the counters have grown by since the last pass. */
+static sl_counters cost_since(sl_announcer *a) {
     sl_counters cost;
-    if (!a->observer) return;
     for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = a->counters->value[i] - a->told.value[i];
     a->told = *a->counters;
-    sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost);
+    return cost;
+}
+
+void sl_announce(sl_announcer *a, const char *name, const char *source, int width, int height, int channels, const float *planes,
+                 bool bottom_first) {
+    if (!a->observer) return;
+    sl_counters cost = cost_since(a);
+    sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost, NULL, 0);
+}
+
+void sl_announce_marks(sl_announcer *a, const char *name, const char *source, const sl_mark *marks, size_t count) {
+    if (!a->observer) return;
+    sl_counters cost = cost_since(a);
+    sl_observe(a->observer, a->method, name, source, 0, 0, 0, NULL, true, &cost, marks, count);
 }
 
 void sl_announce_pass(sl_announcer *a, const char *name, const char *source) { sl_announce(a, name, source, 0, 0, 0, NULL, true); }

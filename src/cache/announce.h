@@ -12,11 +12,16 @@ typedef struct sl_announcer {
     sl_counters told;            /* as they were at the last pass */
 } sl_announcer;
 
+/* Whether anybody listens: marks need not be collected otherwise. */
+static inline bool sl_announcing(const sl_announcer *announcer) { return announcer->observer != NULL; }
+
 /* planes: `channels` planes of width*height, one after another, bottom row first where bottom_first. */
 void sl_announce(sl_announcer *announcer, const char *name, const char *source, int width, int height, int channels, const float *planes,
                  bool bottom_first);
 /* A pass that leaves no picture. */
 void sl_announce_pass(sl_announcer *announcer, const char *name, const char *source);
+/* A pass that leaves marks in the scene: records, photon hits, the edges of a mesh. */
+void sl_announce_marks(sl_announcer *announcer, const char *name, const char *source, const sl_mark *marks, size_t count);
 /* Three planes that lie apart, bottom row first. */
 void sl_announce_planes(sl_announcer *announcer, const char *name, const char *source, int width, int height, const float *const planes[3]);
 /* Depth, positions, normals and albedo; the first picture pays for the pass. */

@@ -208,6 +208,10 @@ size_t sl_method_memory_bytes(const sl_method *method) {
     return sizeof *method + method->class->memory_bytes(method->state);
 }
 
+sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error) {
+    return sl_story_tell(method->class, method->state, picture, x, y, story, error);
+}
+
 /* ---- the plan ---- */
 
 struct sl_plan_writer {
@@ -263,7 +267,8 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
 /* ---- observers ---- */
 
 void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,
-                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters) {
+                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters, const sl_mark *marks,
+                size_t mark_count) {
     if (!observer || !observer->pass) return;
     sl_image *image = NULL;
     size_t pixels = (size_t)width * (size_t)height;
@@ -275,7 +280,7 @@ void sl_observe(const sl_observer *observer, const char *method, const char *nam
             else memcpy(out, plane, pixels * sizeof *out);
         }
     }
-    sl_pass pass = {method, name, source, image, counters};
+    sl_pass pass = {method, name, source, image, counters, marks, mark_count};
     observer->pass(observer->context, &pass);
     sl_image_destroy(image);
 }

@@ -10,6 +10,13 @@ typedef struct sl_plan_writer sl_plan_writer;
 /* One line of the plan: a pass that runs or does not, and why. */
 __attribute__((format(printf, 4, 5))) void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const char *why, ...);
 
+typedef struct sl_story_writer sl_story_writer;
+/* One more term; failures of memory are noticed at the end. */
+void sl_story_add(sl_story_writer *writer, const sl_story_term *term);
+/* What a layer of the picture ("direct") adds at this pixel as one term: for light that no cache holds. Nothing where there is no such
+ * layer or it is black there. */
+void sl_story_add_layer(sl_story_writer *writer, const char *layer, const char *kind);
+
 typedef struct sl_method_class {
     const char *name;
     /* Replaces what is 0, "by quality", by what will be used. */
@@ -29,6 +36,8 @@ typedef struct sl_method_class {
     /* The paths that the method models with these settings (for the tracers: `full`). */
     void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
+    /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last resolved; NULL: no story. */
+    sl_status (*story)(const void *state, int x, int y, sl_story_writer *writer, sl_error *error);
     bool any_transport; /* takes --transport: a reference tracer */
 } sl_method_class;
 
@@ -43,9 +52,15 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what was asked for. */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
 
-/* Tells the observer, if any, of a pass. planes: `channels` planes of width*height, bottom row first where bottom_first.
+/* The story of a pixel of a picture that the state resolved last, rows from the top; see sl_method_story(). */
+sl_status sl_story_tell(const sl_method_class *method, const void *state, const sl_image *picture, int x, int y, sl_story **story,
+                        sl_error *error);
+
+/* Tells the observer, if any, of a pass and the marks that it leaves (NULL: none). planes: `channels` planes of width*height,
+ * bottom row first where bottom_first.
  * Costs nothing without an observer. */
 void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source, int width,
-                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters);
+                int height, int channels, const float *planes, bool bottom_first, const sl_counters *counters, const sl_mark *marks,
+                size_t mark_count);
 
 #endif

@@ -78,7 +78,7 @@ sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error) {
     float *p = (*image)->planes;
     for (int half = -1; half < 2; half++, p += 3 * pixels) s->kind->mean(s->film, half, p, p + pixels, p + 2 * pixels);
     sl_observe(s->settings.observer, s->kind->name, "mean of the samples", "reference", s->settings.width, s->settings.height, 3,
-               (*image)->planes, false, &s->counters);
+               (*image)->planes, false, &s->counters, NULL, 0);
     return SL_OK;
 }
 
