@@ -661,6 +661,7 @@ SL_API sl_status sl_error_probe_estimate(const sl_error_probe *probe, const sl_i
  * a number of samples is reached that grows as 1/rel_rmse^2. */
 SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, sl_error_estimate *estimate,
                                       sl_error *error);
+/** What tracing the probes has cost so far; owned by the probe. */
 SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
 /** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. */
 SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate *estimate, sl_error *error);
