@@ -2,7 +2,6 @@
 #include "patch_support.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 
 #include "base/counters.h"
@@ -336,7 +335,7 @@ static void a_split_without_samples_is_not_seen(void **state) {
 
 /* What the leaf at one side of a point shows there: (u, v) moved by next to nothing. */
 static void value_beside(const sl_display *d, uint32_t root, double u, double v, float value[6]) {
-    const sl_display_copy *copy = &d->copy[atomic_load(&d->shown)];
+    const sl_display_copy *copy = &d->copy[d->shown];
     bool triangle = d->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;
     sl_leaf leaf = sl_leaf_begin(&d->root[copy->root[root]], triangle);
     sl_leaf_field field;
@@ -509,60 +508,6 @@ static void what_is_shown_stays_as_it_was_until_the_build_ends(void **state) {
     hierarchy_discard(&h);
 }
 
-/* One thread draws frame after frame, another one changes patches and builds. A frame begun before a swap may end after it, but not after the next build has begun. */
-typedef struct side_by_side {
-    sl_display *display;
-    pthread_mutex_t lock;
-    pthread_cond_t drawn;
-    size_t frames;
-    bool stop;
-} side_by_side;
-
-static void *draw_on_and_on(void *context) {
-    side_by_side *s = context;
-    static picture frame;
-    for (bool stop = false; !stop;) {
-        draw(s->display, 1, &frame);
-        pthread_mutex_lock(&s->lock);
-        s->frames++;
-        stop = s->stop;
-        pthread_cond_signal(&s->drawn);
-        pthread_mutex_unlock(&s->lock);
-    }
-    return NULL;
-}
-
-static void frames_are_drawn_while_the_other_copy_is_built(void **state) {
-    (void)state;
-    static picture before, after;
-    hierarchy h = hierarchy_of(room(true), true);
-    side_by_side s = {.display = display_of(&h), .lock = PTHREAD_MUTEX_INITIALIZER, .drawn = PTHREAD_COND_INITIALIZER};
-    static id_picture ids;
-    pthread_t drawer;
-    assert_int_equal(pthread_create(&drawer, NULL, draw_on_and_on, &s), 0);
-    for (uint32_t update = 1; update <= 20; update++) {
-        map_ids(s.display, 1, &ids);
-        change_at_random(&h, sl_random_key(61, update), update, 300);
-        build(s.display, &h);
-        pthread_mutex_lock(&s.lock);
-        size_t frames = s.frames;
-        while (s.frames < frames + 1) pthread_cond_wait(&s.drawn, &s.lock);
-        pthread_mutex_unlock(&s.lock);
-    }
-    pthread_mutex_lock(&s.lock);
-    s.stop = true;
-    pthread_mutex_unlock(&s.lock);
-    pthread_join(drawer, NULL);
-    sl_display *fresh = display_of(&h);
-    build(fresh, &h);
-    draw(s.display, 1, &before);
-    draw(fresh, 1, &after);
-    assert_memory_equal(&before, &after, sizeof before);
-    sl_display_destroy(fresh);
-    sl_display_destroy(s.display);
-    hierarchy_discard(&h);
-}
-
 static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
     (void)state;
     static picture one, other;
@@ -682,7 +627,6 @@ int main(void) {
         cmocka_unit_test(a_fan_may_have_hundreds_of_vertices_and_lose_them_again),
         cmocka_unit_test(an_incremental_build_is_a_full_one_bit_by_bit),
         cmocka_unit_test(what_is_shown_stays_as_it_was_until_the_build_ends),
-        cmocka_unit_test(frames_are_drawn_while_the_other_copy_is_built),
         cmocka_unit_test(frames_are_the_same_bits_with_any_number_of_threads),
         cmocka_unit_test(packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest_channel),
         cmocka_unit_test(a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had),

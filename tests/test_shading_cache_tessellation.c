@@ -34,7 +34,7 @@ static void build(sl_display *display, const hierarchy *h) {
     assert_int_equal(sl_display_build(display, h->patches, &counters, NULL), SL_OK);
 }
 
-static const sl_tessellation *shown(const sl_display *d) { return &d->copy[atomic_load(&d->shown)].tessellation; }
+static const sl_tessellation *shown(const sl_display *d) { return &d->own.tessellation; }
 
 /* Views around the vase, near and far, and from above. It is 330 high and stands at (260, 0, 270). */
 enum { VIEWS = 10 };

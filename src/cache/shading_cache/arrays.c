@@ -26,7 +26,6 @@ static void release_copy(sl_display_copy *copy) {
     sl_free(copy->chunk);
     sl_free(copy->value);
     sl_free(copy->fans.word);
-    sl_tessellation_release(&copy->tessellation);
 }
 
 void sl_display_destroy(sl_display *d) {
@@ -34,32 +33,22 @@ void sl_display_destroy(sl_display *d) {
     for (int k = 0; k < 2; k++) {
         release_copy(&d->copy[k]);
         sl_free(d->dirty[k]);
-        void *planes[] = {d->frame[k].id, d->frame[k].curved_id, d->frame[k].depth, d->frame[k].curved_depth};
-        for (int i = 0; i < 4; i++) sl_free(planes[i]);
     }
+    sl_window_close(&d->own);
     sl_display_values_release(d);
     sl_curved_edges_destroy(d->curved);
-    sl_raster_destroy(d->raster);
+    sl_monitor_close(&d->swap);
     sl_free(d->left_out);
     sl_free(d->root);
     sl_free(d);
 }
 
-static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
-    frame->id = sl_allocate(pixels, sizeof *frame->id);
-    if (!curved) return frame->id != NULL;
-    frame->curved_id = sl_allocate(pixels, sizeof *frame->curved_id);
-    frame->depth = sl_allocate(pixels, sizeof *frame->depth);
-    frame->curved_depth = sl_allocate(pixels, sizeof *frame->curved_depth);
-    return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
-}
-
 static bool allocate_arrays(sl_display *d) {
-    size_t roots = 2 * d->primitives->count, pixels = (size_t)d->settings.width * (size_t)d->settings.height;
+    size_t roots = 2 * d->primitives->count;
     bool curved = d->primitives->curved > 0, ok = (d->root = sl_allocate_unset(roots, sizeof *d->root)) != NULL;
     for (int k = 0; ok && k < 2; k++) {
         d->copy[k].root = sl_allocate_unset(roots, sizeof *d->copy[k].root);
-        ok = d->copy[k].root && allocate_frame(&d->frame[k], pixels, curved);
+        ok = d->copy[k].root != NULL;
         if (ok) memset(d->copy[k].root, 0xff, roots * sizeof *d->copy[k].root); /* SL_NO_INDEX */
     }
     if (ok && curved) ok = (d->left_out = sl_allocate(d->scene->triangle_count, 1)) != NULL;
@@ -74,15 +63,17 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
     *display = NULL;
     sl_display *d = sl_allocate(1, sizeof *d);
     if (!d) return sl_fail_memory(error, "the display");
+    if (!sl_monitor_open(&d->swap)) {
+        sl_free(d);
+        return sl_fail(error, SL_ERROR_RESOURCES, "no lock for the display");
+    }
     d->scene = scene;
     d->primitives = primitives;
     d->settings = *settings;
-    atomic_init(&d->shown, 0);
     for (size_t m = 0; m < scene->material_count; m++) d->textured |= scene->materials[m].texture != SL_NO_INDEX;
     sl_status status = allocate_arrays(d) ? SL_OK : sl_fail_memory(error, "the display");
-    if (status == SL_OK) status = sl_raster_create(scene, settings->threads, &d->raster, error);
     if (status == SL_OK && primitives->curved) status = sl_curved_edges_find(primitives, &d->curved, error);
-    for (int k = 0; status == SL_OK && d->curved && k < 2; k++) status = sl_tessellate(d, &d->copy[k].tessellation, error);
+    if (status == SL_OK) status = sl_window_open(d, scene, &d->own, error);
     if (status == SL_OK) *display = d;
     else sl_display_destroy(d);
     return status;
@@ -194,25 +185,21 @@ static void swap_lists(sl_display *d) {
 
 sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, sl_error *error) {
     (void)counters;
-    int hidden = 1 - atomic_load_explicit(&d->shown, memory_order_relaxed);
-    sl_display_copy *copy = &d->copy[hidden];
+    sl_display_copy *copy = sl_display_hidden(d);
     copy->colours = p->radiance ? 2 : 1;
     sl_status status = update_copy(d, copy, p, error);
-    if (status == SL_OK && d->curved) status = sl_tessellate(d, &copy->tessellation, error);
+    if (status == SL_OK && d->curved) status = sl_tessellate(d, &d->own, error);
     if (status != SL_OK) { /* flags are left as they are: the other copy misses nothing */
         copy->complete = false;
         return status;
     }
     copy->complete = true;
+    copy->builds = ++d->builds;
     clear_flags(p);
     swap_lists(d);
     sl_patches_rested(p);
-    atomic_store_explicit(&d->shown, hidden, memory_order_release);
+    sl_display_swap(d);
     return SL_OK;
 }
 
-sl_status sl_display_move(sl_display *d, sl_error *error) {
-    sl_status status = sl_raster_move(d->raster, d->settings.threads, error);
-    if (status != SL_OK || !d->curved) return status;
-    return sl_tessellation_move(d, &d->copy[atomic_load_explicit(&d->shown, memory_order_acquire)].tessellation, error);
-}
+sl_status sl_display_move(sl_display *d, sl_error *error) { return sl_window_move(d, &d->own, error); }

@@ -9,6 +9,7 @@
  *   vertex_values.c  what vertices show: their samples, or, before they have any, what lies between those around them
  *   packed_colour.h  colours in eight bytes
  *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there
+ *   window.c         from where frames are drawn
  *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded, only interpolated
  *   draw.c           id map, Gouraud, texture, emission
  */
@@ -31,11 +32,11 @@ void sl_display_destroy(sl_display *display);
 /* Of both copies, all that grows with the patches (and not what stands for the scene's triangles, or for pixels). */
 size_t sl_display_memory_bytes(const sl_display *display);
 
-/* Brings the hidden copy up to date with the patches (those marked SL_PATCH_DIRTY, in it or in the copy before) and with the camera (curved surfaces),
- * and swaps. Frames from the shown copy may be drawn meanwhile, by one other thread; what that draws goes on with its copy when they are swapped, so
- * that frame has to end before the next build begins. After a failure the shown copy is what it was, and the hidden one is made anew next time. */
+/* Brings the hidden copy up to date with the patches (those marked SL_PATCH_DIRTY, in it or in the copy before) and curved surfaces with the camera,
+ * and swaps. Another thread may draw meanwhile, in a window of its own: its frame goes on with the copy that it has begun with, never waits, and the next
+ * build waits for its end. After a failure the shown copy is what it was, and the hidden one is made anew next time. */
 sl_status sl_display_build(sl_display *display, sl_patches *patches, sl_counters *counters, sl_error *error);
-/* Positions follow the scene's objects as they stand now: before the next frame. While nothing is being drawn. */
+/* Positions follow the scene's objects as they stand now: before the next frame. */
 sl_status sl_display_move(sl_display *display, sl_error *error);
 
 /* What the id map tells of a frame: by pixel, bottom row first. NULL: not wanted. */
@@ -47,7 +48,18 @@ typedef struct sl_display_ids {
 
 /* A frame from the camera as it stands: radiance, three planes of width*height, bottom row first: L_e + kd E / pi + L_s. */
 sl_status sl_display_draw(sl_display *display, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error);
-/* U1: the id map of the same arrays, read back. Planes are the caller's. It may be drawn while another thread draws a frame. */
+/* U1: the id map of the same arrays, read back. Planes are the caller's. */
 sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error);
+
+/* A window is another thread's way to look: at the same arrays, from the camera and with the objects of a twin of the scene (scene/twin.h), which that thread moves as
+ * it likes. Hardware and planes are its own. */
+typedef struct sl_window sl_window;
+sl_status sl_window_create(const sl_display *display, const sl_scene *twin, sl_window **window, sl_error *error);
+void sl_window_destroy(sl_window *window);
+/* Positions follow the twin's objects. Curved surfaces are cut anew for its camera with the first frame after a build. */
+sl_status sl_window_move(const sl_display *display, sl_window *window, sl_error *error);
+sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error);
+/* How many builds the arrays of the last frame had seen. */
+uint64_t sl_window_builds(const sl_window *window);
 
 #endif

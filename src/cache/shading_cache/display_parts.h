@@ -1,9 +1,8 @@
-/* Between arrays.c, display_fans.c, vertex_values.c, tessellate.c and draw.c. */
+/* Between arrays.c, display_fans.c, vertex_values.c, window.c, tessellate.c and draw.c. */
 #ifndef SL_SHADING_CACHE_DISPLAY_PARTS_H
 #define SL_SHADING_CACHE_DISPLAY_PARTS_H
 
-#include <stdatomic.h>
-
+#include "base/thread.h"
 #include "cache/shading_cache/display.h"
 #include "cache/shading_cache/packed_colour.h"
 
@@ -61,6 +60,7 @@ typedef struct sl_tessellation {
 
 typedef struct sl_display_copy {
     bool complete;             /* false: all of it is to be made */
+    uint64_t builds;           /* so many there had been with this one */
     uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
     size_t root_count;
     uint32_t *word;            /* by patch, numbered as in sl_patches */
@@ -71,7 +71,6 @@ typedef struct sl_display_copy {
     sl_packed_colour *value;   /* by vertex */
     size_t vertex_count, vertex_capacity;
     sl_fans fans;
-    sl_tessellation tessellation;
 } sl_display_copy;
 
 /* A vertex without samples, and the two or four that it lies between; SL_NO_INDEX: it is a root's corner. */
@@ -86,11 +85,19 @@ typedef struct sl_pending {
     size_t count, capacity;
 } sl_pending;
 
-/* Planes of a frame: one for pictures and one for the id map, which may be drawn at the same time. */
+/* Planes of a frame. */
 typedef struct sl_frame_planes {
     uint32_t *id, *curved_id;
     float *depth, *curved_depth;
 } sl_frame_planes;
+
+struct sl_window {
+    const sl_scene *scene;     /* with the camera and the positions */
+    sl_raster *raster;         /* of it */
+    sl_tessellation tessellation;
+    sl_frame_planes frame;
+    uint64_t builds;           /* of the copy that the last frame shows */
+};
 
 /* Curved surfaces and the edges that they share. */
 typedef struct sl_curved_edges sl_curved_edges;
@@ -99,12 +106,15 @@ struct sl_display {
     const sl_scene *scene;
     const sl_primitives *primitives;
     sl_display_settings settings;
-    sl_raster *raster;         /* of the scene */
+    sl_window own;             /* of the thread that builds: id maps, and frames where no other thread draws them */
     uint8_t *left_out;         /* by scene triangle: those of curved surfaces; NULL: there are none */
     bool textured;
     sl_curved_edges *curved;   /* NULL: nothing is curved */
     sl_display_copy copy[2];
-    atomic_int shown;
+    sl_monitor swap;           /* guards these two, and is held for as long as it takes to set them */
+    int shown;
+    int drawn_from[2];         /* by copy: frames under way */
+    uint64_t builds;
     sl_display_root *root;     /* wanted ones, in the order in which they were; both copies look here: what is there stays */
     size_t root_count;
     uint32_t *dirty[2];        /* patches changed in this update, and in the one before */
@@ -112,7 +122,6 @@ struct sl_display {
     sl_pending pending[SL_PATCH_DEPTH_MAX + 1]; /* by level of the vertex */
     uint32_t *seen_pending;    /* one bit a vertex */
     size_t seen_words;
-    sl_frame_planes frame[2];
 };
 
 /* The vertices that the split which made four children has added. Their other corners are their parent's, which who looks for a leaf knows already. */
@@ -133,13 +142,23 @@ sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl
                             const size_t count[2], sl_error *error);
 void sl_display_values_release(sl_display *display);
 
+/* window.c. */
+sl_status sl_window_open(const sl_display *display, const sl_scene *scene, sl_window *window, sl_error *error); /* to be closed also where this fails */
+void sl_window_close(sl_window *window);
+/* The shown copy, which stays as it is until it is given back. Neither waits. */
+const sl_display_copy *sl_display_take(sl_display *display);
+void sl_display_give_back(sl_display *display, const sl_display_copy *copy);
+/* The hidden copy, once no frame is drawn from it any more; and it is shown. */
+sl_display_copy *sl_display_hidden(sl_display *display);
+void sl_display_swap(sl_display *display);
+
 /* tessellate.c. */
 sl_status sl_curved_edges_find(const sl_primitives *primitives, sl_curved_edges **curved, sl_error *error);
 void sl_curved_edges_destroy(sl_curved_edges *curved);
-/* For the scene's camera, unless it is for that already. */
-sl_status sl_tessellate(const sl_display *display, sl_tessellation *tessellation, sl_error *error);
+/* For the window's camera, unless it is for that already. */
+sl_status sl_tessellate(const sl_display *display, sl_window *window, sl_error *error);
 /* The same triangles, where their surfaces are now. */
-sl_status sl_tessellation_move(const sl_display *display, sl_tessellation *tessellation, sl_error *error);
+sl_status sl_tessellation_move(const sl_display *display, sl_window *window, sl_error *error);
 void sl_tessellation_release(sl_tessellation *tessellation);
 
 #endif

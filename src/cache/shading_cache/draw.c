@@ -11,15 +11,15 @@ enum { STRIP = 2048 }; /* pixels of a task */
 /* ---- visibility --------------------------------------------------------------------------------------------------------------- */
 
 /* The scene without its curved surfaces, and those as they are tessellated for the view; each pixel keeps the nearer one. */
-static sl_status draw_ids(const sl_display *d, const sl_display_copy *copy, const sl_view *view, unsigned threads, const sl_frame_planes *frame,
-                          sl_counters *counters, sl_error *error) {
+static sl_status draw_ids(const sl_display *d, const sl_window *w, const sl_view *view, unsigned threads, sl_counters *counters, sl_error *error) {
+    const sl_frame_planes *frame = &w->frame;
     sl_view planar = *view;
     planar.left_out = d->left_out;
     sl_target target = {view->width, view->height, frame->id, frame->depth};
-    sl_status status = sl_raster_id(d->raster, &planar, threads, &target, counters, error);
+    sl_status status = sl_raster_id(w->raster, &planar, threads, &target, counters, error);
     if (status != SL_OK || !d->curved) return status;
     target = (sl_target){view->width, view->height, frame->curved_id, frame->curved_depth};
-    status = sl_raster_id(copy->tessellation.raster, view, threads, &target, counters, error);
+    status = sl_raster_id(w->tessellation.raster, view, threads, &target, counters, error);
     if (status != SL_OK) return status;
     for (size_t i = 0, pixels = (size_t)view->width * (size_t)view->height; i < pixels; i++) {
         bool curved = frame->curved_id[i] != SL_NO_INDEX && !(frame->id[i] != SL_NO_INDEX && frame->depth[i] >= frame->curved_depth[i]);
@@ -34,8 +34,8 @@ static sl_status draw_ids(const sl_display *d, const sl_display_copy *copy, cons
 typedef struct frame_job {
     const sl_display *display;
     const sl_display_copy *copy;
+    const sl_window *window;
     sl_view view;
-    const sl_frame_planes *frame;
     size_t pixels;
     float *const *out;         /* pictures */
     sl_resolver *resolver;     /* of textures; NULL: there are none */
@@ -80,7 +80,7 @@ static uint32_t seen_root(uint32_t primitive, sl_vec3 geometric, sl_vec3 to_view
 }
 
 static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, triangle_run *run) {
-    const sl_scene *s = job->display->scene;
+    const sl_scene *s = job->window->scene;
     const sl_primitives *p = job->display->primitives;
     run->root = SL_NO_INDEX;
     if (id == SL_NO_INDEX && curved_id == SL_NO_INDEX) return;
@@ -88,7 +88,7 @@ static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, tri
     sl_vec3 geometric, corner[3];
     uint32_t primitive;
     if (run->curved) {
-        const sl_tessellation *t = &job->copy->tessellation;
+        const sl_tessellation *t = &job->window->tessellation;
         primitive = t->primitive[curved_id];
         for (int c = 0; c < 3; c++) {
             uint32_t v = t->vertex[c][curved_id];
@@ -137,17 +137,17 @@ static void begin_strip(const frame_job *job, size_t index, strip *s) {
     uint32_t pixel[STRIP] = {0};
     s->first = index * STRIP;
     s->count = job->pixels - s->first < STRIP ? job->pixels - s->first : STRIP;
-    s->id = job->frame->id + s->first;
-    s->curved_id = job->display->curved ? job->frame->curved_id + s->first : NULL;
+    s->id = job->window->frame.id + s->first;
+    s->curved_id = job->display->curved ? job->window->frame.curved_id + s->first : NULL;
     bool any = false;
     for (size_t i = 0; i < s->count; i++) {
         pixel[i] = (uint32_t)(s->first + i);
         any |= s->curved_id && s->curved_id[i] != SL_NO_INDEX;
     }
-    sl_raster_barycentrics(job->display->raster, &job->view, s->count, pixel, s->id, s->w1, s->w2);
+    sl_raster_barycentrics(job->window->raster, &job->view, s->count, pixel, s->id, s->w1, s->w2);
     if (!any) return;
     float w1[STRIP], w2[STRIP];
-    sl_raster_barycentrics(job->copy->tessellation.raster, &job->view, s->count, pixel, s->curved_id, w1, w2);
+    sl_raster_barycentrics(job->window->tessellation.raster, &job->view, s->count, pixel, s->curved_id, w1, w2);
     for (size_t i = 0; i < s->count; i++) {
         bool curved = s->curved_id[i] != SL_NO_INDEX;
         s->w1[i] = curved ? w1[i] : s->w1[i];
@@ -162,7 +162,7 @@ static void next_pixel(const frame_job *job, const strip *s, size_t i, triangle_
 }
 
 static sl_rgb background(const frame_job *job, size_t pixel) {
-    const sl_environment *environment = &job->display->scene->environment;
+    const sl_environment *environment = &job->window->scene->environment;
     if (!environment->present) return sl_grey(0.0f);
     size_t width = (size_t)job->view.width;
     return sl_environment_radiance(environment, sl_view_direction(&job->view, (double)(pixel % width) + 0.5, (double)(pixel / width) + 0.5));
@@ -172,7 +172,7 @@ static sl_rgb background(const frame_job *job, size_t pixel) {
 static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int32_t u, int32_t v) {
     float w1, w2;
     uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)as_parameter(u), (double)as_parameter(v), &w1, &w2);
-    return sl_scene_diffuse(job->display->scene, triangle, w1, w2);
+    return sl_scene_diffuse(job->window->scene, triangle, w1, w2);
 }
 
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
@@ -235,28 +235,29 @@ static void name_strip(void *context, size_t index, unsigned worker) {
 
 /* ---- frames ------------------------------------------------------------------------------------------------------------------- */
 
-static sl_status begin_frame(sl_display *d, int which, unsigned threads, frame_job *job, sl_counters *counters, sl_error *error) {
-    const sl_display_copy *copy = &d->copy[atomic_load_explicit(&d->shown, memory_order_acquire)];
-    *job = (frame_job){.display = d, .copy = copy, .view = sl_view_scene(d->scene, d->settings.width, d->settings.height),
-                       .frame = &d->frame[which], .pixels = (size_t)d->settings.width * (size_t)d->settings.height};
-    return draw_ids(d, copy, &job->view, threads, job->frame, counters, error);
+static sl_status begin_frame(sl_display *d, const sl_window *window, const sl_display_copy *copy, unsigned threads, frame_job *job, sl_counters *counters,
+                             sl_error *error) {
+    *job = (frame_job){.display = d, .copy = copy, .window = window, .view = sl_view_scene(window->scene, d->settings.width, d->settings.height),
+                       .pixels = (size_t)d->settings.width * (size_t)d->settings.height};
+    return draw_ids(d, window, &job->view, threads, counters, error);
 }
 
 static void run_strips(frame_job *job, unsigned threads, sl_task *task, sl_counters *counters) {
     sl_parallel_for(threads, (job->pixels + STRIP - 1) / STRIP, task, job);
+    const sl_frame_planes *frame = &job->window->frame;
     uint64_t covered = 0;
     for (size_t i = 0; i < job->pixels; i++) {
-        covered += job->frame->id[i] != SL_NO_INDEX || (job->display->curved && job->frame->curved_id[i] != SL_NO_INDEX);
+        covered += frame->id[i] != SL_NO_INDEX || (job->display->curved && frame->curved_id[i] != SL_NO_INDEX);
     }
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, covered);
 }
 
-sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
+static sl_status draw_copy(sl_display *d, const sl_window *window, const sl_display_copy *copy, unsigned threads, float *const planes[3],
+                           sl_counters *counters, sl_error *error) {
     frame_job job;
-    threads = sl_thread_count(threads);
-    sl_status status = begin_frame(d, 0, threads, &job, counters, error);
+    sl_status status = begin_frame(d, window, copy, threads, &job, counters, error);
     if (status == SL_OK && d->textured) {
-        status = sl_resolver_create(d->raster, 1, &job.view, NULL, job.frame->id, threads, &job.resolver, error);
+        status = sl_resolver_create(window->raster, 1, &job.view, NULL, window->frame.id, threads, &job.resolver, error);
     }
     if (status != SL_OK) return status;
     job.out = planes;
@@ -265,13 +266,32 @@ sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3
     return SL_OK;
 }
 
+/* The display's own window is seen to by builds. */
+sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
+    const sl_display_copy *copy = sl_display_take(d);
+    sl_status status = SL_OK;
+    if (d->curved && window != &d->own && window->builds != copy->builds) status = sl_tessellate(d, window, error);
+    if (status == SL_OK) status = draw_copy(d, window, copy, sl_thread_count(threads), planes, counters, error);
+    if (status == SL_OK) window->builds = copy->builds;
+    sl_display_give_back(d, copy);
+    return status;
+}
+
+sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3], sl_counters *counters, sl_error *error) {
+    return sl_window_draw(d, &d->own, threads, planes, counters, error);
+}
+
 sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error) {
     frame_job job;
     threads = sl_thread_count(threads);
-    sl_status status = begin_frame(d, 1, threads, &job, counters, error);
+    const sl_display_copy *copy = sl_display_take(d);
+    sl_status status = begin_frame(d, &d->own, copy, threads, &job, counters, error);
+    if (status == SL_OK) {
+        job.ids = ids;
+        run_strips(&job, threads, name_strip, counters);
+    }
+    sl_display_give_back(d, copy);
     if (status != SL_OK) return status;
-    job.ids = ids;
-    run_strips(&job, threads, name_strip, counters);
     size_t planes = 0;
     const void *const wanted[4] = {ids->patch, ids->root, ids->u, ids->v};
     for (int k = 0; k < 4; k++) planes += wanted[k] != NULL;

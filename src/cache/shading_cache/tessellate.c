@@ -95,8 +95,8 @@ void sl_curved_edges_destroy(sl_curved_edges *c) {
     sl_free(c);
 }
 
-static const sl_bicubic *surface_of(const sl_display *d, size_t surface) {
-    return &d->scene->bicubics[d->primitives->bicubic[d->curved->primitive[surface]]];
+static const sl_bicubic *surface_of(const sl_display *d, const sl_scene *scene, size_t surface) {
+    return &scene->bicubics[d->primitives->bicubic[d->curved->primitive[surface]]];
 }
 
 /* ---- rates -------------------------------------------------------------------------------------------------------------------- */
@@ -157,13 +157,13 @@ static int rate_for(double pixels, bool outside) {
 }
 
 /* A triangle with legs h_u, h_v is off by at most (h_u^2 |B_uu| + 2 h_u h_v |B_uv| + h_v^2 |B_vv|) / 8: half a pixel if no term is above one. */
-static void find_rates(const sl_display *d, sl_curved_rates *rates) {
+static void find_rates(const sl_display *d, const sl_scene *scene, sl_curved_rates *rates) {
     const sl_curved_edges *c = d->curved;
-    sl_view view = sl_view_scene(d->scene, d->settings.width, d->settings.height);
+    sl_view view = sl_view_scene(scene, d->settings.width, d->settings.height);
     for (size_t s = 0; s < c->count; s++) {
         bool outside;
-        double scale = pixels_per_unit(surface_of(d, s), &view, &d->scene->camera, &outside);
-        curvature bend = curvature_of(surface_of(d, s));
+        double scale = pixels_per_unit(surface_of(d, scene, s), &view, &scene->camera, &outside);
+        curvature bend = curvature_of(surface_of(d, scene, s));
         double u = fmax(bend.uu, bend.uv), v = fmax(bend.vv, bend.uv);
         rates[s].u = rate_for(u > 0.0 ? u * scale : 0.0, outside);
         rates[s].v = rate_for(v > 0.0 ? v * scale : 0.0, outside);
@@ -200,8 +200,8 @@ static void put_vertex(sl_tessellation *t, size_t at, sl_vec3 position, double u
 }
 
 /* Points of an edge come from its own curve, run through the agreed way: the same bits for all that share it. */
-static void put_edge(const sl_display *d, sl_tessellation *t, size_t surface, int edge, size_t at) {
-    const sl_bicubic *b = surface_of(d, surface);
+static void put_edge(const sl_display *d, const sl_scene *scene, sl_tessellation *t, size_t surface, int edge, size_t at) {
+    const sl_bicubic *b = surface_of(d, scene, surface);
     bool backwards = d->curved->backwards[4 * surface + (size_t)edge], downwards = edge >= 2;
     int rate = t->rates[surface].edge[edge];
     sl_vec3 p[4];
@@ -213,23 +213,23 @@ static void put_edge(const sl_display *d, sl_tessellation *t, size_t surface, in
     }
 }
 
-static void put_vertices(const sl_display *d, sl_tessellation *t) {
+static void put_vertices(const sl_display *d, const sl_scene *scene, sl_tessellation *t) {
     size_t at = 0;
     for (size_t s = 0; s < d->curved->count; s++) {
         const sl_curved_rates *r = &t->rates[s];
         for (int e = 0; e < 4; e++) {
-            put_edge(d, t, s, e, at);
+            put_edge(d, scene, t, s, e, at);
             at += (size_t)r->edge[e];
         }
         for (int j = 1; j < r->v; j++) {
             for (int i = 1; i < r->u; i++) {
                 double u = (double)i / r->u, v = (double)j / r->v;
                 sl_vec3 position;
-                sl_bicubic_at(surface_of(d, s), u, v, &position, NULL);
+                sl_bicubic_at(surface_of(d, scene, s), u, v, &position, NULL);
                 put_vertex(t, at++, position, u, v);
             }
         }
-        memcpy(t->point + 16 * s, surface_of(d, s)->point, sizeof surface_of(d, s)->point);
+        memcpy(t->point + 16 * s, surface_of(d, scene, s)->point, sizeof surface_of(d, scene, s)->point);
     }
 }
 
@@ -293,9 +293,10 @@ void sl_tessellation_release(sl_tessellation *t) {
     memset(t, 0, sizeof *t);
 }
 
-static bool has_moved(const sl_display *d, const sl_tessellation *t) {
+static bool has_moved(const sl_display *d, const sl_scene *scene, const sl_tessellation *t) {
     for (size_t s = 0; s < d->curved->count; s++) {
-        if (memcmp(t->point + 16 * s, surface_of(d, s)->point, sizeof surface_of(d, s)->point) != 0) return true;
+        const sl_bicubic *b = surface_of(d, scene, s);
+        if (memcmp(t->point + 16 * s, b->point, sizeof b->point) != 0) return true;
     }
     return false;
 }
@@ -309,27 +310,27 @@ static bool allocate(sl_tessellation *t, size_t vertices, size_t triangles, size
     return ok;
 }
 
-static sl_status make(const sl_display *d, sl_tessellation *t, sl_error *error) {
+static sl_status make(const sl_display *d, const sl_scene *scene, sl_tessellation *t, sl_error *error) {
     size_t surfaces = d->curved->count, vertices = 0, triangles = 0;
     if (!(t->rates = sl_allocate(surfaces, sizeof *t->rates))) return sl_fail_memory(error, "curved surfaces");
-    find_rates(d, t->rates);
+    find_rates(d, scene, t->rates);
     for (size_t s = 0; s < surfaces; s++) {
         vertices += (size_t)vertices_of(&t->rates[s]);
         triangles += (size_t)triangles_of(&t->rates[s]);
     }
     if (!allocate(t, vertices, triangles, surfaces)) return sl_fail_memory(error, "curved surfaces");
-    put_vertices(d, t);
+    put_vertices(d, scene, t);
     put_triangles(d, t);
     t->vertex_count = vertices;
-    t->camera = d->scene->camera;
+    t->camera = scene->camera;
     t->mesh = (sl_raster_mesh){vertices, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
     return sl_raster_create_mesh(&t->mesh, d->settings.threads, &t->raster, error);
 }
 
-sl_status sl_tessellate(const sl_display *d, sl_tessellation *t, sl_error *error) {
-    if (t->raster && memcmp(&t->camera, &d->scene->camera, sizeof t->camera) == 0 && !has_moved(d, t)) return SL_OK;
-    sl_tessellation fresh = {.raster = NULL};
-    sl_status status = make(d, &fresh, error);
+sl_status sl_tessellate(const sl_display *d, sl_window *w, sl_error *error) {
+    sl_tessellation *t = &w->tessellation, fresh = {.raster = NULL};
+    if (t->raster && memcmp(&t->camera, &w->scene->camera, sizeof t->camera) == 0 && !has_moved(d, w->scene, t)) return SL_OK;
+    sl_status status = make(d, w->scene, &fresh, error);
     if (status != SL_OK) {
         sl_tessellation_release(&fresh);
         return status;
@@ -339,8 +340,9 @@ sl_status sl_tessellate(const sl_display *d, sl_tessellation *t, sl_error *error
     return SL_OK;
 }
 
-sl_status sl_tessellation_move(const sl_display *d, sl_tessellation *t, sl_error *error) {
-    if (!has_moved(d, t)) return SL_OK;
-    put_vertices(d, t);
+sl_status sl_tessellation_move(const sl_display *d, sl_window *w, sl_error *error) {
+    sl_tessellation *t = &w->tessellation;
+    if (!has_moved(d, w->scene, t)) return SL_OK;
+    put_vertices(d, w->scene, t);
     return sl_raster_move(t->raster, d->settings.threads, error);
 }

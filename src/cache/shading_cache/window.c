@@ -1,0 +1,86 @@
+/* From where frames are drawn: a camera and the positions of objects, the hardware that holds them, planes. The thread that builds the arrays has one
+ * window for its id maps, another thread may have one to show them in; the two meet in the copies of the arrays alone, of which one is drawn from while the other is
+ * written to. A frame never waits; a build that would write to what an unfinished frame reads does. */
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/shading_cache/display_parts.h"
+
+static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
+    frame->id = sl_allocate(pixels, sizeof *frame->id);
+    if (!curved) return frame->id != NULL;
+    frame->curved_id = sl_allocate(pixels, sizeof *frame->curved_id);
+    frame->depth = sl_allocate(pixels, sizeof *frame->depth);
+    frame->curved_depth = sl_allocate(pixels, sizeof *frame->curved_depth);
+    return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
+}
+
+sl_status sl_window_open(const sl_display *d, const sl_scene *scene, sl_window *w, sl_error *error) {
+    *w = (sl_window){.scene = scene};
+    size_t pixels = (size_t)d->settings.width * (size_t)d->settings.height;
+    if (!allocate_frame(&w->frame, pixels, d->curved != NULL)) return sl_fail_memory(error, "the display");
+    sl_status status = sl_raster_create(scene, d->settings.threads, &w->raster, error);
+    if (status == SL_OK && d->curved) status = sl_tessellate(d, w, error);
+    return status;
+}
+
+void sl_window_close(sl_window *w) {
+    sl_tessellation_release(&w->tessellation);
+    sl_raster_destroy(w->raster);
+    void *planes[] = {w->frame.id, w->frame.curved_id, w->frame.depth, w->frame.curved_depth};
+    for (int i = 0; i < 4; i++) sl_free(planes[i]);
+}
+
+sl_status sl_window_create(const sl_display *d, const sl_scene *twin, sl_window **window, sl_error *error) {
+    sl_window *w = sl_allocate(1, sizeof *w);
+    *window = NULL;
+    if (!w) return sl_fail_memory(error, "a window of the display");
+    sl_status status = sl_window_open(d, twin, w, error);
+    if (status == SL_OK) *window = w;
+    else sl_window_destroy(w);
+    return status;
+}
+
+void sl_window_destroy(sl_window *w) {
+    if (!w) return;
+    sl_window_close(w);
+    sl_free(w);
+}
+
+sl_status sl_window_move(const sl_display *d, sl_window *w, sl_error *error) {
+    sl_status status = sl_raster_move(w->raster, d->settings.threads, error);
+    return status == SL_OK && d->curved ? sl_tessellation_move(d, w, error) : status;
+}
+
+uint64_t sl_window_builds(const sl_window *w) { return w->builds; }
+
+/* ---- the two copies ------------------------------------------------------------------------------------------------------------ */
+
+const sl_display_copy *sl_display_take(sl_display *d) {
+    sl_monitor_enter(&d->swap);
+    int shown = d->shown;
+    d->drawn_from[shown]++;
+    sl_monitor_leave(&d->swap);
+    return &d->copy[shown];
+}
+
+void sl_display_give_back(sl_display *d, const sl_display_copy *copy) {
+    sl_monitor_enter(&d->swap);
+    d->drawn_from[copy - d->copy]--;
+    sl_monitor_signal(&d->swap);
+    sl_monitor_leave(&d->swap);
+}
+
+/* Frames begun since the last swap are drawn from the other copy, so this waits for one that was begun before it, if any. */
+sl_display_copy *sl_display_hidden(sl_display *d) {
+    sl_monitor_enter(&d->swap);
+    int hidden = 1 - d->shown;
+    while (d->drawn_from[hidden] > 0) sl_monitor_wait(&d->swap);
+    sl_monitor_leave(&d->swap);
+    return &d->copy[hidden];
+}
+
+void sl_display_swap(sl_display *d) {
+    sl_monitor_enter(&d->swap);
+    d->shown = 1 - d->shown;
+    sl_monitor_leave(&d->swap);
+}
