@@ -13,7 +13,7 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place);
 /* Room for what goes with nodes, after the mesh has grown. */
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error);
 static inline bool sl_displayed_wants(const sl_displayed *d, size_t entry) { return d->heap_place[entry] != SL_NO_INDEX; }
-static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) { return d->mesh->root_of_face[d->pixels->face[entry].face]; }
+static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) { return sl_mesh_root_of(d->mesh, d->pixels->face[entry].face); }
 
 /* ---- priorities.c ---- */
 

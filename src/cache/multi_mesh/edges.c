@@ -48,14 +48,13 @@ static void list_edges(sl_topology *topology, const uint32_t *low, const uint32_
         if (begins_edge(low, high, order, i)) {
             topology->edge_start[e] = (uint32_t)i;
             topology->edge_high[e] = high[order[i]];
-            topology->site_edge_start[low[order[i]] + 1]++;
+            topology->edge_low[e] = low[order[i]];
             e++;
         }
         topology->edge[order[i] % 3][order[i] / 3] = (uint32_t)(e - 1);
         topology->edge_face[i] = order[i] / 3;
     }
     topology->edge_start[e] = (uint32_t)count;
-    for (size_t s = 0; s < topology->site_count; s++) topology->site_edge_start[s + 1] += topology->site_edge_start[s];
 }
 
 static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high, uint32_t *order, sl_error *error) {
@@ -67,8 +66,8 @@ static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high
     topology->edge_start = sl_allocate(topology->edge_count + 1, sizeof(uint32_t));
     topology->edge_high = sl_allocate(topology->edge_count, sizeof(uint32_t));
     topology->edge_face = sl_allocate(count, sizeof(uint32_t));
-    topology->site_edge_start = sl_allocate(topology->site_count + 1, sizeof(uint32_t));
-    if (topology->edge_start == NULL || topology->edge_high == NULL || topology->edge_face == NULL || topology->site_edge_start == NULL)
+    topology->edge_low = sl_allocate(topology->edge_count, sizeof(uint32_t));
+    if (topology->edge_start == NULL || topology->edge_high == NULL || topology->edge_face == NULL || topology->edge_low == NULL)
         return sl_fail_memory(error, "edges");
     list_edges(topology, low, high, order, count);
     return SL_OK;
@@ -84,14 +83,4 @@ sl_status sl_edges_make(sl_topology *topology, sl_error *error) {
     sl_free(high);
     sl_free(order);
     return status;
-}
-
-uint32_t sl_topology_find_edge(const sl_topology *topology, uint32_t low, uint32_t high) {
-    uint32_t from = topology->site_edge_start[low], to = topology->site_edge_start[low + 1], end = to;
-    while (from < to) {
-        uint32_t middle = from + (to - from) / 2;
-        if (topology->edge_high[middle] < high) from = middle + 1;
-        else to = middle;
-    }
-    return from < end && topology->edge_high[from] == high ? from : SL_NO_INDEX;
 }

@@ -1,4 +1,4 @@
-/* Arrays that grow by half: room for one more without holding much more than is used. */
+/* Arrays that grow by a quarter: room for one more without holding much more than is used. */
 #ifndef SL_MULTI_MESH_GROW_H
 #define SL_MULTI_MESH_GROW_H
 
@@ -17,7 +17,7 @@ static inline bool sl_regrow(void **block, size_t used, size_t capacity, size_t 
 }
 
 static inline size_t sl_grown_capacity(size_t capacity, size_t needed) {
-    size_t grown = capacity + capacity / 2;
+    size_t grown = capacity + capacity / 4;
     return grown > needed ? grown : needed;
 }
 

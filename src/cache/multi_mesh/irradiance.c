@@ -45,20 +45,8 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAIL
 /* ---- where vertices are ---- */
 
 sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth) {
-    const sl_vertex_key *key = &mesh->key[vertex];
-    sl_face_point point = {key->a, key->p, key->q, wanted_depth};
-    if (key->kind == SL_VERTEX_IN_FACE) return point;
-    sl_mesh_point where;
-    sl_mesh_point_of(mesh, vertex, &where);
-    uint32_t weight[3] = {0, 0, 0};
-    for (int i = 0; i < 3; i++) {
-        uint32_t site = mesh->topology->site[i][where.face];
-        if (key->kind == SL_VERTEX_ON_EDGE && site == key->b) weight[i] = key->p;
-        else if (site == key->a) weight[i] = key->kind == SL_VERTEX_ON_EDGE ? SL_MESH_DYADIC - (uint32_t)key->p : SL_MESH_DYADIC;
-    }
-    point.face = where.face;
-    point.p = (uint16_t)weight[1];
-    point.q = (uint16_t)weight[2];
+    sl_face_point point = {.wanted_depth = wanted_depth};
+    point.face = sl_mesh_lowest_face(mesh, vertex, &point.p, &point.q);
     return point;
 }
 
@@ -420,7 +408,7 @@ static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irrad
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         if (has_changed(m, light, v, changes)) mesh->state[v] = SL_VERTEX_UNKNOWN;
     for (uint32_t face = 0; face < mesh->topology->face_count; face++) {
-        if (mesh->root_of_face[face] == SL_NO_INDEX) continue;
+        if (sl_mesh_root_of(mesh, face) == SL_NO_INDEX) continue;
         sl_mesh_place root = sl_mesh_root_place(mesh, face);
         reopen_below(mesh, &root);
     }

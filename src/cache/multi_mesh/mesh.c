@@ -1,123 +1,15 @@
-/* Quadtrees of triangles: roots, places, split and collapse. Nodes lie in blocks of four, so that children need one link; blocks that collapse
- * leave form a chain and are used again, last freed first. */
+/* Quadtrees of triangles: places, split and collapse. */
 #include <math.h>
+#include <string.h>
 
 #include "base/error.h"
-#include "cache/multi_mesh/grow.h"
 #include "cache/multi_mesh/mesh.h"
-#include "cache/multi_mesh/mesh_vertices.h"
-
-/* ---- all of it --------------------------------------------------------------------------------------------------- */
-
-sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh, sl_error *error) {
-    *mesh = NULL;
-    if (channels < 1 || channels > 3) return sl_fail(error, SL_ERROR_USAGE, "a mesh has 1 to 3 channels, not %d", channels);
-    if (max_depth < 0 || max_depth > SL_MESH_DEPTH_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "a mesh is 0 to %d levels deep, not %d", (int)SL_MESH_DEPTH_MAX, max_depth);
-    sl_mesh *m = sl_allocate(1, sizeof *m);
-    if (m == NULL) return sl_fail_memory(error, "a mesh");
-    m->topology = topology;
-    m->channels = channels;
-    m->max_depth = max_depth;
-    m->slot_count = 16;
-    m->root_of_face = sl_allocate(topology->face_count, sizeof *m->root_of_face);
-    m->slot = sl_allocate(m->slot_count, sizeof *m->slot);
-    if (m->root_of_face == NULL || m->slot == NULL) {
-        sl_mesh_destroy(m);
-        return sl_fail_memory(error, "a mesh");
-    }
-    sl_mesh_clear(m);
-    *mesh = m;
-    return SL_OK;
-}
-
-void sl_mesh_destroy(sl_mesh *mesh) {
-    if (mesh == NULL) return;
-    sl_free(mesh->root_of_face);
-    sl_free(mesh->node);
-    sl_free(mesh->parent);
-    sl_free(mesh->root_face);
-    sl_free(mesh->key);
-    sl_free(mesh->value);
-    sl_free(mesh->state);
-    sl_free(mesh->halved);
-    sl_free(mesh->slot);
-    sl_free(mesh);
-}
-
-size_t sl_mesh_memory_bytes(const sl_mesh *mesh) {
-    size_t nodes = mesh->node_capacity * sizeof(sl_mesh_node) + mesh->node_capacity / 4 * 2 * sizeof(uint32_t);
-    size_t vertices = mesh->vertex_capacity * (sizeof(sl_vertex_key) + (size_t)mesh->channels * sizeof(float) + 2);
-    return sizeof *mesh + (mesh->topology->face_count + mesh->slot_count) * sizeof(uint32_t) + nodes + vertices;
-}
-
-void sl_mesh_clear(sl_mesh *mesh) {
-    for (size_t f = 0; f < mesh->topology->face_count; f++) mesh->root_of_face[f] = SL_NO_INDEX;
-    for (size_t i = 0; i < mesh->slot_count; i++) mesh->slot[i] = SL_NO_INDEX;
-    mesh->node_count = mesh->vertex_count = mesh->leaf_count = mesh->free_blocks = 0;
-    mesh->first_free = SL_NO_INDEX;
-}
-
-/* ---- blocks of four nodes ------------------------------------------------------------------------------------------ */
-
-static bool grow_nodes(sl_mesh *mesh) {
-    if (mesh->node_count + 4 > SL_NO_INDEX) return false;
-    size_t capacity = (sl_grown_capacity(mesh->node_capacity, mesh->node_count + 64) + 3) / 4 * 4;
-    if (!sl_regrow((void **)&mesh->node, mesh->node_count, capacity, sizeof *mesh->node)) return false;
-    if (!sl_regrow((void **)&mesh->parent, mesh->node_count / 4, capacity / 4, sizeof *mesh->parent)) return false;
-    if (!sl_regrow((void **)&mesh->root_face, mesh->node_count / 4, capacity / 4, sizeof *mesh->root_face)) return false;
-    mesh->node_capacity = capacity;
-    return true;
-}
-
-/* Four fresh leaves; the first one's index, or SL_NO_INDEX where memory ends. */
-static uint32_t take_block(sl_mesh *mesh, uint32_t parent, uint32_t root_face) {
-    uint32_t first = mesh->first_free;
-    if (first != SL_NO_INDEX) {
-        mesh->first_free = mesh->node[first].child;
-        mesh->free_blocks--;
-    } else {
-        if (mesh->node_count == mesh->node_capacity && !grow_nodes(mesh)) return SL_NO_INDEX;
-        first = (uint32_t)mesh->node_count;
-        mesh->node_count += 4;
-    }
-    for (uint32_t i = first; i < first + 4; i++)
-        mesh->node[i] = (sl_mesh_node){.child = SL_NO_INDEX, .vertex = {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
-    mesh->parent[first / 4] = parent;
-    mesh->root_face[first / 4] = root_face;
-    return first;
-}
-
-static void free_block(sl_mesh *mesh, uint32_t first) {
-    mesh->parent[first / 4] = mesh->root_face[first / 4] = SL_NO_INDEX;
-    mesh->node[first].child = mesh->first_free;
-    mesh->first_free = first;
-    mesh->free_blocks++;
-}
-
-uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error) {
-    *status = SL_OK;
-    if (mesh->root_of_face[face] != SL_NO_INDEX) return mesh->root_of_face[face];
-    uint32_t vertex[3];
-    for (uint32_t c = 0; c < 3; c++) {
-        vertex[c] = sl_mesh_vertex_at(mesh, face, c == 1 ? SL_MESH_DYADIC : 0, c == 2 ? SL_MESH_DYADIC : 0, status, error);
-        if (vertex[c] == SL_NO_INDEX) return SL_NO_INDEX;
-    }
-    uint32_t root = take_block(mesh, SL_NO_INDEX, face);
-    if (root == SL_NO_INDEX) {
-        *status = sl_fail_memory(error, "mesh nodes");
-        return SL_NO_INDEX;
-    }
-    memcpy(mesh->node[root].vertex, vertex, sizeof vertex);
-    mesh->root_of_face[face] = root;
-    mesh->leaf_count++;
-    return root;
-}
+#include "cache/multi_mesh/mesh_parts.h"
 
 /* ---- places --------------------------------------------------------------------------------------------------------- */
 
 sl_mesh_place sl_mesh_root_place(const sl_mesh *mesh, uint32_t face) {
-    return (sl_mesh_place){.node = mesh->root_of_face[face], .face = face, .p = {0, SL_MESH_DYADIC, 0}, .q = {0, 0, SL_MESH_DYADIC}};
+    return (sl_mesh_place){.node = sl_mesh_root_of(mesh, face), .face = face, .p = {0, SL_MESH_DYADIC, 0}, .q = {0, 0, SL_MESH_DYADIC}};
 }
 
 static uint16_t middle(uint16_t a, uint16_t b) { return (uint16_t)((a + b) / 2); }
@@ -151,8 +43,8 @@ sl_mesh_place sl_mesh_child_place(const sl_mesh *mesh, const sl_mesh_place *pare
 sl_mesh_place sl_mesh_place_of(const sl_mesh *mesh, uint32_t node) {
     int path[SL_MESH_DEPTH_MAX], depth = 0;
     uint32_t at = node;
-    for (uint32_t up = sl_mesh_parent(mesh, at); up != SL_NO_INDEX; at = up, up = sl_mesh_parent(mesh, at)) path[depth++] = (int)(at % 4);
-    sl_mesh_place place = sl_mesh_root_place(mesh, mesh->root_face[at / 4]);
+    for (uint32_t up = sl_mesh_parent(mesh, at); up != SL_NO_INDEX; at = up, up = sl_mesh_parent(mesh, at)) path[depth++] = (int)(at - mesh->node[up].child);
+    sl_mesh_place place = sl_mesh_root_place(mesh, mesh->node[at].parent & ~SL_MESH_ROOT);
     while (depth > 0) place = sl_mesh_child_place(mesh, &place, path[--depth]);
     return place;
 }
@@ -284,7 +176,7 @@ sl_status sl_mesh_split(sl_mesh *mesh, const sl_mesh_place *place, sl_error *err
         at[edge] = sl_mesh_middle(mesh, place, edge, &status, error);
         if (at[edge] == SL_NO_INDEX) return status;
     }
-    uint32_t children = take_block(mesh, place->node, SL_NO_INDEX);
+    uint32_t children = sl_mesh_take_nodes(mesh, cut < 3 ? 2 : 4, place->node);
     if (children == SL_NO_INDEX) return sl_fail_memory(error, "mesh nodes");
     mesh->node[place->node].child = children;
     if (cut < 3) {
@@ -303,7 +195,7 @@ void sl_mesh_collapse(sl_mesh *mesh, uint32_t node) {
     int children = sl_mesh_children(mesh, node);
     for (int c = 0; c < children; c++)
         if (!sl_mesh_is_leaf(mesh, n->child + (uint32_t)c)) return;
-    free_block(mesh, n->child);
+    sl_mesh_free_nodes(mesh, n->child, children);
     n->child = SL_NO_INDEX;
     n->flags &= ~((uint32_t)SL_NODE_BISECTED | 3u << SL_NODE_CUT_SHIFT);
     mesh->leaf_count -= (size_t)children - 1;

@@ -14,7 +14,8 @@
  * middle of an edge counts for interpolation on both sides of it, be the triangles there split or not: so there are no T-vertices, and
  * no step of colour along edges.
  *
- *   mesh.c              roots, places, split, collapse
+ *   mesh.c              places, split, collapse
+ *   mesh_nodes.c        memory of nodes; roots
  *   mesh_vertices.c     keys, their table, where vertices lie
  *   mesh_interpolate.c  values between vertices
  *   mesh_neighbours.c   the other side of an edge */
@@ -26,8 +27,10 @@
 enum {
     SL_MESH_DEPTH_MAX = 12,
     SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX, /* what barycentrics of vertices are multiples of 1/ of */
-    SL_MESH_SLIVER = 20
+    SL_MESH_SLIVER = 20,
+    SL_ROOT_PAGE = 32
 };
+#define SL_MESH_ROOT 0x80000000u
 
 typedef enum sl_vertex_state {
     SL_VERTEX_UNKNOWN,
@@ -47,43 +50,48 @@ enum {
     SL_NODE_SMALL = 0x800,     /* meets the size criterion in the view as it stands (displayed meshes) */
     SL_NODE_SETTLED = 0x1000,  /* a node above it is closed and small there: only another view asked for more */
     SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
-    SL_NODE_LISTED = 0x4000    /* what is on its edges is in sl_displayed.hanging */
+    SL_NODE_LISTED = 0x4000,   /* what is on its edges is in sl_displayed.hanging */
+    SL_NODE_TESTED_SHIFT = 16  /* the upper half: sl_mesh_tested_size() */
 };
 
 typedef struct sl_mesh_node {
     uint32_t child;            /* first of its children, which lie one after another; SL_NO_INDEX: a leaf */
+    uint32_t parent;           /* or SL_MESH_ROOT + its face; SL_NO_INDEX: it is free */
     uint32_t vertex[3];
     float priority;            /* of a leaf: how much it matters to the eye; of others the largest of their children's */
     uint32_t pixels;           /* of the id map that show it (displayed meshes) */
     uint32_t flags;
-    float tested_size;         /* size in pixels when it collapsed: not opened again before it is twice that; 0: never */
 } sl_mesh_node;
 
-/* Where a vertex lies. kind SITE: a is the site; EDGE: sites a < b, p the fraction from a in 1/SL_MESH_DYADIC; FACE: face a, weights of
- * corners 1 and 2 p and q in 1/SL_MESH_DYADIC. */
+/* A node's size in pixels when it collapsed: it is not opened again before it is twice that; 0: it never did. The upper half of a float's bits. */
+float sl_mesh_tested_size(const sl_mesh_node *node);
+void sl_mesh_set_tested_size(sl_mesh_node *node, float size);
+
+/* Where a vertex lies. On a SITE: `of` is the site; EDGE: the topology's edge, p the fraction from its lower site in 1/SL_MESH_DYADIC; FACE: the face,
+ * weights of corners 1 and 2 p and q in 1/SL_MESH_DYADIC. */
 typedef enum sl_vertex_kind { SL_VERTEX_ON_SITE, SL_VERTEX_ON_EDGE, SL_VERTEX_IN_FACE } sl_vertex_kind;
 typedef struct sl_vertex_key {
-    uint32_t a, b;
-    uint16_t p, q;
-    uint16_t kind, group;
+    uint32_t of;
+    uint32_t p : 13, q : 13, kind : 2;
+    uint32_t halved : 1;       /* no part of the key: whether any edge that ends in it has a vertex in its middle */
 } sl_vertex_key;
 
 typedef struct sl_mesh {
     const sl_topology *topology;
     int channels, max_depth;
-    uint32_t *root_of_face;    /* 2 x triangles, or SL_NO_INDEX: not wanted yet */
+    /* Roots by face: most scenes show few of their faces, and those that are seen lie together. */
+    uint32_t *root_page;       /* by SL_ROOT_PAGE faces of one side: where their page begins in root, or SL_NO_INDEX */
+    uint32_t *root;
+    size_t root_count, root_capacity; /* entries, used or not */
     sl_mesh_node *node;
     size_t node_count, node_capacity; /* node_count: the highest ever used; those that collapse leave are used again first */
-    uint32_t *parent;          /* by block of four nodes: parent of nodes 4 i .. 4 i + 3. Roots are in blocks of their own: parent SL_NO_INDEX */
-    uint32_t *root_face;       /* by block of four nodes: the face of a root (its block's first node); SL_NO_INDEX in other blocks */
-    size_t free_blocks;
-    uint32_t first_free;       /* chain of free blocks through node.child */
+    size_t free_nodes;
+    uint32_t first_free[2];    /* chains of free blocks, of two and of four nodes, through node.child */
     size_t vertex_count, vertex_capacity;
     sl_vertex_key *key;
     float *value;              /* vertex_count x channels */
     uint8_t *state;            /* sl_vertex_state */
-    uint8_t *halved;           /* by vertex: 0 where no edge that ends in it has a vertex in its middle */
-    uint32_t *slot;            /* hash of keys, a power of two, at most half full */
+    uint32_t *slot;            /* hash of keys, at most three quarters full */
     size_t slot_count;
     size_t leaf_count;         /* of all roots */
 } sl_mesh;
@@ -98,12 +106,18 @@ void sl_mesh_clear(sl_mesh *mesh);
 uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error);
 static inline bool sl_mesh_is_leaf(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].child == SL_NO_INDEX; }
 static inline int sl_mesh_children(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].flags & SL_NODE_BISECTED ? 2 : 4; }
-static inline uint32_t sl_mesh_parent(const sl_mesh *mesh, uint32_t node) { return mesh->parent[node / 4]; }
-/* Whether a number below node_count is a node as the mesh stands, not one of a block that is free or not full: for loops over all of them. */
-static inline bool sl_mesh_is_used(const sl_mesh *mesh, uint32_t node) {
-    uint32_t parent = sl_mesh_parent(mesh, node), in_block = node % 4;
-    return parent != SL_NO_INDEX ? in_block < (uint32_t)sl_mesh_children(mesh, parent) : in_block == 0 && mesh->root_face[node / 4] != SL_NO_INDEX;
+/* SL_NO_INDEX: it is a root. */
+static inline uint32_t sl_mesh_parent(const sl_mesh *mesh, uint32_t node) {
+    uint32_t parent = mesh->node[node].parent;
+    return parent & SL_MESH_ROOT ? SL_NO_INDEX : parent;
 }
+/* SL_NO_INDEX: the face has no root yet. */
+static inline uint32_t sl_mesh_root_of(const sl_mesh *mesh, uint32_t face) {
+    uint32_t page = mesh->root_page[face / 2 / SL_ROOT_PAGE * 2 + face % 2];
+    return page == SL_NO_INDEX ? page : mesh->root[page + face / 2 % SL_ROOT_PAGE];
+}
+/* Whether a number below node_count is a node as the mesh stands, not free: for loops over all of them. */
+static inline bool sl_mesh_is_used(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].parent != SL_NO_INDEX; }
 
 /* A node with where it lies: what walks hand on, so that nodes need not hold it. Corner i's weights of the face's corners 1 and 2 are
  * p[i], q[i] in 1/SL_MESH_DYADIC. */
@@ -147,6 +161,8 @@ typedef struct sl_mesh_point {
     uint32_t face;             /* one of those that share it: the lowest */
 } sl_mesh_point;
 void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
+/* The lowest face that has a vertex, and the vertex's weights of that face's corners 1 and 2 in 1/SL_MESH_DYADIC. */
+uint32_t sl_mesh_lowest_face(const sl_mesh *mesh, uint32_t vertex, uint16_t *p, uint16_t *q);
 /* The same point, moved along its lowest face towards that face's middle by a share of the way (0.01, 0.05, 0.2): where it is asked for when it lies
  * inside other geometry. */
 void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, double share, sl_mesh_point *point);

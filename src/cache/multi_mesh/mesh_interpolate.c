@@ -35,7 +35,7 @@ static void walk_edge(const sl_mesh *mesh, uint32_t face, edge_end from, edge_en
     sl_mesh_place place = {.face = face, .p = {0, (uint16_t)from.p, (uint16_t)to.p}, .q = {0, (uint16_t)from.q, (uint16_t)to.q}};
     uint32_t vertex = sl_mesh_find_middle(mesh, &place, 0);
     if (vertex == SL_NO_INDEX || mesh->state[vertex] != SL_VERTEX_KNOWN) return;
-    bool further = mesh->halved[vertex]; /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
+    bool further = mesh->key[vertex].halved; /* else nothing is on the halves: most often so, and quicker to tell than by looking for it */
     if (further) walk_edge(mesh, face, from, half, list);
     list->vertex[list->count] = vertex;
     list->at[list->count++] = (uint8_t)half.at;

@@ -85,7 +85,7 @@ static void look_in_other_faces(search *s, const sl_mesh_place *place, int edge,
     if (site == topology->site[(c + 2) % 3][place->face]) return; /* no direction: vertices are the face's own */
     for (uint32_t i = topology->edge_start[e]; i < topology->edge_start[e + 1]; i++) {
         uint32_t face = topology->edge_face[i];
-        if (face == place->face || s->mesh->root_of_face[face] == SL_NO_INDEX) continue;
+        if (face == place->face || sl_mesh_root_of(s->mesh, face) == SL_NO_INDEX) continue;
         for (int k = 0; k < 3; k++) {
             if (topology->edge[k][face] != e) continue;
             int j = (k + 1) % 3, l = (k + 2) % 3, same = topology->site[j][face] == site ? j : l, other = same == j ? l : j;

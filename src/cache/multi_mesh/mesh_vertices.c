@@ -4,40 +4,42 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "cache/multi_mesh/grow.h"
-#include "cache/multi_mesh/mesh_vertices.h"
+#include "cache/multi_mesh/mesh_parts.h"
 
 /* ---- keys ------------------------------------------------------------------------------------------------------------ */
+
+static sl_vertex_key make_key(sl_vertex_kind kind, uint32_t of, uint32_t p, uint32_t q) {
+    return (sl_vertex_key){.of = of, .p = p & 0x1fffu, .q = q & 0x1fffu, .kind = (unsigned)kind & 3u};
+}
 
 /* A point of a face with a weight of 0 lies on the edge opposite to that corner, one with two on a site; these belong to all faces around. */
 static sl_vertex_key key_of(const sl_topology *topology, uint32_t face, uint32_t p, uint32_t q) {
     uint32_t w[3] = {SL_MESH_DYADIC - p - q, p, q}, site[3];
     for (int c = 0; c < 3; c++) site[c] = topology->site[c][face];
     for (int c = 0; c < 3; c++)
-        if (w[c] == SL_MESH_DYADIC) return (sl_vertex_key){.a = site[c], .kind = SL_VERTEX_ON_SITE};
+        if (w[c] == SL_MESH_DYADIC) return make_key(SL_VERTEX_ON_SITE, site[c], 0, 0);
     for (int c = 0; c < 3; c++) {
         int j = (c + 1) % 3, k = (c + 2) % 3;
         if (w[c] != 0 || site[j] == site[k]) continue;
-        bool first = site[j] < site[k]; /* fractions count from the lower site */
-        return (sl_vertex_key){.a = first ? site[j] : site[k], .b = first ? site[k] : site[j], .p = (uint16_t)(first ? w[k] : w[j]),
-                               .kind = SL_VERTEX_ON_EDGE};
+        return make_key(SL_VERTEX_ON_EDGE, topology->edge[c][face], site[j] < site[k] ? w[k] : w[j], 0); /* from the lower site */
     }
-    return (sl_vertex_key){.a = face, .p = (uint16_t)p, .q = (uint16_t)q, .kind = SL_VERTEX_IN_FACE};
+    return make_key(SL_VERTEX_IN_FACE, face, p, q);
 }
 
 static bool same_key(const sl_vertex_key *x, const sl_vertex_key *y) {
-    return x->a == y->a && x->b == y->b && x->p == y->p && x->q == y->q && x->kind == y->kind && x->group == y->group;
+    return x->of == y->of && x->p == y->p && x->q == y->q && x->kind == y->kind;
 }
 
-static size_t hash_of(const sl_vertex_key *key) {
-    uint64_t sites = (uint64_t)key->a << 32 | key->b;
-    uint64_t place = (uint64_t)key->p << 48 | (uint64_t)key->q << 32 | (uint64_t)key->kind << 16 | key->group;
-    return (size_t)sl_hash64(sl_hash64(sites) ^ place);
+/* Of as many slots as there are. */
+static size_t first_slot(const sl_mesh *mesh, const sl_vertex_key *key) {
+    uint64_t hash = sl_hash64((uint64_t)key->of << 32 | (uint64_t)key->p << 15 | (uint64_t)key->q << 2 | key->kind);
+    return (size_t)((hash >> 32) * mesh->slot_count >> 32);
 }
 
 /* Where a key is in the table, or would be. */
 static size_t slot_of(const sl_mesh *mesh, const sl_vertex_key *key) {
-    size_t i = hash_of(key) & (mesh->slot_count - 1);
-    while (mesh->slot[i] != SL_NO_INDEX && !same_key(&mesh->key[mesh->slot[i]], key)) i = (i + 1) & (mesh->slot_count - 1);
+    size_t i = first_slot(mesh, key);
+    while (mesh->slot[i] != SL_NO_INDEX && !same_key(&mesh->key[mesh->slot[i]], key)) i = i + 1 < mesh->slot_count ? i + 1 : 0;
     return i;
 }
 
@@ -49,13 +51,12 @@ static bool grow_vertices(sl_mesh *mesh) {
     if (!sl_regrow((void **)&mesh->key, used, capacity, sizeof *mesh->key)) return false;
     if (!sl_regrow((void **)&mesh->value, used, capacity, channels * sizeof *mesh->value)) return false;
     if (!sl_regrow((void **)&mesh->state, used, capacity, sizeof *mesh->state)) return false;
-    if (!sl_regrow((void **)&mesh->halved, used, capacity, sizeof *mesh->halved)) return false;
     mesh->vertex_capacity = capacity;
     return true;
 }
 
 static bool grow_slots(sl_mesh *mesh) {
-    size_t count = 2 * mesh->slot_count;
+    size_t count = sl_grown_capacity(mesh->slot_count, 16);
     uint32_t *slot = sl_allocate(count, sizeof *slot);
     if (slot == NULL) return false;
     for (size_t i = 0; i < count; i++) slot[i] = SL_NO_INDEX;
@@ -76,7 +77,7 @@ uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q,
     size_t slot = slot_of(mesh, &key);
     *status = SL_OK;
     if (mesh->slot[slot] != SL_NO_INDEX) return mesh->slot[slot];
-    bool full = mesh->vertex_count == mesh->vertex_capacity, crowded = 2 * (mesh->vertex_count + 1) > mesh->slot_count;
+    bool full = mesh->vertex_count == mesh->vertex_capacity, crowded = 4 * (mesh->vertex_count + 1) > 3 * mesh->slot_count;
     if ((full && !grow_vertices(mesh)) || (crowded && !grow_slots(mesh))) {
         *status = sl_fail_memory(error, "mesh vertices");
         return SL_NO_INDEX;
@@ -84,7 +85,6 @@ uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q,
     uint32_t fresh = (uint32_t)mesh->vertex_count++;
     mesh->key[fresh] = key;
     mesh->state[fresh] = SL_VERTEX_UNKNOWN;
-    mesh->halved[fresh] = 0;
     memset(&mesh->value[(size_t)fresh * (size_t)mesh->channels], 0, (size_t)mesh->channels * sizeof *mesh->value);
     mesh->slot[crowded ? slot_of(mesh, &key) : slot] = fresh;
     return fresh;
@@ -110,7 +110,7 @@ uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_
     uint32_t vertex = sl_mesh_vertex_at(mesh, place->face, p, q, status, error);
     if (vertex == SL_NO_INDEX) return vertex;
     const uint32_t *corner = mesh->node[place->node].vertex;
-    mesh->halved[corner[(edge + 1) % 3]] = mesh->halved[corner[(edge + 2) % 3]] = 1;
+    mesh->key[corner[(edge + 1) % 3]].halved = mesh->key[corner[(edge + 2) % 3]].halved = 1;
     return vertex;
 }
 
@@ -138,25 +138,36 @@ sl_vec3 sl_mesh_position_in_face(const sl_mesh *mesh, uint32_t face, uint32_t p,
 
 /* The lowest face that has the vertex, how many do (2: several), and the vertex's weights of its corners in 1/SL_MESH_DYADIC. */
 static uint32_t lowest_face(const sl_topology *topology, const sl_vertex_key *key, bool *several, double w[3]) {
-    if (key->kind == SL_VERTEX_IN_FACE) {
-        *several = false;
-        w[0] = (double)SL_MESH_DYADIC - key->p - key->q;
-        w[1] = key->p;
-        w[2] = key->q;
-        return key->a;
+    uint32_t face = key->of;
+    int c = 0;
+    w[0] = (double)SL_MESH_DYADIC - key->p - key->q;
+    w[1] = key->p;
+    w[2] = key->q;
+    *several = false;
+    if (key->kind == SL_VERTEX_ON_SITE) {
+        face = topology->site_face[key->of];
+        *several = topology->site_shared[key->of];
+        while (c < 2 && topology->site[c][face] != key->of) c++;
+        for (int i = 0; i < 3; i++) w[i] = i == c ? SL_MESH_DYADIC : 0.0;
+    } else if (key->kind == SL_VERTEX_ON_EDGE) {
+        face = topology->edge_face[topology->edge_start[key->of]];
+        *several = topology->edge_start[key->of + 1] - topology->edge_start[key->of] > 1;
+        while (c < 2 && topology->edge[c][face] != key->of) c++;
+        int j = (c + 1) % 3, k = (c + 2) % 3;
+        bool first = topology->site[j][face] < topology->site[k][face];
+        w[c] = 0.0;
+        w[first ? j : k] = (double)SL_MESH_DYADIC - key->p;
+        w[first ? k : j] = key->p;
     }
-    uint32_t face = topology->site_face[key->a];
-    *several = topology->site_shared[key->a];
-    if (key->kind == SL_VERTEX_ON_EDGE) {
-        uint32_t e = sl_topology_find_edge(topology, key->a, key->b);
-        face = topology->edge_face[topology->edge_start[e]];
-        *several = topology->edge_start[e + 1] - topology->edge_start[e] > 1;
-    }
-    for (int c = 0; c < 3; c++) {
-        uint32_t site = topology->site[c][face];
-        bool on_edge = key->kind == SL_VERTEX_ON_EDGE;
-        w[c] = site == key->a ? (double)SL_MESH_DYADIC - (on_edge ? key->p : 0) : on_edge && site == key->b ? key->p : 0.0;
-    }
+    return face;
+}
+
+uint32_t sl_mesh_lowest_face(const sl_mesh *mesh, uint32_t vertex, uint16_t *p, uint16_t *q) {
+    double w[3];
+    bool several;
+    uint32_t face = lowest_face(mesh->topology, &mesh->key[vertex], &several, w);
+    *p = (uint16_t)w[1];
+    *q = (uint16_t)w[2];
     return face;
 }
 

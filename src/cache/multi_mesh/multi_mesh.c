@@ -222,7 +222,7 @@ static double fraction_done(const sl_multi_mesh_state *s) {
         if (!part) continue;
         for (size_t f = 0; f < s->visible->face_count; f++) {
             const sl_visible_face *face = &s->visible->face[f];
-            uint32_t root = part->mesh->root_of_face[face->face];
+            uint32_t root = sl_mesh_root_of(part->mesh, face->face);
             all += face->count;
             if (root != SL_NO_INDEX && takes_part(s, i) && s->phase == SL_PHASE_REFINE && !(part->mesh->node[root].priority > 0.0f)) done += face->count;
         }

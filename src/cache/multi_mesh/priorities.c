@@ -23,7 +23,7 @@ void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl
     sl_screen_size size = sl_displayed_size(d, clip, leaf);
     bool small = !(size.area > d->settings.leaf_area) && !(size.edge > d->settings.leaf_edge);
     small |= node->pixels <= d->settings.few_pixels; /* most of it is hidden */
-    bool known = sl_all_edges_closed(node) && size.edge < 2.0f * node->tested_size;
+    bool known = sl_all_edges_closed(node) && size.edge < 2.0f * sl_mesh_tested_size(node);
     node->flags = (node->flags & ~(uint32_t)SL_NODE_SMALL) | (small || known ? SL_NODE_SMALL : 0u);
 }
 

@@ -60,7 +60,7 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
     if (sl_mesh_is_leaf(d->mesh, leaf->node)) { /* coordinates end: it stays whole for good */
         sl_mesh_node *node = &d->mesh->node[leaf->node];
         node->flags = (node->flags & ~(uint32_t)SL_NODE_EDGES) | SL_ALL_EDGES_CLOSED | SL_NODE_SMALL;
-        node->tested_size = FLT_MAX;
+        sl_mesh_set_tested_size(node, FLT_MAX);
         return SL_OK;
     }
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
@@ -100,7 +100,7 @@ static bool undo(sl_displayed *d, const sl_mesh_place *place) {
     for (int c = 0; c < children; c++) mesh->node[node->child + (uint32_t)c].flags &= ~(uint32_t)SL_NODE_DIRTY;
     sl_mesh_collapse(mesh, place->node);
     sl_face_clip clip = sl_face_clip_of(mesh->topology->scene, &d->pixels->view, place->face);
-    node->tested_size = sl_displayed_size(d, &clip, place).edge;
+    sl_mesh_set_tested_size(node, sl_displayed_size(d, &clip, place).edge);
     node->flags |= SL_NODE_SMALL;
     node->priority = 0.0f;
     return true;

@@ -71,7 +71,7 @@ void sl_topology_destroy(sl_topology *topology) {
     sl_free(topology->solid);
     sl_free(topology->edge_start);
     sl_free(topology->edge_face);
-    sl_free(topology->site_edge_start);
+    sl_free(topology->edge_low);
     sl_free(topology->edge_high);
     sl_free(topology->body);
     sl_free(topology->body_low);

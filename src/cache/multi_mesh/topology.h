@@ -31,8 +31,7 @@ typedef struct sl_topology {
     uint32_t *edge[3];           /* by face: the edge opposite to corner 0, 1, 2 */
     size_t edge_count;
     uint32_t *edge_start, *edge_face; /* faces ascending */
-    uint32_t *site_edge_start, *edge_high; /* edges are in the order of their lower, then higher site: those with lower site s are
-                                              site_edge_start[s] .. site_edge_start[s + 1), and the other end of e is edge_high[e] */
+    uint32_t *edge_low, *edge_high; /* the sites at its ends; edges are in the order of the lower, then the higher */
     /* The solids, and which of them a triangle is part of (or SL_NO_INDEX). */
     size_t body_count;
     uint32_t *body;
@@ -43,8 +42,6 @@ typedef struct sl_topology {
 sl_status sl_topology_create(const sl_scene *scene, bool by_exponent, sl_topology **topology, sl_error *error);
 void sl_topology_destroy(sl_topology *topology);
 size_t sl_topology_memory_bytes(const sl_topology *topology);
-/* The edge between sites low < high, or SL_NO_INDEX. */
-uint32_t sl_topology_find_edge(const sl_topology *topology, uint32_t low, uint32_t high);
 /* The unit geometric normal on a face's side. */
 static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
     sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
