@@ -2,6 +2,7 @@
 
 #include "app/bench/judge.h"
 #include "app/bench/references.h"
+#include "app/html.h"
 
 #include <math.h>
 #include <stdio.h>

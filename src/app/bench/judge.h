@@ -13,7 +13,5 @@ sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_
 sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *result, sl_error *error);
 /* The reference's own noise, and its mean over the masked pixels. */
 sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean, sl_error *error);
-/* As PNG in base 64; NULL: it could not be made. tone: of radiance; else values as they are. scratch: a file that may be written. The caller frees it. */
-char *sl_picture_text(const sl_image *image, bool tone, const char *scratch);
 
 #endif

@@ -1,0 +1,45 @@
+#include "app/html.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+void sl_put_escaped(FILE *out, const char *text) {
+    for (; *text; text++) {
+        switch (*text) {
+        case '&': fputs("&amp;", out); break;
+        case '<': fputs("&lt;", out); break;
+        case '>': fputs("&gt;", out); break;
+        case '"': fputs("&quot;", out); break;
+        default: fputc((unsigned char)*text < 32 ? ' ' : *text, out);
+        }
+    }
+}
+
+static char *base_64(const unsigned char *bytes, size_t count) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char *text = malloc(4 * ((count + 2) / 3) + 1), *out = text;
+    if (!text) return NULL;
+    for (size_t i = 0; i < count; i += 3) {
+        uint32_t three = (uint32_t)bytes[i] << 16;
+        if (i + 1 < count) three |= (uint32_t)bytes[i + 1] << 8;
+        if (i + 2 < count) three |= bytes[i + 2];
+        for (size_t k = 0; k < 4; k++) *out++ = i + k > count ? '=' : digits[(three >> (18 - 6 * k)) & 63];
+    }
+    *out = '\0';
+    return text;
+}
+
+char *sl_picture_text(const sl_image *image, bool tone, const char *scratch) {
+    const sl_tone curve = {tone ? SL_TONE_REINHARD : SL_TONE_CLIP, 0.0f, tone};
+    char *text = NULL;
+    if (sl_image_write_png(image, scratch, curve, NULL) != SL_OK) return NULL;
+    FILE *in = fopen(scratch, "rb");
+    long size = in && fseek(in, 0, SEEK_END) == 0 ? ftell(in) : -1;
+    unsigned char *bytes = size > 0 ? malloc((size_t)size) : NULL;
+    if (bytes && fseek(in, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, in) == (size_t)size) text = base_64(bytes, (size_t)size);
+    free(bytes);
+    if (in) fclose(in);
+    unlink(scratch);
+    return text;
+}

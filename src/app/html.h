@@ -1,0 +1,14 @@
+/* What the writers of pages share: text and pictures inside one file that fetches nothing. */
+#ifndef SL_APP_HTML_H
+#define SL_APP_HTML_H
+
+#include "softlux.h"
+
+#include <stdio.h>
+
+/* Text as HTML and SVG have it. */
+void sl_put_escaped(FILE *out, const char *text);
+/* As PNG in base 64; NULL: it could not be made. tone: of radiance; else values as they are. scratch: a file that may be written. The caller frees it. */
+char *sl_picture_text(const sl_image *image, bool tone, const char *scratch);
+
+#endif
