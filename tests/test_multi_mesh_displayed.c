@@ -79,8 +79,7 @@ static void check_leaf(void *context, const sl_mesh_place *leaf) {
     bool paths = (leaf->p[1] - leaf->p[0]) * (leaf->q[2] - leaf->q[0]) - (leaf->p[2] - leaf->p[0]) * (leaf->q[1] - leaf->q[0])
                  == (SL_MESH_DYADIC >> leaf->depth) * (SL_MESH_DYADIC >> leaf->depth);
     for (uint32_t n = 0; n < node->pixels; n++) {
-        uint32_t i = d->first[leaf->node] + n;
-        if (!paths) i = d->order[i];
+        uint32_t i = paths ? d->first[leaf->node] + n : sl_displayed_ordered(d, leaf)[n];
         assert_int_equal(d->pixels->face[d->pixels->entry_of_face[leaf->face]].face, leaf->face);
         float a, b;
         sl_mesh_weights_within(leaf, d->pixels->w1[i], d->pixels->w2[i], &a, &b);

@@ -31,6 +31,7 @@ void sl_displayed_destroy(sl_displayed *d) {
     sl_free(d->middle);
     sl_free(d->hanging);
     sl_free(d->order);
+    sl_free(d->order_at);
     sl_free(d->heap);
     sl_free(d->heap_place);
     sl_free(d->dirty);
@@ -39,7 +40,7 @@ void sl_displayed_destroy(sl_displayed *d) {
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_mesh_memory_bytes(d->mesh)
-           + (4 * d->node_capacity + d->order_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t)
+           + (4 * d->node_capacity + d->order_capacity + 3 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t)
            + d->hanging_capacity * sizeof(sl_hanging_vertex);
 }
 
@@ -75,32 +76,9 @@ static void bisect_paths(sl_displayed *d, const sl_mesh_place *place) {
     }
 }
 
-/* The same where cuts of slivers are about: order is partitioned, equals kept in their order. */
-static void partition(sl_displayed *d, const sl_mesh_place *place) {
-    const sl_visible_pixels *pixels = d->pixels;
-    sl_mesh_node *node = &d->mesh->node[place->node], *children = &d->mesh->node[node->child];
-    uint32_t begin = d->first[place->node], count = node->pixels, *order = d->order + begin, at = 0;
-    int parts = sl_mesh_children(d->mesh, place->node);
-    if (sl_displayed_follows_paths(place)) {
-        for (uint32_t i = 0; i < count; i++) order[i] = begin + i;
-    }
-    for (int c = 0; c < parts; c++) {
-        uint32_t first = at, *scratch = d->order + d->order_capacity / 2 + begin, others = 0;
-        for (uint32_t i = first; i < count; i++) {
-            bool own = c + 1 == parts || sl_mesh_child_at(d->mesh, place, pixels->w1[order[i]], pixels->w2[order[i]]) == c;
-            if (own) order[at++] = order[i];
-            else scratch[others++] = order[i];
-        }
-        memcpy(order + at, scratch, others * sizeof *order);
-        d->first[node->child + (uint32_t)c] = begin + first;
-        children[c].pixels = at - first;
-    }
-}
-
 void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
-    bool four = !(d->mesh->node[place->node].flags & SL_NODE_BISECTED);
-    if (four && sl_displayed_follows_paths(place)) bisect_paths(d, place);
-    else partition(d, place);
+    if (sl_displayed_cut_follows_paths(d, place)) bisect_paths(d, place);
+    else sl_displayed_partition(d, place);
 }
 
 /* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here was cut for the sake of another view, from
@@ -145,21 +123,19 @@ static void see_share(void *context, size_t share, unsigned worker) {
 /* ---- a new view ---- */
 
 static sl_status reserve(sl_displayed *d, sl_error *error) {
-    size_t entries = d->pixels->face_count, pixels = d->pixels->count;
+    size_t entries = d->pixels->face_count;
+    d->order_count = 0;
     if (entries > d->heap_capacity || !d->heap) {
         sl_free(d->heap);
         sl_free(d->heap_place);
+        sl_free(d->order_at);
         d->heap = sl_allocate(entries, sizeof *d->heap);
         d->heap_place = sl_allocate(entries, sizeof *d->heap_place);
-        d->heap_capacity = d->heap && d->heap_place ? entries : 0;
-        if (!d->heap || !d->heap_place) return sl_fail_memory(error, "displayed mesh");
+        d->order_at = sl_allocate(entries, sizeof *d->order_at);
+        d->heap_capacity = d->heap && d->heap_place && d->order_at ? entries : 0;
+        if (!d->heap || !d->heap_place || !d->order_at) return sl_fail_memory(error, "displayed mesh");
     }
-    if (2 * pixels > d->order_capacity) {
-        sl_free(d->order);
-        d->order = sl_allocate(2 * pixels, sizeof *d->order);
-        d->order_capacity = d->order ? 2 * pixels : 0;
-        if (!d->order) return sl_fail_memory(error, "displayed mesh");
-    }
+    for (size_t e = 0; e < entries; e++) d->order_at[e] = SL_NO_INDEX;
     return SL_OK;
 }
 
@@ -185,7 +161,9 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels, boo
     sl_status status = reserve(d, error);
     for (size_t e = 0; status == SL_OK && e < pixels->face_count; e++) {
         d->heap_place[e] = want(context, pixels->face[e].face) ? 0 : SL_NO_INDEX;
-        if (sl_displayed_wants(d, e)) sl_mesh_root(d->mesh, pixels->face[e].face, &status, error);
+        if (!sl_displayed_wants(d, e)) continue;
+        uint32_t root = sl_mesh_root(d->mesh, pixels->face[e].face, &status, error);
+        if (status == SL_OK && (d->mesh->node[root].flags & SL_NODE_SLIVERS)) status = sl_displayed_order_pixels(d, pixels->face[e].face, error);
     }
     if (status == SL_OK) status = sl_displayed_grow(d, error);
     if (status != SL_OK) {

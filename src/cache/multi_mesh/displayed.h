@@ -2,6 +2,7 @@
  * matters most, when a leaf is fine enough, and redraws what has changed.
  *
  *   displayed.c      visible pixels down the quadtrees, sizes on the screen                         (P1b, P2b)
+ *   slivers.c        ... where cuts are in two
  *   priorities.c     the size criterion; P = n_px (delta + delta_0), maxima up to the roots
  *   selection.c      the heap over the roots; the paper's random chain
  *   edge_tests.c     what a leaf's edges say
@@ -54,8 +55,9 @@ typedef struct sl_displayed {
     sl_mesh *mesh;                /* its own; 3 channels */
     const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
     uint32_t *first;              /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
-    uint32_t *order;              /* below cuts of slivers, which no path knows, order[first .. first + node.pixels) of them */
-    size_t order_capacity;
+    uint32_t *order;              /* of faces with slivers, below the cuts of which no path tells whose they are (slivers.c) */
+    size_t order_count, order_capacity;
+    uint32_t *order_at;           /* by entry of pixels->face: where its pixels are in order, or SL_NO_INDEX */
     size_t node_capacity;
     /* Vertices on leaves' edges, remembered until the leaf is marked to be drawn again. */
     uint32_t (*middle)[3];        /* by node with SL_NODE_SIMPLE: the known vertex in the middle of each edge, or SL_NO_INDEX; with SL_NODE_LISTED:
@@ -90,6 +92,9 @@ size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t ro
 void sl_displayed_prioritise(sl_displayed *displayed);
 /* Throws the whole mesh away but for its memory, as specular radiance is when the eye moves (call sl_displayed_see() next). */
 void sl_displayed_restart(sl_displayed *displayed);
+
+/* The pixels of a node that does not follow paths: node.pixels indices into the arrays of the view. */
+const uint32_t *sl_displayed_ordered(const sl_displayed *displayed, const sl_mesh_place *place);
 
 /* The highest priority of all leaves that are not taken; 0: nothing is left to do. */
 float sl_displayed_priority(const sl_displayed *displayed);

@@ -217,12 +217,13 @@ static void draw_leaf(draw_job *job, const sl_mesh_place *leaf) {
         draw_list(job, leaf, pixels->pixel + first, pixels->w1 + first, pixels->w2 + first, count);
         return;
     }
+    const uint32_t *order = sl_displayed_ordered(d, leaf);
     uint32_t pixel[BLOCK];
     float w1[BLOCK], w2[BLOCK];
     for (uint32_t at = 0, n; at < count; at += n) {
         n = count - at < BLOCK ? count - at : BLOCK;
         for (uint32_t k = 0; k < n; k++) {
-            uint32_t i = d->order[first + at + k];
+            uint32_t i = order[at + k];
             pixel[k] = pixels->pixel[i];
             w1[k] = pixels->w1[i];
             w2[k] = pixels->w2[i];

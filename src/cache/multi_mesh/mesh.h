@@ -51,6 +51,7 @@ enum {
     SL_NODE_SETTLED = 0x1000,  /* a node above it is closed and small there: only another view asked for more */
     SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
     SL_NODE_LISTED = 0x4000,   /* what is on its edges is in sl_displayed.hanging */
+    SL_NODE_SLIVERS = 0x8000,  /* a root with cuts in two below it (displayed meshes) */
     SL_NODE_TESTED_SHIFT = 16  /* the upper half: sl_mesh_tested_size() */
 };
 

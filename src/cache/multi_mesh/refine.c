@@ -63,6 +63,8 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
         sl_mesh_set_tested_size(node, FLT_MAX);
         return SL_OK;
     }
+    if (!sl_displayed_cut_follows_paths(d, leaf)) status = sl_displayed_order_pixels(d, leaf->face, error);
+    if (status != SL_OK) return status;
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
     sl_displayed_hand_down(d, leaf);
     for (int c = 0; c < sl_mesh_children(d->mesh, leaf->node) && status == SL_OK; c++) {
