@@ -18,8 +18,8 @@ enum { MOST_SCENES = 64, DEFAULT_SIZE = 192 };
 
 static const char details[] =
     "Every method runs over its three qualities and over settings between and beyond them, each run in a process of its own, in turns; a reference for each\n"
-    "set of light paths is made by the path tracer, and kept. DIR then holds report.md, results.csv, the pictures,\n"
-    "and journal.jsonl: what was measured, a line a run. Ctrl-C keeps it; the same command goes on from there.\n"
+    "set of light paths is made by the path tracer, and kept. DIR then holds report.html (one file with everything in it), report.md,\n"
+    "results.csv, plots as SVG, the pictures, and journal.jsonl: what was measured, a line a run. Ctrl-C keeps it; the same command goes on from there.\n"
     "Times are the processor's, of all threads together; the clock's stand beside them. A trial that crashes or does not end is a row that says so.\n\n"
     "exit status 0, 2 usage, 3 input (no scene could be read), 4 output, 5 resources\n\n"
     "example: softlux bench scenes/cornell.json -o build/report";
@@ -101,7 +101,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
-    const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]", "Speed against error of every method, as tables.", details, options, 1,
+    const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]", "Speed against error of every method, as tables and plots.", details, options, 1,
                                   MOST_SCENES};
     if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status)) return false;
     o->repeats = (int)q->repeats;
@@ -170,8 +170,18 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     return SL_OK;
 }
 
-static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_journal *journal, sl_error *error) {
+/* Two scenes of one name, in different folders: the plots' files must not be one. */
+static void tell_apart(sl_bench_results *r) {
+    sl_bench_scene *last = &r->scenes[r->scene_count - 1];
+    size_t same = 0, length = strlen(last->name);
+    for (size_t i = 0; i + 1 < r->scene_count; i++) same += strncmp(r->scenes[i].name, last->name, length) == 0;
+    if (same) snprintf(last->name + length, sizeof last->name - length, "-%zu", same + 1);
+}
+
+static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r, sl_journal *journal, sl_error *error) {
+    sl_bench_scene *s = &r->scenes[r->scene_count++];
     sl_status status = describe(o, path, s, error);
+    tell_apart(r);
     if (status != SL_OK || s->trouble[0]) return status;
     status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
@@ -220,6 +230,8 @@ static void take_calibration(const sl_bench_options *o, const sl_journal *journa
 static sl_status write_reports(const sl_bench_options *o, const sl_bench_results *r, sl_error *error) {
     sl_status status = sl_report_csv(r, o->folder, error);
     if (status == SL_OK) status = sl_report_markdown(r, o->folder, error);
+    if (status == SL_OK) status = sl_report_plots(r, o->folder, error);
+    if (status == SL_OK) status = sl_report_html(r, o->folder, error);
     return status;
 }
 
@@ -239,7 +251,7 @@ static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
 static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_results *r, sl_error *error) {
     sl_status status = SL_OK;
     for (int i = 0; i < q->scene_count && status == SL_OK && !interrupted; i++) {
-        status = measure(&q->options, q->scenes[i], &r->scenes[r->scene_count++], journal, error);
+        status = measure(&q->options, q->scenes[i], r, journal, error);
         r->interrupted = interrupted != 0;
         take_calibration(&q->options, journal, r);
         if (status == SL_OK) status = write_reports(&q->options, r, error);

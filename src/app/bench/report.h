@@ -1,4 +1,4 @@
-/* The results as files in a folder: results.csv, report.md. A file appears whole or not at all. */
+/* The results as files in a folder: results.csv, report.md, report.html, and plots as SVG. A file appears whole or not at all. */
 #ifndef SL_APP_BENCH_REPORT_H
 #define SL_APP_BENCH_REPORT_H
 
@@ -9,6 +9,9 @@
 
 sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_error *error);
 sl_status sl_report_markdown(const sl_bench_results *results, const char *folder, sl_error *error);
+sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl_error *error);
+/* SCENE-one-bounce.svg and the like. */
+sl_status sl_report_plots(const sl_bench_results *results, const char *folder, sl_error *error);
 /* To the terminal: what matters, a line each. */
 void sl_report_terminal(const sl_bench_results *results, FILE *out);
 /* The rows as one JSON object. */

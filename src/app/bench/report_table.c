@@ -101,6 +101,9 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
           "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
           out);
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
+    static const char *const plots[] = {"one-bounce", "full", "matched", "parts"};
+    fputc('\n', out);
+    for (int i = 0; i < 4; i++) fprintf(out, "![%s, %s](%s-%s.svg)\n", s->name, plots[i], s->name, plots[i]);
     put_times(out, s, SL_BENCH_ONE_BOUNCE, "Against one bounce");
     put_times(out, s, SL_BENCH_FULL, "Against full global illumination");
     put_references(out, s);

@@ -8,6 +8,8 @@
 #define SPLATTING(name, quality, arguments) {METHOD("splatting"), name, "-m splatting " arguments, MATCHED("splatting"), quality}
 #define DIRECT_RADIANCE(name, quality, arguments) \
     {METHOD("direct-radiance"), name, "-m direct-radiance " arguments, MATCHED("direct-radiance"), quality}
+/* With visibility of its photons it has the very paths of one bounce. */
+#define DIRECT_RADIANCE_SEEN(name, arguments) {METHOD("direct-radiance"), name, "-m direct-radiance " arguments, "one-bounce", SL_BENCH_CURVE}
 #define LIGHT_OCTREE(name, quality, arguments) {METHOD("light-octree"), name, "-m light-octree " arguments, MATCHED("light-octree"), quality}
 #define MULTI_MESH(name, quality, arguments) {METHOD("multi-mesh"), name, "-m multi-mesh " arguments, MATCHED("multi-mesh"), quality}
 #define SHADING_CACHE(name, quality, arguments) {METHOD("shading-cache"), name, "-m shading-cache " arguments, MATCHED("shading-cache"), quality}
@@ -34,9 +36,9 @@ static const sl_trial trials[] = {
     DIRECT_RADIANCE("draft", SL_BENCH_DRAFT, "-q draft"),
     DIRECT_RADIANCE("normal", SL_BENCH_NORMAL, "-q normal"),
     DIRECT_RADIANCE("high", SL_BENCH_HIGH, "-q high"),
-    DIRECT_RADIANCE("high, visibility by blocks", SL_BENCH_CURVE, "-q high --visibility blocks"),
+    DIRECT_RADIANCE_SEEN("high, visibility by blocks", "-q high --visibility blocks"),
     DIRECT_RADIANCE("12x12 photons, 4x4 emitters", SL_BENCH_CURVE, "-q high --photons 12 --emitter-samples 4"),
-    DIRECT_RADIANCE("8x8 photons, 4x4 emitters, blocks", SL_BENCH_CURVE, "-q high --photons 8 --emitter-samples 4 --visibility blocks"),
+    DIRECT_RADIANCE_SEEN("8x8 photons, 4x4 emitters, blocks", "-q high --photons 8 --emitter-samples 4 --visibility blocks"),
     LIGHT_OCTREE("40k photons, depth 4", SL_BENCH_CURVE, "-q draft --stored-photons 40000 --neighbours 60 --depth 4"),
     LIGHT_OCTREE("draft", SL_BENCH_DRAFT, "-q draft"),
     LIGHT_OCTREE("300k photons, depth 5", SL_BENCH_CURVE, "--stored-photons 300000 --neighbours 200 --depth 5"),
