@@ -88,7 +88,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc clean help setup
+.PHONY: all demo check test golden scenes bench report bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -221,6 +221,10 @@ scenes: $(BUILD)/generate
 bench: all $(BENCHES)
 	@./bench/run.sh $(BUILD)
 
+# Every method on many scenes: docs/report/, and build/report/report.html (bench/report.sh says what can be chosen). Interrupted, it goes on.
+report: all $(BUILD)/generate
+	@./bench/report.sh $(BUILD)
+
 bench-raster: $(BUILD)/bench/bench_raster
 	@[ -f scenes/generated/figure.json ] || $(MAKE) --no-print-directory scenes
 	@$(BUILD)/bench/bench_raster
@@ -283,6 +287,7 @@ help:
 	@echo 'make golden     write the golden images of the tests anew'
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
 	@echo 'make bench      speed against error; make bench-raster: the rasterizer beside OSMesa and rays'
+	@echo 'make report     speed against error of every method on many scenes, into docs/report/'
 	@echo 'make bench-splatting  the experiments on radiance cache splatting; BRIEF=1: a short form'
 	@echo 'make bench-direct-radiance  those on direct radiance mapping'
 	@echo 'make bench-light-octree  those on the light octree'

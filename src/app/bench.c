@@ -28,7 +28,7 @@ typedef struct request {
     const char *scenes[MOST_SCENES];
     char references[SL_BENCH_PATH];
     int scene_count, size[2];
-    uint64_t repeats, threads, memory;
+    uint64_t repeats, threads, reference_threads, memory;
     sl_bench_options options;
 } request;
 
@@ -98,6 +98,8 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"references", 0, SL_OPTION_TEXT, &o->references, NULL, "DIR", "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]", 0, 0, NULL},
         {"reference-budget", 0, SL_OPTION_REAL, &o->reference_budget, NULL, "SECONDS",
          "for each reference; its noise is to be a tenth of the smallest error told with it [20]", 0.1, 1e9, NULL},
+        {"reference-threads", 0, SL_OPTION_COUNT, &q->reference_threads, NULL, "N", "workers of the references [all processors]", 1, 256, NULL},
+        {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL, "measure nothing: the report anew, of what the last run measured", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
@@ -106,6 +108,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
     if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status)) return false;
     o->repeats = (int)q->repeats;
     o->threads = (unsigned)q->threads;
+    o->reference_threads = (unsigned)q->reference_threads;
     o->memory_bytes = q->memory << 20;
     o->width = q->size[0];
     o->height = q->size[1];
@@ -193,6 +196,15 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
 }
 
 /* ---- the report ---- */
+
+/* What measured last stands in for this program where nothing is to be measured. */
+static void take_program(sl_bench_options *o, const sl_journal *journal) {
+    const cJSON *entry;
+    for (size_t i = 0; o->report_only && (entry = sl_journal_at(journal, i)); i++) {
+        const cJSON *program = cJSON_GetObjectItem(entry, "program");
+        if (cJSON_IsString(program)) snprintf(o->program, sizeof o->program, "%s", program->valuestring);
+    }
+}
 
 static void name_machine(sl_bench_results *r) {
     char line[256];
@@ -289,6 +301,7 @@ int sl_command_bench(int argc, char **argv) {
     snprintf(path, sizeof path, "%s/journal.jsonl", q.options.folder);
     sl_status status = make_folders(&q.options, &error);
     if (status == SL_OK) status = sl_journal_open(path, &journal, &error);
+    if (status == SL_OK) take_program(&q.options, journal);
     if (status == SL_OK && results.scenes) status = measure_all(&q, journal, &results, &error);
     exit_status = conclude(&q.options, &results, status, &error);
     sl_journal_close(journal);

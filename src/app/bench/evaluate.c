@@ -109,7 +109,7 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(s, r, mask);
-    while (status == SL_OK && !r->trouble[0] && !*o->interrupted) {
+    while (status == SL_OK && !r->trouble[0] && !*o->interrupted && !o->report_only) {
         double begin = wall_seconds(), left = o->reference_budget - (begin - from);
         bool enough = r->samples > 0 && (r->wanted <= 0.0 || r->noise <= r->wanted);
         if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= 0.0)) break;

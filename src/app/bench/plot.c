@@ -3,6 +3,7 @@
 
 #include "app/bench/curves.h"
 #include "app/bench/report.h"
+#include "app/html.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,18 +19,6 @@ typedef struct label {
     const char *text, *class;
     double x, y, at; /* where the curve ends, and how high the name stands */
 } label;
-
-void sl_put_escaped(FILE *out, const char *text) {
-    for (; *text; text++) {
-        switch (*text) {
-        case '&': fputs("&amp;", out); break;
-        case '<': fputs("&lt;", out); break;
-        case '>': fputs("&gt;", out); break;
-        case '"': fputs("&quot;", out); break;
-        default: fputc((unsigned char)*text < 32 ? ' ' : *text, out);
-        }
-    }
-}
 
 static double place(const axis *a, double value) { return a->from + (log10(value) - a->least) / (a->most - a->least) * (a->to - a->from); }
 

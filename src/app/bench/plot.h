@@ -10,7 +10,5 @@
 bool sl_plot_curves(FILE *out, const sl_bench_scene *scene, sl_bench_truth truth);
 /* Parts of the processor time of a picture, a bar a setting; false where no setting was looked at. */
 bool sl_plot_parts(FILE *out, const sl_bench_scene *scene);
-/* Text as HTML and SVG have it. */
-void sl_put_escaped(FILE *out, const char *text);
 
 #endif

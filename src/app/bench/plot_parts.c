@@ -1,6 +1,8 @@
 /* Where the time goes: a bar for each quality of each method, as long as a whole, cut at its passes. */
 #include "app/bench/plot.h"
 
+#include "app/html.h"
+
 #include <math.h>
 #include <string.h>
 

@@ -32,6 +32,7 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
 typedef struct extension {
     const char *scene_path, *transport, *path;
     int width, height;
+    unsigned threads;
     uint64_t pairs;
 } extension;
 
@@ -80,6 +81,7 @@ static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t c
     settings.filter = SL_FILTER_CENTRE;
     settings.width = e->width;
     settings.height = e->height;
+    settings.threads = e->threads;
     settings.spp = SL_REFERENCE_CHUNK;
     settings.seed = 0x5eed0000u + chunk; /* none that a trial has */
     sl_status status = sl_method_create(scene, &settings, &method, error);
@@ -154,7 +156,7 @@ static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
 
 sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs, sl_bench_reference *r, sl_error *error) {
     const sl_child_limits limits = {0.0, o->memory_bytes, o->interrupted};
-    extension e = {s->path, r->transport, r->file, s->width, s->height, pairs};
+    extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs};
     sl_child_end end;
     sl_reference_path(o->references, s, r->transport, r->file);
     sl_status status = make_folder(o->references, error);
@@ -186,6 +188,7 @@ static bool mask_work(void *context, char **report) {
     sl_image *picture = NULL, *mask = NULL;
     sl_error error;
     settings.method = "direct-radiance";
+    settings.threads = e->threads;
     settings.radiance_map.direct_light_only = true;
     settings.width = e->width;
     settings.height = e->height;
@@ -212,7 +215,7 @@ static bool mask_work(void *context, char **report) {
 sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, sl_error *error) {
     const sl_child_limits limits = {0.0, 0, o->interrupted};
     char path[SL_BENCH_PATH];
-    extension e = {s->path, "", path, s->width, s->height, 0};
+    extension e = {s->path, "", path, s->width, s->height, o->reference_threads, 0};
     sl_image *mask = NULL;
     sl_child_end end;
     sl_reference_path(o->references, s, "mask", path);

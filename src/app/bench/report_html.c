@@ -2,6 +2,7 @@
 #include "app/bench/curves.h"
 #include "app/bench/plot.h"
 #include "app/bench/report.h"
+#include "app/html.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -151,6 +151,7 @@ static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_
     }
     cJSON *entry = cJSON_CreateObject(), *result = end.outcome == SL_CHILD_DONE ? cJSON_Parse(end.text) : NULL;
     cJSON_AddStringToObject(entry, "key", key);
+    cJSON_AddStringToObject(entry, "program", o->program);
     cJSON_AddStringToObject(entry, "scene", s->path);
     cJSON_AddStringToObject(entry, "arguments", j->trial->arguments);
     cJSON_AddStringToObject(entry, "end", sl_bench_end_name((sl_bench_end)end.outcome));
@@ -188,6 +189,7 @@ sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl
     job_list l;
     sl_status status = SL_OK;
     double from = wall_seconds();
+    if (o->report_only) return SL_OK;
     if (!list_jobs(o, &l)) {
         free(l.jobs);
         snprintf(error->message, sizeof error->message, "not enough memory for a list of trials");

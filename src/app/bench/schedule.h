@@ -13,10 +13,11 @@ typedef struct sl_bench_options {
     int repeats;
     double budget, limit, reference_budget; /* seconds: of all trials of a scene; of one; of each reference. 0: none */
     uint64_t memory_bytes;            /* of one trial; 0: none */
-    unsigned threads;
+    unsigned threads, reference_threads; /* 0: all processors */
     bool quiet, json;
+    bool report_only; /* nothing is measured: the journal and the references are taken as they are */
     volatile const int *interrupted;
-    char program[17];
+    char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
 /* Whether a comma-separated list, or NULL, names it. */
