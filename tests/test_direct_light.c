@@ -337,6 +337,67 @@ static void lobes_wide_and_narrow_are_unbiased(void **state) {
     }
 }
 
+typedef struct {
+    double half_width, bottom, top, exponent, bias, rms; /* the last two: at most */
+} lamp_case;
+
+/* A glossy floor, and a lamp of radiance 3 in the plane z = -3 that shines towards +z; the floor hides what is below it. */
+static sl_scene *floor_and_lamp(const lamp_case *c) {
+    trace_mesh mesh = a_floor(0.0f, 0.5f, (float)c->exponent);
+    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
+    float w = (float)c->half_width;
+    trace_mesh_quad(&mesh, sl_v3(-w, (float)c->bottom, -3), sl_v3(2 * w, 0, 0), sl_v3(0, (float)(c->top - c->bottom), 0), lamp);
+    mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0, 3, 3), sl_v3(0, 0, -1.5f), sl_v3(0, 1, 0), 0.7f);
+    return trace_mesh_build(&mesh);
+}
+
+/* The lobe times the cosine over what of the lamp is above the floor, by a grid that is finest next to the point: from its foot to the lamp's
+ * left and right end (either way where the foot lies beyond that end). */
+static double lobe_of_lamp(const lamp_case *c, sl_vec3 eye, sl_vec3d at) {
+    enum { GRID = 64 };
+    sl_vec3d viewer = sl_subd(sl_to_double(eye), at), mirrored = sl_scaled(sl_v3d(-viewer.x, viewer.y, -viewer.z), 1.0 / sl_lengthd(viewer));
+    double low = fmax(c->bottom, 0.0), high = c->top - low, sum = 0.0;
+    for (int k = 0; k < 2 * GRID * GRID; k++) {
+        double end = k < GRID * GRID ? -c->half_width : c->half_width, to_end = end - at.x, sign = end > 0.0 ? 1.0 : -1.0;
+        double v = (double)(k / GRID % GRID) / GRID, u = (double)(k % GRID) / GRID, step = 1.0 / GRID;
+        double y = low + high * (v + 0.5 * step) * (v + 0.5 * step), tall = high * step * (2.0 * v + step);
+        double x = to_end * (u + 0.5 * step) * (u + 0.5 * step), wide = sign * to_end * step * (2.0 * u + step);
+        sl_vec3d d = sl_v3d(x, y, -3.0 - at.z);
+        double squared = sl_dotd(d, d), alpha = sl_dotd(d, mirrored) / sqrt(squared);
+        if (alpha > 0.0) sum += pow(alpha, c->exponent) * d.y * -d.z / (squared * squared) * tall * wide;
+    }
+    return 3.0 * 0.5 * (c->exponent + 2.0) / (2.0 * SL_PI) * sum;
+}
+
+/* Beside a lamp as wide as the view, points spread over the lamp nearly all fall where the lobe is not. */
+static void few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is(void **state) {
+    (void)state;
+    const lamp_case cases[] = {{2.0, 0.02, 2.5, 20.0, 0.015, 0.15}, {2.0, 0.02, 2.5, 200.0, 0.015, 0.15}, {2.0, -4.0, 2.5, 60.0, 0.015, 0.15},
+                               {1e-4, 1.0, 1.0002, 20.0, 0.001, 0.001}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        sl_scene *scene = floor_and_lamp(&cases[k]);
+        picture *p = direct_light(scene, (options){16, 1, 2, false, 64});
+        double sum = 0.0, truths = 0.0, squares = 0.0;
+        size_t count = 0;
+        for (size_t i = 0; i < PIXELS; i += 5) {
+            const sl_gbuffer *g = p->gbuffer;
+            if (!faces(g, i, sl_v3(0, 1, 0)) || g->position_z[i] < -2.99f) continue;
+            double truth = lobe_of_lamp(&cases[k], scene->camera.eye, sl_v3d((double)g->position_x[i], 0.0, (double)g->position_z[i]));
+            sum += (double)p->rgb[i];
+            truths += truth;
+            squares += ((double)p->rgb[i] - truth) * ((double)p->rgb[i] - truth);
+            count++;
+        }
+        double bias = sum / truths - 1.0, rms = sqrt(squares / (double)count) / (truths / (double)count);
+        print_message("exponent %g, lamp from %g to %g: %zu pixels, bias %+.4f, rms %.4f\n", cases[k].exponent, cases[k].bottom, cases[k].top, count, bias, rms);
+        assert_true(count > PIXELS / 20);
+        assert_true(fabs(bias) < cases[k].bias);
+        assert_true(rms < cases[k].rms);
+        picture_free(p);
+        sl_scene_destroy(scene);
+    }
+}
+
 /* ---- sky and sun
  * ------------------------------------------------------------------------------------------------------------------ */
 
@@ -464,6 +525,7 @@ int main(void) {
         cmocka_unit_test(nothing_of_a_lamp_above_the_horizon_is_missed),
         cmocka_unit_test(no_penumbra_spreads_over_a_step),
         cmocka_unit_test(lobes_wide_and_narrow_are_unbiased),
+        cmocka_unit_test(few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is),
         cmocka_unit_test(the_sun_on_an_open_plane_is_the_sum_of_its_texels),
         cmocka_unit_test(a_court_under_sky_and_sun_is_what_the_path_tracer_says),
         cmocka_unit_test(threads_instruction_sets_and_strips_do_not_change_a_bit),

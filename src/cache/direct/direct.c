@@ -28,6 +28,7 @@ static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
     size_t k = d->exact_count++;
     sl_polygon_light *p = &d->polygons[k];
     *p = sl_polygon_light_of(d->scene, e, back);
+    d->emitter[k] = (uint32_t)(e - d->scene->emitters);
     float luminance = sl_luminance(e->radiance), *t = d->triangles + k * SL_SIDE_VALUES;
     sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]), p->normal};
     for (int i = 0; i < 4; i++) {
@@ -49,7 +50,8 @@ static sl_status make_sides(sl_direct *d, sl_error *error) {
     d->polygons = sl_allocate(sides, sizeof *d->polygons);
     d->triangles = sl_allocate(sides * SL_SIDE_VALUES, sizeof *d->triangles);
     d->luminances = sl_allocate(sides, sizeof *d->luminances);
-    if (!d->polygons || !d->triangles || !d->luminances) return sl_fail_memory(error, "direct light");
+    d->emitter = sl_allocate(sides, sizeof *d->emitter);
+    if (!d->polygons || !d->triangles || !d->luminances || !d->emitter) return sl_fail_memory(error, "direct light");
     for (size_t i = 0; i < scene->emitter_count; i++) {
         add_side(d, &scene->emitters[i], false);
         if (scene->emitters[i].two_sided) add_side(d, &scene->emitters[i], true);
@@ -156,6 +158,7 @@ void sl_direct_destroy(sl_direct *direct) {
     sl_free(direct->polygons);
     sl_free(direct->triangles);
     sl_free(direct->luminances);
+    sl_free(direct->emitter);
     sl_free(direct->sun_direction);
     sl_free(direct->sun_light);
     sl_free(direct->sun_table);

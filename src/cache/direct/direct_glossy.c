@@ -1,8 +1,8 @@
 /* Glossy lobes and lights with extent. Light samples are bad where the lobe is narrow, directions drawn from the lobe are
  * bad where lights are small: both are taken, each weighted by the power heuristic (Veach and Guibas 1995), since one of
  * them mostly has all but no noise. */
-#include "base/random.h"
-#include "cache/direct/direct_internal.h"
+#include "base/math.h"
+#include "cache/direct/direct_lamps.h"
 #include "cache/picture_value.h"
 #include "trace/bsdf.h"
 
@@ -16,6 +16,7 @@ typedef struct {
     float pdf[SL_PACKET];        /* of lobe samples */
     unsigned count;
     float light_count, lobe_count; /* samples of each kind */
+    const sl_lamps *lamps;       /* what light samples are drawn from; NULL: the sampler, by power */
     float irradiance;            /* luminance of what the light samples would bring to a diffuse surface, shadows aside */
     sl_rgb sum;
 } queue;
@@ -48,8 +49,8 @@ static float weight_of(float p, float samples, float q, float others) {
 
 static void add_light_sample(queue *q, const float u[2], sl_counters *counters) {
     sl_light_sample s;
-    if (!sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s) || s.triangle == q->at.triangle)
-        return;
+    bool any = q->lamps ? sl_lamps_draw(q->lamps, u, &s) : sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s);
+    if (!any || s.triangle == q->at.triangle) return;
     q->irradiance += sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->at.normal, s.to_light)) / q->light_count;
     sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
     if (!(sl_rgb_max(f) > 0.0f)) return;
@@ -80,7 +81,8 @@ static void end_lobe_samples(queue *q, sl_counters *counters) {
         sl_vec3 d = sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]);
         sl_rgb radiance = light_met(q->direct, d, hits.triangle[i]);
         if (!(sl_rgb_max(radiance) > 0.0f)) continue;
-        float other = sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i], hits.t[i]);
+        float other = q->lamps ? sl_lamps_pdf(q->lamps, d, hits.triangle[i], hits.t[i])
+                               : sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i], hits.t[i]);
         sl_rgb f = sl_bsdf_reflect(&q->lobe, d, SL_LOBE_GLOSSY);
         q->sum = sl_rgb_add(q->sum, sl_rgb_scale(sl_rgb_mul(f, radiance),
                                                  weight_of(q->pdf[i], q->lobe_count, other, q->light_count) / q->pdf[i]));
@@ -98,6 +100,15 @@ static void add_lobe_sample(queue *q, const float u[2], sl_counters *counters) {
     if (q->count == SL_PACKET) end_lobe_samples(q, counters);
 }
 
+/* Of twice as many samples. Directions from a lobe find a lamp better than points on it where the lamp is wider than the lobe; a small one
+ * they miss. */
+static uint32_t lobe_samples(const queue *q, uint32_t samples) {
+    float exponent = q->at.material->exponent;
+    if (!q->lamps) return (uint32_t)(2.0f * (float)samples * exponent / (exponent + 3000.0f));
+    float lobe = (float)(2.0 * SL_PI) / (exponent + 2.0f), lamps = (float)q->lamps->solid_angle;
+    return (uint32_t)(2.0f * (float)samples * 0.9f * q->lamps->closest * lamps / (lamps + 2.0f * lobe));
+}
+
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
                       sl_counters *counters) {
     sl_lit_block one = {.count = 0};
@@ -106,10 +117,10 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
     sl_surface surface = {.position = q.at.position, .geometric_normal = q.at.geometric_normal, .normal = q.at.normal,
                           .material = q.at.material};
     q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
-    /* Directions from a lobe find a lamp better than points on it only where the lobe is much narrower (measured: below an
-     * exponent of 300 every one is worth less than a light sample). */
-    float exponent = q.at.material->exponent;
-    uint32_t lobes = (uint32_t)(2.0f * (float)samples * exponent / (exponent + 3000.0f)), lights = 2 * samples - lobes;
+    sl_lamps lamps;
+    bool by_angle = direct->exact_count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, &lamps);
+    q.lamps = by_angle ? &lamps : NULL;
+    uint32_t lobes = lobe_samples(&q, samples), lights = 2 * samples - lobes;
     q.light_count = (float)lights;
     q.lobe_count = (float)lobes;
     float u[2];
@@ -120,7 +131,7 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
     end_light_samples(&q, counters);
     /* What the samples bring to a diffuse surface is known (direct_exact.c): how far they are off tells of the lobe, too. */
     float off = q.irradiance > 0.0f ? exact / q.irradiance : 0.0f;
-    if (off > 0.0f && isfinite(off)) q.sum = sl_rgb_scale(q.sum, off);
+    if (!by_angle && off > 0.0f && isfinite(off)) q.sum = sl_rgb_scale(q.sum, off);
     for (uint32_t s = 0; s < lobes; s++) {
         sl_direct_point_2d(direct, &one, 0, s, 4, u);
         add_lobe_sample(&q, u, counters);

@@ -7,6 +7,7 @@
  *     direct_near.c     better samples of emitters that are near
  *     direct_sampled.c  lights without extent; what is too much for closed forms
  *     direct_glossy.c   glossy lobes
+ *     direct_lamps.c    emitters as a glossy lobe sees them
  *     direct_filter.c   the visible share, smoothed where it is noise
  *     direct_kernels.c  the loops over a block of pixels
  */
@@ -30,6 +31,7 @@ struct sl_direct {
     sl_light_sampler *sampler;      /* of that; NULL where there is nothing to sample */
     size_t exact_count;             /* sides of emitters that are lit by the closed form; 0: emitters are sampled */
     sl_polygon_light *polygons;     /* exact_count */
+    uint32_t *emitter;              /* of each side */
     float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
     float unit;                     /* a power of two: what the strongest of emitters and sun is counted in, so that sums of samples stay within floats */
     float *luminances;              /* of their radiances, in units */
@@ -116,6 +118,8 @@ sl_block_box sl_lit_block_box(const sl_lit_block *block);
 bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
 void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near, const sl_aim_block *aims,
                         uint32_t samples);
+/* What of a triangle lies above the horizon of p: up to four corners. */
+int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
                       sl_counters *counters);

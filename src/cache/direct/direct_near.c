@@ -64,8 +64,7 @@ static void add_part(near_emitter *e, sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 p
     e->parts++;
 }
 
-/* What of the triangle lies above the horizon: up to four corners. */
-static int clip(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]) {
+int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]) {
     int count = 0;
     for (int k = 0; k < 3; k++) {
         sl_vec3 a = corner[k], b = corner[(k + 1) % 3];
@@ -82,7 +81,7 @@ static void look_at(const sl_polygon_light *light, sl_vec3 p, sl_vec3 n, int32_t
     e->parts = 0;
     e->solid_angle = 0.0;
     if (!is_near(light, p, p)) return;
-    int corners = clip(light->corner, p, n, above);
+    int corners = sl_clip_to_horizon(light->corner, p, n, above);
     for (int k = 2; k < corners; k++) add_part(e, above[0], above[k - 1], above[k], p, sl_to_double(n));
     e->out = sl_to_double(light->normal);
     e->height = sl_dotd(e->out, sl_subd(sl_to_double(p), sl_to_double(light->corner[0])));
