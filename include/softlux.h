@@ -512,6 +512,7 @@ typedef struct sl_shading_cache_settings {
     double blending;             /**< beta: share of a new value in an unchanged scene; 1 */
     bool variance_aware;         /**< more samples where noise passes for contrast */
     int frames_per_update;       /**< of the deterministic schedule; 20 */
+    double hold_levels;          /**< motion waits until what is seen seems to be that good: mean error in displayed levels (0 to 255); 0: it does not wait */
     uint32_t updates;            /**< a picture of a still scene is done after so many; 0: when nothing is left to refine */
     double mean_level_radiance;  /**< Y_ref: radiance in the middle of the displayed levels; by the light in the scene */
 } sl_shading_cache_settings;
@@ -623,6 +624,41 @@ SL_API const char *sl_method_name(size_t index);
 /** What a method would do with a scene: one line for each pass that runs or is left out, and why. NUL-terminated
  * text, the caller frees it with free(). */
 SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
+
+/* ---- live: frames beside updates ----------------------------------------------------------------------------------------- */
+
+/** A method at work in a thread of its own, while the caller's thread shows what there is: the two loops of the Shading Cache. Frames never
+ * wait for updates. What they show depends on the clock, as nothing else in this library does: for the same bits twice there are
+ * sl_method_update() and sl_method_resolve(). */
+typedef struct sl_live sl_live;
+
+/** What a frame shows. */
+typedef struct sl_live_state {
+    uint64_t frames;      /**< drawn so far, this one included */
+    uint64_t versions;    /**< how often the shading that it shows has been brought up to date: a frame is of one version whole */
+    uint64_t updates;     /**< done so far */
+    double time_seconds;  /**< the scene's time that the frame shows */
+    double error_levels;  /**< how wrong what is seen seems to be, in displayed levels of 255, as the last update found it; negative: unknown */
+    bool held;            /**< a move waits for shading_cache.hold_levels */
+    bool done;            /**< nothing is left to refine: updates rest until something moves */
+} sl_live_state;
+
+/** Makes a method and starts to update it, with settings->threads workers. Until sl_live_stop() the scene is the show's own: nobody
+ * else may change it. An observer is called in the updating thread. All calls on one show come from one thread at a time. */
+SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error);
+/** Stops after the update under way and releases everything; the scene stays as the updates had it last. *counters (may be NULL) gets the
+ * method's, and those of the frames. NULL is allowed. */
+SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
+/** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is under way (methods without
+ * a display of their own, all but the Shading Cache, show it once an update has been done there). With shading_cache.hold_levels the move
+ * waits until what is shown is as good as that; the newest one counts. */
+SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
+/** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on. */
+SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad,
+                              sl_error *error);
+/** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid until the next call.
+ * state may be NULL. Black until there is anything. Fails once an update has failed. */
+SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_state *state, sl_error *error);
 
 /* ---- the error of a picture, without a reference ------------------------------------------------------------------------ */
 

@@ -119,7 +119,7 @@ static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void 
     sl_thread thread;
     assert_true(sl_thread_start(&thread, draw_on_and_on, &b));
     uint32_t update = 0;
-    for (; update < 3000 && (update < 100 || atomic_load(&b.builds_seen) < 20); update++) { /* as fast as it goes: it is the builds that wait */
+    for (; update < 3000 && (update < 40 || atomic_load(&b.builds_seen) < 20); update++) { /* as fast as it goes: it is the builds that wait */
         split_or_drop_at_random(&h, sl_random_key(83, update));
         give_all(&h, (float)SL_PI * (float)(update + 1), update + 1);
         build(b.display, &h);

@@ -197,6 +197,8 @@ static void add_shading_cache(sl_raw_settings *r, table *t) {
         {"blending", 0, SL_OPTION_REAL, &c->blending, NULL, "B", "share of new values [1]", 0.01, 1.0, NULL},
         {"variance-aware", 0, SL_OPTION_FLAG, &c->variance_aware, NULL, NULL, "more samples where noise passes for contrast", 0, 0, NULL},
         {"frames-per-update", 0, SL_OPTION_COUNT, &r->frames_per_update, NULL, "N", "of the schedule [20]", 1, 1e6, NULL},
+        {"hold", 0, SL_OPTION_REAL, &c->hold_levels, NULL, "LEVELS", "motion waits until the mean error that shows is at most that [motion does not wait]", 1e-6,
+         255.0, NULL},
         {"updates", 0, SL_OPTION_COUNT, &r->updates, NULL, "N", "after which a picture is done [until nothing is left]", 1, 1e9, NULL},
         {"mean-level", 0, SL_OPTION_REAL, &c->mean_level_radiance, NULL, "L", "radiance of a middle grey [by the light in the scene]", 1e-30, 1e30, NULL},
     };

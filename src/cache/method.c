@@ -18,18 +18,6 @@
 static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_multi_mesh_method, &sl_shading_cache_method, &sl_path_method, &sl_bidirectional_method};
 enum { CLASSES = sizeof classes / sizeof classes[0] };
 
-struct sl_method {
-    const sl_method_class *class;
-    void *state;
-    const sl_scene *scene;
-    sl_settings settings;
-    char name[32], transport_name[64];
-    uint64_t batches;
-    uint64_t light_hash; /* of the scene */
-    bool light_hash_known;
-    bool done; /* nothing left to refine since the last edit */
-};
-
 sl_settings sl_settings_default(void) { return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL}; }
 
 const char *sl_method_name(size_t index) { return index < CLASSES ? classes[index]->name : NULL; }

@@ -17,6 +17,16 @@ void sl_story_add(sl_story_writer *writer, const sl_story_term *term);
  * layer or it is black there. */
 void sl_story_add_layer(sl_story_writer *writer, const char *layer, const char *kind);
 
+/* Frames beside updates, by another thread: a window shows the newest state that updates have left, from where its own twin of the scene stands (scene/twin.h). Nothing in
+ * it waits for an update. */
+typedef struct sl_window_class {
+    sl_status (*create)(void *state, const sl_scene *twin, void **window, sl_error *error); /* beside no update */
+    void (*destroy)(void *window);                                                          /* likewise */
+    sl_status (*move)(void *window, sl_error *error);                                       /* the twin's objects have moved */
+    /* R, G, B of a picture of the method's size; *versions: how often what is shown has been brought up to date. */
+    sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters, sl_error *error);
+} sl_window_class;
+
 typedef struct sl_method_class {
     const char *name;
     /* Replaces what is 0, "by quality", by what will be used. */
@@ -39,7 +49,22 @@ typedef struct sl_method_class {
     /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last resolved; NULL: no story. */
     sl_status (*story)(const void *state, int x, int y, sl_story_writer *writer, sl_error *error);
     bool any_transport; /* takes --transport: a reference tracer */
+    const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
+    /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL: nobody knows. */
+    double (*error_levels)(const void *state);
 } sl_method_class;
+
+struct sl_method {
+    const sl_method_class *class;
+    void *state;
+    const sl_scene *scene;
+    sl_settings settings; /* complete */
+    char name[32], transport_name[64];
+    uint64_t batches;
+    uint64_t light_hash; /* of the scene */
+    bool light_hash_known;
+    bool done; /* nothing left to refine since the last edit */
+};
 
 extern const sl_method_class sl_splatting_method; /* cache/splatting */
 extern const sl_method_class sl_direct_radiance_method; /* cache/direct_radiance */

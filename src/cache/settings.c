@@ -130,6 +130,7 @@ static sl_status check_shading_cache(const sl_shading_cache_settings *c, sl_erro
         {"a change window", c->change_window, 1, 1e6, true},
         {"blending", c->blending, 0.01, 1.0, true},
         {"frames an update", c->frames_per_update, 1, 1e6, true},
+        {"a quality to hold for", c->hold_levels, 1e-6, 255.0, true},
         {"a middle radiance", c->mean_level_radiance, 1e-30, 1e30, true},
     };
     return CHECK(bounds, error);
@@ -310,6 +311,7 @@ static void stamp_shading_cache(stamping *st, const sl_shading_cache_settings *c
     stamp_real(st, "blending", c->blending);
     stamp_flag(st, "variance_aware", c->variance_aware);
     stamp_count(st, "frames_per_update", (uint64_t)c->frames_per_update);
+    stamp_real(st, "hold", c->hold_levels);
     stamp_count(st, "updates", c->updates);
     stamp_real(st, "mean_level", c->mean_level_radiance);
 }

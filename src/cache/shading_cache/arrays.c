@@ -73,7 +73,7 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
     for (size_t m = 0; m < scene->material_count; m++) d->textured |= scene->materials[m].texture != SL_NO_INDEX;
     sl_status status = allocate_arrays(d) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && primitives->curved) status = sl_curved_edges_find(primitives, &d->curved, error);
-    if (status == SL_OK) status = sl_window_open(d, scene, &d->own, error);
+    if (status == SL_OK) status = sl_window_open(d, scene, settings->threads, &d->own, error);
     if (status == SL_OK) *display = d;
     else sl_display_destroy(d);
     return status;

@@ -52,7 +52,7 @@ sl_status sl_display_draw(sl_display *display, unsigned threads, float *const pl
 sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_display_ids *ids, sl_counters *counters, sl_error *error);
 
 /* A window is another thread's way to look: at the same arrays, from the camera and with the objects of a twin of the scene (scene/twin.h), which that thread moves as
- * it likes. Hardware and planes are its own. */
+ * it likes. Hardware and planes are its own, and it draws on its thread alone but where frames are given more. */
 typedef struct sl_window sl_window;
 sl_status sl_window_create(const sl_display *display, const sl_scene *twin, sl_window **window, sl_error *error);
 void sl_window_destroy(sl_window *window);

@@ -93,6 +93,7 @@ typedef struct sl_frame_planes {
 
 struct sl_window {
     const sl_scene *scene;     /* with the camera and the positions */
+    unsigned threads;          /* that follow it */
     sl_raster *raster;         /* of it */
     sl_tessellation tessellation;
     sl_frame_planes frame;
@@ -143,7 +144,7 @@ sl_status sl_display_values(sl_display *display, sl_display_copy *copy, const sl
 void sl_display_values_release(sl_display *display);
 
 /* window.c. */
-sl_status sl_window_open(const sl_display *display, const sl_scene *scene, sl_window *window, sl_error *error); /* to be closed also where this fails */
+sl_status sl_window_open(const sl_display *display, const sl_scene *scene, unsigned threads, sl_window *window, sl_error *error); /* to be closed also where this fails */
 void sl_window_close(sl_window *window);
 /* The shown copy, which stays as it is until it is given back. Neither waits. */
 const sl_display_copy *sl_display_take(sl_display *display);

@@ -164,7 +164,8 @@ static sl_status shading_update(void *state, sl_progress *progress, sl_error *er
     s->shows_only = false;
     double left = (double)(s->last_update - s->now) / (double)s->settings.shading_cache.updates;
     progress->fraction = s->done ? 1.0 : 1.0 - left;
-    progress->frame_done = true;
+    double hold = s->settings.shading_cache.hold_levels;
+    progress->frame_done = s->done || !(hold > 0.0) || s->error_levels <= hold;
     progress->done = s->done;
     return status;
 }
@@ -204,7 +205,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_status status = note_motion(s, changes, error);
     s->done = false;
     s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
-    s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0;
+    s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0 && !(s->settings.shading_cache.hold_levels > 0.0);
     if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
@@ -214,6 +215,8 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
 }
 
 static const sl_counters *shading_counters(const void *state) { return &((const sl_shading_state *)state)->counters; }
+
+static double shading_error_levels(const void *state) { return ((const sl_shading_state *)state)->error_levels; }
 
 static size_t shading_bytes(const void *state) {
     const sl_shading_state *s = state;
@@ -235,4 +238,6 @@ const sl_method_class sl_shading_cache_method = {
     .memory_bytes = shading_bytes,
     .transport = sl_shading_transport,
     .plan = sl_shading_plan_write,
+    .window = &sl_shading_window,
+    .error_levels = shading_error_levels,
 };

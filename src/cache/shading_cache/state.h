@@ -50,6 +50,7 @@ typedef struct sl_shading_state {
     uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
     uint32_t edits;                /* ... of a series: frames */
     bool shows_only;               /* the next frame of a series waits for no update */
+    double error_levels;           /* of what was seen when the last update began */
     bool drawn;                    /* the display knows the view */
     bool done;
     sl_counters counters;
@@ -57,6 +58,9 @@ typedef struct sl_shading_state {
 } sl_shading_state;
 
 static inline size_t sl_shading_pixels(const sl_shading_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+
+/* live.c: frames beside updates. */
+extern const sl_window_class sl_shading_window;
 
 /* update.c: U1 to U10, once. */
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error);

@@ -310,7 +310,7 @@ static bool allocate(sl_tessellation *t, size_t vertices, size_t triangles, size
     return ok;
 }
 
-static sl_status make(const sl_display *d, const sl_scene *scene, sl_tessellation *t, sl_error *error) {
+static sl_status make(const sl_display *d, const sl_scene *scene, unsigned threads, sl_tessellation *t, sl_error *error) {
     size_t surfaces = d->curved->count, vertices = 0, triangles = 0;
     if (!(t->rates = sl_allocate(surfaces, sizeof *t->rates))) return sl_fail_memory(error, "curved surfaces");
     find_rates(d, scene, t->rates);
@@ -324,13 +324,13 @@ static sl_status make(const sl_display *d, const sl_scene *scene, sl_tessellatio
     t->vertex_count = vertices;
     t->camera = scene->camera;
     t->mesh = (sl_raster_mesh){vertices, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
-    return sl_raster_create_mesh(&t->mesh, d->settings.threads, &t->raster, error);
+    return sl_raster_create_mesh(&t->mesh, threads, &t->raster, error);
 }
 
 sl_status sl_tessellate(const sl_display *d, sl_window *w, sl_error *error) {
     sl_tessellation *t = &w->tessellation, fresh = {.raster = NULL};
     if (t->raster && memcmp(&t->camera, &w->scene->camera, sizeof t->camera) == 0 && !has_moved(d, w->scene, t)) return SL_OK;
-    sl_status status = make(d, w->scene, &fresh, error);
+    sl_status status = make(d, w->scene, w->threads, &fresh, error);
     if (status != SL_OK) {
         sl_tessellation_release(&fresh);
         return status;
@@ -344,5 +344,5 @@ sl_status sl_tessellation_move(const sl_display *d, sl_window *w, sl_error *erro
     sl_tessellation *t = &w->tessellation;
     if (!has_moved(d, w->scene, t)) return SL_OK;
     put_vertices(d, w->scene, t);
-    return sl_raster_move(t->raster, d->settings.threads, error);
+    return sl_raster_move(t->raster, w->threads, error);
 }

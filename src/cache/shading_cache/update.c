@@ -81,8 +81,19 @@ static void prioritise_some(void *context, size_t task, unsigned worker) {
         float priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
                                            ages ? sl_changes_since(s->changes, object) : 0);
         float least = least_priority(s, &s->leaf[i]);
+        s->leaf[i].levels = priority >= 0.0f && priority < 255.0f ? priority : 255.0f;
         s->leaf[i].priority = priority < 0.0f || priority > least ? priority : least;
     }
+}
+
+/* What holds motion back: the mean over the pixels of what shows. */
+static double mean_error_levels(const sl_shading_state *s) {
+    double sum = 0.0, pixels = 0.0;
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        sum += (double)s->leaf[i].pixels * (double)s->leaf[i].levels;
+        pixels += s->leaf[i].pixels;
+    }
+    return pixels > 0.0 ? sum / pixels : 0.0;
 }
 
 static void announce_priorities(sl_shading_state *s) {
@@ -100,6 +111,7 @@ static sl_status see_priorities(sl_shading_state *s, sl_error *error) {
     sl_announce_pass(&s->announcer, "id map", "section 4.1");
     count_pixels(s);
     sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, prioritise_some, s);
+    s->error_levels = mean_error_levels(s);
     sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
     announce_priorities(s);
     return SL_OK;

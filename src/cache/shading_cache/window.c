@@ -14,11 +14,11 @@ static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
     return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
 }
 
-sl_status sl_window_open(const sl_display *d, const sl_scene *scene, sl_window *w, sl_error *error) {
-    *w = (sl_window){.scene = scene};
+sl_status sl_window_open(const sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w, sl_error *error) {
+    *w = (sl_window){.scene = scene, .threads = threads};
     size_t pixels = (size_t)d->settings.width * (size_t)d->settings.height;
     if (!allocate_frame(&w->frame, pixels, d->curved != NULL)) return sl_fail_memory(error, "the display");
-    sl_status status = sl_raster_create(scene, d->settings.threads, &w->raster, error);
+    sl_status status = sl_raster_create(scene, threads, &w->raster, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(d, w, error);
     return status;
 }
@@ -34,7 +34,7 @@ sl_status sl_window_create(const sl_display *d, const sl_scene *twin, sl_window 
     sl_window *w = sl_allocate(1, sizeof *w);
     *window = NULL;
     if (!w) return sl_fail_memory(error, "a window of the display");
-    sl_status status = sl_window_open(d, twin, w, error);
+    sl_status status = sl_window_open(d, twin, 1, w, error);
     if (status == SL_OK) *window = w;
     else sl_window_destroy(w);
     return status;
@@ -47,7 +47,7 @@ void sl_window_destroy(sl_window *w) {
 }
 
 sl_status sl_window_move(const sl_display *d, sl_window *w, sl_error *error) {
-    sl_status status = sl_raster_move(w->raster, d->settings.threads, error);
+    sl_status status = sl_raster_move(w->raster, w->threads, error);
     return status == SL_OK && d->curved ? sl_tessellation_move(d, w, error) : status;
 }
 

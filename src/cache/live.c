@@ -1,0 +1,292 @@
+/* Two loops side by side: a thread updates the method, the caller's shows frames (the Shading Cache's section on the system's components).
+ *
+ *   caller   move ── twin of the scene ── frame ── frame ── move ── frame ...      never waits for an update
+ *                 ╲ asked             ╱ versions
+ *   thread   follow: scene, edit ── update ── update ── follow ...                 rests when nothing is left to refine
+ *
+ * They meet under one lock, held for a few assignments: where things are to be, and how far updates have come. Shading goes from one to the other in the
+ * display's two copies (shading_cache/window.c); of methods without such a display, in pictures that are handed over whole. */
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "cache/method.h"
+#include "scene/twin.h"
+
+/* Where things are: all that it takes to put any twin there. */
+typedef struct pose {
+    uint64_t number;           /* 0, 1, 2, ... as they were asked for */
+    bool timed;                /* false: as the scene was found */
+    double time;
+    bool looks;                /* from a camera of its own, not the keyframes' */
+    sl_camera camera;
+} pose;
+
+struct sl_live {
+    sl_scene *scene;           /* the thread's, while it runs; the caller's is the twin */
+    sl_method *method;         /* likewise */
+    sl_thread thread;
+    bool runs;
+
+    sl_scene *twin;
+    void *window;              /* NULL: the method has none */
+    sl_image *frame;
+    pose shown, wanted;        /* wanted: of a higher number while it waits */
+    double hold;               /* levels; 0: moves do not wait */
+    sl_live_state state;
+    sl_counters counters;      /* of frames */
+
+    sl_monitor meeting;        /* guards what follows */
+    bool stop;
+    pose asked;
+    uint64_t followed;         /* number of the pose that updates are at */
+    sl_progress progress;
+    double error_levels;
+    sl_image *picture;         /* the newest, not taken yet; NULL: none */
+    double picture_time;
+    uint64_t pictures;
+    sl_status status;          /* of the thread: not SL_OK, it has ended */
+    sl_error error;
+};
+
+/* ---- poses ----------------------------------------------------------------------------------------------------------------------- */
+
+static bool same_camera(const sl_camera *a, const sl_camera *b) { return memcmp(a, b, sizeof *a) == 0; /* floats alone: no gaps */ }
+
+static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl_error *error) {
+    sl_camera before = scene->camera;
+    sl_status status = p->timed ? sl_scene_set_time(scene, p->time, changes, error) : SL_OK;
+    if (status != SL_OK) return status;
+    if (p->looks) scene->camera = p->camera;
+    *changes &= ~(unsigned)SL_CHANGED_CAMERA;
+    if (!same_camera(&before, &scene->camera)) {
+        *changes |= SL_CHANGED_CAMERA;
+        scene->version++;
+    }
+    return SL_OK;
+}
+
+/* ---- the thread ------------------------------------------------------------------------------------------------------------------ */
+
+/* Waits while there is nothing to do; false: it is to end. */
+static bool next_turn(sl_live *l, pose *turn) {
+    sl_monitor_enter(&l->meeting);
+    while (!l->stop && l->status == SL_OK && l->progress.done && l->asked.number == l->followed) sl_monitor_wait(&l->meeting);
+    bool goes_on = !l->stop && l->status == SL_OK;
+    *turn = l->asked;
+    sl_monitor_leave(&l->meeting);
+    return goes_on;
+}
+
+static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
+    unsigned changes = 0;
+    sl_status status = take_pose(l->scene, p, &changes, error);
+    return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
+}
+
+/* Pictures take the place of the display where the method has none. */
+static sl_status resolve(sl_live *l, sl_image **picture, sl_error *error) {
+    *picture = NULL;
+    return l->window ? SL_OK : sl_method_resolve(l->method, picture, error);
+}
+
+static void tell(sl_live *l, const pose *p, const sl_progress *progress, sl_image *picture, sl_status status, const sl_error *error) {
+    double levels = l->method->class->error_levels ? l->method->class->error_levels(l->method->state) : -1.0;
+    sl_image *old = NULL;
+    sl_monitor_enter(&l->meeting);
+    l->followed = p->number;
+    l->progress = *progress;
+    l->error_levels = levels;
+    if (picture) {
+        old = l->picture;
+        l->picture = picture;
+        l->picture_time = p->time;
+        l->pictures++;
+    }
+    if (status != SL_OK) {
+        l->status = status;
+        l->error = *error;
+    }
+    sl_monitor_leave(&l->meeting);
+    sl_image_destroy(old);
+}
+
+static void update_on_and_on(void *context) {
+    sl_live *l = context;
+    pose turn;
+    uint64_t at = 0;
+    sl_progress progress = {0};
+    while (next_turn(l, &turn)) {
+        sl_error error = {0};
+        sl_image *picture = NULL;
+        sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
+        at = turn.number;
+        if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
+        if (status == SL_OK) status = resolve(l, &picture, &error);
+        tell(l, &turn, &progress, picture, status, &error);
+        if (status != SL_OK) return;
+    }
+}
+
+/* ---- life ------------------------------------------------------------------------------------------------------------------------ */
+
+void sl_live_stop(sl_live *l, sl_counters *counters) {
+    if (counters) *counters = (sl_counters){0};
+    if (!l) return;
+    if (l->runs) {
+        sl_monitor_enter(&l->meeting);
+        l->stop = true;
+        sl_monitor_signal(&l->meeting);
+        sl_monitor_leave(&l->meeting);
+        sl_thread_join(&l->thread);
+    }
+    if (counters && l->method) {
+        *counters = *sl_method_counters(l->method);
+        sl_counters_add(counters, &l->counters);
+    }
+    if (l->window) l->method->class->window->destroy(l->window);
+    sl_method_destroy(l->method);
+    sl_scene_twin_destroy(l->twin);
+    sl_image_destroy(l->frame);
+    sl_image_destroy(l->picture);
+    sl_monitor_close(&l->meeting);
+    sl_free(l);
+}
+
+static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
+    sl_settings own = *settings;
+    own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
+    sl_status status = sl_method_create(l->scene, &own, &l->method, error);
+    if (status == SL_OK) status = sl_scene_twin(l->scene, &l->twin, error);
+    if (status != SL_OK) return status;
+    const sl_method_class *class = l->method->class;
+    l->hold = class->error_levels ? settings->shading_cache.hold_levels : 0.0;
+    status = sl_image_create(l->method->settings.width, l->method->settings.height, 3, NULL, &l->frame, error);
+    if (status == SL_OK && class->window) status = class->window->create(l->method->state, l->twin, &l->window, error);
+    if (status != SL_OK) return status;
+    l->runs = sl_thread_start(&l->thread, update_on_and_on, l);
+    return l->runs ? SL_OK : sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for updates");
+}
+
+sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error) {
+    *live = NULL;
+    sl_live *l = sl_allocate(1, sizeof *l);
+    if (!l) return sl_fail_memory(error, "a live show");
+    if (!sl_monitor_open(&l->meeting)) {
+        sl_free(l);
+        return sl_fail(error, SL_ERROR_RESOURCES, "no lock could be had for a live show");
+    }
+    l->scene = scene;
+    l->error_levels = -1.0;
+    sl_status status = begin(l, settings, error);
+    if (status == SL_OK) *live = l;
+    else sl_live_stop(l, NULL);
+    return status;
+}
+
+/* ---- moves ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Whether updates have come so far where things are that they may move on. */
+static bool may_move(sl_live *l) {
+    if (!(l->hold > 0.0)) return true;
+    sl_monitor_enter(&l->meeting);
+    bool good = l->followed == l->shown.number && l->progress.batches > 0 && (l->progress.done || l->error_levels <= l->hold);
+    good = good || l->status != SL_OK; /* no more updates: there is nothing to wait for */
+    sl_monitor_leave(&l->meeting);
+    return good;
+}
+
+/* The thread is told; or why there is no use in going on. */
+static void ask(sl_live *l, sl_status status, const sl_error *error) {
+    sl_monitor_enter(&l->meeting);
+    l->asked = l->shown;
+    if (l->status == SL_OK && status != SL_OK) {
+        l->status = status;
+        l->error = *error;
+    }
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
+}
+
+/* The twin goes at once. A window that could not follow shows nothing any more; a time at which nothing can be is another matter. */
+static sl_status go(sl_live *l, sl_error *error) {
+    unsigned changes = 0;
+    sl_error why = {0};
+    sl_status status = take_pose(l->twin, &l->wanted, &changes, &why);
+    if (status == SL_OK) {
+        l->shown = l->wanted;
+        if (l->window && (changes & SL_CHANGED_OBJECTS)) status = l->method->class->window->move(l->window, &why);
+        ask(l, status, &why);
+    }
+    l->wanted = l->shown;
+    if (status != SL_OK && error) *error = why;
+    return status;
+}
+
+static sl_status go_if_it_may(sl_live *l, sl_error *error) {
+    if (l->wanted.number == l->shown.number || !may_move(l)) return SL_OK;
+    return go(l, error);
+}
+
+sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
+    if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
+    l->wanted.timed = true;
+    l->wanted.time = time_seconds;
+    l->wanted.number = l->shown.number + 1;
+    return go_if_it_may(l, error);
+}
+
+sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad, sl_error *error) {
+    sl_camera camera = l->twin->camera;
+    if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]), sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
+        return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view and a vertical field of view "
+                                              "between 0 and 180 degrees");
+    l->wanted.looks = true;
+    l->wanted.camera = camera;
+    l->wanted.number = l->shown.number + 1;
+    return go_if_it_may(l, error);
+}
+
+/* ---- frames ---------------------------------------------------------------------------------------------------------------------- */
+
+/* How far updates have come; the newest picture, where they leave pictures. */
+static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, sl_error *error) {
+    sl_monitor_enter(&l->meeting);
+    l->state.updates = l->progress.batches;
+    l->state.error_levels = l->error_levels;
+    l->state.done = l->progress.done && l->followed == l->shown.number;
+    *picture = l->picture;
+    *picture_time = l->picture_time;
+    l->picture = NULL;
+    if (*picture) l->state.versions = l->pictures;
+    sl_status status = l->status;
+    if (status != SL_OK && error) *error = l->error;
+    sl_monitor_leave(&l->meeting);
+    return status;
+}
+
+sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state, sl_error *error) {
+    *frame = NULL;
+    sl_image *picture;
+    double picture_time;
+    sl_status status = go_if_it_may(l, error);
+    if (status == SL_OK) status = look_up(l, &picture, &picture_time, error);
+    if (status != SL_OK) return status;
+    if (l->window) {
+        status = l->method->class->window->draw(l->window, l->frame, &l->state.versions, &l->counters, error);
+        l->state.time_seconds = l->shown.time;
+    } else if (picture) {
+        sl_image_destroy(l->frame);
+        l->frame = picture;
+        l->state.time_seconds = picture_time;
+    }
+    if (status != SL_OK) return status;
+    l->state.frames++;
+    l->state.held = l->wanted.number != l->shown.number;
+    *frame = l->frame;
+    if (state) *state = l->state;
+    return SL_OK;
+}

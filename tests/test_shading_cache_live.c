@@ -1,0 +1,432 @@
+/* The two loops of the shading cache beside each other: frames never wait for samples, and show what moves at once. Samples come from a renderer of the
+ * tests' own, in the place of the one for area lights, which waits before a gate. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/thread.h"
+#include "cache/shading_cache/renderers.h"
+#include "rendering.h"
+#include "scene/scene.h"
+
+enum { W = 48, H = 40, PIXELS = W * H };
+
+/* ---- a renderer that waits --------------------------------------------------------------------------------------------------------- */
+
+static sl_monitor gate;
+static bool gate_is_open, edit_fails;
+static int waiting;
+static atomic_int batches;
+static const float irradiance = 2.0f * (float)SL_PI;
+
+static void open_gate(bool open) {
+    sl_monitor_enter(&gate);
+    gate_is_open = open;
+    sl_monitor_signal(&gate);
+    sl_monitor_leave(&gate);
+}
+
+static void wait_until_samples_are_held_up(void) {
+    sl_monitor_enter(&gate);
+    while (!waiting) sl_monitor_wait(&gate);
+    sl_monitor_leave(&gate);
+}
+
+static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
+                                   sl_counters *counters) {
+    (void)state, (void)requests, (void)threads, (void)counters;
+    sl_monitor_enter(&gate);
+    waiting++;
+    sl_monitor_signal(&gate);
+    while (!gate_is_open) sl_monitor_wait(&gate);
+    waiting--;
+    sl_monitor_leave(&gate);
+    for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.irradiance = {irradiance, irradiance, irradiance}, .valid = true};
+    atomic_fetch_add(&batches, 1);
+}
+
+static sl_status edit_or_fail(void *state, unsigned changes, sl_error *error) {
+    (void)state, (void)changes;
+    return edit_fails ? sl_fail(error, SL_ERROR_RESOURCES, "no light today") : SL_OK;
+}
+
+static void nothing_to_destroy(void *state) { (void)state; }
+
+sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error) {
+    (void)settings, (void)error;
+    *renderer = (sl_sample_renderer){.name = "waits", .render = render_behind_the_gate, .edit = edit_or_fail, .destroy = nothing_to_destroy};
+    return SL_OK;
+}
+
+/* ---- shows -------------------------------------------------------------------------------------------------------------------------- */
+
+static sl_settings show_settings(void) {
+    sl_settings settings = small_settings("shading-cache", W, H);
+    settings.threads = 1;
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 12;
+    settings.shading_cache.stop_size = 4.0;
+    return settings;
+}
+
+static sl_live *start(sl_scene *scene, const sl_settings *settings) {
+    sl_live *live;
+    sl_error error = {0};
+    if (sl_live_start(scene, settings, &live, &error) != SL_OK) fail_msg("%s", error.message);
+    return live;
+}
+
+static sl_live_state frame_of(sl_live *live, float picture[3 * PIXELS]) {
+    const sl_image *frame;
+    sl_live_state state;
+    sl_error error = {0};
+    if (sl_live_frame(live, &frame, &state, &error) != SL_OK) fail_msg("%s", error.message);
+    assert_int_equal(frame->width, W);
+    assert_int_equal(frame->height, H);
+    if (picture) memcpy(picture, frame->planes, 3 * PIXELS * sizeof *picture);
+    return state;
+}
+
+static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
+
+static sl_live_state frames_until_done(sl_live *live, float picture[3 * PIXELS]) {
+    sl_live_state state = frame_of(live, picture);
+    while (!state.done) {
+        pause_a_millisecond();
+        state = frame_of(live, picture);
+    }
+    return frame_of(live, picture); /* drawn after the last update */
+}
+
+/* What the method itself shows of a scene at a time before any sample. */
+static void first_picture_at(const char *path, double time, float picture[3 * PIXELS]) {
+    sl_scene *scene = load_scene(path);
+    sl_settings settings = show_settings();
+    sl_method *method;
+    sl_image *image;
+    assert_int_equal(sl_scene_set_time(scene, time, NULL, NULL), SL_OK);
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    memcpy(picture, image->planes, 3 * PIXELS * sizeof *picture);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static int pixels_apart(const float *a, const float *b) {
+    int apart = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        bool same = true;
+        for (int c = 0; c < 3; c++) same = same && fabsf(a[c * PIXELS + i] - b[c * PIXELS + i]) <= 1e-4f * (1e-3f + fabsf(b[c * PIXELS + i]));
+        apart += !same;
+    }
+    return apart;
+}
+
+static const char ball[] = "scenes/moving-ball.json", walk[] = "scenes/walk.json";
+
+/* ---- frames and samples -------------------------------------------------------------------------------------------------------------- */
+
+static void frames_keep_coming_while_samples_are_held_up(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    open_gate(false);
+    int before = atomic_load(&batches);
+    sl_live *live = start(scene, &settings);
+    wait_until_samples_are_held_up();
+    for (uint64_t i = 1; i <= 50; i++) {
+        sl_live_state shown = frame_of(live, NULL);
+        assert_int_equal(shown.frames, i);
+        assert_int_equal(shown.updates, 0);
+        assert_false(shown.done);
+    }
+    assert_int_equal(atomic_load(&batches), before);
+    open_gate(true);
+    static float picture[3 * PIXELS];
+    sl_live_state last = frames_until_done(live, picture);
+    assert_true(last.updates >= 12 && last.versions >= 12);
+    sl_counters counters;
+    sl_live_stop(live, &counters);
+    assert_int_equal(counters.value[SL_COUNT_FRAMES_DISPLAYED], last.frames);
+    assert_true(counters.value[SL_COUNT_POINTS_SHADED] > 0);
+    sl_scene_destroy(scene);
+}
+
+static void what_moves_is_shown_there_at_once_though_no_sample_comes(void **state) {
+    (void)state;
+    static float picture[3 * PIXELS], there[3 * PIXELS], first[3 * PIXELS];
+    for (int i = 0; i < 2; i++) {
+        const char *path = i ? walk : ball;
+        sl_scene *scene = load_scene(path);
+        sl_settings settings = show_settings();
+        open_gate(false);
+        sl_live *live = start(scene, &settings);
+        frame_of(live, first);
+        wait_until_samples_are_held_up();
+        for (int step = 1; step <= 6; step++) {
+            double time = 0.6 * step;
+            assert_int_equal(sl_live_move(live, time, NULL), SL_OK);
+            sl_live_state shown = frame_of(live, picture);
+            assert_true(shown.time_seconds == time);
+            assert_int_equal(shown.updates, 0);
+            first_picture_at(path, time, there);
+            assert_int_equal(pixels_apart(picture, there), 0);
+            assert_true(pixels_apart(picture, first) > 20);
+        }
+        open_gate(true);
+        sl_live_stop(live, NULL);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* All irradiance is 2 pi: a picture in which all that is seen has samples shows 2 kd. */
+static void samples_catch_up_where_things_are_now_and_then_rest(void **state) {
+    (void)state;
+    static float picture[3 * PIXELS];
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    settings.shading_cache.updates = 60;
+    open_gate(true);
+    sl_live *live = start(scene, &settings);
+    for (int step = 0; step < 5; step++) {
+        assert_int_equal(sl_live_move(live, 0.7 * step, NULL), SL_OK);
+        sl_live_state shown = frames_until_done(live, picture);
+        assert_true(shown.time_seconds == 0.7 * step);
+        for (int k = 0; k < 5; k++) {
+            pause_a_millisecond();
+            assert_int_equal(frame_of(live, picture).updates, shown.updates);
+        }
+        const float kd[4][3] = {{0.73f, 0.73f, 0.73f}, {0.63f, 0.065f, 0.05f}, {0.14f, 0.45f, 0.091f}, {0.75f, 0.6f, 0.2f}};
+        int lit = 0, covered = 0;
+        for (int i = 0; i < PIXELS; i++) {
+            covered += picture[i] > 0.0f;
+            for (int m = 0; m < 4; m++) lit += fabsf(picture[i] - 2.0f * kd[m][0]) < 2e-3f && fabsf(picture[PIXELS + i] - 2.0f * kd[m][1]) < 2e-3f;
+        }
+        assert_true(covered > PIXELS / 2 && lit > covered * 95 / 100);
+    }
+    sl_live_stop(live, NULL);
+    sl_scene_destroy(scene);
+}
+
+static void a_camera_of_ones_own_stays_whatever_moves(void **state) {
+    (void)state;
+    static float first[3 * PIXELS], looked[3 * PIXELS], moved[3 * PIXELS], back[3 * PIXELS];
+    const float eye[3] = {300, 400, -300}, target[3] = {270, 100, 300}, up[3] = {0, 1, 0};
+    sl_scene *scene = load_scene(walk);
+    sl_settings settings = show_settings();
+    open_gate(false);
+    sl_live *live = start(scene, &settings);
+    frame_of(live, first);
+    assert_int_equal(sl_live_look(live, eye, target, up, 0.9f, NULL), SL_OK);
+    frame_of(live, looked);
+    assert_true(pixels_apart(first, looked) > 20);
+    assert_int_equal(sl_live_move(live, 2.0, NULL), SL_OK); /* keyframes move nothing but the camera here */
+    frame_of(live, moved);
+    assert_memory_equal(looked, moved, sizeof looked);
+    sl_error error;
+    assert_int_equal(sl_live_look(live, eye, eye, up, 0.9f, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_live_move(live, NAN, &error), SL_ERROR_USAGE);
+    frame_of(live, back);
+    assert_memory_equal(looked, back, sizeof looked);
+    open_gate(true);
+    frames_until_done(live, NULL);
+    sl_live_stop(live, NULL);
+    assert_true(scene->camera.eye.x == eye[0] && scene->camera.eye.z == eye[2]); /* as updates had it last */
+    sl_scene_destroy(scene);
+}
+
+/* ---- held back ------------------------------------------------------------------------------------------------------------------------ */
+
+static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
+    (void)state;
+    static float first[3 * PIXELS], held[3 * PIXELS], there[3 * PIXELS], picture[3 * PIXELS];
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    settings.shading_cache.updates = 500;
+    settings.shading_cache.hold_levels = 3.0;
+    open_gate(false);
+    sl_live *live = start(scene, &settings);
+    frame_of(live, first);
+    wait_until_samples_are_held_up();
+    for (int step = 1; step <= 3; step++) {
+        assert_int_equal(sl_live_move(live, 0.5 * step, NULL), SL_OK);
+        sl_live_state shown = frame_of(live, held);
+        assert_true(shown.held && shown.time_seconds == 0.0);
+        assert_int_equal(pixels_apart(first, held), 0);
+    }
+    open_gate(true);
+    sl_live_state shown = frame_of(live, picture), before = shown;
+    while (shown.held) {
+        before = shown;
+        pause_a_millisecond();
+        shown = frame_of(live, picture);
+    }
+    assert_true(shown.time_seconds == 1.5); /* the newest one asked for */
+    assert_true(shown.error_levels <= 3.0 || shown.updates > before.updates);
+    first_picture_at(ball, 1.5, there);
+    assert_true(pixels_apart(picture, first) > 20);
+    sl_live_stop(live, NULL);
+    sl_scene_destroy(scene);
+}
+
+/* The same without a clock: a frame of a series is done when it is as good as that. */
+static void frames_of_a_series_wait_for_the_quality_that_they_are_held_for(void **state) {
+    (void)state;
+    open_gate(true);
+    uint64_t updates[2];
+    for (int strict = 0; strict < 2; strict++) {
+        sl_scene *scene = load_scene(ball);
+        sl_settings settings = show_settings();
+        settings.shading_cache.updates = 500;
+        settings.shading_cache.hold_levels = strict ? 1.0 : 30.0;
+        sl_method *method;
+        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+        sl_progress progress = {0};
+        for (int frame = 0; frame < 4; frame++) {
+            unsigned changes = 0;
+            if (frame) assert_int_equal(sl_scene_set_time(scene, 0.3 * frame, &changes, NULL), SL_OK);
+            if (frame) assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+            progress.frame_done = false;
+            while (!progress.frame_done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+        }
+        updates[strict] = progress.batches;
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+    assert_true(updates[0] > 4 && updates[1] > 2 * updates[0]);
+}
+
+/* ---- ends ------------------------------------------------------------------------------------------------------------------------------ */
+
+static int threads_running(void) {
+    int count = 0;
+    DIR *tasks = opendir("/proc/self/task");
+    assert_non_null(tasks);
+    for (const struct dirent *entry; (entry = readdir(tasks));) count += entry->d_name[0] != '.';
+    closedir(tasks);
+    return count;
+}
+
+static void open_gate_soon(void *context) {
+    (void)context;
+    for (int i = 0; i < 3; i++) pause_a_millisecond();
+    open_gate(true);
+}
+
+static void a_show_can_be_stopped_at_any_time_and_leaves_nothing_running(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    int before = threads_running();
+    for (int round = 0; round < 12; round++) {
+        open_gate(round % 3 != 0);
+        sl_live *live = start(scene, &settings);
+        for (int i = 0; i < round % 4; i++) {
+            assert_int_equal(sl_live_move(live, 0.1 * round + 0.3 * i, NULL), SL_OK);
+            frame_of(live, NULL);
+        }
+        sl_thread opener;
+        bool closed = round % 3 == 0;
+        if (closed) assert_true(sl_thread_start(&opener, open_gate_soon, NULL));
+        sl_live_stop(live, NULL);
+        if (closed) sl_thread_join(&opener);
+        assert_true(threads_running() <= before); /* a sanitizer's own may have gone */
+    }
+    sl_live_stop(NULL, NULL);
+    sl_scene_destroy(scene);
+}
+
+static void an_update_that_fails_is_told_by_the_next_frame(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    open_gate(true);
+    sl_live *live = start(scene, &settings);
+    frames_until_done(live, NULL);
+    edit_fails = true; /* the other thread rests */
+    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
+    const sl_image *frame;
+    sl_error error = {0};
+    sl_status status = SL_OK;
+    while (status == SL_OK) {
+        pause_a_millisecond();
+        status = sl_live_frame(live, &frame, NULL, &error);
+    }
+    assert_int_equal(status, SL_ERROR_RESOURCES);
+    assert_string_equal(error.message, "no light today");
+    assert_null(frame);
+    sl_live_stop(live, NULL);
+    edit_fails = false;
+    sl_scene_destroy(scene);
+}
+
+static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    sl_live *live;
+    sl_error error;
+    settings.method = "no such method";
+    assert_int_equal(sl_live_start(scene, &settings, &live, &error), SL_ERROR_USAGE);
+    assert_null(live);
+    settings = show_settings();
+    settings.shading_cache.hold_levels = 256.0;
+    assert_int_equal(sl_live_start(scene, &settings, &live, &error), SL_ERROR_USAGE);
+    assert_null(live);
+    assert_non_null(strstr(error.message, "quality"));
+    sl_scene_destroy(scene);
+}
+
+/* ---- methods without a display of their own ---------------------------------------------------------------------------------------------- */
+
+static void other_methods_show_their_pictures_as_they_come(void **state) {
+    (void)state;
+    static float picture[3 * PIXELS];
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = small_settings("path", W, H);
+    settings.threads = 1;
+    settings.spp = 3;
+    sl_live *live = start(scene, &settings);
+    sl_live_state shown = frame_of(live, picture);
+    if (!shown.versions) {
+        for (int i = 0; i < 3 * PIXELS; i++) assert_true(picture[i] == 0.0f);
+    }
+    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
+    shown = frames_until_done(live, picture);
+    assert_true(shown.versions > 0 && shown.time_seconds == 1.0 && shown.error_levels < 0.0);
+    sl_live_stop(live, NULL);
+    sl_image *alone = render(scene, &settings, NULL);
+    assert_memory_equal(picture, alone->planes, sizeof picture);
+    sl_image_destroy(alone);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_keep_coming_while_samples_are_held_up),
+        cmocka_unit_test(what_moves_is_shown_there_at_once_though_no_sample_comes),
+        cmocka_unit_test(samples_catch_up_where_things_are_now_and_then_rest),
+        cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
+        cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
+        cmocka_unit_test(frames_of_a_series_wait_for_the_quality_that_they_are_held_for),
+        cmocka_unit_test(a_show_can_be_stopped_at_any_time_and_leaves_nothing_running),
+        cmocka_unit_test(an_update_that_fails_is_told_by_the_next_frame),
+        cmocka_unit_test(what_cannot_be_shown_is_refused_and_leaves_nothing),
+        cmocka_unit_test(other_methods_show_their_pictures_as_they_come),
+    };
+    if (!sl_monitor_open(&gate)) return 1;
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    sl_monitor_close(&gate);
+    return failed;
+}
