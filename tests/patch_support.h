@@ -19,12 +19,12 @@ typedef struct hierarchy {
     sl_patches *patches;
 } hierarchy;
 
-/* Takes the scene. */
-static inline hierarchy hierarchy_of(sl_scene *scene, bool radiance) {
+/* Takes the scene. kept: SL_PATCHES_ bits. */
+static inline hierarchy hierarchy_of(sl_scene *scene, unsigned kept) {
     hierarchy h = {.scene = scene};
     sl_error error = {0};
     if (sl_primitives_find(scene, &h.primitives, &error) != SL_OK) fail_msg("%s", error.message);
-    if (sl_patches_create(h.primitives, radiance, &h.patches, &error) != SL_OK) fail_msg("%s", error.message);
+    if (sl_patches_create(h.primitives, kept, &h.patches, &error) != SL_OK) fail_msg("%s", error.message);
     return h;
 }
 
@@ -52,12 +52,13 @@ static inline void split_levels(hierarchy *h, uint32_t patch, int levels) {
 }
 
 /* One square of side 2 in the plane z = 0, or one half of it. */
-static inline sl_scene *square_scene(void) {
+static inline sl_scene *square_scene_of(float specular) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_material(&mesh, 0.5f, specular, 20, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
     return trace_mesh_build(&mesh);
 }
+static inline sl_scene *square_scene(void) { return square_scene_of(0.0f); }
 static inline sl_scene *triangle_scene(void) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
@@ -70,8 +71,8 @@ static inline sl_scene *triangle_scene(void) {
 
 static inline bool same_root_place(sl_root_place a, sl_root_place b) { return a.root == b.root && a.u == b.u && a.v == b.v; }
 
-/* Parents name their children and the other way round, corners lie where places say, vertices have as many references as splits and roots have asked for them,
- * no two are one, and what is counted is there. */
+/* Parents name their children and the other way round, corners lie where places say, vertices have as many references as splits and roots have asked for them (or many),
+ * no two are one, those of glossy materials have a lobe where lobes are kept and no others have, and what is counted is there. */
 static inline void assert_sound(const sl_patches *p) {
     size_t patches = 0, leaves = 0, vertices = 0;
     uint32_t *references = calloc(p->vertex_count + 1, sizeof *references);
@@ -108,8 +109,11 @@ static inline void assert_sound(const sl_patches *p) {
         }
     }
     for (uint32_t i = 0; i < p->vertex_count; i++) {
-        assert_int_equal(p->vertex[i].references, references[i]);
+        bool many = p->vertex[i].references == SL_REFERENCES_MANY && references[i] > 0;
+        if (!many) assert_int_equal(p->vertex[i].references, references[i]);
         vertices += references[i] > 0;
+        bool lobe = p->lobes && references[i] > 0 && sl_material_has_lobe(sl_root_material(p->primitives, p->vertex[i].root));
+        if (references[i] > 0) assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
     }
     size_t in_table = 0;
     for (size_t i = 0; i < p->slot_count; i++) in_table += p->slot[i] != SL_NO_INDEX;
@@ -122,7 +126,13 @@ static inline void assert_sound(const sl_patches *p) {
     for (int k = 0; k < 3; k++) {
         for (uint32_t i = blocks[k]; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++) assert_false(sl_patch_is_alive(p, i));
     }
-    for (uint32_t i = p->first_free_vertex; i != SL_NO_INDEX; i = p->vertex[i].root, free_vertices++) assert_int_equal(p->vertex[i].references, 0);
+    for (int lobe = 0; lobe < 2; lobe++) {
+        for (uint32_t i = p->first_free_vertex[lobe]; i != SL_NO_INDEX; i = p->vertex[i].root, free_vertices++) {
+            assert_int_equal(p->vertex[i].references, 0);
+            assert_int_equal(sl_vertex_lobe(p, i) != NULL, lobe);
+        }
+    }
+    assert_int_equal(free_vertices, p->free_vertices[0] + p->free_vertices[1]);
     size_t root_blocks = (p->wanted_count + 3) / 4;
     assert_int_equal(p->patch_count, 4 * root_blocks + (patches - p->wanted_count) + 4 * free_blocks);
     assert_int_equal(p->vertex_count, vertices + free_vertices);

@@ -8,7 +8,7 @@ static inline void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uin
     sl_patch_vertex *v = &h->patches->vertex[vertex];
     for (int c = 0; c < 3; c++) v->value[c] = irradiance;
     v->evaluated = now;
-    v->samples = 1;
+    if (h->patches->sets) h->patches->sets[vertex].count = 1;
 }
 
 static inline void evaluate_all(hierarchy *h, float irradiance, uint32_t now) {

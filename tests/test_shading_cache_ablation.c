@@ -53,7 +53,7 @@ static void wall_begin(wall *w) {
         float side = 2.0f / ROOTS;
         trace_mesh_quad(&mesh, sl_v3(-1.0f + side * (float)(i % ROOTS), -1.0f + side * (float)(i / ROOTS), 0), sl_v3(side, 0, 0), sl_v3(0, side, 0), 0);
     }
-    w->h = hierarchy_of(trace_mesh_build(&mesh), false);
+    w->h = hierarchy_of(trace_mesh_build(&mesh), 0);
     assert_int_equal(w->h.primitives->count, ROOTS * ROOTS);
     for (uint32_t i = 0; i < ROOTS * ROOTS; i++) want_root(&w->h, 2 * i);
     w->camera = (sl_camera){sl_v3(0, 0, 1.0f / (float)sl_tan(0.5)), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};

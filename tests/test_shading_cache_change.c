@@ -31,7 +31,7 @@ static world world_of(unsigned objects) {
     sl_error error = {0};
     if (sl_scene_build(&d, &scene, &error) != SL_OK) fail_msg("%s", error.message);
     trace_mesh_discard(&mesh);
-    w.h = hierarchy_of(scene, false);
+    w.h = hierarchy_of(scene, 0);
     assert_int_equal(scene->object_count, objects);
     assert_int_equal(sl_changes_create(scene, 2.0f, 3, &w.changes, NULL), SL_OK);
     return w;

@@ -90,9 +90,8 @@ static void evaluate(hierarchy *h, uint32_t vertex, uint32_t update) {
     v->value[1] = step + 0.2f * p.y;
     v->value[2] = 0.3f + fabsf(p.z);
     v->evaluated = update;
-    if (h->patches->radiance) {
-        for (int c = 0; c < 3; c++) h->patches->radiance[vertex][c] = sl_material_is_glossy(sl_root_material(h->primitives, v->root)) ? p.y + 0.1f * (float)c : 0.0f;
-    }
+    float *lobe = sl_vertex_lobe(h->patches, vertex);
+    for (int c = 0; lobe && c < 3; c++) lobe[c] = p.y + 0.1f * (float)c;
     sl_patches_touch(h->patches, vertex);
 }
 
@@ -152,7 +151,7 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
             sl_patch_place leaf = sl_patch_locate(h->patches, root, u, v);
             float e[3], l[3] = {0, 0, 0};
             assert_true(sl_patch_value(h->patches, &leaf, u, v, false, e));
-            if (h->patches->radiance) assert_true(sl_patch_value(h->patches, &leaf, u, v, true, l));
+            if (h->patches->lobes) assert_true(sl_patch_value(h->patches, &leaf, u, v, true, l));
             sl_rgb emission = sl_scene_emission(s, g->id[i], surface.geometric_normal);
             double pi = SL_PI;
             expected.r = (float)((double)emission.r + (double)surface.diffuse.r * (double)e[0] / pi + (double)l[0]);
@@ -173,7 +172,7 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
             }
         }
     }
-    assert_true(covered > PIXELS / 3 && textured > 500 && (shining > 50) == (h->patches->radiance != NULL));
+    assert_true(covered > PIXELS / 3 && textured > 500 && (shining > 50) == (h->patches->lobes));
     sl_gbuffer_destroy(g);
     sl_raster_destroy(raster);
 }
@@ -184,7 +183,7 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
     static id_picture ids;
     for (int glossy = 0; glossy < 2; glossy++) {
         for (int levels = 0; levels <= 3; levels += 3) {
-            hierarchy h = hierarchy_of(room(glossy), glossy);
+            hierarchy h = hierarchy_of(room(glossy), glossy ? SL_PATCHES_LOBES : 0);
             for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), levels);
             evaluate_all(&h, 1);
             sl_display *display = display_of(&h);
@@ -201,7 +200,7 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
 static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_once(void **state) {
     (void)state;
     static id_picture ids;
-    hierarchy h = hierarchy_of(room(false), false);
+    hierarchy h = hierarchy_of(room(false), 0);
     sl_display *display = display_of(&h);
     uint32_t at = PIXELS / 4 + W / 2, before = SL_NO_INDEX;
     for (uint32_t update = 1; update <= 6; update++) {
@@ -241,7 +240,7 @@ static void parameters_of_pixels_are_those_of_the_triangles_that_they_show(void 
             int first = k ? turn / 3 : turn % 3;
             trace_mesh_triangle(&mesh, half[k][first], half[k][(first + 1) % 3], half[k][(first + 2) % 3], 0);
         }
-        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), false);
+        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
         look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
         sl_display *display = display_of(&h);
         sl_raster *raster;
@@ -276,7 +275,7 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
     (void)state;
     static picture shown;
     static id_picture ids;
-    hierarchy h = hierarchy_of(room(false), false);
+    hierarchy h = hierarchy_of(room(false), 0);
     sl_display *display = display_of(&h); /* not even built */
     sl_raster *raster;
     static uint32_t plain[PIXELS];
@@ -312,7 +311,7 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
 static void a_split_without_samples_is_not_seen(void **state) {
     (void)state;
     static picture before, after;
-    hierarchy h = hierarchy_of(room(false), false);
+    hierarchy h = hierarchy_of(room(false), 0);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 1);
     evaluate_all(&h, 1);
     sl_display *display = display_of(&h);
@@ -340,14 +339,14 @@ static void value_beside(const sl_display *d, uint32_t root, double u, double v,
     sl_leaf leaf = sl_leaf_begin(&d->root[copy->root[root]], triangle);
     sl_leaf_field field;
     sl_leaf_find(copy, &leaf, sl_place_of((float)u), sl_place_of((float)v));
-    sl_leaf_field_of(copy, copy->colours, &leaf, &field);
-    sl_leaf_value(copy, copy->colours, &leaf, &field, value);
+    sl_leaf_field_of(copy, 1, &leaf, &field);
+    sl_leaf_value(copy, 1, &leaf, &field, value);
 }
 
 static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
         sl_display *display = display_of(&h);
         want_root(&h, 0);
@@ -387,7 +386,7 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
 
 static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t root = want_root(&h, 0);
     split(&h, root);
     uint32_t child = h.patches->patch[root].child;
@@ -421,7 +420,7 @@ static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **st
 
 static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t root = want_root(&h, 0);
     split(&h, root);
     uint32_t child = h.patches->patch[root].child;
@@ -462,7 +461,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
     static picture one, other;
     static id_picture one_ids, other_ids;
     for (int glossy = 0; glossy < 2; glossy++) {
-        hierarchy h = hierarchy_of(room(glossy), glossy);
+        hierarchy h = hierarchy_of(room(glossy), glossy ? SL_PATCHES_LOBES : 0);
         sl_display *display = display_of(&h);
         for (uint32_t update = 1; update <= 40; update++) {
             change_at_random(&h, sl_random_key(29, update), update, update % 5 == 0 ? 2 : 150);
@@ -490,7 +489,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
 static void what_is_shown_stays_as_it_was_until_the_build_ends(void **state) {
     (void)state;
     static picture before, after;
-    hierarchy h = hierarchy_of(room(false), false);
+    hierarchy h = hierarchy_of(room(false), 0);
     sl_display *display = display_of(&h);
     want_all(&h);
     change_at_random(&h, sl_random_key(7, 6), 1, 1500);
@@ -512,7 +511,7 @@ static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
     (void)state;
     static picture one, other;
     static id_picture one_ids, other_ids;
-    hierarchy h = hierarchy_of(room(true), true);
+    hierarchy h = hierarchy_of(room(true), SL_PATCHES_LOBES);
     sl_display *display = display_of(&h);
     change_at_random(&h, sl_random_key(41, 1), 1, 2000);
     build(display, &h);
@@ -558,7 +557,7 @@ static void packed_colours_are_off_by_less_than_2_to_the_minus_18_of_the_largest
 static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void **state) {
     (void)state;
     static picture before, after;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     look(h.scene, sl_v3(0, 0, 6), sl_v3(0, 0, 0));
     split_levels(&h, want_root(&h, 0), 2);
     evaluate_all(&h, 1);
@@ -587,7 +586,7 @@ static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void
 /* A square as it comes to be: cut evenly, and further along a shadow's edge, until its leaves are a pixel or so. */
 static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     sl_display *display = display_of(&h);
     uint32_t root = want_root(&h, 0);
     build(display, &h);
@@ -610,7 +609,7 @@ static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
     double patches = (double)h.patches->patches_alive, tree = (double)sl_patches_memory_bytes(h.patches), shown = (double)sl_display_memory_bytes(display);
     printf("%.0f patches, %.2f vertices and %.2f leaves each: %.1f bytes each, and %.1f in the display's two copies\n", patches,
            (double)h.patches->vertices_alive / patches, (double)h.patches->leaves_alive / patches, tree / patches, shown / patches);
-    assert_true((tree + shown) / patches <= 100.0);
+    assert_true((tree + shown) / patches <= 80.0);
     sl_display_destroy(display);
     hierarchy_discard(&h);
 }

@@ -10,8 +10,9 @@
 static sl_scene *scene_of_quads_and_triangles(void) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_material(&mesh, 0.2f, 0.5f, 20, 0, 0);
     for (int i = 0; i < 3; i++) trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 9), 1.0f, 3, 0.1f, false, 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 9), 1.0f, 3, 0.1f, false, 1);
     return trace_mesh_build(&mesh);
 }
 
@@ -79,7 +80,7 @@ static void patches_that_ran_out_of_memory_go_on_as_if_they_had_not(void **state
     (void)state;
     hierarchy h[2];
     for (int i = 0; i < 2; i++) {
-        h[i] = hierarchy_of(scene_of_quads_and_triangles(), true);
+        h[i] = hierarchy_of(scene_of_quads_and_triangles(), SL_PATCHES_LOBES);
         long failures = build(&h[i], i == 1);
         assert_true(i == 0 ? failures == 0 : failures > 50);
     }
@@ -142,7 +143,7 @@ static sl_status create_changes(void *context) { return sl_changes_create(((upda
 static void an_update_without_memory_fails_and_the_next_one_does_the_same_as_ever(void **state) {
     (void)state;
     static update u, again;
-    u.h = hierarchy_of(square_scene(), false);
+    u.h = hierarchy_of(square_scene(), 0);
     for (int how = 0; how < 3; how++) {
         u.how = again.how = (sl_pixel_selection)how;
         assert_true(until_it_succeeds(choose, &u) >= 3);

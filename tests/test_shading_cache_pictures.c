@@ -177,6 +177,33 @@ static void bits_do_not_depend_on_threads(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* As the table of bench/bench_shading_tables.c counts: what a picture takes beyond what it takes before its first split (both copies of the display there, the list of
+ * visible leaves, too), for each patch that splits have made. */
+static void a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = cache_settings(384, 384);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.area_samples = 1;
+    settings.shading_cache.points = 1024;
+    settings.shading_cache.updates = 200;
+    settings.shading_cache.frames_per_update = 1;
+    sl_method *method;
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    const uint64_t *count = sl_method_counters(method)->value;
+    assert_int_equal(count[SL_COUNT_SPLITS], 0);
+    double before = (double)sl_method_memory_bytes(method);
+    while (count[SL_COUNT_SPLITS] < 5000 && !progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    double patches = 4.0 * (double)count[SL_COUNT_SPLITS] - (double)count[SL_COUNT_PATCHES_EVICTED];
+    double bytes = ((double)sl_method_memory_bytes(method) - before) / patches;
+    print_message("%.0f patches, %.1f bytes each\n", patches, bytes);
+    assert_true(patches >= 20000.0 && bytes <= 85.0);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_converges_to_what_paths_find),
@@ -186,6 +213,7 @@ int main(void) {
         cmocka_unit_test(a_moved_object_is_shown_in_its_place_at_once),
         cmocka_unit_test(a_still_scene_never_seems_to_change),
         cmocka_unit_test(bits_do_not_depend_on_threads),
+        cmocka_unit_test(a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

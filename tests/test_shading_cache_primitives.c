@@ -366,7 +366,7 @@ static void a_canonical_place_is_where_the_point_is_with_its_normal(void **state
 /* A ring of n patches, each split to depth d, closed at a pole: (2^d n) (2^d) vertices and one. */
 static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(load_scene("scenes/vase.json"), false);
+    hierarchy h = hierarchy_of(load_scene("scenes/vase.json"), 0);
     uint32_t foot = 0;
     while (h.primitives->kind[foot] != SL_PRIMITIVE_BICUBIC) foot++;
     for (int d = 0; d <= 3; d++) {
@@ -420,7 +420,7 @@ static void no_patch_without_area_is_made_of_a_surface(void **state) {
                             .indices = index, .bicubic_count = 1, .bicubics = &b};
     sl_scene *scene;
     assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
-    hierarchy h = hierarchy_of(scene, false);
+    hierarchy h = hierarchy_of(scene, 0);
     split_levels(&h, want_root(&h, 0), 5);
     assert_true(h.patches->patches_alive > 5);
     for (uint32_t i = 0; i < h.patches->patch_count; i++) {

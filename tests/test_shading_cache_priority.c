@@ -63,7 +63,7 @@ static void light_that_is_no_number_has_a_level_nevertheless(void **state) {
 
 static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
     assert_true(sl_patch_error(h.patches, &curve, patch) == 0.0f);
@@ -74,7 +74,7 @@ static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) 
 
 static void errors_are_those_of_what_leaves_a_surface_not_of_what_arrives(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false); /* kd = 1/2 */
+    hierarchy h = hierarchy_of(square_scene(), 0); /* kd = 1/2 */
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, patch, 1), 5.0f, 1);
@@ -93,7 +93,7 @@ static sl_scene *lamp_and_gloss_scene(float emission, float specular, float expo
 
 static void light_on_the_front_of_a_lamp_hardly_shows(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(lamp_and_gloss_scene(1000.0f, 0, 0), false);
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(1000.0f, 0, 0), 0);
     uint32_t front = want_root(&h, 0), back = want_root(&h, 1);
     evaluate_all(&h, 0.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, front, 0), 10.0f, 1);
@@ -104,10 +104,10 @@ static void light_on_the_front_of_a_lamp_hardly_shows(void **state) {
 
 static void highlights_count_where_there_are_lobes(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), true);
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), SL_PATCHES_LOBES);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
-    float *lobe = h.patches->radiance[sl_patch_corner(h.patches, patch, 3)];
+    float *lobe = sl_vertex_lobe(h.patches, sl_patch_corner(h.patches, patch, 3));
     lobe[0] = lobe[1] = lobe[2] = 4.0f;
     assert_true(fabsf(sl_patch_error(h.patches, &curve, patch) - sl_curve_level_of(&curve, 4.0f)) < 1e-3f);
     hierarchy_discard(&h);
@@ -115,7 +115,7 @@ static void highlights_count_where_there_are_lobes(void **state) {
 
 static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(triangle_scene(), false);
+    hierarchy h = hierarchy_of(triangle_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     for (int c = 0; c < 3; c++) {
         assert_true(sl_patch_error(h.patches, &curve, patch) == -1.0f && sl_patch_priority(h.patches, &curve, patch, 9, 8, 8) == -1.0f);
@@ -127,7 +127,7 @@ static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
 
 static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     split_levels(&h, want_root(&h, 0), 2);
     evaluate_all(&h, 1.0f, 1);
     sl_patch_place at = sl_patch_locate(h.patches, 0, 0.4, 0.4); /* its corner 2 is the middle of the square */
@@ -149,7 +149,7 @@ static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it
 
 static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 7);
     assert_true(sl_patch_age(h.patches, patch, 20, 0, 2.0f) == 0.0f && sl_patch_age(h.patches, patch, 20, 7, 2.0f) == 0.0f);
@@ -164,7 +164,7 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
 static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
     (void)state;
     for (int glossy = 0; glossy < 2; glossy++) {
-        hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, glossy ? 0.3f : 0.0f, 50.0f), true);
+        hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, glossy ? 0.3f : 0.0f, 50.0f), SL_PATCHES_LOBES);
         uint32_t patch = want_root(&h, 0);
         evaluate_all(&h, 1.0f, 5);
         assert_true(sl_patch_priority(h.patches, &curve, patch, 10, 0, 0) == 0.0f);
@@ -177,7 +177,7 @@ static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
 
 static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), true);
+    hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), SL_PATCHES_LOBES);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 5);
     float c = sl_age_constant(sl_root_material(h.primitives, 0));

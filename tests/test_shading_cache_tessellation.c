@@ -18,7 +18,7 @@ static hierarchy vase(void) {
     sl_scene *scene;
     sl_error error = {0};
     if (sl_scene_load("scenes/vase.json", &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return hierarchy_of(scene, false);
+    return hierarchy_of(scene, 0);
 }
 
 static sl_display *display_of(const hierarchy *h) {

@@ -50,7 +50,7 @@ static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) { assert_true(sl_
 
 /* A square that fills the picture, each vertex with the same irradiance. */
 static hierarchy wall(void) {
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     look(h.scene, sl_v3(0, 0, 1), sl_v3(0, 0, 0));
     want_root(&h, 0);
     return h;
@@ -176,7 +176,7 @@ static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void *
 /* ---- where the twin stands ------------------------------------------------------------------------------------------------------- */
 
 static hierarchy animated(const char *path) {
-    hierarchy h = hierarchy_of(load_scene(path), false);
+    hierarchy h = hierarchy_of(load_scene(path), 0);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) want_root(&h, r);
     for (uint32_t patch = 0, count = (uint32_t)h.patches->patch_count; patch < count; patch++) {
         if (sl_patch_is_alive(h.patches, patch)) split(&h, patch);

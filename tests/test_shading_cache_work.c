@@ -68,7 +68,7 @@ static void a_patch_never_evaluated_gets_its_corners_and_stays_whole(void **stat
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     for (int kind = 0; kind < 2; kind++) {
-        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         uint32_t patch = want_root(&h, 0);
         size_t count = grid_of_places(patch, 8, places);
         work(&h, &settings, &camera, count, places);
@@ -89,7 +89,7 @@ static void corners_from_before_an_edit_are_shaded_again_before_anything_is_spli
     (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     sl_chosen_place place = {patch, 0.1f, 0.1f};
     evaluate_all(&h, 1.0f, 5);
@@ -111,7 +111,7 @@ static void when_the_eye_moves_corners_with_lobes_are_shaded_again(void **state)
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.3f, 20, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
-    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), true);
+    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), SL_PATCHES_LOBES);
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     sl_chosen_place place = {want_root(&h, 0), 0.1f, 0.1f};
@@ -127,7 +127,7 @@ static void one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child
     (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 1);
     work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.9f, 0.2f});
@@ -148,7 +148,7 @@ static void sixteen_places_give_two_levels_in_one_update_and_no_number_more_than
     sl_camera camera = camera_above(35);
     sl_work_settings settings = usual();
     for (int k = 0; k < 5; k++) {
-        hierarchy h = hierarchy_of(square_scene(), false);
+        hierarchy h = hierarchy_of(square_scene(), 0);
         uint32_t patch = want_root(&h, 0);
         evaluate_all(&h, 1.0f, 1);
         size_t count = grid_of_places(patch, side[k], places);
@@ -165,7 +165,7 @@ static void patches_are_handled_in_the_order_of_their_first_places_and_vertices_
     (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t root = want_root(&h, 0);
     split_levels(&h, root, 1);
     uint32_t first = h.patches->patch[root].child;
@@ -182,7 +182,7 @@ static void places_in_patches_that_are_gone_or_split_already_do_no_harm(void **s
     (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t root = want_root(&h, 0);
     split_levels(&h, root, 2);
     evaluate_all(&h, 1.0f, 1);
@@ -203,7 +203,7 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
     (void)state;
     static sl_chosen_place places[PLACES_MAX];
     for (int kind = 0; kind < 2; kind++) {
-        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         sl_camera camera = camera_above(16); /* 32 x 32 pixels, or half of them */
         sl_work_settings settings = usual();
         want_root(&h, 0);
@@ -235,7 +235,7 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
 static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void **state) {
     (void)state;
     static sl_chosen_place places[64];
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     sl_camera camera = camera_above(0.5f); /* the whole root is one pixel */
     sl_work_settings settings = usual();
     uint32_t patch = want_root(&h, 0);
@@ -256,7 +256,7 @@ static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void
 
 static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), SL_PATCHES_SETS);
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     settings.variance_aware = true;
@@ -264,7 +264,7 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
     sl_chosen_place place = {patch, 0.3f, 0.3f};
     evaluate_all(&h, 4.0f, 1);
     evaluate(&h, sl_patch_corner(h.patches, patch, 0), 4.5f, 1);
-    for (int c = 0; c < 4; c++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].variance = 0.25f; /* sigma 1/2, of the difference 0.71 */
+    for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = 0.25f; /* sigma 1/2, of the difference 0.71 */
     work(&h, &settings, &camera, 1, &place);
     assert_int_equal(out.count, 4);
     assert_int_equal(out.splits, 0);
@@ -272,7 +272,7 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
     /* The bound is at a difference of twice its standard error: 2 sqrt(2) sigma. */
     for (int above = 0; above < 2; above++) {
         float sigma = 0.5f / (2.0f * sqrtf(2.0f)) * (above ? 0.97f : 1.03f);
-        for (int c = 0; c < 4; c++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].variance = sigma * sigma;
+        for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = sigma * sigma;
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, above);
     }
@@ -281,13 +281,13 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
 
 static void black_corners_with_noise_are_noise(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), SL_PATCHES_SETS);
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     settings.variance_aware = true;
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
-    for (int c = 0; c < 4; c++) h.patches->vertex[sl_patch_corner(h.patches, patch, c)].variance = c < 3 ? 1.0f : NAN;
+    for (int c = 0; c < 4; c++) h.patches->sets[sl_patch_corner(h.patches, patch, c)].variance = c < 3 ? 1.0f : NAN;
     work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.3f, 0.3f});
     assert_int_equal(out.count, 4);
     assert_int_equal(out.splits, 0);
@@ -297,7 +297,7 @@ static void black_corners_with_noise_are_noise(void **state) {
 static void what_changes_is_not_split_below_what_there_is_time_for(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), false);
+        hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         sl_camera camera = camera_above(10);
         sl_work_settings settings = usual();
         sl_chosen_place place = {want_root(&h, 0), 0.3f, 0.3f};
@@ -310,7 +310,7 @@ static void what_changes_is_not_split_below_what_there_is_time_for(void **state)
         work(&h, &settings, &camera, 1, &place);
         assert_int_equal(out.splits, 1);
         hierarchy_discard(&h);
-        h = hierarchy_of(square_scene(), false);
+        h = hierarchy_of(square_scene(), 0);
         place.patch = want_root(&h, 0);
         evaluate_all(&h, 1.0f, 1);
         settings.coarsest = 101.0f;
@@ -332,7 +332,7 @@ static bool near_to(float a, double b) { return fabs((double)a - b) <= 1e-4 * (1
 
 static void a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_quarters(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false), t = hierarchy_of(triangle_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0), t = hierarchy_of(triangle_scene(), 0);
     sl_camera camera = camera_above(20);
     uint32_t square = want_root(&h, 0), triangle = want_root(&t, 0);
     split(&h, square);
@@ -349,7 +349,7 @@ static void a_patch_that_faces_the_eye_is_as_large_as_it_looks_and_its_children_
 
 static void only_what_is_in_the_picture_counts(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     sl_camera camera = camera_above(20);
     camera.eye.x = 3.0f; /* sixty pixels to the right: the picture's left side halves it */
@@ -373,7 +373,7 @@ static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_i
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-1e4f, -1e4f, 0), sl_v3(2e4f, 0, 0), sl_v3(0, 2e4f, 0), 0);
-    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), false);
+    hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
     uint32_t patch = want_root(&h, 0);
     sl_camera along = {sl_v3(0, 0, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), sl_v3(0, -1, 0), 1.0f}; /* looks along y, one above it: half the picture */
     assert_true(fabs((double)size_of(&h, patch, &along).area / (0.5 * WIDTH * HEIGHT) - 1.0) < 0.01);
@@ -406,7 +406,7 @@ static sl_scene *pipe_scene(void) {
 
 static void a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(pipe_scene(), false);
+    hierarchy h = hierarchy_of(pipe_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     sl_camera camera = camera_above(0.1f); /* from far away: so many pixels a unit */
     float whole = size_of(&h, patch, &camera).area, parts = 0.0f;
@@ -420,7 +420,7 @@ static void a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners(void **
 
 static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     want_root(&h, 0);
     sl_camera camera = {sl_v3(0.3f, 0.3f, 1e-7f), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};
     sl_work_settings settings = usual();
@@ -437,7 +437,7 @@ static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(
 
 static void edge_on_and_sliver_patches_are_not_split(void **state) {
     (void)state;
-    hierarchy h = hierarchy_of(square_scene(), false);
+    hierarchy h = hierarchy_of(square_scene(), 0);
     sl_work_settings settings = usual();
     sl_chosen_place place = {want_root(&h, 0), 0.5f, 0.5f};
     evaluate_all(&h, 1.0f, 1);

@@ -25,6 +25,8 @@ static void release_copy(sl_display_copy *copy) {
     sl_free(copy->word);
     sl_free(copy->chunk);
     sl_free(copy->value);
+    sl_free(copy->lobe_group);
+    sl_free(copy->lobe);
     sl_free(copy->fans.word);
 }
 
@@ -83,7 +85,8 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     size_t bytes = d->root_count * sizeof *d->root + d->seen_words * sizeof *d->seen_pending;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk + c->vertex_capacity * c->colours * sizeof *c->value;
+        bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk + c->vertex_capacity * sizeof *c->value;
+        bytes += c->group_capacity * sizeof *c->lobe_group + c->lobe_capacity * sizeof *c->lobe;
         bytes += c->fans.capacity * sizeof *c->fans.word + d->dirty_capacity[k] * sizeof *d->dirty[k];
     }
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) bytes += d->pending[l].capacity * sizeof *d->pending[l].entry;
@@ -92,16 +95,27 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 
 /* ---- trees -------------------------------------------------------------------------------------------------------------------- */
 
+static bool reserve_lobes(sl_display_copy *copy, const sl_patches *p) {
+    size_t groups = p->vertex_count / SL_VERTEX_GROUP;
+    void *group = copy->lobe_group, *lobe = copy->lobe;
+    bool ok = sl_display_grow(&group, &copy->group_capacity, groups, sizeof *copy->lobe_group) &&
+              sl_display_grow(&lobe, &copy->lobe_capacity, p->lobe_count, sizeof *copy->lobe);
+    copy->lobe_group = group;
+    copy->lobe = lobe;
+    for (; ok && copy->group_count < groups; copy->group_count++) copy->lobe_group[copy->group_count] = p->lobe_group[copy->group_count];
+    return ok;
+}
+
 /* As many patches as there are; new ones are leaves until something else is heard of them. */
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     void *word = copy->word, *value = copy->value, *chunk = copy->chunk;
     bool ok = sl_display_grow(&word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
-              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, copy->colours * sizeof *copy->value) &&
+              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, sizeof *copy->value) &&
               sl_display_grow(&chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
     copy->word = word;
     copy->value = value;
     copy->chunk = chunk;
-    if (!ok) return false;
+    if (!ok || (p->lobes && !reserve_lobes(copy, p))) return false;
     for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
     for (; copy->chunk_count < p->block_chunks; copy->chunk_count++) copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
     copy->patch_count = p->patch_count;
@@ -186,7 +200,6 @@ static void swap_lists(sl_display *d) {
 sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, sl_error *error) {
     (void)counters;
     sl_display_copy *copy = sl_display_hidden(d);
-    copy->colours = p->radiance ? 2 : 1;
     sl_status status = update_copy(d, copy, p, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(d, &d->own, error);
     if (status != SL_OK) { /* flags are left as they are: the other copy misses nothing */

@@ -67,16 +67,18 @@ typedef struct sl_display_copy {
     size_t patch_count, patch_capacity;
     const sl_patch_block **chunk; /* those of sl_patches, for the vertices that splits have made: as they stay while anything here names them, both copies share them */
     size_t chunk_count, chunk_capacity;
-    size_t colours;            /* of a vertex: 1, E; or 2, L_s after it */
-    sl_packed_colour *value;   /* by vertex */
+    sl_packed_colour *value;   /* by vertex: E */
     size_t vertex_count, vertex_capacity;
+    uint32_t *lobe_group;      /* by group of vertices, as in sl_patches; NULL: nothing has a lobe */
+    size_t group_count, group_capacity;
+    sl_packed_colour *lobe;    /* L_s of those that have one */
+    size_t lobe_capacity;
     sl_fans fans;
 } sl_display_copy;
 
-/* A vertex without samples, and the two or four that it lies between; SL_NO_INDEX: it is a root's corner. */
+/* A vertex without samples, and the two or four that it lies between. */
 typedef struct sl_pending_vertex {
-    uint32_t vertex, root;
-    uint16_t u, v;             /* root, u, v: the vertex that was meant, if the number is another's by now */
+    uint32_t vertex;
     uint32_t around[4];        /* [2] and [3] SL_NO_INDEX: two */
 } sl_pending_vertex;
 
@@ -120,7 +122,7 @@ struct sl_display {
     size_t root_count;
     uint32_t *dirty[2];        /* patches changed in this update, and in the one before */
     size_t dirty_count[2], dirty_capacity[2];
-    sl_pending pending[SL_PATCH_DEPTH_MAX + 1]; /* by level of the vertex */
+    sl_pending pending[SL_PATCH_DEPTH_MAX + 1]; /* by level of the vertex; [0] is empty: corners of roots lie between nothing */
     uint32_t *seen_pending;    /* one bit a vertex */
     size_t seen_words;
 };
@@ -128,6 +130,11 @@ struct sl_display {
 /* The vertices that the split which made four children has added. Their other corners are their parent's, which who looks for a leaf knows already. */
 static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, uint32_t block) {
     return copy->chunk[block / SL_BLOCKS_A_CHUNK][block % SL_BLOCKS_A_CHUNK].middle;
+}
+
+/* L_s of a vertex that has a lobe. */
+static inline sl_packed_colour *sl_display_lobe(const sl_display_copy *copy, uint32_t vertex) {
+    return copy->lobe + (size_t)SL_VERTEX_GROUP * copy->lobe_group[vertex / SL_VERTEX_GROUP] + vertex % SL_VERTEX_GROUP;
 }
 
 /* arrays.c: grows a list to `wanted` entries; what was in it stays. */

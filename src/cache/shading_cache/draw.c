@@ -48,6 +48,7 @@ typedef struct triangle_run {
     const sl_display_root *wanted; /* NULL: not wanted yet */
     bool curved;
     float u[3], v[3];          /* at corner 0, and how much more at corners 1 and 2 */
+    bool lobe;                 /* L_s, too */
     sl_rgb emission, diffuse;
     const sl_texture *texture; /* NULL: diffuse is all */
     sl_leaf leaf;              /* that the last pixel was in */
@@ -110,6 +111,7 @@ static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, tri
     run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
     run->leaf = sl_leaf_begin(run->wanted, p->kind[primitive] == SL_PRIMITIVE_TRIANGLE);
     const sl_material *material = sl_root_material(p, run->root);
+    run->lobe = job->copy->lobe_group && sl_material_has_lobe(material);
     run->emission = run->root % 2 == 0 || material->emission_two_sided ? material->emission : sl_grey(0.0f);
     run->diffuse = material->diffuse;
     run->texture = material->texture == SL_NO_INDEX ? NULL : &s->textures[material->texture];
@@ -177,11 +179,10 @@ static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int3
 
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
     const sl_rgb guess = job->display->settings.guess;
-    const size_t colours = job->copy->colours;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
     int32_t u, v;
     bool fresh = find_leaf(job, run, w1, w2, &u, &v);
-    if (run->wanted && colours == 1) { /* the constant, so that colours are compiled for it */
+    if (run->wanted && !run->lobe) { /* the constant, so that colours are compiled for it */
         if (fresh) sl_leaf_field_of(job->copy, 1, &run->leaf, &run->field);
         sl_leaf_value(job->copy, 1, &run->leaf, &run->field, e);
     } else if (run->wanted) {

@@ -124,7 +124,8 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
 
 /* E, and with two colours L_s after it. */
 static inline void sl_display_value(const sl_display_copy *copy, size_t colours, uint32_t vertex, float value[6]) {
-    for (size_t k = 0; k < colours; k++) sl_unpack_colour(copy->value[colours * vertex + k], value + 3 * k);
+    sl_unpack_colour(copy->value[vertex], value);
+    if (colours == 2) sl_unpack_colour(*sl_display_lobe(copy, vertex), value + 3);
 }
 
 /* The edge towards which a point lies as seen from the centre (edge i is corner i to i + 1), how far along it, and how far out from the centre. */

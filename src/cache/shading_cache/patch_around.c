@@ -73,8 +73,7 @@ void sl_patches_touch_place(sl_patches *p, sl_root_place place) {
 }
 
 void sl_patches_touch(sl_patches *p, uint32_t vertex) {
-    const sl_patch_vertex *v = &p->vertex[vertex];
-    sl_patches_touch_place(p, (sl_root_place){v->root, v->u, v->v});
+    sl_patches_touch_place(p, sl_vertex_place(&p->vertex[vertex]));
 }
 
 /* ---- vertices along an edge --------------------------------------------------------------------------------------------------- */

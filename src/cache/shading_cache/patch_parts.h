@@ -10,8 +10,16 @@ static inline size_t sl_patches_room(size_t capacity, size_t wanted) {
     return more > wanted ? more : wanted;
 }
 
-/* Room for so many more vertices; only this can fail. */
-sl_status sl_vertices_reserve(sl_patches *patches, size_t count, sl_error *error);
+/* patches.c: copies `used` bytes of each array into a larger one; nothing is changed where one of them cannot be had. */
+typedef struct sl_growing {
+    void **array;
+    size_t used, room; /* bytes */
+    void *larger;
+} sl_growing;
+sl_status sl_patches_enlarge(sl_growing *all, int count, sl_error *error);
+
+/* Room for so many more vertices of a root, at most SL_VERTEX_GROUP; only this can fail. */
+sl_status sl_vertices_reserve(sl_patches *patches, uint32_t root, size_t count, sl_error *error);
 /* The vertex at a place, or SL_NO_INDEX. */
 uint32_t sl_vertex_find(const sl_patches *patches, sl_root_place place);
 /* The same, made where there is none, with one reference more. *created is set where it is new. */

@@ -10,18 +10,20 @@
 
 /* ---- life --------------------------------------------------------------------------------------------------------------------- */
 
-sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_patches **patches, sl_error *error) {
+sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_patches **patches, sl_error *error) {
     *patches = NULL;
     sl_patches *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "patches");
     size_t roots = 2 * primitives->count;
     p->primitives = primitives;
-    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
+    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex[0] = p->first_free_vertex[1] = SL_NO_INDEX;
+    p->lobes = kept & SL_PATCHES_LOBES;
     p->root_patch = sl_allocate_unset(roots, sizeof *p->root_patch);
     p->wanted_root = sl_allocate(roots, sizeof *p->wanted_root);
-    if (radiance) p->radiance = sl_allocate(0, sizeof *p->radiance); /* that it is there says that it is wanted */
-    sl_status status = sl_vertices_reserve(p, 4, error);
-    if (!p->root_patch || !p->wanted_root || (radiance && !p->radiance) || status != SL_OK) {
+    bool sets = kept & SL_PATCHES_SETS;
+    if (sets) p->sets = sl_allocate(0, sizeof *p->sets); /* that it is there says that it is wanted */
+    sl_status status = sl_vertices_reserve(p, 0, 4, error);
+    if (!p->root_patch || !p->wanted_root || (sets && !p->sets) || status != SL_OK) {
         sl_patches_destroy(p);
         return sl_fail_memory(error, "patches");
     }
@@ -33,28 +35,21 @@ sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_p
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
     for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
-    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk, p->vertex, p->radiance, p->slot};
+    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk, p->vertex, p->sets, p->lobe_group, p->lobe, p->slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
 
 size_t sl_patches_memory_bytes(const sl_patches *p) {
     size_t of_chunk = SL_BLOCKS_A_CHUNK * sizeof **p->block_chunk + sizeof *p->block_chunk;
-    size_t of_vertex = sizeof *p->vertex + (p->radiance ? sizeof *p->radiance : 0);
+    size_t of_vertex = sizeof *p->vertex + (p->sets ? sizeof *p->sets : 0), groups = p->lobes ? p->vertex_capacity / SL_VERTEX_GROUP : 0;
     return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk + p->wanted_capacity * sizeof *p->root_corner +
-           p->vertex_capacity * of_vertex + p->slot_count * sizeof *p->slot;
+           p->vertex_capacity * of_vertex + groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe + p->slot_count * sizeof *p->slot;
 }
 
 /* ---- blocks of four patches ---------------------------------------------------------------------------------------------------- */
 
-typedef struct growing {
-    void **array;
-    size_t used, room; /* bytes */
-    void *larger;
-} growing;
-
-/* Copies into larger arrays; nothing is changed where one of them cannot be had. */
-static sl_status enlarge(growing *all, int count, sl_error *error) {
+sl_status sl_patches_enlarge(sl_growing *all, int count, sl_error *error) {
     bool failed = false;
     for (int i = 0; i < count; i++) failed |= !(all[i].larger = sl_allocate_unset(all[i].room, 1));
     for (int i = 0; i < count; i++) {
@@ -70,8 +65,8 @@ static sl_status reserve_chunk(sl_patches *p, sl_error *error) {
     if (p->patch_count < 4 * SL_BLOCKS_A_CHUNK * p->block_chunks) return SL_OK;
     if (p->block_chunks == p->block_chunks_room) {
         size_t room = sl_patches_room(p->block_chunks, 0), size = sizeof *p->block_chunk;
-        growing all[] = {{(void **)&p->block_chunk, p->block_chunks * size, room * size, NULL}};
-        sl_status status = enlarge(all, 1, error);
+        sl_growing all[] = {{(void **)&p->block_chunk, p->block_chunks * size, room * size, NULL}};
+        sl_status status = sl_patches_enlarge(all, 1, error);
         if (status != SL_OK) return status;
         p->block_chunks_room = room;
     }
@@ -88,9 +83,9 @@ static sl_status reserve_block(sl_patches *p, sl_error *error) {
     if (status != SL_OK || used + 4 <= p->patch_capacity) return status;
     size_t capacity = sl_patches_room(p->patch_capacity, used + 4) / 4 * 4;
     if (capacity >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many patches");
-    growing all[] = {{(void **)&p->patch, used * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
+    sl_growing all[] = {{(void **)&p->patch, used * sizeof *p->patch, capacity * sizeof *p->patch, NULL},
                      {(void **)&p->flags, used, capacity, NULL}};
-    status = enlarge(all, 2, error);
+    status = sl_patches_enlarge(all, 2, error);
     if (status == SL_OK) p->patch_capacity = capacity;
     return status;
 }
@@ -98,8 +93,8 @@ static sl_status reserve_block(sl_patches *p, sl_error *error) {
 static sl_status reserve_root(sl_patches *p, sl_error *error) {
     if (p->wanted_count < p->wanted_capacity) return SL_OK;
     size_t capacity = sl_patches_room(p->wanted_capacity, p->wanted_count + 1), size = sizeof *p->root_corner;
-    growing all[] = {{(void **)&p->root_corner, p->wanted_count * size, capacity * size, NULL}};
-    sl_status status = enlarge(all, 1, error);
+    sl_growing all[] = {{(void **)&p->root_corner, p->wanted_count * size, capacity * size, NULL}};
+    sl_status status = sl_patches_enlarge(all, 1, error);
     if (status == SL_OK) p->wanted_capacity = capacity;
     return status;
 }
@@ -213,7 +208,7 @@ uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_err
     *status = SL_OK;
     if (p->root_patch[root] != SL_NO_INDEX) return p->root_patch[root];
     bool block = p->wanted_count % 4 == 0;
-    *status = sl_vertices_reserve(p, 4, error);
+    *status = sl_vertices_reserve(p, root, 4, error);
     if (*status == SL_OK) *status = reserve_root(p, error);
     if (*status == SL_OK && block) *status = reserve_block(p, error);
     if (*status != SL_OK) return SL_NO_INDEX;
@@ -289,7 +284,7 @@ static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t f
 sl_status sl_patch_split(sl_patches *p, uint32_t patch, sl_error *error) {
     sl_patch_place place = sl_patch_place_of(p, patch);
     if (!sl_patch_is_leaf(p, patch) || !can_be_split(p, &place)) return SL_OK;
-    sl_status status = sl_vertices_reserve(p, MIDDLES, error);
+    sl_status status = sl_vertices_reserve(p, place.root, MIDDLES, error);
     if (status == SL_OK) status = reserve_block(p, error);
     if (status != SL_OK) return status;
     uint32_t first = take_block(p, patch, place.root);
@@ -330,7 +325,7 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
     for (int m = 0; m < MIDDLES; m++) {
         uint32_t vertex = sl_patch_block_of(p, first)->middle[m];
         if (vertex == SL_NO_INDEX) continue;
-        sl_root_place place = {p->vertex[vertex].root, p->vertex[vertex].u, p->vertex[vertex].v};
+        sl_root_place place = sl_vertex_place(&p->vertex[vertex]);
         if (sl_vertex_release(p, vertex)) sl_patches_touch_place(p, place);
     }
     give_block_back(p, first);
@@ -382,8 +377,8 @@ bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, d
     double sum[3] = {0, 0, 0};
     for (int c = 0; c < place.corners; c++) {
         uint32_t vertex = sl_patch_corner(p, place.patch, c);
-        const float *of = second ? p->radiance[vertex] : p->vertex[vertex].value;
-        for (int i = 0; i < 3; i++) sum[i] += weight[c] * (double)of[i];
+        const float *of = second ? sl_vertex_lobe(p, vertex) : p->vertex[vertex].value;
+        for (int i = 0; of && i < 3; i++) sum[i] += weight[c] * (double)of[i];
     }
     for (int i = 0; i < 3; i++) value[i] = (float)sum[i];
     return true;

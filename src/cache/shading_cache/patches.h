@@ -42,13 +42,26 @@ enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
 
 typedef struct sl_patch_vertex {
     uint32_t root;               /* of those that share it the lowest */
-    uint16_t u, v;               /* in 1/SL_PATCH_DYADIC of that root */
-    float value[3];              /* diffuse materials: E, W/m^2; others: see sl_patches.radiance */
-    float variance;              /* of the mean of its channels' mean */
+    uint32_t u : SL_PATCH_DEPTH_MAX + 1, v : SL_PATCH_DEPTH_MAX + 1; /* in 1/SL_PATCH_DYADIC of that root */
+    uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
     uint32_t evaluated;          /* update; SL_VERTEX_NEVER */
-    uint16_t references;
-    uint16_t samples;            /* sets of samples that its value is the mean of */
+    float value[3];              /* E, W/m^2 */
 } sl_patch_vertex;
+
+/* A vertex in the middle of an edge is that of two splits. Where so many ask for one, it is a root's corner, as a rule, and those stay for good: it does. */
+enum { SL_REFERENCES_MANY = 3 };
+
+/* Where a value may be the mean of several sets of samples. */
+typedef struct sl_vertex_sets {
+    float variance;              /* of the mean of its channels' mean */
+    uint32_t count;
+} sl_vertex_sets;
+
+/* What is kept of vertices besides E. */
+enum { SL_PATCHES_LOBES = 1,     /* exitant radiance of the lobe towards the eye, of those whose material has one */
+       SL_PATCHES_SETS = 2 };    /* how many sets of samples, and their variance */
+/* Where lobes are kept, numbers of vertices are given out in groups, with them or without. */
+enum { SL_VERTEX_GROUP = 16 };
 
 typedef struct sl_patches {
     const sl_primitives *primitives;
@@ -65,14 +78,20 @@ typedef struct sl_patches {
     uint32_t resting[2];         /* those given back since the last build of the display, and since the one before */
     uint32_t last_root_block;    /* first patch of the block that new roots go to */
     sl_patch_vertex *vertex;
-    float (*radiance)[3];        /* by vertex: exitant radiance of the lobe towards the eye, where some material has one; NULL: none has */
+    sl_vertex_sets *sets;        /* by vertex; NULL: nobody asks, and all are one set */
     size_t vertex_count, vertex_capacity, vertices_alive;
-    uint32_t first_free_vertex;
+    bool lobes;                  /* some are kept */
+    uint32_t *lobe_group;        /* by group of vertices: which group of lobes is theirs; SL_NO_INDEX: they have none */
+    float (*lobe)[3];
+    size_t lobe_count, lobe_capacity;
+    uint32_t first_free_vertex[2]; /* numbers not in use, without lobes and with them */
+    size_t free_vertices[2];
     uint32_t *slot;              /* hash of vertices */
     size_t slot_count;
 } sl_patches;
 
-sl_status sl_patches_create(const sl_primitives *primitives, bool radiance, sl_patches **patches, sl_error *error);
+/* kept: SL_PATCHES_ bits. */
+sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_patches **patches, sl_error *error);
 void sl_patches_destroy(sl_patches *patches);
 /* Everything that grows with the patches (and not what stands for the scene's primitives, wanted or not). */
 size_t sl_patches_memory_bytes(const sl_patches *patches);
@@ -101,6 +120,13 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
     return block->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
 }
 
+static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) { return (sl_root_place){v->root, (uint16_t)v->u, (uint16_t)v->v}; }
+/* L_s of a vertex, towards the eye; NULL: its material has no lobe. */
+static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {
+    uint32_t group = p->lobes ? p->lobe_group[vertex / SL_VERTEX_GROUP] : SL_NO_INDEX;
+    return group == SL_NO_INDEX ? NULL : p->lobe[(size_t)SL_VERTEX_GROUP * group + vertex % SL_VERTEX_GROUP];
+}
+
 /* A patch with its corners' (u, v), in 1/SL_PATCH_DYADIC. */
 typedef struct sl_patch_place {
     uint32_t patch, root;
@@ -123,7 +149,7 @@ void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
 void sl_patches_rested(sl_patches *patches);
 
 /* The value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never been evaluated the nearest ancestor whose
- * corners all are stands in; false: there is none. second: the radiance channel. */
+ * corners all are stands in; false: there is none. second: that of lobes. */
 bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, bool second, float value[3]);
 /* Vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves beside finer ones. At most `room`. */
 size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room);

@@ -59,6 +59,8 @@ void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, floa
 static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
     return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
 }
+/* Not only diffuse: it looks otherwise from elsewhere, so radiance towards the eye is kept beside irradiance. */
+static inline bool sl_material_has_lobe(const sl_material *material) { return sl_material_is_glossy(material) || sl_material_is_mirror(material); }
 static inline uint32_t sl_root_object(const sl_primitives *p, uint32_t root) { return p->scene->object_index[p->first_triangle[root / 2]]; }
 /* The place that stands for all places of roots of one side that share their shading: on edges and corners where position, normal, material and object
  * agree that of the lowest primitive, and for an edge that is one point its first corner. */

@@ -40,8 +40,8 @@ static exitance exitance_of(const sl_primitives *primitives, uint32_t root) {
 static float luminance_at(const sl_patches *p, const exitance *e, uint32_t vertex) {
     const float *value = p->vertex[vertex].value;
     sl_rgb sum = sl_rgb_add(e->emission, sl_rgb_mul(e->reflected, (sl_rgb){value[0], value[1], value[2]}));
-    if (!p->radiance) return sl_curve_luminance(sum);
-    const float *lobe = p->radiance[vertex];
+    const float *lobe = sl_vertex_lobe(p, vertex);
+    if (!lobe) return sl_curve_luminance(sum);
     return sl_curve_luminance(sl_rgb_add(sum, (sl_rgb){lobe[0], lobe[1], lobe[2]}));
 }
 
@@ -95,7 +95,7 @@ float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint
     float error = sl_patch_error(p, curve, patch);
     if (error < 0.0f || (!eye_moved && !changed)) return error;
     const sl_material *material = sl_root_material(p->primitives, sl_patch_root(p, patch));
-    if (sl_looks_otherwise_from_elsewhere(material) && eye_moved > changed) changed = eye_moved;
+    if (sl_material_has_lobe(material) && eye_moved > changed) changed = eye_moved;
     float updates = sl_patch_age(p, patch, now, changed, 1.0f);
     return updates > 0.0f ? error + fminf(sl_age_constant(material) * updates, 255.0f) : error;
 }

@@ -23,8 +23,6 @@ float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, 
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
 /* Age in grey levels: c (now - evaluated) of its oldest corner, if that was evaluated before the last relevant change; else 0. */
 float sl_patch_age(const sl_patches *patches, uint32_t patch, uint32_t now, uint32_t changed, float c);
-/* Not only diffuse. */
-static inline bool sl_looks_otherwise_from_elsewhere(const sl_material *material) { return sl_material_is_glossy(material) || sl_material_is_mirror(material); }
 /* c of a material: 1 + 8 c_g d with Pellacini's contrast gloss c_g = cbrt(ks + kd/2) - cbrt(kd/2) and d = 1 - 1/sqrt(2 n + 1), of
  * mirrors 1. */
 float sl_age_constant(const sl_material *material);

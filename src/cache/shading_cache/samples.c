@@ -35,8 +35,9 @@ static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge,
 static void make_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     const sl_material *material = sl_root_material(s->primitives, v->root);
-    bool more = v->evaluated != SL_VERTEX_NEVER && s->settings.shading_cache.variance_aware && !sl_vertex_is_stale(s->patches, &s->work, vertex);
-    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .radiance = sl_looks_otherwise_from_elsewhere(material), .set = more ? v->samples : 0};
+    const sl_vertex_sets *sets = s->patches->sets ? &s->patches->sets[vertex] : NULL;
+    bool more = sets && v->evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(s->patches, &s->work, vertex);
+    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .radiance = sl_material_has_lobe(material), .set = more ? sets->count : 0};
     place_request(s, vertex, nudge, &request->point);
 }
 
@@ -93,17 +94,15 @@ typedef struct compared {
 static float level_of(const sl_shading_state *s, uint32_t vertex, bool with_radiance) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     sl_rgb exitant = sl_rgb_mul(sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI)), sl_root_mean_diffuse(s->primitives, v->root));
-    if (with_radiance) {
-        const float *radiance = s->patches->radiance[vertex];
-        exitant = sl_rgb_add(exitant, (sl_rgb){radiance[0], radiance[1], radiance[2]});
-    }
+    const float *lobe = with_radiance ? sl_vertex_lobe(s->patches, vertex) : NULL;
+    if (lobe) exitant = sl_rgb_add(exitant, (sl_rgb){lobe[0], lobe[1], lobe[2]});
     return sl_curve_level(&s->curve, exitant);
 }
 
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && request->set == 0 && v->samples == 1,
-                  .radiance = s->patches->radiance && v->evaluated >= s->changes->eye_moved};
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1),
+                  .radiance = v->evaluated >= s->changes->eye_moved};
     c.before = c.comparable ? level_of(s, vertex, c.radiance) : 0.0f;
     return c;
 }
@@ -131,10 +130,13 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
     uint32_t object = sl_root_object(s->primitives, v->root);
     float share = share_of(s, vertex, request->set, s->changes->object[object].changing);
     blend(v->value, sample->irradiance, share);
-    if (s->patches->radiance) blend(s->patches->radiance[vertex], sample->radiance, share);
-    v->variance += share * (share * sample->variance - v->variance * (2.0f - share));
-    v->variance = v->variance > 0.0f ? v->variance : 0.0f;
-    v->samples = (uint16_t)(request->set < UINT16_MAX ? request->set + 1 : UINT16_MAX);
+    float *lobe = sl_vertex_lobe(s->patches, vertex);
+    if (lobe) blend(lobe, sample->radiance, share);
+    if (s->patches->sets) {
+        sl_vertex_sets *sets = &s->patches->sets[vertex];
+        sets->variance = fmaxf(0.0f, sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
+        sets->count = request->set < UINT32_MAX ? request->set + 1 : UINT32_MAX;
+    }
     v->evaluated = s->now;
     sl_patches_touch(s->patches, vertex);
     if (c.comparable && sl_changes_compare(s->changes, object, c.before, level_of(s, vertex, c.radiance), s->now))

@@ -24,7 +24,6 @@ static void shading_destroy(void *state) {
     sl_free(s->ids.patch);
     sl_free(s->id_memory);
     sl_free(s->leaf_of_pixel);
-    sl_free(s->leaf_of_patch);
     sl_free(s->leaf);
     sl_free(s->choice);
     sl_free(s->place);
@@ -101,7 +100,7 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     sl_status status = make_buffers(s, error);
     if (status == SL_OK) status = make_tracer(s, error);
     if (status == SL_OK) status = sl_primitives_find(s->scene, &s->primitives, error);
-    if (status == SL_OK) status = sl_patches_create(s->primitives, s->plan.radiance, &s->patches, error);
+    if (status == SL_OK) status = sl_patches_create(s->primitives, (s->plan.radiance ? SL_PATCHES_LOBES : 0) | (c->variance_aware ? SL_PATCHES_SETS : 0), &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
     if (status == SL_OK) status = sl_changes_create(s->scene, (float)c->change_threshold, c->change_window, &s->changes, error);

@@ -32,8 +32,6 @@ typedef struct sl_shading_state {
     sl_display_ids ids;            /* U1 */
     float *id_memory;
     uint32_t *leaf_of_pixel;       /* index into leaves */
-    uint32_t *leaf_of_patch;
-    size_t leaf_of_patch_room;
     sl_leaf_priority *leaf;        /* U2, U3: visible leaves, in the order of their first pixels */
     size_t leaf_count, leaf_room;
     sl_choice *choice;             /* U4 */

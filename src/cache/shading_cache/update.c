@@ -16,48 +16,45 @@ static const float split_slack = 1.2f, drop_slack = 0.8f;
 
 /* ---- U1, U2: the id map, and what of its patches wants samples ---- */
 
+/* The visible leaves in the order of their first pixels. Until they are counted a leaf keeps its number where its pixels will be. */
+static void number_leaves(sl_shading_state *s) {
+    s->leaf_count = 0;
+    for (size_t i = 0; i < sl_shading_pixels(s); i++) {
+        uint32_t leaf = s->ids.patch[i];
+        s->leaf_of_pixel[i] = SL_NO_INDEX;
+        if (leaf == SL_NO_INDEX) continue;
+        sl_patch *patch = &s->patches->patch[leaf];
+        if (patch->seen != s->now) *patch = (sl_patch){patch->child, s->now, (uint32_t)s->leaf_count++};
+        s->leaf_of_pixel[i] = patch->pixels;
+    }
+}
+
 static sl_status room_for_leaves(sl_shading_state *s, sl_error *error) {
-    size_t patches = s->patches->patch_capacity;
-    if (patches > s->leaf_of_patch_room) {
-        sl_free(s->leaf_of_patch);
-        s->leaf_of_patch_room = 0;
-        s->leaf_of_patch = sl_allocate(patches, sizeof *s->leaf_of_patch);
-        if (!s->leaf_of_patch) return sl_fail_memory(error, "visible patches");
-        s->leaf_of_patch_room = patches;
-    }
-    size_t leaves = s->patches->patches_alive < sl_shading_pixels(s) ? s->patches->patches_alive : sl_shading_pixels(s);
-    if (leaves > s->leaf_room) {
-        sl_free(s->leaf);
-        s->leaf_room = 0;
-        s->leaf = sl_allocate(leaves, sizeof *s->leaf);
-        if (!s->leaf) return sl_fail_memory(error, "visible patches");
-        s->leaf_room = leaves;
-    }
-    return SL_OK;
+    if (s->leaf_count <= s->leaf_room) return SL_OK;
+    size_t room = s->leaf_count + s->leaf_count / 64;
+    sl_free(s->leaf);
+    s->leaf = sl_allocate_unset(room, sizeof *s->leaf);
+    s->leaf_room = s->leaf ? room : 0;
+    return s->leaf ? SL_OK : sl_fail_memory(error, "visible patches");
 }
 
 /* Counts each leaf's pixels; the leaf and what is above it have been seen. */
 static void count_pixels(sl_shading_state *s) {
-    for (size_t i = 0; i < s->leaf_of_patch_room; i++) s->leaf_of_patch[i] = SL_NO_INDEX;
-    s->leaf_count = 0;
+    for (size_t i = 0; i < s->leaf_count; i++) s->leaf[i] = (sl_leaf_priority){0};
     for (size_t i = 0; i < sl_shading_pixels(s); i++) {
-        uint32_t patch = s->ids.patch[i];
-        s->leaf_of_pixel[i] = SL_NO_INDEX;
-        if (patch == SL_NO_INDEX) continue;
-        uint32_t *leaf = &s->leaf_of_patch[patch];
-        if (*leaf == SL_NO_INDEX) {
-            *leaf = (uint32_t)s->leaf_count;
-            s->leaf[s->leaf_count++] = (sl_leaf_priority){.patch = patch};
-        }
-        s->leaf[*leaf].pixels++;
-        s->leaf_of_pixel[i] = *leaf;
+        if (s->leaf_of_pixel[i] == SL_NO_INDEX) continue;
+        sl_leaf_priority *leaf = &s->leaf[s->leaf_of_pixel[i]];
+        leaf->patch = s->ids.patch[i];
+        leaf->pixels++;
     }
     for (size_t i = 0; i < s->leaf_count; i++) {
-        for (uint32_t p = s->leaf[i].patch; p != SL_NO_INDEX; p = sl_patch_parent(s->patches, p)) {
+        sl_patch *leaf = &s->patches->patch[s->leaf[i].patch];
+        leaf->pixels = s->leaf[i].pixels;
+        for (uint32_t p = sl_patch_parent(s->patches, s->leaf[i].patch); p != SL_NO_INDEX; p = sl_patch_parent(s->patches, p)) {
             sl_patch *patch = &s->patches->patch[p];
             if (patch->seen != s->now) patch->pixels = 0;
             patch->seen = s->now;
-            patch->pixels += s->leaf[i].pixels;
+            patch->pixels += leaf->pixels;
         }
     }
 }
@@ -106,7 +103,9 @@ static void announce_priorities(sl_shading_state *s) {
 
 static sl_status see_priorities(sl_shading_state *s, sl_error *error) {
     sl_status status = sl_display_id_map(s->display, s->settings.threads, &s->ids, &s->counters, error);
-    if (status == SL_OK) status = room_for_leaves(s, error);
+    if (status != SL_OK) return status;
+    number_leaves(s);
+    status = room_for_leaves(s, error);
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "id map", "section 4.1");
     count_pixels(s);

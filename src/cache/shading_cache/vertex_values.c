@@ -20,10 +20,10 @@ static uint32_t vertex_beside(const sl_patches *p, const sl_patch_vertex *of, in
     return sl_vertex_find(p, (sl_root_place){of->root, (uint16_t)(of->u + du), (uint16_t)(of->v + dv)});
 }
 
-/* Its level is the depth of the patches that it was made for: 0 is a root's corner. */
+/* Its level is the depth of the patches that it was made for; 0: it lies between nothing, as a root's corner. */
 static int find_around(const sl_patches *p, uint32_t vertex, sl_pending_vertex *entry) {
     const sl_patch_vertex *v = &p->vertex[vertex];
-    *entry = (sl_pending_vertex){vertex, v->root, v->u, v->v, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
+    *entry = (sl_pending_vertex){vertex, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     int zu = zeros_below(v->u), zv = zeros_below(v->v), zeros = zu < zv ? zu : zv, step = 1 << zeros;
     if (zeros == SL_PATCH_DEPTH_MAX) return 0;
     bool triangle = p->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
@@ -36,7 +36,8 @@ static int find_around(const sl_patches *p, uint32_t vertex, sl_pending_vertex *
         entry->around[2] = triangle ? SL_NO_INDEX : vertex_beside(p, v, -step, -step);
         entry->around[3] = triangle ? SL_NO_INDEX : vertex_beside(p, v, step, step);
     }
-    return SL_PATCH_DEPTH_MAX - zeros;
+    bool between = entry->around[0] != SL_NO_INDEX && entry->around[1] != SL_NO_INDEX;
+    return between ? SL_PATCH_DEPTH_MAX - zeros : 0;
 }
 
 /* ---- the list of those without samples ----------------------------------------------------------------------------------------- */
@@ -54,20 +55,16 @@ static bool append(sl_pending *list, const sl_pending_vertex *entry) {
     return ok;
 }
 
-static bool still_holds(const sl_patches *p, const sl_pending_vertex *e) {
-    const sl_patch_vertex *v = &p->vertex[e->vertex];
-    return v->references && v->evaluated == SL_VERTEX_NEVER && v->root == e->root && v->u == e->u && v->v == e->v;
-}
-
-/* Entries go whose vertex has samples by now, or is gone, or will be entered again as it has been met. */
+/* Entries go whose vertex has samples by now, or is gone, or will be entered again as it has been met: so are all whose number is another vertex's by now. */
 static void drop_entries(sl_display *d, const sl_patches *p) {
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) {
         sl_pending *list = &d->pending[l];
         size_t kept = 0;
         for (size_t i = 0; i < list->count; i++) {
             sl_pending_vertex entry = list->entry[i];
+            const sl_patch_vertex *v = &p->vertex[entry.vertex];
             bool met = d->seen_pending[entry.vertex / 32] >> entry.vertex % 32 & 1;
-            if (!met && still_holds(p, &entry)) list->entry[kept++] = entry;
+            if (!met && v->references && v->evaluated == SL_VERTEX_NEVER) list->entry[kept++] = entry;
         }
         list->count = kept;
     }
@@ -75,26 +72,30 @@ static void drop_entries(sl_display *d, const sl_patches *p) {
 
 /* ---- values -------------------------------------------------------------------------------------------------------------------- */
 
-static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex) { return copy->value + copy->colours * vertex; }
-
 static void take_samples(const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
-    sl_packed_colour *to = value_of(copy, vertex);
-    to[0] = sl_pack_colour(p->vertex[vertex].value);
-    if (p->radiance) to[1] = sl_pack_colour(p->radiance[vertex]);
+    const float *lobe = sl_vertex_lobe(p, vertex);
+    copy->value[vertex] = sl_pack_colour(p->vertex[vertex].value);
+    if (lobe) *sl_display_lobe(copy, vertex) = sl_pack_colour(lobe);
 }
 
-static void take_mean(const sl_display *d, const sl_display_copy *copy, const sl_pending_vertex *e) {
-    const float guess[2][3] = {{d->settings.guess.r, d->settings.guess.g, d->settings.guess.b}, {0, 0, 0}};
+static sl_packed_colour *value_of(const sl_display_copy *copy, uint32_t vertex, bool lobe) { return lobe ? sl_display_lobe(copy, vertex) : &copy->value[vertex]; }
+
+/* Vertices lie between such as have lobes if they have one. */
+static void take_mean(const sl_display_copy *copy, bool lobe, const sl_pending_vertex *e) {
     int count = e->around[2] != SL_NO_INDEX && e->around[3] != SL_NO_INDEX ? 4 : 2;
-    for (int k = 0; k < count; k++) count = e->around[k] == SL_NO_INDEX ? 0 : count;
-    for (size_t which = 0; which < copy->colours; which++) {
+    for (int which = 0; which <= (int)lobe; which++) {
         float sum[3] = {0, 0, 0}, one[3];
         for (int k = 0; k < count; k++) {
-            sl_unpack_colour(value_of(copy, e->around[k])[which], one);
+            sl_unpack_colour(*value_of(copy, e->around[k], which), one);
             for (int c = 0; c < 3; c++) sum[c] += one[c] / (float)count;
         }
-        value_of(copy, e->vertex)[which] = sl_pack_colour(count ? sum : guess[which]);
+        *value_of(copy, e->vertex, which) = sl_pack_colour(sum);
     }
+}
+
+static void take_guess(const sl_display *d, const sl_display_copy *copy, const sl_patches *p, uint32_t vertex) {
+    copy->value[vertex] = sl_pack_colour((const float[3]){d->settings.guess.r, d->settings.guess.g, d->settings.guess.b});
+    if (sl_vertex_lobe(p, vertex)) *sl_display_lobe(copy, vertex) = sl_pack_colour((const float[3]){0, 0, 0});
 }
 
 /* Vertices of the list with samples get them, the others are met. */
@@ -109,8 +110,8 @@ static void visit(sl_display *d, const sl_display_copy *copy, const sl_patches *
     }
 }
 
-/* Those that were met are entered, once each. */
-static bool enter(sl_display *d, const sl_patches *p, size_t count, const uint32_t *list) {
+/* Those that were met are entered, once each; corners of roots have their value at once. */
+static bool enter(sl_display *d, const sl_display_copy *copy, const sl_patches *p, size_t count, const uint32_t *list) {
     for (size_t i = 0; i < count; i++) {
         for (int c = 0; sl_patch_is_alive(p, list[i]) && c < sl_patch_corners(p, list[i]); c++) {
             uint32_t vertex = sl_patch_corner(p, list[i], c), bit = 1u << vertex % 32;
@@ -118,7 +119,8 @@ static bool enter(sl_display *d, const sl_patches *p, size_t count, const uint32
             d->seen_pending[vertex / 32] &= ~bit;
             sl_pending_vertex entry;
             int level = find_around(p, vertex, &entry);
-            if (!append(&d->pending[level], &entry)) return false;
+            if (level == 0) take_guess(d, copy, p, vertex);
+            else if (!append(&d->pending[level], &entry)) return false;
         }
     }
     return true;
@@ -140,13 +142,13 @@ sl_status sl_display_values(sl_display *d, sl_display_copy *copy, const sl_patch
     bool ok = make_room_for_marks(d, p);
     for (int k = 0; ok && k < 2; k++) visit(d, copy, p, count[k], list[k]);
     if (ok) drop_entries(d, p);
-    for (int k = 0; ok && k < 2; k++) ok = enter(d, p, count[k], list[k]);
+    for (int k = 0; ok && k < 2; k++) ok = enter(d, copy, p, count[k], list[k]);
     if (!ok) {
         if (d->seen_pending) memset(d->seen_pending, 0, d->seen_words * sizeof *d->seen_pending);
         return sl_fail_memory(error, "the display's values");
     }
     for (int l = 0; l <= SL_PATCH_DEPTH_MAX; l++) {
-        for (size_t i = 0; i < d->pending[l].count; i++) take_mean(d, copy, &d->pending[l].entry[i]);
+        for (size_t i = 0; i < d->pending[l].count; i++) take_mean(copy, sl_vertex_lobe(p, d->pending[l].entry[i].vertex) != NULL, &d->pending[l].entry[i]);
     }
     return SL_OK;
 }

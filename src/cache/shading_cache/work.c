@@ -38,7 +38,7 @@ bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, u
     const sl_patch_vertex *v = &p->vertex[vertex];
     if (v->evaluated == SL_VERTEX_NEVER) return false;
     if (settings->stale_before && v->evaluated < settings->stale_before[sl_root_object(p->primitives, v->root)]) return true;
-    return v->evaluated < settings->eye_moved && sl_looks_otherwise_from_elsewhere(sl_root_material(p->primitives, v->root));
+    return v->evaluated < settings->eye_moved && sl_material_has_lobe(sl_root_material(p->primitives, v->root));
 }
 
 static void ask_for(worker *w, uint32_t vertex) {
@@ -76,7 +76,7 @@ static void ask_for_all(worker *w, uint32_t patch) {
 static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     const sl_patches *p = w->patches;
     float luminance = sl_vertex_luminance(p, vertex), kd = sl_curve_luminance(sl_root_mean_diffuse(p->primitives, root));
-    float off = sqrtf(fmaxf(p->vertex[vertex].variance, 0.0f)) * kd * (float)(1.0 / SL_PI);
+    float off = sqrtf(fmaxf(p->sets[vertex].variance, 0.0f)) * kd * (float)(1.0 / SL_PI);
     return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) - (double)sl_curve_level_of(w->curve, luminance - off));
 }
 
@@ -86,7 +86,7 @@ static bool is_noise(const worker *w, uint32_t patch) {
     float least = HUGE_VALF, most = -1.0f;
     for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
         uint32_t vertex = sl_patch_corner(w->patches, patch, c);
-        if (w->patches->vertex[vertex].samples == UINT16_MAX) return false;
+        if (w->patches->sets[vertex].count == UINT32_MAX) return false;
         float level = sl_vertex_level(w->patches, w->curve, vertex);
         if (level < least) least = level, low = vertex;
         if (level > most) most = level, high = vertex;
@@ -151,7 +151,7 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
     uint32_t patch = place->patch;
     if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
     if (level == 0 && ask_for_missing(w, patch)) return SL_OK;
-    bool noise = level == 0 && w->settings->variance_aware && is_noise(w, patch);
+    bool noise = level == 0 && w->settings->variance_aware && w->patches->sets && is_noise(w, patch);
     if (!noise && is_large(w->patches, w->settings, place, w->camera, w->width, w->height)) {
         sl_status status = sl_patch_split(w->patches, patch, w->error);
         if (status != SL_OK) return status;
