@@ -157,6 +157,11 @@ $(BUILD)/bench/bench_drm_table1: $(BUILD)/o/bench/bench_drm_table1.o $(DRM_BENCH
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS) $(OSMESA_LIBS)
 
+# Tests of the program from inside.
+$(BUILD)/tests/test_bench_%: $(BUILD)/o/tests/test_bench_%.o $(filter-out %/main.o,$(APP_OBJECTS)) $(HELPERS) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
+
 # The rival in the experiments on the shading cache is held to what it promises, too.
 $(BUILD)/tests/test_render_cache: $(BUILD)/o/tests/test_render_cache.o $(BUILD)/o/bench/render_cache.o $(HELPERS) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)

@@ -33,5 +33,6 @@ fi
 "${SOFTLUX:-$build/softlux}" bench $SCENES -o "$out" --size "${SIZE:-128x128}" --repeats "${REPEATS:-3}" --limit "${LIMIT:-60}" \
     --reference-budget "${REFERENCE_BUDGET:-60}" --threads "${THREADS:-1}" ${OPTIONS:-}
 rm -f docs/report/*.svg
-cp "$out"/*.svg "$out/results.csv" docs/report/
+for plot in "$out"/*.svg; do [ -f "$plot" ] && cp "$plot" docs/report/; done
+cp "$out/results.csv" docs/report/
 cp "$out/report.md" docs/report/README.md

@@ -155,7 +155,7 @@ static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
 }
 
 sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs, sl_bench_reference *r, sl_error *error) {
-    const sl_child_limits limits = {0.0, o->memory_bytes, o->interrupted};
+    const sl_child_limits limits = {0.0, 0, o->interrupted};
     extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs};
     sl_child_end end;
     sl_reference_path(o->references, s, r->transport, r->file);

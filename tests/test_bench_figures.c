@@ -1,0 +1,211 @@
+/* What the report's figures are made of: the journal, errors against a noisy reference, curves and the times read from them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/bench/curves.h"
+#include "app/bench/journal.h"
+#include "app/bench/judge.h"
+#include "app/bench/report.h"
+#include "app/bench/trials.h"
+#include "scene_files.h"
+
+/* ---- the journal ---- */
+
+static sl_journal *open_journal(const char *path) {
+    sl_journal *journal;
+    sl_error error;
+    assert_int_equal(sl_journal_open(path, &journal, &error), SL_OK);
+    return journal;
+}
+
+static void add(sl_journal *journal, const char *key, double value) {
+    sl_error error;
+    cJSON *entry = cJSON_CreateObject();
+    cJSON_AddStringToObject(entry, "key", key);
+    cJSON_AddNumberToObject(entry, "value", value);
+    assert_int_equal(sl_journal_add(journal, entry, &error), SL_OK);
+}
+
+static double value_of(const sl_journal *journal, const char *key) {
+    const cJSON *entry = sl_journal_find(journal, key);
+    return entry ? cJSON_GetObjectItem(entry, "value")->valuedouble : -1.0;
+}
+
+static void what_is_added_is_there_in_the_next_run(void **state) {
+    (void)state;
+    const char *path = scene_file_text("journal.jsonl", "");
+    sl_journal *journal = open_journal(path);
+    add(journal, "a", 1.0);
+    add(journal, "b", 2.0);
+    add(journal, "a", 3.0);
+    sl_journal_close(journal);
+    journal = open_journal(path);
+    assert_true(value_of(journal, "a") == 3.0); /* the last word counts */
+    assert_true(value_of(journal, "b") == 2.0);
+    assert_true(value_of(journal, "c") == -1.0);
+    sl_journal_close(journal);
+}
+
+static void a_line_that_was_cut_off_is_passed_over_and_spoils_none_after_it(void **state) {
+    (void)state;
+    const char *path = scene_file_text("torn.jsonl", "{\"key\": \"a\", \"value\": 1}\nnonsense\n{\"value\": 5}\n{\"key\": \"b\", \"val");
+    sl_journal *journal = open_journal(path);
+    assert_true(value_of(journal, "a") == 1.0);
+    assert_true(value_of(journal, "b") == -1.0);
+    add(journal, "b", 2.0);
+    sl_journal_close(journal);
+    journal = open_journal(path);
+    assert_true(value_of(journal, "a") == 1.0);
+    assert_true(value_of(journal, "b") == 2.0);
+    sl_journal_close(journal);
+}
+
+/* ---- errors ---- */
+
+/* In [-1,1); a mixing of bits. */
+static double noise_at(uint32_t i) {
+    i = (i ^ (i >> 16)) * 0x85ebca6bu;
+    i = (i ^ (i >> 13)) * 0xc2b2ae35u;
+    return (double)((i ^ (i >> 16)) >> 8) / 8388608.0 - 1.0;
+}
+
+/* Truth 1 everywhere; halves with independent noise up to 0.2, and the picture wrong by a pattern of +-`wrong`. */
+static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl_image **mask) {
+    static const char *const names[] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
+    enum { SIZE = 64 };
+    const size_t values = 3 * (size_t)SIZE * SIZE;
+    sl_error error;
+    assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, picture, &error), SL_OK);
+    assert_int_equal(sl_image_create(SIZE, SIZE, 9, names, reference, &error), SL_OK);
+    assert_int_equal(sl_image_create(SIZE, SIZE, 1, NULL, mask, &error), SL_OK);
+    for (size_t i = 0; i < (size_t)SIZE * SIZE; i++) (*mask)->planes[i] = i % 7 ? 1.0f : 0.0f;
+    for (size_t i = 0; i < values; i++) {
+        double a = 1.0 + 0.2 * noise_at((uint32_t)i + 1), b = 1.0 + 0.2 * noise_at((uint32_t)i + 7000001);
+        (*picture)->planes[i] = (float)(1.0 + (i & 1 ? wrong : -wrong));
+        if (i % ((size_t)SIZE * SIZE) % 7 == 0) (*picture)->planes[i] = 50.0f; /* a lamp: not compared */
+        (*reference)->planes[i] = (float)(0.5 * (a + b));
+        (*reference)->planes[values + i] = (float)a;
+        (*reference)->planes[2 * values + i] = (float)b;
+    }
+}
+
+static sl_bench_error judge(double wrong) {
+    sl_image *picture, *reference, *mask;
+    sl_bench_error e;
+    sl_error error;
+    make_pair(wrong, &picture, &reference, &mask);
+    assert_int_equal(sl_judge(picture, reference, mask, &e, NULL, &error), SL_OK);
+    sl_image_destroy(picture);
+    sl_image_destroy(reference);
+    sl_image_destroy(mask);
+    return e;
+}
+
+static void the_noise_of_a_reference_is_no_error_of_the_picture(void **state) {
+    (void)state;
+    sl_bench_error e = judge(0.1);
+    double noise = 0.2 / sqrt(3.0) / sqrt(2.0); /* of the mean of two even distributions */
+    assert_true(e.known && !e.lost);
+    assert_true(fabs(e.noise - noise) < 0.02 * noise);
+    assert_true(fabs(e.rel_rmse - 0.1) < 0.002);
+    assert_true(e.measured > 0.125); /* as it would be told without */
+}
+
+static void an_error_far_below_the_noise_is_only_bounded(void **state) {
+    (void)state;
+    sl_bench_error e = judge(0.0);
+    assert_true(e.known && e.lost);
+    assert_true(fabs(e.rel_rmse - 0.25 * e.noise) < 1e-12);
+}
+
+/* ---- curves ---- */
+
+static sl_bench_row row(const char *curve, double seconds, double error) {
+    sl_bench_row r = {.end = SL_BENCH_RAN, .cpu = {1, seconds, seconds, seconds}};
+    snprintf(r.curve, sizeof r.curve, "%s", curve);
+    snprintf(r.arguments, sizeof r.arguments, "%g", seconds);
+    r.error[SL_BENCH_ONE_BOUNCE] = (sl_bench_error){.known = true, .rel_rmse = error};
+    return r;
+}
+
+static void times_are_read_along_the_settings_that_pay(void **state) {
+    (void)state;
+    sl_bench_row rows[] = {row("splatting", 10.0, 0.01), row("splatting", 0.1, 0.1), row("splatting", 5.0, 0.2) /* beaten */,
+                           row("path, one-bounce", 1.0, 0.1), row("path, one-bounce", 100.0, 0.01), row("path, full", 0.01, 0.001) /* another's truth */};
+    sl_bench_scene scene = {.rows = rows, .row_count = sizeof rows / sizeof *rows};
+    sl_curve curves[SL_CURVES];
+    assert_int_equal(sl_curves_of(&scene, SL_BENCH_ONE_BOUNCE, curves), 3);
+    assert_true(curves[0].best[0] && !curves[0].best[1] && curves[0].best[2]);
+    /* Straight on logarithmic axes: halfway in error is halfway in time. */
+    assert_true(fabs(sl_curve_time_to(&curves[0], SL_BENCH_ONE_BOUNCE, sqrt(0.001)) - 1.0) < 1e-9);
+    assert_true(sl_curve_time_to(&curves[0], SL_BENCH_ONE_BOUNCE, 0.5) == 0.1);
+    assert_true(sl_curve_time_to(&curves[0], SL_BENCH_ONE_BOUNCE, 0.001) == 0.0);
+    sl_bench_lead lead = sl_bench_lead_at(&scene, SL_BENCH_ONE_BOUNCE, 0.01);
+    assert_string_equal(lead.method, "splatting");
+    assert_true(fabs(lead.path_seconds / lead.seconds - 10.0) < 1e-9);
+}
+
+static void a_scene_that_nothing_could_be_measured_of_has_no_lead(void **state) {
+    (void)state;
+    sl_bench_scene scene = {0};
+    sl_bench_lead lead = sl_bench_lead_at(&scene, SL_BENCH_FULL, 0.05);
+    assert_null(lead.method);
+    assert_true(lead.path_seconds == 0.0);
+}
+
+static void spreads_know_their_middle_and_their_ends(void **state) {
+    (void)state;
+    double values[] = {5.0, 1.0, 3.0, 2.0}, quiet[] = {2.0, 2.0, 2.0, 2.0};
+    sl_bench_spread s = sl_bench_spread_of(values, 4);
+    assert_true(s.median == 2.5 && s.least == 1.0 && s.most == 5.0 && s.count == 4);
+    assert_true(sl_bench_spread_of(values, 0).count == 0);
+    assert_true(sl_bench_unrest_of(quiet, 4) == 0.0);
+    assert_true(sl_bench_unrest_of(values, 4) > 0.1);
+}
+
+/* ---- trials ---- */
+
+static void every_trial_s_arguments_mean_something_and_are_its_own(void **state) {
+    (void)state;
+    const sl_trial *t;
+    for (size_t i = 0; (t = sl_trial_at(i)); i++) {
+        sl_settings s;
+        assert_true(sl_trial_settings(t->arguments, &s));
+        assert_string_equal(s.method, t->method);
+        assert_true(strlen(t->arguments) < SL_BENCH_ARGUMENTS);
+        for (size_t k = 0; k < i; k++) assert_string_not_equal(t->arguments, sl_trial_at(k)->arguments);
+        if (strncmp(t->transport, "matched:", 8) == 0) assert_string_equal(t->transport + 8, t->method);
+        else if (s.transport) assert_string_equal(s.transport, t->transport);
+    }
+    sl_settings s;
+    assert_true(sl_trial_settings("-m path --transport one-bounce --filter centre --spp 7", &s));
+    assert_true(s.spp == 7 && s.filter == SL_FILTER_CENTRE);
+}
+
+static int remove_files(void **state) {
+    (void)state;
+    scene_files_remove();
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_added_is_there_in_the_next_run),
+        cmocka_unit_test(a_line_that_was_cut_off_is_passed_over_and_spoils_none_after_it),
+        cmocka_unit_test(the_noise_of_a_reference_is_no_error_of_the_picture),
+        cmocka_unit_test(an_error_far_below_the_noise_is_only_bounded),
+        cmocka_unit_test(times_are_read_along_the_settings_that_pay),
+        cmocka_unit_test(a_scene_that_nothing_could_be_measured_of_has_no_lead),
+        cmocka_unit_test(spreads_know_their_middle_and_their_ends),
+        cmocka_unit_test(every_trial_s_arguments_mean_something_and_are_its_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_files);
+}

@@ -1,0 +1,275 @@
+/* softlux bench from its command line to its report, small. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "app/commands.h"
+
+static char base[] = "/tmp/softlux-bench-XXXXXX";
+
+/* ---- running ---- */
+
+static _Noreturn void be_the_program(const char *folder, const char *const *more) {
+    char output[128], references[128];
+    char *argv[32];
+    int argc = 0, nowhere = open("/dev/null", O_WRONLY);
+    snprintf(output, sizeof output, "%s/%s", base, folder);
+    snprintf(references, sizeof references, "%s/references", base);
+    const char *const common[] = {"scenes/cornell.json", "-o", output, "-s", "32x32", "-m", "path,direct-radiance", "-q", "draft", "--repeats", "2",
+                                  "--reference-budget", "0.1", "--references", references, "--reference-threads", "1", "--json"};
+    for (size_t i = 0; i < sizeof common / sizeof *common; i++) argv[argc++] = strdup(common[i]);
+    for (; *more; more++) argv[argc++] = strdup(*more);
+    if (nowhere >= 0) dup2(nowhere, 1);
+    _exit(sl_command_bench(argc, argv));
+}
+
+/* In a process of its own, as a person starts it. */
+static pid_t start(const char *folder, const char *const *more) {
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) be_the_program(folder, more);
+    assert_true(child > 0);
+    return child;
+}
+
+static int finish(pid_t child) {
+    int how = 0;
+    assert_int_equal(waitpid(child, &how, 0), child);
+    assert_true(WIFEXITED(how));
+    return WEXITSTATUS(how);
+}
+
+static const char *const nothing_more[] = {NULL};
+
+/* ---- files ---- */
+
+static char *file_of(const char *folder, const char *name) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s/%s", base, folder, name);
+    FILE *in = fopen(path, "rb");
+    char *text = calloc(1, 1 << 22);
+    assert_non_null(text);
+    if (in) {
+        size_t n = fread(text, 1, (1 << 22) - 1, in);
+        text[n] = '\0';
+        fclose(in);
+    }
+    return text;
+}
+
+static size_t lines_of(const char *text) {
+    size_t lines = 0;
+    for (; *text; text++) lines += *text == '\n';
+    return lines;
+}
+
+/* ---- CSV ---- */
+
+enum { FIELDS = 64, ROWS = 8 };
+
+typedef struct csv {
+    size_t rows, fields; /* the head not counted */
+    char *field[ROWS][FIELDS];
+} csv;
+
+/* One field, without its quotes; returns where the next one begins. */
+static const char *take_field(const char *at, char **field, bool *last) {
+    size_t n = 0;
+    bool quoted = *at == '"';
+    *field = calloc(strlen(at) + 1, 1);
+    assert_non_null(*field);
+    for (at += quoted; *at; at++) {
+        if (!quoted && (*at == ',' || *at == '\n')) break;
+        if (quoted && *at == '"' && at[1] != '"') {
+            quoted = false;
+            continue;
+        }
+        if (quoted && *at == '"') at++; /* two stand for one */
+        (*field)[n++] = *at;
+    }
+    *last = *at != ',';
+    return *at ? at + 1 : at;
+}
+
+static csv parse_csv(const char *text) {
+    csv c = {0};
+    for (size_t row = 0; *text && row < ROWS; row++) {
+        size_t field = 0;
+        for (bool last = false; !last && field < FIELDS; field++) text = take_field(text, &c.field[row][field], &last);
+        if (row == 0) c.fields = field;
+        assert_int_equal(field, c.fields);
+        c.rows = row;
+    }
+    return c;
+}
+
+static const char *field(const csv *c, size_t row, const char *name) {
+    for (size_t i = 0; i < c->fields; i++) {
+        if (strcmp(c->field[0][i], name) == 0) return c->field[row + 1][i];
+    }
+    fail_msg("no column %s", name);
+    return NULL;
+}
+
+static void free_csv(csv *c) {
+    for (size_t r = 0; r < ROWS; r++) {
+        for (size_t i = 0; i < FIELDS; i++) free(c->field[r][i]);
+    }
+}
+
+/* ---- the tests ---- */
+
+static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
+    (void)state;
+    assert_int_equal(finish(start("whole", nothing_more)), 0);
+    char *text = file_of("whole", "results.csv");
+    csv c = parse_csv(text);
+    assert_int_equal(c.rows, 3); /* direct radiance mapping; the path tracer on both sets of paths */
+    for (size_t i = 0; i < c.rows; i++) {
+        assert_string_equal(field(&c, i, "end"), "ran");
+        assert_string_equal(field(&c, i, "runs"), "2");
+        assert_true(strtod(field(&c, i, "cpu_seconds"), NULL) > 0.0);
+        assert_true(strtod(field(&c, i, "peak_bytes"), NULL) > 1e6);
+        assert_true(strtod(field(&c, i, "matched_rel_rmse"), NULL) > 0.005 && strtod(field(&c, i, "matched_rel_rmse"), NULL) < 0.5);
+    }
+    /* What one bounce leaves out of the Cornell box is about a third of its light. */
+    assert_true(strtod(field(&c, 1, "full_bias"), NULL) < -0.1);
+    assert_true(strtod(field(&c, 2, "full_rel_rmse"), NULL) < strtod(field(&c, 2, "one-bounce_rel_rmse"), NULL));
+    free_csv(&c);
+    free(text);
+}
+
+static void the_page_holds_every_row_and_fetches_nothing(void **state) {
+    (void)state;
+    char *page = file_of("whole", "report.html"), *table = file_of("whole", "results.csv"), *markdown = file_of("whole", "report.md");
+    csv c = parse_csv(table);
+    assert_int_equal(c.rows, 3);
+    for (size_t i = 0; i < c.rows; i++) {
+        assert_non_null(strstr(page, field(&c, i, "arguments")));
+        assert_non_null(strstr(markdown, field(&c, i, "curve")));
+    }
+    static const char space[] = "http://www.w3.org/2000/svg";
+    for (const char *at = page; (at = strstr(at, "http")); at++) assert_memory_equal(at, space, sizeof space - 1);
+    for (const char *at = page; (at = strstr(at, "src=\"")); at++) assert_memory_equal(at, "src=\"data:image/png;base64,iVBOR", 31);
+    assert_null(strstr(page, "<script"));
+    assert_null(strstr(page, "<link"));
+    assert_null(strstr(page, "@import"));
+    assert_non_null(strstr(page, "<svg"));
+    free_csv(&c);
+    free(page);
+    free(table);
+    free(markdown);
+}
+
+static void what_was_measured_is_not_measured_again(void **state) {
+    (void)state;
+    char *before = file_of("whole", "journal.jsonl"), *rows_before = file_of("whole", "results.csv");
+    assert_int_equal(lines_of(before), 9); /* two runs and a look at each of three */
+    assert_int_equal(finish(start("whole", nothing_more)), 0);
+    char *after = file_of("whole", "journal.jsonl"), *rows_after = file_of("whole", "results.csv");
+    assert_string_equal(before, after);
+    csv a = parse_csv(rows_before), b = parse_csv(rows_after);
+    for (size_t i = 0; i < a.rows; i++) assert_string_equal(field(&a, i, "cpu_seconds"), field(&b, i, "cpu_seconds"));
+    free_csv(&a);
+    free_csv(&b);
+    free(before);
+    free(after);
+    free(rows_before);
+    free(rows_after);
+}
+
+static void interrupted_it_goes_on_to_the_same_rows(void **state) {
+    (void)state;
+    const struct timespec moment = {0, 5000000};
+    pid_t child = start("halves", nothing_more);
+    char *text = file_of("halves", "journal.jsonl");
+    while (lines_of(text) < 2) {
+        nanosleep(&moment, NULL);
+        free(text);
+        text = file_of("halves", "journal.jsonl");
+    }
+    kill(child, SIGINT);
+    assert_int_equal(finish(child), 0);
+    free(text);
+    text = file_of("halves", "journal.jsonl");
+    size_t kept = lines_of(text);
+    assert_true(kept >= 2 && kept < 9);
+    assert_int_equal(finish(start("halves", nothing_more)), 0);
+    char *more = file_of("halves", "journal.jsonl");
+    assert_int_equal(lines_of(more), 9);
+    assert_memory_equal(more, text, strlen(text));
+    char *whole_rows = file_of("whole", "results.csv"), *rows = file_of("halves", "results.csv");
+    csv a = parse_csv(whole_rows), b = parse_csv(rows);
+    assert_int_equal(b.rows, 3);
+    for (size_t i = 0; i < a.rows; i++) {
+        static const char *const same[] = {"scene", "hash", "arguments", "end", "runs", "rays", "samples", "fragments_shaded"};
+        for (size_t k = 0; k < sizeof same / sizeof *same; k++) assert_string_equal(field(&a, i, same[k]), field(&b, i, same[k]));
+    }
+    free_csv(&a);
+    free_csv(&b);
+    free(whole_rows);
+    free(rows);
+    free(more);
+    free(text);
+}
+
+static void another_size_is_another_measurement(void **state) {
+    (void)state;
+    static const char *const smaller[] = {"-s", "16x16", "-m", "direct-radiance", NULL};
+    assert_int_equal(finish(start("whole", smaller)), 0);
+    char *text = file_of("whole", "journal.jsonl");
+    assert_int_equal(lines_of(text), 12);
+    free(text);
+}
+
+static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
+    (void)state;
+    static const char *const little[] = {"--memory", "16", "-m", "direct-radiance", NULL};
+    assert_int_equal(finish(start("little", little)), 0);
+    char *text = file_of("little", "results.csv"), *page = file_of("little", "report.html");
+    csv c = parse_csv(text);
+    assert_int_equal(c.rows, 1);
+    assert_true(strcmp(field(&c, 0, "end"), "failed") == 0 || strcmp(field(&c, 0, "end"), "crashed") == 0);
+    assert_string_not_equal(field(&c, 0, "why"), "");
+    assert_string_equal(field(&c, 0, "runs"), "0");
+    assert_non_null(strstr(page, field(&c, 0, "end")));
+    free_csv(&c);
+    free(text);
+    free(page);
+}
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(base) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", base);
+    return system(command);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_trial_is_a_row_with_its_time_and_its_errors),
+        cmocka_unit_test(the_page_holds_every_row_and_fetches_nothing),
+        cmocka_unit_test(what_was_measured_is_not_measured_again),
+        cmocka_unit_test(interrupted_it_goes_on_to_the_same_rows),
+        cmocka_unit_test(another_size_is_another_measurement),
+        cmocka_unit_test(a_trial_without_memory_is_a_row_that_says_so),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
