@@ -75,7 +75,8 @@ GENERATE_SOURCES := $(wildcard scenes/generate/*.c)
 
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/o/%.o) \
                    $(foreach isa,$(ISAS),$(KERNEL_SOURCES:%.c=$(BUILD)/o/%.$(isa).o))
-APP_OBJECTS := $(APP_SOURCES:%.c=$(BUILD)/o/%.o)
+APP_FILES := $(wildcard src/app/*/*.css src/app/*/*.js)
+APP_OBJECTS := $(APP_SOURCES:%.c=$(BUILD)/o/%.o) $(APP_FILES:%=$(BUILD)/o/%.o)
 TESTS := $(TEST_SOURCES:tests/%.c=$(BUILD)/tests/%)
 BENCHES := $(BENCH_SOURCES:bench/%.c=$(BUILD)/bench/%)
 HELPERS := $(patsubst tests/%.c,$(BUILD)/o/tests/%.o,$(filter-out tests/test_%.c tests/osmesa.c,$(wildcard tests/*.c)))
@@ -111,6 +112,11 @@ $(BUILD)/o/src/image/stb_image.o: override CFLAGS += -fwrapv -fno-sanitize=shift
 $(BUILD)/o/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
+
+# What pages hold, as it stands: symbols are named after the path.
+$(APP_FILES:%=$(BUILD)/o/%.o): $(BUILD)/o/%.o: %
+	@mkdir -p $(@D)
+	$(LD) -r -b binary -z noexecstack -o $@ $<
 
 $(OSMESA_HARNESS): tests/osmesa.c
 	@mkdir -p $(@D)

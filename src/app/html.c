@@ -16,7 +16,8 @@ void sl_put_escaped(FILE *out, const char *text) {
     }
 }
 
-static char *base_64(const unsigned char *bytes, size_t count) {
+char *sl_base_64(const void *data, size_t count) {
+    const unsigned char *bytes = data;
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     char *text = malloc(4 * ((count + 2) / 3) + 1), *out = text;
     if (!text) return NULL;
@@ -37,7 +38,7 @@ char *sl_picture_text(const sl_image *image, bool tone, const char *scratch) {
     FILE *in = fopen(scratch, "rb");
     long size = in && fseek(in, 0, SEEK_END) == 0 ? ftell(in) : -1;
     unsigned char *bytes = size > 0 ? malloc((size_t)size) : NULL;
-    if (bytes && fseek(in, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, in) == (size_t)size) text = base_64(bytes, (size_t)size);
+    if (bytes && fseek(in, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, in) == (size_t)size) text = sl_base_64(bytes, (size_t)size);
     free(bytes);
     if (in) fclose(in);
     unlink(scratch);

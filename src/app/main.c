@@ -16,6 +16,7 @@ static const struct {
     {"compare", sl_command_compare, "error metrics between two pictures; exit status for golden-image tests"},
     {"info", sl_command_info, "what is in a scene, and what a method would do with it"},
     {"bench", sl_command_bench, "speed against error of every method on a scene"},
+    {"steps", sl_command_steps, "every pass of a method as a picture, explained, in one page"},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

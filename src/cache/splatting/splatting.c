@@ -18,6 +18,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/splatting/state.h"
+#include "cache/splatting/story.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -266,6 +267,7 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     sl_status status = SL_OK;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = splat_new_records(s, &s->cache[c], error);
     if (status != SL_OK) return status;
+    sl_splat_announce_records(s);
     int layers = s->plan.radiance ? SL_LAYERS_GLOSSY : SL_LAYERS;
     status = sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
     if (status != SL_OK) return status;
@@ -326,6 +328,7 @@ const sl_method_class sl_splatting_method = {
     .load = splat_load,
     .counters = splat_counters,
     .memory_bytes = sl_splat_memory_bytes,
+    .story = sl_splat_story,
     .transport = sl_splat_transport,
     .plan = sl_splat_plan_write,
     .any_transport = false,

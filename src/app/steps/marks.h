@@ -1,0 +1,24 @@
+/* Marks that a pass leaves in the scene, drawn over the picture of the camera as SVG. */
+#ifndef SL_APP_STEPS_MARKS_H
+#define SL_APP_STEPS_MARKS_H
+
+#include "scene/scene.h"
+#include "softlux.h"
+#include "trace/trace.h"
+
+#include <stdio.h>
+
+/* Where marks are drawn: a camera, a picture's size, and rays that tell what is hidden (NULL: nothing). */
+typedef struct sl_mark_view {
+    sl_camera camera;
+    int width, height;
+    const sl_tracer *tracer;
+    float diagonal; /* of the scene */
+} sl_mark_view;
+
+/* Column and row, from the top, of a point; false: behind the eye. */
+bool sl_mark_project(const sl_mark_view *view, const float at[3], double *column, double *row);
+/* SVG elements for the visible ones among at most `limit` marks, evenly chosen, as text that the caller frees; NULL: no memory. */
+char *sl_marks_draw(const sl_mark_view *view, const sl_mark *marks, size_t count, size_t limit);
+
+#endif

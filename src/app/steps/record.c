@@ -1,0 +1,96 @@
+#include "app/steps/record.h"
+
+#include "app/html.h"
+#include "app/steps/show.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static sl_step *find_step(sl_recording *r, const sl_pass *pass) {
+    for (size_t i = 0; i < r->count; i++)
+        if (strcmp(r->steps[i].name, pass->name) == 0) return &r->steps[i];
+    if (r->count == SL_STEPS_MAX) return NULL;
+    sl_step *step = &r->steps[r->count++];
+    *step = (sl_step){.place = SL_STEPS_MAX};
+    snprintf(step->name, sizeof step->name, "%s", pass->name);
+    snprintf(step->source, sizeof step->source, "%s", pass->source);
+    step->told = sl_narrative_find(r->narrative, pass->name, &step->place);
+    return step;
+}
+
+static sl_image *copy_of(const sl_image *image) {
+    sl_image *copy = NULL;
+    if (sl_image_create(image->width, image->height, image->channels, NULL, &copy, NULL) != SL_OK) return NULL;
+    memcpy(copy->planes, image->planes, (size_t)image->width * (size_t)image->height * (size_t)image->channels * sizeof(float));
+    return copy;
+}
+
+static void on_pass(void *context, const sl_pass *pass) {
+    sl_recording *r = context;
+    sl_step *step = find_step(r, pass);
+    if (!step) {
+        r->failed = true;
+        return;
+    }
+    step->times++;
+    for (int i = 0; i < SL_COUNTERS; i++) step->cost.value[i] += pass->counters->value[i];
+    if (pass->buffer) {
+        sl_image_destroy(step->latest);
+        step->latest = copy_of(pass->buffer);
+        step->width = pass->buffer->width, step->height = pass->buffer->height;
+        r->failed = r->failed || !step->latest;
+    }
+    if (pass->mark_count) {
+        free(step->latest_marks);
+        step->latest_marks = sl_marks_draw(&r->view, pass->marks, pass->mark_count, SL_MARKS_SHOWN);
+        r->failed = r->failed || !step->latest_marks;
+    }
+}
+
+sl_observer sl_recording_observer(sl_recording *recording) { return (sl_observer){recording, on_pass}; }
+
+/* Light where nothing else is known of three channels, brightness of one. */
+static sl_show way_to_show(const sl_step *step) {
+    if (step->told) return step->told->show;
+    return step->latest->channels >= 3 ? SL_SHOW_LIGHT : SL_SHOW_SCALAR;
+}
+
+void sl_recording_snapshot(sl_recording *r, size_t index) {
+    for (size_t i = 0; i < r->count; i++) {
+        sl_step *step = &r->steps[i];
+        sl_step_frame *frame = &step->frames[index];
+        frame->marks = step->latest_marks;
+        step->latest_marks = NULL;
+        if (!step->latest) continue;
+        sl_show show = way_to_show(step);
+        sl_image *picture = NULL;
+        if (sl_show_buffer(step->latest, show, &picture, NULL) == SL_OK)
+            frame->picture = sl_picture_text(picture, show == SL_SHOW_LIGHT, r->scratch);
+        r->failed = r->failed || !frame->picture;
+        sl_image_destroy(picture);
+        sl_image_destroy(step->latest);
+        step->latest = NULL;
+    }
+}
+
+static int by_place(const void *a, const void *b) {
+    const sl_step *x = a, *y = b;
+    if (x->place != y->place) return x->place < y->place ? -1 : 1;
+    return strcmp(x->name, y->name);
+}
+
+void sl_recording_sort(sl_recording *r) { qsort(r->steps, r->count, sizeof r->steps[0], by_place); }
+
+void sl_recording_clear(sl_recording *r) {
+    for (size_t i = 0; i < r->count; i++) {
+        sl_step *step = &r->steps[i];
+        sl_image_destroy(step->latest);
+        free(step->latest_marks);
+        for (size_t k = 0; k < SL_SNAPSHOTS_MAX; k++) {
+            free(step->frames[k].picture);
+            free(step->frames[k].marks);
+        }
+    }
+    r->count = 0;
+}

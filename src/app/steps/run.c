@@ -1,0 +1,174 @@
+#include "app/steps/run.h"
+
+#include "app/html.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void tell(const sl_steps_options *o, const char *what, double fraction) {
+    if (o->progress) o->progress(what, fraction);
+}
+
+static sl_status fail(sl_error *error, sl_status status, const char *what) {
+    error->status = status;
+    snprintf(error->message, sizeof error->message, "%s", what);
+    return status;
+}
+
+/* ---- the reference: the method's own light paths, path traced ---- */
+
+static sl_status trace_reference(const sl_scene *scene, const sl_steps_options *o, sl_image **reference, sl_error *error) {
+    char transport[64];
+    snprintf(transport, sizeof transport, "matched:%s", o->settings.method);
+    sl_settings settings = o->settings;
+    settings.method = "path";
+    settings.transport = transport;
+    settings.spp = o->reference_samples;
+    settings.observer = NULL;
+    sl_method *tracer = NULL;
+    sl_progress progress = {0};
+    *reference = NULL;
+    sl_status status = sl_method_create(scene, &settings, &tracer, error);
+    while (status == SL_OK && !progress.done) {
+        status = sl_method_update(tracer, &progress, error);
+        tell(o, "reference", progress.fraction);
+    }
+    if (status == SL_OK) status = sl_method_resolve(tracer, reference, error);
+    sl_method_destroy(tracer);
+    return status;
+}
+
+static double error_of(const sl_image *picture, const sl_image *reference) {
+    sl_comparison c;
+    if (!reference || sl_image_compare(picture, reference, NULL, &c, NULL, NULL) != SL_OK) return -1.0;
+    return c.rel_rmse;
+}
+
+static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const sl_image *picture, const sl_image *reference) {
+    sl_comparison c;
+    sl_image *difference = NULL;
+    if (sl_image_compare(picture, reference, NULL, &c, &difference, NULL) == SL_OK) {
+        run->difference = sl_picture_text(difference, false, o->scratch);
+        run->reference_noise = sqrt(fmax(c.rel_mse_noise, 0.0));
+    }
+    run->reference = sl_picture_text(reference, true, o->scratch);
+    run->reference_samples = o->reference_samples;
+    sl_image_destroy(difference);
+}
+
+/* ---- what each layer is worth ---- */
+
+/* The picture less one of its layers, in place, and put back. */
+static double error_without(sl_image *picture, const char *layer, const sl_image *reference) {
+    static const char *const colours[3] = {"R", "G", "B"};
+    size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    float *kept = malloc(3 * pixels * sizeof *kept);
+    if (!kept) return -1.0;
+    for (size_t c = 0; c < 3; c++) {
+        char name[SL_CHANNEL_NAME_MAX];
+        snprintf(name, sizeof name, "%s.%s", layer, colours[c]);
+        float *whole = sl_image_channel(picture, colours[c]);
+        const float *part = sl_image_channel(picture, name);
+        memcpy(kept + c * pixels, whole, pixels * sizeof *kept);
+        for (size_t i = 0; i < pixels; i++) whole[i] -= part[i];
+    }
+    double without = error_of(picture, reference);
+    for (size_t c = 0; c < 3; c++) memcpy(sl_image_channel(picture, colours[c]), kept + c * pixels, pixels * sizeof *kept);
+    free(kept);
+    return without;
+}
+
+static void weigh_layers(sl_steps_run *run, sl_image *picture, const sl_image *reference) {
+    static const char *const names[] = {"emission", "direct", "specular", "indirect", "glossy"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char red[SL_CHANNEL_NAME_MAX];
+        snprintf(red, sizeof red, "%s.R", names[i]);
+        if (!sl_image_channel(picture, red)) continue;
+        sl_layer_error *l = &run->layers[run->layer_count++];
+        snprintf(l->layer, sizeof l->layer, "%s", names[i]);
+        l->rel_rmse = error_without(picture, names[i], reference);
+    }
+}
+
+/* ---- the method ---- */
+
+static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const sl_progress *progress, const sl_image *reference,
+                      sl_image **picture, sl_error *error) {
+    sl_image_destroy(*picture);
+    *picture = NULL;
+    sl_status status = sl_method_resolve(method, picture, error);
+    if (status != SL_OK) return status;
+    size_t index = run->snapshot_count++;
+    sl_recording_snapshot(&run->recording, index);
+    sl_snapshot *s = &run->snapshots[index];
+    *s = (sl_snapshot){.batches = progress->batches, .rel_rmse = error_of(*picture, reference), .counters = *sl_method_counters(method)};
+    s->picture = sl_picture_text(*picture, true, o->scratch);
+    return s->picture && !run->recording.failed ? SL_OK : fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
+}
+
+/* Snapshots after the first batches and then ever more rarely, the last one when all is done. */
+static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const sl_image *reference, sl_image **picture,
+                        sl_error *error) {
+    sl_progress progress = {0};
+    uint64_t next = 1;
+    sl_status status = SL_OK;
+    while (status == SL_OK && !progress.done) {
+        status = sl_method_update(method, &progress, error);
+        tell(o, o->settings.method, progress.fraction);
+        bool room = run->snapshot_count + 1 < SL_SNAPSHOTS_MAX;
+        if (status != SL_OK || !(progress.done || (room && progress.batches >= next))) continue;
+        status = snap(run, o, method, &progress, reference, picture, error);
+        next = progress.batches + 1 + progress.batches / 3;
+    }
+    return status;
+}
+
+static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, const sl_image *reference, sl_error *error) {
+    sl_observer observer = sl_recording_observer(&run->recording);
+    sl_settings settings = o->settings;
+    settings.observer = &observer;
+    sl_method *method = NULL;
+    sl_image *picture = NULL;
+    sl_status status = sl_method_create(scene, &settings, &method, error);
+    if (status == SL_OK) status = refine(run, o, method, reference, &picture, error);
+    if (status == SL_OK) {
+        tell(o, "stories of the pixels", 0.0);
+        status = sl_stories_collect(method, picture, &run->stories, error);
+    }
+    if (status == SL_OK && reference) {
+        weigh_layers(run, picture, reference);
+        keep_reference(run, o, picture, reference);
+    }
+    sl_image_destroy(picture);
+    sl_method_destroy(method);
+    return status;
+}
+
+sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, sl_error *error) {
+    *run = (sl_steps_run){.narrative = sl_narrative_of(o->settings.method), .width = o->settings.width, .height = o->settings.height};
+    if (!run->narrative) return fail(error, SL_ERROR_USAGE, "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and shading-cache");
+    sl_tracer *tracer = NULL;
+    sl_image *reference = NULL;
+    sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
+    run->recording = (sl_recording){.narrative = run->narrative, .scratch = o->scratch,
+                                    .view = {scene->camera, run->width, run->height, tracer, scene->diagonal}};
+    if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &run->plan, error);
+    if (status == SL_OK && o->reference_samples) status = trace_reference(scene, o, &reference, error);
+    if (status == SL_OK) status = watch(scene, o, run, reference, error);
+    if (status == SL_OK) sl_recording_sort(&run->recording);
+    run->recording.view.tracer = NULL;
+    sl_image_destroy(reference);
+    sl_tracer_destroy(tracer);
+    return status;
+}
+
+void sl_steps_run_clear(sl_steps_run *run) {
+    sl_recording_clear(&run->recording);
+    for (size_t i = 0; i < run->snapshot_count; i++) free(run->snapshots[i].picture);
+    sl_stories_destroy(run->stories);
+    free(run->reference);
+    free(run->difference);
+    free(run->plan);
+}

@@ -1,0 +1,109 @@
+/* softlux steps: a method pass by pass, as one page. */
+#include "app/commands.h"
+#include "app/settings_options.h"
+#include "app/steps/page.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct steps_command {
+    const char *scene, *folder, *beside;
+    sl_settings settings;
+    uint64_t reference_samples;
+    double at_seconds;
+    bool quiet;
+} steps_command;
+
+static bool parse(int argc, char **argv, steps_command *s, int *status) {
+    enum { OWN = 8 };
+    sl_raw_settings raw;
+    sl_option options[OWN + SL_SETTINGS_OPTIONS];
+    *s = (steps_command){.folder = "steps", .reference_samples = 64};
+    const sl_option own[] = {
+        {"output", 'o', SL_OPTION_TEXT, &s->folder, NULL, "DIR", "folder for the page, index.html [steps]", 0, 0, NULL},
+        {"beside", 0, SL_OPTION_TEXT, &s->beside, NULL, "METHOD", "another method on the same scene, side by side", 0, 0, NULL},
+        {"reference-spp", 0, SL_OPTION_COUNT, &s->reference_samples, NULL, "N",
+         "samples a pixel of the path-traced reference; 0: no errors are told [64]", 0, 1e6, NULL},
+        {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
+        {"quiet", 0, SL_OPTION_FLAG, &s->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
+    };
+    size_t count = sizeof own / sizeof own[0];
+    memcpy(options, own, sizeof own);
+    sl_settings_options(&raw, options + count);
+    const sl_command_line line = {
+        "softlux steps SCENE [-m METHOD] [-o DIR] [options]",
+        "Runs a method step by step: every pass as a picture, explained, in a page that needs nothing else.",
+        "On the page a slider plays the refinement, and a click on a pixel tells what made it: which records, photons, voxels or\n"
+        "vertices, with weights and values that add up to the pixel's exact value.\n\n"
+        "example: softlux steps scenes/cornell.json -m splatting -o cornell-steps",
+        options, 1, 1};
+    int operands;
+    if (!sl_options_parse(&line, argc, argv, &s->scene, &operands, status)) return false;
+    s->settings = sl_settings_taken(&raw);
+    return true;
+}
+
+/* 160 pixels wide, in the shape of the scene's film, where nobody asks for another: every pixel has a story to be told. */
+static void choose_size(const sl_scene *scene, sl_settings *settings) {
+    enum { WIDTH = 160 };
+    if (settings->width) return;
+    int width, height;
+    sl_scene_film(scene, &width, &height);
+    settings->width = WIDTH;
+    settings->height = (WIDTH * height + width / 2) / width;
+    if (settings->height < 1) settings->height = 1;
+    if (settings->height > 2 * WIDTH) settings->height = 2 * WIDTH;
+}
+
+static void draw_progress(const char *what, double fraction) {
+    fprintf(stderr, "\r\033[K%3.0f %% of %s", 100.0 * fraction, what);
+    fflush(stderr);
+}
+
+static sl_status make_folder(const char *folder, sl_error *error) {
+    if (mkdir(folder, 0777) == 0 || errno == EEXIST) return SL_OK;
+    error->status = SL_ERROR_OUTPUT;
+    snprintf(error->message, sizeof error->message, "cannot make the folder %s: %s", folder, strerror(errno));
+    return SL_ERROR_OUTPUT;
+}
+
+static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_error *error) {
+    char scratch[4096];
+    snprintf(scratch, sizeof scratch, "%s/.scratch-%ld.png", s->folder, (long)getpid());
+    bool bar = !s->quiet && isatty(STDERR_FILENO);
+    sl_steps_options o = {.settings = s->settings, .reference_samples = (uint32_t)s->reference_samples, .scratch = scratch,
+                          .progress = bar ? draw_progress : NULL};
+    choose_size(scene, &o.settings);
+    static sl_steps_run runs[2]; /* large */
+    size_t count = 0;
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < (s->beside ? 2u : 1u) && status == SL_OK; i++, count++) {
+        if (i == 1) o.settings.method = s->beside;
+        status = sl_steps_run_method(scene, &o, &runs[i], error);
+    }
+    if (bar) fputs("\r\033[K", stderr);
+    if (status == SL_OK) status = sl_page_write(s->folder, s->scene, runs, count, error);
+    for (size_t i = 0; i < count; i++) sl_steps_run_clear(&runs[i]);
+    return status;
+}
+
+int sl_command_steps(int argc, char **argv) {
+    steps_command s;
+    int exit_status;
+    if (!parse(argc, argv, &s, &exit_status)) return exit_status;
+    sl_error error;
+    sl_scene *scene = NULL;
+    sl_status status = sl_scene_load(s.scene, &scene, &error);
+    if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
+    for (size_t i = 0; status == SL_OK && !s.quiet && i < sl_scene_warning_count(scene); i++)
+        fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
+    if (status == SL_OK) status = make_folder(s.folder, &error);
+    if (status == SL_OK) status = make_page(&s, scene, &error);
+    sl_scene_destroy(scene);
+    if (status == SL_OK) return 0;
+    fprintf(stderr, "softlux: %s\n", error.message);
+    return (int)status;
+}

@@ -1,0 +1,228 @@
+#include "app/steps/stories.h"
+
+#include "app/html.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KINDS_MAX = 64 };
+
+typedef struct item {
+    uint32_t kind; /* into kinds */
+    uint64_t index;
+    bool placed;
+    float position[3], value[3];
+} item;
+
+typedef struct told_term {
+    uint32_t item;
+    float weight, contribution[3];
+} told_term;
+
+struct sl_stories {
+    struct {
+        const char *layer, *kind;
+        bool varies; /* its value differs from pixel to pixel */
+    } kinds[KINDS_MAX];
+    uint32_t kind_count;
+    item *items;
+    size_t item_count, item_capacity;
+    uint32_t *table; /* of items by hash; item number + 1 */
+    size_t table_size;
+    told_term *terms;
+    size_t term_count, term_capacity;
+    size_t pixels;
+    uint32_t *begin;   /* pixels + 1 */
+    double *rounding;  /* 3 a pixel */
+};
+
+/* Room for one more of `size` bytes; false: no memory. */
+static bool make_room(void **array, size_t *capacity, size_t count, size_t size) {
+    if (count < *capacity) return true;
+    size_t more = *capacity ? 2 * *capacity : 1024;
+    void *grown = realloc(*array, more * size);
+    if (!grown) return false;
+    *array = grown, *capacity = more;
+    return true;
+}
+
+static uint32_t kind_of(sl_stories *s, const sl_story_term *t) {
+    for (uint32_t k = 0; k < s->kind_count; k++)
+        if (strcmp(s->kinds[k].layer, t->layer) == 0 && strcmp(s->kinds[k].kind, t->kind) == 0) return k;
+    if (s->kind_count == KINDS_MAX) return KINDS_MAX - 1;
+    s->kinds[s->kind_count].layer = t->layer;
+    s->kinds[s->kind_count].kind = t->kind;
+    return s->kind_count++;
+}
+
+static size_t slot_of(const sl_stories *s, uint32_t kind, uint64_t index) {
+    uint64_t h = (index * 64 + kind) * 0x9e3779b97f4a7c15u;
+    for (size_t at = (size_t)(h >> 20) & (s->table_size - 1);; at = (at + 1) & (s->table_size - 1)) {
+        uint32_t number = s->table[at];
+        if (!number || (s->items[number - 1].kind == kind && s->items[number - 1].index == index)) return at;
+    }
+}
+
+/* The table stays at most half full. */
+static bool grow_table(sl_stories *s) {
+    if (2 * (s->item_count + 1) <= s->table_size) return true;
+    size_t size = s->table_size ? 2 * s->table_size : 4096;
+    uint32_t *table = calloc(size, sizeof *table);
+    if (!table) return false;
+    free(s->table);
+    s->table = table, s->table_size = size;
+    for (size_t i = 0; i < s->item_count; i++) s->table[slot_of(s, s->items[i].kind, s->items[i].index)] = (uint32_t)i + 1;
+    return true;
+}
+
+static bool find_item(sl_stories *s, const sl_story_term *t, uint32_t *number) {
+    if (!grow_table(s) || !make_room((void **)&s->items, &s->item_capacity, s->item_count, sizeof *s->items)) return false;
+    uint32_t kind = kind_of(s, t);
+    size_t slot = slot_of(s, kind, t->index);
+    if (!s->table[slot]) {
+        item *made = &s->items[s->item_count];
+        *made = (item){.kind = kind, .index = t->index, .placed = t->placed};
+        memcpy(made->position, t->position, sizeof made->position);
+        memcpy(made->value, t->value, sizeof made->value);
+        s->table[slot] = (uint32_t)++s->item_count;
+    } else if (memcmp(s->items[s->table[slot] - 1].value, t->value, sizeof t->value) != 0) {
+        s->kinds[kind].varies = true;
+    }
+    *number = s->table[slot] - 1;
+    return true;
+}
+
+static double size_of(const sl_story_term *t) {
+    return fabs(t->contribution[0]) + fabs(t->contribution[1]) + fabs(t->contribution[2]);
+}
+
+/* The method's order among those that are shown. */
+static bool is_shown(const sl_story *story, size_t i) {
+    size_t greater = 0;
+    for (size_t k = 0; k < story->count; k++)
+        greater += size_of(&story->terms[k]) > size_of(&story->terms[i]) || (size_of(&story->terms[k]) == size_of(&story->terms[i]) && k < i);
+    return greater < SL_STORY_TERMS_SHOWN;
+}
+
+static bool add_term(sl_stories *s, const sl_story_term *t, double left[3]) {
+    told_term told = {.weight = (float)t->weight};
+    if (!find_item(s, t, &told.item) || !make_room((void **)&s->terms, &s->term_capacity, s->term_count, sizeof *s->terms)) return false;
+    for (int c = 0; c < 3; c++) {
+        told.contribution[c] = (float)t->contribution[c];
+        left[c] -= (double)told.contribution[c];
+    }
+    s->terms[s->term_count++] = told;
+    return true;
+}
+
+/* What is shown adds up to the pixel, too: what the page leaves out, or rounds to float, goes to the rest. */
+static bool add_story(sl_stories *s, const sl_story *story, size_t pixel) {
+    sl_story_term smaller = {.layer = "several", .kind = "smaller ones, together"};
+    double left[3] = {(double)story->pixel[0], (double)story->pixel[1], (double)story->pixel[2]};
+    bool fits = story->count <= SL_STORY_TERMS_SHOWN;
+    s->begin[pixel] = (uint32_t)s->term_count;
+    for (size_t i = 0; i < story->count; i++) {
+        const sl_story_term *t = &story->terms[i];
+        if (fits || is_shown(story, i)) {
+            if (!add_term(s, t, left)) return false;
+            continue;
+        }
+        smaller.weight += t->weight;
+        for (int c = 0; c < 3; c++) smaller.contribution[c] += t->contribution[c];
+    }
+    if (!fits && !add_term(s, &smaller, left)) return false;
+    memcpy(&s->rounding[3 * pixel], left, sizeof left);
+    return true;
+}
+
+static sl_status no_memory(sl_error *error) {
+    if (error) {
+        error->status = SL_ERROR_RESOURCES;
+        snprintf(error->message, sizeof error->message, "not enough memory for the stories of the pixels");
+    }
+    return SL_ERROR_RESOURCES;
+}
+
+sl_status sl_stories_collect(sl_method *method, const sl_image *picture, sl_stories **stories, sl_error *error) {
+    sl_stories *s = calloc(1, sizeof *s);
+    *stories = s;
+    if (!s) return no_memory(error);
+    s->pixels = (size_t)picture->width * (size_t)picture->height;
+    s->begin = calloc(s->pixels + 1, sizeof *s->begin);
+    s->rounding = calloc(3 * s->pixels, sizeof *s->rounding);
+    sl_status status = s->begin && s->rounding ? SL_OK : no_memory(error);
+    for (size_t p = 0; p < s->pixels && status == SL_OK; p++) {
+        sl_story *story;
+        status = sl_method_story(method, picture, (int)(p % (size_t)picture->width), (int)(p / (size_t)picture->width), &story, error);
+        if (status == SL_OK && !add_story(s, story, p)) status = no_memory(error);
+        if (status == SL_OK) sl_story_destroy(story);
+    }
+    if (status == SL_OK) {
+        s->begin[s->pixels] = (uint32_t)s->term_count;
+        return SL_OK;
+    }
+    sl_stories_destroy(s);
+    *stories = NULL;
+    return status;
+}
+
+void sl_stories_destroy(sl_stories *s) {
+    if (!s) return;
+    free(s->items);
+    free(s->table);
+    free(s->terms);
+    free(s->begin);
+    free(s->rounding);
+    free(s);
+}
+
+/* ---- as JSON ---- */
+
+static void put_item(const sl_stories *s, const item *i, const sl_mark_view *view, FILE *out) {
+    double column, row;
+    fprintf(out, "[%u,%llu", i->kind, (unsigned long long)i->index);
+    if (i->placed && sl_mark_project(view, i->position, &column, &row)) fprintf(out, ",%.1f,%.1f", column, row);
+    else fputs(",null,null", out);
+    if (!s->kinds[i->kind].varies)
+        for (int c = 0; c < 3; c++) fprintf(out, ",%.4g", isfinite(i->value[c]) ? (double)i->value[c] : 0.0);
+    fputc(']', out);
+}
+
+static void put_array(FILE *out, const char *name, const void *data, size_t bytes) {
+    char *text = sl_base_64(data, bytes);
+    fprintf(out, ",\n\"%s\":\"%s\"", name, text ? text : "");
+    free(text);
+}
+
+static void put_terms(const sl_stories *s, FILE *out) {
+    uint32_t *number = malloc((s->term_count + 1) * sizeof *number);
+    float *values = malloc((4 * s->term_count + 1) * sizeof *values);
+    if (number && values) {
+        for (size_t i = 0; i < s->term_count; i++) {
+            number[i] = s->terms[i].item;
+            values[4 * i] = s->terms[i].weight;
+            memcpy(&values[4 * i + 1], s->terms[i].contribution, sizeof s->terms[i].contribution);
+        }
+        put_array(out, "item", number, s->term_count * sizeof *number);
+        put_array(out, "values", values, 4 * s->term_count * sizeof *values);
+    }
+    free(number);
+    free(values);
+}
+
+void sl_stories_put(const sl_stories *s, const sl_mark_view *view, FILE *out) {
+    fputs("{\"kinds\":[", out);
+    for (uint32_t k = 0; k < s->kind_count; k++) fprintf(out, "%s[\"%s\",\"%s\"]", k ? "," : "", s->kinds[k].layer, s->kinds[k].kind);
+    fputs("],\n\"items\":[", out);
+    for (size_t i = 0; i < s->item_count; i++) {
+        if (i) fputc(',', out);
+        put_item(s, &s->items[i], view, out);
+    }
+    fputs("]", out);
+    put_array(out, "begin", s->begin, (s->pixels + 1) * sizeof *s->begin);
+    put_terms(s, out);
+    put_array(out, "rounding", s->rounding, 3 * s->pixels * sizeof *s->rounding);
+    fputs("}", out);
+}

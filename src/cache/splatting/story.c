@@ -1,0 +1,132 @@
+/* The story of a pixel: Algorithm 1 and step 6 told backwards. Each record that reaches the pixel adds w E' / sum w, times albedo / pi; on
+ * glossy pixels also what the lobe reflects of it, times ks. And marks, so that records can be seen where they are. */
+#include "cache/splatting/story.h"
+
+#include "base/isa.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/splatting/record_weight.h"
+#include "cache/splatting/state.h"
+
+static void put_colour(float out[3], sl_rgb in) { out[0] = in.r, out[1] = in.g, out[2] = in.b; }
+
+static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, out[2] = in.z; }
+
+/* (8) at a pixel. */
+static void irradiance_at(const sl_record_pass *pass, const sl_record *record, size_t i, float e[3]) {
+    const sl_splat_receivers *p = &pass->receivers;
+    const sl_record_terms k = sl_record_terms_of(record, &pass->weights);
+    const sl_record_offsets o = sl_record_offsets_at(&k, p->position_x[i], p->position_y[i], p->position_z[i], p->normal_x[i], p->normal_y[i],
+                                                     p->normal_z[i]);
+    float turn = sl_record_turn(&o);
+    for (int c = 0; c < 3; c++) e[c] = sl_record_extrapolate(&k, c, &o, turn);
+}
+
+/* One record that reaches the pixel. */
+typedef struct {
+    const sl_record_cache *cache;
+    size_t index, pixel;
+    float weight, total; /* w and the sum of all */
+    const float *reflectance; /* of the layer: albedo / pi, or ks */
+} told_record;
+
+static sl_story_term begin_term(const told_record *t, const char *layer, const char *kind) {
+    sl_story_term term = {.layer = layer, .kind = kind, .index = t->index, .placed = true, .weight = (double)t->weight};
+    put_place(term.position, t->cache->list.records[t->index].position);
+    return term;
+}
+
+static void share_out(const told_record *t, const float at[3], sl_story_term *term) {
+    for (int c = 0; c < 3; c++) {
+        term->value[c] = at[c];
+        term->contribution[c] = (double)t->weight * (double)at[c] / (double)t->total * (double)t->reflectance[c];
+    }
+}
+
+static void tell_irradiance(const told_record *t, sl_story_writer *writer) {
+    float e[3];
+    sl_story_term term = begin_term(t, "indirect", "irradiance record");
+    irradiance_at(&t->cache->pass, &t->cache->list.records[t->index], t->pixel, e);
+    share_out(t, e, &term);
+    sl_story_add(writer, &term);
+}
+
+static void tell_radiance(const told_record *t, sl_story_writer *writer) {
+    const sl_record *record = &t->cache->list.records[t->index];
+    const sl_record_pass *pass = &t->cache->pass;
+    const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),
+                                     t->cache->list.coefficients + t->index * pass->coefficient_count};
+    float radiance[3];
+    sl_story_term term = begin_term(t, "glossy", "radiance record");
+    sl_glossy_kernel_for(sl_isa_best())(&pass->glossy, &glossy, t->pixel, radiance);
+    share_out(t, radiance, &term);
+    sl_story_add(writer, &term);
+}
+
+/* A lobe of finite order rings below 0, where the picture is black. */
+static void glossy_reflectance(const sl_splat_state *s, size_t pixel, float ks[3]) {
+    const sl_rgb specular = s->scene->materials[s->gbuffer->material[pixel]].specular;
+    put_colour(ks, specular);
+    for (int c = 0; c < 3; c++)
+        if (!(s->splats.glossy[c][pixel] > 0.0f)) ks[c] = 0.0f;
+}
+
+static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel, sl_story_writer *writer) {
+    const sl_gbuffer *g = s->gbuffer;
+    const float per_pi = (float)(1.0 / SL_PI);
+    const float albedo[3] = {g->diffuse_r[pixel] * per_pi, g->diffuse_g[pixel] * per_pi, g->diffuse_b[pixel] * per_pi};
+    bool glossy = cache->list.coefficients && s->splats.glossy[0];
+    float ks[3] = {0.0f, 0.0f, 0.0f};
+    if (glossy) glossy_reflectance(s, pixel, ks);
+    told_record t = {.cache = cache, .pixel = pixel, .total = s->splats.weight[pixel]};
+    for (t.index = 0; t.index < cache->list.count; t.index++) {
+        t.weight = sl_record_weight(&cache->pass, &cache->list.records[t.index], pixel);
+        if (!(t.weight > 0.0f)) continue;
+        t.reflectance = albedo;
+        tell_irradiance(&t, writer);
+        t.reflectance = ks;
+        if (glossy) tell_radiance(&t, writer);
+    }
+}
+
+sl_status sl_splat_story(const void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+    (void)error;
+    const sl_splat_state *s = state;
+    size_t pixel = (size_t)y * (size_t)s->settings.width + (size_t)x;
+    sl_story_add_layer(writer, "emission", "emitted light");
+    sl_story_add_layer(writer, "direct", "direct light");
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_record_cache *cache = &s->cache[c];
+        if (!cache->receivers || !cache->receives[pixel]) continue;
+        if (s->splats.weight[pixel] > 0.0f) {
+            tell_records(s, cache, pixel, writer);
+        } else {
+            sl_story_add_layer(writer, "indirect", "mean of the pixels around, for want of a record");
+            sl_story_add_layer(writer, "glossy", "mean of the pixels around, for want of a record");
+        }
+    }
+    return SL_OK;
+}
+
+/* ---- marks ---- */
+
+void sl_splat_announce_records(sl_splat_state *s) {
+    size_t count = 0, made = 0;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) count += s->cache[c].list.count;
+    sl_mark *marks = sl_announcing(&s->announcer) && count ? sl_allocate(count, sizeof *marks) : NULL;
+    if (!marks) return;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_record_cache *cache = &s->cache[c];
+        for (size_t i = 0; i < cache->list.count; i++) {
+            const sl_record *record = &cache->list.records[i];
+            sl_mark *m = &marks[made++];
+            m->kind = SL_MARK_DISC;
+            m->radius = (float)cache->pass.radii.accuracy * record->radius;
+            put_place(m->at, record->position);
+            put_place(m->to, record->normal);
+            put_colour(m->colour, record->irradiance);
+        }
+    }
+    sl_announce_marks(&s->announcer, "records", "section 3", marks, made);
+    sl_free(marks);
+}

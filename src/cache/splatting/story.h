@@ -1,0 +1,13 @@
+/* What made a pixel, and records as marks: for those who look on. */
+#ifndef SL_CACHE_SPLATTING_STORY_H
+#define SL_CACHE_SPLATTING_STORY_H
+
+#include "cache/method.h"
+#include "cache/splatting/state.h"
+
+/* See sl_method_story(). */
+sl_status sl_splat_story(const void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+/* All records, as discs as wide as they reach; nothing without an observer. */
+void sl_splat_announce_records(sl_splat_state *state);
+
+#endif
