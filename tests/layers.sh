@@ -31,7 +31,8 @@ allow cache/shading_cache "($below|cache/(shading_cache|light_sample|method|anno
 allow cache/reference "($below|cache/(reference|method))"
 # What judges pictures knows no method, only what light paths each declares.
 allow cache/audit "($below|cache/(audit|method))"
-allow app '(app|scene/features)'
+# Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden.
+allow app '(app/|scene/(features|scene)|base/vec|image/(color|output_file)|trace/trace)'
 # Every symbol that the library shows begins with sl_.
 library=../build/libsoftlux.so
 [ -f $library ] || { echo "no $library: make it first"; exit 1; }
