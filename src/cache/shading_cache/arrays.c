@@ -7,7 +7,7 @@
 
 bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_bytes) {
     if (wanted <= *capacity) return true;
-    size_t room = *capacity + *capacity / 64 + 64; /* what is allocated and not used counts, too */
+    size_t room = *capacity + *capacity / 128 + 32; /* what is allocated and not used counts, too */
     if (room < wanted) room = wanted;
     void *larger = sl_allocate_unset(room, entry_bytes);
     if (!larger) return false;

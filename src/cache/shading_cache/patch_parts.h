@@ -4,9 +4,9 @@
 
 #include "cache/shading_cache/patches.h"
 
-/* Larger lists with room for `wanted` entries: a 64th more than before, as what is allocated and not used counts, too. */
+/* Larger lists with room for `wanted` entries: a 128th more than before, as what is allocated and not used counts, too. */
 static inline size_t sl_patches_room(size_t capacity, size_t wanted) {
-    size_t more = capacity + capacity / 64 + 64;
+    size_t more = capacity + capacity / 128 + 32;
     return more > wanted ? more : wanted;
 }
 

@@ -28,7 +28,7 @@ static size_t slot_of(const sl_patches *p, sl_root_place place) {
 
 static sl_status reserve_slots(sl_patches *p, size_t vertices, sl_error *error) {
     if (5 * vertices <= 4 * p->slot_count) return SL_OK;
-    size_t count = vertices + vertices / 4 + vertices / 12 + 64;
+    size_t count = vertices + vertices / 4 + vertices / 24 + 64;
     if (count >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "too many vertices of patches");
     uint32_t *slot = sl_allocate_unset(count, sizeof *slot);
     if (!slot) return sl_fail_memory(error, "vertices of patches");

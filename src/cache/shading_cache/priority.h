@@ -35,7 +35,6 @@ typedef struct sl_leaf_priority {
     uint32_t patch, pixels;
     float priority;            /* p_err + min(p_age, 255); < 0 or NaN: never evaluated, which comes first and does not count for the mean */
     float normal;              /* out: p_norm, in [0,1] */
-    float levels;              /* by which what it shows may be wrong: priority at most 255, and that where it was never evaluated */
 } sl_leaf_priority;
 /* p_norm = clamp((p - lo) / (hi - lo)), hi = min(max, mean + 4 sigma), lo = max(min, mean - 4 sigma), weighted by pixels, recomputed with p clipped
  * to hi (at most 8 times) as long as no more than one pixel in a thousand lies above it, so that one outlier does not hide the rest. Where hi = lo, 0

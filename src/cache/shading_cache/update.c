@@ -31,7 +31,7 @@ static void number_leaves(sl_shading_state *s) {
 
 static sl_status room_for_leaves(sl_shading_state *s, sl_error *error) {
     if (s->leaf_count <= s->leaf_room) return SL_OK;
-    size_t room = s->leaf_count + s->leaf_count / 64;
+    size_t room = s->leaf_count + s->leaf_count / 128;
     sl_free(s->leaf);
     s->leaf = sl_allocate_unset(room, sizeof *s->leaf);
     s->leaf_room = s->leaf ? room : 0;
@@ -67,7 +67,8 @@ static float least_priority(const sl_shading_state *s, const sl_leaf_priority *l
     return levels_when_large * (share < 1.0f ? share : 1.0f);
 }
 
-/* Objects that change, and what is seen from elsewhere and is not diffuse, grow old. */
+/* By how many levels what a leaf shows may be wrong, priority at most 255, and that where it was never evaluated, waits where its normal priority will be. Objects that
+ * change, and what is seen from elsewhere and is not diffuse, grow old. */
 static void prioritise_some(void *context, size_t task, unsigned worker) {
     (void)worker;
     sl_shading_state *s = context;
@@ -78,7 +79,7 @@ static void prioritise_some(void *context, size_t task, unsigned worker) {
         float priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
                                            ages ? sl_changes_since(s->changes, object) : 0);
         float least = least_priority(s, &s->leaf[i]);
-        s->leaf[i].levels = priority >= 0.0f && priority < 255.0f ? priority : 255.0f;
+        s->leaf[i].normal = priority >= 0.0f && priority < 255.0f ? priority : 255.0f;
         s->leaf[i].priority = priority < 0.0f || priority > least ? priority : least;
     }
 }
@@ -87,7 +88,7 @@ static void prioritise_some(void *context, size_t task, unsigned worker) {
 static double mean_error_levels(const sl_shading_state *s) {
     double sum = 0.0, pixels = 0.0;
     for (size_t i = 0; i < s->leaf_count; i++) {
-        sum += (double)s->leaf[i].pixels * (double)s->leaf[i].levels;
+        sum += (double)s->leaf[i].pixels * (double)s->leaf[i].normal;
         pixels += s->leaf[i].pixels;
     }
     return pixels > 0.0 ? sum / pixels : 0.0;
