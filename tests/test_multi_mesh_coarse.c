@@ -160,6 +160,49 @@ static void long_faces_are_sliced_across_alone(void **state) {
     }
 }
 
+/* 16 long, and narrow: slices of up to sqrt(1/2 edge / width) times the edge, four times at most. */
+static void the_narrower_a_face_the_longer_its_slices(void **state) {
+    (void)state;
+    const float width[3] = {0.4f, 0.1f, 0.001f};
+    const size_t slices[3] = {16, 8, 4};
+    for (int k = 0; k < 3; k++) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(16, 0, 0), sl_v3(0, width[k], 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        meshed m = mesh_of(trace_mesh_build(&mesh), 1.01f, 8);
+        assert_int_equal(sl_coarse_vertex_count(m.coarse), 2 * (4 + 3 * (slices[k] - 1)));
+        meshed_destroy(&m);
+    }
+}
+
+/* A cloth of 2 x 60 x 60 small triangles over a table of two large ones. */
+static void small_faces_share_a_sample_in_each_cell_and_side(void **state) {
+    (void)state;
+    enum { N = 60 };
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(10, 0, 0), sl_v3(0, 10, 0), grey);
+    for (int k = 0; k < N * N; k++) {
+        sl_vec3 corner = sl_v3(1.0f + (float)(k % N) / N, 1.0f + (float)(k / N) / N, 1.0f);
+        trace_mesh_quad(&mesh, corner, sl_v3(1.0f / N, 0, 0), sl_v3(0, 1.0f / N, 0), grey);
+    }
+    meshed m = mesh_of(trace_mesh_build(&mesh), 0.5f, 3);
+    const double cell = 0.25;
+    size_t count = sl_coarse_vertex_count(m.coarse), table = 2 * 9 * 9;
+    assert_in_range(count, table + 2 * 4 * 4, table + 2 * 6 * 6);
+    for (size_t v = 0; v < count; v++) {
+        sl_vec3 p = position_of(&m, v);
+        sl_coarse_set(m.coarse, v, (sl_rgb){p.x, 1.0f + p.z, sl_face_normal(m.scene, sl_coarse_vertices(m.coarse)[v].face).z > 0.0f ? 1.0f : 0.0f});
+    }
+    for (uint32_t face = 0; face < m.topology->face_count; face += face < 4 ? 1 : 7) {
+        sl_vec3 p = face_point(m.scene, face, 0.3f, 0.3f).position;
+        sl_rgb v = sl_coarse_value(m.coarse, face, 0.3f, 0.3f);
+        assert_true(near((double)v.r, (double)p.x, face < 4 ? 1e-5 : cell));
+        assert_true(near((double)v.g, 1.0 + (double)p.z, 1e-5));
+        assert_true(near((double)v.b, sl_face_normal(m.scene, face).z > 0.0f ? 1.0 : 0.0, 1e-5));
+    }
+    meshed_destroy(&m);
+}
+
 static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **state) {
     (void)state;
     meshed m = mesh_of(quad_scene(0.5f), 10.0f, 0);
@@ -302,6 +345,8 @@ int main(void) {
         cmocka_unit_test(the_inner_side_of_a_solid_is_not_sampled),
         cmocka_unit_test(a_linear_field_is_kept_between_vertices_across_levels),
         cmocka_unit_test(long_faces_are_sliced_across_alone),
+        cmocka_unit_test(the_narrower_a_face_the_longer_its_slices),
+        cmocka_unit_test(small_faces_share_a_sample_in_each_cell_and_side),
         cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),
         cmocka_unit_test(colours_are_values_times_the_mean_of_the_texture),
         cmocka_unit_test(any_number_of_threads_makes_the_same_mesh),

@@ -303,6 +303,44 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
     }
 }
 
+/* Cut leaves that show two or three pixels. */
+static size_t cut_specks(const rig *r) {
+    const sl_mesh *mesh = r->mesh->mesh;
+    size_t count = 0;
+    for (uint32_t n = 0; n < mesh->node_count; n++)
+        count += sl_mesh_is_used(mesh, n) && !sl_mesh_is_leaf(mesh, n) && (mesh->node[n].pixels == 2 || mesh->node[n].pixels == 3);
+    return count;
+}
+
+/* About a middle grey, by up to 20 levels: thresholds are 3 of them. */
+static sl_rgb faint_noise(const void *context, sl_vec3 p) {
+    sl_rgb value = noise(context, p);
+    return (sl_rgb){0.4f + 0.1f * value.r, 0.4f + 0.1f * value.g, 0.4f + 0.1f * value.b};
+}
+
+static void specks_are_looked_into_only_where_their_corners_differ_by_much(void **state) {
+    (void)state;
+    uint64_t seed = 9;
+    static field_value *const fields[3] = {faint_noise, faint_noise, noise};
+    size_t cut[3];
+    uint64_t samples[3];
+    for (int k = 0; k < 3; k++) {
+        sl_displayed_settings settings = usual_settings();
+        settings.specks = k ? 4 : 0;
+        settings.specks_contrast = 30.0f;
+        rig r = rig_of(square_scene(), (field){fields[k], &seed}, &settings, 64, 64);
+        rig_look(&r, NULL, 1);
+        rig_finish(&r);
+        cut[k] = cut_specks(&r);
+        samples[k] = r.samples;
+        rig_discard(&r);
+    }
+    assert_true(cut[0] > 200);
+    assert_int_equal(cut[1], 0);
+    assert_true(3 * samples[1] < 2 * samples[0]);
+    assert_true(cut[2] > 200);
+}
+
 static void depth_is_bounded(void **state) {
     (void)state;
     uint64_t seed = 9;
@@ -373,6 +411,7 @@ int main(void) {
         cmocka_unit_test(what_no_component_wants_is_left_alone),
         cmocka_unit_test(a_shadow_of_six_pixels_is_found_wherever_it_lies),
         cmocka_unit_test(noise_is_refined_down_to_pixels_and_ends),
+        cmocka_unit_test(specks_are_looked_into_only_where_their_corners_differ_by_much),
         cmocka_unit_test(depth_is_bounded),
         cmocka_unit_test(a_view_seen_again_asks_for_nothing),
         cmocka_unit_test(a_view_seen_again_asks_only_where_a_nearer_one_has_found_a_shadow),

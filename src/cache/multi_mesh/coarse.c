@@ -1,7 +1,14 @@
 /* The coarse mesh: which faces it has, how finely they are cut, and its vertices, each listed once. */
+#include <math.h>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/coarse_tables.h"
+
+/* Cells in which corners of small faces share a sample: half as wide as edges may be long, and of the scene's diagonal no more than that. */
+static const double CELL = 0.5, CELL_MOST = 1.0 / 48.0;
+/* How much longer than others slices may be. */
+static const double STRETCH = 4.0;
 
 /* ---- what is to be sampled --------------------------------------------------------------------------------------------------- */
 
@@ -13,23 +20,31 @@ static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32
     return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
 }
 
-/* Of edge k, opposite to corner k. */
-static void measure(const sl_scene *scene, uint32_t triangle, double length[3]) {
-    for (int k = 0; k < 3; k++) {
-        sl_vec3 a = sl_scene_position(scene, scene->vertex[(k + 1) % 3][triangle]), b = sl_scene_position(scene, scene->vertex[(k + 2) % 3][triangle]);
-        length[k] = sl_lengthd(sl_subd(sl_to_double(b), sl_to_double(a)));
-    }
+/* Lengths of edges, k opposite to corner k; the area. */
+static double measure(const sl_scene *scene, uint32_t triangle, double length[3]) {
+    sl_vec3d p[3];
+    for (int k = 0; k < 3; k++) p[k] = sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle]));
+    for (int k = 0; k < 3; k++) length[k] = sl_lengthd(sl_subd(p[(k + 2) % 3], p[(k + 1) % 3]));
+    return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
+}
+
+/* What a slice across a long face may have in length. The narrower the face, the less of it is to be seen, and the less it takes in a picture of all
+ * the scene if light changes along a slice: slices have the area of other coarse triangles, but are not absurdly long. */
+static double slice_edge(double edge, double longest, double area) {
+    double width = 2.0 * area / longest, longer = width > 0.0 ? sqrt(0.5 * edge / width) : 1.0;
+    return edge * fmin(fmax(longer, 1.0), STRETCH);
 }
 
 /* A face's level by its longest edge, and whether it is enough to slice it: then the far corner becomes the lattice's corner 0. */
 static bool cut(sl_coarse *c, uint32_t face, const sl_coarse_settings *settings) {
     double length[3], edge = (double)settings->edge;
-    measure(c->scene, face / 2, length);
+    double area = measure(c->scene, face / 2, length);
     int shortest = length[1] < length[0] ? 1 : 0, level = 0;
     if (length[2] < length[shortest]) shortest = 2;
     double longest = length[0] > length[1] ? length[0] : length[1];
     if (length[2] > longest) longest = length[2];
     bool sliced = length[shortest] <= edge && 2.0 * length[shortest] < longest;
+    if (sliced) edge = slice_edge(edge, longest, area);
     for (; level < settings->depth && longest > edge; level++) longest *= 0.5;
     c->level[face] = (uint8_t)level;
     sliced = sliced && level > 0;
@@ -77,7 +92,7 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *c, uint32_t face, int i, int 
 
 /* Numbers in the order of first use. An edge's vertices are numbered all at once, by the first of the finest faces along it: coarser ones use every second
  * of them, every fourth, ... */
-static size_t number_vertices(sl_coarse *c) {
+static size_t number_vertices(sl_coarse *c, const uint32_t *stand_in) {
     const sl_topology *t = c->topology;
     size_t count = 0;
     for (size_t s = 0; s < t->site_count; s++) c->site_vertex[s] = SL_NO_INDEX;
@@ -86,7 +101,7 @@ static size_t number_vertices(sl_coarse *c) {
         if (c->level[face] == SL_COARSE_ABSENT) continue;
         size_t n = (size_t)1 << c->level[face];
         for (int k = 0; k < 3; k++) {
-            uint32_t *vertex = &c->site_vertex[t->site[k][face]];
+            uint32_t *vertex = &c->site_vertex[stand_in[t->site[k][face]]];
             if (*vertex == SL_NO_INDEX) *vertex = (uint32_t)count++;
         }
         for (int k = 0; k < 3; k++) {
@@ -100,29 +115,40 @@ static size_t number_vertices(sl_coarse *c) {
         if (!sl_coarse_is_sliced(c, face)) count += (n - 1) * (n - 2) / 2;
         if (count >= SL_NO_INDEX) return SIZE_MAX;
     }
+    for (size_t s = 0; s < t->site_count; s++) c->site_vertex[s] = c->site_vertex[stand_in[s]];
     return count;
 }
 
-/* Each vertex by the first of the finest faces that have it. */
-static void place_vertex(sl_coarse *c, uint32_t face, int i, int j) {
+/* The site at a lattice point; SL_NO_INDEX: there is none. */
+static uint32_t site_at(const sl_coarse *c, uint32_t face, int i, int j) {
+    int n = sl_coarse_rows(c, face), turn = c->turn[face / 2];
+    if (i + j == 0) return c->topology->site[turn][face];
+    if (i == n || j == n) return c->topology->site[(turn + (i == n ? 1 : 2)) % 3][face];
+    return SL_NO_INDEX;
+}
+
+/* Each vertex by the first of the finest faces that have it; a cluster's where the site is that stands for it. */
+static void place_vertex(sl_coarse *c, const uint32_t *stand_in, uint32_t face, int i, int j) {
     sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
+    uint32_t site = site_at(c, face, i, j);
+    if (site != SL_NO_INDEX && stand_in[site] != site) return;
     if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
     int n = sl_coarse_rows(c, face), step = SL_MESH_DYADIC / n, turn = c->turn[face / 2];
     const int weight[3] = {n - i - j, i, j}; /* of the lattice's corners */
     *vertex = (sl_coarse_vertex){face, (uint16_t)(weight[(4 - turn) % 3] * step), (uint16_t)(weight[(5 - turn) % 3] * step), c->level[face]};
 }
 
-static void place_vertices(sl_coarse *c) {
+static void place_vertices(sl_coarse *c, const uint32_t *stand_in) {
     for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].face = SL_NO_INDEX;
     for (uint32_t face = 0; face < c->topology->face_count; face++) {
         if (c->level[face] == SL_COARSE_ABSENT) continue;
         int n = sl_coarse_rows(c, face);
         for (int i = 0; sl_coarse_is_sliced(c, face) && i <= n; i++) {
-            place_vertex(c, face, i, 0);
-            place_vertex(c, face, 0, i);
+            place_vertex(c, stand_in, face, i, 0);
+            place_vertex(c, stand_in, face, 0, i);
         }
         for (int j = 0; !sl_coarse_is_sliced(c, face) && j <= n; j++) {
-            for (int i = 0; i <= n - j; i++) place_vertex(c, face, i, j);
+            for (int i = 0; i <= n - j; i++) place_vertex(c, stand_in, face, i, j);
         }
     }
 }
@@ -174,21 +200,31 @@ static bool allocate_values(sl_coarse *c) {
     return c->vertex && c->value && c->valid && c->reflectance && c->colour;
 }
 
+static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings, uint32_t *stand_in, sl_error *error) {
+    double cell = fmin(CELL * (double)settings->edge, CELL_MOST * (double)c->scene->diagonal);
+    sl_status status = sl_coarse_cluster(c, cell, stand_in, error);
+    if (status != SL_OK) return status;
+    c->vertex_count = number_vertices(c, stand_in);
+    c->triangle_count = number_triangles(c);
+    if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
+        return sl_fail(error, SL_ERROR_RESOURCES, "the coarse mesh has too many triangles: raise its edge or lower its depth");
+    }
+    if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
+    place_vertices(c, stand_in);
+    return SL_OK;
+}
+
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
     if (settings->depth < 0 || settings->depth > SL_MESH_DEPTH_MAX || !(settings->edge >= 0.0f)) {
         return sl_fail(error, SL_ERROR_USAGE, "coarse mesh: depth must be 0 to %d and edge not negative", SL_MESH_DEPTH_MAX);
     }
     if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
     choose_levels(c, settings);
-    c->vertex_count = number_vertices(c);
-    c->triangle_count = number_triangles(c);
-    if (c->vertex_count == SIZE_MAX || c->triangle_count == SIZE_MAX) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "the coarse mesh has too many triangles: raise its edge or lower its depth");
-    }
-    if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
-    place_vertices(c);
-    colour_nothing(c);
-    return SL_OK;
+    uint32_t *stand_in = sl_allocate(c->topology->site_count, sizeof *stand_in);
+    sl_status status = stand_in ? make_vertices(c, settings, stand_in, error) : sl_fail_memory(error, "the coarse mesh");
+    sl_free(stand_in);
+    if (status == SL_OK) colour_nothing(c);
+    return status;
 }
 
 sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, const sl_coarse_settings *settings, sl_coarse **coarse,

@@ -12,7 +12,8 @@
  * the two edges from its far corner, 0: that is, of the lattice's points only (i, 0) and (0, i) are used. Slice i holds triangles 2i, with corners (i, 0),
  * (i+1, 0), (0, i+1), and (but for the first) 2i + 1, with corners (i, 0), (0, i+1), (0, i).
  *
- * Vertices are shared: one for each site in use, 2^l - 1 on each edge (l the highest level of the faces along it), and those inside a face. */
+ * Vertices are shared: one for each site in use, or for a cluster of them (coarse_clusters.c), 2^l - 1 on each edge (l the highest level of the faces
+ * along it), and those inside a face. */
 #ifndef SL_MULTI_MESH_COARSE_TABLES_H
 #define SL_MULTI_MESH_COARSE_TABLES_H
 
@@ -37,7 +38,7 @@ struct sl_coarse {
     uint8_t *level;            /* by face, or SL_COARSE_ABSENT */
     uint8_t *turn;             /* by scene triangle: its lattice's corner k is its own corner (k + turn) % 3 */
     uint8_t *edge_level;       /* by edge */
-    uint32_t *site_vertex;     /* by site, or SL_NO_INDEX */
+    uint32_t *site_vertex;     /* by site, or SL_NO_INDEX; clusters of sites have one */
     uint32_t *edge_vertex;     /* by edge: the first of those on it, counted from its lower site */
     uint32_t *inner_vertex;    /* by face: the first of those inside it */
     size_t vertex_count;
@@ -54,6 +55,10 @@ struct sl_coarse {
 };
 
 enum { SL_COARSE_BLOCK = 512 };
+
+/* The site that stands for each: itself, or, where all faces about it are small (not cut), one of those in the same cell of a grid
+ * and with much the same normal (coarse_clusters.c). */
+sl_status sl_coarse_cluster(const sl_coarse *coarse, double cell, uint32_t *stand_in, sl_error *error);
 
 /* The vertex at lattice point (i, j) of a face that is in the mesh. */
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i, int j);

@@ -35,6 +35,8 @@ typedef struct sl_displayed_settings {
     sl_component component;
     float leaf_area, leaf_edge;   /* pixels^2, pixels: the size criterion */
     uint32_t few_pixels;          /* leaves that show no more pixels than that meet the size criterion however large they are */
+    uint32_t specks;              /* leaves that show fewer pixels than that are not looked into unless these, times the contrast between the */
+    float specks_contrast;        /* ... leaf's corners in thresholds, come to so much */
     int max_depth;
     sl_mesh_selection selection;
     uint64_t seed;                /* of the chain */

@@ -40,9 +40,12 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
     for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
     return cut;
 }
+/* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels, and what an eye can tell of a
+ * few pixels is less the fewer they are (Ricco's law: threshold times area is constant). Without known corners there is nothing to be told. */
+bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf);
 /* May the leaf be cut at all? Patches of a pixel or less are not. */
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth;
+    return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth && !sl_displayed_is_speck(d, leaf);
 }
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Sets or clears SL_NODE_SMALL. */

@@ -2,6 +2,7 @@
  * texture, summed on the hardware.
  *
  *   coarse.c             the coarse mesh: what of it is to be sampled
+ *   coarse_clusters.c    ... which corners share a sample
  *   coarse_colours.c     ... its values times the bounce's reflectance
  *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
  *   gather.c             where the point looks from, the render, the sums, what lies beyond the field of view

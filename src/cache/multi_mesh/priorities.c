@@ -72,6 +72,11 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
     return most;
 }
 
+bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
+    uint32_t pixels = d->mesh->node[leaf->node].pixels;
+    return pixels < d->settings.specks && (float)pixels * sl_displayed_corner_contrast(d, leaf) < d->settings.specks_contrast;
+}
+
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
