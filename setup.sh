@@ -4,14 +4,16 @@
 set -eu
 
 wanted='gcc make pkg-config libembree-dev libopenexr-dev libassimp-dev libcjson-dev libstb-dev libpng-dev libcmocka-dev'
-# The tests compare compilers, sanitize with clang, compare the rasterizer with Mesa's, and build the public header's pages.
-tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen'
+# The tests compare compilers, sanitize with clang, compare the rasterizer with Mesa's, build the public header's pages, and open pages of steps
+# in a browser.
+tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver'
 [ "${1:-}" = --build-only ] || wanted="$wanted $tests"
 
 # What a package is recognised by where dpkg does not know it.
 proof() {
     case $1 in
-    gcc | make | clang | doxygen) command -v "$1" ;;
+    gcc | make | clang | doxygen | chromium) command -v "$1" ;;
+    chromium-driver) command -v chromedriver ;;
     pkg-config) command -v pkg-config ;;
     libembree-dev) ls /usr/include/embree4/rtcore.h /usr/include/embree3/rtcore.h 2>/dev/null | grep . ;;
     libopenexr-dev) ls /usr/include/OpenEXR/openexr.h ;;

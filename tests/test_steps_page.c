@@ -1,0 +1,197 @@
+/* The pages of `softlux steps`, in a browser: everything is there, the slider and the pixels' stories work by mouse and by keys, and a story
+ * adds up to the very value that a render has. */
+#include "webdriver.h"
+
+#include <cjson/cJSON.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "softlux.h"
+
+enum { WIDTH = 48, HEIGHT = 40 };
+static const char scene_path[] = "scenes/cornell-glossy.json";
+static const char *const methods[] = {"splatting"};
+enum { METHODS = sizeof methods / sizeof methods[0] };
+
+typedef struct {
+    char folder[64];
+    browser *browser;
+} fixture;
+
+static char program[4096];
+
+static int open_pages(void **state) {
+    static fixture f;
+    *state = &f;
+    snprintf(f.folder, sizeof f.folder, "/tmp/softlux-steps-XXXXXX");
+    if (access(program, X_OK) != 0 || !mkdtemp(f.folder)) return 0;
+    for (size_t i = 0; i < METHODS; i++) {
+        char command[9000];
+        snprintf(command, sizeof command, "%s steps %s -m %s -s %dx%d -q draft --reference-spp 4 --quiet -o %s/%s", program, scene_path, methods[i], WIDTH, HEIGHT, f.folder,
+                 methods[i]);
+        if (system(command) != 0) return 1;
+    }
+    f.browser = browser_open(1100, 900);
+    return 0;
+}
+
+static int close_pages(void **state) {
+    fixture *f = *state;
+    char command[128];
+    browser_close(f->browser);
+    snprintf(command, sizeof command, "rm -rf %s", f->folder);
+    return system(command);
+}
+
+static void need_browser(const fixture *f) {
+    if (f->browser) return;
+    print_message("skip: no softlux beside these tests, or no chromedriver\n");
+    skip();
+}
+
+static void open_page(const fixture *f, const char *method) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s/index.html", f->folder, method);
+    browser_go_to_file(f->browser, path);
+}
+
+/* ---- */
+
+static void every_picture_loads_has_a_text_and_nothing_is_fetched(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    for (size_t i = 0; i < METHODS; i++) {
+        open_page(f, methods[i]);
+        assert_true(browser_number(f->browser, "return document.images.length") > 5);
+        assert_true(browser_number(f->browser, "return [...document.images].every(i => i.complete && i.naturalWidth > 0)") == 1.0);
+        assert_true(browser_number(f->browser, "return [...document.images].every(i => i.alt.length > 3)") == 1.0);
+        assert_true(browser_number(f->browser, "return performance.getEntriesByType('resource').filter(r => !r.name.startsWith('data:')).length") == 0.0);
+        assert_int_equal(browser_errors(f->browser), 0);
+    }
+}
+
+static void every_pass_is_explained(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    for (size_t i = 0; i < METHODS; i++) {
+        open_page(f, methods[i]);
+        assert_true(browser_number(f->browser, "return document.querySelectorAll('section.step').length") > 4);
+        assert_true(browser_number(f->browser, "return [...document.querySelectorAll('section.step')].every(s => s.querySelector('.code'))") == 1.0);
+        assert_true(browser_number(f->browser, "return document.querySelectorAll('math').length") > 2);
+    }
+}
+
+static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    open_page(f, "splatting");
+    char *last = browser_text(f->browser, "document.querySelector('input').focus(); return document.querySelector('.picture img').src");
+    browser_press(f->browser, KEY_HOME);
+    char *first = browser_text(f->browser, "return document.querySelector('.picture img').src");
+    assert_string_not_equal(first, last);
+    assert_true(browser_number(f->browser, "return Number(document.querySelector('input').value)") == 0.0);
+    browser_press(f->browser, KEY_RIGHT);
+    assert_true(browser_number(f->browser, "return Number(document.querySelector('input').value)") == 1.0);
+    char *told = browser_text(f->browser, "return document.querySelector('output').textContent");
+    assert_non_null(strstr(told, "batch 2 of"));
+    assert_non_null(strstr(told, "off by"));
+    cJSON *place = browser_run(f->browser, "const s = document.querySelector('input'); s.scrollIntoView({block: 'center'}); const r = s.getBoundingClientRect(); "
+                                           "return [Math.round(r.right - 4), Math.round(r.top + r.height / 2)]");
+    browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
+    char *again = browser_text(f->browser, "return document.querySelector('.picture img').src");
+    assert_string_equal(again, last);
+    cJSON_Delete(place);
+    free(last), free(first), free(told), free(again);
+}
+
+/* What the library renders with the same settings. */
+static sl_image *render(const char *method) {
+    sl_scene *scene;
+    sl_method *m;
+    sl_image *image;
+    sl_progress progress = {0};
+    sl_settings settings = sl_settings_default();
+    settings.method = method;
+    settings.width = WIDTH;
+    settings.height = HEIGHT;
+    settings.quality = SL_QUALITY_DRAFT;
+    assert_int_equal(sl_scene_load(scene_path, &scene, NULL), SL_OK);
+    assert_int_equal(sl_method_create(scene, &settings, &m, NULL), SL_OK);
+    while (!progress.done) assert_int_equal(sl_method_update(m, &progress, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(m, &image, NULL), SL_OK);
+    sl_method_destroy(m);
+    sl_scene_destroy(scene);
+    return image;
+}
+
+static void assert_story_is(browser *b, const sl_image *image, int x, int y) {
+    char title[64];
+    snprintf(title, sizeof title, "The story of pixel %d, %d", x, y);
+    char *told = browser_text(b, "return document.querySelector('.story h3').textContent");
+    assert_string_equal(told, title);
+    free(told);
+    cJSON *pixel = browser_run(b, "return JSON.parse(document.querySelector('article').dataset.story)");
+    for (int c = 0; c < 3; c++) {
+        float value = image->planes[(c * HEIGHT + y) * WIDTH + x];
+        assert_true((float)cJSON_GetArrayItem(pixel, c)->valuedouble == value);
+    }
+    cJSON_Delete(pixel);
+}
+
+static void a_pixels_story_by_mouse_and_keys_adds_up_to_what_a_render_has(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    for (size_t i = 0; i < METHODS; i++) {
+        sl_image *image = render(methods[i]);
+        open_page(f, methods[i]);
+        for (int k = 0; k < 12; k++) {
+            char script[512];
+            int x = (7 + 13 * k) % (WIDTH - 1), y = (5 + 11 * k) % (HEIGHT - 1);
+            snprintf(script, sizeof script,
+                     "const p = document.querySelector('.picture img'); p.scrollIntoView({block: 'center'}); const r = p.getBoundingClientRect(); "
+                     "return [Math.round(r.left + (%d + .5) * r.width / %d), Math.round(r.top + (%d + .5) * r.height / %d)]",
+                     x, WIDTH, y, HEIGHT);
+            cJSON *place = browser_run(f->browser, script);
+            browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
+            cJSON_Delete(place);
+            assert_story_is(f->browser, image, x, y);
+            browser_press(f->browser, KEY_RIGHT);
+            browser_press(f->browser, KEY_DOWN);
+            assert_story_is(f->browser, image, x + 1, y + 1);
+        }
+        assert_int_equal(browser_errors(f->browser), 0);
+        sl_image_destroy(image);
+    }
+}
+
+static void a_phone_needs_no_sideways_scrolling(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    browser_resize(f->browser, 500, 800); /* as narrow as the browser's window goes */
+    for (size_t i = 0; i < METHODS; i++) {
+        open_page(f, methods[i]);
+        assert_true(browser_number(f->browser, "document.body.style.width = '360px'; return document.body.scrollWidth") <= 361.0);
+    }
+}
+
+int main(int argc, char **argv) {
+    (void)argc;
+    const char *slash = strrchr(argv[0], '/');
+    snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1, slash ? argv[0] : ".");
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_picture_loads_has_a_text_and_nothing_is_fetched),
+        cmocka_unit_test(every_pass_is_explained),
+        cmocka_unit_test(the_slider_plays_the_refinement_by_keys_and_by_mouse),
+        cmocka_unit_test(a_pixels_story_by_mouse_and_keys_adds_up_to_what_a_render_has),
+        cmocka_unit_test(a_phone_needs_no_sideways_scrolling),
+    };
+    return cmocka_run_group_tests(tests, open_pages, close_pages);
+}
