@@ -210,7 +210,8 @@ $(BUILD)/generate: $(BUILD)/o/scenes/generate.o $(GENERATE_SOURCES:%.c=$(BUILD)/
 setup:
 	@./setup.sh
 
-demo: setup
+demo:
+	@./setup.sh --build-only
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	@./demo.sh $(BUILD)
 
