@@ -46,8 +46,9 @@ typedef struct sl_method_class {
     /* The paths that the method models with these settings (for the tracers: `full`). */
     void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
-    /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last resolved; NULL: no story. */
-    sl_status (*story)(const void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+    /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last resolved, which may keep what it
+     * wants for other stories; NULL: no story. */
+    sl_status (*story)(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
     bool any_transport; /* takes --transport: a reference tracer */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
     /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL: nobody knows. */
@@ -78,7 +79,7 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
 
 /* The story of a pixel of a picture that the state resolved last, rows from the top; see sl_method_story(). */
-sl_status sl_story_tell(const sl_method_class *method, const void *state, const sl_image *picture, int x, int y, sl_story **story,
+sl_status sl_story_tell(const sl_method_class *method, void *state, const sl_image *picture, int x, int y, sl_story **story,
                         sl_error *error);
 
 /* Tells the observer, if any, of a pass and the marks that it leaves (NULL: none). planes: `channels` planes of width*height,

@@ -59,7 +59,7 @@ static void settle(sl_story *story) {
     }
 }
 
-sl_status sl_story_tell(const sl_method_class *class, const void *state, const sl_image *picture, int x, int y, sl_story **story,
+sl_status sl_story_tell(const sl_method_class *class, void *state, const sl_image *picture, int x, int y, sl_story **story,
                         sl_error *error) {
     *story = NULL;
     if (!class->story) return sl_fail(error, SL_ERROR_USAGE, "%s tells no stories of pixels", class->name);

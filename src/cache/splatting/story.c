@@ -89,7 +89,7 @@ static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, 
     }
 }
 
-sl_status sl_splat_story(const void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+sl_status sl_splat_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
     (void)error;
     const sl_splat_state *s = state;
     size_t pixel = (size_t)y * (size_t)s->settings.width + (size_t)x;

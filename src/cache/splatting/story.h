@@ -6,7 +6,7 @@
 #include "cache/splatting/state.h"
 
 /* See sl_method_story(). */
-sl_status sl_splat_story(const void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+sl_status sl_splat_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
 /* All records, as discs as wide as they reach; nothing without an observer. */
 void sl_splat_announce_records(sl_splat_state *state);
 
