@@ -9,6 +9,7 @@
 #include "cache/direct_radiance/map_report.h"
 #include "cache/direct_radiance/mirrors.h"
 #include "cache/direct_radiance/plan.h"
+#include "cache/direct_radiance/story.h"
 #include "cache/direct_radiance/strips.h"
 
 #include <math.h>
@@ -36,6 +37,7 @@ typedef struct radiance_state {
     float *planes;                 /* of light, as large as the picture; NULL where it is drawn in strips */
     sl_radiance_layers layers;
     sl_image *image;               /* drawn in strips; NULL: handed over already, or not drawn yet */
+    sl_radiance_story *story;      /* what stories of this picture share; NULL: nobody has asked */
 
     sl_rgb trick_albedo;           /* of curved mirrors that receive indirect light as if they were diffuse */
 
@@ -137,6 +139,7 @@ static sl_status take_map(radiance_state *s, sl_error *error) {
         status = sl_radiance_map_render(s->scene, s->raster, lights, &s->settings.radiance_map, &options, &s->map, &s->counters, error);
     if (status == SL_OK) announce_map(s);
     if (status == SL_OK) status = sl_map_photons_take(s->scene, s->map, &s->settings.radiance_map, &s->photons, &s->counters, error);
+    if (status == SL_OK) sl_announce_photons(&s->announcer, s->photons);
     return status;
 }
 
@@ -199,6 +202,8 @@ static sl_light_pass tricked(const radiance_state *s, sl_light_pass light) {
 
 /* The G-buffer stays for the next frame. */
 static void forget_picture(radiance_state *s) {
+    sl_radiance_story_destroy(s->story);
+    s->story = NULL;
     sl_curved_mirrors_destroy(s->curved);
     sl_image_destroy(s->image);
     s->curved = NULL;
@@ -363,10 +368,24 @@ static size_t radiance_memory_bytes(const void *state) {
     if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
     if (s->map) bytes += sl_radiance_map_bytes(s->map);
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
-    bytes += sl_report_points_bytes(s->points);
+    bytes += sl_report_points_bytes(s->points) + sl_radiance_story_bytes(s->story);
     if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
     if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
     return bytes;
+}
+
+static sl_status radiance_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+    radiance_state *s = state;
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    sl_status status = SL_OK;
+    if (!s->drawn || s->settings.radiance_map.without_layers) return sl_fail(error, SL_ERROR_USAGE, "stories want a picture with its layers");
+    if (!s->story) {
+        const sl_light_pass light = tricked(s, lighting(s));
+        status = sl_radiance_story_create(&light, s->raster, &view, s->plan.planar ? s->planar : NULL,
+                                          s->settings.radiance_map.reflections, &s->story, error);
+    }
+    if (status == SL_OK) sl_radiance_story_tell(s->story, x, y, writer);
+    return status;
 }
 
 const sl_method_class sl_direct_radiance_method = {
@@ -379,6 +398,7 @@ const sl_method_class sl_direct_radiance_method = {
     .edit = radiance_edit,
     .counters = radiance_counters,
     .memory_bytes = radiance_memory_bytes,
+    .story = radiance_story,
     .transport = sl_radiance_transport,
     .plan = sl_radiance_plan_write,
     .any_transport = false,

@@ -25,6 +25,7 @@
  *   map_report.c, map_captured.c   how much light the map holds, and how much of the photons' arrives
  *   compose.c           pass 8: the picture and its layers
  *   strips.c            passes 5 to 8 at once, strip by strip
+ *   story.c             what made a pixel
  */
 #ifndef SL_CACHE_DIRECT_RADIANCE_H
 #define SL_CACHE_DIRECT_RADIANCE_H

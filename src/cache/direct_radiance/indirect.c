@@ -217,7 +217,40 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
     if (p->pass->supply == SL_PHOTONS_IN_TEXTURES) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, TEXTURES * tile->count * p->count);
 }
 
+/* ---- photon by photon ---- */
+
+static sl_rgb reflected(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, size_t lane) {
+    float radiance[3];
+    for (int c = 0; c < 3; c++) {
+        radiance[c] = light->irradiance[c][lane] * tile->diffuse[c][lane];
+        if (glossy) radiance[c] += light->lobe[c][lane] * tile->specular[c][lane];
+    }
+    return (sl_rgb){radiance[0], radiance[1], radiance[2]};
+}
+
+void sl_indirect_light_apart(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, size_t lane, sl_photon_told *told,
+                             void *context, sl_counters *counters) {
+    sl_tile_sight around;
+    sl_tile_light one;
+    if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
+    for (size_t j = 0; j < p->count; j++) {
+        float weight[SL_TILE_PIXELS];
+        memset(&one, 0, sizeof one);
+        add_photon(p, tile, glossy, j, &around, &one, counters);
+        const sl_rgb radiance = reflected(tile, &one, glossy, lane);
+        if (radiance.r == 0.0f && radiance.g == 0.0f && radiance.b == 0.0f) continue;
+        weigh(p, tile, j, &p->photon[j], weight);
+        told(context, j, weight[lane], (float[3]){radiance.r, radiance.g, radiance.b});
+    }
+}
+
 /* ---- a picture ---- */
+
+sl_status sl_photon_sums_see(sl_photon_sums *sums, const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_counters *counters,
+                             sl_error *error) {
+    if (sums->pass->visibility == SL_VISIBILITY_NONE || !sums->pass->tracer) return SL_OK;
+    return sl_sight_create(sums->pass, receivers, kinds, weigh_unseen, sums, &sums->sight, counters, error);
+}
 
 typedef struct {
     const sl_photon_sums *sums;
@@ -239,8 +272,7 @@ sl_status sl_light_indirectly(const sl_light_pass *pass, const sl_receivers *rec
     if (status != SL_OK) return status;
     picture_pass p = {sums, {.width = receivers->width, .indirect = {indirect[0], indirect[1], indirect[2]}, .spread = spread}};
     status = sl_receiver_kinds_find(pass->scene, pass->trick_albedo, &kinds, error);
-    if (status == SL_OK && pass->visibility != SL_VISIBILITY_NONE && pass->tracer)
-        status = sl_sight_create(pass, receivers, &kinds, weigh_unseen, sums, &sums->sight, counters, error);
+    if (status == SL_OK) status = sl_photon_sums_see(sums, receivers, &kinds, counters, error);
     if (status == SL_OK) status = sl_receiver_tiles_run(receivers, &kinds, pass->threads, light_tile, &p, counters, error);
     sl_receiver_kinds_release(&kinds);
     sl_photon_sums_destroy(sums);

@@ -24,5 +24,13 @@ void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *
 /* sl_photon_sums_create() makes it. */
 void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy, const sl_tile_target *to,
                             sl_counters *counters);
+/* Where the pass wants visibility: from receivers of a whole picture. */
+sl_status sl_photon_sums_see(sl_photon_sums *sums, const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_counters *counters,
+                             sl_error *error);
+/* What each photon alone sends from one of the tile's receivers towards the eye, in index order; weight: of its diffuse part, and 0 for what the
+ * receiver does not see. */
+typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);
+void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy, size_t lane, sl_photon_told *told,
+                             void *context, sl_counters *counters);
 
 #endif
