@@ -56,7 +56,7 @@ static void put_figure(FILE *out, const sl_steps_run *run, const sl_step *s, siz
     const char *picture = last_picture(s, run->snapshot_count);
     bool marks = has_marks(s, run->snapshot_count);
     if (!picture && !marks) return;
-    fprintf(out, "<figure class=\"pass\" data-step=\"%zu\"><div class=\"frame\">", number);
+    fprintf(out, "<figure class=\"pass%s\" data-step=\"%zu\"><div class=\"frame\">", s->height > 2 * s->width ? " tall" : "", number);
     const char *under = picture ? picture : run->snapshots[run->snapshot_count - 1].picture;
     fputs("<img alt=\"", out);
     sl_put_escaped(out, title_of(s));

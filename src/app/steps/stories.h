@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-enum { SL_STORY_TERMS_SHOWN = 12 }; /* of a pixel; the smaller ones are told as one */
+enum { SL_STORY_TERMS_SHOWN = 9 }; /* of a pixel; the smaller ones are told as one */
 
 typedef struct sl_stories sl_stories;
 
