@@ -177,6 +177,9 @@ typedef struct sl_tone {
 
 /** R, G, B as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. */
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
+/** The same bytes for a screen: R, G, B, 3 * width * height of them, rows from the top. An automatic exposure is left in *tone, as a fixed one, so
+ * that the frames that follow look alike. */
+SL_API sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl_error *error);
 
 /* ---- comparison ---------------------------------------------------------------------------------------------------- */
 

@@ -23,7 +23,7 @@ expect() { # expect STATUS PATTERN-OF-OUTPUT ARGUMENTS...: and on failure exactl
 expect 0 'usage: softlux' --help
 expect 0 'softlux [0-9]' --version
 expect 2 'did you mean render' rendr
-for command in render compare info bench; do expect 0 'usage: softlux' $command --help; done
+for command in render compare info bench live; do expect 0 'usage: softlux' $command --help; done
 expect 2 'did you mean --quality' render scenes/cornell.json --qality high
 expect 2 'expected one of draft' render scenes/cornell.json -q best
 expect 2 'WIDTHxHEIGHT' render scenes/cornell.json --size 64
@@ -92,6 +92,32 @@ expect 0 'warning: weight 15' render "$folder/low.json" -m direct-radiance --wei
 [ "$(grep -c 'weight 15' "$folder/err")" -eq 1 ] || { echo 'a warning is not told once'; bad=1; }
 expect 0 '' render "$folder/low.json" -m direct-radiance --weight 15 --quiet -s 16x16 -o "$folder/low.pfm"
 [ ! -s "$folder/err" ] || { echo '--quiet warns'; bad=1; }
+
+# A live show: pictures, a stream, a report; and what cannot be shown.
+expect 0 'frames +5 in' live scenes/moving-ball.json -s 32x24 --frames 5 -t 1 -o "$folder/live-%02d.png"
+[ "$(ls "$folder"/live-0[0-4].png | wc -l)" -eq 5 ] || { echo 'live did not write its five pictures'; bad=1; }
+expect 0 '"frames_a_second"' live scenes/moving-ball.json -s 32x24 --frames 6 --fps 50 -t 1 --json -o "$folder/live.y4m"
+for key in size seconds frames missed drawing_ms updates versions error_levels stages_ms counters; do
+    grep -q "\"$key\"" "$folder/out" || { echo "live --json lacks $key"; bad=1; }
+done
+head -1 "$folder/live.y4m" | grep -q '^YUV4MPEG2 W32 H24 F50000:1000 .*C444$' || { echo 'live: no stream header'; bad=1; }
+[ $((($(wc -c <"$folder/live.y4m") - $(head -1 "$folder/live.y4m" | wc -c)) % (6 + 3 * 32 * 24))) -eq 0 ] || { echo 'live: not whole frames'; bad=1; }
+"$program" live scenes/moving-ball.json -s 32x24 --seconds 0.2 --quiet -t 1 -m path --spp 2 -o - >"$folder/stream" 2>"$folder/err"
+head -c 9 "$folder/stream" | grep -q YUV4MPEG2 && [ ! -s "$folder/err" ] || { echo 'live -o -: no stream alone'; bad=1; }
+expect 2 '%04d.png' live scenes/cornell.json -o "$folder/live.png"
+expect 2 'fps above 0' live scenes/cornell.json --fps 0 -o "$folder/live.y4m"
+expect 2 'standard output' live scenes/cornell.json --json -o -
+expect 2 'unknown method' live scenes/cornell.json -s 8x8 -m magic
+expect 3 'nowhere.json' live nowhere.json
+expect 4 'no-such-folder' live scenes/cornell.json -s 8x8 --frames 2 -o "$folder/no-such-folder/live.y4m"
+rm -f "$folder/live.y4m"
+"$program" live scenes/moving-ball.json -s 32x24 --seconds 60 -t 1 -o "$folder/live.y4m" 2>"$folder/err" &
+pid=$!
+sleep 1
+kill -INT $pid
+wait $pid
+[ $? -eq 0 ] && [ -s "$folder/live.y4m" ] && grep -q '^frames' "$folder/err" || { echo 'live: Ctrl-C lost the stream'; bad=1; }
+[ -z "$(ls "$folder" | grep '\.part$')" ] || { echo 'live left a part of a stream'; bad=1; }
 
 # Ctrl-C writes what is done and says so.
 "$program" render scenes/cornell.json -s 512x512 -m path --spp 100000 --time 60 -o "$folder/i.exr" 2>"$folder/err" &

@@ -252,6 +252,9 @@ static void check_codes(void **state, sl_tone tone, const float *values, const i
     assert_int_equal(sl_image_write_png(image, temporary_path(state, "tone.png"), tone, NULL), SL_OK);
     read_codes(temporary_path(state, "tone.png"), rgb, count);
     for (int i = 0; i < 3 * count; i++) assert_int_equal(rgb[i], codes[i / 3]);
+    uint8_t shown[3 * 64];
+    assert_int_equal(sl_image_srgb(image, &tone, shown, NULL), SL_OK); /* a screen gets the same */
+    assert_memory_equal(shown, rgb, 3 * (size_t)count);
     sl_image_destroy(image);
 }
 
@@ -274,6 +277,29 @@ static void automatic_exposure_brings_the_log_average_to_middle_gray(void **stat
     check_codes(state, (sl_tone){SL_TONE_CLIP, 0.0f, true}, values, codes, 5);
     check_codes(state, (sl_tone){SL_TONE_CLIP, 1.0f, true}, values, one_stop_up, 5);
     check_codes(state, (sl_tone){SL_TONE_CLIP, 0.0f, true}, black, black_codes, 2);
+}
+
+static void frames_after_the_first_one_keep_its_exposure(void **state) {
+    (void)state;
+    sl_image *image;
+    sl_tone tone = {SL_TONE_CLIP, 0.0f, true};
+    uint8_t first[3], second[3], alone[3];
+    assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
+    for (int c = 0; c < 3; c++) image->planes[c] = 8.0f;
+    assert_int_equal(sl_image_srgb(image, &tone, first, NULL), SL_OK);
+    assert_false(tone.automatic);
+    assert_true(fabs((double)tone.exposure_stops - log2(0.18 / 8.0)) < 1e-5);
+    for (int c = 0; c < 3; c++) image->planes[c] = 16.0f;
+    assert_int_equal(sl_image_srgb(image, &tone, second, NULL), SL_OK);
+    tone.automatic = true;
+    tone.exposure_stops = 0.0f;
+    assert_int_equal(sl_image_srgb(image, &tone, alone, NULL), SL_OK);
+    for (int c = 0; c < 3; c++) {
+        assert_int_equal(first[c], 118);
+        assert_int_equal(second[c], 162);
+        assert_int_equal(alone[c], 118);
+    }
+    sl_image_destroy(image);
 }
 
 /* ---- whole or not at all ------------------------------------------------------------------------------------------------ */
@@ -368,6 +394,7 @@ int main(void) {
         cmocka_unit_test(encoding_undoes_decoding_for_every_code),
         cmocka_unit_test(tone_curves_give_known_codes),
         cmocka_unit_test(automatic_exposure_brings_the_log_average_to_middle_gray),
+        cmocka_unit_test(frames_after_the_first_one_keep_its_exposure),
         cmocka_unit_test(a_write_that_fails_keeps_the_old_file),
         cmocka_unit_test(impossible_targets_are_named),
         cmocka_unit_test(a_link_is_followed_and_permissions_are_kept),

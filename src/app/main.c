@@ -15,6 +15,7 @@ static const struct {
     {"render", sl_command_render, "compute a picture of a scene"},
     {"compare", sl_command_compare, "error metrics between two pictures; exit status for golden-image tests"},
     {"info", sl_command_info, "what is in a scene, and what a method would do with it"},
+    {"live", sl_command_live, "play a scene that moves, as it comes"},
     {"bench", sl_command_bench, "speed against error of every method on a scene"},
     {"steps", sl_command_steps, "every pass of a method as a picture, explained, in one page"},
 };

@@ -1,19 +1,14 @@
 /* Running a method with a progress bar, writing pictures, saying what was done. */
 #include "app/picture.h"
 
+#include "app/clock.h"
+#include "app/frame_name.h"
+
 #include <cjson/cJSON.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
-
-static double now_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- names of files ---- */
 
@@ -22,29 +17,9 @@ static bool ends_with(const char *text, const char *end) {
     return n >= m && strcmp(text + n - m, end) == 0;
 }
 
-/* The one %d, %4d or %04d of a name: where it begins and ends, and its width; false if there is none or another %. */
-static bool find_number(const char *name, const char **begin, const char **end, int *width) {
-    const char *p = strchr(name, '%');
-    *begin = p;
-    *width = 0;
-    if (!p) return false;
-    for (p++; *p >= '0' && *p <= '9'; p++) *width = *width < 99 ? 10 * *width + (*p - '0') : *width;
-    *end = p + 1;
-    return *p == 'd' && *width < 20 && !strchr(p, '%');
-}
-
-static void frame_name(const char *pattern, unsigned long long frame, char *name, size_t size) {
-    const char *begin = pattern, *end = pattern;
-    int width;
-    find_number(pattern, &begin, &end, &width);
-    snprintf(name, size, "%.*s%0*llu%s", (int)(begin - pattern), pattern, width, frame, end);
-}
-
 bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
-    const char *begin, *end;
-    int width;
     bool known = ends_with(o->output, ".exr") || ends_with(o->output, ".png") || ends_with(o->output, ".pfm");
-    if (known && (!o->frames || find_number(o->output, &begin, &end, &width))) return true;
+    if (known && (!o->frames || sl_frame_pattern_is_good(o->output))) return true;
     error->status = SL_ERROR_USAGE;
     snprintf(error->message, sizeof error->message,
              known ? "--output: for --frames expected a name with the frame's number in it, as frame-%%04d.png; got '%s'"
@@ -54,23 +29,6 @@ bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
 }
 
 /* ---- running ---- */
-
-/* The one thing that a signal handler can do: leave word. */
-static volatile sig_atomic_t interrupted;
-
-static void on_interrupt(int signal_number) {
-    (void)signal_number;
-    interrupted = 1;
-}
-
-static void watch_for_interrupt(void) {
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_interrupt;
-    action.sa_flags = (int)SA_RESETHAND; /* a second Ctrl-C ends the program at once */
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 static void draw_progress(double fraction, double seconds) {
     enum { CELLS = 40 };
@@ -90,9 +48,9 @@ static sl_status run(const sl_render_options *o, sl_method *method, sl_progress 
     double drawn = 0.0, share = o->frames ? 1.0 / (double)o->frames : 1.0;
     sl_status status = SL_OK;
     progress->done = progress->frame_done = false;
-    while (status == SL_OK && !progress->done && !(o->frames && progress->frame_done) && !interrupted) {
+    while (status == SL_OK && !progress->done && !(o->frames && progress->frame_done) && !sl_interrupted()) {
         status = sl_method_update(method, progress, error);
-        double seconds = now_seconds() - start;
+        double seconds = sl_seconds_now() - start;
         if (bar && (seconds - drawn > 0.1 || progress->done))
             draw_progress(done_before + share * progress->fraction, drawn = seconds);
         if (!o->frames && o->batches && progress->batches >= o->batches) break;
@@ -119,7 +77,7 @@ static sl_status write_picture(const sl_render_options *o, sl_method *method, do
     sl_image *image;
     sl_status status = sl_method_resolve(method, &image, error);
     if (status != SL_OK) return status;
-    *seconds = now_seconds() - start;
+    *seconds = sl_seconds_now() - start;
     const char *warning = sl_image_metadata(image, "softlux.warning");
     if (warning && warn && !o->quiet) fprintf(stderr, "softlux: warning: %s\n", warning);
     status = write_image(o, image, *seconds, path, error);
@@ -168,10 +126,10 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
 }
 
 sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_error *error) {
-    double start = now_seconds(), seconds = 0.0;
+    double start = sl_seconds_now(), seconds = 0.0;
     sl_method *method = NULL;
     sl_progress progress = {0};
-    watch_for_interrupt();
+    sl_watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = run(o, method, &progress, start, 0.0, error);
     if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &seconds, error);
@@ -195,26 +153,26 @@ static void print_frame(unsigned long long frame, const char *name, double secon
 
 /* Frame number `frame` of the method's scene as it stands; *seconds: until the picture was there. */
 static sl_status render_frame(const sl_render_options *o, sl_method *method, unsigned long long frame, double begin, sl_error *error) {
-    double start = now_seconds(), seconds = 0.0;
+    double start = sl_seconds_now(), seconds = 0.0;
     char name[4096];
     sl_progress progress = {0};
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
-    frame_name(o->output, frame, name, sizeof name);
+    sl_frame_name(o->output, frame, name, sizeof name);
     sl_status status = run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !interrupted) status = write_picture(o, method, start, name, frame == 0, &seconds, error);
-    if (status == SL_OK && !interrupted && o->json)
+    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &seconds, error);
+    if (status == SL_OK && !sl_interrupted() && o->json)
         print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
     return status;
 }
 
 sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error *error) {
-    double begin = now_seconds();
+    double begin = sl_seconds_now();
     sl_method *method = NULL;
     unsigned long long frame = 0;
-    watch_for_interrupt();
+    sl_watch_for_interrupt();
     sl_status status = sl_scene_set_time(scene, o->at_seconds, NULL, error);
     if (status == SL_OK) status = create(o, scene, &method, error);
-    for (; status == SL_OK && frame < o->frames && !interrupted; frame++) {
+    for (; status == SL_OK && frame < o->frames && !sl_interrupted(); frame++) {
         unsigned changes = 0;
         if (frame) status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
         if (status == SL_OK && changes) status = sl_method_edit(method, changes, error);
@@ -222,7 +180,7 @@ sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error
     }
     if (!o->quiet && isatty(STDERR_FILENO)) fputc('\n', stderr);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
-    if (status == SL_OK && interrupted && !o->quiet)
+    if (status == SL_OK && sl_interrupted() && !o->quiet)
         fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frame);
     sl_method_destroy(method);
     return status;

@@ -65,24 +65,34 @@ static uint8_t nearest_code(const double borders[255], double x) {
     return (uint8_t)code;
 }
 
-sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error) {
-    *rgb = NULL;
+static void map_planes(const float *const planes[3], size_t pixels, double exposure, sl_tone_curve curve, uint8_t *mapped) {
+    double borders[255];
+    find_code_borders(borders);
+    for (size_t i = 0; i < pixels; i++) {
+        for (size_t c = 0; c < 3; c++) {
+            double x = (double)planes[c][i] * exposure;
+            mapped[3 * i + c] = x > 0.0 ? nearest_code(borders, apply_curve(curve, x)) : 0;
+        }
+    }
+}
+
+sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl_error *error) {
     const float *planes[3];
     if (!picture_planes(image, planes)) {
         return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
     }
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    uint8_t *mapped = sl_allocate(pixels, 3);
-    if (!mapped) return sl_fail_memory(error, "a tone-mapped picture");
-    double borders[255];
-    find_code_borders(borders);
-    double exposure = sl_tone_exposure(image, tone);
-    for (size_t i = 0; i < pixels; i++) {
-        for (size_t c = 0; c < 3; c++) {
-            double x = (double)planes[c][i] * exposure;
-            mapped[3 * i + c] = x > 0.0 ? nearest_code(borders, apply_curve(tone.curve, x)) : 0;
-        }
-    }
-    *rgb = mapped;
+    double exposure = sl_tone_exposure(image, *tone);
+    if (tone->automatic) *tone = (sl_tone){tone->curve, (float)(sl_log(exposure) * 1.4426950408889634), false};
+    map_planes(planes, (size_t)image->width * (size_t)image->height, exposure, tone->curve, bytes);
     return SL_OK;
+}
+
+sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error) {
+    *rgb = NULL;
+    uint8_t *mapped = sl_allocate((size_t)image->width * (size_t)image->height, 3);
+    if (!mapped) return sl_fail_memory(error, "a tone-mapped picture");
+    sl_status status = sl_image_srgb(image, &tone, mapped, error);
+    if (status == SL_OK) *rgb = mapped;
+    else sl_free(mapped);
+    return status;
 }

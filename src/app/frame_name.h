@@ -1,0 +1,12 @@
+/* Names of the pictures of a series: frame-%04d.png. */
+#ifndef SL_APP_FRAME_NAME_H
+#define SL_APP_FRAME_NAME_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* One %d, %4d or %04d, and no other %. */
+bool sl_frame_pattern_is_good(const char *pattern);
+void sl_frame_name(const char *pattern, unsigned long long frame, char *name, size_t size);
+
+#endif

@@ -1,0 +1,159 @@
+/* softlux live: a scene that moves, shown as it comes, while a thread of its own works on the light. */
+#include "app/clock.h"
+#include "app/commands.h"
+#include "app/live/film.h"
+#include "app/live/report.h"
+#include "app/options.h"
+#include "app/settings_options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *const tone_names[] = {"clip", "reinhard", NULL}; /* as sl_tone_curve */
+
+typedef struct show_options {
+    const char *scene_path, *output;
+    double seconds, at, frames_per_second, exposure;
+    uint64_t frames;
+    bool exposure_given, json, quiet;
+    int tone;
+    sl_settings settings;
+} show_options;
+
+static bool parse(int argc, char **argv, show_options *o, int *status) {
+    enum { OWN = 12 };
+    sl_raw_settings raw;
+    sl_option options[OWN + SL_SETTINGS_OPTIONS];
+    *o = (show_options){.tone = SL_TONE_REINHARD, .seconds = 5.0, .frames_per_second = 25.0};
+    const sl_option own[] = {
+        {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILES", "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]", 0, 0, NULL},
+        {"seconds", 0, SL_OPTION_REAL, &o->seconds, NULL, "S", "how long [5]", 1e-3, 1e9, NULL},
+        {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N", "or how many frames, however long they take", 1, 1e12, NULL},
+        {"at", 0, SL_OPTION_REAL, &o->at, NULL, "SECONDS", "time of the scene to begin with [0]", -1e9, 1e9, NULL},
+        {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
+        {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
+        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0, tone_names},
+        {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
+        {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no report, no warnings", 0, 0, NULL},
+    };
+    _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
+    size_t count = sizeof own / sizeof own[0];
+    memcpy(options, own, sizeof own);
+    sl_settings_options(&raw, options + count);
+    raw.settings.method = "shading-cache";
+    const sl_command_line line = {
+        "softlux live SCENE [-o FILES] [options]",
+        "Plays a scene's keyframes in real time: frames never wait for light, which comes from a thread of its own.",
+        "The method is the shading cache where --method names no other: it alone shows what moves at once.\n"
+        "What frames show depends on the clock; for the same pictures twice: softlux render --frames.\n\n"
+        "example: softlux live scenes/moving-light.json --seconds 10 -o - | ffplay -",
+        options, 1, 1};
+    int operands;
+    if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
+    o->settings = sl_settings_taken(&raw);
+    return true;
+}
+
+/* ---- the display loop -------------------------------------------------------------------------------------------------------------- */
+
+/* Frames stand in slots of 1/fps; one that comes late for its slot stands in the one that it comes in. */
+typedef struct show {
+    const show_options *o;
+    sl_live *live;
+    sl_film film;
+    sl_tone tone;
+    double begin;
+    uint64_t slot;
+    sl_show_report report;
+} show;
+
+static uint64_t slot_at(const show *s, double now) { return (uint64_t)((now - s->begin) * s->o->frames_per_second); }
+
+/* Waits for the next slot; returns how many there have been since the last one. */
+static uint64_t next_slot(show *s) {
+    double fps = s->o->frames_per_second;
+    if (!(fps > 0.0) || s->report.frames == 0) return 1;
+    sl_sleep_until(s->begin + (double)(s->slot + 1) / fps);
+    uint64_t slot = slot_at(s, sl_seconds_now()), steps = slot > s->slot ? slot - s->slot : 1;
+    s->slot += steps;
+    s->report.missed += steps - 1;
+    return steps;
+}
+
+static bool goes_on(const show *s) {
+    if (sl_interrupted()) return false;
+    return s->o->frames ? s->report.frames < s->o->frames : sl_seconds_now() - s->begin < s->o->seconds;
+}
+
+static sl_status draw(show *s, const sl_image **frame, sl_error *error) {
+    double start = sl_seconds_now(), cpu = sl_thread_seconds();
+    sl_status status = sl_live_frame(s->live, frame, &s->report.last, error);
+    double took = sl_seconds_now() - start;
+    s->report.drawing += sl_thread_seconds() - cpu;
+    s->report.longest = took > s->report.longest ? took : s->report.longest;
+    s->report.frames += status == SL_OK;
+    return status;
+}
+
+static sl_status one_frame(show *s, sl_error *error) {
+    const sl_image *frame;
+    uint64_t steps = next_slot(s);
+    double fps = s->o->frames_per_second, elapsed = fps > 0.0 ? (double)s->slot / fps : sl_seconds_now() - s->begin;
+    sl_status status = sl_live_move(s->live, s->o->at + elapsed, error);
+    if (status == SL_OK) status = draw(s, &frame, error);
+    return status == SL_OK ? sl_film_write(&s->film, frame, &s->tone, s->report.last.versions > 0, steps, error) : status;
+}
+
+static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *error) {
+    sl_settings settings = s->o->settings;
+    settings.observer = &stages->observer;
+    sl_status status = sl_live_start(scene, &settings, &s->live, error);
+    s->begin = sl_seconds_now();
+    while (status == SL_OK && goes_on(s)) status = one_frame(s, error);
+    s->report.seconds = sl_seconds_now() - s->begin;
+    sl_live_stop(s->live, &s->report.counters);
+    return status;
+}
+
+/* ---- the command -------------------------------------------------------------------------------------------------------------------- */
+
+static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *error) {
+    sl_stages stages;
+    sl_stages_begin(&stages);
+    int width = o->settings.width, height = o->settings.height;
+    if (!width) sl_scene_film(scene, &width, &height);
+    show s = {.o = o, .tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}};
+    s.report = (sl_show_report){.scene = o->scene_path, .method = o->settings.method, .width = width, .height = height,
+                                .frames_per_second = o->frames_per_second, .stages = &stages};
+    sl_status status = sl_scene_set_time(scene, o->at, NULL, error);
+    if (status == SL_OK) status = sl_film_open(&s.film, o->output, width, height, o->frames_per_second, error);
+    if (status == SL_OK) status = play(&s, scene, &stages, error);
+    sl_status closed = sl_film_close(&s.film, status == SL_OK, error);
+    if (status == SL_OK) status = closed;
+    if (status == SL_OK && o->json) sl_show_report_json(&s.report);
+    else if (status == SL_OK && !o->quiet) sl_show_report_print(&s.report);
+    return status;
+}
+
+int sl_command_live(int argc, char **argv) {
+    show_options o;
+    int exit_status;
+    if (!parse(argc, argv, &o, &exit_status)) return exit_status;
+    sl_error error;
+    sl_scene *scene = NULL;
+    sl_status status = sl_film_check(o.output, o.frames_per_second, &error);
+    if (status == SL_OK && o.json && o.output && strcmp(o.output, "-") == 0) {
+        snprintf(error.message, sizeof error.message, "--json and --output -: both would go to standard output");
+        status = SL_ERROR_USAGE;
+    }
+    if (status == SL_OK) status = sl_scene_load(o.scene_path, &scene, &error);
+    for (size_t i = 0; status == SL_OK && !o.quiet && i < sl_scene_warning_count(scene); i++)
+        fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
+    if (status == SL_OK) {
+        sl_watch_for_interrupt();
+        status = show_scene(&o, scene, &error);
+    }
+    sl_scene_destroy(scene);
+    if (status != SL_OK) fprintf(stderr, "softlux: %s\n", error.message);
+    return (int)status;
+}

@@ -1,0 +1,102 @@
+#include "app/live/film.h"
+
+#include "app/frame_name.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static sl_status fail(sl_error *error, sl_status status, const char *what, const char *name) {
+    error->status = status;
+    snprintf(error->message, sizeof error->message, what, name);
+    return status;
+}
+
+static bool ends_with(const char *text, const char *end) {
+    size_t n = strlen(text), m = strlen(end);
+    return n >= m && strcmp(text + n - m, end) == 0;
+}
+
+static bool is_stream(const char *output) { return strcmp(output, "-") == 0 || ends_with(output, ".y4m"); }
+
+sl_status sl_film_check(const char *output, double frames_per_second, sl_error *error) {
+    if (!output) return SL_OK;
+    if (is_stream(output)) {
+        return frames_per_second > 0.0 ? SL_OK : fail(error, SL_ERROR_USAGE, "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
+    }
+    if (ends_with(output, ".png") && sl_frame_pattern_is_good(output)) return SL_OK;
+    return fail(error, SL_ERROR_USAGE, "--output: expected frame-%%04d.png, a name that ends with .y4m, or - for a stream; got '%s'", output);
+}
+
+static sl_status cannot_write(const sl_film *film, sl_error *error) {
+    char why[800];
+    snprintf(why, sizeof why, "%.600s: %.100s", film->output, strerror(errno));
+    return fail(error, SL_ERROR_OUTPUT, "cannot write %s", why);
+}
+
+sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second, sl_error *error) {
+    *film = (sl_film){.output = output, .width = width, .height = height};
+    size_t bytes = 3 * (size_t)width * (size_t)height;
+    film->rgb = malloc(bytes);
+    film->yuv = malloc(bytes);
+    if (!film->rgb || !film->yuv) return fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", "a frame");
+    if (!output || !is_stream(output)) return SL_OK;
+    if (strcmp(output, "-") == 0) {
+        film->stream = stdout;
+    } else {
+        snprintf(film->part, sizeof film->part, "%.4000s.part", output);
+        film->stream = fopen(film->part, "wb");
+    }
+    if (!film->stream) return cannot_write(film, error);
+    long rate = (long)(1000.0 * frames_per_second + 0.5);
+    fprintf(film->stream, "YUV4MPEG2 W%d H%d F%ld:1000 Ip A1:1 C444\n", width, height, rate > 0 ? rate : 1);
+    return SL_OK;
+}
+
+/* Rec. 601 in 16 to 235, which players take such streams for; a plane each, nothing left out. */
+static void to_yuv(const uint8_t *rgb, size_t pixels, uint8_t *yuv) {
+    for (size_t i = 0; i < pixels; i++) {
+        int r = rgb[3 * i], g = rgb[3 * i + 1], b = rgb[3 * i + 2];
+        yuv[i] = (uint8_t)((66 * r + 129 * g + 25 * b + 128 + 16 * 256) / 256);
+        yuv[pixels + i] = (uint8_t)((-38 * r - 74 * g + 112 * b + 128 + 128 * 256) / 256);
+        yuv[2 * pixels + i] = (uint8_t)((112 * r - 94 * g - 18 * b + 128 + 128 * 256) / 256);
+    }
+}
+
+static sl_status write_picture(const sl_film *film, const sl_image *frame, sl_tone tone, sl_error *error) {
+    char name[4096];
+    sl_frame_name(film->output, film->written, name, sizeof name);
+    return sl_image_write_png(frame, name, tone, error);
+}
+
+static sl_status write_stream(const sl_film *film, uint64_t times, sl_error *error) {
+    size_t pixels = (size_t)film->width * (size_t)film->height;
+    to_yuv(film->rgb, pixels, film->yuv);
+    bool ok = true;
+    for (uint64_t k = 0; ok && k < times; k++) ok = fputs("FRAME\n", film->stream) >= 0 && fwrite(film->yuv, 3, pixels, film->stream) == pixels;
+    return ok && fflush(film->stream) == 0 ? SL_OK : cannot_write(film, error);
+}
+
+sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times, sl_error *error) {
+    if (!film->output) return SL_OK;
+    sl_tone used = *tone;
+    sl_status status = SL_OK;
+    if (film->stream || used.automatic) status = sl_image_srgb(frame, &used, film->rgb, error);
+    if (status == SL_OK) status = film->stream ? write_stream(film, times, error) : write_picture(film, frame, used, error);
+    if (status != SL_OK) return status;
+    if (keep) *tone = used;
+    film->written += film->stream ? times : 1;
+    return SL_OK;
+}
+
+sl_status sl_film_close(sl_film *film, bool well, sl_error *error) {
+    sl_status status = SL_OK;
+    free(film->rgb);
+    free(film->yuv);
+    if (!film->stream || film->stream == stdout) return SL_OK;
+    if (fclose(film->stream) != 0 && well) status = cannot_write(film, error);
+    well = well && status == SL_OK;
+    if (well && rename(film->part, film->output) != 0) status = cannot_write(film, error);
+    if (!well || status != SL_OK) remove(film->part);
+    return status;
+}

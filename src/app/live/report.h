@@ -1,0 +1,23 @@
+/* What a show was like: frames, updates, where the time of an update goes. */
+#ifndef SL_APP_LIVE_REPORT_H
+#define SL_APP_LIVE_REPORT_H
+
+#include "app/live/stages.h"
+
+typedef struct sl_show_report {
+    const char *scene, *method;
+    int width, height;
+    unsigned threads;
+    double seconds;
+    double frames_per_second;     /* wanted; 0: as many as can be */
+    uint64_t frames, missed;
+    double drawing, longest;      /* seconds of the drawing thread, and by the clock */
+    sl_live_state last;
+    sl_counters counters;
+    const sl_stages *stages;
+} sl_show_report;
+
+void sl_show_report_print(const sl_show_report *report); /* to stderr: stdout may be the stream */
+void sl_show_report_json(const sl_show_report *report);
+
+#endif
