@@ -12,7 +12,8 @@ typedef struct surface_area {
 } surface_area;
 
 /* As voxel_lights.c: next to no surface means that the disc is nearer to the truth. */
-static double area_of(const void *context, const sl_ellipsoid *e) {
+static double area_of(const void *context, const sl_ellipsoid *e, unsigned worker) {
+    (void)worker;
     const surface_area *s = context;
     double area = sl_surroundings_area(s->surroundings, e, s->least_cosine, s->marks).front, disc = sl_disc_area(e);
     return area > 1e-3 * disc ? area : disc;

@@ -420,6 +420,7 @@ typedef struct sl_light_octree_settings {
     bool wide_directions;         /**< 12 + 12 bits a direction instead of 8 + 8 */
     bool own_photons;             /**< a voxel counts the photons that lie in it, over the area in it, and looks for no others: the paper's bands where
                                      that is a sliver; voxels are whole then */
+    bool photons_at_pixels;       /**< the photon map itself is shown: every pixel gathers its k nearest photons, and there are no lights in between */
     bool whole_voxels;            /**< one set of lights a voxel, as the paper; else one for each group of normals in it */
     bool fixed_neighbours;        /**< k photons a voxel, as the paper; else k/4 to k of them, by an error estimate */
     bool keep_void_dark;          /**< empty voxels count as black in filtering: the paper's holes */

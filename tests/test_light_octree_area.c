@@ -165,7 +165,8 @@ static sl_photon_list *corner_photons(void) {
 }
 
 /* The floor alone, as the photons are accepted: its unit square. */
-static double floor_area(const void *context, const sl_ellipsoid *e) {
+static double floor_area(const void *context, const sl_ellipsoid *e, unsigned worker) {
+    (void)worker;
     (void)context;
     sl_vec3d o = {0, 0, 0}, x = {1, 0, 0}, y = {0, 1, 0}, xy = {1, 1, 0};
     return sl_triangle_in_ellipsoid(e, o, x, xy) + sl_triangle_in_ellipsoid(e, o, xy, y);

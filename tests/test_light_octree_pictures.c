@@ -51,6 +51,25 @@ static void the_cornell_box_is_lit_as_by_all_of_its_paths(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* The photon map itself: the same paths, the same light, and no voxel anywhere. */
+static void photons_gathered_at_pixels_light_the_cornell_box_too(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(40);
+    settings.light_octree.photons_at_pixels = true;
+    sl_comparison c = against_path_tracer(scene, &settings, 64);
+    assert_true(fabs(c.bias) < 0.02);
+    assert_true(c.rel_mse - c.rel_mse_noise < 0.02);
+    sl_counters counters;
+    settings.width = settings.height = 16;
+    settings.light_octree.photons = 5000;
+    sl_image_destroy(render(scene, &settings, &counters));
+    assert_true(counters.value[SL_COUNT_LEAVES] == 0 && counters.value[SL_COUNT_DIRECTIONAL_LIGHTS] == 0);
+    assert_true(counters.value[SL_COUNT_PHOTONS_GATHERED] > 16 * 16 * 50);
+    assert_same_bits_with_any_threads(scene, &settings);
+    sl_scene_destroy(scene);
+}
+
 /* Albedo 1/2: the light reflected at least once is as much again as the direct light, everywhere. */
 static void an_integrating_sphere_holds_rho_over_one_minus_rho(void **state) {
     (void)state;
@@ -494,6 +513,7 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cornell_box_is_lit_as_by_all_of_its_paths),
+        cmocka_unit_test(photons_gathered_at_pixels_light_the_cornell_box_too),
         cmocka_unit_test(an_integrating_sphere_holds_rho_over_one_minus_rho),
         cmocka_unit_test(own_photons_alone_are_right_on_the_mean_but_scatter),
         cmocka_unit_test(each_depth_on_the_way_is_what_that_depth_gives_alone),

@@ -128,6 +128,7 @@ static void add_light_octree(sl_raw_settings *r, table *t) {
         {"median-of-subsets", 0, SL_OPTION_FLAG, &o->median_of_subsets, NULL, NULL, "against fireflies: fifths of the photons vote on irradiance", 0, 0, NULL},
         {"wide-directions", 0, SL_OPTION_FLAG, &o->wide_directions, NULL, NULL, "12 + 12 bits a direction, not 8 + 8", 0, 0, NULL},
         {"own-photons", 0, SL_OPTION_FLAG, &o->own_photons, NULL, NULL, "a voxel counts its own photons, and looks for no others", 0, 0, NULL},
+        {"photons-at-pixels", 0, SL_OPTION_FLAG, &o->photons_at_pixels, NULL, NULL, "the photon map itself: every pixel gathers, there are no lights", 0, 0, NULL},
         {"whole-voxels", 0, SL_OPTION_FLAG, &o->whole_voxels, NULL, NULL, "one set of lights a voxel, not one for each group of normals", 0, 0, NULL},
         {"fixed-neighbours", 0, SL_OPTION_FLAG, &o->fixed_neighbours, NULL, NULL, "exactly K photons a voxel, not K/4 to K by an error estimate", 0, 0, NULL},
         {"void-dark", 0, SL_OPTION_FLAG, &o->keep_void_dark, NULL, NULL, "empty voxels count as black", 0, 0, NULL},

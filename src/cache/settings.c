@@ -245,6 +245,7 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "median_of_subsets", o->median_of_subsets);
     stamp_flag(st, "wide_directions", o->wide_directions);
     stamp_flag(st, "own_photons", o->own_photons);
+    stamp_flag(st, "photons_at_pixels", o->photons_at_pixels);
     stamp_flag(st, "whole_voxels", o->whole_voxels);
     stamp_flag(st, "fixed_neighbours", o->fixed_neighbours);
     stamp_flag(st, "void_dark", o->keep_void_dark);

@@ -54,3 +54,5 @@ double sl_curve_time_to(const sl_curve *c, sl_bench_truth truth, double error) {
 }
 
 bool sl_curve_is_tracer(const sl_curve *c) { return strncmp(c->name, "path", 4) == 0 || strncmp(c->name, "bidirectional", 13) == 0; }
+
+bool sl_curve_is_peer(const sl_curve *c) { return sl_curve_is_tracer(c) || strncmp(c->name, "photons", 7) == 0; }

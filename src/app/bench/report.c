@@ -42,7 +42,7 @@ sl_bench_lead sl_bench_lead_at(const sl_bench_scene *scene, sl_bench_truth truth
     for (size_t i = 0; i < count; i++) {
         double seconds = sl_curve_time_to(&curves[i], truth, error);
         if (strcmp(curves[i].name, path) == 0) lead.path_seconds = seconds;
-        if (sl_curve_is_tracer(&curves[i]) || !(seconds > 0.0)) continue;
+        if (sl_curve_is_peer(&curves[i]) || !(seconds > 0.0)) continue;
         if (!lead.method || seconds < lead.seconds) lead.method = curves[i].name, lead.seconds = seconds;
     }
     return lead;

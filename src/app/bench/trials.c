@@ -11,6 +11,9 @@
 /* With visibility of its photons it has the very paths of one bounce. */
 #define DIRECT_RADIANCE_SEEN(name, arguments) {METHOD("direct-radiance"), name, "-m direct-radiance " arguments, "one-bounce", SL_BENCH_CURVE}
 #define LIGHT_OCTREE(name, quality, arguments) {METHOD("light-octree"), name, "-m light-octree " arguments, MATCHED("light-octree"), quality}
+/* The peer: the octree's photon map itself, gathered at every pixel. */
+#define PHOTONS(name, quality, arguments) \
+    {"light-octree", "photons at pixels", name, "-m light-octree --photons-at-pixels " arguments, MATCHED("light-octree"), quality}
 #define MULTI_MESH(name, quality, arguments) {METHOD("multi-mesh"), name, "-m multi-mesh " arguments, MATCHED("multi-mesh"), quality}
 #define SHADING_CACHE(name, quality, arguments) {METHOD("shading-cache"), name, "-m shading-cache " arguments, MATCHED("shading-cache"), quality}
 /* The reference tracers, on the paths of both truths that all are held against; pixels sampled at their centres as the methods do. */
@@ -45,6 +48,9 @@ static const sl_trial trials[] = {
     LIGHT_OCTREE("normal", SL_BENCH_NORMAL, "-q normal"),
     LIGHT_OCTREE("high", SL_BENCH_HIGH, "-q high"),
     LIGHT_OCTREE("2.4M photons, depth 7", SL_BENCH_CURVE, "-q high --stored-photons 2400000 --depth 7"),
+    PHOTONS("40k photons, k 60", SL_BENCH_CURVE, "-q draft --stored-photons 40000 --neighbours 60"),
+    PHOTONS("draft", SL_BENCH_DRAFT, "-q draft"),
+    PHOTONS("normal", SL_BENCH_NORMAL, "-q normal"),
     MULTI_MESH("threshold 4", SL_BENCH_CURVE, "-q draft --threshold 4"),
     MULTI_MESH("draft", SL_BENCH_DRAFT, "-q draft"),
     MULTI_MESH("normal", SL_BENCH_NORMAL, "-q normal"),

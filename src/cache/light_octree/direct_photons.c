@@ -36,14 +36,14 @@ static sl_rgb scaled_sum(const rgb_sum *sum, double scale) {
 }
 
 /* kappa / A; kappa = (k - 1) / k where the k-th photon set the radius. */
-static double density_scale(const sl_direct_photons *photons, const sl_surface *surface, const sl_gathered_photons *g) {
+static double density_scale(const sl_direct_photons *photons, const sl_surface *surface, const sl_gathered_photons *g, unsigned worker) {
     sl_ellipsoid e = {sl_to_double(surface->position), sl_to_double(surface->geometric_normal), photons->flatness, g->radius};
-    double area = photons->area ? photons->area(photons->area_context, &e) : sl_disc_area(&e);
+    double area = photons->area ? photons->area(photons->area_context, &e, worker) : sl_disc_area(&e);
     double kappa = g->full ? ((double)g->count - 1.0) / (double)g->count : 1.0;
     return area > 0.0 ? kappa / area : 0.0;
 }
 
-static void light_point(const direct_job *job, size_t point, sl_gathered_photons *g) {
+static void light_point(const direct_job *job, size_t point, sl_gathered_photons *g, unsigned worker) {
     const sl_direct_photons *photons = job->photons;
     const sl_surface *surface = &job->surfaces[point];
     sl_photon_query query = {.centre = surface->position, .normal = surface->geometric_normal, .flatness = photons->flatness,
@@ -60,7 +60,7 @@ static void light_point(const direct_job *job, size_t point, sl_gathered_photons
         add(&reflected, sl_bsdf_reflect(&bsdf, to_light, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), p->flux, 1.0 / cosine);
         add(&arriving, sl_grey(1.0f), p->flux, 1.0);
     }
-    double scale = density_scale(photons, surface, g);
+    double scale = density_scale(photons, surface, g, worker);
     job->radiance[point] = scaled_sum(&reflected, scale);
     if (job->irradiance) job->irradiance[point] = scaled_sum(&arriving, scale);
 }
@@ -73,7 +73,7 @@ static void light_points(void *context, size_t task, unsigned worker) {
         job->radiance[point] = sl_grey(0.0f);
         if (job->irradiance) job->irradiance[point] = sl_grey(0.0f);
         if (sl_material_is_mirror(job->surfaces[point].material)) continue;
-        light_point(job, point, &g);
+        light_point(job, point, &g, worker);
         job->found[task] += g.count;
     }
 }

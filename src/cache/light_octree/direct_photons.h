@@ -7,14 +7,14 @@
 #include "cache/light_octree/photon_tree.h"
 
 /* The surface inside an ellipsoid, where the photons may be strewn over less than its disc: near edges and corners. */
-typedef double sl_ellipsoid_area(const void *context, const sl_ellipsoid *ellipsoid);
+typedef double sl_ellipsoid_area(const void *context, const sl_ellipsoid *ellipsoid, unsigned worker);
 
 typedef struct sl_direct_photons {
     const sl_photon_tree *tree;
     size_t neighbours;       /* k */
     double radius, flatness; /* r, f */
     double cos_acceptance;
-    sl_ellipsoid_area *area; /* NULL: the disc's; called by many threads at once */
+    sl_ellipsoid_area *area; /* NULL: the disc's; called by many workers at once */
     const void *area_context;
     unsigned threads;
 } sl_direct_photons;

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/announce.h"
+#include "cache/light_octree/photon_pixels.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -214,7 +215,7 @@ static sl_status trace_photons(octree_state *s, sl_error *error) {
         return SL_OK;
     }
     if (s->tree) { /* of an earlier view */
-        s->phase = s->shown.texture ? PHASE_SHADE : PHASE_OCTREE;
+        s->phase = s->shown.octree ? PHASE_SHADE : PHASE_OCTREE;
         return SL_OK;
     }
     sl_photon_options options = {.stored = s->settings.light_octree.photons, .store = s->settings.light_octree.store,
@@ -252,6 +253,13 @@ static sl_status start_level(octree_state *s, sl_error *error) {
     sl_announce_pass(&s->announcer, "octree", "section 3.2");
     s->leaf = 0;
     s->radius = o->radius > 0.0 ? o->radius : sl_voxel_radius(s->next.octree, (size_t)o->neighbours, sl_photon_tree_list(s->tree)->count);
+    if (o->photons_at_pixels) { /* no lights in between */
+        forget_level(&s->shown);
+        s->shown = s->next;
+        s->next = (octree_level){NULL, NULL, NULL};
+        s->phase = PHASE_SHADE;
+        return status;
+    }
     sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
     status = sl_voxel_lights_create(s->scene, s->next.octree, s->next.octree, s->tree, &options, threads, &s->next.lights, error);
     if (status == SL_OK) s->phase = PHASE_LIGHTS;
@@ -283,6 +291,17 @@ static sl_status light_leaves(octree_state *s, sl_error *error) {
 
 /* ---- R1: pixels ---- */
 
+static sl_status gather_at_pixels(octree_state *s, sl_error *error) {
+    sl_photon_pixels pixels = {.scene = s->scene,
+                               .gbuffer = s->gbuffer,
+                               .octree = s->shown.octree,
+                               .tree = s->tree,
+                               .settings = &s->settings.light_octree,
+                               .radius = s->radius,
+                               .threads = s->settings.threads};
+    return sl_photon_light_pixels(&pixels, s->indirect_light, &s->counters, error);
+}
+
 /* G2 to G4 once; its light is that of the octree that is shown. */
 static sl_status ready_atlas(octree_state *s, sl_error *error) {
     if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
@@ -308,10 +327,12 @@ static sl_status light_pixels(octree_state *s, sl_error *error) {
 static sl_status shade(octree_state *s, sl_error *error) {
     char name[48];
     int depth = s->shown.octree->depth;
-    sl_status status = ready_atlas(s, error);
-    if (status == SL_OK) status = light_pixels(s, error);
+    bool gathered = s->settings.light_octree.photons_at_pixels;
+    sl_status status = gathered ? gather_at_pixels(s, error) : ready_atlas(s, error);
+    if (status == SL_OK && !gathered) status = light_pixels(s, error);
     if (status != SL_OK) return status;
-    snprintf(name, sizeof name, "indirect light, depth %d", depth);
+    if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
+    else snprintf(name, sizeof name, "indirect light, depth %d", depth);
     announce_picture(s, name, "section 4", s->indirect_light[0]);
     s->depth = depth + 1;
     s->phase = s->depth <= s->settings.light_octree.depth ? PHASE_OCTREE : PHASE_DONE;

@@ -46,7 +46,7 @@ sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *set
         .direct = light && receivers && !o->indirect_only,
         .environment = f.environment,
         .sky = f.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT,
-        .first_depth = o->depth < SHALLOWEST_SHOWN ? o->depth : SHALLOWEST_SHOWN,
+        .first_depth = o->depth < SHALLOWEST_SHOWN || o->photons_at_pixels ? o->depth : SHALLOWEST_SHOWN,
     };
 }
 
@@ -75,10 +75,12 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
     sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
     sl_plan_pass(writer, p.photons, "octree", "depth %d, shown from depth %d on", o->depth, p.first_depth);
-    if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");
+    if (o->photons_at_pixels) sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each pixel, spread over %s", o->neighbours,
+                                           areas[o->area == SL_PHOTON_AREA_SECTION ? SL_PHOTON_AREA_DISC : o->area]);
+    else if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");
     else sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
                  o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
-    bool directional = o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE;
+    bool directional = !o->photons_at_pixels && (o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE);
     sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel", lobes[o->lobes], o->lights);
     sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,
                  o->atlas && p.glossy ? "; glossy surfaces look into the octree" : "");
