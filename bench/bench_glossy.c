@@ -101,7 +101,7 @@ static void reflect_at(void *context, size_t index, unsigned worker) {
     sl_gather_radiance(t->gather, &point, t->scratch[worker], &irradiance, coefficients, &counters);
     uint32_t material = (uint32_t)(s.material - t->w->scene->materials);
     sl_splat_receivers receivers = {1, 1, &s.position.x, &s.position.y, &s.position.z, &s.normal.x, &s.normal.y, &s.normal.z, &receives};
-    sl_glossy_view view = {t->glossy, &receivers, &material, t->w->scene->camera.eye};
+    sl_glossy_view view = {t->glossy, &receivers, &material, t->w->scene->camera.eye, NULL};
     sl_glossy_record record = {s.position, sl_frame_from_normal(s.normal), coefficients};
     t->kernel(&view, &record, 0, radiance);
     const float ks[3] = {s.material->specular.r, s.material->specular.g, s.material->specular.b};

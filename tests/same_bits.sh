@@ -47,6 +47,7 @@ for gather in raster hemicube trace; do
     same splatting-$gather scenes/cornell.json -m splatting --gather $gather -q draft -s 96x96
 done
 same splatting-maps scenes/sphere.json -m splatting --direct shadow-maps -q draft -s 64x64
+same splatting-mirror scenes/cornell-mirror.json -m splatting -q draft -s 96x96
 same splatting-rooms scenes/two-rooms.json -m splatting -q draft -s 96x64
 # Direct radiance mapping: glossy surfaces and photons, mirrors planar and curved, moving samples, polygons, rays to photons; the light octree
 # with its area and its sky, its other lobes, and by way of the atlas.

@@ -89,7 +89,7 @@ static void stage_open(stage *s, sl_vec3 record_normal, sl_vec3 pixel_normal) {
     s->surface = (sl_material){.specular = {1, 1, 1}, .exponent = 20.0f};
     s->scene = (sl_scene){.material_count = 1, .materials = &s->surface};
     assert_int_equal(sl_glossy_create(&s->scene, ORDER, &s->glossy, NULL), SL_OK);
-    s->view = (sl_glossy_view){s->glossy, &s->receivers, &s->material, {0, 0, 0}};
+    s->view = (sl_glossy_view){s->glossy, &s->receivers, &s->material, {0, 0, 0}, NULL};
     s->record = (sl_glossy_record){{0, 0, 0}, sl_frame_from_normal(record_normal), s->coefficients};
     project_environment(s);
 }

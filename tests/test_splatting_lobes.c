@@ -46,7 +46,7 @@ static void open_view(view_of_pixels *v, int order) {
                                   v->receives};
     v->scene = (sl_scene){.material_count = 2, .materials = v->surfaces};
     assert_int_equal(sl_glossy_create(&v->scene, order, &v->glossy, NULL), SL_OK);
-    v->view = (sl_glossy_view){v->glossy, &v->receivers, v->material, sl_scale(direction(77), 5.0f)};
+    v->view = (sl_glossy_view){v->glossy, &v->receivers, v->material, sl_scale(direction(77), 5.0f), NULL};
     for (size_t i = 0; i < 9 * stride; i++) {
         size_t place = i % stride, odd = sl_hsh_odd_start(order);
         bool real = place < sl_hsh_even_count(order) || (place >= odd && place < odd + sl_hsh_odd_count(order));

@@ -17,7 +17,7 @@
  *   shade.c           R1: surface points lit from the octree
  *   atlas/            G2 to G4, R1' and R2: the same by way of a texture atlas
  *   pixels.c          which pixels go which way
- *   reflect.c         what mirrors show
+ *   ../reflect/       what mirrors show
  *   compose.c         the picture and its layers
  *   direct_photons.c  the photon map shown as it is: what the octree is compared with
  */
@@ -27,7 +27,7 @@
 #include "cache/direct/direct.h"
 #include "cache/light_octree/pixels.h"
 #include "cache/light_octree/plan.h"
-#include "cache/light_octree/reflect.h"
+#include "cache/reflect/reflect.h"
 #include "cache/light_octree/shade.h"
 #include "cache/light_octree/voxel_lights.h"
 

@@ -4,7 +4,7 @@
 #define SL_CACHE_LIGHT_OCTREE_PIXELS_H
 
 #include "cache/light_octree/atlas/bake.h"
-#include "cache/light_octree/reflect.h"
+#include "cache/reflect/reflect.h"
 #include "cache/light_octree/shade.h"
 
 /* The atlas with the light of one octree in it; sides are filled when a pixel first sees one. */

@@ -77,6 +77,30 @@ static void compose_row(void *context, size_t index, unsigned worker) {
     }
 }
 
+/* What a mirror pixel shows has been composed as if it were seen straight, but for what lies beyond the scene. */
+static void compose_mirrors(const composing *c) {
+    const sl_composition *p = c->parts;
+    const sl_reflections *r = p->reflections;
+    const sl_gbuffer *g = p->gbuffer;
+    size_t pixels = (size_t)g->width * (size_t)g->height, width = (size_t)g->width;
+    for (size_t k = 0; r && k < r->count; k++) {
+        size_t i = r->pixel[k], out = ((size_t)g->height - 1 - i / width) * width + i % width;
+        bool surface = g->material[i] != SL_NO_INDEX;
+        const float throughput[3] = {r->throughput[k].r, r->throughput[k].g, r->throughput[k].b};
+        const float beyond[3] = {r->background[k].r, r->background[k].g, r->background[k].b};
+        for (size_t channel = 0; channel < 3; channel++) {
+            float *layer[] = {&c->layers[(EMISSION + channel) * pixels + out], &c->layers[(DIRECT + channel) * pixels + out],
+                              &c->layers[(INDIRECT + channel) * pixels + out], c->has_glossy ? &c->layers[(GLOSSY + channel) * pixels + out] : NULL};
+            float sum = 0.0f;
+            for (int l = 0; l < 4 && layer[l]; l++) {
+                *layer[l] = sl_picture_value(surface ? *layer[l] * throughput[channel] : l == 0 ? beyond[channel] : 0.0f);
+                sum += *layer[l];
+            }
+            c->layers[(PICTURE + channel) * pixels + out] = sl_picture_value(sum);
+        }
+    }
+}
+
 /* ---- means ---- */
 
 typedef struct {
@@ -127,6 +151,7 @@ sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *err
                        .right = top * (float)g->width / (float)g->height};
         for (size_t k = 0; k < (glossy ? MEANS : 3); k++) c.mean[k] = mean + k * pixels;
         sl_parallel_for(parts->threads, height, compose_row, &c);
+        compose_mirrors(&c);
     }
     sl_free(mean);
     return status;

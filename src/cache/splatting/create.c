@@ -104,6 +104,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .coefficient_count = cache->glossy ? sl_gather_coefficient_count(cache->gather) : 0,
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,
+        .mirrors = &s->mirrors,
         .near_distance = 1e-5f * diagonal,
         .footprint_per_depth = (float)footprint_per_depth,
         .neighbour_clamp = true,
@@ -113,7 +114,7 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .threads = s->settings.threads,
         .diagonal = diagonal,
     };
-    cache->pass.glossy = (sl_glossy_view){cache->glossy, &cache->pass.receivers, g->material, camera->eye};
+    cache->pass.glossy = (sl_glossy_view){cache->glossy, &cache->pass.receivers, g->material, camera->eye, g};
 }
 
 /* ---- light and hierarchy ---- */
@@ -146,7 +147,7 @@ static sl_status create_transport(sl_splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK) status = sl_environment_split(&s->scene->environment, SL_SKY_CONTRAST, &s->sky, &s->sun, error);
-    if (status == SL_OK && s->plan.direct) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+    if (status == SL_OK && (s->plan.direct || s->plan.mirrors)) status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = create_maps(s, error);
     if (status == SL_OK && s->plan.direct) {
@@ -220,6 +221,8 @@ void sl_splat_destroy(void *state) {
         sl_record_list_free(&s->cache[c].list);
     }
     sl_gbuffer_destroy(s->gbuffer);
+    sl_reflections_destroy(s->reflections);
+    sl_mirror_blocks_release(&s->mirrors);
     sl_free(s->planes);
     sl_free(s->owned);
     sl_free(s);

@@ -37,6 +37,7 @@ typedef struct sl_glossy_view {
     const sl_splat_receivers *receivers;
     const uint32_t *material; /* of every pixel */
     sl_vec3 eye;
+    const sl_gbuffer *gbuffer; /* whose seen_from, if it has any, tells better; or NULL */
 } sl_glossy_view;
 
 /* One record with its coefficients. */

@@ -93,8 +93,9 @@ void SL_KERNEL(sl_glossy_radiance)(const sl_glossy_view *view, const sl_glossy_r
     _Alignas(64) float weights[VECTOR_MAX + SPARE];
     radiance[0] = radiance[1] = radiance[2] = 0.0f;
     if (!lobe) return;
+    const sl_vec3 from = view->gbuffer && view->gbuffer->seen_from ? view->gbuffer->seen_from[pixel] : view->eye;
     /* Shading normals can turn away from the eye at silhouettes; such a pixel reflects as at grazing view. */
-    const sl_vec3 out = sl_normalize_or(sl_sub(view->eye, p), n);
+    const sl_vec3 out = sl_normalize_or(sl_sub(from, p), n);
     const float up = sl_dot(out, n), seen = up > 0.0f ? up : 0.0f;
     const sl_vec3 mirrored = sl_sub(sl_scale(n, seen + up), out);
     move_lobe(g, lobe, sl_frame_to_local(f, mirrored), sl_frame_to_local(f, n), seen, weights);

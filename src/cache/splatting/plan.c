@@ -61,17 +61,18 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
         .harmonics_order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene),
         .irradiance = features.diffuse_triangles && light,
         .radiance = features.glossy_triangles && light,
+        .mirrors = features.mirror_triangles && light,
         .direct = (features.diffuse_triangles || features.glossy_triangles) && light,
     };
 }
 
-/* L E, L (D|G) E, L D+ (D|G) E: as many diffuse bounces as asked for, no mirrors. With glossy hits L (D|G) (D|G) E.
+/* L S* E, L (D|G) S* E, L D+ (D|G) S* E: as many diffuse bounces as asked for, mirrors S before the eye alone. With glossy hits L (D|G) (D|G) E.
  * Exact for one bounce: of more, surfaces reflect light that has met others by their diffuse lobes alone, and the paths declared here are
  * then a little more than those computed. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
-        .eye_mirrors = false,
+        .eye_mirrors = true,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .bounce_lobes = settings->glossy_hits ? SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY : SL_LOBE_DIFFUSE,
@@ -117,7 +118,8 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
     bool more = settings->bounces > 1;
     sl_plan_pass(writer, more && light && receivers, "hidden records", "%u bounce%s", (unsigned)settings->bounces,
                  more ? "s: what gathers see receives indirect light too" : ": what gathers see receives direct light alone");
-    sl_plan_pass(writer, false, "mirrors", "%zu mirror triangles; splatting leaves them black", f.mirror_triangles);
+    sl_plan_pass(writer, f.mirror_triangles && light, "mirrors", "%zu mirror triangles, rays from the eye follow them; gathers see them black",
+                 f.mirror_triangles);
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");
 }

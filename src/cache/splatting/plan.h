@@ -22,6 +22,7 @@ typedef struct sl_splat_plan {
     sl_gather_settings gather;
     sl_radius_metric metric; /* of irradiance records, decided */
     int harmonics_order;    /* n of radiance records */
+    bool mirrors;           /* rays from the eye follow them */
     bool direct, irradiance, radiance; /* is there anything to compute? */
 } sl_splat_plan;
 

@@ -1,6 +1,6 @@
 /* Algorithm 2 of Gautron et al. 2005, corrected where the paper errs:
  *
- *   1  G-buffer                               update 0
+ *   1  G-buffer, mirrors followed by rays     update 0
  *   1b emission and direct light              one update for every DIRECT_ROWS rows
  *   2  splat existing records                 none are there at the start; after a camera edit all of them
  *   3  coverage                               kept as records are committed; the same sums, so nothing to read back
@@ -88,9 +88,19 @@ static sl_status welcome_records(sl_splat_state *s, sl_error *error) {
     return status;
 }
 
+/* What they show takes their place. */
+static sl_status follow_mirrors(sl_splat_state *s, sl_error *error) {
+    sl_reflections_destroy(s->reflections);
+    s->reflections = NULL;
+    if (!s->plan.mirrors) return SL_OK;
+    sl_status status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
+    return status == SL_OK ? sl_mirror_blocks_make(s->gbuffer, s->reflections, &s->mirrors, error) : status;
+}
+
 static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
+    if (status == SL_OK) status = follow_mirrors(s, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "Algorithm 2, step 1", s->gbuffer);
     classify_receivers(s);
@@ -276,6 +286,7 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
                             .receives = {s->cache[0].receives, s->cache[1].receives},
                             .splats = s->splats,
                             .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
+                            .reflections = s->phase != SL_PHASE_GBUFFER ? s->reflections : NULL,
                             .drawn = s->phase != SL_PHASE_GBUFFER,
                             .threads = s->settings.threads};
     status = sl_compose(&parts, *image, error);

@@ -10,6 +10,7 @@
  *   splat.c          steps 4 and 5: records onto the screen
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
  *   glossy.c         the same for what a glossy lobe reflects of a radiance record
+ *   mirrors.c        the same for pixels that show something by way of mirrors (../reflect/)
  *   compose.c        step 6: the picture and its layers
  *   keep.c           records on disk, for another run
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
@@ -22,6 +23,7 @@
 #include "cache/gather/gather.h"
 #include "cache/method.h"
 #include "cache/splatting/glossy.h"
+#include "cache/splatting/mirrors.h"
 #include "cache/splatting/record.h"
 
 /* ---- which pixels get records ---- */
@@ -67,6 +69,7 @@ typedef struct sl_record_pass {
     sl_glossy_view glossy;    /* used where coefficient_count > 0 */
     const sl_splat_kernels *kernels;
     const sl_camera *camera;
+    const sl_mirror_blocks *mirrors;
     float near_distance, footprint_per_depth;
     float covered_weight;     /* w_min: a pixel whose sum of weights reaches it is covered */
     bool neighbour_clamp;
@@ -109,6 +112,7 @@ typedef struct sl_composition {
     const uint32_t *receives[SL_RECEIVER_CLASSES]; /* NULL: no pixel does */
     sl_splat_buffer splats;
     const float *direct[3];
+    const sl_reflections *reflections; /* or NULL */
     bool drawn;               /* the G-buffer holds this view */
     unsigned threads;
 } sl_composition;

@@ -49,6 +49,8 @@ typedef struct sl_splat_state {
     sl_hidden_cache *hidden;    /* more than one bounce: irradiance of what gathers see; made with the first cache */
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
+    sl_reflections *reflections; /* pixels that show something by way of mirrors; NULL: none */
+    sl_mirror_blocks mirrors;   /* where what they show lies */
     float *planes;              /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
     float *direct_light[3], *coverage;
     sl_splat_buffer splats;

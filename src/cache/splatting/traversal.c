@@ -114,6 +114,14 @@ static sl_record make_record(const sl_record_pass *pass, const sl_gather_point *
     return record;
 }
 
+/* Along the view; by way of mirrors as long as the way. */
+static float depth_of(const sl_record_pass *pass, size_t pixel, sl_vec3 p) {
+    const sl_vec3 *from = pass->gbuffer->seen_from ? &pass->gbuffer->seen_from[pixel] : NULL;
+    sl_vec3 to_mirror = from ? sl_sub(*from, pass->camera->eye) : sl_v3(0.0f, 0.0f, 0.0f);
+    if (sl_dot(to_mirror, to_mirror) > 0.0f) return sl_length(to_mirror) + sl_length(sl_sub(p, *from));
+    return -sl_dot(sl_sub(p, pass->camera->eye), pass->camera->back);
+}
+
 /* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
  * if that does not help it reaches no further than R_min, and only what it sees. */
 static void gather_one(void *context, size_t index, unsigned worker) {
@@ -131,9 +139,7 @@ static void gather_one(void *context, size_t index, unsigned worker) {
         inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     }
     if (inside) irradiance.harmonic_mean = irradiance.nearest = 0.0f, irradiance.curvature[0] = INFINITY;
-    sl_vec3 to_point = sl_sub(point.position, pass->camera->eye);
-    float depth = -sl_dot(to_point, pass->camera->back);
-    b->records[index] = make_record(pass, &point, &irradiance, depth * pass->footprint_per_depth, inside, &b->counters[index]);
+    b->records[index] = make_record(pass, &point, &irradiance, depth_of(pass, b->pixels[index], point.position) * pass->footprint_per_depth, inside, &b->counters[index]);
     if (b->coefficients) {
         const float *coefficients = b->coefficients + index * pass->coefficient_count;
         sl_record_limit_radius(&b->records[index], sl_glossy_length(pass->glossy.glossy, coefficients));

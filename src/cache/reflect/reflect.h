@@ -1,7 +1,7 @@
 /* Pixels that show a mirror show what it reflects: rays are followed from mirror to mirror, and what they find takes the mirror's place in the
  * G-buffer. */
-#ifndef SL_CACHE_LIGHT_OCTREE_REFLECT_H
-#define SL_CACHE_LIGHT_OCTREE_REFLECT_H
+#ifndef SL_CACHE_REFLECT_H
+#define SL_CACHE_REFLECT_H
 
 #include "raster/textures/textures.h"
 #include "trace/trace.h"

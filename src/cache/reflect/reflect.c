@@ -1,4 +1,4 @@
-#include "cache/light_octree/reflect.h"
+#include "cache/reflect/reflect.h"
 
 #include "base/counters.h"
 #include "base/error.h"

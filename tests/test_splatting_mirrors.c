@@ -1,0 +1,135 @@
+/* Splatting follows mirrors from the eye: what they show, and which records reach it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "cache/splatting/mirrors.h"
+#include "rendering.h"
+
+/* ---- pictures ---- */
+
+/* A corner of two mirrors, x = 2 and z = -2, above a glossy floor, and a wall behind the camera that is seen in the mirrors alone. */
+static const char corner_obj[] = "v -4 0 -2\nv 2 0 -2\nv 2 0 4\nv -4 0 4\nv -4 3 -2\nv 2 3 -2\nv 2 3 4\nv -4 3 4\n"
+                                 "usemtl floor\nf 1 4 3 2\nusemtl silver\nf 1 2 6 5\nf 2 3 7 6\nusemtl wall\nf 3 4 8 7\n";
+static const char corner_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+    " \"materials\": {\"floor\": {\"diffuse\": 0.4, \"specular\": 0.4, \"exponent\": 12}, \"wall\": {\"diffuse\": [0.8, 0.5, 0.2]},\n"
+    "               \"silver\": {\"mirror\": [0.9, 0.8, 0.7]}},\n"
+    " \"lights\": [{\"type\": \"point\", \"position\": [-1, 2.5, 2], \"intensity\": [10, 10, 10]}],\n"
+    " \"camera\": {\"eye\": [-2, 1.5, 3], \"target\": [1.5, 0.8, -2], \"up\": [0, 1, 0], \"fov_deg\": 60},\n"
+    " \"film\": {\"width\": 48, \"height\": 48}}";
+
+static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(corner_json, corner_obj);
+    sl_settings settings = small_settings("splatting", 48, 48), path = small_settings("path", 48, 48);
+    path.transport = "matched:splatting";
+    path.spp = 256;
+    sl_image *image = render(scene, &settings, NULL), *reference = render(scene, &path, NULL);
+    sl_comparison c;
+    assert_int_equal(sl_image_compare(image, reference, NULL, &c, NULL, NULL), SL_OK);
+    print_message("relMSE %.5f, noise %.5f, bias %+.4f\n", c.rel_mse, c.rel_mse_noise, c.bias);
+    assert_true(c.rel_mse - c.rel_mse_noise < 0.0005);
+    assert_true(fabs(c.bias) < 0.005);
+    const float *weight = sl_image_channel(image, "weight.Y"), *direct = sl_image_channel(image, "direct.R");
+    for (int i = 0; i < 48 * 48; i++) assert_true(direct[i] == 0.0f || weight[i] > 0.0f); /* records reach all that is lit */
+    sl_image_destroy(image);
+    sl_image_destroy(reference);
+    sl_scene_destroy(scene);
+}
+
+static void mirrors_do_not_depend_on_threads(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(corner_json, corner_obj);
+    sl_settings settings = small_settings("splatting", 70, 40);
+    settings.quality = SL_QUALITY_DRAFT;
+    assert_same_bits_with_any_threads(scene, &settings);
+    sl_scene_destroy(scene);
+}
+
+/* ---- rectangles ---- */
+
+enum { WIDTH = 150, HEIGHT = 100, PIXELS = WIDTH * HEIGHT };
+
+/* Pixels that show something by way of a mirror: a disc of the picture, their positions a bent and folded sheet. */
+static void show_a_disc(sl_gbuffer *g, sl_reflections *r) {
+    r->pixel = malloc(PIXELS * sizeof *r->pixel);
+    assert_non_null(r->pixel);
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        int x = (int)i % WIDTH - 70, y = (int)i / WIDTH - 45;
+        if (x * x + y * y > 40 * 40) continue;
+        g->position_x[i] = fabsf((float)x * 0.1f);
+        g->position_y[i] = (float)y * 0.1f;
+        g->position_z[i] = 0.02f * (float)(x * y % 17);
+        g->material[i] = (x + y) % 13 ? 0 : SL_NO_INDEX; /* some show nothing */
+        r->pixel[r->count++] = i;
+    }
+}
+
+static bool holds(sl_splat_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
+
+static bool is_reached(const sl_gbuffer *g, size_t i, sl_vec3 centre, float reach) {
+    sl_vec3 d = sl_sub(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), centre);
+    return sl_dot(d, d) <= reach * reach;
+}
+
+static void every_pixel_that_a_sphere_reaches_lies_in_one_rectangle_and_none_in_two(void **state) {
+    (void)state;
+    sl_gbuffer *g;
+    sl_reflections r = {0};
+    sl_mirror_blocks blocks = {0};
+    uint64_t key = sl_random_key(1, 2), next = 0;
+    assert_int_equal(sl_gbuffer_create(WIDTH, HEIGHT, &g, NULL), SL_OK);
+    show_a_disc(g, &r);
+    assert_int_equal(sl_mirror_blocks_make(g, &r, &blocks, NULL), SL_OK);
+    size_t reached = 0, held = 0;
+    for (int run = 0; run < 300; run++) {
+        float n[6];
+        for (int k = 0; k < 6; k++) n[k] = sl_random_unit(key, next++);
+        sl_vec3 centre = sl_v3(5.0f * n[0] - 0.5f, 9.0f * n[1] - 4.5f, n[2] - 0.5f);
+        float reach = 1.5f * n[3] * n[3];
+        int x = (int)(n[4] * 140.0f), y = (int)(n[5] * 90.0f);
+        sl_splat_rect seen = {x, y, x + (run % 3) * 5, y + 8}, rects[6], all = sl_rect_union(seen, sl_mirror_bounds(&blocks, centre, reach));
+        size_t count = sl_mirror_rects(&blocks, centre, reach, seen, NULL);
+        assert_in_range(count, 0, 6);
+        assert_int_equal(sl_mirror_rects(&blocks, centre, reach, seen, rects), count);
+        uint8_t times[PIXELS] = {0};
+        for (size_t k = 0; k < count; k++) {
+            for (int v = rects[k].y0; v < rects[k].y1; v++) {
+                for (int u = rects[k].x0; u < rects[k].x1; u++) times[v * WIDTH + u]++;
+            }
+        }
+        for (size_t k = 0; k < r.count; k++) {
+            size_t i = r.pixel[k];
+            if (g->material[i] == SL_NO_INDEX || !is_reached(g, i, centre, reach)) continue;
+            assert_int_equal(times[i], 1);
+            assert_true(holds(all, (int)(i % WIDTH), (int)(i / WIDTH)));
+            reached++;
+        }
+        for (int i = 0; i < PIXELS; i++) {
+            assert_true(times[i] == (holds(seen, i % WIDTH, i / WIDTH) ? 1 : times[i]) && times[i] <= 1);
+            held += times[i];
+        }
+    }
+    print_message("%zu pixels reached, %zu in rectangles\n", reached, held);
+    assert_true(reached > 10000 && held < 10 * reached);
+    sl_mirror_blocks_release(&blocks);
+    free(r.pixel);
+    sl_gbuffer_destroy(g);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_mirrors_show_is_what_the_path_tracer_says),
+        cmocka_unit_test(mirrors_do_not_depend_on_threads),
+        cmocka_unit_test(every_pixel_that_a_sphere_reaches_lies_in_one_rectangle_and_none_in_two),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
