@@ -80,14 +80,19 @@ static void write_pictures(const bench_report *r, const char *what, mesh_run *ru
 }
 
 static void say_memory(bench_report *r, const char *name, const mesh_run *run) {
-    static const char *const kinds[SL_MESH_KINDS] = {"direct", "specular", "indirect", "irradiance"};
-    sl_mesh_census c[SL_MESH_KINDS];
+    static const char *const kinds[SL_MESH_KINDS] = {"direct", "specular", "indirect", "irradiance", "coarse"};
+    sl_mesh_census c[SL_MESH_KINDS], all = {0};
     sl_multi_mesh_census(run->state, c);
     for (int k = 0; k < SL_MESH_KINDS; k++) {
         if (!c[k].leaves) continue;
         bench_row(r, "%s|%s|%zu|%zu|%zu|%.0f|%.0f", name, kinds[k], c[k].leaves, c[k].vertices, c[k].known, (double)c[k].bytes / 1024.0,
                   (double)c[k].bytes / (double)c[k].leaves);
+        all.leaves += c[k].leaves;
+        all.vertices += c[k].vertices;
+        all.known += c[k].known;
+        all.bytes += c[k].bytes;
     }
+    bench_row(r, "%s|all|%zu|%zu|%zu|%.0f|%.0f", name, all.leaves, all.vertices, all.known, (double)all.bytes / 1024.0, (double)all.bytes / (double)all.leaves);
 }
 
 static void table_of_samples(bench_report *r, const bench_options *o, const mesh_world *w) {

@@ -258,4 +258,5 @@ size_t sl_coarse_memory_bytes(const sl_coarse *c) {
 }
 
 size_t sl_coarse_vertex_count(const sl_coarse *c) { return c->vertex_count; }
+size_t sl_coarse_triangle_count(const sl_coarse *c) { return c->triangle_count; }
 const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *c) { return c->vertex; }

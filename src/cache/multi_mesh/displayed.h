@@ -92,6 +92,9 @@ sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pix
 size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t room);
 /* Priorities of visible leaves from what is known now: after values of missing vertices were filled in. */
 void sl_displayed_prioritise(sl_displayed *displayed);
+/* As little memory as it takes, when nothing is asked of it for the time being; where memory ends, all stays as it is. forget: values that show nowhere go,
+ * which the tests of cuts that were undone left. No picture changes by it. */
+void sl_displayed_tidy(sl_displayed *displayed, bool forget);
 /* Throws the whole mesh away but for its memory, as specular radiance is when the eye moves (call sl_displayed_see() next). */
 void sl_displayed_restart(sl_displayed *displayed);
 

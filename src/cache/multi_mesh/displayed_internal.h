@@ -74,6 +74,8 @@ sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *pla
 
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error);
+/* What has been remembered of leaves' edges is no longer true. */
+void sl_displayed_forget_edges(sl_displayed *d);
 /* All leaves' may have. */
 void sl_displayed_mark_all(sl_displayed *d);
 

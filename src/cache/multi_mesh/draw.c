@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/multi_mesh/draw_kernels.h"
+#include "cache/multi_mesh/grow.h"
 
 enum { LEAVES_AT_ONCE = 64, BLOCK = 256 };
 
@@ -34,8 +35,13 @@ sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error) {
     return SL_OK;
 }
 
-void sl_displayed_mark_all(sl_displayed *d) {
+void sl_displayed_forget_edges(sl_displayed *d) {
     for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)(SL_NODE_SIMPLE | SL_NODE_LISTED);
+    d->hanging_count = 0;
+}
+
+void sl_displayed_mark_all(sl_displayed *d) {
+    sl_displayed_forget_edges(d);
     d->dirty_all = true;
 }
 
@@ -274,8 +280,9 @@ static void keep_lists(sl_displayed *d, size_t count) {
     if (count <= d->hanging_capacity) return;
     for (size_t n = 0; n < d->mesh->node_count; n++) d->mesh->node[n].flags &= ~(uint32_t)SL_NODE_LISTED;
     sl_free(d->hanging);
-    d->hanging = sl_allocate_unset(2 * count, sizeof *d->hanging); /* none: nothing is remembered */
-    d->hanging_capacity = d->hanging ? 2 * count : 0;
+    size_t capacity = sl_grown_capacity(count, 0);
+    d->hanging = sl_allocate_unset(capacity, sizeof *d->hanging); /* none: nothing is remembered */
+    d->hanging_capacity = d->hanging ? capacity : 0;
     d->hanging_count = 0;
 }
 

@@ -33,7 +33,7 @@ typedef struct sl_coarse_vertex {
     uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_MESH_DYADIC */
     uint8_t depth;             /* of the coarse triangle */
 } sl_coarse_vertex;
-size_t sl_coarse_vertex_count(const sl_coarse *coarse);
+size_t sl_coarse_vertex_count(const sl_coarse *coarse), sl_coarse_triangle_count(const sl_coarse *coarse);
 const sl_coarse_vertex *sl_coarse_vertices(const sl_coarse *coarse);
 /* U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other corners' mean stands in, triangle by
  * triangle, and sl_coarse_get() has no number. */

@@ -50,6 +50,9 @@ const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t lig
 sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points, float *share, bool *valid,
                            sl_counters *counters, sl_error *error);
 
+/* As little memory as it takes, when nothing is asked of them for the time being. */
+void sl_irradiance_meshes_tidy(sl_irradiance_meshes *meshes);
+
 /* Takes the world as it is now (settings; topology of the same structure, as many lights) and keeps the samples that are still true. After a
  * failure the meshes can be destroyed, no more. */
 sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings, const sl_irradiance_changes *changes,

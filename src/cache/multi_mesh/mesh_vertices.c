@@ -55,15 +55,19 @@ static bool grow_vertices(sl_mesh *mesh) {
     return true;
 }
 
+void sl_mesh_fill_slots(sl_mesh *mesh) {
+    for (size_t i = 0; i < mesh->slot_count; i++) mesh->slot[i] = SL_NO_INDEX;
+    for (size_t v = 0; v < mesh->vertex_count; v++) mesh->slot[slot_of(mesh, &mesh->key[v])] = (uint32_t)v;
+}
+
 static bool grow_slots(sl_mesh *mesh) {
     size_t count = sl_grown_capacity(mesh->slot_count, 16);
-    uint32_t *slot = sl_allocate(count, sizeof *slot);
+    uint32_t *slot = sl_allocate_unset(count, sizeof *slot);
     if (slot == NULL) return false;
-    for (size_t i = 0; i < count; i++) slot[i] = SL_NO_INDEX;
     sl_free(mesh->slot);
     mesh->slot = slot;
     mesh->slot_count = count;
-    for (size_t v = 0; v < mesh->vertex_count; v++) mesh->slot[slot_of(mesh, &mesh->key[v])] = (uint32_t)v;
+    sl_mesh_fill_slots(mesh);
     return true;
 }
 

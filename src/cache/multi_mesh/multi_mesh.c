@@ -201,12 +201,21 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
     return status;
 }
 
+/* The picture is whole. Values of direct light that show nowhere can be had again from the irradiance meshes; those of indirect light would have to be
+ * gathered again, and stay. */
+static void tidy(sl_multi_mesh_state *s) {
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) sl_displayed_tidy(s->part[i], i != SL_INDIRECT);
+    if (s->irradiance) sl_irradiance_meshes_tidy(s->irradiance);
+    s->phase = SL_PHASE_DONE;
+}
+
 static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
     size_t served = 0;
     bool coarse = s->plan.indirect && !indirect_is_ready(s);
     sl_status status = refine(s, &served, error);
     if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
-    if (status == SL_OK && served == 0) s->phase = SL_PHASE_DONE;
+    if (status == SL_OK && served == 0) tidy(s);
     return status;
 }
 
@@ -312,12 +321,16 @@ void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) census[i] = census_of(s->part[i]->mesh, sl_displayed_memory_bytes(s->part[i]));
     for (size_t l = 0; s->irradiance && l < s->lights->count; l++) {
-        const sl_mesh *mesh = sl_irradiance_mesh(s->irradiance, l);
-        sl_mesh_census c = census_of(mesh, sl_mesh_memory_bytes(mesh)), *all = &census[SL_MESH_IRRADIANCE];
+        sl_mesh_census c = census_of(sl_irradiance_mesh(s->irradiance, l), 0), *all = &census[SL_MESH_IRRADIANCE];
         all->leaves += c.leaves;
         all->vertices += c.vertices;
         all->known += c.known;
-        all->bytes += c.bytes;
+    }
+    if (s->irradiance) census[SL_MESH_IRRADIANCE].bytes = sl_irradiance_meshes_bytes(s->irradiance);
+    if (s->coarse) {
+        size_t vertices = sl_coarse_vertex_count(s->coarse);
+        census[SL_MESH_COARSE] = (sl_mesh_census){sl_coarse_triangle_count(s->coarse), vertices, s->coarse_whole ? vertices : s->coarse_done,
+                                                  sl_coarse_memory_bytes(s->coarse)};
     }
 }
 
