@@ -2,9 +2,11 @@
 #include "patch_support.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/counters.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/display_parts.h"
 #include "scene/bicubic.h"
@@ -215,6 +217,73 @@ static void no_pixel_shows_what_is_behind(void **state) {
     hierarchy_discard(&h);
 }
 
+/* ---- alpha masks ------------------------------------------------------------------------------------------------------------------- */
+
+/* Half of the vase is holes: each surface has one of half its width and height, in its middle, and another one around its corner. */
+static void pierce(sl_scene *scene) {
+    sl_texture *mask = sl_allocate(1, sizeof *mask);
+    mask->width = mask->height = 2;
+    mask->has_alpha = true;
+    mask->file = sl_allocate(8, 1);
+    mask->texels = sl_allocate(16, 1);
+    for (int i = 0; i < 4; i++) mask->texels[4 * i + 3] = i == 0 || i == 3 ? 255 : 0;
+    sl_free(scene->textures);
+    scene->textures = mask;
+    scene->texture_count = 1;
+    scene->materials[scene->material_index[scene->bicubics[0].first_triangle]].alpha_texture = 0;
+}
+
+/* The scene's own triangles of the surfaces have masks of their own; where these show what is behind, or the vase, all around a pixel, so must the display. */
+static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) {
+    (void)state;
+    sl_scene *scene;
+    assert_int_equal(sl_scene_load("scenes/vase.json", &scene, NULL), SL_OK);
+    pierce(scene);
+    hierarchy h = hierarchy_of(scene, false);
+    sl_display *display = display_of(&h);
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(h.scene, 1, &raster, NULL), SL_OK);
+    static uint32_t id[PIXELS], root[PIXELS];
+    static bool on_it[PIXELS];
+    size_t holes = 0, walls = 0;
+    for (int k = 0; k < VIEWS; k++) {
+        look_from(h.scene, k);
+        build(display, &h);
+        sl_view view = sl_view_scene(h.scene, W, H), own = view;
+        sl_target target = {W, H, id, NULL}, cut = {W, H, root, NULL};
+        sl_counters counters = {0};
+        assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
+        const sl_tessellation *t = shown(display);
+        sl_raster *whole; /* the same triangles, without holes: whether the vase is here at all */
+        sl_raster_mesh mesh = {t->vertex_count, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
+        assert_int_equal(sl_raster_create_mesh(&mesh, 1, &whole, NULL), SL_OK);
+        assert_int_equal(sl_raster_id(whole, &own, 1, &cut, &counters, NULL), SL_OK);
+        static bool covered[PIXELS];
+        for (int i = 0; i < PIXELS; i++) covered[i] = root[i] != SL_NO_INDEX;
+        sl_display_ids ids = {.root = root};
+        assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
+        for (int i = 0; i < PIXELS; i++) {
+            on_it[i] = id[i] != SL_NO_INDEX && h.primitives->kind[h.primitives->of_triangle[id[i]]] == SL_PRIMITIVE_BICUBIC;
+        }
+        for (int y = 2; y < H - 2; y++) {
+            for (int x = 2; x < W - 2; x++) {
+                int around = 0;
+                for (int d = 0; d < 25; d++) around += on_it[(y + d / 5 - 2) * W + x + d % 5 - 2];
+                uint32_t here = root[y * W + x];
+                bool curved = here != SL_NO_INDEX && h.primitives->kind[here / 2] == SL_PRIMITIVE_BICUBIC;
+                if (around == 25) assert_true(curved), walls++;
+                if (around == 0 && covered[y * W + x]) assert_false(curved), holes++;
+            }
+        }
+        sl_raster_destroy(whole);
+    }
+    printf("%zu pixels of walls, %zu seen through holes\n", walls, holes);
+    assert_true(walls > 5000 && holes > 1000);
+    sl_raster_destroy(raster);
+    sl_display_destroy(display);
+    hierarchy_discard(&h);
+}
+
 /* ---- the cache between its vertices ---------------------------------------------------------------------------------------------- */
 
 static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no_sample(void **state) {
@@ -343,6 +412,7 @@ int main(void) {
         cmocka_unit_test(nothing_is_cut_anew_while_the_view_stays),
         cmocka_unit_test(triangles_meet_along_whole_edges),
         cmocka_unit_test(no_pixel_shows_what_is_behind),
+        cmocka_unit_test(holes_in_surfaces_are_holes_in_what_they_are_cut_into),
         cmocka_unit_test(tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no_sample),
         cmocka_unit_test(moved_surfaces_are_shown_where_they_are_before_any_update),
         cmocka_unit_test(an_eye_within_or_on_a_surface_is_no_trouble),

@@ -55,6 +55,7 @@ typedef struct sl_tessellation {
     size_t vertex_count, triangle_count;
     sl_curved_rates *rates;    /* by surface */
     sl_vec3 *point;            /* 16 control points of each, as they were */
+    sl_scene *masked;          /* these triangles with materials and texture coordinates, for alpha masks; NULL: there are none */
     sl_camera camera;          /* that it was made for */
 } sl_tessellation;
 

@@ -287,6 +287,8 @@ static void put_triangles(const sl_display *d, sl_tessellation *t) {
 /* ---- the whole ---------------------------------------------------------------------------------------------------------------- */
 
 void sl_tessellation_release(sl_tessellation *t) {
+    if (t->masked) sl_free(t->masked->material_index);
+    sl_free(t->masked);
     void *all[] = {t->x, t->y, t->z, t->u, t->v, t->vertex[0], t->vertex[1], t->vertex[2], t->primitive, t->rates, t->point};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_raster_destroy(t->raster);
@@ -310,6 +312,30 @@ static bool allocate(sl_tessellation *t, size_t vertices, size_t triangles, size
     return ok;
 }
 
+static bool any_masked(const sl_display *d) {
+    const sl_primitives *p = d->primitives;
+    bool masked = false;
+    for (size_t s = 0; s < d->curved->count; s++) masked |= sl_scene_has_alpha(p->scene, p->first_triangle[d->curved->primitive[s]]);
+    return masked;
+}
+
+/* The hardware tests alpha masks by a scene's materials and texture coordinates, and those of a surface are its (u, v). */
+static sl_status make_masked(const sl_display *d, sl_tessellation *t, unsigned threads, sl_error *error) {
+    const sl_primitives *p = d->primitives;
+    const sl_scene *s = p->scene;
+    sl_scene *m = t->masked = sl_allocate(1, sizeof *m);
+    if (!m || !(m->material_index = sl_allocate(t->triangle_count, sizeof *m->material_index))) return sl_fail_memory(error, "curved surfaces");
+    m->vertex_count = t->vertex_count;
+    m->position_x = t->x, m->position_y = t->y, m->position_z = t->z;
+    m->texture_u = t->u, m->texture_v = t->v;
+    m->triangle_count = t->triangle_count;
+    for (int c = 0; c < 3; c++) m->vertex[c] = t->vertex[c];
+    for (size_t i = 0; i < t->triangle_count; i++) m->material_index[i] = s->material_index[p->first_triangle[t->primitive[i]]];
+    m->material_count = s->material_count, m->materials = s->materials;
+    m->texture_count = s->texture_count, m->textures = s->textures;
+    return sl_raster_create(m, threads, &t->raster, error);
+}
+
 static sl_status make(const sl_display *d, const sl_scene *scene, unsigned threads, sl_tessellation *t, sl_error *error) {
     size_t surfaces = d->curved->count, vertices = 0, triangles = 0;
     if (!(t->rates = sl_allocate(surfaces, sizeof *t->rates))) return sl_fail_memory(error, "curved surfaces");
@@ -323,6 +349,7 @@ static sl_status make(const sl_display *d, const sl_scene *scene, unsigned threa
     put_triangles(d, t);
     t->vertex_count = vertices;
     t->camera = scene->camera;
+    if (any_masked(d)) return make_masked(d, t, threads, error);
     t->mesh = (sl_raster_mesh){vertices, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
     return sl_raster_create_mesh(&t->mesh, threads, &t->raster, error);
 }
