@@ -27,4 +27,21 @@ void sl_free(void *block) {
     free(block);
 }
 
+/* Calls something with room for 0, 1, 2 ... allocations until it succeeds; how often it failed. Each time it says that memory ended, and holds no more
+ * than before, unless it is of those that keep what they did until then. after_failure (or NULL) looks at what is left, with all memory there is. */
+typedef sl_status attempt(void *context);
+typedef void look(void *context);
+static long until_it_succeeds(attempt *call, void *context, bool keeps, look *after_failure) {
+    for (long room = 0;; room++) {
+        long held = blocks_held;
+        allocations_left = room;
+        sl_status status = call(context);
+        allocations_left = -1;
+        if (status == SL_OK) return room;
+        assert_int_equal(status, SL_ERROR_RESOURCES);
+        if (!keeps) assert_int_equal(blocks_held, held);
+        if (after_failure) after_failure(context);
+    }
+}
+
 #endif

@@ -20,77 +20,92 @@ static sl_scene *scene_of_a_sphere(void) {
     return trace_mesh_build(&parts);
 }
 
+typedef struct making {
+    const sl_scene *scene;
+    sl_topology *topology;
+} making;
+
+static sl_status make_topology(void *context) {
+    making *m = context;
+    sl_error error;
+    return sl_topology_create(m->scene, false, &m->topology, &error);
+}
+
+static void there_is_none(void *context) { assert_null(((making *)context)->topology); }
+
 static void a_topology_without_memory_is_an_error_and_leaves_nothing_behind(void **state) {
     (void)state;
     sl_scene *scene = scene_of_a_sphere();
-    sl_status status = SL_ERROR_RESOURCES;
-    long failed = 0;
-    while (status != SL_OK) {
-        sl_topology *topology;
-        sl_error error;
-        long held = blocks_held;
-        allocations_left = failed;
-        status = sl_topology_create(scene, false, &topology, &error);
-        allocations_left = -1;
-        if (status != SL_OK) {
-            assert_int_equal(status, SL_ERROR_RESOURCES);
-            assert_null(topology);
-            assert_int_equal(blocks_held, held);
-            failed++;
-        }
-        sl_topology_destroy(topology);
-        assert_int_equal(blocks_held, held);
-    }
-    assert_true(failed > 25);
+    making m = {.scene = scene};
+    long held = blocks_held;
+    assert_true(until_it_succeeds(make_topology, &m, false, there_is_none) > 25);
+    sl_topology_destroy(m.topology);
+    assert_int_equal(blocks_held, held);
     sl_scene_destroy(scene);
 }
 
-/* Roots and splits at random places. Where memory ends, the same step is tried again with one allocation more. */
-static void build(sl_mesh *mesh, bool failing, long *failures) {
+/* A root and a split at a random place. */
+typedef struct step {
+    sl_mesh *mesh;
+    uint32_t face;
+    float u, v;
+} step;
+
+static sl_status take_step(void *context) {
+    step *s = context;
+    sl_mesh *mesh = s->mesh;
+    sl_status status;
+    float w1, w2;
+    size_t leaves = mesh->leaf_count;
+    uint32_t root = sl_mesh_root(mesh, s->face, &status, NULL);
+    assert_int_equal(root == SL_NO_INDEX, status != SL_OK);
+    if (status == SL_OK) {
+        sl_mesh_place leaf = sl_mesh_locate(mesh, s->face, s->u, s->v, &w1, &w2);
+        leaves = mesh->leaf_count;
+        status = sl_mesh_split(mesh, &leaf, NULL);
+        if (status != SL_OK) assert_true(sl_mesh_is_leaf(mesh, leaf.node));
+    }
+    if (status != SL_OK) assert_int_equal(mesh->leaf_count, leaves);
+    return status;
+}
+
+static long build(sl_mesh *mesh, bool failing) {
     uint64_t key = sl_random_key(4, 4);
     uint32_t faces = (uint32_t)mesh->topology->face_count;
+    long failures = 0;
     for (uint64_t i = 0; i < 3000; i++) {
-        sl_status status = SL_ERROR_RESOURCES;
-        for (long room = 0; status != SL_OK; room++) {
-            size_t leaves = mesh->leaf_count;
-            uint32_t face = sl_random_bits(key, 3 * i) % faces;
-            allocations_left = failing ? room : -1;
-            uint32_t root = sl_mesh_root(mesh, face, &status, NULL);
-            assert_int_equal(root == SL_NO_INDEX, status != SL_OK);
-            if (status == SL_OK) {
-                float w1, w2;
-                sl_mesh_place leaf = sl_mesh_locate(mesh, face, sl_random_unit(key, 3 * i + 1), sl_random_unit(key, 3 * i + 2), &w1, &w2);
-                leaves = mesh->leaf_count;
-                status = sl_mesh_split(mesh, &leaf, NULL);
-                if (status != SL_OK) assert_true(sl_mesh_is_leaf(mesh, leaf.node));
-            }
-            allocations_left = -1;
-            if (status == SL_OK) continue;
-            assert_int_equal(status, SL_ERROR_RESOURCES);
-            assert_int_equal(mesh->leaf_count, leaves);
-            ++*failures;
-        }
+        step s = {mesh, sl_random_bits(key, 3 * i) % faces, sl_random_unit(key, 3 * i + 1), sl_random_unit(key, 3 * i + 2)};
+        if (failing) failures += until_it_succeeds(take_step, &s, true, NULL);
+        else assert_int_equal(take_step(&s), SL_OK);
     }
+    return failures;
+}
+
+typedef struct tidying {
+    sl_mesh *mesh;
+    uint32_t *node_of;
+    size_t nodes, room, vertices;
+} tidying;
+
+static sl_status tidy(void *context) {
+    tidying *t = context;
+    return sl_mesh_tidy(t->mesh, true, t->node_of) ? SL_OK : SL_ERROR_RESOURCES;
+}
+
+static void nothing_has_changed(void *context) {
+    tidying *t = context;
+    assert_true(t->mesh->node_count == t->nodes && t->mesh->node_capacity == t->room && t->mesh->vertex_count == t->vertices);
 }
 
 /* Two meshes with the same in them: the first is tidied up at once, the second when there is room for all that it takes. */
 static void tidy_where_memory_ends(sl_mesh *a, sl_mesh *b) {
-    uint32_t *node_of = malloc(a->node_count * sizeof *node_of);
-    long failed = -1, held = blocks_held;
-    size_t nodes = b->node_count, capacity = b->node_capacity, vertices = b->vertex_count;
-    assert_true(node_of != NULL && sl_mesh_tidy(a, true, node_of));
-    for (bool good = false; !good; failed++) {
-        allocations_left = failed + 1;
-        good = sl_mesh_tidy(b, true, node_of);
-        allocations_left = -1;
-        assert_int_equal(blocks_held, held);
-        if (!good) assert_true(b->node_count == nodes && b->node_capacity == capacity && b->vertex_count == vertices);
-    }
-    assert_int_equal(failed, 6);
+    tidying t = {b, malloc(a->node_count * sizeof *t.node_of), b->node_count, b->node_capacity, b->vertex_count};
+    assert_true(t.node_of != NULL && sl_mesh_tidy(a, true, t.node_of));
+    assert_int_equal(until_it_succeeds(tidy, &t, false, nothing_has_changed), 6);
     assert_int_equal(a->vertex_count, b->vertex_count);
     assert_memory_equal(a->node, b->node, a->node_count * sizeof *a->node);
     assert_memory_equal(a->key, b->key, a->vertex_count * sizeof *a->key);
-    free(node_of);
+    free(t.node_of);
 }
 
 static void a_mesh_that_ran_out_of_memory_goes_on_as_if_it_had_not(void **state) {
@@ -98,13 +113,13 @@ static void a_mesh_that_ran_out_of_memory_goes_on_as_if_it_had_not(void **state)
     sl_scene *scene = scene_of_a_sphere();
     sl_topology *topology;
     sl_mesh *mesh[2];
-    long failures = 0, none = 0, held = blocks_held;
+    long held = blocks_held;
     assert_int_equal(sl_topology_create(scene, false, &topology, NULL), SL_OK);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(sl_mesh_create(topology, 3, 8, &mesh[i], NULL), SL_OK);
-        build(mesh[i], i == 1, i == 1 ? &failures : &none);
+        long failures = build(mesh[i], i == 1);
+        assert_true(i == 0 ? failures == 0 : failures > 50);
     }
-    assert_true(failures > 50 && none == 0);
     assert_int_equal(mesh[0]->leaf_count, mesh[1]->leaf_count);
     assert_int_equal(mesh[0]->node_count, mesh[1]->node_count);
     assert_int_equal(mesh[0]->vertex_count, mesh[1]->vertex_count);

@@ -16,20 +16,6 @@ static sl_scene *scene_of_quads_and_triangles(void) {
     return trace_mesh_build(&mesh);
 }
 
-/* Calls something with ever more allocations until it succeeds; how often it failed. */
-typedef sl_status attempt(void *context);
-static long until_it_succeeds(attempt *call, void *context) {
-    for (long room = 0;; room++) {
-        long held = blocks_held;
-        allocations_left = room;
-        sl_status status = call(context);
-        allocations_left = -1;
-        if (status == SL_OK) return room;
-        assert_int_equal(status, SL_ERROR_RESOURCES);
-        assert_int_equal(blocks_held, held);
-    }
-}
-
 static sl_status load_vase(void *scene) { return sl_scene_load("scenes/vase.bpt", scene, NULL); }
 static sl_status find(void *h) { return sl_primitives_find(((hierarchy *)h)->scene, &((hierarchy *)h)->primitives, NULL); }
 static sl_status create(void *h) { return sl_patches_create(((hierarchy *)h)->primitives, true, &((hierarchy *)h)->patches, NULL); }
@@ -38,42 +24,55 @@ static void loading_finding_and_creating_without_memory_leave_nothing_behind(voi
     (void)state;
     long held = blocks_held;
     hierarchy h = {0};
-    assert_true(until_it_succeeds(load_vase, &h.scene) > 20);
+    assert_true(until_it_succeeds(load_vase, &h.scene, false, NULL) > 20);
     assert_int_equal(h.scene->bicubic_count, 16);
-    assert_true(until_it_succeeds(find, &h) > 10);
-    assert_true(until_it_succeeds(create, &h) > 4);
+    assert_true(until_it_succeeds(find, &h, false, NULL) > 10);
+    assert_true(until_it_succeeds(create, &h, false, NULL) > 4);
     hierarchy_discard(&h);
     assert_int_equal(blocks_held, held);
 }
 
-/* Roots, splits and drops at random places. Where memory ends, the same step is tried again with one allocation more. */
+/* A root, a split or a drop at a random place. */
+typedef struct step {
+    sl_patches *patches;
+    uint32_t root;
+    double u, v;
+    bool grow;
+    long failures;
+} step;
+
+static sl_status take_step(void *context) {
+    step *s = context;
+    sl_patches *p = s->patches;
+    sl_status status;
+    uint32_t patch = sl_patches_root(p, s->root, &status, NULL);
+    assert_int_equal(patch == SL_NO_INDEX, status != SL_OK);
+    if (status != SL_OK) return status;
+    patch = sl_patch_locate(p, s->root, s->u, s->v).patch;
+    size_t patches = p->patches_alive, vertices = p->vertices_alive;
+    if (s->grow) status = sl_patch_split(p, patch, NULL);
+    else if (sl_patch_parent(p, patch) != SL_NO_INDEX) sl_patch_drop_children(p, sl_patch_parent(p, patch));
+    if (status != SL_OK) assert_true(p->patches_alive == patches && p->vertices_alive == vertices && sl_patch_is_leaf(p, patch));
+    return status;
+}
+
+static void look_now_and_then(void *context) {
+    step *s = context;
+    if (s->failures++ % 16 == 0) assert_sound(s->patches);
+}
+
 static long build(hierarchy *h, bool failing) {
-    sl_patches *p = h->patches;
     uint64_t key = sl_random_key(4, 4);
-    long failures = 0;
+    step s = {.patches = h->patches};
     for (uint64_t i = 0; i < 4000; i++) {
-        uint32_t root = sl_random_bits(key, 4 * i) % (2 * (uint32_t)h->primitives->count);
-        double u = (double)sl_random_unit(key, 4 * i + 1), v = (double)sl_random_unit(key, 4 * i + 2);
-        bool grow = sl_random_bits(key, 4 * i + 3) % 8 != 0;
-        sl_status status = SL_ERROR_RESOURCES;
-        for (long room = 0; status != SL_OK; room++) {
-            allocations_left = failing ? room : -1;
-            uint32_t patch = sl_patches_root(p, root, &status, NULL);
-            assert_int_equal(patch == SL_NO_INDEX, status != SL_OK);
-            if (status == SL_OK) {
-                patch = sl_patch_locate(p, root, u, v).patch;
-                size_t patches = p->patches_alive, vertices = p->vertices_alive;
-                if (grow) status = sl_patch_split(p, patch, NULL);
-                else if (sl_patch_parent(p, patch) != SL_NO_INDEX) sl_patch_drop_children(p, sl_patch_parent(p, patch));
-                if (status != SL_OK) assert_true(p->patches_alive == patches && p->vertices_alive == vertices && sl_patch_is_leaf(p, patch));
-            }
-            allocations_left = -1;
-            if (status == SL_OK) continue;
-            assert_int_equal(status, SL_ERROR_RESOURCES);
-            if (failures++ % 16 == 0) assert_sound(p);
-        }
+        s.root = sl_random_bits(key, 4 * i) % (2 * (uint32_t)h->primitives->count);
+        s.u = (double)sl_random_unit(key, 4 * i + 1);
+        s.v = (double)sl_random_unit(key, 4 * i + 2);
+        s.grow = sl_random_bits(key, 4 * i + 3) % 8 != 0;
+        if (failing) until_it_succeeds(take_step, &s, true, look_now_and_then);
+        else assert_int_equal(take_step(&s), SL_OK);
     }
-    return failures;
+    return s.failures;
 }
 
 static void patches_that_ran_out_of_memory_go_on_as_if_they_had_not(void **state) {
@@ -138,6 +137,8 @@ static sl_status work_out(void *context) {
     return sl_work_out(u->h.patches, &curve, &settings, &camera, 512, 512, 64, u->place, u->vertex, &u->vertices, &u->counters, NULL);
 }
 
+static void assert_sound_patches(void *context) { assert_sound(((update *)context)->h.patches); }
+
 static sl_status create_changes(void *context) { return sl_changes_create(((update *)context)->h.scene, 2.0f, 3, &((update *)context)->changes, NULL); }
 
 static void an_update_without_memory_fails_and_the_next_one_does_the_same_as_ever(void **state) {
@@ -146,24 +147,18 @@ static void an_update_without_memory_fails_and_the_next_one_does_the_same_as_eve
     u.h = hierarchy_of(square_scene(), 0);
     for (int how = 0; how < 3; how++) {
         u.how = again.how = (sl_pixel_selection)how;
-        assert_true(until_it_succeeds(choose, &u) >= 3);
+        assert_true(until_it_succeeds(choose, &u, false, NULL) >= 3);
         assert_int_equal(choose(&again), SL_OK);
         assert_int_equal(u.choices, again.choices);
         assert_memory_equal(u.choice, again.choice, u.choices * sizeof *u.choice);
     }
-    assert_int_equal(until_it_succeeds(create_changes, &u), 2);
+    assert_int_equal(until_it_succeeds(create_changes, &u, false, NULL), 2);
     sl_changes_destroy(u.changes);
     want_root(&u.h, 0);
     for (uint32_t i = 0; i < u.h.patches->vertex_count; i++) u.h.patches->vertex[i].evaluated = 1;
     uint32_t root = u.h.patches->root_patch[0];
     for (int i = 0; i < 64; i++) u.place[i] = (sl_chosen_place){root, (float)(i % 8) / 8.0f + 0.05f, (float)i / 64.0f};
-    sl_status status = SL_ERROR_RESOURCES; /* splits that succeeded stay: what is left is a hierarchy, and may grow on */
-    for (long room = 0; status != SL_OK; room++) {
-        allocations_left = room;
-        status = work_out(&u);
-        allocations_left = -1;
-        assert_sound(u.h.patches);
-    }
+    until_it_succeeds(work_out, &u, true, assert_sound_patches); /* splits that succeeded stay: what is left is a hierarchy, and may grow on */
     assert_true(u.counters.value[SL_COUNT_SPLITS] >= 1 && u.vertices <= 4 * 64);
     hierarchy_discard(&u.h);
 }
