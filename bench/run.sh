@@ -5,6 +5,6 @@ cd "$(dirname "$0")/.."
 build=$1
 [ -f scenes/generated/atrium.json ] || make -s scenes >/dev/null
 "$build/bench/bench_gather" scenes/generated/room.json scenes/generated/atrium.json scenes/generated/figure.json
-bench/speed_error.sh "$build"
+"$build/softlux" bench scenes/cornell.json scenes/generated/atrium.json -o "$build/report"
 "$build/bench/bench_harmonics"
 "$build/bench/bench_raster"

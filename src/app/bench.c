@@ -99,7 +99,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"reference-budget", 0, SL_OPTION_REAL, &o->reference_budget, NULL, "SECONDS",
          "for each reference; its noise is to be a tenth of the smallest error told with it [20]", 0.1, 1e9, NULL},
         {"reference-threads", 0, SL_OPTION_COUNT, &q->reference_threads, NULL, "N", "workers of the references [all processors]", 1, 256, NULL},
-        {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL, "measure nothing: the report anew, of what the last run measured", 0, 0, NULL},
+        {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL, "run no trial: the report anew, of what the last run measured", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};

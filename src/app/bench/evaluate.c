@@ -87,10 +87,8 @@ static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_ima
     sl_error error;
     r->samples = 0;
     if (sl_image_read(r->file, &image, NULL) != SL_OK) return;
-    const char *chunks = sl_image_metadata(image, "softlux.reference.chunks"), *seconds = sl_image_metadata(image, "softlux.reference.seconds");
-    if (chunks && sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
-        r->samples = SL_REFERENCE_CHUNK * strtoull(chunks, NULL, 10);
-        r->seconds = seconds ? strtod(seconds, NULL) : 0.0;
+    if (sl_reference_read(image, &r->pairs, &r->seconds) && sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
+        r->samples = sl_reference_samples(r->pairs);
         r->wanted = wanted_share * smallest_error(s, r, image, mask);
     }
     sl_image_destroy(image);
@@ -98,7 +96,7 @@ static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_ima
 
 /* Noise falls with the square root of the samples. At most as many again as there are, since the first estimates are rough. */
 static uint64_t pairs_wanted(const sl_bench_reference *r, double seconds_left, double seconds_a_pair) {
-    double pairs = (double)r->samples / (2.0 * SL_REFERENCE_CHUNK), ratio = r->noise / r->wanted, more = pairs * (ratio * ratio - 1.0);
+    double pairs = (double)r->pairs, ratio = r->noise / r->wanted, more = pairs * (ratio * ratio - 1.0);
     if (more > pairs) more = pairs;
     if (seconds_a_pair > 0.0 && more > seconds_left / seconds_a_pair) more = seconds_left / seconds_a_pair;
     return more > 1.0 ? (uint64_t)more : 1;
@@ -109,7 +107,7 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(s, r, mask);
-    while (status == SL_OK && !r->trouble[0] && !*o->interrupted && !o->report_only) {
+    while (status == SL_OK && !r->trouble[0] && !*o->interrupted) {
         double begin = wall_seconds(), left = o->reference_budget - (begin - from);
         bool enough = r->samples > 0 && (r->wanted <= 0.0 || r->noise <= r->wanted);
         if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= 0.0)) break;

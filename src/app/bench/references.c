@@ -27,6 +27,30 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
     snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centre-%s.exr", folder, s->hash, s->width, s->height, name, SL_VERSION);
 }
 
+/* ---- how long chunks are ---- */
+
+static uint32_t chunk_samples(uint64_t chunk) {
+    uint64_t pair = chunk / 2;
+    return 32u << (pair < 3 ? pair : 3);
+}
+
+uint64_t sl_reference_samples(uint64_t pairs) {
+    uint64_t samples = 0;
+    for (uint64_t pair = 0; pair < pairs; pair++) samples += 2 * (uint64_t)chunk_samples(2 * pair);
+    return samples;
+}
+
+static const char *const half_channels[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
+
+bool sl_reference_read(const sl_image *image, uint64_t *pairs, double *seconds) {
+    const char *count = sl_image_metadata(image, "softlux.reference.pairs"), *spent = sl_image_metadata(image, "softlux.reference.seconds");
+    bool usable = count != NULL;
+    for (int k = 0; k < 6; k++) usable = usable && sl_image_channel(image, half_channels[k / 3][k % 3]);
+    *pairs = usable ? strtoull(count, NULL, 10) : 0;
+    *seconds = spent ? strtod(spent, NULL) : 0.0;
+    return *pairs > 0;
+}
+
 /* ---- in the child: more chunks ---- */
 
 typedef struct extension {
@@ -42,32 +66,20 @@ static double cpu_seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static const char *const half_channels[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
-
-static double metadata_number(const sl_image *image, const char *key) {
-    const char *text = sl_image_metadata(image, key);
-    return text ? strtod(text, NULL) : 0.0;
-}
-
 /* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as none. */
-static bool begin(const extension *e, double *sums, uint64_t *chunks, double *seconds) {
+static void begin(const extension *e, double *sums, uint64_t *pairs, double *seconds) {
     sl_image *image = NULL;
     size_t pixels = (size_t)e->width * (size_t)e->height;
-    *chunks = 0;
+    *pairs = 0;
     *seconds = 0.0;
-    if (sl_image_read(e->path, &image, NULL) != SL_OK) return true;
-    bool usable = image->width == e->width && image->height == e->height;
-    for (int k = 0; k < 6; k++) usable = usable && sl_image_channel(image, half_channels[k / 3][k % 3]);
-    if (usable) {
-        *chunks = (uint64_t)metadata_number(image, "softlux.reference.chunks");
-        *seconds = metadata_number(image, "softlux.reference.seconds");
-    }
-    for (int k = 0; k < 6 && *chunks; k++) {
+    if (sl_image_read(e->path, &image, NULL) != SL_OK) return;
+    bool usable = image->width == e->width && image->height == e->height && sl_reference_read(image, pairs, seconds);
+    for (int k = 0; usable && k < 6; k++) {
         const float *from = sl_image_channel(image, half_channels[k / 3][k % 3]);
-        for (size_t i = 0; i < pixels; i++) sums[(size_t)k * pixels + i] = (double)from[i] * (double)(*chunks / 2);
+        for (size_t i = 0; i < pixels; i++) sums[(size_t)k * pixels + i] = 0.5 * (double)from[i] * (double)sl_reference_samples(*pairs);
     }
+    if (!usable) *pairs = 0;
     sl_image_destroy(image);
-    return true;
 }
 
 static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t chunk, double *sums, sl_error *error) {
@@ -82,31 +94,32 @@ static sl_status add_chunk(const extension *e, const sl_scene *scene, uint64_t c
     settings.width = e->width;
     settings.height = e->height;
     settings.threads = e->threads;
-    settings.spp = SL_REFERENCE_CHUNK;
+    settings.spp = chunk_samples(chunk);
     settings.seed = 0x5eed0000u + chunk; /* none that a trial has */
     sl_status status = sl_method_create(scene, &settings, &method, error);
     while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, error);
     if (status == SL_OK) status = sl_method_resolve(method, &image, error);
-    for (size_t i = 0; status == SL_OK && i < 3 * pixels; i++) sums[(chunk % 2) * 3 * pixels + i] += (double)image->planes[i];
+    for (size_t i = 0; status == SL_OK && i < 3 * pixels; i++) sums[(chunk % 2) * 3 * pixels + i] += (double)settings.spp * (double)image->planes[i];
     sl_image_destroy(image);
     sl_method_destroy(method);
     return status;
 }
 
-static sl_status write_reference(const extension *e, const double *sums, uint64_t chunks, double seconds, sl_error *error) {
+static sl_status write_reference(const extension *e, const double *sums, uint64_t pairs, double seconds, sl_error *error) {
     static const char *const names[] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
     sl_image *image = NULL;
     size_t values = 3 * (size_t)e->width * (size_t)e->height;
     char text[32];
+    double samples = 0.5 * (double)sl_reference_samples(pairs); /* of a half */
     sl_status status = sl_image_create(e->width, e->height, 9, names, &image, error);
     for (size_t i = 0; status == SL_OK && i < values; i++) {
-        double even = sums[i] / (double)(chunks / 2), odd = sums[values + i] / (double)(chunks / 2);
+        double even = sums[i] / samples, odd = sums[values + i] / samples;
         image->planes[i] = (float)(0.5 * (even + odd));
         image->planes[values + i] = (float)even;
         image->planes[2 * values + i] = (float)odd;
     }
-    snprintf(text, sizeof text, "%" PRIu64, chunks);
-    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.reference.chunks", text, error);
+    snprintf(text, sizeof text, "%" PRIu64, pairs);
+    if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.reference.pairs", text, error);
     snprintf(text, sizeof text, "%.3f", seconds);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.reference.seconds", text, error);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.transport", e->transport, error);
@@ -119,15 +132,15 @@ static bool extend_work(void *context, char **report) {
     const extension *e = context;
     sl_scene *scene = NULL;
     sl_error error = {SL_ERROR_RESOURCES, "not enough memory for a reference"};
-    uint64_t chunks = 0;
+    uint64_t pairs = 0;
     double seconds = 0.0, *sums = calloc(6 * (size_t)e->width * (size_t)e->height, sizeof *sums);
     char text[96];
-    sl_status status = sums && begin(e, sums, &chunks, &seconds) ? SL_OK : SL_ERROR_RESOURCES;
-    if (status == SL_OK) status = sl_scene_load(e->scene_path, &scene, &error);
-    for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++) status = add_chunk(e, scene, chunks++, sums, &error);
+    sl_status status = sums ? sl_scene_load(e->scene_path, &scene, &error) : SL_ERROR_RESOURCES;
+    if (status == SL_OK) begin(e, sums, &pairs, &seconds);
+    for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++) status = add_chunk(e, scene, 2 * pairs + i, sums, &error);
     seconds += cpu_seconds();
-    if (status == SL_OK) status = write_reference(e, sums, chunks, seconds, &error);
-    snprintf(text, sizeof text, "{\"chunks\": %" PRIu64 ", \"seconds\": %.3f}", chunks, seconds);
+    if (status == SL_OK) status = write_reference(e, sums, pairs + e->pairs, seconds, &error);
+    snprintf(text, sizeof text, "{\"pairs\": %" PRIu64 ", \"seconds\": %.3f}", pairs + e->pairs, seconds);
     *report = strdup(status == SL_OK ? text : error.message);
     sl_scene_destroy(scene);
     free(sums);
@@ -166,7 +179,8 @@ sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s
     if (end.outcome != SL_CHILD_DONE) {
         tell_trouble(r, &end);
     } else if (told) {
-        r->samples = SL_REFERENCE_CHUNK * (uint64_t)cJSON_GetObjectItem(told, "chunks")->valuedouble;
+        r->pairs = (uint64_t)cJSON_GetObjectItem(told, "pairs")->valuedouble;
+        r->samples = sl_reference_samples(r->pairs);
         r->seconds = cJSON_GetObjectItem(told, "seconds")->valuedouble;
         r->trouble[0] = '\0';
     }

@@ -35,13 +35,16 @@ void sl_seconds_text(double seconds, char text[32]) {
 
 sl_bench_lead sl_bench_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error) {
     sl_curve curves[SL_CURVES];
-    sl_bench_lead lead = {NULL, 0.0, 0.0};
+    sl_bench_lead lead = {NULL, 0.0, 0.0, false};
     char path[SL_BENCH_NAME];
     size_t count = sl_curves_of(scene, truth, curves);
     snprintf(path, sizeof path, "path, %s", sl_bench_truth_name(truth));
     for (size_t i = 0; i < count; i++) {
         double seconds = sl_curve_time_to(&curves[i], truth, error);
-        if (strcmp(curves[i].name, path) == 0) lead.path_seconds = seconds;
+        if (strcmp(curves[i].name, path) == 0) {
+            lead.path_later = !(seconds > 0.0);
+            lead.path_seconds = lead.path_later ? curves[i].row[curves[i].count - 1]->cpu.median : seconds;
+        }
         if (sl_curve_is_peer(&curves[i]) || !(seconds > 0.0)) continue;
         if (!lead.method || seconds < lead.seconds) lead.method = curves[i].name, lead.seconds = seconds;
     }

@@ -30,7 +30,8 @@ void sl_seconds_text(double seconds, char text[32]);
 typedef struct sl_bench_lead {
     const char *method; /* NULL: none reaches it */
     double seconds;
-    double path_seconds; /* 0: the path tracer did not get there */
+    double path_seconds; /* until the path tracer is there */
+    bool path_later;     /* it was not there after path_seconds, the longest that was tried */
 } sl_bench_lead;
 sl_bench_lead sl_bench_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error);
 

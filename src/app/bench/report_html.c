@@ -45,16 +45,15 @@ static void put_lead(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, c
     fprintf(out, "<li>%g %% of %s: ", 100.0 * error, words);
     if (!lead.method) {
         fputs("none of the methods reaches it with the settings tried", out);
-        if (lead.path_seconds > 0.0) sl_seconds_text(lead.path_seconds, path), fprintf(out, "; the path tracer does in %s s", path);
+        if (lead.path_seconds > 0.0 && !lead.path_later) sl_seconds_text(lead.path_seconds, path), fprintf(out, "; the path tracer does in %s s", path);
     } else {
         sl_seconds_text(lead.seconds, seconds);
         put(out, "<b>", lead.method, "</b>");
         fprintf(out, " after %s s", seconds);
         if (lead.path_seconds > 0.0) {
             sl_seconds_text(lead.path_seconds, path);
-            fprintf(out, ", the path tracer after %s s: %.1f times", path, lead.path_seconds / lead.seconds);
-        } else {
-            fputs(", the path tracer not within what it was tried with", out);
+            fprintf(out, ", the path tracer %s %s s: %s%.1f times", lead.path_later ? "not within" : "after", path, lead.path_later ? "more than " : "",
+                    lead.path_seconds / lead.seconds);
         }
     }
     fputs(".</li>\n", out);

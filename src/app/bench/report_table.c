@@ -89,6 +89,21 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
     }
 }
 
+/* The whole report in a table: the best of the methods against the path tracer. */
+static void put_leads(FILE *out, const sl_bench_results *r, double error) {
+    fprintf(out, "\n| %g %% of one bounce | best method | cpu s | path tracer, cpu s | times as soon |\n| --- | --- | ---: | ---: | ---: |\n", 100.0 * error);
+    for (size_t i = 0; i < r->scene_count; i++) {
+        sl_bench_lead lead = sl_bench_lead_at(&r->scenes[i], SL_BENCH_ONE_BOUNCE, error);
+        char seconds[32] = "", path[32] = "", times[32] = "";
+        if (r->scenes[i].trouble[0]) continue;
+        if (lead.method) sl_seconds_text(lead.seconds, seconds);
+        if (lead.path_seconds > 0.0) sl_seconds_text(lead.path_seconds, path);
+        if (lead.method && lead.path_seconds > 0.0) snprintf(times, sizeof times, "%.1f", lead.path_seconds / lead.seconds);
+        fprintf(out, "| %s | %s | %s | %s%s | %s%s |\n", r->scenes[i].name, lead.method ? lead.method : "none gets there", seconds,
+                lead.path_later ? "more than " : "", path, lead.path_later && lead.method ? "more than " : "", times);
+    }
+}
+
 static void put_scene(FILE *out, const sl_bench_scene *s) {
     fprintf(out, "\n## %s\n\n", s->name);
     if (s->trouble[0]) {
@@ -116,6 +131,9 @@ sl_status sl_report_markdown(const sl_bench_results *results, const char *folder
     if (out) {
         fputs("# Speed against error\n\n", out);
         put_head(out, results);
+        put_leads(out, results, 0.05);
+        put_leads(out, results, 0.02);
+        put_leads(out, results, 0.01);
         for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
         fclose(out);
     }
@@ -130,8 +148,10 @@ static void print_lead(FILE *out, const sl_bench_scene *s, double error) {
     sl_bench_lead lead = sl_bench_lead_at(s, SL_BENCH_ONE_BOUNCE, error);
     if (!lead.method) return;
     fprintf(out, "  %g %% of one bounce: %s after %.3g s", 100.0 * error, lead.method, lead.seconds);
-    if (lead.path_seconds > 0.0) fprintf(out, ", the path tracer after %.3g s (%.1f times)\n", lead.path_seconds, lead.path_seconds / lead.seconds);
-    else fputs(", the path tracer not with what it was tried with\n", out);
+    double times = lead.path_seconds / lead.seconds;
+    if (lead.path_seconds > 0.0) fprintf(out, ", the path tracer %s %.3g s (%s%.1f times)\n", lead.path_later ? "not within" : "after", lead.path_seconds,
+                                         lead.path_later ? "more than " : "", times);
+    else fputc('\n', out);
 }
 
 void sl_report_terminal(const sl_bench_results *results, FILE *out) {

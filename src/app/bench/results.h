@@ -74,6 +74,7 @@ typedef struct sl_bench_reference {
     char transport[SL_BENCH_NAME];
     char file[SL_BENCH_PATH];
     uint64_t samples; /* a pixel */
+    uint64_t pairs;   /* of chunks */
     double seconds;   /* of all processors, in all runs that made it */
     double noise;     /* relative RMSE */
     double wanted;    /* a tenth of the smallest error that is told with it; 0: nothing was */

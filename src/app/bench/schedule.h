@@ -15,7 +15,7 @@ typedef struct sl_bench_options {
     uint64_t memory_bytes;            /* of one trial; 0: none */
     unsigned threads, reference_threads; /* 0: all processors */
     bool quiet, json;
-    bool report_only; /* nothing is measured: the journal and the references are taken as they are */
+    bool report_only; /* no trial is run: the journal is taken as it is */
     volatile const int *interrupted;
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
