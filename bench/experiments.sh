@@ -15,7 +15,7 @@ for word in "$@"; do
     *) experiments="$experiments $word" ;;
     esac
 done
-[ -f scenes/generated/pool-walk.json ] || make -s scenes >/dev/null
+[ -f scenes/generated/ring.json ] || make -s scenes >/dev/null
 for experiment in ${experiments:-$programs}; do
     [ -x "$build/bench/bench_$experiment" ] || continue
     echo "== $experiment: softlux $("$build/softlux" --version | cut -d' ' -f2), commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown)," \

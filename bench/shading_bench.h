@@ -27,6 +27,8 @@ void shading_close(shading_world *w);
 unsigned shading_move(shading_world *w, double time);
 /* The limit for one pixel of each block x block, from the disk if it is there. */
 void shading_judge(shading_world *w, int block);
+/* What the renderers say of the same pixels where a caustic renderer is one of them, but without it: no caustics of mirrors on diffuse surfaces. 3 values a pixel. */
+void shading_limit_without_caustics(shading_world *w, float *values);
 /* Of R, G, B planes against the limit: root mean square of the difference in displayed levels, 0 to 255, over pixels and channels. What lamps are brighter than white
  * by so counts for nothing, and what shows in the dark for something. */
 double shading_error(shading_world *w, const float *planes);

@@ -94,6 +94,17 @@ void shading_judge(shading_world *w, int block) {
     bench_store_save("shading", hash, 3 * count, w->limit.half[0]);
 }
 
+void shading_limit_without_caustics(shading_world *w, float *values) {
+    shading_world other = *w;
+    sl_error error;
+    other.settings.shading_cache.caustics = true;
+    other.renderers = 0;
+    make_renderers(&other); /* they have the address of the copy's tracer, and go before it does */
+    render_cache_settings s = rival_settings(&other, 1);
+    if (render_cache_reference(&s, w->pixels.count, w->pixels.index, values, &error) != SL_OK) bench_fail("reference", &error);
+    for (int i = 0; i < other.renderers; i++) other.renderer[i].destroy(other.renderer[i].state);
+}
+
 double shading_error(shading_world *w, const float *planes) {
     size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
     double sum = 0.0;

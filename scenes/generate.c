@@ -23,6 +23,7 @@ static const struct {
     {"study", gen_study},
     {"loft", gen_loft},
     {"pool", gen_pool},
+    {"ring", gen_ring},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 

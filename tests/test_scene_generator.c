@@ -89,6 +89,9 @@ static void the_files_are_the_same_as_ever(void **state) {
         {"pool.obj", 0x0aaedc468d1eaf82u},
         {"pool-ball.bpt", 0xc666c49083602929u},
         {"pool.json", 0xe495fa5d70012cdau},
+        {"ring.obj", 0xbbed7a292f46820cu},
+        {"ring-table.obj", 0xaee08c6fc638c67au},
+        {"ring.json", 0xd5d0707b67adccfeu},
         {"castle-sky.pfm", 0x89e8dfdd487ee845u},
     };
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
@@ -104,7 +107,7 @@ static void the_scenes_have_the_sizes_they_promise(void **state) {
     static const struct { const char *file; double triangles; } promised[] = {
         {"room.obj", 7000.0},    {"cave.obj", 40000.0},      {"atrium.obj", 66000.0},
         {"castle.obj", 58000.0}, {"cathedral.obj", 80000.0}, {"mirror-cave.obj", 41000.0},
-        {"study.obj", 5280.0},  {"loft.obj", 614.0},      {"pool.obj", 11000.0},
+        {"study.obj", 5280.0},  {"loft.obj", 614.0},      {"pool.obj", 11000.0}, {"ring.obj", 768.0},
     };
     for (size_t i = 0; i < sizeof promised / sizeof promised[0]; i++) {
         double ratio = (double)faces_in(promised[i].file) / promised[i].triangles;
@@ -171,8 +174,8 @@ static int generate_once(void **state) {
     snprintf(folder, sizeof folder, "/tmp/softlux-generator-XXXXXX");
     if (!mkdtemp(folder)) return -1;
     if (access(named && *named ? named : "build/generate", X_OK) != 0) return 0; /* every test then skips */
-    char arguments[128];
-    snprintf(arguments, sizeof arguments, "%s room cave mirror-cave atrium castle cathedral study loft pool", folder);
+    char arguments[160];
+    snprintf(arguments, sizeof arguments, "%s room cave mirror-cave atrium castle cathedral study loft pool ring", folder);
     return run(arguments) == 0 ? 0 : -1;
 }
 
