@@ -23,7 +23,7 @@ static sl_error_probe *probe_of(const sl_scene *scene, const sl_settings *settin
 
 static sl_error_estimate estimate_with(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples) {
     sl_error error;
-    sl_error_estimate estimate;
+    sl_error_estimate estimate = {0};
     sl_status status = sl_error_probe_trace(probe, probes, samples, &error);
     if (status == SL_OK) status = sl_error_probe_estimate(probe, image, &estimate, &error);
     if (status != SL_OK) fail_msg("%s", error.message);
