@@ -122,10 +122,9 @@ static void one_method(const options *o, const sl_scene *scene, const char *name
         sl_error_probe *probe;
         settings.seed = seed;
         check(sl_error_probe_create(scene, &settings, &probe, &error), &error);
-        check(sl_error_probe_trace(probe, PROBES, PROBE_SAMPLES, &error), &error);
         for (int q = 0; q < QUALITIES; q++) {
             sl_error_estimate e;
-            check(sl_error_probe_estimate(probe, images[q], &e, &error), &error);
+            check(sl_error_probe_estimate(probe, images[q], PROBES, PROBE_SAMPLES, &e, &error), &error);
             rows[q].estimate[seed] = e.rel_rmse;
             rows[q].bound[seed] = e.bound;
             rows[q].held += e.bound >= rows[q].truth;

@@ -676,15 +676,15 @@ typedef struct sl_error_estimate {
     double mean;        /**< of the converged picture, estimated */
     double noise;       /**< rmse of the probes' own values: what one half of their samples is off by */
     uint64_t probes;    /**< pixels that were looked at: all of them where a picture's own halves tell */
-    uint64_t samples;   /**< traced for that, altogether */
+    uint64_t samples;   /**< that the probes have traced so far, for this picture and others */
     uint64_t nonfinite; /**< pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
     bool blind;         /**< light of lights without extent by way of mirrors would count, but no path from an eye finds it: the
                              converged picture meant here is without it */
 } sl_error_estimate;
 
 /** Probes: pixels of which two independent estimates p and q are path traced. E[(x - p)(x - q)] is the squared error of a
- * picture's value x there. They know nothing of the picture, so they serve for any number of pictures of the scene with
- * this size, transport and filter. */
+ * picture's value x there. Values that were traced once serve for any number of pictures of the scene with this size, transport and
+ * filter. */
 typedef struct sl_error_probe sl_error_probe;
 
 /** settings: of the pictures to be judged; method, transport, filter, size, seed and threads count, and what the method's light
@@ -692,13 +692,13 @@ typedef struct sl_error_probe sl_error_probe;
 SL_API sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **probe,
                                        sl_error *error);
 SL_API void sl_error_probe_destroy(sl_error_probe *probe); /**< NULL is allowed */
-/** Traces until there are at least so many probes, with so many samples for each of p and q. What is there is kept. */
-SL_API sl_status sl_error_probe_trace(sl_error_probe *probe, uint64_t probes, uint32_t samples, sl_error *error);
-/** What the probes traced so far say of a picture. Fails if there are none, or the size is another. */
-SL_API sl_status sl_error_probe_estimate(const sl_error_probe *probe, const sl_image *image, sl_error_estimate *estimate,
-                                         sl_error *error);
-/** The same, tracing more until it is clear whether the error is within rel_rmse: bound <= rel_rmse, or least > rel_rmse; or until
- * a number of samples is reached that grows as 1/rel_rmse^2. */
+/** Judges a picture by about so many probes (every pixel, if there are no more), with so many samples or more for each of p and q:
+ * what is there already is used, what is missing is traced. The first time every pixel (of large pictures, one of each block) is traced once besides, to choose the probes by.
+ * Fails if the picture's size is another. */
+SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples,
+                                         sl_error_estimate *estimate, sl_error *error);
+/** The same with few probes, and more until it is clear whether the error is within rel_rmse: until bound <= rel_rmse; or least is not far
+ * below rel_rmse, and it would take many more to tell; or a number of samples is reached that grows as 1/rel_rmse^2. */
 SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, sl_error_estimate *estimate,
                                       sl_error *error);
 /** What tracing the probes has cost so far; owned by the probe. */

@@ -86,6 +86,25 @@ expect 0 '' render scenes/cornell.json -s 48x48 -q draft --batches 5 --quiet -o 
 expect 0 '' render scenes/cornell.json -s 48x48 -q draft --batches 5 --quiet -t 1 -o "$folder/d.pfm"
 cmp -s "$folder/c.pfm" "$folder/d.pfm" || { echo '--batches 5 twice gives other bits'; bad=1; }
 
+# Pictures by their error: within it, with the same bits at any number of threads, and what was found is in the metadata.
+expect 0 '' render scenes/cornell.json -s 32x32 --error 20% --quiet -o "$folder/e.exr" --json
+grep -q '"within":.*true' "$folder/out" && grep -q '"bound":' "$folder/out" || { echo '--error --json does not tell the error'; bad=1; }
+grep -q 'softlux.error.bound' "$folder/e.exr" || { echo '--error leaves no metadata'; bad=1; }
+expect 0 '' render scenes/cornell.json -s 32x32 --error 0.2 --quiet -t 1 -o "$folder/f.exr"
+expect 0 '' compare "$folder/e.exr" "$folder/f.exr" --identical
+expect 0 '' render scenes/cornell.json -s 32x32 -m path --transport matched:splatting --spp 64 --quiet -o "$folder/g.exr"
+expect 0 '' compare "$folder/e.exr" "$folder/g.exr" --max-rel-rmse 0.25
+expect 0 '"within":.*true' render scenes/cornell-point.json -s 32x32 -m path --error 30% --quiet --json -o "$folder/e.exr"
+expect 0 '"within":.*true' render scenes/cornell-point.json -s 32x32 -m multi-mesh --error 40% --quiet --json -o "$folder/e.exr"
+expect 1 'not within 0.01 %.*e.exr holds that' render scenes/cornell-point.json -s 8x8 -m direct-radiance --photons 2 --error 0.01% --quiet -o "$folder/e.exr"
+[ -s "$folder/e.exr" ] || { echo 'a picture that is not within --error is not written'; bad=1; }
+expect 1 'when time was up' render scenes/cornell-point.json -s 32x32 -m path --error 0.01% --time 0.01 --quiet -o "$folder/e.exr"
+expect 0 '' render scenes/cornell-point.json -s 16x16 --time 0.001 --quiet -o "$folder/e.pfm"
+expect 2 'expected a share' render scenes/cornell.json --error -1
+expect 2 'expected a share' render scenes/cornell.json --error 5%%
+expect 2 'expected a share' render scenes/cornell.json --error nan
+expect 2 '[-]-batches does not go with it' render scenes/cornell.json --error 5% --batches 3
+
 # What a method finds out on its way is told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
 expect 0 'warning: weight 15' render "$folder/low.json" -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"

@@ -24,9 +24,7 @@ static sl_error_probe *probe_of(const sl_scene *scene, const sl_settings *settin
 static sl_error_estimate estimate_with(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples) {
     sl_error error;
     sl_error_estimate estimate = {0};
-    sl_status status = sl_error_probe_trace(probe, probes, samples, &error);
-    if (status == SL_OK) status = sl_error_probe_estimate(probe, image, &estimate, &error);
-    if (status != SL_OK) fail_msg("%s", error.message);
+    if (sl_error_probe_estimate(probe, image, probes, samples, &estimate, &error) != SL_OK) fail_msg("%s", error.message);
     return estimate;
 }
 
@@ -61,9 +59,9 @@ static void estimates_agree_with_a_converged_reference_for_every_method(void **s
         char transport[64];
         snprintf(transport, sizeof transport, "matched:%s", methods[i]);
         sl_settings settings = small_settings(methods[i], SIZE, SIZE);
-        sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, transport, 128);
+        sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, transport, 48);
         sl_error_probe *probe = probe_of(scene, &settings);
-        sl_error_estimate e = estimate_with(probe, image, 1024, 32);
+        sl_error_estimate e = estimate_with(probe, image, 512, 16);
         double truth = measured_error(image, reference);
         print_message("%s: %.4f, estimated %.4f, %.4f to %.4f\n", methods[i], truth, e.rel_rmse, e.least, e.bound);
         assert_true(truth <= e.bound);
@@ -91,7 +89,7 @@ static void a_planted_error_is_what_is_estimated(void **state) {
     assert_true(fabs(e.rel_rmse - 0.2) < 0.01);
     assert_true(e.bound >= 0.2 && e.bound < 0.25);
     assert_true(e.least <= 0.2 && e.least > 0.15);
-    assert_true(fabs(e.mean - clean.mean) < 1e-6 * clean.mean); /* a picture's own bias is seen through */
+    assert_true(fabs(e.mean - clean.mean) < 0.02 * clean.mean); /* a picture's own bias is seen through */
     sl_error_probe_destroy(probe);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
@@ -102,7 +100,7 @@ static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
     enum { SEEDS = 40 };
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
-    sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, "matched:splatting", 256);
+    sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, "matched:splatting", 96);
     double truth = measured_error(image, reference);
     unsigned above = 0, below = 0;
     for (unsigned seed = 0; seed < SEEDS; seed++) {
@@ -127,19 +125,59 @@ static void probes_are_the_same_however_they_were_asked_for(void **state) {
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
     sl_image *image = render(scene, &settings, NULL);
     sl_error_probe *probe = probe_of(scene, &settings);
-    sl_error_estimate at_once = estimate_with(probe, image, 96, 6), again = estimate_with(probe, image, 10, 2);
+    sl_error_estimate at_once = estimate_with(probe, image, 96, 6), again = estimate_with(probe, image, 96, 6);
     assert_memory_equal(&at_once, &again, sizeof again); /* nothing is lost or traced anew */
     for (unsigned threads = 1; threads <= 7; threads += 3) {
         settings.threads = threads;
         sl_error_probe *other = probe_of(scene, &settings);
         estimate_with(other, image, 32, 4);
-        estimate_with(other, image, 96, 4);
+        estimate_with(other, image, 96, 5);
+        estimate_with(other, image, 10, 2);
         sl_error_estimate step_by_step = estimate_with(other, image, 96, 6);
         assert_memory_equal(&at_once, &step_by_step, sizeof step_by_step);
-        assert_memory_equal(sl_error_probe_counters(probe), sl_error_probe_counters(other), sizeof(sl_counters));
         sl_error_probe_destroy(other);
     }
     sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void another_picture_of_the_scene_has_most_of_its_probes_already(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", SIZE, SIZE);
+    sl_image *image = render(scene, &settings, NULL);
+    settings.quality = SL_QUALITY_NORMAL;
+    sl_image *better = render(scene, &settings, NULL);
+    sl_error_probe *probe = probe_of(scene, &settings);
+    uint64_t first = estimate_with(probe, image, 128, 16).samples, second = estimate_with(probe, better, 128, 16).samples;
+    assert_true(second - first < first / 10);
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(better);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* One pixel in a thousand holds nearly all of the error, and the probes are a tenth of the pixels: they have to find it. */
+static void an_error_in_a_single_pixel_is_found(void **state) {
+    (void)state;
+    enum { SEEDS = 20 };
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    settings.transport = "direct";
+    sl_image *image = reference_of(scene, "direct", 64);
+    size_t at = 17 * SIZE + 11;
+    float mean = 0.0f, outlier;
+    for (size_t i = 0; i < 3 * SIZE * SIZE; i++) mean += image->planes[i] / (3 * SIZE * SIZE);
+    outlier = 32.0f * mean; /* relative RMSE: 32 sqrt(1/1024) = 1 */
+    for (size_t c = 0; c < 3; c++) image->planes[c * SIZE * SIZE + at] += outlier;
+    for (unsigned seed = 0; seed < SEEDS; seed++) {
+        settings.seed = seed;
+        sl_error_probe *probe = probe_of(scene, &settings);
+        sl_error_estimate e = estimate_with(probe, image, 100, 8);
+        assert_true(fabs(e.rel_rmse - 1.0) < 0.05 && e.bound > 0.99 && e.bound < 1.2 && e.least < 1.01);
+        sl_error_probe_destroy(probe);
+    }
     sl_image_destroy(image);
     sl_scene_destroy(scene);
 }
@@ -158,9 +196,9 @@ static void a_judgement_traces_until_the_answer_is_clear(void **state) {
     uint64_t easy = e.samples;
     assert_int_equal(sl_error_probe_judge(probe, image, 0.1, &e, NULL), SL_OK);
     assert_true(e.least > 0.1 && e.samples == easy); /* clearly worse: no more had to be traced */
-    assert_int_equal(sl_error_probe_judge(probe, image, 0.205, &e, NULL), SL_OK);
+    assert_int_equal(sl_error_probe_judge(probe, image, 0.2015, &e, NULL), SL_OK);
     assert_true(e.samples > easy);
-    assert_true(e.bound <= 0.205);
+    assert_true(e.bound <= 0.2015);
     sl_error_probe_destroy(probe);
     sl_image_destroy(image);
     sl_scene_destroy(scene);
@@ -209,7 +247,7 @@ static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(voi
 static void a_picture_of_two_halves_knows_its_own_error(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_image *reference = reference_of(scene, "full", 512);
+    sl_image *reference = reference_of(scene, "full", 128);
     sl_settings settings = small_settings("path", SIZE, SIZE);
     settings.spp = 8;
     sl_image *image = render(scene, &settings, NULL);
@@ -253,13 +291,14 @@ static void mistakes_are_told(void **state) {
     sl_image *small;
     assert_int_equal(sl_image_create(8, 8, 3, NULL, &small, NULL), SL_OK);
     sl_error_probe *probe = probe_of(scene, &settings), *none;
-    assert_int_equal(sl_error_probe_estimate(probe, small, &e, &error), SL_ERROR_INPUT);
+    assert_int_equal(sl_error_probe_estimate(probe, small, 16, 1, &e, &error), SL_ERROR_INPUT);
     assert_non_null(strstr(error.message, "8 x 8"));
     assert_int_equal(sl_error_estimate_from_halves(small, &e, &error), SL_ERROR_INPUT);
     assert_non_null(strstr(error.message, "even.R"));
     sl_image_destroy(small);
     assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, &small, NULL), SL_OK);
-    assert_int_equal(sl_error_probe_estimate(probe, small, &e, &error), SL_ERROR_USAGE); /* no probes yet */
+    assert_int_equal(sl_error_probe_estimate(probe, small, 0, 1, &e, &error), SL_ERROR_USAGE);
+    assert_int_equal(sl_error_probe_estimate(probe, small, 1, 0, &e, &error), SL_ERROR_USAGE);
     assert_int_equal(sl_error_probe_judge(probe, small, 0.0, &e, &error), SL_ERROR_USAGE);
     assert_int_equal(sl_error_probe_judge(probe, small, (double)NAN, &e, &error), SL_ERROR_USAGE);
     settings.method = "guesswork";
@@ -271,29 +310,47 @@ static void mistakes_are_told(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Groups of one pixel each, all with the square 4 but one with 400: the spread must count, and the largest square once more. */
+/* Ten pixels, each for ten, all with the square 4 but one with 400. */
 static void the_bound_is_that_of_student_and_the_rule_of_three(void **state) {
     (void)state;
-    sl_audit_group groups[10];
-    for (int i = 0; i < 10; i++) groups[i] = (sl_audit_group){.squares = 12.0, .largest = 4.0, .values = 3};
+    sl_audit_pixel pixels[10];
+    const double x[3] = {5.0, 5.0, 5.0}, off[3] = {3.0, 3.0, 3.0}, far_off[3] = {-15.0, -15.0, -15.0};
+    for (int i = 0; i < 10; i++) pixels[i] = sl_audit_pixel_of(x, off, off, 10.0);
     sl_error_estimate e = {0};
-    sl_audit_conclude(groups, 10, 10.0, &e);
-    assert_true(fabs(e.rel_rmse - 0.2) < 1e-12 && fabs(e.least - 0.2) < 1e-12);
-    assert_true(fabs(e.bound - sqrt(4.0 + 3.0 * 4.0 / 10.0) / 10.0) < 1e-12);
-    groups[3].squares = 1200.0;
-    groups[3].largest = 400.0;
+    sl_audit_conclude(pixels, 10, 100.0, 12.0, &e);
+    assert_true(fabs(e.mean - 10.0) < 1e-12 && fabs(e.rel_rmse - 0.2) < 1e-12 && fabs(e.least - 0.2) < 1e-12);
+    assert_true(fabs(e.bound - sqrt(4.0 + 3.0 * 9.0 * 4.0 / 100.0) / 10.0) < 1e-12);
+    pixels[3] = sl_audit_pixel_of(x, far_off, far_off, 10.0);
     e = (sl_error_estimate){0};
-    sl_audit_conclude(groups, 10, 10.0, &e);
-    double mean = 43.6, spread = 1.833 * 396.0 / 10.0; /* t of 9 degrees; s / sqrt(10) = 39.6 */
+    sl_audit_conclude(pixels, 10, 100.0, 12.0, &e);
+    double mean = 43.6, shares = 90.0 * (9.0 * 39.6 * 39.6 + 356.4 * 356.4);
     assert_true(fabs(e.rmse * e.rmse - mean) < 1e-9);
-    assert_true(fabs(e.bound * e.bound * 100.0 - (mean + spread + 3.0 * 400.0 / 10.0)) < 0.1);
     assert_true(e.least == 0.0);
+    /* One pixel has nine tenths of the variance, so 1.23 degrees of freedom: t is between 2.9 and 6.3. */
+    double least = mean + 2.92 * sqrt(shares) / 100.0 + 3.0 * 9.0 * 400.0 / 100.0;
+    assert_true(isinf(e.bound) || e.bound > sqrt(least) / e.mean);
+    /* If all pixels were looked at, only their noise is left: here none. */
+    for (int i = 0; i < 10; i++) pixels[i] = sl_audit_pixel_of(x, i ? off : far_off, i ? off : far_off, 1.0);
+    e = (sl_error_estimate){0};
+    sl_audit_conclude(pixels, 10, 10.0, 12.0, &e);
+    assert_true(fabs(e.bound - e.rel_rmse) < 1e-12 && fabs(e.least - e.rel_rmse) < 1e-12);
+}
+
+static void noise_of_the_probes_themselves_widens_the_bounds(void **state) {
+    (void)state;
+    const double x[3] = {5.0, 5.0, 5.0}, p[3] = {4.0, 4.0, 4.0}, q[3] = {2.0, 2.0, 2.0};
+    sl_audit_pixel a = sl_audit_pixel_of(x, p, q, 1.0);
+    assert_true(fabs(a.square - 3.0) < 1e-12 && fabs(a.difference - 2.0) < 1e-12 && fabs(a.noise - 2.0) < 1e-12);
+    assert_true(fabs(a.square_variance - (2.0 * 4.0 * 2.0 + 4.0)) < 1e-12 && fabs(a.difference_variance - 1.0) < 1e-12);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bound_is_that_of_student_and_the_rule_of_three),
+        cmocka_unit_test(noise_of_the_probes_themselves_widens_the_bounds),
         cmocka_unit_test(a_planted_error_is_what_is_estimated),
+        cmocka_unit_test(an_error_in_a_single_pixel_is_found),
+        cmocka_unit_test(another_picture_of_the_scene_has_most_of_its_probes_already),
         cmocka_unit_test(estimates_agree_with_a_converged_reference_for_every_method),
         cmocka_unit_test(the_bound_holds_for_at_least_nine_of_ten_seeds),
         cmocka_unit_test(probes_are_the_same_however_they_were_asked_for),

@@ -42,8 +42,8 @@ static void draw_progress(double fraction, double seconds) {
 
 /* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C. done_before: share of a
  * series that is there already. */
-static sl_status run(const sl_render_options *o, sl_method *method, sl_progress *progress, double start, double done_before,
-                     sl_error *error) {
+sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progress *progress, double start, double done_before,
+                         sl_error *error) {
     bool bar = !o->quiet && isatty(STDERR_FILENO);
     double drawn = 0.0, share = o->frames ? 1.0 / (double)o->frames : 1.0;
     sl_status status = SL_OK;
@@ -62,13 +62,18 @@ static sl_status run(const sl_render_options *o, sl_method *method, sl_progress 
 
 /* ---- writing ---- */
 
-static sl_status write_image(const sl_render_options *o, sl_image *image, double seconds, const char *path, sl_error *error) {
+sl_status sl_picture_write(const sl_render_options *o, sl_image *image, double seconds, const char *path, sl_error *error) {
     char text[32];
     snprintf(text, sizeof text, "%.3f", seconds);
     sl_status status = sl_image_set_metadata(image, "softlux.seconds", text, error);
     sl_tone tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
     if (status != SL_OK) return status;
     return ends_with(path, ".png") ? sl_image_write_png(image, path, tone, error) : sl_image_write(image, path, error);
+}
+
+void sl_picture_warn(const sl_render_options *o, const sl_image *image) {
+    const char *warning = sl_image_metadata(image, "softlux.warning");
+    if (warning && !o->quiet) fprintf(stderr, "softlux: warning: %s\n", warning);
 }
 
 /* *seconds: from `start` until the picture was there, writing it not included. warn: of what the method found out on its way. */
@@ -78,14 +83,13 @@ static sl_status write_picture(const sl_render_options *o, sl_method *method, do
     sl_status status = sl_method_resolve(method, &image, error);
     if (status != SL_OK) return status;
     *seconds = sl_seconds_now() - start;
-    const char *warning = sl_image_metadata(image, "softlux.warning");
-    if (warning && warn && !o->quiet) fprintf(stderr, "softlux: warning: %s\n", warning);
-    status = write_image(o, image, *seconds, path, error);
+    if (warn) sl_picture_warn(o, image);
+    status = sl_picture_write(o, image, *seconds, path, error);
     sl_image_destroy(image);
     return status;
 }
 
-static void print_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_progress *progress,
+cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_progress *progress,
                        double seconds) {
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
@@ -105,6 +109,10 @@ static void print_json(const sl_render_options *o, const sl_scene *scene, const 
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");
     const sl_counters *c = sl_method_counters(method);
     for (int i = 0; i < SL_COUNTERS; i++) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
+    return root;
+}
+
+void sl_picture_print_json(cJSON *root) {
     char *text = cJSON_Print(root);
     if (text) puts(text);
     cJSON_free(text);
@@ -131,14 +139,14 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
     sl_progress progress = {0};
     sl_watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
-    if (status == SL_OK) status = run(o, method, &progress, start, 0.0, error);
+    if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
     if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &seconds, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
             fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
                     (unsigned long long)progress.batches, 100.0 * progress.fraction, o->output);
-        if (o->json) print_json(o, scene, method, &progress, seconds);
+        if (o->json) sl_picture_print_json(sl_picture_json(o, scene, method, &progress, seconds));
     }
     sl_method_destroy(method);
     return status;
@@ -158,7 +166,7 @@ static sl_status render_frame(const sl_render_options *o, sl_method *method, uns
     sl_progress progress = {0};
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
     sl_frame_name(o->output, frame, name, sizeof name);
-    sl_status status = run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
+    sl_status status = sl_picture_run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
     if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &seconds, error);
     if (status == SL_OK && !sl_interrupted() && o->json)
         print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);

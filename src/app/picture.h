@@ -4,11 +4,15 @@
 
 #include "softlux.h"
 
+#include <cjson/cJSON.h>
+
 typedef struct sl_render_options {
     const char *scene_path, *output;
     const char *load_cache, *save_cache; /* files, or NULL */
     sl_settings settings;
     double time_seconds;       /* stop at the first batch that ends later; 0: no limit */
+    double error;              /* stop where the picture's relative RMSE is within that; 0: not asked for */
+    bool quality_given;
     uint64_t batches;          /* stop after so many; 0: no limit */
     double at_seconds;         /* of an animated scene */
     uint64_t frames;           /* pictures of a series; 0: a single picture */
@@ -24,5 +28,18 @@ bool sl_output_is_known(const sl_render_options *options, sl_error *error);
 sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_error *error);
 /* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between frames it keeps. */
 sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_error *error);
+
+/* ---- what pictures made in other ways share (app/target.c) ---- */
+
+/* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C; with a progress bar. */
+sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl_progress *progress, double start, double done_before,
+                         sl_error *error);
+/* What the method found out on its way, on stderr. */
+void sl_picture_warn(const sl_render_options *options, const sl_image *image);
+sl_status sl_picture_write(const sl_render_options *options, sl_image *image, double seconds, const char *path, sl_error *error);
+/* What was done, for --json; printing deletes it. */
+cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method, const sl_progress *progress,
+                       double seconds);
+void sl_picture_print_json(cJSON *json);
 
 #endif

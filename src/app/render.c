@@ -3,14 +3,15 @@
 #include "app/options.h"
 #include "app/picture.h"
 #include "app/settings_options.h"
+#include "app/target.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static const char *const tone_names[] = {"clip", "reinhard", NULL}; /* as sl_tone_curve */
 
-static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, int *status) {
-    enum { OWN = 16 };
+static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text, int *status) {
+    enum { OWN = 18 };
     sl_raw_settings raw;
     sl_option options[OWN + SL_SETTINGS_OPTIONS];
     *o = (sl_render_options){.tone = SL_TONE_REINHARD, .output = "out.exr", .frames_per_second = 25.0};
@@ -18,8 +19,10 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, i
         {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILE", "picture to write: .exr, .png or .pfm [out.exr]", 0, 0, NULL},
         {"load-cache", 0, SL_OPTION_TEXT, &o->load_cache, NULL, "FILE", "splatting: start with the records of another run", 0, 0, NULL},
         {"save-cache", 0, SL_OPTION_TEXT, &o->save_cache, NULL, "FILE", "splatting: keep the records for another run", 0, 0, NULL},
-        {"time", 0, SL_OPTION_REAL, &o->time_seconds, NULL, "SECONDS", "stop at the first batch that ends later", 1e-3, 1e9,
-         NULL},
+        {"error", 0, SL_OPTION_TEXT, error_text, NULL, "E",
+         "refine until the relative RMSE is within E (0.05 or 5%), with 95 % confidence", 0, 0, NULL},
+        {"time", 0, SL_OPTION_REAL, &o->time_seconds, NULL, "SECONDS",
+         "the best picture within that; with --quality or --batches: stop at the first batch that ends later", 1e-3, 1e9, NULL},
         {"batches", 0, SL_OPTION_COUNT, &o->batches, NULL, "N", "stop after N batches", 1, 1e15, NULL},
         {"at", 0, SL_OPTION_REAL, &o->at_seconds, at_given, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
         {"frames", 0, SL_OPTION_COUNT, &o->frames, NULL, "N",
@@ -38,14 +41,20 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, i
     const sl_command_line line = {
         "softlux render SCENE [-o FILE] [options]",
         "Renders a scene: a JSON scene file, or a mesh file (OBJ, glTF, PLY, ...).",
-        "Ctrl-C writes what is done so far. A picture stopped by --time can be had again, bit for bit, with\n"
-        "--batches and the number that its metadata (softlux.batches) tells.\n\n"
+        "--error and --time without --quality begin with coarse settings and go on to finer ones (path and bidirectional:\n"
+        "more samples); options that are given stay as they are, and --error begins at a given --quality. The error is that\n"
+        "against a converged picture of the same light paths, estimated from path traced probe pixels: no reference is needed.\n"
+        "Where a method does not get within E its best picture is written all the same, and the exit status is 1.\n\n"
+        "Ctrl-C writes what is done so far. A picture stopped by --time can be had again, bit for bit, with the settings\n"
+        "that its metadata tells, and --batches with the number in softlux.batches.\n\n"
         "example: softlux render scenes/cornell.json -q high -o cornell.exr",
         options, 1, 1};
     int operands;
     *at_given = false;
+    *error_text = NULL;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
     o->settings = sl_settings_taken(&raw);
+    o->quality_given = raw.quality_given;
     return true;
 }
 
@@ -59,11 +68,32 @@ static void print_warnings(const sl_scene *scene) {
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
 }
 
+/* --error, and what does not go with it. */
+static bool take_error(sl_render_options *o, const char *text) {
+    if (!text) return true;
+    if (!sl_parse_error_share(text, &o->error)) {
+        fprintf(stderr, "softlux: --error: expected a share of 0.00001 to 10, as 0.05 or 5%%, got '%s'\n", text);
+        return false;
+    }
+    const char *other = o->frames ? "--frames" : o->batches ? "--batches" : o->load_cache ? "--load-cache" : o->save_cache ? "--save-cache" : NULL;
+    if (other) fprintf(stderr, "softlux: --error: a picture's settings are not known beforehand, so %s does not go with it\n", other);
+    return !other;
+}
+
+static sl_status render(const sl_render_options *o, sl_scene *scene, bool *reached, sl_error *error) {
+    *reached = true;
+    if (o->frames) return sl_render_frames(o, scene, error);
+    if (sl_target_wanted(o)) return sl_render_to_target(o, scene, reached, error);
+    return sl_render_picture(o, scene, error);
+}
+
 int sl_command_render(int argc, char **argv) {
     sl_render_options o;
     int exit_status;
-    bool at_given;
-    if (!parse(argc, argv, &o, &at_given, &exit_status)) return exit_status;
+    bool at_given, reached = true;
+    const char *error_text;
+    if (!parse(argc, argv, &o, &at_given, &error_text, &exit_status)) return exit_status;
+    if (!take_error(&o, error_text)) return SL_ERROR_USAGE;
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
@@ -71,8 +101,9 @@ int sl_command_render(int argc, char **argv) {
     if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
     if (status == SL_OK) {
         if (!o.quiet) print_warnings(scene);
-        status = o.frames ? sl_render_frames(&o, scene, &error) : sl_render_picture(&o, scene, &error);
+        status = render(&o, scene, &reached, &error);
     }
     sl_scene_destroy(scene);
-    return status == SL_OK ? 0 : report(&error);
+    if (status != SL_OK) return report(&error);
+    return reached ? 0 : SL_EXIT_COMPARISON_FAILED;
 }

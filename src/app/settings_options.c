@@ -45,7 +45,7 @@ static void add_common(sl_raw_settings *r, table *t) {
         HEADING("every method"),
         {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path or bidirectional [splatting]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, r->size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
-        {"quality", 'q', SL_OPTION_CHOICE, &r->quality, NULL, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
+        {"quality", 'q', SL_OPTION_CHOICE, &r->quality, &r->quality_given, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &r->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1, 256, NULL},
         {"spp", 0, SL_OPTION_COUNT, &r->spp, NULL, "N", "path, bidirectional: samples a pixel; splatting: light samples a pixel [by quality]", 1, 1e8, NULL},

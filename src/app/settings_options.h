@@ -8,6 +8,7 @@
 /* Values as the command line gives them. */
 typedef struct sl_raw_settings {
     sl_settings settings; /* those that need no conversion */
+    bool quality_given;
     int size[2], quality, gather, direct, filter, order, metric;
     uint64_t threads, spp, gather_size, harmonics_order, bounces, hit_samples, records_per_frame;
     int map_shape, weight, map_filter, mirror_light, visibility;

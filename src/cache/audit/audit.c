@@ -1,51 +1,98 @@
-/* From groups of probes to an estimate and its bounds.
+/* From some pixels to an estimate for all, and its bounds.
  *
- * Groups are drawn alike and independently, so (m - E[m]) / (s / sqrt(G)) of the mean m of G group means, s their spread, has
- * Student's t distribution with G - 1 degrees of freedom, as nearly as the means are normal. Squared errors have heavy tails: a few
- * pixels (edges, fireflies) may hold most of the error, and if no probe met any of them, nothing in the sample tells. What n probes
- * did not meet is, with 95 % confidence, less than 3/n of the picture (the rule of three: (1 - 3/n)^n = 5 %); the bound grants it the
- * largest square that was met. And an estimate below 0, which noise can make, counts as 0: a lucky draw must not lower the bound. */
+ * Pixel i was chosen with probability 1/w_i, independently of the others (Poisson sampling). Those with w = 1 are known; the mean of s over
+ * the rest is estimated by m = sum w s / sum w (Hajek 1971), with a variance of about
+ *
+ *     sum [ (w^2 - w) (s - m)^2 + w v ] / (sum w)^2,
+ *
+ * v being that of s itself by the noise of its two values. With each pixel's share of that as one degree of freedom, so that few pixels
+ * with large shares count as few (Satterthwaite 1946), Student's t makes a bound of it.
+ *
+ * Squared errors have heavy tails: where no pixel was chosen out of those that hold most of the error, nothing in the sample tells. What
+ * is missed with a probability above 5 % stands for chosen pixels 3 at most (the rule of three: e^-3 = 5 %); the bound grants it three
+ * times the largest square, with its weight, that was met. And an estimate below 0, which noise can make, counts as 0: a lucky draw must
+ * not lower the bound. */
 #include "cache/audit/audit.h"
 
 #include <math.h>
 
 enum { RULE_OF_THREE = 3 };
 
-/* The 95 % quantile of Student's t: the first terms of its expansion about the normal's (Abramowitz and Stegun 26.7.5), to 1e-3 from 6
- * degrees of freedom on. */
+/* The 95 % quantile of Student's t, between degrees of freedom in the table by their reciprocals. */
 static double student_95(double degrees) {
-    const double z = 1.6448536269514722, z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-    double n = degrees;
-    return z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) +
-           (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
+    static const struct { double reciprocal, t; } table[] = {
+        {0.0, 1.645}, {1.0 / 60, 1.671}, {1.0 / 30, 1.697}, {1.0 / 15, 1.753}, {0.1, 1.812},
+        {1.0 / 6, 1.943}, {0.2, 2.015}, {0.25, 2.132}, {1.0 / 3, 2.353}, {0.5, 2.920}, {1.0, 6.314},
+    };
+    enum { LAST = sizeof table / sizeof table[0] - 1 };
+    double r = degrees > 1.0 ? 1.0 / degrees : 1.0;
+    int i = 1;
+    while (i < LAST && table[i].reciprocal < r) i++;
+    double f = (r - table[i - 1].reciprocal) / (table[i].reciprocal - table[i - 1].reciprocal);
+    return table[i - 1].t + f * (table[i].t - table[i - 1].t);
 }
 
-typedef struct moments {
-    double count, mean, spread; /* spread: standard error of the mean, times the quantile */
-} moments;
+static double square_of(double v) { return v * v; }
+static double larger(double a, double b) { return a > b ? a : b; }
 
-/* which: 0 squares, 1 differences. Groups of which nothing is left (all their pixels are NaN) do not count. */
-static double group_mean(const sl_audit_group *g, int which) { return (which == 0 ? g->squares : g->differences) / (double)g->values; }
+sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight) {
+    sl_audit_pixel a = {.weight = weight};
+    double square_deviation = 0.0, difference_deviation = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double d = x[c] - 0.5 * (p[c] + q[c]), s2 = 0.5 * square_of(p[c] - q[c]); /* s2: an estimate of p's variance */
+        a.square += (x[c] - p[c]) * (x[c] - q[c]) / 3.0;
+        a.difference += d / 3.0;
+        a.noise += s2 / 3.0;
+        /* Var (x-p)(x-q) = 2 (x-r)^2 s2 + s2^2; the three channels as if their noise were one. */
+        square_deviation += sqrt(2.0 * d * d * s2 + s2 * s2) / 3.0;
+        difference_deviation += sqrt(0.5 * s2) / 3.0;
+    }
+    a.square_variance = square_of(square_deviation);
+    a.difference_variance = square_of(difference_deviation);
+    a.unseen = (weight - 1.0) * larger(a.square, 0.0);
+    return a;
+}
 
-static moments group_moments(const sl_audit_group *groups, size_t count, int which) {
-    moments m = {0.0, 0.0, INFINITY};
-    double sum = 0.0, squares = 0.0;
+/* ---- means, and how far they are off ---- */
+
+typedef struct estimate_of_mean {
+    double mean, spread; /* spread: standard error times the quantile */
+} estimate_of_mean;
+
+typedef double value_of(const sl_audit_pixel *pixel);
+static double the_square(const sl_audit_pixel *a) { return a->square; }
+static double the_difference(const sl_audit_pixel *a) { return a->difference; }
+static double variance_of_square(const sl_audit_pixel *a) { return a->square_variance; }
+static double variance_of_difference(const sl_audit_pixel *a) { return a->difference_variance; }
+
+/* population: of how many pixels those are some. */
+static estimate_of_mean weighted_mean(const sl_audit_pixel *pixels, size_t count, double population, value_of *value, value_of *variance) {
+    estimate_of_mean m = {0.0, INFINITY};
+    double known = 0.0, known_sum = 0.0, weights = 0.0, sum = 0.0, shares = 0.0, squared_shares = 0.0;
     for (size_t i = 0; i < count; i++) {
-        if (!groups[i].values) continue;
-        sum += group_mean(&groups[i], which);
-        m.count += 1.0;
+        double w = pixels[i].weight, v = value(&pixels[i]);
+        if (w > 1.0) {
+            weights += w;
+            sum += w * v;
+        } else {
+            known += 1.0;
+            known_sum += v;
+        }
     }
-    if (m.count > 0.0) m.mean = sum / m.count;
+    double rest = population - known, rest_mean = weights > 0.0 ? sum / weights : 0.0, scale = weights > 0.0 ? rest / weights : 0.0;
+    if (!(population > 0.0)) return m;
+    m.mean = (known_sum + rest * rest_mean) / population;
+    if (rest > 0.0 && !(weights > 0.0)) return m;
     for (size_t i = 0; i < count; i++) {
-        if (!groups[i].values) continue;
-        double d = group_mean(&groups[i], which) - m.mean;
-        squares += d * d;
+        double w = pixels[i].weight, share = variance(&pixels[i]), s = value(&pixels[i]) - rest_mean;
+        if (w > 1.0) share = scale * scale * (w * (w - 1.0) * s * s + w * share);
+        shares += share;
+        squared_shares += share * share;
     }
-    if (m.count > 1.0) m.spread = student_95(m.count - 1.0) * sqrt(squares / (m.count * (m.count - 1.0)));
+    double degrees = squared_shares > 0.0 ? shares / squared_shares * shares : INFINITY;
+    m.spread = student_95(degrees) * sqrt(shares) / population;
     return m;
 }
-
-static double larger(double a, double b) { return a > b ? a : b; }
 
 /* As in a comparison: 0/0 is 0, no error of a black picture; anything else to 0 is infinite. What is not a number promises nothing. */
 static double ratio(double a, double b) {
@@ -54,31 +101,35 @@ static double ratio(double a, double b) {
     return q >= 0.0 ? q : INFINITY;
 }
 
-void sl_audit_conclude(const sl_audit_group *groups, size_t count, double mean_image, sl_error_estimate *e) {
-    double largest = 0.0, noise = 0.0, values = 0.0;
+void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *e) {
+    double unseen = 0.0, noise = 0.0, weights = 0.0;
     for (size_t i = 0; i < count; i++) {
-        largest = larger(largest, groups[i].largest);
-        noise += groups[i].noise;
-        values += (double)groups[i].values;
+        unseen = larger(unseen, pixels[i].unseen);
+        noise += pixels[i].weight * pixels[i].noise;
+        weights += pixels[i].weight;
     }
-    moments square = group_moments(groups, count, 0), difference = group_moments(groups, count, 1);
-    double mean_square = larger(square.mean, 0.0), pixels = larger(values / 3.0, 1.0);
-    double upper = mean_square + square.spread + RULE_OF_THREE * largest / pixels;
+    estimate_of_mean square = weighted_mean(pixels, count, population, the_square, variance_of_square);
+    estimate_of_mean difference = weighted_mean(pixels, count, population, the_difference, variance_of_difference);
+    double mean_square = larger(square.mean, 0.0);
+    double upper = mean_square + square.spread + RULE_OF_THREE * unseen / larger(population, 1.0);
     e->mean = mean_image - difference.mean;
     e->rmse = sqrt(mean_square);
-    e->noise = values > 0.0 ? sqrt(larger(noise / values, 0.0)) : 0.0;
+    e->noise = sqrt(noise / larger(weights, 1.0));
     e->rel_rmse = ratio(e->rmse, fabs(e->mean));
     e->bound = ratio(sqrt(upper), fabs(e->mean) - difference.spread);
     e->least = ratio(sqrt(larger(square.mean - square.spread, 0.0)), fabs(e->mean) + difference.spread);
-    if (e->nonfinite || !(values > 0.0)) e->bound = INFINITY;
+    if (e->nonfinite || !(weights > 0.0)) e->bound = INFINITY;
+}
+
+bool sl_audit_is_finite(const float *const planes[3], size_t i) {
+    return isfinite(planes[0][i]) && isfinite(planes[1][i]) && isfinite(planes[2][i]);
 }
 
 double sl_audit_mean(const float *const planes[3], size_t pixels, uint64_t *nonfinite) {
     double sum = 0.0;
     *nonfinite = 0;
     for (size_t i = 0; i < pixels; i++) {
-        bool finite = isfinite(planes[0][i]) && isfinite(planes[1][i]) && isfinite(planes[2][i]);
-        if (finite) sum += (double)planes[0][i] + (double)planes[1][i] + (double)planes[2][i];
+        if (sl_audit_is_finite(planes, i)) sum += (double)planes[0][i] + (double)planes[1][i] + (double)planes[2][i];
         else *nonfinite += 1;
     }
     size_t finite = pixels - (size_t)*nonfinite;

@@ -8,8 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { ACROSS = 8, GROUPS = ACROSS * ACROSS }; /* every eighth pixel of every eighth row is a group */
-
 static sl_status half_planes(const sl_image *image, const float *halves[2][3], sl_error *error) {
     static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
     for (int half = 0; half < 2; half++) {
@@ -21,20 +19,21 @@ static sl_status half_planes(const sl_image *image, const float *halves[2][3], s
     return SL_OK;
 }
 
-static void add_pixel(sl_audit_group *g, const float *const planes[3], const float *const halves[2][3], size_t i) {
-    double squares = 0.0;
-    for (int c = 0; c < 3; c++) {
-        if (!isfinite(planes[c][i])) return;
-    }
+/* s = ((a - b)/2)^2 for each value, which has a variance of 2 s^2 at most, were the three channels' noise one. A firefly that no pixel
+ * has met may be in any. */
+static sl_audit_pixel audit_pixel(const float *const halves[2][3], size_t i) {
+    sl_audit_pixel a = {.weight = 1.0};
     for (int c = 0; c < 3; c++) {
         double d = 0.5 * ((double)halves[0][c][i] - (double)halves[1][c][i]);
-        squares += d * d;
-        g->differences += d; /* nothing but noise: 0 in the mean */
+        a.square += d * d / 3.0;
+        a.difference += d / 3.0; /* nothing but noise: 0 in the mean */
     }
-    g->squares += squares;
-    g->noise += 2.0 * squares;
-    if (squares / 3.0 > g->largest) g->largest = squares / 3.0;
-    g->values += 3;
+    a.square_variance = a.square * a.square;
+    a.difference_variance = a.difference * a.difference;
+    a.difference = 0.0;
+    a.noise = 2.0 * a.square;
+    a.unseen = a.square;
+    return a;
 }
 
 /* After one sample the second half is black, and means nothing. */
@@ -49,18 +48,16 @@ sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate
     sl_status status = sl_image_colour_planes(image, "image", planes, error);
     if (status == SL_OK) status = half_planes(image, halves, error);
     if (status != SL_OK) return status;
-    sl_audit_group *groups = sl_allocate(GROUPS, sizeof *groups);
-    if (!groups) return sl_fail_memory(error, "an estimate of an error");
-    for (int y = 0; y < image->height; y++) {
-        for (int x = 0; x < image->width; x++)
-            add_pixel(&groups[y % ACROSS * ACROSS + x % ACROSS], planes, halves, (size_t)y * (size_t)image->width + (size_t)x);
+    size_t pixels = (size_t)image->width * (size_t)image->height, count = 0;
+    sl_audit_pixel *list = sl_allocate_unset(pixels, sizeof *list);
+    if (!list) return sl_fail_memory(error, "an estimate of an error");
+    for (size_t i = 0; i < pixels; i++) {
+        if (sl_audit_is_finite(planes, i)) list[count++] = audit_pixel(halves, i);
     }
-    size_t pixels = (size_t)image->width * (size_t)image->height;
     double mean = sl_audit_mean(planes, pixels, &estimate->nonfinite);
     estimate->probes = pixels;
-    sl_audit_conclude(groups, GROUPS, mean, estimate);
-    estimate->mean = mean;
+    sl_audit_conclude(list, count, (double)count, mean, estimate);
+    sl_free(list);
     if (!has_two_halves(image)) estimate->rel_rmse = estimate->bound = estimate->rmse = INFINITY, estimate->least = 0.0;
-    sl_free(groups);
     return SL_OK;
 }

@@ -1,0 +1,16 @@
+/* Each method's settings in one order, from coarse to fine: what --error and --time climb. */
+#ifndef SL_APP_LADDER_H
+#define SL_APP_LADDER_H
+
+#include "softlux.h"
+
+/* How many rungs; 0: the method refines one picture for as long as it is let (path, bidirectional). */
+unsigned sl_ladder_rungs(const char *method);
+/* Where a quality stands on it. */
+unsigned sl_ladder_rung_of(const char *method, sl_quality quality);
+/* What was asked for, and for what was left open this rung's settings. */
+sl_settings sl_ladder_settings(const sl_settings *asked, unsigned rung);
+/* Its time, as a multiple of the first rung's, on a large picture: rather too long than too short. */
+double sl_ladder_cost(const char *method, unsigned rung);
+
+#endif

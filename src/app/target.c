@@ -1,0 +1,286 @@
+/* Climbing a method's ladder of settings from its first rung until a picture's error is within what was asked for, or the next would
+ * not be done in time. Methods that refine one picture are looked at on the way, too, after numbers of batches that grow
+ * geometrically. Without --time nothing here knows a clock: the same bits at any number of threads. */
+#include "app/target.h"
+
+#include "app/clock.h"
+#include "app/ladder.h"
+#include "scene/features.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A rung's time is foretold from the one before; what is foretold to take more than that share of the time left is not begun. */
+static const double trusted_share = 0.8;
+/* Two rungs in a row that lower the error by less than this: the method's own limit, or that of the probes. */
+static const double worthwhile = 0.95;
+/* A rung has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far. */
+static const double error_a_rung = 1.7;
+
+typedef struct candidate {
+    sl_image *image;
+    cJSON *json;
+    sl_error_estimate estimate; /* with --error */
+    sl_progress progress;
+    unsigned rung;
+    double seconds;
+} candidate;
+
+typedef struct climb {
+    const sl_render_options *o;
+    const sl_scene *scene;
+    sl_settings asked;     /* o's, with the film's size */
+    unsigned rungs;        /* 0: one picture, refined for as long as it takes */
+    sl_error_probe *probe; /* NULL without --error, and for pictures that know their own error */
+    double start;
+    candidate best;
+    double last_error;
+    unsigned idle;         /* rungs in a row that were not worthwhile */
+    double rung_seconds[2], rung_cost[2]; /* of the last two finished */
+    unsigned finished;
+    bool reached, out_of_time;
+} climb;
+
+bool sl_target_wanted(const sl_render_options *o) {
+    if (o->frames) return false;
+    if (o->error > 0.0) return true;
+    bool fixed = o->quality_given || o->batches || o->load_cache || o->save_cache;
+    return o->time_seconds > 0.0 && !fixed;
+}
+
+bool sl_parse_error_share(const char *text, double *share) {
+    char *end;
+    double value = strtod(text, &end);
+    if (end == text) return false;
+    if (*end == '%') {
+        value /= 100.0;
+        end++;
+    }
+    *share = value;
+    return !*end && value >= 1e-5 && value <= 10.0; /* false for NaN */
+}
+
+static bool is_tracer(const climb *c) { return c->rungs == 0; }
+
+/* ---- what a picture's error is ------------------------------------------------------------------------------------------- */
+
+/* The path tracer's own halves cannot know of light that no path from the eye finds. */
+static bool path_is_blind(const climb *c) {
+    sl_features f = sl_scene_features(c->scene);
+    bool full = !c->asked.transport || strcmp(c->asked.transport, "full") == 0;
+    return strcmp(c->asked.method, "path") == 0 && full && f.mirror_triangles && f.point_lights + f.spot_lights + f.directional_lights > 0;
+}
+
+static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl_error *error) {
+    if (c->probe) return sl_error_probe_judge(c->probe, image, c->o->error, e, error);
+    sl_status status = sl_error_estimate_from_halves(image, e, error);
+    e->blind = path_is_blind(c);
+    return status;
+}
+
+static sl_status stamp(const climb *c, sl_image *image, const sl_error_estimate *e, sl_error *error) {
+    const struct { const char *key; double value; } values[] = {
+        {"softlux.error.asked", c->o->error}, {"softlux.error.estimate", e->rel_rmse}, {"softlux.error.bound", e->bound},
+        {"softlux.error.least", e->least},    {"softlux.error.probes", (double)e->probes}, {"softlux.error.samples", (double)e->samples},
+    };
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < sizeof values / sizeof values[0] && status == SL_OK; i++) {
+        char text[32];
+        snprintf(text, sizeof text, "%.9g", values[i].value);
+        status = sl_image_set_metadata(image, values[i].key, text, error);
+    }
+    if (status == SL_OK && e->blind) status = sl_image_set_metadata(image, "softlux.error.blind", "true", error);
+    return status;
+}
+
+static void add_json(const climb *c, cJSON *root, const sl_error_estimate *e) {
+    cJSON *object = cJSON_AddObjectToObject(root, "error");
+    cJSON_AddNumberToObject(object, "asked", c->o->error);
+    cJSON_AddNumberToObject(object, "estimate", e->rel_rmse);
+    cJSON_AddNumberToObject(object, "bound", e->bound); /* null where infinite */
+    cJSON_AddNumberToObject(object, "least", e->least);
+    cJSON_AddNumberToObject(object, "probes", (double)e->probes);
+    cJSON_AddNumberToObject(object, "samples", (double)e->samples);
+    cJSON_AddBoolToObject(object, "within", e->bound <= c->o->error);
+    cJSON_AddBoolToObject(object, "blind", e->blind);
+}
+
+/* ---- one rung ------------------------------------------------------------------------------------------------------------ */
+
+static void release(candidate *p) {
+    sl_image_destroy(p->image);
+    cJSON_Delete(p->json);
+    *p = (candidate){0};
+}
+
+static bool is_better(const climb *c, const candidate *p) {
+    if (!c->best.image || !(c->o->error > 0.0) || is_tracer(c)) return true; /* finer settings, more samples */
+    return p->estimate.bound < c->best.estimate.bound || (p->estimate.bound <= c->o->error);
+}
+
+static void tell(const climb *c, const candidate *p) {
+    if (c->o->quiet || !isatty(STDERR_FILENO)) return;
+    if (c->rungs) fprintf(stderr, "step %u of %u", p->rung + 1, c->rungs);
+    else fprintf(stderr, "%llu samples a pixel", (unsigned long long)p->progress.batches);
+    if (c->o->error > 0.0) fprintf(stderr, ": error about %.3g %%, at most %.3g %%", 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound);
+    fprintf(stderr, "\n");
+}
+
+/* The picture as it is now: its error, and whether it is the best so far. */
+static sl_status consider(climb *c, const sl_render_options *o, sl_method *method, const sl_progress *progress, unsigned rung,
+                          sl_error_estimate *estimate, sl_error *error) {
+    candidate p = {.progress = *progress, .rung = rung};
+    sl_status status = sl_method_resolve(method, &p.image, error);
+    if (status != SL_OK) return status;
+    p.seconds = sl_seconds_now() - c->start;
+    p.json = sl_picture_json(o, c->scene, method, progress, p.seconds);
+    if (c->o->error > 0.0) {
+        status = judge(c, p.image, &p.estimate, error);
+        if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
+        if (status == SL_OK) add_json(c, p.json, &p.estimate);
+        c->reached = status == SL_OK && p.estimate.bound <= c->o->error;
+    }
+    *estimate = p.estimate;
+    if (status == SL_OK) tell(c, &p);
+    if (status == SL_OK && is_better(c, &p)) {
+        release(&c->best);
+        c->best = p;
+    } else {
+        release(&p);
+    }
+    return status;
+}
+
+/* When to look next. The tracers' error falls as the root of the samples. */
+static uint64_t next_look(const climb *c, uint64_t batches, const sl_error_estimate *e) {
+    enum { FIRST = 16, FIRST_SAMPLES = 4 };
+    if (!batches) return is_tracer(c) ? FIRST_SAMPLES : FIRST;
+    if (!is_tracer(c)) return 2 * batches;
+    double ratio = e->bound / c->o->error, needed = 1.05 * (double)batches * ratio * ratio, most = 2.0 * (double)batches;
+    return needed < most ? (needed > (double)batches ? (uint64_t)needed + 1 : batches + 1) : (uint64_t)most;
+}
+
+static bool refines(const climb *c) {
+    return is_tracer(c) || strcmp(c->asked.method, "multi-mesh") == 0 || strcmp(c->asked.method, "shading-cache") == 0;
+}
+
+static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
+    sl_render_options o = *c->o;
+    sl_method *method = NULL;
+    sl_progress progress = {0};
+    sl_error_estimate e = {0};
+    double begun = sl_seconds_now();
+    o.settings = sl_ladder_settings(&c->asked, rung);
+    sl_status status = sl_method_create(c->scene, &o.settings, &method, error);
+    while (status == SL_OK && !c->reached) {
+        o.batches = o.error > 0.0 && refines(c) ? next_look(c, progress.batches, &e) : 0;
+        status = sl_picture_run(&o, method, &progress, c->start, 0.0, error);
+        c->out_of_time = o.time_seconds > 0.0 && sl_seconds_now() - c->start >= o.time_seconds;
+        bool cut_short = !progress.done && (c->out_of_time || sl_interrupted());
+        if (status != SL_OK || (cut_short && c->best.image && !is_tracer(c))) break;
+        status = consider(c, &o, method, &progress, rung, &e, error);
+        if (progress.done || cut_short) break;
+    }
+    sl_method_destroy(method);
+    if (!progress.done || status != SL_OK) return status;
+    c->rung_seconds[0] = c->rung_seconds[1];
+    c->rung_cost[0] = c->rung_cost[1];
+    c->rung_seconds[1] = sl_seconds_now() - begun;
+    c->rung_cost[1] = sl_ladder_cost(c->asked.method, rung);
+    c->finished++;
+    c->idle = c->finished > 1 && e.rel_rmse > worthwhile * c->last_error ? c->idle + 1 : 0;
+    c->last_error = e.rel_rmse;
+    return SL_OK;
+}
+
+/* ---- which one next ------------------------------------------------------------------------------------------------------ */
+
+/* From one rung: as the ladder's costs grow, which is too much, since part of a picture's time is the same on every rung. From two: the
+ * line through them. */
+static double foretold_seconds(const climb *c, unsigned rung) {
+    double cost = sl_ladder_cost(c->asked.method, rung), last = c->rung_seconds[1], by_cost = last * cost / c->rung_cost[1];
+    if (c->finished < 2 || c->rung_cost[1] <= c->rung_cost[0]) return by_cost;
+    double slope = (last - c->rung_seconds[0]) / (c->rung_cost[1] - c->rung_cost[0]);
+    double foretold = last + (slope > 0.0 ? slope : 0.0) * (cost - c->rung_cost[1]);
+    return foretold < by_cost ? (foretold > 1.1 * last ? foretold : 1.1 * last) : by_cost;
+}
+
+/* The rung to try after this one; c->rungs: none. */
+static unsigned next_rung(const climb *c, unsigned rung) {
+    unsigned next = rung + 1;
+    if (c->o->error > 0.0) {
+        for (double ratio = c->best.estimate.bound / c->o->error; ratio > error_a_rung * error_a_rung && next + 1 < c->rungs; next++)
+            ratio /= error_a_rung;
+    } else {
+        next = c->rungs - 1;
+    }
+    if (c->o->time_seconds > 0.0) {
+        double left = trusted_share * (c->o->time_seconds - (sl_seconds_now() - c->start));
+        while (next > rung && foretold_seconds(c, next) > left) next--;
+    }
+    return next > rung ? next : c->rungs;
+}
+
+/* ---- all together -------------------------------------------------------------------------------------------------------- */
+
+static sl_status prepare(climb *c, sl_error *error) {
+    enum { NO_END = 100000000 };
+    if (!c->asked.width) sl_scene_film(c->scene, &c->asked.width, &c->asked.height);
+    c->rungs = sl_ladder_rungs(c->asked.method);
+    if (!c->rungs && !c->asked.spp) c->asked.spp = NO_END;
+    return c->rungs && c->o->error > 0.0 ? sl_error_probe_create(c->scene, &c->asked, &c->probe, error) : SL_OK;
+}
+
+static sl_status climb_all(climb *c, sl_error *error) {
+    unsigned rung = c->o->quality_given ? sl_ladder_rung_of(c->asked.method, c->asked.quality) : 0;
+    sl_status status;
+    do {
+        status = climb_rung(c, rung, error);
+        if (status != SL_OK || !c->rungs || c->reached || c->out_of_time || sl_interrupted() || (c->o->error > 0.0 && c->idle >= 2)) break;
+        rung = next_rung(c, rung);
+    } while (rung < c->rungs);
+    return status;
+}
+
+static void say_how_it_ended(const climb *c) {
+    const sl_render_options *o = c->o;
+    const candidate *p = &c->best;
+    if (o->error > 0.0 && p->estimate.blind && !o->quiet)
+        fprintf(stderr, "softlux: warning: what mirrors throw of lights without extent is not judged: no path from the eye finds it\n");
+    if (o->error > 0.0 && !c->reached)
+        fprintf(stderr, "softlux: not within %.3g %%: %s came to about %.3g %%, at most %.3g %%, %s; %s holds that\n", 100.0 * o->error,
+                o->settings.method, 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound,
+                sl_interrupted()   ? "when it was stopped"
+                : c->out_of_time   ? "when time was up"
+                : o->time_seconds > 0.0 && c->idle < 2 ? "and finer settings would not be done in time"
+                                   : "and does not get closer",
+                o->output);
+    else if (!p->progress.done && !o->quiet && !(o->error > 0.0))
+        fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n", (unsigned long long)p->progress.batches,
+                100.0 * p->progress.fraction, o->output);
+}
+
+sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, bool *reached, sl_error *error) {
+    climb c = {.o = o, .scene = scene, .asked = o->settings, .start = sl_seconds_now()};
+    sl_watch_for_interrupt();
+    sl_status status = prepare(&c, error);
+    if (status == SL_OK) status = climb_all(&c, error);
+    if (status == SL_OK) {
+        sl_picture_warn(o, c.best.image);
+        status = sl_picture_write(o, c.best.image, c.best.seconds, o->output, error);
+    }
+    if (status == SL_OK) {
+        say_how_it_ended(&c);
+        if (o->json) {
+            sl_picture_print_json(c.best.json);
+            c.best.json = NULL;
+        }
+    }
+    *reached = c.reached || !(o->error > 0.0);
+    release(&c.best);
+    sl_error_probe_destroy(c.probe);
+    return status;
+}

@@ -1,0 +1,212 @@
+/* A value depends on the pixel and the number of its samples alone, never on what else was traced, before or beside it. */
+#include "cache/audit/trace_probes.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+
+#include <string.h>
+
+enum { PACKETS_A_TASK = 16, PILOT = SL_HALVES, PILOT_PLACE, STREAMS, PILOTS_MAX = 1 << 17 };
+
+sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport, int width, int height,
+                                 unsigned threads, uint64_t seed, sl_error *error) {
+    *t = (sl_probe_tracer){.scene = scene, .threads = sl_thread_count(threads), .seed = seed, .pixels = (size_t)width * (size_t)height,
+                           .lens = sl_path_lens_of(scene, width, height)};
+    do {
+        t->block++;
+        t->across = (width + t->block - 1) / t->block;
+        t->blocks = (size_t)t->across * (size_t)((height + t->block - 1) / t->block);
+    } while (t->blocks > PILOTS_MAX);
+    t->worker_counters = sl_allocate(t->threads, sizeof *t->worker_counters);
+    t->slot = sl_allocate_unset(t->pixels, sizeof *t->slot);
+    if (!t->worker_counters || !t->slot) return sl_fail_memory(error, "error probes");
+    memset(t->slot, 0xff, t->pixels * sizeof *t->slot);
+    sl_status status = sl_tracer_create(scene, t->threads, NULL, &t->tracer, error);
+    if (status == SL_OK) status = sl_light_sampler_create(scene, &t->lights, error);
+    sl_sequence_make(&t->sequence);
+    t->walk = (sl_path_walk){scene, t->tracer, t->lights, &t->sequence, *transport};
+    return status;
+}
+
+void sl_probe_tracer_release(sl_probe_tracer *t) {
+    sl_halves_release(&t->halves);
+    sl_light_sampler_destroy(t->lights);
+    sl_tracer_destroy(t->tracer);
+    sl_free(t->pilot);
+    sl_free(t->slot);
+    sl_free(t->pixel);
+    sl_free(t->samples);
+    sl_free(t->worker_counters);
+    *t = (sl_probe_tracer){0};
+}
+
+/* Sample `index` of up to sixteen pixels. */
+static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsigned count, unsigned stream, uint32_t index,
+                         sl_rgb radiance[SL_PACKET], sl_counters *counters) {
+    sl_ray16 rays;
+    uint64_t keys[SL_PACKET] = {0};
+    rays.skip[0] = SL_NO_INDEX;
+    for (unsigned i = 0; i < count; i++) {
+        int x = (int)(pixels[i] % (uint32_t)t->lens.width), y = (int)(pixels[i] / (uint32_t)t->lens.width);
+        keys[i] = sl_random_key(t->seed, (uint64_t)STREAMS * pixels[i] + stream);
+        sl_path_camera_ray(&t->walk, &t->lens, x, y, keys[i], index, &rays, i);
+    }
+    sl_path_walk_radiance(&t->walk, &rays, count, false, keys, index, radiance, counters);
+    sl_count(counters, SL_COUNT_SAMPLES, count);
+    for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(radiance[i], counters);
+}
+
+static void for_packets(sl_probe_tracer *t, size_t count, sl_task *task, void *context) {
+    for (unsigned i = 0; i < t->threads; i++) t->worker_counters[i] = (sl_counters){{0}};
+    sl_parallel_for(t->threads, (count + SL_PACKET * PACKETS_A_TASK - 1) / (SL_PACKET * PACKETS_A_TASK), task, context);
+    for (unsigned i = 0; i < t->threads; i++) sl_counters_add(&t->counters, &t->worker_counters[i]);
+}
+
+static unsigned packet_size(size_t first, size_t end) { return end - first < SL_PACKET ? (unsigned)(end - first) : SL_PACKET; }
+
+/* ---- the pilot ---- */
+
+/* Somewhere in the block, as far as it lies in the picture. */
+static uint32_t pilot_pixel(const sl_probe_tracer *t, size_t block) {
+    int left = (int)(block % (size_t)t->across) * t->block, top = (int)(block / (size_t)t->across) * t->block;
+    int wide = t->lens.width - left < t->block ? t->lens.width - left : t->block;
+    int high = t->lens.height - top < t->block ? t->lens.height - top : t->block;
+    uint32_t place = sl_random_bits(sl_random_key(t->seed, PILOT_PLACE), block) % (uint32_t)(wide * high);
+    return (uint32_t)((top + (int)place / wide) * t->lens.width + left + (int)place % wide);
+}
+
+static void pilot_task(void *context, size_t task, unsigned worker) {
+    sl_probe_tracer *t = context;
+    size_t first = task * PACKETS_A_TASK * SL_PACKET, end = first + PACKETS_A_TASK * SL_PACKET;
+    if (end > t->blocks) end = t->blocks;
+    for (; first < end; first += SL_PACKET) {
+        uint32_t pixels[SL_PACKET];
+        sl_rgb radiance[SL_PACKET];
+        unsigned count = packet_size(first, end);
+        for (unsigned i = 0; i < count; i++) pixels[i] = pilot_pixel(t, first + i);
+        trace_packet(t, pixels, count, PILOT, 0, radiance, &t->worker_counters[worker]);
+        for (unsigned i = 0; i < count; i++) {
+            t->pilot[first + i] = radiance[i].r;
+            t->pilot[t->blocks + first + i] = radiance[i].g;
+            t->pilot[2 * t->blocks + first + i] = radiance[i].b;
+        }
+    }
+}
+
+sl_status sl_probe_tracer_pilot(sl_probe_tracer *t, sl_error *error) {
+    if (t->pilot) return SL_OK;
+    t->pilot = sl_allocate_unset(3 * t->blocks, sizeof *t->pilot);
+    if (!t->pilot) return sl_fail_memory(error, "error probes");
+    for_packets(t, t->blocks, pilot_task, t);
+    return SL_OK;
+}
+
+/* ---- probes ---- */
+
+static sl_status copy_of(void **block, size_t count, size_t capacity, size_t size, sl_error *error) {
+    void *larger = sl_allocate(capacity, size);
+    if (!larger) return sl_fail_memory(error, "error probes");
+    if (count) memcpy(larger, *block, count * size);
+    sl_free(*block);
+    *block = larger;
+    return SL_OK;
+}
+
+/* Room for more; a failure leaves what is there. */
+static sl_status grow(sl_probe_tracer *t, size_t capacity, sl_error *error) {
+    sl_halves larger;
+    if (capacity <= t->capacity) return SL_OK;
+    sl_status status = sl_halves_create(&larger, capacity, error);
+    void *pixel = t->pixel, *samples = t->samples;
+    if (status == SL_OK) status = copy_of(&pixel, t->slots, capacity, sizeof *t->pixel, error);
+    t->pixel = pixel;
+    if (status == SL_OK) status = copy_of(&samples, t->slots, capacity, sizeof *t->samples, error);
+    t->samples = samples;
+    if (status != SL_OK) {
+        sl_halves_release(&larger);
+        return status;
+    }
+    for (unsigned half = 0; half < SL_HALVES; half++) {
+        for (size_t c = 0; c < 3 && t->slots; c++)
+            memcpy(larger.sums[half] + c * capacity, t->halves.sums[half] + c * t->halves.pixels, t->slots * sizeof(double));
+    }
+    sl_halves_release(&t->halves);
+    t->halves = larger;
+    t->capacity = capacity;
+    return SL_OK;
+}
+
+typedef struct stretch { /* samples [first, end) of each half, for some slots */
+    sl_probe_tracer *t;
+    const uint32_t *slots;
+    size_t count;
+    uint32_t first, end;
+} stretch;
+
+static void trace_slots(const stretch *s, const uint32_t *slots, unsigned count, sl_counters *counters) {
+    uint32_t pixels[SL_PACKET];
+    sl_rgb radiance[SL_PACKET];
+    for (unsigned i = 0; i < count; i++) pixels[i] = s->t->pixel[slots[i]];
+    for (unsigned half = 0; half < SL_HALVES; half++) {
+        for (uint32_t index = s->first; index < s->end; index++) {
+            trace_packet(s->t, pixels, count, half, index, radiance, counters);
+            for (unsigned i = 0; i < count; i++) sl_halves_add(&s->t->halves, half, slots[i], radiance[i]);
+        }
+    }
+}
+
+static void stretch_task(void *context, size_t task, unsigned worker) {
+    const stretch *s = context;
+    size_t first = task * PACKETS_A_TASK * SL_PACKET, end = first + PACKETS_A_TASK * SL_PACKET;
+    if (end > s->count) end = s->count;
+    for (; first < end; first += SL_PACKET)
+        trace_slots(s, s->slots + first, packet_size(first, end), &s->t->worker_counters[worker]);
+}
+
+/* Those that have the fewest samples first, up to where the next have, and so on: all of a packet trace the same ones. */
+static void catch_up(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, uint32_t *list) {
+    for (;;) {
+        stretch s = {t, list, 0, samples, samples};
+        for (size_t i = 0; i < count; i++) {
+            uint32_t has = t->samples[t->slot[pixels[i]]];
+            if (has < s.first) s.first = has;
+        }
+        if (s.first >= samples) return;
+        for (size_t i = 0; i < count; i++) {
+            uint32_t slot = t->slot[pixels[i]], has = t->samples[slot];
+            if (has == s.first) list[s.count++] = slot;
+            else if (has < s.end) s.end = has;
+        }
+        for_packets(t, s.count, stretch_task, &s);
+        for (size_t i = 0; i < s.count; i++) t->samples[list[i]] = s.end;
+    }
+}
+
+sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, sl_error *error) {
+    size_t fresh = 0;
+    for (size_t i = 0; i < count; i++) fresh += t->slot[pixels[i]] == SL_NO_INDEX;
+    sl_status status = grow(t, t->slots + fresh, error);
+    if (status != SL_OK) return status;
+    uint32_t *list = sl_allocate(count, sizeof *list);
+    if (!list) return sl_fail_memory(error, "error probes");
+    for (size_t i = 0; i < count; i++) {
+        if (t->slot[pixels[i]] != SL_NO_INDEX) continue;
+        t->slot[pixels[i]] = (uint32_t)t->slots;
+        t->pixel[t->slots++] = pixels[i];
+    }
+    catch_up(t, pixels, count, samples, list);
+    sl_free(list);
+    return SL_OK;
+}
+
+void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]) {
+    size_t slot = t->slot[pixel];
+    double scale = t->samples[slot] ? 1.0 / (double)t->samples[slot] : 0.0;
+    for (size_t c = 0; c < 3; c++) {
+        p[c] = scale * t->halves.sums[0][c * t->halves.pixels + slot];
+        q[c] = scale * t->halves.sums[1][c * t->halves.pixels + slot];
+    }
+}

@@ -1,0 +1,43 @@
+/* Path traced values of pixels, for probes: twice over, with as many samples as are asked for, each pixel traced once only. */
+#ifndef SL_CACHE_AUDIT_TRACE_PROBES_H
+#define SL_CACHE_AUDIT_TRACE_PROBES_H
+
+#include "trace/halves.h"
+#include "trace/path_walk.h"
+
+typedef struct sl_probe_tracer {
+    const sl_scene *scene;
+    sl_tracer *tracer;
+    sl_light_sampler *lights;
+    sl_sequence sequence;
+    sl_path_walk walk;
+    sl_path_lens lens;
+    unsigned threads;
+    uint64_t seed;
+    size_t pixels;       /* of the picture */
+    int block, across;   /* the pilot has a sample for each block x block pixels, so many side by side */
+    size_t blocks;
+    float *pilot;        /* R, G, B planes of them; NULL until it is wanted */
+    uint32_t *slot;      /* of each pixel, or SL_NO_INDEX */
+    size_t slots, capacity;
+    uint32_t *pixel;     /* of each slot */
+    uint32_t *samples;   /* of each half of each slot */
+    sl_halves halves;    /* sums, for each slot */
+    sl_counters counters, *worker_counters;
+} sl_probe_tracer;
+
+sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport, int width, int height,
+                                 unsigned threads, uint64_t seed, sl_error *error);
+void sl_probe_tracer_release(sl_probe_tracer *t);
+/* One sample of a pixel in every block, independent of all others; of every pixel, unless the picture is large. */
+sl_status sl_probe_tracer_pilot(sl_probe_tracer *t, sl_error *error);
+static inline size_t sl_probe_tracer_block(const sl_probe_tracer *t, size_t pixel) {
+    size_t width = (size_t)t->lens.width, side = (size_t)t->block;
+    return pixel / width / side * (size_t)t->across + pixel % width / side;
+}
+/* Each of the pixels, which differ, has at least so many samples a half afterwards. */
+sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, sl_error *error);
+/* The two halves' means at a pixel that has been traced. */
+void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]);
+
+#endif
