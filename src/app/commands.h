@@ -10,6 +10,7 @@ int sl_command_compare(int argc, char **argv);
 int sl_command_info(int argc, char **argv);
 int sl_command_bench(int argc, char **argv);
 int sl_command_steps(int argc, char **argv);
+int sl_command_check_numerics(int argc, char **argv);
 int sl_command_live(int argc, char **argv);
 
 #endif

@@ -18,6 +18,7 @@ static const struct {
     {"live", sl_command_live, "play a scene that moves, as it comes"},
     {"bench", sl_command_bench, "speed against error of every method on a scene"},
     {"steps", sl_command_steps, "every pass of a method as a picture, explained, in one page"},
+    {"check-numerics", sl_command_check_numerics, "every method on scenes that break careless code"},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

@@ -10,6 +10,8 @@
 #include "cache/gather/hit_light.h"
 #include "cache/gather/light_scratch.h"
 
+#include <math.h>
+
 enum { MORE_MAX = 15 }; /* a cell */
 
 /* ---- what is known of a cell ---- */
@@ -26,8 +28,20 @@ static void estimate_radiance(const sl_gather_view *view, float *radiance) {
                     h->diffuse_b[k] * (h->irradiance_b[k] + light);
         float seen = emission ? sl_rgb_mean(sl_gather_emission(view, k)) : 0.0f;
         float l = sum * (float)(1.0 / (3.0 * SL_PI)) + seen;
-        radiance[s->slot_cell[k]] = l > 0.0f && l < 1e15f ? l : 0.0f;
+        radiance[s->slot_cell[k]] = l > 0.0f && isfinite(l) ? l : 0.0f;
     }
+}
+
+/* Only ratios count, and squares of radiance may leave what floats hold: a power of two, which changes no digit, brings the greatest into [0.5, 1). */
+static void bring_near_one(const sl_gather_view *view, float *radiance) {
+    const sl_gather_scratch *s = view->scratch;
+    const sl_gather_tables *t = view->gather->tables;
+    float greatest = 0.0f;
+    int exponent = 0;
+    for (size_t k = 0; k < t->used; k++) greatest = radiance[s->slot_cell[k]] > greatest ? radiance[s->slot_cell[k]] : greatest;
+    if (!(greatest > 0.0f)) return;
+    (void)frexpf(greatest, &exponent);
+    for (size_t k = 0; k < t->used; k++) radiance[s->slot_cell[k]] = ldexpf(radiance[s->slot_cell[k]], -exponent);
 }
 
 /* ---- how many where ---- */
@@ -82,6 +96,7 @@ void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters) {
     if (t->kind != SL_GATHER_RAYS || s->slots_max == t->used || t->size < 4 || !g->settings.jitter) return;
     float *radiance = s->planes.mean, *spread = s->planes.distance, *more = s->planes.r; /* these are written later */
     estimate_radiance(view, radiance);
+    bring_near_one(view, radiance);
     g->kernels.spread(t->width, t->height, radiance, spread);
     double scale = share_rays(t, spread, (double)(s->slots_max - t->used), more);
     if (scale > 0.0) add_slots(view, more, scale);

@@ -2,9 +2,15 @@
 
 #include "base/math.h"
 
+/* Squares of gradients leave what floats hold where light is very bright or very faint. */
+static float length_of(sl_vec3 v) {
+    float length = sl_length(v);
+    return length > 1e-15f && length < 1e18f ? length : (float)sl_lengthd(sl_to_double(v));
+}
+
 static float translational_length(const sl_record *r) { /* |grad_t Y|, Y the mean of the channels */
     sl_vec3 sum = sl_add(sl_add(r->translational[0], r->translational[1]), r->translational[2]);
-    return sl_length(sum) * (1.0f / 3.0f);
+    return length_of(sum) * (1.0f / 3.0f);
 }
 
 /* ---- metrics ---- */
@@ -70,7 +76,7 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
     for (int c = 0; c < 3; c++) {
         r.rotational[c] = irradiance->rotational[c];
         r.translational[c] = irradiance->translational[c];
-        r.rotational_length[c] = sl_length(r.rotational[c]);
+        r.rotational_length[c] = length_of(r.rotational[c]);
     }
     double maximum = rules->maximum_radius / rules->accuracy;
     double reach = rules->minimum_pixels > 0.0 ? rules->minimum_pixels * (double)footprint : rules->minimum_reach;

@@ -1,0 +1,205 @@
+#include "app/numerics/cases.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const sl_room_cut plain_cut = {1, 1, 0.0};
+static const double nowhere[3] = {0.0, 0.0, 0.0};
+
+static void begin(sl_room *r) { sl_room_begin(r, &plain_cut); }
+
+/* ---- the same room elsewhere ---- */
+
+static void scaled_down(sl_room *r) { begin(r), sl_room_move(r, 1e-4, nowhere, false); }
+static void scaled_up(sl_room *r) { begin(r), sl_room_move(r, 1e4, nowhere, false); }
+/* A room of 500 units, a million units away: a sixteenth of a unit is what a float tells apart there. */
+static void far_away(sl_room *r) { begin(r), sl_room_move(r, 100.0, (const double[3]){1e6, 1e6, -1e6}, false); }
+static void mirrored(sl_room *r) { begin(r), sl_room_move(r, 1.0, nowhere, true); }
+
+static void reordered(sl_room *r) {
+    begin(r);
+    for (size_t i = 0; i < r->triangle_count / 2; i++) {
+        size_t other = r->triangle_count - 1 - i;
+        char one[sizeof r->triangle[0]];
+        memcpy(one, &r->triangle[i], sizeof one);
+        memcpy(&r->triangle[i], &r->triangle[other], sizeof one);
+        memcpy(&r->triangle[other], one, sizeof one);
+    }
+}
+
+/* ---- other triangles for the same surfaces ---- */
+
+static void finely_cut(sl_room *r) { sl_room_begin(r, &(sl_room_cut){24, 24, 0.0}); }
+static void slivers(sl_room *r) { sl_room_begin(r, &(sl_room_cut){3, 1, 1e-6}); }
+
+static void twice(sl_room *r) {
+    begin(r);
+    for (size_t i = 0, count = r->triangle_count; i < count; i++) {
+        if (r->triangle[i].material == SL_ROOM_LAMP) continue; /* a lamp twice is twice as bright to some, and hidden to others */
+        const size_t *c = r->triangle[i].corner;
+        sl_room_triangle(r, c[0], c[1], c[2], r->triangle[i].material);
+    }
+}
+
+/* The back wall's lower half is cut in three, the upper one in two: corners of one lie on edges of the other. */
+static void t_junctions(sl_room *r) {
+    begin(r);
+    for (size_t i = 0; i < r->triangle_count; i++) { /* takes the back wall out */
+        bool back = true;
+        for (int k = 0; k < 3; k++) back &= r->vertex[r->triangle[i].corner[k]][2] == -2.5;
+        if (!back) continue;
+        for (size_t k = i + 1; k < r->triangle_count; k++) r->triangle[k - 1] = r->triangle[k];
+        r->triangle_count--, i--;
+    }
+    const double low[4][3] = {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 1.5, -2.5}, {-2, 1.5, -2.5}}, high[4][3] = {{-2, 1.5, -2.5}, {2, 1.5, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}};
+    sl_room_quad(r, low, SL_ROOM_WHITE, &(sl_room_cut){3, 1, 0.0});
+    sl_room_quad(r, high, SL_ROOM_WHITE, &(sl_room_cut){2, 1, 0.0});
+}
+
+/* Surfaces reflect on both sides; the lamp stays as it is. */
+static void inverted(sl_room *r) {
+    begin(r);
+    for (size_t i = 0; i < r->triangle_count; i++) {
+        if (r->triangle[i].material == SL_ROOM_LAMP) continue;
+        size_t b = r->triangle[i].corner[1];
+        r->triangle[i].corner[1] = r->triangle[i].corner[2];
+        r->triangle[i].corner[2] = b;
+    }
+}
+
+/* Three faces on each edge of the box: fins that stand inside it, where nothing is seen of them. */
+static void not_manifold(sl_room *r) {
+    begin(r);
+    size_t a = sl_room_vertex(r, -1.2, 0.0, -1.6), b = sl_room_vertex(r, -0.2, 1.3, -0.6), c = sl_room_vertex(r, -1.2, 1.3, -1.6), d = sl_room_vertex(r, -0.2, 0.0, -0.6);
+    sl_room_triangle(r, a, d, b, SL_ROOM_BOX);
+    sl_room_triangle(r, a, b, c, SL_ROOM_BOX);
+}
+
+/* ---- large and small at once ---- */
+
+static void tiny_among_large(sl_room *r) {
+    begin(r);
+    for (int i = 0; i < 40; i++) {
+        double x = 0.2 + 0.03 * i, s = 4e-6;
+        size_t a = sl_room_vertex(r, x, 0.5, -1.0), b = sl_room_vertex(r, x + s, 0.5, -1.0), c = sl_room_vertex(r, x, 0.5 + s, -1.0);
+        sl_room_triangle(r, a, b, c, SL_ROOM_RED);
+    }
+}
+
+static void huge_among_small(sl_room *r) {
+    begin(r);
+    const double far[4][3] = {{-4e6, -5, 4e6}, {4e6, -5, 4e6}, {4e6, -5, -4e6}, {-4e6, -5, -4e6}};
+    sl_room_quad(r, far, SL_ROOM_WHITE, &plain_cut);
+}
+
+/* ---- lights ---- */
+
+static void light_text(sl_room *r, const char *text) {
+    begin(r);
+    snprintf(r->lights, sizeof r->lights, "%s", text);
+}
+static void light_on_the_floor(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0.8, 0, 0], \"intensity\": 1}"); }
+static void light_in_the_box(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [-0.7, 0.6, -1.1], \"intensity\": 100}"); }
+static void light_behind_the_wall(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0, 1, -2.51], \"intensity\": 100}"); }
+static void lamp_in_the_floor(sl_room *r) {
+    light_text(r, "{\"type\": \"quad\", \"corner\": [0.5, 0, 0], \"edge1\": [0, 0, 0.5], \"edge2\": [0.5, 0, 0], \"radiance\": 5}");
+}
+static void tiny_lamp(sl_room *r) {
+    light_text(r, "{\"type\": \"quad\", \"corner\": [1, 2, 0], \"edge1\": [1e-5, 0, 0], \"edge2\": [0, 0, 1e-5], \"radiance\": 1e10}");
+}
+static void huge_lamp(sl_room *r) {
+    light_text(r, "{\"type\": \"quad\", \"corner\": [-1e4, 2e4, -1e4], \"edge1\": [2e4, 0, 0], \"edge2\": [0, 0, 2e4], \"radiance\": 0.3}");
+}
+static void a_thousand_lamps(sl_room *r) {
+    begin(r);
+    for (int i = 0; i < 1000; i++) {
+        double x = -1.9 + 0.1 * (i % 38), z = -2.4 + 0.18 * (i / 38);
+        const double lamp[4][3] = {{x, 2.98, z}, {x + 0.02, 2.98, z}, {x + 0.02, 2.98, z + 0.02}, {x, 2.98, z + 0.02}};
+        sl_room_quad(r, lamp, SL_ROOM_LAMP, &plain_cut);
+    }
+}
+
+static void emission(sl_room *r, double times) {
+    begin(r);
+    for (int c = 0; c < 3; c++) r->material[SL_ROOM_LAMP].emission[c] *= times;
+}
+static void faint(sl_room *r) { emission(r, 1e-20); }
+static void blinding(sl_room *r) { emission(r, 1e20); }
+
+/* ---- materials ---- */
+
+static void reflectance(sl_room *r, double kd, double ks, double exponent) {
+    begin(r);
+    for (int m = SL_ROOM_WHITE; m < SL_ROOM_LAMP; m++) {
+        for (int c = 0; c < 3; c++) r->material[m].diffuse[c] = kd;
+        r->material[m].specular = ks;
+        r->material[m].exponent = exponent;
+    }
+}
+static void black(sl_room *r) { reflectance(r, 0.0, 0.0, 1.0); }
+static void white(sl_room *r) { reflectance(r, 1.0, 0.0, 1.0); }
+static void more_than_white(sl_room *r) { reflectance(r, 1.7, 0.5, 5.0); }
+static void dull_gloss(sl_room *r) { reflectance(r, 0.3, 0.4, 1.0); }
+static void sharp_gloss(sl_room *r) { reflectance(r, 0.3, 0.4, 1e5); }
+static void mirrors(sl_room *r) {
+    begin(r);
+    r->material[SL_ROOM_BOX].mirror = r->material[SL_ROOM_GREEN].mirror = 1.0;
+}
+
+/* ---- the eye ---- */
+
+static void look(sl_room *r, const double eye[3], const double target[3]) {
+    begin(r);
+    memcpy(r->eye, eye, sizeof r->eye);
+    memcpy(r->target, target, sizeof r->target);
+}
+static void eye_in_the_wall(sl_room *r) { look(r, (const double[3]){0, 1, -2.5}, (const double[3]){0, 1, 2}); }
+static void eye_in_a_corner(sl_room *r) { look(r, (const double[3]){-2, 0, -2.5}, (const double[3]){1, 1, 1}); }
+static void nothing_to_see(sl_room *r) { look(r, (const double[3]){0, 1, 6}, (const double[3]){0, 1, 60}); }
+static void far_view(sl_room *r) { look(r, (const double[3]){0, 1, 1e7}, (const double[3]){0, 1, 0}); }
+static void telescope(sl_room *r) { begin(r), r->eye[2] = 1e4, r->fov_deg = 0.02; }
+
+static void size(sl_room *r, int width, int height) { begin(r), r->width = width, r->height = height; }
+static void one_pixel(sl_room *r) { size(r, 1, 1); }
+static void one_row(sl_room *r) { size(r, 40, 1); }
+static void one_column(sl_room *r) { size(r, 1, 40); }
+
+const sl_hard_case sl_hard_cases[] = {
+    {"scaled by 1e-4", scaled_down, SL_EXPECT_SAME, 2.0, 1.0},
+    {"scaled by 1e4", scaled_up, SL_EXPECT_SAME, 2.0, 1.0},
+    {"a million units away", far_away, SL_EXPECT_SAME, 4.0, 1.0},
+    {"mirrored", mirrored, SL_EXPECT_MIRRORED, 2.0, 1.0},
+    {"triangles reordered", reordered, SL_EXPECT_SAME, 2.0, 1.0},
+    {"finely cut", finely_cut, SL_EXPECT_SAME, 3.0, 1.0},
+    {"slivers of aspect 1e6", slivers, SL_EXPECT_SAME, 3.0, 1.0},
+    {"everything twice", twice, SL_EXPECT_SAME, 3.0, 1.0},
+    {"T-junctions", t_junctions, SL_EXPECT_SAME, 3.0, 1.0},
+    {"turned inside out", inverted, SL_EXPECT_SAME, 2.0, 1.0},
+    {"not manifold", not_manifold, SL_EXPECT_SAME, 2.0, 1.0},
+    {"triangles of 1e-6", tiny_among_large, SL_EXPECT_SAME, 2.0, 1.0},
+    {"triangles of 1e6", huge_among_small, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"light on the floor", light_on_the_floor, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"light inside the box", light_in_the_box, SL_EXPECT_SAME, 2.0, 1.0},
+    {"light behind the wall", light_behind_the_wall, SL_EXPECT_SAME, 3.0, 1.0},
+    {"lamp in the floor", lamp_in_the_floor, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"tiny lamp", tiny_lamp, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"huge lamp", huge_lamp, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"a thousand lamps", a_thousand_lamps, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"radiance times 1e-20", faint, SL_EXPECT_SCALED, 2.0, 1e-20},
+    {"radiance times 1e20", blinding, SL_EXPECT_SCALED, 2.0, 1e20},
+    {"reflectance 0", black, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"reflectance 1", white, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"reflectance above 1", more_than_white, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"exponent 1", dull_gloss, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"exponent 1e5", sharp_gloss, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"mirrors", mirrors, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"eye in the wall", eye_in_the_wall, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"eye in a corner", eye_in_a_corner, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"nothing to see", nothing_to_see, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"seen from 1e7", far_view, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"a telescope", telescope, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"one pixel", one_pixel, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"one row", one_row, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"one column", one_column, SL_EXPECT_SOUND, 0.0, 1.0},
+};
+const size_t sl_hard_case_count = sizeof sl_hard_cases / sizeof sl_hard_cases[0];

@@ -1,0 +1,244 @@
+/* softlux check-numerics: every method on rooms that break careless code, as a table. */
+#include "app/commands.h"
+#include "app/numerics/cases.h"
+#include "app/options.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { UPDATES_MAX = 100000 };
+
+typedef struct checking {
+    const char *only, *method; /* or NULL */
+    double seconds;            /* that a picture may take */
+    bool markdown, list;
+    char folder[64];
+    /* of the method at hand */
+    const char *name;
+    sl_image *plain; /* the picture of the plain room */
+    double noise;    /* relative RMSE between two seeds of it */
+} checking;
+
+typedef struct verdict {
+    bool good;
+    double difference; /* in units of the bound; negative: nothing to compare with */
+    char text[96];     /* what is wrong */
+} verdict;
+
+static double now_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+__attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...) {
+    verdict v = {.difference = -1.0};
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(v.text, sizeof v.text, format, arguments);
+    va_end(arguments);
+    return v;
+}
+
+/* ---- one picture ---- */
+
+static sl_status render(const checking *c, const char *path, unsigned threads, uint64_t seed, sl_image **image, sl_error *error) {
+    sl_scene *scene = NULL;
+    sl_method *method = NULL;
+    sl_progress progress = {0};
+    sl_settings settings = sl_settings_default();
+    settings.method = c->name;
+    settings.quality = SL_QUALITY_DRAFT;
+    settings.threads = threads;
+    settings.seed = seed;
+    settings.radiance_map.visibility = SL_VISIBILITY_RAYS; /* the paper lets light through walls, which is not rounding's affair */
+    *image = NULL;
+    double start = now_seconds();
+    sl_status status = sl_scene_load(path, &scene, error);
+    if (status == SL_OK) status = sl_method_create(scene, &settings, &method, error);
+    while (status == SL_OK && !progress.done && progress.batches < UPDATES_MAX && now_seconds() - start < c->seconds)
+        status = sl_method_update(method, &progress, error);
+    if (status == SL_OK && !progress.done) {
+        status = error->status = SL_ERROR_RESOURCES;
+        snprintf(error->message, sizeof error->message, "not done after %.0f s and %llu batches", now_seconds() - start, (unsigned long long)progress.batches);
+    }
+    if (status == SL_OK) status = sl_method_resolve(method, image, error);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    return status;
+}
+
+/* Finite, and nowhere below 0. */
+static verdict sound(const sl_image *image) {
+    size_t values = 3 * (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < values; i++) {
+        if (!isfinite(image->planes[i])) return bad("value %zu is not finite", i);
+        if (image->planes[i] < 0.0f) return bad("value %zu is %g", i, (double)image->planes[i]);
+    }
+    return (verdict){.good = true, .difference = -1.0};
+}
+
+static bool same_bits(const sl_image *a, const sl_image *b) {
+    size_t bytes = (size_t)a->width * (size_t)a->height * (size_t)a->channels * sizeof(float);
+    return a->channels == b->channels && memcmp(a->planes, b->planes, bytes) == 0;
+}
+
+/* ---- one case ---- */
+
+static void exchange_sides(sl_image *image) {
+    for (int row = 0; row < image->channels * image->height; row++) {
+        float *p = image->planes + (size_t)row * (size_t)image->width;
+        for (int i = 0, k = image->width - 1; i < k; i++, k--) {
+            float left = p[i];
+            p[i] = p[k], p[k] = left;
+        }
+    }
+}
+
+/* Pixel centres lie the other way round in a mirrored room, so nothing but the picture's own grid differs. */
+static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *image) {
+    sl_comparison result;
+    sl_error error;
+    if (hard->expectation == SL_EXPECT_SOUND) return sound(image);
+    if (hard->expectation == SL_EXPECT_MIRRORED) exchange_sides(image);
+    size_t values = 3 * (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; hard->expectation == SL_EXPECT_SCALED && i < values; i++) image->planes[i] = (float)((double)image->planes[i] / hard->factor);
+    if (sl_image_compare(image, c->plain, NULL, &result, NULL, &error) != SL_OK) return bad("%.90s", error.message);
+    double bound = fmax(0.02, hard->bound * c->noise);
+    verdict v = {.good = result.rel_rmse <= bound, .difference = result.rel_rmse};
+    if (!v.good) snprintf(v.text, sizeof v.text, "off by %.3g, bound %.3g", result.rel_rmse, bound);
+    return v;
+}
+
+static verdict check_files(const checking *c, const sl_hard_case *hard, const char *path) {
+    sl_error error;
+    sl_image *one = NULL, *three = NULL;
+    verdict v;
+    if (render(c, path, 1, 0, &one, &error) != SL_OK || render(c, path, 3, 0, &three, &error) != SL_OK) v = bad("%.90s", error.message);
+    else if (!same_bits(one, three)) v = bad("other bits with three threads");
+    else v = sound(one);
+    if (v.good) v = compare(c, hard, one);
+    sl_image_destroy(one);
+    sl_image_destroy(three);
+    return v;
+}
+
+static verdict check_case(const checking *c, const sl_hard_case *hard) {
+    char path[128];
+    sl_error error;
+    sl_room room;
+    hard->make(&room);
+    verdict v = sl_room_write(&room, c->folder, path, sizeof path, &error) == SL_OK ? check_files(c, hard, path) : bad("%.90s", error.message);
+    sl_room_end(&room);
+    return v;
+}
+
+/* The plain room, and how much of its picture is noise. */
+static sl_status prepare(checking *c, sl_error *error) {
+    const sl_room_cut whole = {1, 1, 0.0};
+    char path[128];
+    sl_room room;
+    sl_image *other = NULL;
+    sl_comparison result;
+    sl_room_begin(&room, &whole);
+    sl_status status = sl_room_write(&room, c->folder, path, sizeof path, error);
+    sl_room_end(&room);
+    if (status == SL_OK) status = render(c, path, 1, 0, &c->plain, error);
+    if (status == SL_OK) status = render(c, path, 1, 1, &other, error);
+    if (status == SL_OK) status = sl_image_compare(other, c->plain, NULL, &result, NULL, error);
+    if (status == SL_OK) c->noise = result.rel_rmse;
+    sl_image_destroy(other);
+    return status;
+}
+
+/* ---- the table ---- */
+
+static bool is_wanted(const checking *c, const sl_hard_case *hard) { return !c->only || strstr(hard->name, c->only); }
+
+static void print_row(const checking *c, const char *name, const verdict *v) {
+    char difference[32] = "";
+    if (v->difference >= 0.0) snprintf(difference, sizeof difference, "%.2g %%", 100.0 * v->difference);
+    printf(c->markdown ? "| %s | %s | %s | %s |\n" : "  %-24s %-7s %9s  %s\n", name, v->good ? "ok" : "FAILED", difference, v->text);
+    fflush(stdout);
+}
+
+static sl_status check_method(checking *c, size_t *failures, sl_error *error) {
+    sl_status status = prepare(c, error);
+    if (status == SL_OK) {
+        printf(c->markdown ? "\n### %s\n\nNoise (another seed): %.2g %%.\n\n| case | | off by | |\n|:---|:---|---:|:---|\n" : "%s (noise %.2g %%)\n", c->name,
+               100.0 * c->noise);
+        for (size_t i = 0; i < sl_hard_case_count; i++) {
+            if (!is_wanted(c, &sl_hard_cases[i])) continue;
+            verdict v = check_case(c, &sl_hard_cases[i]);
+            *failures += !v.good;
+            print_row(c, sl_hard_cases[i].name, &v);
+        }
+    }
+    sl_image_destroy(c->plain);
+    c->plain = NULL;
+    return status;
+}
+
+static sl_status check_all(checking *c, size_t *failures, sl_error *error) {
+    sl_status status = SL_OK;
+    bool any = false;
+    snprintf(c->folder, sizeof c->folder, "/tmp/softlux-numerics-XXXXXX");
+    if (!mkdtemp(c->folder)) {
+        snprintf(error->message, sizeof error->message, "cannot make a folder in /tmp");
+        return error->status = SL_ERROR_OUTPUT;
+    }
+    for (size_t m = 0; sl_method_name(m) && status == SL_OK; m++) {
+        if (c->method && strcmp(c->method, sl_method_name(m)) != 0) continue;
+        c->name = sl_method_name(m);
+        any = true;
+        status = check_method(c, failures, error);
+    }
+    const char *const files[] = {"room.obj", "room.mtl", "room.json"};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        char path[128];
+        snprintf(path, sizeof path, "%s/%s", c->folder, files[i]);
+        unlink(path);
+    }
+    rmdir(c->folder);
+    if (status == SL_OK && !any) {
+        snprintf(error->message, sizeof error->message, "unknown method '%s'", c->method);
+        return error->status = SL_ERROR_USAGE;
+    }
+    return status;
+}
+
+int sl_command_check_numerics(int argc, char **argv) {
+    checking c = {.seconds = 120.0};
+    const sl_option options[] = {
+        {"method", 'm', SL_OPTION_TEXT, &c.method, NULL, "NAME", "this method alone [all]", 0, 0, NULL},
+        {"only", 0, SL_OPTION_TEXT, &c.only, NULL, "TEXT", "cases whose names hold the text", 0, 0, NULL},
+        {"limit", 0, SL_OPTION_REAL, &c.seconds, NULL, "SECONDS", "that a picture may take [120]", 1e-3, 1e6, NULL},
+        {"markdown", 0, SL_OPTION_FLAG, &c.markdown, NULL, NULL, "tables as Markdown", 0, 0, NULL},
+        {"list", 0, SL_OPTION_FLAG, &c.list, NULL, NULL, "print the cases, and run none", 0, 0, NULL},
+        {NULL, 0, SL_OPTION_FLAG, NULL, NULL, NULL, NULL, 0, 0, NULL}};
+    const sl_command_line line = {
+        "softlux check-numerics [options]",
+        "Runs the methods on rooms that are hard to compute: tiny, huge, far away, badly cut, oddly lit.",
+        "Every picture must be finite, nowhere negative, and have the same bits with one thread and with three. Where a change ought to make no\n"
+        "difference (the room scaled, moved, mirrored, cut in other triangles) the picture must be the plain room's within a few times what\n"
+        "another seed changes, or 2 %. Exit status 1 if anything fails.",
+        options, 0, 0};
+    int operands, exit_status;
+    if (!sl_options_parse(&line, argc, argv, NULL, &operands, &exit_status)) return exit_status;
+    for (size_t i = 0; c.list && i < sl_hard_case_count; i++) puts(sl_hard_cases[i].name);
+    if (c.list) return 0;
+    sl_error error;
+    size_t failures = 0;
+    sl_status status = check_all(&c, &failures, &error);
+    if (status != SL_OK) {
+        fprintf(stderr, "softlux: %s\n", error.message);
+        return (int)status;
+    }
+    printf("%zu failed\n", failures);
+    return failures ? SL_EXIT_COMPARISON_FAILED : 0;
+}
