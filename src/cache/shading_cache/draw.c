@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "cache/picture_value.h"
 #include "cache/shading_cache/leaf_lookup.h"
+#include "cache/shading_cache/story.h"
 #include "scene/surface_rules.h"
 
 enum { STRIP = 2048 }; /* pixels of a task */
@@ -135,10 +136,10 @@ typedef struct strip {
     float w1[STRIP], w2[STRIP];
 } strip;
 
-static void begin_strip(const frame_job *job, size_t index, strip *s) {
+static void begin_pixels(const frame_job *job, size_t first, size_t count, strip *s) {
     uint32_t pixel[STRIP] = {0};
-    s->first = index * STRIP;
-    s->count = job->pixels - s->first < STRIP ? job->pixels - s->first : STRIP;
+    s->first = first;
+    s->count = count;
     s->id = job->window->frame.id + s->first;
     s->curved_id = job->display->curved ? job->window->frame.curved_id + s->first : NULL;
     bool any = false;
@@ -155,6 +156,11 @@ static void begin_strip(const frame_job *job, size_t index, strip *s) {
         s->w1[i] = curved ? w1[i] : s->w1[i];
         s->w2[i] = curved ? w2[i] : s->w2[i];
     }
+}
+
+static void begin_strip(const frame_job *job, size_t index, strip *s) {
+    size_t first = index * STRIP;
+    begin_pixels(job, first, job->pixels - first < STRIP ? job->pixels - first : STRIP, s);
 }
 
 static void next_pixel(const frame_job *job, const strip *s, size_t i, triangle_run *run) {
@@ -177,6 +183,10 @@ static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int3
     return sl_scene_diffuse(job->window->scene, triangle, w1, w2);
 }
 
+static sl_rgb diffuse_of(const frame_job *job, const triangle_run *run, int32_t u, int32_t v, const sl_rgb *textured) {
+    return !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
+}
+
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
     const sl_rgb guess = job->display->settings.guess;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
@@ -189,7 +199,7 @@ static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2,
         if (fresh) sl_leaf_field_of(job->copy, 2, &run->leaf, &run->field);
         sl_leaf_value(job->copy, 2, &run->leaf, &run->field, e);
     }
-    sl_rgb kd = !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
+    sl_rgb kd = diffuse_of(job, run, u, v, textured);
     const float over_pi = (float)(1.0 / SL_PI);
     return (sl_rgb){run->emission.r + kd.r * e[0] * over_pi + e[3], run->emission.g + kd.g * e[1] * over_pi + e[4],
                     run->emission.b + kd.b * e[2] * over_pi + e[5]};
@@ -298,4 +308,42 @@ sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_id
     for (int k = 0; k < 4; k++) planes += wanted[k] != NULL;
     sl_count(counters, SL_COUNT_BYTES_READ_BACK, 4 * planes * job.pixels);
     return SL_OK;
+}
+
+/* ---- one pixel again ------------------------------------------------------------------------------------------------------------ */
+
+static sl_status texture_at(const frame_job *job, size_t pixel, sl_rgb *textured, sl_error *error) {
+    sl_resolver *resolver;
+    float kd[3];
+    sl_gbuffer part = {.width = 1, .height = 1, .diffuse_r = &kd[0], .diffuse_g = &kd[1], .diffuse_b = &kd[2]};
+    sl_status status = sl_resolver_create(job->window->raster, 1, &job->view, NULL, job->window->frame.id, 1, &resolver, error);
+    if (status != SL_OK) return status;
+    sl_resolver_run(resolver, 0, pixel, 1, &part);
+    sl_resolver_destroy(resolver);
+    *textured = (sl_rgb){kd[0], kd[1], kd[2]};
+    return SL_OK;
+}
+
+sl_status sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown, sl_error *error) {
+    frame_job job = {.display = d, .copy = &d->copy[d->shown], .window = &d->own,
+                     .view = sl_view_scene(d->own.scene, d->settings.width, d->settings.height)};
+    strip s;
+    triangle_run run = {.root = SL_NO_INDEX};
+    begin_pixels(&job, pixel, 1, &s);
+    next_pixel(&job, &s, 0, &run);
+    *shown = (sl_shown_pixel){.copy = job.copy, .root = run.root, .guess = d->settings.guess};
+    if (run.root == SL_NO_INDEX) {
+        shown->emission = background(&job, pixel);
+        return SL_OK;
+    }
+    int32_t u, v;
+    sl_rgb textured = {0};
+    find_leaf(&job, &run, s.w1[0], s.w2[0], &u, &v);
+    sl_status status = run.texture && !run.curved ? texture_at(&job, pixel, &textured, error) : SL_OK;
+    shown->wanted = run.wanted != NULL;
+    shown->lobe = run.lobe;
+    shown->leaf = run.leaf;
+    shown->emission = run.emission;
+    shown->diffuse = diffuse_of(&job, &run, u, v, &textured);
+    return status;
 }

@@ -12,7 +12,7 @@
  *   renderers.h        direct light, bidirectional paths, caustics                                                    U7
  *   change.c           change detection, resolution drop                                                              U8
  *   display.h          arrays, tessellation, drawing                                                                  U10
- *   live.c             frames beside updates
+ *   live.c             frames beside updates; story.c: what made a pixel
  */
 #ifndef SL_SHADING_CACHE_SHADING_CACHE_H
 #define SL_SHADING_CACHE_SHADING_CACHE_H

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/shading_cache/state.h"
+#include "cache/shading_cache/story.h"
 
 enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, LEAVES_A_TASK = 1024 };
 
@@ -108,7 +109,7 @@ static sl_status see_priorities(sl_shading_state *s, sl_error *error) {
     number_leaves(s);
     status = room_for_leaves(s, error);
     if (status != SL_OK) return status;
-    sl_announce_pass(&s->announcer, "id map", "section 4.1");
+    sl_shading_announce_ids(s);
     count_pixels(s);
     sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, prioritise_some, s);
     s->error_levels = mean_error_levels(s);
@@ -170,7 +171,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     sl_status status = see_priorities(s, error);
     if (status != SL_OK) return status;
     status = select_pixels(s, &choices, error);
-    sl_announce_pass(&s->announcer, "selection", "section 4.2");
+    sl_shading_announce_choices(s, status == SL_OK ? choices : 0);
     if (status == SL_OK) status = work_out(s, choices, &vertices, error);
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "requests", "section 4.3");

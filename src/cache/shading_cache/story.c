@@ -1,0 +1,189 @@
+/* The story of a pixel: the display's sum (section on display) told vertex by vertex. A pixel lies in a leaf; what the leaf's corners hold, and what hangs on its edges where
+ * it is a fan, adds weight x E x kd / pi, and where there is a lobe weight x L_s. */
+#include "cache/shading_cache/story.h"
+
+#include "base/math.h"
+#include "base/memory.h"
+
+/* ---- weights: those of sl_leaf_value() ---- */
+
+enum { SHARES_MAX = 6 };
+
+typedef struct shares {
+    size_t count;
+    uint32_t vertex[SHARES_MAX];
+    double weight[SHARES_MAX];
+} shares;
+
+static void add_share(shares *s, uint32_t vertex, double weight) {
+    size_t at = 0;
+    while (at < s->count && s->vertex[at] != vertex) at++;
+    if (at == s->count) {
+        s->vertex[s->count] = vertex;
+        s->weight[s->count++] = 0.0;
+    }
+    s->weight[at] += weight;
+}
+
+static void plain_shares(const sl_leaf *leaf, const uint32_t corner[4], shares *s) {
+    double a = (double)leaf->a, b = (double)leaf->b;
+    if (leaf->triangle) {
+        const double weight[3] = {1.0 - a - b, a, b};
+        for (int c = 0; c < 3; c++) add_share(s, corner[c], weight[c]);
+    } else {
+        const double weight[4] = {(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b};
+        for (int c = 0; c < 4; c++) add_share(s, corner[c], weight[c]);
+    }
+}
+
+/* From the centre, the mean of the corners, to a piece of an edge. */
+static void fan_shares(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4], shares *s) {
+    int corners = leaf->triangle ? 3 : 4;
+    sl_fan_place place = sl_fan_place_of(leaf);
+    uint32_t end[2];
+    double along = (double)sl_fan_piece(copy, leaf, corner, &place, end), out = (double)place.out;
+    for (int c = 0; c < corners; c++) add_share(s, corner[c], (1.0 - out) / corners);
+    add_share(s, end[0], out * (1.0 - along));
+    add_share(s, end[1], out * along);
+}
+
+static shares shares_of(const sl_display_copy *copy, const sl_leaf *leaf) {
+    shares s = {.count = 0};
+    uint32_t corner[4];
+    sl_leaf_corners(copy, leaf, corner);
+    if (sl_is_fan_word(leaf->word)) fan_shares(copy, leaf, corner, &s);
+    else plain_shares(leaf, corner, &s);
+    return s;
+}
+
+/* ---- terms ---- */
+
+static void put_colour(float out[3], sl_rgb in) { out[0] = in.r, out[1] = in.g, out[2] = in.b; }
+static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, out[2] = in.z; }
+
+/* value times factor; nothing where that is black. */
+static void add_term(sl_story_writer *writer, sl_story_term *term, const float value[3], const double factor[3]) {
+    bool any = false;
+    for (int c = 0; c < 3; c++) {
+        term->value[c] = value[c];
+        term->contribution[c] = factor[c] * (double)value[c];
+        any = any || term->contribution[c] != 0.0;
+    }
+    if (any) sl_story_add(writer, term);
+}
+
+static void tell_colour(sl_story_writer *writer, const char *layer, const char *kind, sl_rgb colour, const double factor[3]) {
+    float value[3];
+    sl_story_term term = {.layer = layer, .kind = kind, .weight = 1.0};
+    put_colour(value, colour);
+    add_term(writer, &term, value, factor);
+}
+
+static sl_vec3 place_of(const sl_shading_state *s, uint32_t vertex) {
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    return sl_root_position(s->primitives, v->root, v->u, v->v);
+}
+
+static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight, const double reflectance[3],
+                        sl_story_writer *writer) {
+    float value[6] = {0};
+    bool sampled = s->patches->vertex[vertex].evaluated != SL_VERTEX_NEVER;
+    sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
+    sl_story_term term = {.layer = "irradiance", .kind = sampled ? "vertex with samples" : "vertex between others, without samples yet",
+                          .index = vertex, .placed = true, .weight = weight};
+    put_place(term.position, place_of(s, vertex));
+    const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]}, lobe[3] = {weight, weight, weight};
+    add_term(writer, &term, value, diffuse);
+    term.layer = "radiance";
+    if (p->lobe) add_term(writer, &term, value + 3, lobe);
+}
+
+sl_status sl_shading_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+    const sl_shading_state *s = state;
+    const double whole[3] = {1.0, 1.0, 1.0}, per_pi = (double)(float)(1.0 / SL_PI);
+    sl_shown_pixel p;
+    sl_status status = sl_display_pixel(s->display, (size_t)y * (size_t)s->settings.width + (size_t)x, &p, error);
+    if (status != SL_OK) return status;
+    tell_colour(writer, "emission", p.root == SL_NO_INDEX ? "environment" : "emitted light", p.emission, whole);
+    if (p.root == SL_NO_INDEX) return SL_OK;
+    const double reflectance[3] = {(double)p.diffuse.r * per_pi, (double)p.diffuse.g * per_pi, (double)p.diffuse.b * per_pi};
+    if (!p.wanted) {
+        tell_colour(writer, "irradiance", "guess before any sample: the scene's mean", p.guess, reflectance);
+        return SL_OK;
+    }
+    shares all = shares_of(p.copy, &p.leaf);
+    for (size_t k = 0; k < all.count; k++) {
+        if (all.weight[k] != 0.0) tell_vertex(s, &p, all.vertex[k], all.weight[k], reflectance, writer);
+    }
+    return SL_OK;
+}
+
+/* ---- marks ---- */
+
+void sl_shading_announce_choices(sl_shading_state *s, size_t choices) {
+    static const float colours[3][3] = {[SL_CHOICE_HIT] = {0.1f, 0.8f, 0.2f}, [SL_CHOICE_RANDOM] = {0.15f, 0.3f, 1.0f}, [SL_CHOICE_FLOOD] = {1.0f, 0.15f, 0.1f}};
+    if (!sl_announcing(&s->announcer)) return;
+    sl_mark *marks = choices ? sl_allocate(choices, sizeof *marks) : NULL;
+    for (size_t i = 0; marks && i < choices; i++) {
+        uint32_t pixel = s->choice[i].pixel, root = sl_patch_root(s->patches, s->ids.patch[pixel]);
+        marks[i].kind = SL_MARK_POINT;
+        put_place(marks[i].at, sl_root_position(s->primitives, root, (uint32_t)(s->ids.u[pixel] * SL_PATCH_DYADIC), (uint32_t)(s->ids.v[pixel] * SL_PATCH_DYADIC)));
+        for (int c = 0; c < 3; c++) marks[i].colour[c] = colours[s->choice[i].kind][c];
+    }
+    sl_announce_marks(&s->announcer, "selection", "section 4.2", marks, marks ? choices : 0);
+    sl_free(marks);
+}
+
+void sl_shading_announce_ids(sl_shading_state *s) {
+    float *plane = sl_announcing(&s->announcer) ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
+    for (size_t i = 0; plane && i < sl_shading_pixels(s); i++) plane[i] = s->ids.patch[i] == SL_NO_INDEX ? -1.0f : (float)s->ids.patch[i];
+    sl_announce(&s->announcer, "id map", "section 4.1", s->settings.width, s->settings.height, 1, plane, true);
+    sl_free(plane);
+}
+
+static bool was_seen(const sl_shading_state *s, uint32_t patch) {
+    return sl_patch_is_alive(s->patches, patch) && sl_patch_is_leaf(s->patches, patch) && s->patches->patch[patch].seen == s->now && s->now > 0;
+}
+
+static size_t mark_edges(const sl_shading_state *s, uint32_t patch, sl_mark *marks) {
+    int corners = sl_patch_corners(s->patches, patch);
+    for (int c = 0; c < corners; c++) {
+        marks[c].kind = SL_MARK_SEGMENT;
+        put_place(marks[c].at, place_of(s, sl_patch_corner(s->patches, patch, c)));
+        put_place(marks[c].to, place_of(s, sl_patch_corner(s->patches, patch, (c + 1) % corners)));
+        for (int k = 0; k < 3; k++) marks[c].colour[k] = 1.0f;
+    }
+    return (size_t)corners;
+}
+
+static void announce_edges(sl_shading_state *s) {
+    size_t leaves = 0, made = 0;
+    for (uint32_t p = 0; p < s->patches->patch_count; p++) leaves += was_seen(s, p);
+    sl_mark *marks = leaves ? sl_allocate(4 * leaves, sizeof *marks) : NULL;
+    for (uint32_t p = 0; marks && p < s->patches->patch_count; p++) {
+        if (was_seen(s, p)) made += mark_edges(s, p, marks + made);
+    }
+    if (made) sl_announce_marks(&s->announcer, "patches", "section 4.1", marks, made);
+    sl_free(marks);
+}
+
+static void announce_vertices(sl_shading_state *s) {
+    size_t made = 0;
+    sl_mark *marks = s->patches->vertex_count ? sl_allocate(s->patches->vertex_count, sizeof *marks) : NULL;
+    for (uint32_t i = 0; marks && i < s->patches->vertex_count; i++) {
+        const sl_patch_vertex *v = &s->patches->vertex[i];
+        if (!v->references || v->evaluated == SL_VERTEX_NEVER) continue;
+        marks[made].kind = SL_MARK_POINT;
+        put_place(marks[made].at, place_of(s, i));
+        for (int c = 0; c < 3; c++) marks[made].colour[c] = v->value[c];
+        made++;
+    }
+    if (made) sl_announce_marks(&s->announcer, "vertices", "section 4.3", marks, made);
+    sl_free(marks);
+}
+
+void sl_shading_announce_patches(sl_shading_state *s) {
+    if (!sl_announcing(&s->announcer)) return;
+    announce_edges(s);
+    announce_vertices(s);
+}
