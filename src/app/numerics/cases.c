@@ -99,8 +99,8 @@ static void light_text(sl_room *r, const char *text) {
     snprintf(r->lights, sizeof r->lights, "%s", text);
 }
 static void light_on_the_floor(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0.8, 0, 0], \"intensity\": 1}"); }
-static void light_in_the_box(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [-0.7, 0.6, -1.1], \"intensity\": 100}"); }
-static void light_behind_the_wall(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0, 1, -2.51], \"intensity\": 100}"); }
+static void light_in_the_box(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [-0.7, 0.6, -1.1], \"intensity\": 1}"); }
+static void light_behind_the_wall(sl_room *r) { light_text(r, "{\"type\": \"point\", \"position\": [0, 1, -2.51], \"intensity\": 1}"); }
 static void lamp_in_the_floor(sl_room *r) {
     light_text(r, "{\"type\": \"quad\", \"corner\": [0.5, 0, 0], \"edge1\": [0, 0, 0.5], \"edge2\": [0.5, 0, 0], \"radiance\": 5}");
 }

@@ -5,7 +5,7 @@
 #include "app/numerics/room.h"
 
 typedef enum sl_expectation {
-    SL_EXPECT_SAME,     /* the picture of the plain room, within the method's own noise times `bound` */
+    SL_EXPECT_SAME,     /* the picture of the plain room, within `bound` */
     SL_EXPECT_MIRRORED, /* the same, left and right exchanged */
     SL_EXPECT_SCALED,   /* the same, times `factor` */
     SL_EXPECT_SOUND     /* finite, nowhere negative, the same bits with other threads: what every picture must be */
@@ -15,7 +15,7 @@ typedef struct sl_hard_case {
     const char *name;
     void (*make)(sl_room *room); /* begins the room */
     sl_expectation expectation;
-    double bound;                /* how many times the method's noise; at least 2 % of the picture's mean */
+    double bound;                /* how many times the greater of the method's noise and of its error in the plain room; at least 2 % of the picture's mean */
     double factor;
 } sl_hard_case;
 
