@@ -45,8 +45,9 @@ step 'same bits: threads, compilers, instruction sets' tests/same_bits.sh
 step 'address and undefined-behaviour sanitizers' build_and_test build/debug CONFIG=debug \
     $(ls tests/test_*.c | sed 's|tests/||;s|\.c$||' | grep -v '_reference$\|_truth$\|_gradients$')
 step 'thread sanitizer' build_and_test build/tsan-clang 'CONFIG=tsan CC=clang' \
-    test_base_parts test_raster_determinism test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live
+    test_base_parts test_raster_determinism test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live test_threads
 step 'as a library: installed, in C and C++, documented' tests/library.sh build
+step 'hard cases: every method' build/softlux check-numerics
 step 'every command of the README' tests/readme.sh
 step 'dependencies run one way' tests/layers.sh
 

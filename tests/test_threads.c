@@ -1,0 +1,83 @@
+/* The library in programs that have threads of their own: two at once on two scenes, and within a parallel region. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <pthread.h>
+#include <string.h>
+
+#include "rendering.h"
+
+typedef struct {
+    const char *scene, *method;
+    unsigned threads;
+    sl_image *image;
+} job;
+
+/* No assertion here: cmocka's belong to the thread that runs the tests. */
+static void *work(void *context) {
+    job *j = context;
+    sl_scene *scene = NULL;
+    sl_method *method = NULL;
+    sl_progress progress = {0};
+    sl_settings settings = sl_settings_default();
+    settings.method = j->method;
+    settings.width = 24;
+    settings.height = 20;
+    settings.quality = SL_QUALITY_DRAFT;
+    settings.threads = j->threads;
+    sl_status status = sl_scene_load(j->scene, &scene, NULL);
+    if (status == SL_OK) status = sl_method_create(scene, &settings, &method, NULL);
+    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, NULL);
+    if (status == SL_OK) (void)sl_method_resolve(method, &j->image, NULL);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    return NULL;
+}
+
+static void assert_same_and_forget(job *a, job *b) {
+    assert_non_null(a->image);
+    assert_non_null(b->image);
+    assert_true(same_picture(a->image, b->image));
+    sl_image_destroy(a->image);
+    sl_image_destroy(b->image);
+}
+
+static void two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets(void **state) {
+    (void)state;
+    for (size_t m = 0; sl_method_name(m); m++) {
+        const char *other = sl_method_name(m + 1) ? sl_method_name(m + 1) : sl_method_name(0);
+        job alone[2] = {{"scenes/cornell.json", sl_method_name(m), 1, NULL}, {"scenes/two-rooms.json", other, 1, NULL}};
+        job together[2] = {{"scenes/cornell.json", sl_method_name(m), 2, NULL}, {"scenes/two-rooms.json", other, 2, NULL}};
+        pthread_t thread[2];
+        for (int i = 0; i < 2; i++) work(&alone[i]);
+        for (int i = 0; i < 2; i++) assert_int_equal(pthread_create(&thread[i], NULL, work, &together[i]), 0);
+        for (int i = 0; i < 2; i++) assert_int_equal(pthread_join(thread[i], NULL), 0);
+        for (int i = 0; i < 2; i++) assert_same_and_forget(&alone[i], &together[i]);
+    }
+}
+
+static void in_a_parallel_region_every_thread_gets_the_same_picture(void **state) {
+    (void)state;
+    job alone = {"scenes/cornell.json", "splatting", 1, NULL}, within[3];
+    for (int i = 0; i < 3; i++) within[i] = (job){"scenes/cornell.json", "splatting", 4, NULL};
+    work(&alone);
+#pragma omp parallel for num_threads(3)
+    for (int i = 0; i < 3; i++) work(&within[i]);
+    assert_non_null(alone.image);
+    for (int i = 0; i < 3; i++) {
+        assert_non_null(within[i].image);
+        assert_true(same_picture(alone.image, within[i].image));
+        sl_image_destroy(within[i].image);
+    }
+    sl_image_destroy(alone.image);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets),
+                                       cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
