@@ -41,7 +41,8 @@ static bool open_world(bench_report *r, const bench_options *o, const char *path
     sl_transport direct, indirect;
     bench_reference parts[2];
     sl_error error;
-    *w = (world){.size = o->brief ? size / 4 : size};
+    uint32_t samples = !o->brief ? 16384 : o->size ? 8192 : 1024;
+    *w = (world){.size = o->size ? o->size : o->brief ? size / 4 : size};
     if (!bench_open_scene(r, path, &w->scene)) return false;
     if (sl_tracer_create(w->scene, 2, NULL, &w->tracer, &error) != SL_OK) bench_fail("tracer", &error);
     bench_pixels_make(w->scene, w->tracer, w->size, w->size, o->brief ? 5 : 20, &w->pixels);
@@ -51,8 +52,8 @@ static bool open_world(bench_report *r, const bench_options *o, const char *path
     direct.receiver_lobes = 0;
     indirect.emission = false;
     indirect.direct_lobes = 0;
-    bench_reference_get(w->scene, w->tracer, &direct, &w->pixels, o->brief ? 1024 : 16384, &parts[0]);
-    bench_reference_get(w->scene, w->tracer, &indirect, &w->pixels, o->brief ? 1024 : 16384, &parts[1]);
+    bench_reference_get(w->scene, w->tracer, &direct, &w->pixels, samples, &parts[0]);
+    bench_reference_get(w->scene, w->tracer, &indirect, &w->pixels, samples, &parts[1]);
     bench_reference_sum(&parts[0], &parts[1], &w->reference);
     for (int i = 0; i < 2; i++) bench_reference_free(&parts[i]);
     return true;
@@ -268,6 +269,7 @@ int main(int argc, char **argv) {
     experiment(&r, &o, "scenes/cornell.json", 512, 128);
     experiment(&r, &o, "scenes/generated/cathedral.json", 512, 128);
     experiment(&r, &o, "scenes/generated/atrium.json", 512, 128);
+    experiment(&r, &o, "scenes/generated/room.json", 512, 128);
     experiment(&r, &o, "bench/scenes/sponza.json", 512, 128);
     bench_report_close(&r);
     return 0;

@@ -116,8 +116,8 @@ static void whole_scene(bench_report *r, const bench_options *o, const char *pat
     target t;
     bench_scene_name(path, name);
     if (!bench_wants(o, name) || !bench_open_scene(r, path, &scene)) return;
-    int size = o->brief ? 200 : 1000;
-    open_target(scene, size, size, o->brief ? 10 : 20, o->brief ? 256 : 16384, &t);
+    int size = o->brief ? 200 : o->size ? o->size : 1000;
+    open_target(scene, size, size, o->brief ? 10 : size / 50, o->brief ? 256 : size < 1000 ? 4096 : 16384, &t);
     for (size_t i = 0; i < (o->brief ? 2 : sizeof settings_shown / sizeof *settings_shown); i++) {
         const setting *s = &settings_shown[i];
         sl_settings settings = settings_of(s, size, size);

@@ -24,6 +24,7 @@ typedef struct bench_options {
     bool pictures;         /* writes pictures too */
     const char *only;      /* scenes whose name holds this text, or, after a '=', is this; NULL: all */
     size_t points;         /* of table 1; 0: as many as the paper */
+    int size;              /* of pictures of whole scenes, pixels a side; 0: as the experiment has it */
     char folder[512];      /* for tables and pictures */
 } bench_options;
 

@@ -16,9 +16,10 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
         else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
         else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc) o.points = (size_t)strtoul(argv[++i], NULL, 10);
+        else if (strcmp(argv[i], "--size") == 0 && i + 1 < argc) o.size = atoi(argv[++i]);
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
-            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--points N] [--pictures] [--out FOLDER]\n", argv[0]);
+            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--points N] [--size N] [--pictures] [--out FOLDER]\n", argv[0]);
             exit(2);
         }
     }
