@@ -7,6 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"
+#include "cache/multi_mesh/story.h"
 
 enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
 
@@ -88,6 +89,8 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     if (status != SL_OK || s->coarse_done < all) return status;
     if (s->coarse_indirect) finish_second_bounce(s);
     else status = finish_direct(s, error);
-    if (s->coarse_whole) s->phase = SL_PHASE_FIRST; /* of the indirect mesh */
+    if (!s->coarse_whole) return status;
+    sl_multi_mesh_announce_gather(s);
+    s->phase = SL_PHASE_FIRST; /* of the indirect mesh */
     return status;
 }

@@ -3,6 +3,7 @@
 #define SL_MULTI_MESH_DISPLAYED_INTERNAL_H
 
 #include "cache/multi_mesh/displayed.h"
+#include "cache/multi_mesh/draw_kernels.h"
 
 /* ---- displayed.c ---- */
 
@@ -72,6 +73,7 @@ sl_status sl_displayed_tell_neighbours(sl_displayed *d, const sl_mesh_place *pla
 
 /* ---- draw.c ---- */
 
+sl_leaf_weights sl_displayed_weights_of(const sl_mesh_place *place);
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 sl_status sl_displayed_mark(sl_displayed *d, uint32_t leaf, sl_error *error);
 /* What has been remembered of leaves' edges is no longer true. */

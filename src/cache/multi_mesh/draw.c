@@ -72,7 +72,7 @@ typedef struct draw_job {
     atomic_size_t hanging_count; /* in d->hanging; beyond its capacity they are counted alone */
 } draw_job;
 
-static sl_leaf_weights weights_of(const sl_mesh_place *n) {
+sl_leaf_weights sl_displayed_weights_of(const sl_mesh_place *n) {
     const float unit = 1.0f / (float)SL_MESH_DYADIC;
     float p0 = (float)n->p[0] * unit, q0 = (float)n->q[0] * unit, p1 = (float)n->p[1] * unit - p0, q1 = (float)n->q[1] * unit - q0,
           p2 = (float)n->p[2] * unit - p0, q2 = (float)n->q[2] * unit - q0, inverse = 1.0f / (p1 * q2 - p2 * q1); /* places have an area */
@@ -85,7 +85,7 @@ static float centre_of(float a, float b, float c) { return a + ((b - a) + (c - a
 static sl_simple_fan simple_fan(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     const float *value = d->mesh->value;
-    sl_simple_fan fan = {.weights = weights_of(leaf)};
+    sl_simple_fan fan = {.weights = sl_displayed_weights_of(leaf)};
     for (int c = 0; c < 3; c++) {
         for (int k = 0; k < 3; k++) fan.corner[c][k] = value[3 * (size_t)node->vertex[c] + (size_t)k];
     }
@@ -145,7 +145,7 @@ static void spread(sl_full_fan *full, int edge, int from, int to, const float *a
 _Static_assert(SL_FULL_FAN_STEPS + 1 == SL_FAN_EDGE, "vertices on edges lie at whole steps");
 
 static void full_fan(const sl_mesh_fan *fan, const sl_mesh_place *of, sl_full_fan *full) {
-    full->weights = weights_of(of);
+    full->weights = sl_displayed_weights_of(of);
     for (int k = 0; k < 3; k++) full->centre[k] = fan->centre[k];
     for (int e = 0; e < 3; e++) {
         for (int n = 0; n + 1 < fan->points[e]; n++) {
@@ -161,7 +161,7 @@ static void listed_fan(const sl_displayed *d, const sl_mesh_place *leaf, sl_full
     const float *value = d->mesh->value, *corner[3];
     const sl_hanging_vertex *next = d->hanging + d->middle[leaf->node][0], *end = next + d->middle[leaf->node][1];
     for (int c = 0; c < 3; c++) corner[c] = value + 3 * (size_t)vertex[c];
-    full->weights = weights_of(leaf);
+    full->weights = sl_displayed_weights_of(leaf);
     for (int k = 0; k < 3; k++) full->centre[k] = centre_of(corner[0][k], corner[1][k], corner[2][k]);
     for (int e = 0; e < 3; e++) {
         const float *from = corner[(e + 1) % 3];

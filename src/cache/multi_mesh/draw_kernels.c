@@ -5,23 +5,7 @@
 
 enum { BLOCK = 64 };
 
-static inline float clamp01(float x) {
-    float above = x > 0.0f ? x : 0.0f;
-    return above < 1.0f ? above : 1.0f;
-}
-
 static inline float choose(int which, float a, float b, float c) { return which == 0 ? a : which == 1 ? b : c; }
-
-/* The leaf's three weights. */
-typedef struct weights {
-    float a, b, c;
-} weights;
-
-static inline weights weights_at(const sl_leaf_weights *of, float w1, float w2) {
-    float p = w1 - of->p, q = w2 - of->q;
-    float b = clamp01(p * of->b_of_p + q * of->b_of_q), c = clamp01(p * of->c_of_p + q * of->c_of_q);
-    return (weights){clamp01(1.0f - b - c), b, c};
-}
 
 static void put(size_t count, const uint32_t *restrict pixel, float value[3][BLOCK], float *const planes[3]) {
     for (int k = 0; k < 3; k++) {
@@ -46,11 +30,11 @@ void SL_KERNEL(sl_draw_simple)(const sl_simple_fan *fan, size_t count, const uin
         size_t n = count - at < BLOCK ? count - at : BLOCK;
 #pragma omp simd
         for (size_t i = 0; i < n; i++) {
-            weights w = weights_at(&f.weights, w1[at + i], w2[at + i]);
+            sl_fan_weights w = sl_fan_weights_at(&f.weights, w1[at + i], w2[at + i]);
             float bc_low = w.b < w.c ? w.b : w.c, bc_high = w.b < w.c ? w.c : w.b, least = w.a < bc_low ? w.a : bc_low,
                   most = w.a > bc_high ? w.a : bc_high, other = w.a > bc_high ? bc_high : w.a > bc_low ? w.a : bc_low;
             int nearest = w.a == most ? 0 : w.b == most ? 1 : 2, opposite = w.a == least ? 0 : w.b == least ? 1 : 2;
-            float out = clamp01(1.0f - 3.0f * least), along = 2.0f * (other - least);
+            float out = sl_clamp01(1.0f - 3.0f * least), along = 2.0f * (other - least);
             value[0][i] = in_fan(&f, 0, nearest, opposite, out, along);
             value[1][i] = in_fan(&f, 1, nearest, opposite, out, along);
             value[2][i] = in_fan(&f, 2, nearest, opposite, out, along);
@@ -74,14 +58,14 @@ void SL_KERNEL(sl_draw_full)(const sl_full_fan *fan, size_t count, const uint32_
         size_t n = count - at < BLOCK ? count - at : BLOCK;
 #pragma omp simd
         for (size_t i = 0; i < n; i++) {
-            weights w = weights_at(&of, w1[at + i], w2[at + i]);
+            sl_fan_weights w = sl_fan_weights_at(&of, w1[at + i], w2[at + i]);
             float bc_low = w.b < w.c ? w.b : w.c, least = w.a < bc_low ? w.a : bc_low;
             int opposite = w.a == least ? 0 : w.b == least ? 1 : 2;
             float first = choose(opposite, w.b, w.c, w.a) - least, second = choose(opposite, w.c, w.a, w.b) - least, sum = first + second;
-            float steps = (float)SL_FULL_FAN_STEPS * clamp01(second / (sum > 0.0f ? sum : 1.0f));
+            float steps = (float)SL_FULL_FAN_STEPS * sl_clamp01(second / (sum > 0.0f ? sum : 1.0f));
             int whole = (int)steps, low = whole < SL_FULL_FAN_STEPS ? whole : SL_FULL_FAN_STEPS - 1;
             int step = opposite * (SL_FULL_FAN_STEPS + 1) + low;
-            float rest = steps - (float)low, out = clamp01(1.0f - 3.0f * least);
+            float rest = steps - (float)low, out = sl_clamp01(1.0f - 3.0f * least);
             value[0][i] = in_full_fan(centre_r, red, step, rest, out);
             value[1][i] = in_full_fan(centre_g, green, step, rest, out);
             value[2][i] = in_full_fan(centre_b, blue, step, rest, out);

@@ -12,6 +12,21 @@ typedef struct sl_leaf_weights {
     float p, q, b_of_p, b_of_q, c_of_p, c_of_q;
 } sl_leaf_weights;
 
+static inline float sl_clamp01(float x) {
+    float above = x > 0.0f ? x : 0.0f;
+    return above < 1.0f ? above : 1.0f;
+}
+
+/* The leaf's three weights where the face's are w1, w2. */
+typedef struct sl_fan_weights {
+    float a, b, c;
+} sl_fan_weights;
+static inline sl_fan_weights sl_fan_weights_at(const sl_leaf_weights *of, float w1, float w2) {
+    float p = w1 - of->p, q = w2 - of->q;
+    float b = sl_clamp01(p * of->b_of_p + q * of->b_of_q), c = sl_clamp01(p * of->c_of_p + q * of->c_of_q);
+    return (sl_fan_weights){sl_clamp01(1.0f - b - c), b, c};
+}
+
 /* A leaf whose edges have one vertex between their ends, or none: six triangles around its centre. By corner or edge, by channel. */
 typedef struct sl_simple_fan {
     sl_leaf_weights weights;

@@ -7,6 +7,7 @@
  *      coarse mesh of all surfaces, until it is whole: then indirect light has a mesh, too
  */
 #include "cache/multi_mesh/multi_mesh_internal.h"
+#include "cache/multi_mesh/story.h"
 
 #include "base/counters.h"
 #include "base/error.h"
@@ -82,7 +83,7 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     sl_visible_pixels *before = s->visible; /* which the meshes still hold */
     s->visible = NULL;
     if (status == SL_OK) status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters, error);
-    sl_announce_pass(&s->announcer, "identifiers, visible sizes", "section 3, pass 1");
+    sl_multi_mesh_announce_ids(s);
     memset(s->plane_memory, 0, 3 * SL_COMPONENTS * sl_multi_mesh_pixels(s) * sizeof *s->plane_memory);
     sl_materials_destroy(s->materials);
     s->materials = NULL;
@@ -129,6 +130,7 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (takes_part(s, i)) sl_displayed_prioritise(s->part[i]);
     sl_announce_pass(&s->announcer, "vertices of the roots", "section 4");
+    sl_multi_mesh_announce_priorities(s);
     s->phase = SL_PHASE_REFINE;
     return SL_OK;
 }
@@ -261,6 +263,7 @@ static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
         sl_rgb fallback = i == SL_INDIRECT ? s->ambient : sl_grey(0.0f);
         sl_displayed_draw(s->part[i], s->settings.threads, fallback, s->planes[i], &s->counters);
         sl_announce(&s->announcer, names[i], "section 3, pass 3", s->settings.width, s->settings.height, 3, s->planes[i][0], true);
+        sl_multi_mesh_announce_edges(s, (sl_component)i);
         const float **target = i == SL_DIRECT_DIFFUSE ? merge->direct_diffuse : i == SL_DIRECT_SPECULAR ? merge->direct_specular : merge->indirect;
         for (int k = 0; k < 3; k++) target[k] = s->planes[i][k];
     }
@@ -272,7 +275,9 @@ static sl_status multi_mesh_resolve(void *state, sl_image **image, sl_error *err
     sl_merge merge = {.materials = s->materials, .threads = s->settings.threads};
     draw_parts(s, &merge);
     sl_status status = sl_merge_picture(&merge, image, error);
-    sl_announce_pass(&s->announcer, "merge", "section 3, pass 4");
+    sl_multi_mesh_announce_lights(s);
+    const float *planes = status == SL_OK ? (*image)->planes : NULL;
+    sl_announce(&s->announcer, "merge", "section 3, pass 4", s->settings.width, s->settings.height, planes ? 3 : 0, planes, false);
     return status;
 }
 
@@ -346,4 +351,5 @@ const sl_method_class sl_multi_mesh_method = {
     .memory_bytes = multi_mesh_bytes,
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
+    .story = sl_multi_mesh_story,
 };

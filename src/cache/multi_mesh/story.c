@@ -1,0 +1,269 @@
+/* The story of a pixel: Gouraud (P3) and the merge (P4) told backwards. In each mesh the pixel lies in a leaf; the leaf's corners and what lies on its edges add
+ * weight times value times what the surface reflects. And marks and pictures of what the meshes are made from. */
+#include "cache/multi_mesh/story.h"
+
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/multi_mesh/displayed_internal.h"
+
+/* ---- a pixel's vertices ---- */
+
+typedef struct weighted_vertex {
+    uint32_t vertex;
+    double weight;
+} weighted_vertex;
+enum { VERTICES = 5 }; /* three corners, two vertices of an edge */
+
+/* Where a pixel's face was sorted: its entry and the pixel's place in the view's arrays. False: the mesh does not show there. */
+static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel, uint32_t *face, size_t *at) {
+    const sl_visible_pixels *p = d->pixels;
+    for (uint32_t side = 0; side < 2 && id[pixel] != SL_NO_INDEX; side++) {
+        uint32_t entry = p->entry_of_face[2 * id[pixel] + side];
+        if (entry == SL_NO_INDEX || !sl_displayed_wants(d, entry)) continue;
+        const sl_visible_face *f = &p->face[entry];
+        for (*at = f->first; *at < (size_t)f->first + f->count; ++*at) {
+            *face = f->face;
+            if (p->pixel[*at] == pixel) return true;
+        }
+    }
+    return false;
+}
+
+/* Whether a leaf's corners are sampled, and how many of them are of use. */
+static bool has_values(const sl_displayed *d, uint32_t node, int *known) {
+    *known = 0;
+    for (int c = 0; c < 3; c++) {
+        uint32_t vertex = d->mesh->node[node].vertex[c];
+        if (!sl_displayed_is_settled(d, vertex)) return false;
+        *known += d->mesh->state[vertex] == SL_VERTEX_KNOWN;
+    }
+    return *known > 0;
+}
+
+/* The leaf, or the nearest node above it that has values, as it is drawn. */
+static bool find_shown(const sl_displayed *d, sl_mesh_place *place, int *known) {
+    while (!has_values(d, place->node, known)) {
+        uint32_t parent = sl_mesh_parent(d->mesh, place->node);
+        if (parent == SL_NO_INDEX) return false;
+        *place = sl_mesh_place_of(d->mesh, parent);
+    }
+    return true;
+}
+
+/* Between the two vertices of edge e around a point, in steps of 1/SL_FULL_FAN_STEPS: shares of the edge's ends (by corner), the rest is others'. */
+static size_t weigh_edge(const sl_displayed *d, const sl_mesh_place *place, int e, double steps, double share, double corner[3], weighted_vertex *out) {
+    sl_edge_vertices list = {.count = 0};
+    int ends[2] = {(e + 1) % 3, (e + 2) % 3}, low = -1, made = 0;
+    if (d->settings.hanging) sl_mesh_edge_vertices(d->mesh, place, e, &list);
+    while (low + 1 < list.count && (double)list.at[low + 1] <= steps) low++;
+    int high = low + 1;
+    double from = low < 0 ? 0.0 : list.at[low], to = high < list.count ? list.at[high] : SL_FULL_FAN_STEPS;
+    double rest = (steps - from) / (to - from);
+    if (low < 0) corner[ends[0]] += share * (1.0 - rest);
+    else out[made++] = (weighted_vertex){list.vertex[low], share * (1.0 - rest)};
+    if (high == list.count) corner[ends[1]] += share * rest;
+    else out[made++] = (weighted_vertex){list.vertex[high], share * rest};
+    return (size_t)made;
+}
+
+/* The fan of draw_kernels.c: with b the smallest weight the point lies s = 1 - 3 b of the way from the centre to a point of the edge opposite. */
+static size_t weigh_vertices(const sl_displayed *d, const sl_mesh_place *place, int known, float w1, float w2, weighted_vertex out[VERTICES]) {
+    sl_leaf_weights of = sl_displayed_weights_of(place);
+    sl_fan_weights fan = sl_fan_weights_at(&of, w1, w2);
+    const float w[3] = {fan.a, fan.b, fan.c};
+    int e = w[0] <= w[1] && w[0] <= w[2] ? 0 : w[1] <= w[2] ? 1 : 2;
+    double least = (double)w[e], s = fmax(0.0, 1.0 - 3.0 * least), first = (double)w[(e + 1) % 3] - least, second = (double)w[(e + 2) % 3] - least;
+    double corner[3] = {(1.0 - s) / 3.0, (1.0 - s) / 3.0, (1.0 - s) / 3.0}, lost = 0.0;
+    double steps = first + second > 0.0 ? SL_FULL_FAN_STEPS * (second / (first + second)) : 0.0;
+    size_t count = weigh_edge(d, place, e, steps, s, corner, out);
+    const uint32_t *vertex = d->mesh->node[place->node].vertex;
+    for (int c = 0; c < 3; c++) lost += d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN ? 0.0 : corner[c];
+    for (int c = 0; c < 3; c++) /* the mean of the others stands in for a corner that is of no use */
+        if (d->mesh->state[vertex[c]] == SL_VERTEX_KNOWN) out[count++] = (weighted_vertex){vertex[c], corner[c] + lost / (double)known};
+    return count;
+}
+
+/* ---- telling ---- */
+
+typedef struct telling {
+    sl_multi_mesh_state *s;
+    sl_story_writer *writer;
+    uint32_t pixel;
+} telling;
+
+static const char *const layers[SL_COMPONENTS] = {"direct", "specular", "indirect"};
+static const char *const kinds[SL_COMPONENTS] = {"vertex of the direct diffuse mesh: radiance of white", "vertex of the direct specular mesh: radiance of a mirror-like white",
+                                                 "vertex of the indirect mesh: irradiance"};
+
+/* What the merge multiplies a mesh's value by. */
+static void reflectance_of(const telling *t, sl_component part, float reflectance[3]) {
+    const sl_materials_seen *m = t->s->materials;
+    float scale = part == SL_INDIRECT ? (float)(1.0 / SL_PI) : 1.0f;
+    for (int k = 0; k < 3; k++) {
+        const float *plane = part == SL_DIRECT_SPECULAR ? m->specular[k] : m->diffuse[k];
+        reflectance[k] = plane ? plane[t->pixel] * scale : 0.0f;
+    }
+}
+
+static void tell_vertex(const telling *t, sl_component part, const weighted_vertex *v, const float reflectance[3]) {
+    const sl_mesh *mesh = t->s->part[part]->mesh;
+    sl_story_term term = {.layer = layers[part], .kind = kinds[part], .index = v->vertex, .placed = true, .weight = v->weight};
+    sl_mesh_point point;
+    sl_mesh_point_of(mesh, v->vertex, &point);
+    term.position[0] = point.position.x;
+    term.position[1] = point.position.y;
+    term.position[2] = point.position.z;
+    for (int k = 0; k < 3; k++) {
+        term.value[k] = mesh->value[3 * (size_t)v->vertex + (size_t)k];
+        term.contribution[k] = v->weight * (double)term.value[k] * (double)reflectance[k];
+    }
+    sl_story_add(t->writer, &term);
+}
+
+/* Light that is assumed until there is a mesh of it. */
+static void tell_ambient(const telling *t, const float reflectance[3]) {
+    const float value[3] = {t->s->ambient.r, t->s->ambient.g, t->s->ambient.b};
+    sl_story_term term = {.layer = "indirect", .kind = "constant, before the coarse mesh is whole: irradiance", .weight = 1.0};
+    for (int k = 0; k < 3; k++) {
+        term.value[k] = value[k];
+        term.contribution[k] = (double)value[k] * (double)reflectance[k];
+    }
+    sl_story_add(t->writer, &term);
+}
+
+static void tell_part(const telling *t, sl_component part) {
+    const sl_displayed *d = t->s->part[part];
+    uint32_t face;
+    size_t at;
+    float reflectance[3], leaf_w1, leaf_w2;
+    if (!d || !d->pixels || !find_pixel(d, t->s->id, t->pixel, &face, &at)) return;
+    reflectance_of(t, part, reflectance);
+    float w1 = d->pixels->w1[at], w2 = d->pixels->w2[at];
+    sl_mesh_place place = sl_mesh_locate(d->mesh, face, w1, w2, &leaf_w1, &leaf_w2);
+    int known;
+    if (!find_shown(d, &place, &known)) {
+        if (part == SL_INDIRECT) tell_ambient(t, reflectance);
+        return;
+    }
+    weighted_vertex vertex[VERTICES];
+    size_t count = weigh_vertices(d, &place, known, w1, w2, vertex);
+    for (size_t i = 0; i < count; i++)
+        if (vertex[i].weight != 0.0) tell_vertex(t, part, &vertex[i], reflectance);
+}
+
+sl_status sl_multi_mesh_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+    (void)error;
+    telling t = {state, writer, (uint32_t)y * (uint32_t)((sl_multi_mesh_state *)state)->settings.width + (uint32_t)x};
+    if (!t.s->materials) return SL_OK; /* nothing is seen yet */
+    for (int part = 0; part < SL_COMPONENTS; part++) tell_part(&t, (sl_component)part);
+    sl_story_add_layer(writer, "emission", "emitted light");
+    return SL_OK;
+}
+
+/* ---- marks: edges ---- */
+
+typedef struct edges {
+    const sl_mesh *mesh;
+    sl_rgb colour;          /* of a mesh of one channel: its light's */
+    sl_mark *mark;
+    size_t count, room;
+} edges;
+
+static sl_rgb value_at(const edges *e, uint32_t vertex) {
+    const float *v = &e->mesh->value[(size_t)vertex * (size_t)e->mesh->channels];
+    return e->mesh->channels == 3 ? (sl_rgb){v[0], v[1], v[2]} : sl_rgb_scale(e->colour, v[0]);
+}
+
+static void put_edge(edges *e, uint32_t a, uint32_t b) {
+    sl_mesh_point from, to;
+    sl_mesh_point_of(e->mesh, a, &from);
+    sl_mesh_point_of(e->mesh, b, &to);
+    sl_rgb colour = sl_rgb_scale(sl_rgb_add(value_at(e, a), value_at(e, b)), 0.5f);
+    if (e->count < e->room)
+        e->mark[e->count++] = (sl_mark){.kind = SL_MARK_SEGMENT, .at = {from.position.x, from.position.y, from.position.z},
+                                        .to = {to.position.x, to.position.y, to.position.z}, .colour = {colour.r, colour.g, colour.b}};
+}
+
+/* The middle one of four children has no edges of its own. */
+static void put_edges_below(edges *e, uint32_t node) {
+    const sl_mesh_node *n = &e->mesh->node[node];
+    if (n->child == SL_NO_INDEX) {
+        for (int c = 0; c < 3; c++) put_edge(e, n->vertex[(c + 1) % 3], n->vertex[(c + 2) % 3]);
+        return;
+    }
+    int children = sl_mesh_children(e->mesh, node);
+    for (int c = 0; c < children; c++)
+        if (c < 3 || !sl_mesh_is_leaf(e->mesh, n->child + 3)) put_edges_below(e, n->child + (uint32_t)c);
+}
+
+static void announce_mesh(sl_multi_mesh_state *s, const sl_mesh *mesh, sl_rgb colour, const char *name) {
+    const sl_visible_pixels *pixels = s->visible;
+    edges e = {.mesh = mesh, .colour = colour, .room = 3 * mesh->leaf_count};
+    e.mark = pixels && e.room ? sl_allocate(e.room, sizeof *e.mark) : NULL;
+    if (!e.mark) return;
+    for (size_t f = 0; f < pixels->face_count; f++) {
+        uint32_t root = sl_mesh_root_of(mesh, pixels->face[f].face);
+        if (root != SL_NO_INDEX) put_edges_below(&e, root);
+    }
+    if (e.count) sl_announce_marks(&s->announcer, name, "section 4", e.mark, e.count);
+    sl_free(e.mark);
+}
+
+void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part) {
+    static const char *const names[SL_COMPONENTS] = {"edges of the direct diffuse mesh", "edges of the direct specular mesh", "edges of the indirect mesh"};
+    if (sl_announcing(&s->announcer) && s->part[part]) announce_mesh(s, s->part[part]->mesh, sl_grey(1.0f), names[part]);
+}
+
+void sl_multi_mesh_announce_lights(sl_multi_mesh_state *s) {
+    static const char *const names[] = {"edges of the first light's irradiance mesh", "edges of the second light's irradiance mesh"};
+    if (!sl_announcing(&s->announcer) || !s->irradiance) return;
+    for (size_t l = 0; l < s->lights->count && l < sizeof names / sizeof names[0]; l++)
+        announce_mesh(s, sl_irradiance_mesh(s->irradiance, l), s->lights->light[l].colour, names[l]);
+}
+
+/* ---- pictures ---- */
+
+static float *plane_for_observer(const sl_multi_mesh_state *s) {
+    return sl_announcing(&s->announcer) ? sl_allocate(sl_multi_mesh_pixels(s), sizeof(float)) : NULL;
+}
+
+static void announce_plane(sl_multi_mesh_state *s, const char *name, const char *source, float *plane) {
+    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 1, plane, true);
+    sl_free(plane);
+}
+
+void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s) {
+    float *plane = plane_for_observer(s);
+    if (!plane) return;
+    for (size_t i = 0; i < sl_multi_mesh_pixels(s); i++) plane[i] = s->id[i] == SL_NO_INDEX ? -1.0f : (float)s->id[i];
+    announce_plane(s, "identifiers, visible sizes", "section 3, pass 1", plane);
+}
+
+void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
+    int part = 0;
+    while (part < SL_COMPONENTS && !s->part[part]) part++;
+    float *plane = part < SL_COMPONENTS ? plane_for_observer(s) : NULL;
+    if (!plane) return;
+    const sl_displayed *d = s->part[part];
+    const sl_visible_pixels *pixels = s->visible;
+    for (size_t e = 0; e < pixels->face_count; e++) {
+        float priority = sl_displayed_wants(d, e) ? d->mesh->node[sl_displayed_root(d, e)].priority : 0.0f;
+        for (uint32_t i = 0; i < pixels->face[e].count; i++) plane[pixels->pixel[pixels->face[e].first + i]] = priority;
+    }
+    announce_plane(s, "priorities of the roots", "section 4", plane);
+}
+
+void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
+    const sl_visible_pixels *pixels = s->visible;
+    if (!sl_announcing(&s->announcer) || !s->gatherer || !pixels || !pixels->face_count) return;
+    size_t widest = 0;
+    for (size_t f = 1; f < pixels->face_count; f++) widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
+    sl_face_point middle = {.face = pixels->face[widest].face, .p = SL_MESH_DYADIC / 3, .q = SL_MESH_DYADIC / 3};
+    sl_mesh_point point = sl_face_point_in_world(s->topology, &middle);
+    sl_counters nobodys = {{0}}; /* no sample of the picture's */
+    sl_mesh_gather_take(s->gather, &point, s->gatherer[0].scratch, &nobodys);
+    const float *planes[3];
+    int size;
+    sl_mesh_gather_picture(s->gatherer[0].scratch, &size, planes);
+    sl_announce_planes(&s->announcer, "one gather", "section 5", size, size, planes);
+}

@@ -1,0 +1,24 @@
+/* What made a pixel, and what can be seen of the meshes: for those who look on. */
+#ifndef SL_MULTI_MESH_STORY_H
+#define SL_MULTI_MESH_STORY_H
+
+#include "cache/method.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+/* See sl_method_story(). */
+sl_status sl_multi_mesh_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error);
+
+/* All of these do nothing without an observer. */
+
+/* P1's triangles as a plane of numbers. */
+void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s);
+/* How much the roots matter, of the first mesh that there is, at the pixels that show them. */
+void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s);
+/* What one point in view gathers: the picture that is weighted and added up. */
+void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s);
+/* The edges of a mesh's leaves in view, in the colours of what it holds there. */
+void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part);
+/* Those of the first lights' meshes. */
+void sl_multi_mesh_announce_lights(sl_multi_mesh_state *s);
+
+#endif
