@@ -105,6 +105,22 @@ expect 2 'expected a share' render scenes/cornell.json --error 5%%
 expect 2 'expected a share' render scenes/cornell.json --error nan
 expect 2 '[-]-batches does not go with it' render scenes/cornell.json --error 5% --batches 3
 
+# --method auto where the answer is clear.
+plane() { # plane NAME LIGHT: a triangle seen from above
+    printf 'v -1 0 -1\nv 0 0 1\nv 1 0 -1\nf 1 2 3\n' >"$folder/plane.obj"
+    printf '{"softlux": 1, "meshes": [{"file": "plane.obj"}], "lights": [{"type": "spot", "position": [0, 2, 0], "direction": [0, %s, 0], "intensity": [1, 1, 1], "outer_deg": 40}], "camera": {"eye": [0, 3, 0.1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_deg": 40}}' "$2" >"$folder/$1.json"
+}
+plane lit -1; plane unlit 1
+expect 0 '^auto +splatting, 8 bounces: .* direct' info scenes/cornell.json
+expect 0 '^auto +bidirectional: .*caustics' info scenes/mirror-balls.json -m path
+expect 0 '^auto +light-octree: .*caustics' info scenes/cornell-mirror.json -q draft
+expect 0 '^plan of bidirectional' info scenes/cornell-mirror.json -m auto -q high
+expect 0 '^auto +path: .*100 % is direct' info "$folder/lit.json"
+expect 0 '^auto +path: nothing' info "$folder/unlit.json"
+expect 0 'method splatting.* by mirrors' render scenes/cornell.json -s 16x16 -q draft -m auto -o "$folder/auto.exr"
+grep -q 'splatting' "$folder/auto.exr" || { echo 'metadata does not tell the method that auto chose'; bad=1; }
+expect 0 'method direct-radiance' render scenes/moving-light.json -s 16x16 -m auto --frames 2 --fps 1 -o "$folder/m%d.pfm"
+
 # What a method finds out on its way is told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
 expect 0 'warning: weight 15' render "$folder/low.json" -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"

@@ -1,4 +1,5 @@
 /* softlux info: what is in a scene, and the plan of a method. */
+#include "app/auto_method.h"
 #include "app/commands.h"
 #include "app/settings_options.h"
 #include "scene/features.h"
@@ -37,6 +38,16 @@ static sl_status print_plan(const sl_scene *scene, const sl_settings *settings, 
     return SL_OK;
 }
 
+/* Which method --method auto takes, whatever the one whose plan is asked for; and if that is auto, its plan. */
+static sl_status print_choice(const sl_scene *scene, sl_settings *settings, sl_error *error) {
+    sl_auto_budget budget = {.quality = settings->quality};
+    sl_auto_choice choice;
+    sl_status status = sl_auto_method(scene, settings, &budget, &choice, error);
+    if (status != SL_OK) return status;
+    printf("auto         %s\n", choice.why);
+    return sl_auto_settle(scene, &budget, true, settings, error);
+}
+
 int sl_command_info(int argc, char **argv) {
     const char *path;
     int operands, exit_status;
@@ -54,7 +65,8 @@ int sl_command_info(int argc, char **argv) {
     if (status == SL_OK) {
         print_scene(scene);
         for (size_t i = 0; i < sl_scene_warning_count(scene); i++) printf("warning      %s\n", sl_scene_warning(scene, i));
-        status = print_plan(scene, &settings, &error);
+        status = print_choice(scene, &settings, &error);
+        if (status == SL_OK) status = print_plan(scene, &settings, &error);
         sl_scene_destroy(scene);
     }
     if (status != SL_OK) fprintf(stderr, "softlux: %s\n", error.message);

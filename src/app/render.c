@@ -1,4 +1,5 @@
 /* softlux render: a picture of a scene, or a series of an animated one. */
+#include "app/auto_method.h"
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/picture.h"
@@ -80,8 +81,27 @@ static bool take_error(sl_render_options *o, const char *text) {
     return !other;
 }
 
-static sl_status render(const sl_render_options *o, sl_scene *scene, bool *reached, sl_error *error) {
+/* Do lights or objects move from the first picture of a series to the next? */
+static sl_status do_things_move(const sl_render_options *o, sl_scene *scene, bool *move, sl_error *error) {
+    unsigned changes = 0;
+    *move = false;
+    if (o->frames < 2) return SL_OK;
+    sl_status status = sl_scene_set_time(scene, o->at_seconds + 1.0 / o->frames_per_second, &changes, error);
+    *move = (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) != 0;
+    return status == SL_OK ? sl_scene_set_time(scene, o->at_seconds, NULL, error) : status;
+}
+
+static sl_status choose_method(sl_render_options *o, sl_scene *scene, sl_error *error) {
+    sl_auto_budget budget = {.error = o->error, .time_seconds = o->time_seconds, .quality = o->settings.quality};
+    if (strcmp(o->settings.method, "auto") != 0) return SL_OK;
+    sl_status status = do_things_move(o, scene, &budget.things_move, error);
+    return status == SL_OK ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error) : status;
+}
+
+static sl_status render(sl_render_options *o, sl_scene *scene, bool *reached, sl_error *error) {
     *reached = true;
+    sl_status status = choose_method(o, scene, error);
+    if (status != SL_OK) return status;
     if (o->frames) return sl_render_frames(o, scene, error);
     if (sl_target_wanted(o)) return sl_render_to_target(o, scene, reached, error);
     return sl_render_picture(o, scene, error);
