@@ -102,6 +102,25 @@ float sl_patch_priority(const sl_patches *p, const sl_display_curve *curve, uint
 
 /* ---- normalisation -------------------------------------------------------------------------------------------------------------- */
 
+/* Over the pixels of leaves that have been evaluated. */
+static double mean_priority(size_t count, const sl_leaf_priority *leaves) {
+    double sum = 0.0, pixels = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        bool evaluated = leaves[i].priority >= 0.0f;
+        sum += evaluated ? (double)leaves[i].pixels * (double)leaves[i].priority : 0.0;
+        pixels += evaluated ? leaves[i].pixels : 0;
+    }
+    return pixels > 0.0 ? sum / pixels : 0.0;
+}
+
+void sl_priorities_raise(size_t count, sl_leaf_priority *leaves, size_t picture_pixels) {
+    double mean = fmax(mean_priority(count, leaves), 1.0);
+    for (size_t i = 0; i < count; i++) {
+        float least = (float)(mean * sqrt(128.0 * (double)leaves[i].pixels / (double)picture_pixels));
+        if (leaves[i].priority >= 0.0f && leaves[i].priority < least) leaves[i].priority = least;
+    }
+}
+
 /* Of the priorities of evaluated leaves, by pixels. Moments are taken about the smallest, so that equal ones have no variance at all. */
 typedef struct distribution {
     double min, max, mean, sigma;

@@ -36,6 +36,10 @@ typedef struct sl_leaf_priority {
     float priority;            /* p_err + min(p_age, 255); < 0 or NaN: never evaluated, which comes first and does not count for the mean */
     float normal;              /* out: p_norm, in [0,1] */
 } sl_leaf_priority;
+/* Corners of one colour do not say that nothing lies between them: the larger a leaf the more may, and the more the less is known of the rest. So that such a leaf does
+ * not wait for a random pixel, one of 1/128 of the picture counts as if it were wrong by as much as the pixels' mean, others by the root of their area; those that were never
+ * evaluated stay as they are. Neither the picture's size nor its contrast has a say in that; where nothing differs at all one level stands for the mean. */
+void sl_priorities_raise(size_t count, sl_leaf_priority *leaves, size_t picture_pixels);
 /* p_norm = clamp((p - lo) / (hi - lo)), hi = min(max, mean + 4 sigma), lo = max(min, mean - 4 sigma), weighted by pixels, recomputed with p clipped
  * to hi (at most 8 times) as long as no more than one pixel in a thousand lies above it, so that one outlier does not hide the rest. Where hi = lo, 0
  * for p = 0, else 1. plain: (p - mean + 4 sigma) / (8 sigma), as printed. */

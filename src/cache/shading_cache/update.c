@@ -60,14 +60,6 @@ static void count_pixels(sl_shading_state *s) {
     }
 }
 
-/* Corners of one colour do not say that nothing lies between them; the larger a leaf, the more may. One of 1/1024 of the picture or more counts as
- * if it were wrong by some levels, so that it does not wait for a random pixel. */
-static float least_priority(const sl_shading_state *s, const sl_leaf_priority *leaf) {
-    static const float levels_when_large = 16.0f;
-    float share = 1024.0f * (float)leaf->pixels / (float)sl_shading_pixels(s);
-    return levels_when_large * (share < 1.0f ? share : 1.0f);
-}
-
 /* By how many levels what a leaf shows may be wrong, priority at most 255, and that where it was never evaluated, waits where its normal priority will be. Objects that
  * change, and what is seen from elsewhere and is not diffuse, grow old. */
 static void prioritise_some(void *context, size_t task, unsigned worker) {
@@ -79,9 +71,8 @@ static void prioritise_some(void *context, size_t task, unsigned worker) {
         uint32_t patch = s->leaf[i].patch, object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
         float priority = sl_patch_priority(s->patches, &s->curve, patch, s->now, ages ? s->changes->eye_moved : 0,
                                            ages ? sl_changes_since(s->changes, object) : 0);
-        float least = least_priority(s, &s->leaf[i]);
         s->leaf[i].normal = priority >= 0.0f && priority < 255.0f ? priority : 255.0f;
-        s->leaf[i].priority = priority < 0.0f || priority > least ? priority : least;
+        s->leaf[i].priority = priority;
     }
 }
 
@@ -113,6 +104,7 @@ static sl_status see_priorities(sl_shading_state *s, sl_error *error) {
     count_pixels(s);
     sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, prioritise_some, s);
     s->error_levels = mean_error_levels(s);
+    sl_priorities_raise(s->leaf_count, s->leaf, sl_shading_pixels(s));
     sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
     announce_priorities(s);
     return SL_OK;
