@@ -50,6 +50,8 @@ static bool never_end(void *context, char **report) {
     return true;
 }
 
+static bool is_interrupted(void) { return true; }
+
 static sl_child_end run(sl_child_work *work, void *context, sl_child_limits limits) {
     sl_child_end end;
     sl_error error;
@@ -112,8 +114,7 @@ static void a_child_that_does_not_end_is_stopped(void **state) {
 
 static void a_child_ends_when_somebody_interrupts(void **state) {
     (void)state;
-    const int interrupted = 1;
-    sl_child_end end = run(never_end, NULL, (sl_child_limits){.interrupted = &interrupted});
+    sl_child_end end = run(never_end, NULL, (sl_child_limits){.interrupted = is_interrupted});
     assert_int_equal(end.outcome, SL_CHILD_INTERRUPTED);
     free(end.text);
 }

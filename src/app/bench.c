@@ -1,13 +1,14 @@
 /* softlux bench: speed against error of every method, on any scenes, as one report. */
+#include "app/bench/audits.h"
 #include "app/bench/evaluate.h"
 #include "app/bench/references.h"
 #include "app/bench/report.h"
+#include "app/clock.h"
 #include "app/commands.h"
 #include "app/options.h"
 
 #include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,22 +32,6 @@ typedef struct request {
     uint64_t repeats, threads, reference_threads, memory;
     sl_bench_options options;
 } request;
-
-static volatile sig_atomic_t interrupted;
-_Static_assert(sizeof(sig_atomic_t) == sizeof(int), "one flag for both");
-
-static void on_interrupt(int signal_number) {
-    (void)signal_number;
-    interrupted = 1;
-}
-
-static void watch_for_interrupt(void) {
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_interrupt;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 /* ---- the command line ---- */
 
@@ -84,7 +69,7 @@ static bool check_lists(const sl_bench_options *o, int *status) {
 static bool parse(int argc, char **argv, request *q, int *status) {
     sl_bench_options *o = &q->options;
     *q = (request){.repeats = 3, .threads = 1};
-    *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0, .interrupted = &interrupted};
+    *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0};
     const sl_option options[] = {
         {"output", 'o', SL_OPTION_TEXT, &o->folder, NULL, "DIR", "folder of the report, made where it is not there [softlux-report]", 0, 0, NULL},
         {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0, NULL},
@@ -157,7 +142,7 @@ static void name_scene(const char *path, sl_bench_scene *s) {
 
 /* False: the scene cannot be read, which its `trouble` says. */
 static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_error *error) {
-    const sl_child_limits limits = {0.0, 0, o->interrupted};
+    const sl_child_limits limits = {0.0, 0, sl_interrupted};
     char copy[SL_BENCH_PATH];
     sl_child_end end;
     unsigned long long triangles = 0;
@@ -188,6 +173,7 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
     if (status != SL_OK || s->trouble[0]) return status;
     status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
+    if (status == SL_OK) status = sl_audits_run(o, s, journal, error);
     if (status == SL_OK && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
         if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
@@ -262,9 +248,9 @@ static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
 /* The report is written after every scene, so that the last one that failed takes nothing away. */
 static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_results *r, sl_error *error) {
     sl_status status = SL_OK;
-    for (int i = 0; i < q->scene_count && status == SL_OK && !interrupted; i++) {
+    for (int i = 0; i < q->scene_count && status == SL_OK && !sl_interrupted(); i++) {
         status = measure(&q->options, q->scenes[i], r, journal, error);
-        r->interrupted = interrupted != 0;
+        r->interrupted = sl_interrupted();
         take_calibration(&q->options, journal, r);
         if (status == SL_OK) status = write_reports(&q->options, r, error);
     }
@@ -292,7 +278,7 @@ int sl_command_bench(int argc, char **argv) {
     char path[SL_BENCH_PATH];
     if (!parse(argc, argv, &q, &exit_status)) return exit_status;
     sl_program_fingerprint(q.options.program);
-    watch_for_interrupt();
+    sl_watch_for_interrupt();
     snprintf(results.version, sizeof results.version, "%s", SL_VERSION);
     results.threads = (int)q.options.threads;
     results.repeats = q.options.repeats;

@@ -12,6 +12,7 @@ static double seconds_of(clockid_t clock) {
 
 double sl_seconds_now(void) { return seconds_of(CLOCK_MONOTONIC); }
 double sl_thread_seconds(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
+double sl_process_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 
 /* The one thing that a signal handler can do: leave word. */
 static volatile sig_atomic_t interrupted;

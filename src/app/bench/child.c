@@ -1,5 +1,7 @@
 #include "app/bench/child.h"
 
+#include "app/clock.h"
+
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -9,16 +11,9 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { EXIT_FAILED = 100 }; /* of a child that has told why */
-
-static double now_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- in the child ---- */
 
@@ -76,12 +71,12 @@ static bool read_more(int in, report *r) {
 
 /* Reads until the child closes its end. SL_CHILD_DONE: so it did. */
 static sl_child_outcome listen_to(int in, const sl_child_limits *limits, report *r) {
-    double until = now_seconds() + limits->seconds;
+    double until = sl_seconds_now() + limits->seconds;
     for (;;) {
         struct pollfd wait = {in, POLLIN, 0};
         int ready = poll(&wait, 1, 50);
-        if (limits->interrupted && *limits->interrupted) return SL_CHILD_INTERRUPTED;
-        if (limits->seconds > 0.0 && now_seconds() > until) return SL_CHILD_STOPPED;
+        if (limits->interrupted && limits->interrupted()) return SL_CHILD_INTERRUPTED;
+        if (limits->seconds > 0.0 && sl_seconds_now() > until) return SL_CHILD_STOPPED;
         if (ready > 0 && !read_more(in, r)) return SL_CHILD_DONE;
     }
 }

@@ -16,7 +16,7 @@ typedef enum sl_child_outcome {
 typedef struct sl_child_limits {
     double seconds;        /* by the clock; 0: none */
     uint64_t memory_bytes; /* of addresses; 0: none */
-    volatile const int *interrupted; /* set by a signal handler; or NULL */
+    bool (*interrupted)(void); /* asked now and then; or NULL */
 } sl_child_limits;
 
 typedef struct sl_child_end {

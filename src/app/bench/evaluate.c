@@ -3,22 +3,16 @@
 #include "app/bench/judge.h"
 #include "app/bench/references.h"
 #include "app/html.h"
+#include "app/clock.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 /* A reference's noise is to be below this share of the smallest error told with it. */
 static const double wanted_share = 0.1;
-
-static double wall_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void show(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r) {
     if (o->quiet || !isatty(STDERR_FILENO)) return;
@@ -103,17 +97,17 @@ static uint64_t pairs_wanted(const sl_bench_reference *r, double seconds_left, d
 }
 
 static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask, sl_error *error) {
-    double from = wall_seconds(), a_pair = 0.0;
+    double from = sl_seconds_now(), a_pair = 0.0;
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(s, r, mask);
-    while (status == SL_OK && !r->trouble[0] && !*o->interrupted) {
-        double begin = wall_seconds(), left = o->reference_budget - (begin - from);
+    while (status == SL_OK && !r->trouble[0] && !sl_interrupted()) {
+        double begin = sl_seconds_now(), left = o->reference_budget - (begin - from);
         bool enough = r->samples > 0 && (r->wanted <= 0.0 || r->noise <= r->wanted);
         if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= 0.0)) break;
         uint64_t pairs = r->samples ? pairs_wanted(r, o->reference_budget > 0.0 ? left : HUGE_VAL, a_pair) : 1;
         status = sl_reference_extend(o, s, pairs, r, error);
-        a_pair = (wall_seconds() - begin) / (double)pairs;
+        a_pair = (sl_seconds_now() - begin) / (double)pairs;
         if (status == SL_OK && !r->trouble[0]) look_at(s, r, mask);
         show(o, s, r);
     }
@@ -122,6 +116,20 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
 
 /* ---- the answers ---- */
 
+/* Over all pixels, as estimates are. What is lost in the reference's noise can check none. */
+static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_image *reference, const sl_image *mask) {
+    sl_image *all = NULL;
+    sl_bench_error e;
+    sl_error error;
+    if (!row->promise.known || sl_image_create(mask->width, mask->height, 1, NULL, &all, &error) != SL_OK) return;
+    for (size_t i = 0; i < (size_t)mask->width * (size_t)mask->height; i++) all->planes[i] = 1.0f;
+    if (sl_judge_quickly(picture, reference, all, &e, &error) == SL_OK && e.known && !e.lost) {
+        row->promise.measured_known = true;
+        row->promise.measured = e.rel_rmse;
+    }
+    sl_image_destroy(all);
+}
+
 static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
     char scratch[SL_BENCH_PATH + 16];
     sl_image *picture = NULL;
@@ -129,6 +137,7 @@ static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_ben
     if (!is_used_by(row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
         if (!is_judged_by(row, r->transport, (sl_bench_truth)t)) continue;
+        if (t == SL_BENCH_MATCHED) check_promise(row, picture, reference, mask);
         sl_image *difference = NULL;
         sl_error error;
         bool wanted = t == SL_BENCH_MATCHED && row->quality != SL_BENCH_CURVE && !row->difference;

@@ -1,5 +1,7 @@
 #include "app/bench/references.h"
 
+#include "app/clock.h"
+
 #include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -7,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 /* ---- where they are ---- */
 
@@ -59,12 +60,6 @@ typedef struct extension {
     unsigned threads;
     uint64_t pairs;
 } extension;
-
-static double cpu_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as none. */
 static void begin(const extension *e, double *sums, uint64_t *pairs, double *seconds) {
@@ -138,7 +133,7 @@ static bool extend_work(void *context, char **report) {
     sl_status status = sums ? sl_scene_load(e->scene_path, &scene, &error) : SL_ERROR_RESOURCES;
     if (status == SL_OK) begin(e, sums, &pairs, &seconds);
     for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++) status = add_chunk(e, scene, 2 * pairs + i, sums, &error);
-    seconds += cpu_seconds();
+    seconds += sl_process_seconds();
     if (status == SL_OK) status = write_reference(e, sums, pairs + e->pairs, seconds, &error);
     snprintf(text, sizeof text, "{\"pairs\": %" PRIu64 ", \"seconds\": %.3f}", pairs + e->pairs, seconds);
     *report = strdup(status == SL_OK ? text : error.message);
@@ -168,7 +163,7 @@ static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
 }
 
 sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs, sl_bench_reference *r, sl_error *error) {
-    const sl_child_limits limits = {0.0, 0, o->interrupted};
+    const sl_child_limits limits = {0.0, 0, sl_interrupted};
     extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs};
     sl_child_end end;
     sl_reference_path(o->references, s, r->transport, r->file);
@@ -227,7 +222,7 @@ static bool mask_work(void *context, char **report) {
 }
 
 sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, sl_error *error) {
-    const sl_child_limits limits = {0.0, 0, o->interrupted};
+    const sl_child_limits limits = {0.0, 0, sl_interrupted};
     char path[SL_BENCH_PATH];
     extension e = {s->path, "", path, s->width, s->height, o->reference_threads, 0};
     sl_image *mask = NULL;

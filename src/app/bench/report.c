@@ -28,6 +28,11 @@ void sl_error_text(const sl_bench_error *e, char text[32]) {
     else snprintf(text, 32, "%s%.*f %%", e->lost ? "< " : "", digits, percent);
 }
 
+void sl_promise_text(const sl_bench_promise *p, char text[64]) {
+    if (p->known) snprintf(text, 64, "%.3g %%, at most %.3g %%", 100.0 * p->estimate, 100.0 * p->bound);
+    else snprintf(text, 64, "-");
+}
+
 void sl_seconds_text(double seconds, char text[32]) {
     int digits = seconds >= 99.5 ? 0 : seconds >= 9.95 ? 1 : seconds >= 0.995 ? 2 : 3;
     snprintf(text, 32, "%.*f", digits, seconds);

@@ -23,6 +23,8 @@ void sl_report_json(const sl_bench_results *results, FILE *out);
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error);
 /* "3.2 %", "< 0.04 %" below what the reference can tell, "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
+/* "3.1 %, at most 3.9 %", or "-". */
+void sl_promise_text(const sl_bench_promise *promise, char text[64]);
 /* "0.31" to three digits. */
 void sl_seconds_text(double seconds, char text[32]);
 

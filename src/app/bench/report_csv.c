@@ -39,6 +39,11 @@ static void put_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *r) {
         else fprintf(out, ",%.6g,%s,%.6g,%.6g,%.6g,%.6g,%llu", e->rel_rmse, e->lost ? "yes" : "no", e->noise, e->rel_mse, e->bias, e->flip,
                      (unsigned long long)e->nonfinite);
     }
+    const sl_bench_promise *p = &r->promise;
+    if (p->known) fprintf(out, ",%.6g,%.6g,%.6g", p->estimate, p->bound, p->cpu_seconds);
+    else fputs(",,,", out);
+    if (p->measured_known) fprintf(out, ",%.6g", p->measured);
+    else fputc(',', out);
     fputc('\n', out);
 }
 
@@ -52,7 +57,7 @@ sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_
             const char *n = sl_bench_truth_name((sl_bench_truth)t);
             fprintf(out, ",%s_rel_rmse,%s_is_bound,%s_reference_noise,%s_rel_mse,%s_bias,%s_flip,%s_nonfinite", n, n, n, n, n, n, n);
         }
-        fputc('\n', out);
+        fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds,whole_picture_rel_rmse\n", out);
         for (size_t s = 0; s < results->scene_count; s++) {
             for (size_t i = 0; i < results->scenes[s].row_count; i++) put_row(out, &results->scenes[s], &results->scenes[s].rows[i]);
         }

@@ -62,13 +62,13 @@ static void put_lead(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, c
 /* ---- tables ---- */
 
 static void put_row(FILE *out, const sl_bench_row *r) {
-    char text[32];
+    char text[64];
     fprintf(out, "<tr%s>", r->quality == SL_BENCH_CURVE ? "" : " class=\"q\"");
     put(out, "<td>", r->curve, "</td>");
     put(out, "<td class=\"t\" title=\"", r->arguments, "\">");
     put(out, "", r->name, "</td>");
     if (r->end != SL_BENCH_RAN) {
-        fprintf(out, "<td class=\"t\" colspan=\"9\">%s: ", sl_bench_end_name(r->end));
+        fprintf(out, "<td class=\"t\" colspan=\"10\">%s: ", sl_bench_end_name(r->end));
         put(out, "", r->why, "</td></tr>\n");
         return;
     }
@@ -80,12 +80,14 @@ static void put_row(FILE *out, const sl_bench_row *r) {
         sl_error_text(&r->error[t], text);
         put(out, "<td>", text, "</td>");
     }
-    fprintf(out, "<td>%.3f</td></tr>\n", r->error[SL_BENCH_FULL].flip);
+    fprintf(out, "<td>%.3f</td>", r->error[SL_BENCH_FULL].flip);
+    sl_promise_text(&r->promise, text);
+    put(out, "<td>", text, "</td></tr>\n");
 }
 
 static void put_rows(FILE *out, const sl_bench_scene *s) {
     fputs("<h3>All settings</h3>\n<div class=\"wide\"><table><tr><th>method</th><th class=\"t\">setting</th><th>cpu s</th><th>wall s</th><th>first picture, cpu s</th>"
-          "<th>peak MB</th><th>rays</th><th>matched</th><th>one bounce</th><th>full</th><th>FLIP of full</th></tr>\n", out);
+          "<th>peak MB</th><th>rays</th><th>matched</th><th>one bounce</th><th>full</th><th>FLIP of full</th><th>told without a reference</th></tr>\n", out);
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
     fputs("</table></div>\n<p class=\"soft\">The three qualities are bold. Point at a setting for the arguments of <code>softlux render</code> that make its picture.</p>\n", out);
 }
@@ -162,6 +164,19 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
 
 /* ---- the page ---- */
 
+static void put_promises(FILE *out, const sl_bench_results *r) {
+    size_t made, kept;
+    fputs("<h2>Errors told without a reference</h2>\n<p>Of the whole picture, against the method's own light paths: how often the measured error is within the bound that "
+          "<code>softlux render --error</code> stops by, which is to hold in 95 %.</p>\n<table><tr><th>method</th><th>pictures judged</th><th>within the bound</th></tr>\n", out);
+    for (size_t m = 0;; m++) {
+        const char *name = sl_method_name(m);
+        sl_bench_promises(r, name, &made, &kept);
+        if (made) fprintf(out, "<tr><td>%s</td><td>%zu</td><td>%.0f %%</td></tr>\n", name ? name : "all", made, 100.0 * (double)kept / (double)made);
+        if (!name) break;
+    }
+    fputs("</table>\n", out);
+}
+
 static void put_scene(FILE *out, const sl_bench_scene *s) {
     put(out, "<h2>", s->name, "</h2>\n");
     if (s->trouble[0]) {
@@ -207,6 +222,7 @@ sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl
     if (out) {
         put_head(out, results);
         for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
+        put_promises(out, results);
         fputs("</body></html>\n", out);
         fclose(out);
     }

@@ -35,10 +35,10 @@ static void put_spread(FILE *out, const sl_bench_spread *s) {
 }
 
 static void put_row(FILE *out, const sl_bench_row *r) {
-    char text[32];
+    char text[64];
     fprintf(out, "| %s | %s |", r->curve, r->name);
     if (r->end != SL_BENCH_RAN) {
-        fprintf(out, " %s: %s | | | | | | |\n", sl_bench_end_name(r->end), r->why);
+        fprintf(out, " %s: %s | | | | | | | |\n", sl_bench_end_name(r->end), r->why);
         return;
     }
     put_spread(out, &r->cpu);
@@ -49,7 +49,8 @@ static void put_row(FILE *out, const sl_bench_row *r) {
         sl_error_text(&r->error[t], text);
         fprintf(out, " %s |", text);
     }
-    fputc('\n', out);
+    sl_promise_text(&r->promise, text);
+    fprintf(out, " %s |\n", text);
 }
 
 static void put_times(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, const char *title) {
@@ -104,6 +105,18 @@ static void put_leads(FILE *out, const sl_bench_results *r, double error) {
     }
 }
 
+static void put_promises(FILE *out, const sl_bench_results *r) {
+    size_t made, kept;
+    fputs("\nErrors told without a reference (`softlux render --error`), of the whole picture: how often the measured one is within the bound, which is to hold in 95 %.\n\n"
+          "| method | pictures judged | within the bound |\n| --- | ---: | ---: |\n", out);
+    for (size_t m = 0;; m++) {
+        const char *name = sl_method_name(m);
+        sl_bench_promises(r, name, &made, &kept);
+        if (made) fprintf(out, "| %s | %zu | %.0f %% |\n", name ? name : "all", made, 100.0 * (double)kept / (double)made);
+        if (!name) break;
+    }
+}
+
 static void put_scene(FILE *out, const sl_bench_scene *s) {
     fprintf(out, "\n## %s\n\n", s->name);
     if (s->trouble[0]) {
@@ -112,8 +125,8 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
     }
     fprintf(out, "`%s`, %d x %d, %llu triangles, %llu pixels compared.\n\n", s->path, s->width, s->height, (unsigned long long)s->triangles,
             (unsigned long long)s->pixels_compared);
-    fputs("| method | setting | cpu s | wall s | first picture, cpu s | peak MB | matched | one bounce | full |\n"
-          "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    fputs("| method | setting | cpu s | wall s | first picture, cpu s | peak MB | matched | one bounce | full | told without a reference |\n"
+          "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
           out);
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
     static const char *const plots[] = {"one-bounce", "full", "matched", "parts"};
@@ -134,6 +147,7 @@ sl_status sl_report_markdown(const sl_bench_results *results, const char *folder
         put_leads(out, results, 0.05);
         put_leads(out, results, 0.02);
         put_leads(out, results, 0.01);
+        put_promises(out, results);
         for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
         fclose(out);
     }

@@ -42,6 +42,16 @@ typedef struct sl_bench_error {
     uint64_t nonfinite;
 } sl_bench_error;
 
+/* The error of the whole picture, lamps and sky included, as it is told without a reference, and as it is. */
+typedef struct sl_bench_promise {
+    bool known;
+    double estimate;    /* relative RMSE against the method's own light paths */
+    double bound;       /* with 95 % confidence it is not above that */
+    double cpu_seconds; /* that the estimate took */
+    bool measured_known;
+    double measured;    /* with the matched reference, its noise subtracted */
+} sl_bench_promise;
+
 /* A pass of the method, or what lies between passes. */
 typedef struct sl_bench_part {
     char name[64];
@@ -63,6 +73,7 @@ typedef struct sl_bench_row {
     uint64_t peak_bytes, method_bytes; /* of the whole process; of what the method tells of itself */
     uint64_t rays, shadow_rays, records, samples, fragments;
     sl_bench_error error[SL_BENCH_TRUTHS];
+    sl_bench_promise promise;
     char picture[SL_BENCH_PATH];
     char *difference; /* against the matched reference, as a PNG in base 64; or NULL */
     size_t part_count;
@@ -114,6 +125,8 @@ void sl_bench_results_free(sl_bench_results *results);
 sl_bench_spread sl_bench_spread_of(double *values, int count);
 /* Half the distance of the quartiles over the median; 0 of fewer than four. Sorts the values. */
 double sl_bench_unrest_of(double *values, int count);
+/* Of the rows of one method, or NULL: of all: how many promise a bound that could be checked, and how many of those keep it. */
+void sl_bench_promises(const sl_bench_results *results, const char *method, size_t *made, size_t *kept);
 const char *sl_bench_truth_name(sl_bench_truth truth);
 const char *sl_bench_quality_name(sl_bench_quality quality);
 const char *sl_bench_end_name(sl_bench_end end);

@@ -3,11 +3,11 @@
 #include "app/bench/schedule.h"
 
 #include "app/bench/calibration.h"
+#include "app/clock.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { LONG_SECONDS = 5 }; /* a trial that takes longer is not repeated: what disturbs it lasts shorter than it does */
@@ -136,9 +136,22 @@ void sl_trial_picture(const sl_bench_options *o, const sl_bench_scene *s, const 
     snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s.exr", o->folder, s->hash, s->width, s->height, o->program, name);
 }
 
+cJSON *sl_schedule_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key, sl_child_end *end) {
+    cJSON *entry = cJSON_CreateObject(), *result = end->outcome == SL_CHILD_DONE ? cJSON_Parse(end->text) : NULL;
+    cJSON_AddStringToObject(entry, "key", key);
+    cJSON_AddStringToObject(entry, "program", o->program);
+    cJSON_AddStringToObject(entry, "scene", s->path);
+    cJSON_AddStringToObject(entry, "end", sl_bench_end_name((sl_bench_end)end->outcome));
+    if (end->why[0]) cJSON_AddStringToObject(entry, "why", end->why);
+    if (result) cJSON_AddItemToObject(entry, "result", result);
+    free(end->text);
+    end->text = NULL;
+    return entry;
+}
+
 static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal, const job *j, sl_error *error) {
     char key[1024], picture[SL_BENCH_PATH];
-    const sl_child_limits limits = {o->limit, o->memory_bytes, o->interrupted};
+    const sl_child_limits limits = {o->limit, o->memory_bytes, sl_interrupted};
     sl_child_end end;
     key_of(o, s, j, key, sizeof key);
     sl_trial_picture(o, s, j->trial, picture);
@@ -149,28 +162,15 @@ static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_
         free(end.text);
         return status;
     }
-    cJSON *entry = cJSON_CreateObject(), *result = end.outcome == SL_CHILD_DONE ? cJSON_Parse(end.text) : NULL;
-    cJSON_AddStringToObject(entry, "key", key);
-    cJSON_AddStringToObject(entry, "program", o->program);
-    cJSON_AddStringToObject(entry, "scene", s->path);
+    cJSON *entry = sl_schedule_entry(o, s, key, &end);
     cJSON_AddStringToObject(entry, "arguments", j->trial->arguments);
-    cJSON_AddStringToObject(entry, "end", sl_bench_end_name((sl_bench_end)end.outcome));
-    if (end.why[0]) cJSON_AddStringToObject(entry, "why", end.why);
     cJSON_AddNumberToObject(entry, "limit", o->limit);
     cJSON_AddNumberToObject(entry, "memory", (double)o->memory_bytes);
     cJSON_AddNumberToObject(entry, "calibration_wall", calibration.wall);
     cJSON_AddNumberToObject(entry, "calibration_cpu", calibration.cpu);
-    if (result) cJSON_AddItemToObject(entry, "result", result);
-    free(end.text);
     return sl_journal_add(journal, entry, error);
 }
 _Static_assert((int)SL_BENCH_STOPPED == (int)SL_CHILD_STOPPED && (int)SL_BENCH_CRASHED == (int)SL_CHILD_CRASHED, "one order in both");
-
-static double wall_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void show_progress(const sl_bench_options *o, const sl_bench_scene *s, const job_list *l, size_t at, double seconds) {
     enum { CELLS = 30 };
@@ -188,21 +188,21 @@ static void show_progress(const sl_bench_options *o, const sl_bench_scene *s, co
 sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal, sl_error *error) {
     job_list l;
     sl_status status = SL_OK;
-    double from = wall_seconds();
+    double from = sl_seconds_now();
     if (o->report_only) return SL_OK;
     if (!list_jobs(o, &l)) {
         free(l.jobs);
         snprintf(error->message, sizeof error->message, "not enough memory for a list of trials");
         return error->status = SL_ERROR_RESOURCES;
     }
-    for (size_t i = 0; i < l.count && status == SL_OK && !*o->interrupted; i++) {
-        double spent = wall_seconds() - from;
+    for (size_t i = 0; i < l.count && status == SL_OK && !sl_interrupted(); i++) {
+        double spent = sl_seconds_now() - from;
         if (o->budget > 0.0 && spent > o->budget) break;
         if (!is_due(o, s, journal, &l.jobs[i])) continue;
         show_progress(o, s, &l, i, spent);
         status = run_job(o, s, journal, &l.jobs[i], error);
     }
-    if (status == SL_OK && !*o->interrupted) show_progress(o, s, &l, l.count, wall_seconds() - from);
+    if (status == SL_OK && !sl_interrupted()) show_progress(o, s, &l, l.count, sl_seconds_now() - from);
     free(l.jobs);
     return status;
 }

@@ -16,7 +16,6 @@ typedef struct sl_bench_options {
     unsigned threads, reference_threads; /* 0: all processors */
     bool quiet, json;
     bool report_only; /* no trial is run: the journal is taken as it is */
-    volatile const int *interrupted;
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
@@ -26,6 +25,8 @@ bool sl_list_names(const char *list, const char *name);
 sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal, sl_error *error);
 /* The rows of the scene from what the journal holds of it. */
 sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal, sl_error *error);
+/* What a child told, as the journal keeps it: key, program, scene, end, why, result. Takes the child's text. */
+cJSON *sl_schedule_entry(const sl_bench_options *options, const sl_bench_scene *scene, const char *key, sl_child_end *end);
 /* Where the picture of a trial is kept. */
 void sl_trial_picture(const sl_bench_options *options, const sl_bench_scene *scene, const sl_trial *trial, char path[SL_BENCH_PATH]);
 

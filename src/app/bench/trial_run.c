@@ -1,6 +1,7 @@
 /* One trial, in its own process: a scene, a method, a picture, and what they cost. */
 #include "app/bench/trials.h"
 #include "app/settings_options.h"
+#include "app/clock.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -8,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <time.h>
 
 bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     enum { WORDS = 48 };
@@ -36,12 +36,6 @@ bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     return settings->method != NULL;
 }
 
-static double clock_seconds(clockid_t clock) {
-    struct timespec t;
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* ---- a look: which passes take the time ---- */
 
 enum { PASSES = 256 };
@@ -66,9 +60,9 @@ static void add_to(stopwatch *w, const char *name, double seconds) {
 /* A pass announces itself when it is done: what passed since the last one did is its. */
 static void pass_done(void *context, const sl_pass *pass) {
     stopwatch *w = context;
-    double now = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    double now = sl_process_seconds();
     add_to(w, pass->name, now - w->last);
-    w->last = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    w->last = sl_process_seconds();
 }
 
 static void add_parts(cJSON *root, stopwatch *w) {
@@ -91,13 +85,13 @@ typedef struct made {
 static sl_status show_first(made *m, double from, sl_error *error) {
     sl_image *first = NULL;
     sl_status status = sl_method_resolve(m->method, &first, error);
-    m->first_picture = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - from;
+    m->first_picture = sl_process_seconds() - from;
     sl_image_destroy(first);
     return status;
 }
 
 static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, stopwatch *watch, made *m, sl_error *error) {
-    double wall = clock_seconds(CLOCK_MONOTONIC), cpu = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    double wall = sl_seconds_now(), cpu = sl_process_seconds();
     watch->from = watch->last = cpu;
     sl_status status = sl_method_create(scene, settings, &m->method, error);
     while (status == SL_OK && !m->progress.done) {
@@ -105,8 +99,8 @@ static sl_status make_picture(const sl_scene *scene, const sl_settings *settings
         if (settings->observer && status == SL_OK && !(m->first_picture > 0.0)) status = show_first(m, cpu, error);
     }
     if (status == SL_OK) status = sl_method_resolve(m->method, &m->image, error);
-    m->wall = clock_seconds(CLOCK_MONOTONIC) - wall;
-    m->cpu = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu;
+    m->wall = sl_seconds_now() - wall;
+    m->cpu = sl_process_seconds() - cpu;
     if (settings->observer) add_to(watch, "the rest", cpu + m->cpu - watch->last);
     return status;
 }
