@@ -165,6 +165,34 @@ static void on_the_flat_nothing_is_lost(void **state) {
     sl_lobe_photons_release(&narrow.photons);
 }
 
+/* An even sky over a fold: half of its photons lie on a face turned one way, half on one turned the other. Where a whole voxel's mean normal is
+ * concerned, section 2.4 stands; a set of one group of normals makes all the light that its photons brought. */
+static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state) {
+    (void)state;
+    sl_lobe_photons p;
+    const float flux[3] = {1, 1, 1};
+    uint64_t key = sl_random_key(23, 0);
+    assert_int_equal(sl_lobe_photons_create(CLOUD, &p, NULL), SL_OK);
+    for (uint64_t i = 0; i < CLOUD; i++) {
+        sl_vec3 face = sl_v3(i & 1 ? 0.6f : -0.6f, 0.0f, 0.8f);
+        sl_lobe_photons_add(&p, cosine_about(face, key, i), face, flux);
+    }
+    for (int n = 1; n <= 8; n++) {
+        for (int split = 0; split < 2; split++) {
+            sl_voxel_light_options o = plain_options(n);
+            o.split_by_normal = split;
+            sl_directional_light light[8] = {{{0}, 0}};
+            sl_lobe_spread spread = {0};
+            double made = 0.0;
+            int count = sl_lobes_of_photons(&p, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), n, light, &spread);
+            for (int j = 0; j < count; j++) made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed, false).z);
+            if (split) assert_true(fabs(made - 1.0) < 1e-5);
+            else assert_true(made > 0.7 && made < 0.97);
+        }
+    }
+    sl_lobe_photons_release(&p);
+}
+
 static void photons_that_carry_nothing_are_left_out(void **state) {
     (void)state;
     sl_lobe_photons p;
@@ -635,6 +663,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tilted_surfaces_get_what_the_table_says),
         cmocka_unit_test(on_the_flat_nothing_is_lost),
+        cmocka_unit_test(a_bent_surface_makes_the_light_that_its_photons_brought),
         cmocka_unit_test(photons_that_carry_nothing_are_left_out),
         cmocka_unit_test(opposed_directions_make_finite_lights),
         cmocka_unit_test(an_even_floor_has_its_irradiance_in_every_voxel),
