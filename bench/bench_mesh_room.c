@@ -13,11 +13,10 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "cache/multi_mesh/direct.h"
+#include "cache/multi_mesh/coarse_light.h"
 #include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/mesh.h"
 #include "mesh_bench.h"
-#include "scene/ambient.h"
 #include "timing.h"
 
 static const char room[] = "scenes/generated/room.json";
@@ -225,7 +224,7 @@ typedef struct studio {
     sl_topology *topology;
     sl_sampled_lights *lights;
     sl_light_sampling *sampling;
-    sl_irradiance_meshes *irradiance;
+    sl_coarse_light *light;
     sl_coarse *coarse;
     double coarse_seconds;
     uint64_t coarse_samples;
@@ -242,34 +241,25 @@ static void studio_open(const mesh_world *w, int depth, studio *s) {
     need(sl_topology_create(w->scene, false, &s->topology, &error), "topology", &error);
     need(sl_sampled_lights_find(w->scene, &s->lights, &error), "lights", &error);
     need(sl_light_sampling_create(w->scene, s->raster, w->tracer, s->lights, &sampling, &s->sampling, &error), "lights", &error);
-    sl_rgb ambient = sl_ambient_irradiance(w->scene);
-    sl_irradiance_settings irradiance = {.scene = w->scene, .topology = s->topology, .tracer = w->tracer, .lights = s->lights,
-                                         .sampling = s->sampling, .perception = {sl_perception_exposure(w->scene, sl_rgb_mean(ambient) / 3.1415927f), 1.0f},
-                                         .ambient = ambient, .max_depth = SL_MESH_DEPTH_MAX, .threads = 1};
-    need(sl_irradiance_meshes_create(&irradiance, &s->irradiance, &error), "irradiance", &error);
+    sl_coarse_light_settings light = {.scene = w->scene, .topology = s->topology, .tracer = w->tracer, .lights = s->lights, .sampling = s->sampling,
+                                      .threads = 1};
+    need(sl_coarse_light_create(&light, &s->light, &error), "coarse mesh", &error);
     sl_coarse_settings coarse = {w->scene->diagonal / 24.0f, depth};
     need(sl_coarse_create(w->scene, s->topology, &coarse, &s->coarse, &error), "coarse mesh", &error);
 }
 
 static void light_coarse(studio *s) {
-    size_t count = sl_coarse_vertex_count(s->coarse), lights = s->lights->count;
-    const sl_coarse_vertex *vertex = sl_coarse_vertices(s->coarse);
-    sl_face_point *points = sl_allocate(count, sizeof *points);
-    float *share = sl_allocate(count * lights, sizeof *share);
-    bool *valid = sl_allocate(count, sizeof *valid);
+    size_t count = sl_coarse_vertex_count(s->coarse);
+    sl_rgb *radiance = sl_allocate(count, sizeof *radiance);
     sl_counters counters = {{0}};
-    sl_error error;
-    if (!points || !share || !valid) bench_fail("memory", NULL);
+    if (!radiance) bench_fail("memory", NULL);
     double from = mesh_seconds(1);
-    for (size_t i = 0; i < count; i++) points[i] = (sl_face_point){vertex[i].face, vertex[i].p, vertex[i].q, vertex[i].depth};
-    need(sl_irradiance_at(s->irradiance, count, points, share, valid, &counters, &error), "coarse mesh", &error);
-    for (size_t i = 0; i < count; i++) sl_coarse_set(s->coarse, i, valid[i] ? sl_direct_diffuse(s->lights, &share[i * lights]) : sl_grey(NAN));
+    sl_coarse_light_take(s->light, count, sl_coarse_vertices(s->coarse), radiance, &counters);
+    for (size_t i = 0; i < count; i++) sl_coarse_set(s->coarse, i, radiance[i]);
     sl_coarse_finish(s->coarse, 1);
     s->coarse_seconds = mesh_seconds(1) - from;
     s->coarse_samples = counters.value[SL_COUNT_LIGHT_SAMPLES];
-    sl_free(valid);
-    sl_free(share);
-    sl_free(points);
+    sl_free(radiance);
 }
 
 static double light_ms(const studio *s, size_t count, const sl_gather_point *points) {
@@ -328,7 +318,7 @@ static void table_of_costs(bench_report *r, const bench_options *o, const mesh_w
     bench_say(r, "\nThe coarse mesh (depth 4): %.0f vertices, %llu samples, %.2f s; the paper: 9,200 in 15 s. Direct samples are those of points that the camera sees: "
                  "many need no picture.\n", vertices, (unsigned long long)s.coarse_samples, s.coarse_seconds);
     sl_coarse_destroy(s.coarse);
-    sl_irradiance_meshes_destroy(s.irradiance);
+    sl_coarse_light_destroy(s.light);
     sl_light_sampling_destroy(s.sampling);
     sl_sampled_lights_destroy(s.lights);
     sl_topology_destroy(s.topology);

@@ -307,12 +307,12 @@ static double area_light(sample *s) {
     q->lifted = sl_light_lifted(q->sampling, q->point);
     q->eye = sl_light_eye(q->sampling, q->lifted, q->middle);
     if (s->shape->size < SL_TINY_LIGHT * distance) return by_one_ray(s);
-    return s->settings->estimator == SL_LIGHT_RAYS ? by_rays(s) : by_pictures(s);
+    return s->settings->estimator == SL_LIGHT_RAYS || !q->scratch ? by_rays(s) : by_pictures(s);
 }
 
-float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
-                           sl_counters *counters) {
-    sample s = {.query = {.sampling = sampling, .light = light, .point = point, .scratch = scratch, .counters = counters},
+static float take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_light_sample_scratch *scratch,
+                  sl_counters *counters) {
+    sample s = {.query = {.sampling = sampling, .light = light, .point = point, .rays = rays, .scratch = scratch, .counters = counters},
                 .settings = &sampling->settings, .light = &sampling->lights->light[light], .shape = &sampling->shape[light]};
     sl_count(counters, SL_COUNT_LIGHT_SAMPLES, 1);
     if (!sl_is_finite(point->position) || !sl_is_finite(point->normal) || !sl_is_finite(point->geometric_normal)) {
@@ -322,4 +322,13 @@ float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, cons
     double value = has_extent(s.light) ? area_light(&s) : sl_light_without_extent(sampling, s.light, point, counters);
     float f = (float)value;
     return f > 0.0f && isfinite(f) ? f : 0.0f;
+}
+
+float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
+                           sl_counters *counters) {
+    return take(sampling, light, point, sampling->settings.rays, scratch, counters);
+}
+
+float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
+    return take(sampling, light, point, rays, NULL, counters);
 }

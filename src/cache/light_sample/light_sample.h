@@ -54,6 +54,8 @@ void sl_light_sample_scratch_destroy(sl_light_sample_scratch *scratch);
 /* F at the point, finite and >= 0. Counts SL_COUNT_LIGHT_SAMPLES, and those that needed no picture as skipped. */
 float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
                            sl_counters *counters);
+/* The same by n x n rays whatever the settings say: where less will do. */
+float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters);
 /* F without occluders, in closed form. */
 double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point);
 /* The unit direction in which the light lies, for lobes: of area lights the centroid of what is above the horizon; (0,0,0): nothing is. */

@@ -76,7 +76,8 @@ typedef struct sl_light_query {
     const sl_lit_point *point;
     sl_vec3d middle;           /* of what is above the horizons, from the point */
     sl_vec3 lifted, eye;       /* above the surface; and on the way */
-    sl_light_sample_scratch *scratch;
+    int rays;                  /* n of n x n, if it comes to rays */
+    sl_light_sample_scratch *scratch; /* NULL: no pictures */
     sl_counters *counters;
 } sl_light_query;
 sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point);

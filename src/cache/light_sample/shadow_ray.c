@@ -178,7 +178,7 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_shape_info *shape = &sampling->shape[query->light];
     const sl_sampled_light *light = &sampling->lights->light[query->light];
     const sl_lit_point *point = query->point;
-    const int n = sampling->settings.rays;
+    const int n = query->rays;
     const uint64_t key = jitter_key(point, query->light);
     const sl_vec3d position = sl_to_double(point->position), back = sl_subd(position, sl_to_double(query->eye));
     const sl_vec3 corner = sl_to_float(sl_subd(shape->corner, position)), e1 = sl_to_float(shape->e1), e2 = sl_to_float(shape->e2);

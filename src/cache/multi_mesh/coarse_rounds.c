@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/direct.h"
 #include "cache/multi_mesh/story.h"
 
 enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
@@ -26,20 +25,11 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     return status;
 }
 
-static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
-    const sl_coarse_vertex *vertex = sl_coarse_vertices(s->coarse) + s->coarse_done;
-    size_t lights = s->lights->count;
-    sl_face_point points[COARSE_VERTICES];
-    bool valid[COARSE_VERTICES];
-    float *share = sl_allocate(count * lights, sizeof *share);
-    if (!share) return sl_fail_memory(error, "the coarse mesh");
-    for (size_t i = 0; i < count; i++) points[i] = (sl_face_point){vertex[i].face, vertex[i].p, vertex[i].q, vertex[i].depth};
-    sl_status status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
-    for (size_t i = 0; i < count && status == SL_OK; i++)
-        sl_coarse_set(s->coarse, s->coarse_done + i, valid[i] ? sl_direct_diffuse(s->lights, &share[i * lights]) : sl_grey(NAN));
-    sl_free(share);
-    sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, status == SL_OK ? count : 0);
-    return status;
+static void light_coarse(sl_multi_mesh_state *s, size_t count) {
+    sl_rgb radiance[COARSE_VERTICES];
+    sl_coarse_light_take(s->coarse_light, count, sl_coarse_vertices(s->coarse) + s->coarse_done, radiance, &s->counters);
+    for (size_t i = 0; i < count; i++) sl_coarse_set(s->coarse, s->coarse_done + i, radiance[i]);
+    sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
 }
 
 /* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it (section 2.5). */
@@ -84,7 +74,7 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     size_t count = left < COARSE_VERTICES ? left : COARSE_VERTICES;
     sl_status status = SL_OK;
     if (s->coarse_indirect) gather_for_coarse(s, count);
-    else if (count) status = light_coarse(s, count, error);
+    else if (count) light_coarse(s, count);
     s->coarse_done += count;
     if (status != SL_OK || s->coarse_done < all) return status;
     if (s->coarse_indirect) finish_second_bounce(s);

@@ -5,6 +5,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/multi_mesh/lit_points.h"
 
 #include <math.h>
 #include <string.h>
@@ -239,40 +240,9 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
 
 /* ---- samples ---- */
 
-static const double nudges[] = {0.01, 0.05, 0.2};
-
 static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_point *at, sample_worker *w) {
-    sl_lit_point point = {at->position, at->normal, at->geometric_normal, at->triangle};
+    sl_lit_point point = sl_lit_point_of(at);
     return sl_light_sample_take(m->settings.sampling, light, &point, w->scratch, &w->counters);
-}
-
-/* How much of the way to a face's middle is needed to be so far from those of its edges that a point lies on; at most a quarter. */
-static double share_inside(const sl_vec3d corner[3], sl_vec3d middle, sl_vec3d p, double far) {
-    double share = 0.0;
-    for (int i = 0; i < 3; i++) {
-        sl_vec3d from = corner[(i + 1) % 3], edge = sl_subd(corner[(i + 2) % 3], from);
-        double length = sl_lengthd(edge), at = sl_lengthd(sl_crossd(edge, sl_subd(p, from))), whole = sl_lengthd(sl_crossd(edge, sl_subd(middle, from)));
-        if (at < far * length && whole > 0.0) share = fmax(share, far * length / whole);
-    }
-    return fmin(share, 0.25);
-}
-
-/* A vertex on an edge touches the walls beyond: whether they are before it or behind is rounding, and rays begin past them. What is meant is the limit
- * from within its own face, so the vertex is moved towards that face's middle, until it is further from the edge than rays begin ahead of it: the wall at
- * whose foot it lies hides what is behind the wall. (So far on the way itself would not do: on a narrow strip that way runs along the edge.) Where the
- * face falls below the tangent plane (a bulge) it stays in the plane, so as not to dive. */
-static void step_inside(const sl_irradiance_meshes *m, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *at) {
-    if (mesh->key[vertex].kind == SL_VERTEX_IN_FACE) return;
-    sl_vec3d corner[3], middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(at->position), n = sl_to_double(at->normal);
-    for (int i = 0; i < 3; i++) {
-        corner[i] = sl_to_double(m->settings.topology->site_position[m->settings.topology->site[i][at->face]]);
-        middle = sl_addd(middle, sl_scaled(corner[i], 1.0 / 3.0));
-    }
-    sl_vec3d way = sl_scaled(sl_subd(middle, p), share_inside(corner, middle, p, m->inwards));
-    if (!isfinite(sl_lengthd(way))) return;
-    double rise = sl_dotd(way, n);
-    if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
-    at->position = sl_to_float(sl_addd(p, way));
 }
 
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry: then it is asked for a little
@@ -281,16 +251,16 @@ static sample_result sample_vertex(const sl_irradiance_meshes *m, uint32_t light
     const sl_mesh *mesh = m->mesh[light];
     sl_mesh_point at;
     sl_mesh_point_of(mesh, vertex, &at);
-    step_inside(m, mesh, vertex, &at);
+    if (mesh->key[vertex].kind != SL_VERTEX_IN_FACE) sl_step_inside(m->settings.topology, m->inwards, &at);
     float share = take(m, light, &at, w);
     if (share > 0.0f) return (sample_result){share, true};
-    sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
+    sl_lit_point point = sl_lit_point_of(&at);
     const sl_topology *topology = m->settings.topology;
     if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0) ||
         !sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
         return (sample_result){0.0f, true};
-    for (size_t i = 0; i < sizeof nudges / sizeof nudges[0]; i++) {
-        sl_mesh_point_nudged(mesh, vertex, nudges[i], &at);
+    for (int i = 0; i < SL_NUDGES; i++) {
+        sl_mesh_point_nudged(mesh, vertex, sl_nudge[i], &at);
         if (!sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
             return (sample_result){take(m, light, &at, w), true};
     }

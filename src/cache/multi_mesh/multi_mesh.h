@@ -15,6 +15,7 @@
  *   changes.c        what is still true when lights and objects have moved
  *   direct.c         direct diffuse and specular radiance from them
  *   coarse.c         the coarse mesh of the whole scene, which indirect gathers see
+ *   coarse_light.c   ... direct light on it
  *   gather.c         the 160-degree gather
  *   perception.c     what an eye can tell
  *   merge.c          the five pictures into one                                                P4

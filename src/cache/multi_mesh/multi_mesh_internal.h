@@ -3,6 +3,7 @@
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
 #include "cache/announce.h"
+#include "cache/multi_mesh/coarse_light.h"
 #include "cache/multi_mesh/displayed.h"
 #include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/irradiance.h"
@@ -33,6 +34,7 @@ typedef struct sl_multi_mesh_state {
     sl_irradiance_meshes *irradiance;
     sl_object_places *places;       /* where objects were when all this was made */
     sl_coarse *coarse;
+    sl_coarse_light *coarse_light;  /* NULL: no light to be coarse about */
     sl_mesh_gather *gather;
     sl_gather_worker *gatherer;     /* one a thread */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */

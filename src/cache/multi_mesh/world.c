@@ -44,10 +44,12 @@ static void forget_pictures(sl_multi_mesh_state *s) {
     sl_free(s->gatherer);
     sl_free(s->coarse_indirect);
     sl_mesh_gather_destroy(s->gather);
+    sl_coarse_light_destroy(s->coarse_light);
     sl_coarse_destroy(s->coarse);
     s->gatherer = NULL;
     s->coarse_indirect = NULL;
     s->gather = NULL;
+    s->coarse_light = NULL;
     s->coarse = NULL;
 }
 
@@ -112,7 +114,11 @@ static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), s->settings.multi_mesh.coarse_depth};
     s->coarse_done = 0;
     s->coarse_whole = false;
-    return sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
+    sl_status status = sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
+    if (status != SL_OK || !s->plan.coarse) return status;
+    sl_coarse_light_settings light = {.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights, .sampling = s->sampling,
+                                      .threads = s->settings.threads};
+    return sl_coarse_light_create(&light, &s->coarse_light, error);
 }
 
 static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {

@@ -1,0 +1,129 @@
+/* Direct light on the coarse mesh's vertices: few rays, and of many lights those that matter. */
+#include "light_sample_support.h"
+
+#include "base/counters.h"
+#include "cache/multi_mesh/coarse_light.h"
+#include "cache/multi_mesh/irradiance.h"
+
+enum { LAMPS = 40, POINTS = 50 };
+
+typedef struct lit_hall {
+    light_world world;
+    sl_topology *topology;
+    sl_coarse_light *light;
+    sl_counters counters;
+} lit_hall;
+
+/* A floor of two triangles, and above it a row of lamps; those from `hidden` on have a plate below them that hides them from all of the floor. */
+static lit_hall hall(int hidden, unsigned threads) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    trace_mesh_quad(&mesh, sl_v3(-50, 0, -8), sl_v3(0, 0, 16), sl_v3(100, 0, 0), grey);
+    for (int i = 0; i < LAMPS; i++) {
+        float x = -50.0f + 100.0f * (float)i / LAMPS;
+        trace_mesh_quad(&mesh, sl_v3(x, 3.0f + 0.02f * (float)i, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+        if (i >= hidden) trace_mesh_quad(&mesh, sl_v3(x - 0.4f, 2.99f + 0.02f * (float)i, -0.9f), sl_v3(0, 0, 1.8f), sl_v3(1.8f, 0, 0), grey);
+    }
+    lit_hall h = {.counters = {{0}}};
+    light_world_make(&h.world, &mesh);
+    assert_int_equal(h.world.lights->count, LAMPS);
+    assert_int_equal(sl_topology_create(h.world.scene, false, &h.topology, NULL), SL_OK);
+    sl_coarse_light_settings s = {.scene = h.world.scene, .topology = h.topology, .tracer = h.world.tracer, .lights = h.world.lights,
+                                  .sampling = h.world.sampling, .threads = threads};
+    assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
+    return h;
+}
+
+static void discard(lit_hall *h) {
+    sl_coarse_light_destroy(h->light);
+    sl_topology_destroy(h->topology);
+    light_world_free(&h->world);
+}
+
+/* Places all over one side of the floor. */
+static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
+    for (int i = 0; i < POINTS; i++) {
+        int p = 60 + 35 * i, q = 40 + (i * 7 % 23) * 80;
+        vertex[i] = (sl_coarse_vertex){face, (uint16_t)p, (uint16_t)(q < SL_MESH_DYADIC - p ? q : 10), 0};
+    }
+}
+
+/* pi U_dd without occluders, of the lights up to `count`. */
+static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t count) {
+    sl_face_point x = {v->face, v->p, v->q, 0};
+    sl_mesh_point at = sl_face_point_in_world(h->topology, &x);
+    sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
+    double sum = 0.0;
+    for (size_t l = 0; l < count; l++) sum += sl_light_unoccluded(&h->world.lights->light[l], &point) * (double)h->world.lights->light[l].colour.g;
+    return sum;
+}
+
+static void where_nothing_is_between_all_lights_count_though_few_are_asked(void **state) {
+    (void)state;
+    lit_hall h = hall(LAMPS, 1);
+    sl_coarse_vertex vertex[POINTS];
+    sl_rgb radiance[POINTS];
+    places(0, vertex);
+    sl_coarse_light_take(h.light, POINTS, vertex, radiance, &h.counters);
+    for (int i = 0; i < POINTS; i++) {
+        double expected = unoccluded(&h, &vertex[i], LAMPS);
+        assert_true(fabs((double)radiance[i].g * SL_PI / expected - 1.0) < 1e-4);
+    }
+    uint64_t asked = h.counters.value[SL_COUNT_LIGHT_SAMPLES];
+    print_message("%.1f of %d lights asked\n", (double)asked / POINTS, LAMPS);
+    assert_true(asked < POINTS * LAMPS / 2);
+    discard(&h);
+}
+
+/* What those that are not asked could give is a thirtieth of all at most. */
+static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(void **state) {
+    (void)state;
+    lit_hall h = hall(LAMPS / 2, 1);
+    sl_coarse_vertex vertex[POINTS];
+    sl_rgb radiance[POINTS];
+    places(0, vertex);
+    sl_coarse_light_take(h.light, POINTS, vertex, radiance, &h.counters);
+    for (int i = 0; i < POINTS; i++) {
+        double seen = unoccluded(&h, &vertex[i], LAMPS / 2), all = unoccluded(&h, &vertex[i], LAMPS);
+        assert_true(fabs((double)radiance[i].g * SL_PI - seen) < 0.0301 * all);
+    }
+    discard(&h);
+}
+
+static void below_every_light_s_horizon_nothing_is_asked(void **state) {
+    (void)state;
+    lit_hall h = hall(LAMPS, 1);
+    sl_coarse_vertex vertex[POINTS];
+    sl_rgb radiance[POINTS];
+    places(1, vertex);
+    sl_coarse_light_take(h.light, POINTS, vertex, radiance, &h.counters);
+    for (int i = 0; i < POINTS; i++) assert_true(radiance[i].g == 0.0f);
+    assert_int_equal(h.counters.value[SL_COUNT_LIGHT_SAMPLES], 0);
+    discard(&h);
+}
+
+static void any_number_of_threads_gives_the_same_light(void **state) {
+    (void)state;
+    sl_rgb radiance[2][POINTS];
+    uint64_t asked[2];
+    for (unsigned k = 0; k < 2; k++) {
+        lit_hall h = hall(LAMPS / 2, k ? 3 : 1);
+        sl_coarse_vertex vertex[POINTS];
+        places(0, vertex);
+        sl_coarse_light_take(h.light, POINTS, vertex, radiance[k], &h.counters);
+        asked[k] = h.counters.value[SL_COUNT_LIGHT_SAMPLES];
+        discard(&h);
+    }
+    assert_memory_equal(radiance[0], radiance[1], sizeof radiance[0]);
+    assert_int_equal(asked[0], asked[1]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(where_nothing_is_between_all_lights_count_though_few_are_asked),
+        cmocka_unit_test(lights_that_are_not_asked_are_off_by_no_more_than_they_could_give),
+        cmocka_unit_test(below_every_light_s_horizon_nothing_is_asked),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_light),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
