@@ -206,6 +206,7 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
 /* The picture is whole. Values of direct light that show nowhere can be had again from the irradiance meshes; those of indirect light would have to be
  * gathered again, and stay. */
 static void tidy(sl_multi_mesh_state *s) {
+    sl_multi_mesh_announce_light_sample(s);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) sl_displayed_tidy(s->part[i], i != SL_INDIRECT);
     if (s->irradiance) sl_irradiance_meshes_tidy(s->irradiance);

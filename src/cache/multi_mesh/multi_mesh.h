@@ -5,7 +5,8 @@
  *   multi_mesh.c     the passes of a picture, batch by batch
  *   samples.c        samples of vertices, by all threads
  *   coarse_rounds.c  the coarse mesh, some vertices a batch
- *   story.c          a picture told backwards, pixel by pixel; what can be seen of the meshes
+ *   story.c          a picture told backwards, pixel by pixel
+ *   marks.c          what can be seen of the meshes while they are made
  *   world.c          what outlives a picture, and what is kept when lights and objects move
  *   topology.c       faces, and which corners they share
  *   mesh.c           a quadtree of triangles for each face; split, collapse; interpolation
