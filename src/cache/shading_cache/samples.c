@@ -112,11 +112,13 @@ static void blend(float value[3], sl_rgb now, float share) {
     for (int k = 0; k < 3; k++) value[k] += share * (parts[k] - value[k]);
 }
 
-/* The share of a new value: all of it, but where it refines an unchanged one (beta), or joins earlier sets of samples. */
-static float share_of(const sl_shading_state *s, uint32_t vertex, uint32_t set, bool changing) {
-    if (s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER || changing) return 1.0f;
-    if (set > 0) return 1.0f / (float)(set + 1);
-    return sl_vertex_is_stale(s->patches, &s->work, vertex) ? 1.0f : (float)s->settings.shading_cache.blending;
+/* The share of a new value: all of it, but where it joins earlier sets of samples. */
+static float share_of(const sl_sample_request *request) { return request->set > 0 ? 1.0f / ((float)request->set + 1.0f) : 1.0f; }
+
+/* Whether a first value is to come in slowly. Means of several sets of samples are not: they have no value yet. */
+static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t object) {
+    return s->settings.shading_cache.blending < 1.0 && !s->patches->sets && s->patches->vertex[vertex].evaluated == SL_VERTEX_NEVER &&
+           !s->changes->object[object].changing;
 }
 
 static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request, const sl_sample *sample) {
@@ -128,7 +130,8 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
     }
     compared c = compare_before(s, vertex, request);
     uint32_t object = sl_root_object(s->primitives, v->root);
-    float share = share_of(s, vertex, request->set, s->changes->object[object].changing);
+    float share = share_of(request), from[3], from_lobe[3] = {0};
+    bool fades = is_to_fade(s, vertex, object) && sl_fade_from(s->patches, vertex, from, from_lobe);
     blend(v->value, sample->irradiance, share);
     float *lobe = sl_vertex_lobe(s->patches, vertex);
     if (lobe) blend(lobe, sample->radiance, share);
@@ -138,6 +141,7 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
         sets->count = request->set < UINT32_MAX ? request->set + 1 : UINT32_MAX;
     }
     v->evaluated = s->now;
+    if (fades) sl_fade_begin(&s->fades, s->patches, vertex, from, from_lobe, (float)s->settings.shading_cache.blending);
     sl_patches_touch(s->patches, vertex);
     if (c.comparable && sl_changes_compare(s->changes, object, c.before, level_of(s, vertex, c.radiance), s->now))
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
@@ -192,6 +196,7 @@ static sl_status drop_resolution(sl_shading_state *s, sl_error *error) {
 
 sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) {
     uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
+    sl_fades_go_on(&s->fades, s->patches, (float)s->settings.shading_cache.blending);
     for (size_t i = 0; i < count; i++) commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
     find_stale(s);
     sl_changes_settle(s->changes, s->stale, s->now);

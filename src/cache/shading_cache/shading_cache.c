@@ -29,6 +29,7 @@ static void shading_destroy(void *state) {
     sl_free(s->choice);
     sl_free(s->place);
     sl_free(s->vertex);
+    sl_fades_release(&s->fades);
     sl_free(s->request);
     sl_free(s->sample);
     sl_free(s->part);
@@ -205,6 +206,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_shading_state *s = state;
     sl_status status = note_motion(s, changes, error);
     s->done = false;
+    sl_fades_finish(&s->fades, s->patches);
     s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
     s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0 && !(s->settings.shading_cache.hold_levels > 0.0);
     if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
@@ -222,6 +224,7 @@ static double shading_error_levels(const void *state) { return ((const sl_shadin
 static size_t shading_bytes(const void *state) {
     const sl_shading_state *s = state;
     size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) + s->leaf_room * sizeof *s->leaf;
+    bytes += s->fades.capacity * sizeof *s->fades.fade;
     bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample);
     if (s->own_tracer) bytes += sl_tracer_memory_bytes(s->own_tracer);
     return bytes + sl_primitives_memory_bytes(s->primitives) + sl_patches_memory_bytes(s->patches) + sl_display_memory_bytes(s->display);

@@ -10,6 +10,7 @@
  *   work.c             requests: evaluate or split; patch_size.c: how large a patch is in the picture                  U5, U6
  *   samples.c          samples asked for, and committed                                                               U7, U8
  *   renderers.h        direct light, bidirectional paths, caustics                                                    U7
+ *   fade.c             values that come in slowly                                                                     U8
  *   change.c           change detection, resolution drop                                                              U8
  *   display.h          arrays, tessellation, drawing                                                                  U10
  *   live.c             frames beside updates; story.c: what made a pixel

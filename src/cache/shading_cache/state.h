@@ -5,6 +5,7 @@
 #include "cache/announce.h"
 #include "cache/shading_cache/change.h"
 #include "cache/shading_cache/display.h"
+#include "cache/shading_cache/fade.h"
 #include "cache/shading_cache/plan.h"
 #include "cache/shading_cache/priority.h"
 #include "cache/shading_cache/renderers.h"
@@ -41,6 +42,7 @@ typedef struct sl_shading_state {
     size_t vertex_room;
     sl_sample_request *request;    /* U7 */
     sl_sample *sample, *part;
+    sl_fades fades;                /* U8 */
     bool *stale, *changing;        /* by object */
     uint32_t *stale_before;
 

@@ -149,6 +149,7 @@ static sl_status age(sl_shading_state *s, sl_error *error) {
 
 /* Nothing that is seen wants any more: every leaf is as small as it gets, and as the scene is now. */
 static bool nothing_is_left(const sl_shading_state *s) {
+    if (s->fades.count > 0) return false;
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t patch = s->leaf[i].patch;
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) return false;
@@ -170,6 +171,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     sl_shading_sample(s, vertices);
     sl_announce_pass(&s->announcer, "samples", "section 4.3");
     status = sl_shading_commit(s, vertices, error);
+    if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
     if (status == SL_OK) status = age(s, error);
     sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);

@@ -1,0 +1,165 @@
+/* Values that come in slowly: how much is left after k updates, from where they start, and what ends it. */
+#include "shading_cache_support.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "base/counters.h"
+#include "cache/shading_cache/fade.h"
+#include "rendering.h"
+
+/* A square with irradiance 1, 3, 5, 3 at its corners, split; its middle has just got its first sample. */
+typedef struct scene_with_middle {
+    hierarchy h;
+    uint32_t middle;
+    sl_fades fades;
+} scene_with_middle;
+
+static const float sampled = 11.0f, beta = 0.25f;
+
+static scene_with_middle begin(void) {
+    scene_with_middle s = {.h = hierarchy_of(square_scene(), false)};
+    uint32_t root = want_root(&s.h, 0);
+    const float corner[4] = {1, 3, 5, 3};
+    for (int c = 0; c < 4; c++) evaluate(&s.h, sl_patch_corner(s.h.patches, root, c), corner[c], 1);
+    split(&s.h, root);
+    s.middle = sl_patch_corner(s.h.patches, s.h.patches->patch[root].child, 2);
+    float from[3], lobe[3] = {0};
+    assert_true(sl_fade_from(s.h.patches, s.middle, from, lobe));
+    assert_true(fabsf(from[1] - 3.0f) < 1e-6f); /* what the four have shown there */
+    evaluate(&s.h, s.middle, sampled, 2);
+    sl_fade_begin(&s.fades, s.h.patches, s.middle, from, lobe, beta);
+    return s;
+}
+
+static float shown(const scene_with_middle *s) { return s->h.patches->vertex[s->middle].value[2]; }
+
+static void end(scene_with_middle *s) {
+    sl_fades_release(&s->fades);
+    hierarchy_discard(&s->h);
+}
+
+static void after_k_updates_1_minus_beta_to_the_k_is_left(void **state) {
+    (void)state;
+    scene_with_middle s = begin();
+    int k = 1;
+    for (; s.fades.count; k++) {
+        double left = (double)(sampled - shown(&s)) / (double)(sampled - 3.0f);
+        assert_true(fabs(left - pow(1.0 - (double)beta, k)) < 1e-5);
+        assert_true(k < 40);
+        for (size_t i = 0; i < s.h.patches->patch_count; i++) s.h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
+        sl_fades_go_on(&s.fades, s.h.patches, beta);
+        assert_true(s.h.patches->flags[s.h.patches->patch[s.h.patches->root_patch[0]].child] & SL_PATCH_DIRTY); /* the display hears of it */
+    }
+    assert_true(k > 20 && shown(&s) == sampled);
+    end(&s);
+}
+
+static void what_has_another_value_by_then_keeps_it(void **state) {
+    (void)state;
+    scene_with_middle s = begin();
+    evaluate(&s.h, s.middle, 20.0f, 3);
+    sl_fades_go_on(&s.fades, s.h.patches, beta);
+    assert_true(shown(&s) == 20.0f && s.fades.count == 0);
+    end(&s);
+    s = begin();
+    sl_patch_drop_children(s.h.patches, s.h.patches->root_patch[0]); /* the vertex is gone */
+    sl_fades_go_on(&s.fades, s.h.patches, beta);
+    assert_int_equal(s.fades.count, 0);
+    end(&s);
+}
+
+static void an_end_to_fading_shows_the_values_themselves(void **state) {
+    (void)state;
+    scene_with_middle s = begin();
+    sl_fades_go_on(&s.fades, s.h.patches, beta);
+    assert_true(shown(&s) < sampled);
+    sl_fades_finish(&s.fades, s.h.patches);
+    assert_true(shown(&s) == sampled && s.fades.count == 0);
+    end(&s);
+}
+
+static void nothing_around_means_nothing_to_start_from(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), false);
+    uint32_t root = want_root(&h, 0);
+    float from[3], lobe[3];
+    assert_false(sl_fade_from(h.patches, sl_patch_corner(h.patches, root, 0), from, lobe));
+    hierarchy_discard(&h);
+}
+
+static double largest_step(double blending) {
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = small_settings("shading-cache", 40, 40);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 40;
+    settings.shading_cache.blending = blending;
+    sl_method *method;
+    sl_progress progress = {0};
+    sl_image *before = NULL, *now;
+    double sum = 0.0;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    for (int update = 0; update < 39; update++) {
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+        assert_int_equal(sl_method_resolve(method, &now, NULL), SL_OK);
+        sl_comparison c;
+        if (update >= 1) { /* by then all that is seen has had samples */
+            assert_int_equal(sl_image_compare(now, before, NULL, &c, NULL, NULL), SL_OK);
+            sum += c.rmse * c.rmse;
+        }
+        sl_image_destroy(before);
+        before = now;
+    }
+    sl_image_destroy(before);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    return sum;
+}
+
+static void pictures_jump_less_from_one_update_to_the_next(void **state) {
+    (void)state;
+    double at_once = largest_step(1.0), slowly = largest_step(0.2);
+    printf("squares of jumps: %g at once, %g with beta 0.2\n", at_once, slowly);
+    assert_true(slowly > 0.0 && slowly < 0.6 * at_once);
+}
+
+/* Once a picture is done nothing fades any more: its samples are as many, and its error is that of a picture without. */
+static void a_picture_that_is_done_is_not_blurred_by_it(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("shading-cache", 40, 40);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 40;
+    sl_image *plain = render(scene, &settings, NULL);
+    settings.shading_cache.blending = 0.05;
+    sl_image *faded = render(scene, &settings, NULL);
+    assert_same_bits_with_any_threads(scene, &settings);
+    settings.method = "path";
+    settings.transport = "matched:shading-cache";
+    settings.spp = 64;
+    sl_settings reference = settings;
+    reference.transport = "direct";
+    reference.filter = SL_FILTER_CENTRE;
+    sl_image *truth = render(scene, &reference, NULL);
+    sl_comparison a, b;
+    assert_int_equal(sl_image_compare(plain, truth, NULL, &a, NULL, NULL), SL_OK);
+    assert_int_equal(sl_image_compare(faded, truth, NULL, &b, NULL, NULL), SL_OK);
+    printf("relRMSE %.2f %% without, %.2f %% with beta 0.05\n", 100.0 * a.rel_rmse, 100.0 * b.rel_rmse);
+    assert_true(b.rel_rmse < 1.5 * a.rel_rmse);
+    sl_image_destroy(plain);
+    sl_image_destroy(faded);
+    sl_image_destroy(truth);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(after_k_updates_1_minus_beta_to_the_k_is_left),
+        cmocka_unit_test(what_has_another_value_by_then_keeps_it),
+        cmocka_unit_test(an_end_to_fading_shows_the_values_themselves),
+        cmocka_unit_test(nothing_around_means_nothing_to_start_from),
+        cmocka_unit_test(pictures_jump_less_from_one_update_to_the_next),
+        cmocka_unit_test(a_picture_that_is_done_is_not_blurred_by_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
