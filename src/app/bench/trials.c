@@ -6,6 +6,8 @@
 /* Cheap settings first. What a curve adds lies between the qualities, below draft and above high, along the settings that trade time for error
  * best; light samples grow as records do, photons as voxels do, or one of the two would bear all of the error. */
 #define SPLATTING(name, quality, arguments) {METHOD("splatting"), name, "-m splatting " arguments, MATCHED("splatting"), quality}
+/* So many diffuse bounces that all of global illumination is its truth, but for what glossy surfaces and mirrors send on. */
+#define SPLATTING_ON(name, quality, arguments) {"splatting", "splatting, 6 bounces", name, "-m splatting --bounces 6 " arguments, "full", quality}
 #define DIRECT_RADIANCE(name, quality, arguments) \
     {METHOD("direct-radiance"), name, "-m direct-radiance " arguments, MATCHED("direct-radiance"), quality}
 /* With visibility of its photons it has the very paths of one bounce. */
@@ -35,6 +37,9 @@ static const sl_trial trials[] = {
     SPLATTING("a 0.25, 32 light samples, 28x28", SL_BENCH_CURVE, "-q high --accuracy 0.25 --spp 32 --gather-size 28"),
     SPLATTING("high", SL_BENCH_HIGH, "-q high"),
     SPLATTING("a 0.1, 128 light samples, 48x48", SL_BENCH_CURVE, "-q high --accuracy 0.1 --spp 128 --gather-size 48"),
+    SPLATTING_ON("draft", SL_BENCH_DRAFT, "-q draft"),
+    SPLATTING_ON("normal", SL_BENCH_NORMAL, "-q normal"),
+    SPLATTING_ON("high", SL_BENCH_HIGH, "-q high"),
     DIRECT_RADIANCE("2x2 photons", SL_BENCH_CURVE, "-q draft --photons 2"),
     DIRECT_RADIANCE("draft", SL_BENCH_DRAFT, "-q draft"),
     DIRECT_RADIANCE("normal", SL_BENCH_NORMAL, "-q normal"),
