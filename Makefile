@@ -89,7 +89,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench report bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc clean help setup
+.PHONY: all demo check test golden scenes bench report bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc lessons clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -227,6 +227,10 @@ golden: $(BUILD)/tests/test_golden_passes
 	@mkdir -p tests/golden && rm -f tests/golden/*.exr
 	SOFTLUX_UPDATE_GOLDEN=1 $(BUILD)/tests/test_golden_passes
 
+# The lessons' pictures anew, likewise.
+lessons: all
+	@./tests/lessons.sh $(BUILD) --update
+
 scenes: $(BUILD)/generate
 	@$(BUILD)/generate scenes/generated
 
@@ -306,6 +310,7 @@ help:
 	@echo 'make bench-multi-mesh  those on multi-mesh caching'
 	@echo 'make bench-shading-cache  those on the shading cache, beside a RenderCache'
 	@echo 'make install    into PREFIX (default /usr/local), DESTDIR respected; make uninstall removes'
+	@echo 'make lessons    the pictures of docs/lessons anew'
 	@echo 'make doc        the public header as pages, into build/doc/html'
 	@echo 'make clean      remove what was built and generated'
 	@echo

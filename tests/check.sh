@@ -48,6 +48,7 @@ step 'thread sanitizer' build_and_test build/tsan-clang 'CONFIG=tsan CC=clang' \
     test_base_parts test_raster_determinism test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live test_threads
 step 'as a library: installed, in C and C++, documented' tests/library.sh build
 step 'hard cases: every method' build/softlux check-numerics
+step 'lessons: commands, answers, pictures' tests/lessons.sh build
 step 'every command of the README' tests/readme.sh
 step 'dependencies run one way' tests/layers.sh
 
