@@ -335,6 +335,24 @@ static void set_random_values(world *w, float (*value)[3], size_t count) {
     }
 }
 
+static void a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many(void **state) {
+    (void)state;
+    size_t bytes[2];
+    for (int k = 0; k < 2; k++) {
+        trace_mesh parts = field(k ? 100 : 10, k ? 100 : 10);
+        world w = world_of(&parts, 3, 8);
+        uint32_t step = (uint32_t)w.topology->face_count / 50;
+        for (uint32_t i = 0; i < 50; i++) root(&w, i * step); /* far from each other */
+        for (uint32_t i = 0; i < 50; i++) assert_int_equal(root(&w, i * step), sl_mesh_root_of(w.mesh, i * step));
+        assert_int_equal(w.mesh->leaf_count, 50);
+        bytes[k] = sl_mesh_memory_bytes(w.mesh);
+        check_invariants(w.mesh);
+        discard(&w);
+    }
+    print_message("%zu and %zu bytes\n", bytes[0], bytes[1]);
+    assert_true(bytes[1] < 2 * bytes[0]);
+}
+
 static void a_tidy_mesh_has_the_same_values_in_less_memory(void **state) {
     (void)state;
     enum { VALUES = 3000 };
@@ -865,6 +883,7 @@ int main(void) {
         cmocka_unit_test(nudged_points_move_towards_the_middle_of_their_lowest_face),
         cmocka_unit_test(ten_thousand_random_splits_and_collapses_leave_the_trees_sound),
         cmocka_unit_test(nodes_that_collapse_leave_are_used_again),
+        cmocka_unit_test(a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many),
         cmocka_unit_test(a_tidy_mesh_has_the_same_values_in_less_memory),
         cmocka_unit_test(what_an_undone_cut_left_inside_a_leaf_is_forgotten_and_what_is_on_its_edges_stays),
         cmocka_unit_test(a_cleared_mesh_starts_again_in_the_same_memory),

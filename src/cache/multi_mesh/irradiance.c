@@ -377,9 +377,9 @@ static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irrad
     if (changes->box_count == 0) return;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         if (has_changed(m, light, v, changes)) mesh->state[v] = SL_VERTEX_UNKNOWN;
-    for (uint32_t face = 0; face < mesh->topology->face_count; face++) {
-        if (sl_mesh_root_of(mesh, face) == SL_NO_INDEX) continue;
-        sl_mesh_place root = sl_mesh_root_place(mesh, face);
+    for (uint32_t n = 0; n < mesh->node_count; n++) {
+        if (!sl_mesh_is_root(mesh, n)) continue;
+        sl_mesh_place root = sl_mesh_root_place(mesh, mesh->node[n].parent & ~SL_MESH_ROOT);
         reopen_below(mesh, &root);
     }
 }

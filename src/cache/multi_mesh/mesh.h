@@ -28,8 +28,7 @@
 enum {
     SL_MESH_DEPTH_MAX = 12,
     SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX, /* what barycentrics of vertices are multiples of 1/ of */
-    SL_MESH_SLIVER = 20,
-    SL_ROOT_PAGE = 32
+    SL_MESH_SLIVER = 20
 };
 #define SL_MESH_ROOT 0x80000000u
 
@@ -81,10 +80,8 @@ typedef struct sl_vertex_key {
 typedef struct sl_mesh {
     const sl_topology *topology;
     int channels, max_depth;
-    /* Roots by face: most scenes show few of their faces, and those that are seen lie together. */
-    uint32_t *root_page;       /* by SL_ROOT_PAGE faces of one side: where their page begins in root, or SL_NO_INDEX */
-    uint32_t *root;
-    size_t root_count, root_capacity; /* entries, used or not */
+    uint32_t *root;            /* hash of roots by their faces, at most three quarters full: most views show few of a scene's faces */
+    size_t root_count, root_slots;
     sl_mesh_node *node;
     size_t node_count, node_capacity; /* node_count: the highest ever used; those that collapse leave are used again first */
     size_t free_nodes;
@@ -121,11 +118,12 @@ static inline uint32_t sl_mesh_parent(const sl_mesh *mesh, uint32_t node) {
     uint32_t parent = mesh->node[node].parent;
     return parent & SL_MESH_ROOT ? SL_NO_INDEX : parent;
 }
-/* SL_NO_INDEX: the face has no root yet. */
-static inline uint32_t sl_mesh_root_of(const sl_mesh *mesh, uint32_t face) {
-    uint32_t page = mesh->root_page[face / 2 / SL_ROOT_PAGE * 2 + face % 2];
-    return page == SL_NO_INDEX ? page : mesh->root[page + face / 2 % SL_ROOT_PAGE];
+static inline bool sl_mesh_is_root(const sl_mesh *mesh, uint32_t node) {
+    uint32_t parent = mesh->node[node].parent;
+    return (parent & SL_MESH_ROOT) && parent != SL_NO_INDEX;
 }
+/* SL_NO_INDEX: the face has no root yet. */
+uint32_t sl_mesh_root_of(const sl_mesh *mesh, uint32_t face);
 /* Whether a number below node_count is a node as the mesh stands, not free: for loops over all of them. */
 static inline bool sl_mesh_is_used(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].parent != SL_NO_INDEX; }
 

@@ -1,14 +1,12 @@
 /* Memory of a mesh: nodes and roots. Children lie in blocks of two or four, so that they need one link; blocks that collapse leave form chains and are
  * used again, last freed first. */
 #include "base/error.h"
+#include "base/random.h"
 #include "cache/multi_mesh/grow.h"
 #include "cache/multi_mesh/mesh.h"
 #include "cache/multi_mesh/mesh_parts.h"
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
-
-/* Pages of both sides' faces. */
-static size_t page_count(const sl_topology *topology) { return (topology->face_count / 2 + SL_ROOT_PAGE - 1) / SL_ROOT_PAGE * 2; }
 
 sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_depth, sl_mesh **mesh, sl_error *error) {
     *mesh = NULL;
@@ -20,10 +18,10 @@ sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_dept
     m->topology = topology;
     m->channels = channels;
     m->max_depth = max_depth;
-    m->slot_count = 16;
-    m->root_page = sl_allocate(page_count(topology), sizeof *m->root_page);
+    m->slot_count = m->root_slots = 16;
+    m->root = sl_allocate(m->root_slots, sizeof *m->root);
     m->slot = sl_allocate(m->slot_count, sizeof *m->slot);
-    if (m->root_page == NULL || m->slot == NULL) {
+    if (m->root == NULL || m->slot == NULL) {
         sl_mesh_destroy(m);
         return sl_fail_memory(error, "a mesh");
     }
@@ -34,18 +32,18 @@ sl_status sl_mesh_create(const sl_topology *topology, int channels, int max_dept
 
 void sl_mesh_destroy(sl_mesh *mesh) {
     if (mesh == NULL) return;
-    void *const all[] = {mesh->root_page, mesh->root, mesh->node, mesh->key, mesh->value, mesh->state, mesh->slot};
+    void *const all[] = {mesh->root, mesh->node, mesh->key, mesh->value, mesh->state, mesh->slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(mesh);
 }
 
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh) {
     size_t vertices = mesh->vertex_capacity * (sizeof *mesh->key + (size_t)mesh->channels * sizeof *mesh->value + sizeof *mesh->state);
-    return sizeof *mesh + (page_count(mesh->topology) + mesh->root_capacity + mesh->slot_count) * sizeof(uint32_t) + mesh->node_capacity * sizeof *mesh->node + vertices;
+    return sizeof *mesh + (mesh->root_slots + mesh->slot_count) * sizeof(uint32_t) + mesh->node_capacity * sizeof *mesh->node + vertices;
 }
 
 void sl_mesh_clear(sl_mesh *mesh) {
-    for (size_t p = 0; p < page_count(mesh->topology); p++) mesh->root_page[p] = SL_NO_INDEX;
+    for (size_t i = 0; i < mesh->root_slots; i++) mesh->root[i] = SL_NO_INDEX;
     for (size_t i = 0; i < mesh->slot_count; i++) mesh->slot[i] = SL_NO_INDEX;
     mesh->root_count = mesh->node_count = mesh->vertex_count = mesh->leaf_count = mesh->free_nodes = 0;
     mesh->first_free[0] = mesh->first_free[1] = SL_NO_INDEX;
@@ -101,19 +99,30 @@ void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first, int count) {
 
 /* ---- roots ------------------------------------------------------------------------------------------------------- */
 
-/* Where a face's root is named; NULL: memory ended. */
-static uint32_t *root_entry(sl_mesh *mesh, uint32_t face) {
-    uint32_t *page = &mesh->root_page[face / 2 / SL_ROOT_PAGE * 2 + face % 2];
-    if (*page == SL_NO_INDEX) {
-        if (mesh->root_count + SL_ROOT_PAGE > mesh->root_capacity) {
-            size_t capacity = sl_grown_capacity(mesh->root_capacity, mesh->root_count + SL_ROOT_PAGE);
-            if (!sl_regrow((void **)&mesh->root, mesh->root_count, capacity, sizeof *mesh->root)) return NULL;
-            mesh->root_capacity = capacity;
-        }
-        *page = (uint32_t)mesh->root_count;
-        for (int i = 0; i < SL_ROOT_PAGE; i++) mesh->root[mesh->root_count++] = SL_NO_INDEX;
-    }
-    return &mesh->root[*page + face / 2 % SL_ROOT_PAGE];
+/* Where a face's root is in the table, or would be. */
+static size_t root_slot(const sl_mesh *mesh, uint32_t face) {
+    size_t i = (size_t)((sl_hash64(face) >> 32) * mesh->root_slots >> 32);
+    while (mesh->root[i] != SL_NO_INDEX && mesh->node[mesh->root[i]].parent != (SL_MESH_ROOT | face)) i = i + 1 < mesh->root_slots ? i + 1 : 0;
+    return i;
+}
+
+uint32_t sl_mesh_root_of(const sl_mesh *mesh, uint32_t face) { return mesh->root[root_slot(mesh, face)]; }
+
+void sl_mesh_fill_roots(sl_mesh *mesh) {
+    for (size_t i = 0; i < mesh->root_slots; i++) mesh->root[i] = SL_NO_INDEX;
+    for (uint32_t n = 0; n < mesh->node_count; n++)
+        if (sl_mesh_is_root(mesh, n)) mesh->root[root_slot(mesh, mesh->node[n].parent & ~SL_MESH_ROOT)] = n;
+}
+
+static bool grow_roots(sl_mesh *mesh) {
+    size_t slots = sl_grown_capacity(mesh->root_slots, 16);
+    uint32_t *root = sl_allocate_unset(slots, sizeof *root);
+    if (root == NULL) return false;
+    sl_free(mesh->root);
+    mesh->root = root;
+    mesh->root_slots = slots;
+    sl_mesh_fill_roots(mesh);
+    return true;
 }
 
 uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error) {
@@ -124,13 +133,14 @@ uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error 
         vertex[c] = sl_mesh_vertex_at(mesh, face, c == 1 ? SL_MESH_DYADIC : 0, c == 2 ? SL_MESH_DYADIC : 0, status, error);
         if (vertex[c] == SL_NO_INDEX) return SL_NO_INDEX;
     }
-    uint32_t *entry = root_entry(mesh, face);
-    root = entry == NULL ? SL_NO_INDEX : sl_mesh_take_nodes(mesh, 1, SL_MESH_ROOT | face);
+    bool room = 4 * (mesh->root_count + 1) <= 3 * mesh->root_slots || grow_roots(mesh);
+    root = room ? sl_mesh_take_nodes(mesh, 1, SL_MESH_ROOT | face) : SL_NO_INDEX;
     if (root == SL_NO_INDEX) {
         *status = sl_fail_memory(error, "mesh nodes");
         return root;
     }
-    *entry = root;
+    mesh->root[root_slot(mesh, face)] = root;
+    mesh->root_count++;
     memcpy(mesh->node[root].vertex, vertex, sizeof vertex);
     mesh->leaf_count++;
     return root;

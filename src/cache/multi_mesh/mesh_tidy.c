@@ -64,9 +64,9 @@ static void keep_below(tidying *t, const sl_mesh_place *place, uint32_t to, uint
 
 static void keep_trees(tidying *t) {
     const sl_mesh *mesh = t->mesh;
-    for (size_t i = 0; i < mesh->root_count; i++) {
-        if (mesh->root[i] == SL_NO_INDEX) continue;
-        uint32_t parent = mesh->node[mesh->root[i]].parent;
+    for (uint32_t n = 0; n < mesh->node_count; n++) {
+        uint32_t parent = mesh->node[n].parent;
+        if (!sl_mesh_is_root(mesh, n)) continue;
         sl_mesh_place root = sl_mesh_root_place(mesh, parent & ~SL_MESH_ROOT);
         keep_below(t, &root, (uint32_t)t->node_count++, parent);
     }
@@ -87,11 +87,9 @@ static void copy_vertices(const tidying *t, sl_mesh *to) {
     }
 }
 
-static void rename_all(const tidying *t, sl_mesh *mesh) {
+static void rename_vertices(const tidying *t) {
     for (size_t n = 0; n < t->node_count; n++)
         for (int c = 0; c < 3; c++) t->node[n].vertex[c] = t->vertex_of[t->node[n].vertex[c]];
-    for (size_t i = 0; i < mesh->root_count; i++)
-        if (mesh->root[i] != SL_NO_INDEX) mesh->root[i] = t->node_of[mesh->root[i]];
 }
 
 /* In place of the mesh's own. False: memory ended, nothing has changed. */
@@ -103,9 +101,11 @@ static bool replace(tidying *t, sl_mesh *mesh) {
     tidy.state = sl_allocate_unset(room, sizeof *tidy.state);
     tidy.slot_count = 4 * room / 3 + 1;
     tidy.slot = sl_allocate_unset(tidy.slot_count, sizeof *tidy.slot);
-    bool good = tidy.key && tidy.value && tidy.state && tidy.slot;
+    tidy.root_slots = 4 * (mesh->root_count + 1) / 3 + 1;
+    tidy.root = sl_allocate_unset(tidy.root_slots, sizeof *tidy.root);
+    bool good = tidy.key && tidy.value && tidy.state && tidy.slot && tidy.root;
     if (good) {
-        rename_all(t, mesh);
+        rename_vertices(t);
         copy_vertices(t, &tidy);
         tidy.node = t->node;
         tidy.node_count = tidy.node_capacity = t->node_count;
@@ -114,10 +114,11 @@ static bool replace(tidying *t, sl_mesh *mesh) {
         tidy.vertex_count = t->vertex_count;
         tidy.vertex_capacity = room;
         sl_mesh_fill_slots(&tidy);
+        sl_mesh_fill_roots(&tidy);
         t->node = mesh->node;
     }
     const sl_mesh *gone = good ? mesh : &tidy;
-    void *const left[] = {gone->key, gone->value, gone->state, gone->slot};
+    void *const left[] = {gone->key, gone->value, gone->state, gone->slot, gone->root};
     for (size_t i = 0; i < sizeof left / sizeof left[0]; i++) sl_free(left[i]);
     if (good) *mesh = tidy;
     return good;
