@@ -1,0 +1,185 @@
+/* Hard cases of the whole shading cache: nothing to be seen, light that goes away, eyes in awkward places, and an end to it all; with things that move the same bits at any number
+ * of threads. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "rendering.h"
+
+static const char room[] = "scenes/cornell.json";
+
+static sl_settings cache_settings(int width, int height) {
+    sl_settings settings = small_settings("shading-cache", width, height);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    return settings;
+}
+
+static sl_method *method_of(const sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    sl_error error = {0};
+    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
+    return method;
+}
+
+static uint64_t to_the_end(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    return progress.batches;
+}
+
+static void look(sl_scene *scene, float x, float y, float z, float to_x, float to_y, float to_z) {
+    assert_int_equal(sl_scene_set_camera(scene, (const float[]){x, y, z}, (const float[]){to_x, to_y, to_z}, (const float[]){0, 1, 0}, 0.7f, NULL), SL_OK);
+}
+
+static float brightest(sl_method *method) {
+    sl_image *image;
+    float most = 0.0f;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    for (int i = 0; i < 3 * image->width * image->height; i++) {
+        assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
+        most = fmaxf(most, image->planes[i]);
+    }
+    sl_image_destroy(image);
+    return most;
+}
+
+static void who_sees_nothing_asks_for_nothing(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(room);
+    sl_settings settings = cache_settings(24, 24);
+    look(scene, 278, 273, -800, 278, 273, -9000);
+    sl_method *method = method_of(scene, &settings);
+    assert_int_equal(to_the_end(method), 1); /* there is nothing to do, and that is found out at once */
+    assert_true(brightest(method) == 0.0f);
+    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], 0);
+    look(scene, 278, 273, -800, 278, 273, 0);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    assert_true(to_the_end(method) > 1);
+    assert_true(brightest(method) > 0.1f);
+    assert_true(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED] > 0);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* The only light leaves the closed box: in the end nothing is left of it, though nothing else has told the walls so. */
+static void a_light_that_goes_away_leaves_no_light_behind(void **state) {
+    (void)state;
+    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],"
+                               "\"lights\": [{\"type\": \"point\", \"position\": [0, 0.5, 0], \"intensity\": 3,"
+                               "\"keyframes\": [{\"time\": 0, \"position\": [0, 0.5, 0]}, {\"time\": 1, \"position\": [0, 50, 0]}]}],"
+                               "\"camera\": {\"eye\": [0, 0, 0.9], \"target\": [0, 0, -1], \"up\": [0, 1, 0], \"fov_deg\": 60}}";
+    static const char box[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+                              "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
+    sl_scene *scene = scene_from_text(json, box);
+    sl_settings settings = cache_settings(24, 24);
+    settings.shading_cache.updates = 60;
+    unsigned changes;
+    sl_method *method = method_of(scene, &settings);
+    to_the_end(method);
+    float lit = brightest(method);
+    assert_true(lit > 0.1f);
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    assert_int_equal(changes, SL_CHANGED_LIGHTS);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    assert_true(brightest(method) == lit); /* the display knows nothing yet */
+    for (int i = 0; i < 4; i++) to_the_end(method), assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
+    assert_true(sl_method_counters(method)->value[SL_COUNT_CHANGES_DETECTED] > 0);
+    assert_true(brightest(method) < 1e-6f * lit);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void eyes_in_walls_on_walls_and_in_boxes_are_no_trouble(void **state) {
+    (void)state;
+    const float eye[4][3] = {{278, 273, 559.2f}, {278, 0, 280}, {185, 100, 169}, {278, 548.8f, 279.5f}}; /* back wall, floor, within the short box, the lamp */
+    for (int i = 0; i < 4; i++) {
+        sl_scene *scene = load_scene(room);
+        sl_settings settings = cache_settings(20, 20);
+        settings.shading_cache.updates = 12;
+        look(scene, eye[i][0], eye[i][1], eye[i][2], 250, 260, 250);
+        sl_method *method = method_of(scene, &settings);
+        to_the_end(method);
+        brightest(method);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void refinement_comes_to_an_end_by_itself(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(room);
+    sl_settings settings = cache_settings(16, 16);
+    settings.shading_cache.updates = 1000000;
+    settings.shading_cache.area_samples = 4;
+    settings.shading_cache.stop_size = 2.0;
+    sl_method *method = method_of(scene, &settings);
+    uint64_t updates = to_the_end(method);
+    assert_true(updates > 5 && updates < 5000);
+    uint64_t points = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
+    assert_true(points > 100);
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_true(progress.done);
+    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], points);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+enum { FRAMES = 6 };
+
+static void play(const char *path, unsigned threads, sl_image *frame[FRAMES], sl_counters *counters) {
+    sl_scene *scene = load_scene(path);
+    sl_settings settings = small_settings("shading-cache", 32, 32);
+    settings.threads = threads;
+    settings.shading_cache.indirect_samples = 4;
+    settings.shading_cache.area_samples = 8;
+    settings.shading_cache.frames_per_update = 2;
+    sl_method *method = method_of(scene, &settings);
+    sl_progress progress;
+    for (int i = 0; i < FRAMES; i++) {
+        unsigned changes;
+        assert_int_equal(sl_scene_set_time(scene, 0.4 * i, &changes, NULL), SL_OK);
+        assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+        for (int k = 0; k < 5; k++) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+        assert_int_equal(sl_method_resolve(method, &frame[i], NULL), SL_OK);
+    }
+    *counters = *sl_method_counters(method);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void with_things_that_move_bits_do_not_depend_on_threads(void **state) {
+    (void)state;
+    const char *const path[] = {"scenes/moving-ball.json", "scenes/moving-light.json", "scenes/walk.json"};
+    for (int s = 0; s < 3; s++) {
+        sl_image *one[FRAMES], *other[FRAMES];
+        sl_counters counters, others;
+        play(path[s], 1, one, &counters);
+        for (unsigned threads = 2; threads <= 4; threads += 2) {
+            play(path[s], threads, other, &others);
+            assert_memory_equal(&counters, &others, sizeof counters);
+            for (int i = 0; i < FRAMES; i++) {
+                assert_true(same_picture(one[i], other[i]));
+                sl_image_destroy(other[i]);
+            }
+        }
+        assert_false(same_picture(one[0], one[FRAMES - 1]));
+        for (int i = 0; i < FRAMES; i++) sl_image_destroy(one[i]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(who_sees_nothing_asks_for_nothing),
+        cmocka_unit_test(a_light_that_goes_away_leaves_no_light_behind),
+        cmocka_unit_test(eyes_in_walls_on_walls_and_in_boxes_are_no_trouble),
+        cmocka_unit_test(refinement_comes_to_an_end_by_itself),
+        cmocka_unit_test(with_things_that_move_bits_do_not_depend_on_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
