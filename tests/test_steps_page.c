@@ -18,7 +18,7 @@
 
 enum { WIDTH = 48, HEIGHT = 40 };
 static const char scene_path[] = "scenes/cornell-glossy.json";
-static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh"};
+static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh", "light-octree"};
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
 typedef struct {

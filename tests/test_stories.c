@@ -12,7 +12,7 @@
 
 #include "softlux.h"
 
-static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh"};
+static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh", "light-octree"};
 enum { METHODS = sizeof methods / sizeof methods[0], WIDTH = 40, HEIGHT = 32 };
 
 typedef struct {

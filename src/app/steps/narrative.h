@@ -32,7 +32,7 @@ typedef struct sl_narrative {
     const sl_narrative_pass *passes; /* in the order of the paper; ends with a NULL name */
 } sl_narrative;
 
-extern const sl_narrative sl_splatting_narrative, sl_direct_radiance_narrative, sl_shading_cache_narrative, sl_multi_mesh_narrative;
+extern const sl_narrative sl_splatting_narrative, sl_direct_radiance_narrative, sl_shading_cache_narrative, sl_multi_mesh_narrative, sl_light_octree_narrative;
 
 /* NULL: there is none. */
 const sl_narrative *sl_narrative_of(const char *method);

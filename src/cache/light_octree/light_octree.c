@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/announce.h"
+#include "cache/light_octree/story.h"
 #include "cache/light_octree/photon_pixels.h"
 
 #include <stdio.h>
@@ -55,6 +56,7 @@ typedef struct octree_state {
     float *direct_light[3], *indirect_light[3];
 
     octree_phase phase;
+    bool lit;                   /* the picture's indirect light is that of `shown` */
     int depth;                  /* of the octree under way */
     int direct_row;
     size_t leaf;
@@ -173,6 +175,7 @@ static sl_status draw_gbuffer(octree_state *s, sl_error *error) {
         status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "section 5", s->gbuffer);
+    s->lit = false;
     memset(s->planes, 0, PLANES * pixels_of(s) * sizeof *s->planes);
     s->direct_row = 0;
     s->phase = s->plan.direct ? PHASE_DIRECT : PHASE_PHOTONS;
@@ -196,6 +199,7 @@ static sl_status light_rows(octree_state *s, sl_error *error) {
 static sl_status finish_photons(octree_state *s, sl_error *error) {
     sl_announce_pass(&s->announcer, "photons", "section 3.1");
     sl_photon_list *list = s->photons;
+    if (list) sl_octree_announce_photons(&s->announcer, list);
     s->photons = NULL;
     if (!list || !list->count) {
         sl_photon_list_destroy(list);
@@ -277,6 +281,8 @@ static sl_status finish_level(octree_state *s, sl_error *error) {
     forget_level(&s->shown);
     s->shown = s->next;
     s->next = (octree_level){NULL, NULL, NULL};
+    sl_octree_announce_lights(&s->announcer, s->shown.octree, s->shown.lights);
+    s->lit = false;
     if (s->atlas) s->atlas->filled[SL_ATLAS_FRONT] = s->atlas->filled[SL_ATLAS_BACK] = false;
     s->phase = PHASE_SHADE;
     return status;
@@ -310,10 +316,13 @@ static sl_status ready_atlas(octree_state *s, sl_error *error) {
     return status;
 }
 
-static sl_status light_pixels(octree_state *s, sl_error *error) {
+static sl_octree_shading shading_of(const octree_state *s) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
-    sl_octree_shading shading = {.texture = s->shown.texture, .filter = o->filter, .keep_void_dark = o->keep_void_dark,
-                                 .facing = o->facing_voxels};
+    return (sl_octree_shading){.texture = s->shown.texture, .filter = o->filter, .keep_void_dark = o->keep_void_dark, .facing = o->facing_voxels};
+}
+
+static sl_status light_pixels(octree_state *s, sl_error *error) {
+    sl_octree_shading shading = shading_of(s);
     sl_octree_pixels pixels = {.scene = s->scene,
                                .gbuffer = s->gbuffer,
                                .reflections = s->reflections,
@@ -331,6 +340,7 @@ static sl_status shade(octree_state *s, sl_error *error) {
     sl_status status = gathered ? gather_at_pixels(s, error) : ready_atlas(s, error);
     if (status == SL_OK && !gathered) status = light_pixels(s, error);
     if (status != SL_OK) return status;
+    s->lit = true;
     if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
     else snprintf(name, sizeof name, "indirect light, depth %d", depth);
     announce_picture(s, name, "section 4", s->indirect_light[0]);
@@ -450,6 +460,19 @@ static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
+static sl_status octree_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+    (void)error;
+    const octree_state *s = state;
+    const sl_light_octree_settings *o = &s->settings.light_octree;
+    bool voxels = s->lit && !o->photons_at_pixels;
+    sl_octree_told told = {.scene = s->scene, .gbuffer = s->gbuffer, .reflections = s->reflections, .drawn = s->phase != PHASE_GBUFFER,
+                           .shading = shading_of(s), .atlas = s->atlas != NULL,
+                           .otherwise = o->photons_at_pixels ? "the photons nearest to the pixel" : "lights of voxels that made way for smaller ones"};
+    if (!voxels) told.shading.texture = NULL;
+    sl_octree_tell(&told, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
+    return SL_OK;
+}
+
 static const sl_counters *octree_counters(const void *state) { return &((const octree_state *)state)->counters; }
 
 static size_t level_bytes(const octree_level *level) {
@@ -482,5 +505,6 @@ const sl_method_class sl_light_octree_method = {
     .memory_bytes = octree_memory_bytes,
     .transport = sl_octree_transport,
     .plan = sl_octree_plan_write,
+    .story = octree_story,
     .any_transport = false,
 };

@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/light_octree/shade_kernels.h"
+#include "cache/light_octree/shade_pixel.h"
 
 enum {
     TABLE = 2 * SL_OCTREE_BATCH,
@@ -246,17 +246,41 @@ typedef struct tile_pass {
     sl_counters *counters;
 } tile_pass;
 
-static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octree_scratch *s) {
-    const sl_gbuffer *g = pass->gbuffer;
-    const sl_material *m = &pass->scene->materials[g->material[pixel]];
+/* In the order of sl_octree_points. */
+static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel, float values[16]) {
+    const sl_material *m = &scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
     sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
-    sl_vec3 eye = g->seen_from ? g->seen_from[pixel] : pass->eye;
-    sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(eye, place), n) : n;
-    const float values[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
-                              g->diffuse_b[pixel], m->specular.r, m->specular.g, m->specular.b, m->exponent};
+    sl_vec3 from = g->seen_from ? g->seen_from[pixel] : eye;
+    sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n;
+    const float all[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
+                           g->diffuse_b[pixel], m->specular.r, m->specular.g, m->specular.b, m->exponent};
+    memcpy(values, all, sizeof all);
+}
+
+static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octree_scratch *s) {
+    float values[16];
+    point_of_pixel(pass->scene, pass->gbuffer, pass->eye, pixel, values);
     for (int k = 0; k < 16; k++) s->point[k][at] = values[k];
     s->pixel[at] = pixel;
+}
+
+bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye, size_t pixel,
+                           sl_octree_pixel *out) {
+    float v[16];
+    uint64_t fetches = 0;
+    *out = (sl_octree_pixel){.glossy = false};
+    point_of_pixel(scene, gbuffer, eye, pixel, v);
+    sl_octree_points p = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, v + 7, v + 8, v + 9, v + 10, v + 11, v + 12, v + 13, v + 14, v + 15};
+    voxel_place place = place_of(shading, &p, 0, out->cell);
+    if (place.key == NOWHERE) return false;
+    voxel_group group = {.cell = {out->cell[0], out->cell[1], out->cell[2]}};
+    out->glossy = is_glossy(&p, 0);
+    fetch_cells(shading, &group, &out->cells, &fetches);
+    for (size_t k = 0; k < SL_SHADE_LANES; k++) load_point(&p, &place, 0, out->glossy, &out->block, k);
+    memcpy(out->diffuse, v + 9, sizeof out->diffuse);
+    memcpy(out->specular, v + 12, sizeof out->specular);
+    return true;
 }
 
 static void shade_tile(void *context, size_t index, unsigned worker) {

@@ -1,0 +1,165 @@
+/* The story of a pixel: R1 told backwards, by its own kernel. Around the pixel lie eight voxels; each gives the lights of one set, its
+ * light times its trilinear weight times what the surface reflects. The kernel is linear in the lights: asked about one of them it says what that one
+ * adds, and asked about a voxel that holds the constant 1, the others 0, how much that voxel weighs. */
+#include "cache/light_octree/story.h"
+
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/light_octree/shade_pixel.h"
+
+/* ---- telling ---- */
+
+typedef struct telling {
+    const sl_octree_told *told;
+    sl_story_writer *writer;
+    sl_shade_kernel *kernel;
+    sl_octree_pixel *pixel;
+    float throughput[3];   /* of the mirrors before it */
+} telling;
+
+/* The voxel's weight after all are normalized: with facing and void ones as the kernel treats them. */
+static double weight_of(const telling *t, int corner) {
+    static const sl_unpacked_light one = {{0.0f, 0.0f, 1.0f}, {1.0f, 1.0f, 1.0f}};
+    sl_shade_cells cells = t->pixel->cells;
+    cells.lobes = SL_LOBES_NONE;
+    for (int k = 0; k < cells.corners; k++) {
+        for (int s = 0; s < cells.corner[k].sets; s++) {
+            cells.corner[k].set[s].light = &one;
+            cells.corner[k].set[s].lights = k == corner;
+        }
+    }
+    t->kernel(&cells, SL_SHADE_LANES, false, &t->pixel->block);
+    return (double)t->pixel->block.irradiance[0][0];
+}
+
+/* The group of a split voxel that the kernel takes: nearest normal, the first of equals. */
+static int set_of(const telling *t, const sl_shade_corner *corner) {
+    const sl_shade_block *b = &t->pixel->block;
+    float nearest = -2.0f;
+    int best = 0;
+    for (int k = 0; k < corner->sets; k++) {
+        const sl_shade_set *set = &corner->set[k];
+        float cosine = b->nx[0] * set->normal.x + b->ny[0] * set->normal.y + b->nz[0] * set->normal.z;
+        if (set->turn) cosine = fabsf(cosine);
+        if (!(cosine > nearest)) continue;
+        nearest = cosine;
+        best = k;
+    }
+    return best;
+}
+
+static sl_vec3 middle_of(const telling *t, int corner) {
+    const sl_voxel_texture *texture = t->told->shading.texture;
+    double edge = texture->edge / (double)(1u << texture->depth);
+    const int32_t *cell = t->pixel->cell;
+    sl_vec3d at = sl_v3d(cell[0] + (corner & 1) + 0.5, cell[1] + (corner >> 1 & 1) + 0.5, cell[2] + (corner >> 2) + 0.5);
+    return sl_to_float(sl_addd(texture->origin, sl_scaled(at, edge)));
+}
+
+/* Lights of one set, [first, first + count), that the kernel takes together. */
+static void tell_lights(const telling *t, int corner, const sl_shade_set *set, int first, int count, double weight, const char *kind) {
+    sl_shade_cells cells = t->pixel->cells;
+    sl_shade_block *b = &t->pixel->block;
+    cells.corners = 1;
+    cells.facing = cells.keep_void_dark = false;
+    cells.corner[0] = (sl_shade_corner){.sets = 1, .set = {*set}};
+    cells.corner[0].set[0].light += first;
+    cells.corner[0].set[0].lights = count;
+    t->kernel(&cells, SL_SHADE_LANES, t->pixel->glossy, b);
+    sl_vec3 at = middle_of(t, corner);
+    sl_story_term term = {.layer = "indirect", .kind = kind, .placed = true, .position = {at.x, at.y, at.z}, .weight = weight};
+    term.index = (uint64_t)(cells.corner[0].set[0].light - t->told->shading.texture->unpacked);
+    bool any = false;
+    for (int c = 0; c < 3; c++) {
+        double reflected = (double)(t->pixel->diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
+        if (t->pixel->glossy) reflected += (double)t->pixel->specular[c] * (double)b->lobe[c][0];
+        term.value[c] = count == 1 ? set->light[first].color[c] : b->irradiance[c][0];
+        term.contribution[c] = weight * reflected * (double)t->throughput[c];
+        any |= term.contribution[c] != 0.0;
+    }
+    if (any) sl_story_add(t->writer, &term);
+}
+
+static void tell_voxels(const telling *t) {
+    const sl_shade_cells *cells = &t->pixel->cells;
+    bool together = cells->lobes == SL_LOBES_HARMONICS; /* clamped at 0 as a whole */
+    for (int k = 0; k < cells->corners; k++) {
+        if (cells->corner[k].sets == 0) continue;
+        double weight = weight_of(t, k);
+        const sl_shade_set *set = &cells->corner[k].set[set_of(t, &cells->corner[k])];
+        if (weight == 0.0) continue;
+        if (together) tell_lights(t, k, set, 0, set->lights, weight, "spherical harmonics of a voxel: irradiance");
+        for (int j = 0; !together && j < set->lights; j++)
+            tell_lights(t, k, set, j, 1, weight, cells->lobes == SL_LOBES_NONE ? "voxel: irradiance" : "directional light of a voxel: irradiance perpendicular to it");
+    }
+}
+
+static void find_throughput(const sl_octree_told *told, size_t pixel, float throughput[3]) {
+    const sl_reflections *r = told->reflections;
+    throughput[0] = throughput[1] = throughput[2] = 1.0f;
+    for (size_t k = 0; r && k < r->count; k++) {
+        if (r->pixel[k] != pixel) continue;
+        throughput[0] = r->throughput[k].r, throughput[1] = r->throughput[k].g, throughput[2] = r->throughput[k].b;
+    }
+}
+
+static bool is_lit(const sl_octree_told *told, size_t pixel) {
+    uint32_t material = told->gbuffer->material[pixel];
+    return material != SL_NO_INDEX && !sl_material_is_mirror(&told->scene->materials[material]);
+}
+
+void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_story_writer *writer) {
+    sl_octree_pixel seen;
+    telling t = {.told = told, .writer = writer, .kernel = sl_shade_kernel_for(sl_isa_best()), .pixel = &seen};
+    if (!told->drawn) return;
+    sl_story_add_layer(writer, "emission", "emitted light");
+    sl_story_add_layer(writer, "direct", "direct light");
+    if (!is_lit(told, pixel)) return;
+    bool looked_up = told->atlas && !sl_material_is_glossy(&told->scene->materials[told->gbuffer->material[pixel]]);
+    if (!told->shading.texture || looked_up) {
+        sl_story_add_layer(writer, "indirect", looked_up ? "texel of the atlas" : told->otherwise);
+        return;
+    }
+    find_throughput(told, pixel, t.throughput);
+    if (sl_octree_pixel_cells(&told->shading, told->scene, told->gbuffer, told->scene->camera.eye, pixel, &seen)) tell_voxels(&t);
+}
+
+/* ---- marks ---- */
+
+enum { MARKS = 4096 };
+
+void sl_octree_announce_photons(sl_announcer *announcer, const sl_photon_list *photons) {
+    size_t step = photons->count / MARKS + 1, made = 0;
+    sl_mark *mark = sl_announcing(announcer) && photons->count > 0 ? sl_allocate(photons->count / step + 1, sizeof *mark) : NULL;
+    if (!mark) return;
+    for (size_t i = 0; i < photons->count; i += step) {
+        const sl_photon *p = &photons->photon[i];
+        mark[made++] = (sl_mark){.kind = SL_MARK_POINT, .at = {p->position[0], p->position[1], p->position[2]}, .colour = {p->flux[0], p->flux[1], p->flux[2]}};
+    }
+    sl_announce_marks(announcer, "photon hits", "section 3.1", mark, made);
+    sl_free(mark);
+}
+
+/* As long as half a voxel. */
+static size_t put_arrows(const sl_voxel_lights *lights, size_t index, float length, sl_mark *mark) {
+    const sl_voxel_set *set = &lights->set[index];
+    size_t made = 0;
+    for (int j = 0; j < set->lights; j++) {
+        const sl_directional_light *light = &lights->light[index * (size_t)lights->texels + (size_t)j];
+        sl_vec3 to = sl_mad(set->centroid, length, sl_direction_unpack(light->packed, lights->options.wide_directions));
+        mark[made++] = (sl_mark){.kind = SL_MARK_SEGMENT, .at = {set->centroid.x, set->centroid.y, set->centroid.z}, .to = {to.x, to.y, to.z},
+                                 .colour = {light->color[0], light->color[1], light->color[2]}};
+    }
+    return made;
+}
+
+void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree, const sl_voxel_lights *lights) {
+    bool directed = lights->options.lobes == SL_LOBES_PERPENDICULAR || lights->options.lobes == SL_LOBES_SURFACE;
+    size_t step = lights->set_count * (size_t)lights->texels / MARKS + 1, made = 0;
+    if (!sl_announcing(announcer) || !directed || lights->set_count == 0) return;
+    sl_mark *mark = sl_allocate((lights->set_count / step + 1) * (size_t)lights->texels, sizeof *mark);
+    if (!mark) return;
+    for (size_t i = 0; i < lights->set_count; i += step) made += put_arrows(lights, i, (float)(0.5 * sl_octree_voxel(octree)), mark + made);
+    if (made > 0) sl_announce_marks(announcer, "lights of the voxels", "section 3.4", mark, made);
+    sl_free(mark);
+}
