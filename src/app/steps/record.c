@@ -26,6 +26,28 @@ static sl_image *copy_of(const sl_image *image) {
     return copy;
 }
 
+void sl_recording_interrupt(sl_recording *r, const sl_counters *counters) {
+    r->resolving = true;
+    for (int i = 0; i < SL_COUNTERS; i++) r->early.value[i] = counters->value[i] - r->told.value[i];
+}
+
+/* To each what it cost itself. */
+static void add_cost(sl_recording *r, sl_step *step, const sl_counters *cost) {
+    for (int i = 0; i < SL_COUNTERS; i++) {
+        uint64_t own = cost->value[i];
+        r->told.value[i] += own;
+        if (r->early.value[i]) {
+            own -= r->early.value[i];
+            r->owed.value[i] += r->early.value[i];
+            r->early.value[i] = 0;
+        } else if (!r->resolving) {
+            own += r->owed.value[i];
+            r->owed.value[i] = 0;
+        }
+        step->cost.value[i] += own;
+    }
+}
+
 static void on_pass(void *context, const sl_pass *pass) {
     sl_recording *r = context;
     sl_step *step = find_step(r, pass);
@@ -34,7 +56,7 @@ static void on_pass(void *context, const sl_pass *pass) {
         return;
     }
     step->times++;
-    for (int i = 0; i < SL_COUNTERS; i++) step->cost.value[i] += pass->counters->value[i];
+    add_cost(r, step, pass->counters);
     if (pass->buffer) {
         sl_image_destroy(step->latest);
         step->latest = copy_of(pass->buffer);
@@ -57,6 +79,8 @@ static sl_show way_to_show(const sl_step *step) {
 }
 
 void sl_recording_snapshot(sl_recording *r, size_t index) {
+    r->resolving = false;
+    r->early = (sl_counters){{0}};
     for (size_t i = 0; i < r->count; i++) {
         sl_step *step = &r->steps[i];
         sl_step_frame *frame = &step->frames[index];

@@ -31,10 +31,16 @@ typedef struct sl_recording {
     const char *scratch; /* a file that may be written */
     sl_step steps[SL_STEPS_MAX]; /* in the order of their first announcement */
     size_t count;
-    bool failed; /* for want of memory or room */
+    sl_counters told;     /* all costs that passes have announced */
+    sl_counters early;    /* what an unfinished pass has cost when a snapshot comes in between: the snapshot's first pass announces it ... */
+    sl_counters owed;     /* ... and the next one gets it back */
+    bool resolving;       /* between the two functions below */
+    bool failed;          /* for want of memory or room */
 } sl_recording;
 
 sl_observer sl_recording_observer(sl_recording *recording);
+/* A snapshot is about to be resolved; counters: the method's. */
+void sl_recording_interrupt(sl_recording *recording, const sl_counters *counters);
 /* What is new since the last snapshot becomes snapshot number `index`. */
 void sl_recording_snapshot(sl_recording *recording, size_t index);
 /* Puts the steps into the paper's order, those that it does not know last. */

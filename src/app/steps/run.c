@@ -98,6 +98,7 @@ static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *m
                       sl_image **picture, sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
+    sl_recording_interrupt(&run->recording, sl_method_counters(method));
     sl_status status = sl_method_resolve(method, picture, error);
     if (status != SL_OK) return status;
     size_t index = run->snapshot_count++;

@@ -277,6 +277,7 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     sl_status status = SL_OK;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = splat_new_records(s, &s->cache[c], error);
     if (status != SL_OK) return status;
+    sl_splat_announce_gather(s, &s->cache[SL_RECEIVES_IRRADIANCE]);
     sl_splat_announce_records(s);
     int layers = s->plan.radiance ? SL_LAYERS_GLOSSY : SL_LAYERS;
     status = sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);

@@ -8,6 +8,8 @@
 #include "cache/splatting/record_weight.h"
 #include "cache/splatting/state.h"
 
+#include <math.h>
+
 static void put_colour(float out[3], sl_rgb in) { out[0] = in.r, out[1] = in.g, out[2] = in.b; }
 
 static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, out[2] = in.z; }
@@ -106,6 +108,40 @@ sl_status sl_splat_story(void *state, int x, int y, sl_story_writer *writer, sl_
         }
     }
     return SL_OK;
+}
+
+/* ---- what a record saw ---- */
+
+static const sl_record *record_near(const sl_record_cache *cache, sl_vec3 p) {
+    const sl_record *nearest = NULL;
+    float least = INFINITY;
+    for (size_t i = 0; i < cache->list.count; i++) {
+        sl_vec3 d = sl_sub(cache->list.records[i].position, p);
+        float squared = sl_dot(d, d);
+        if (squared < least) least = squared, nearest = &cache->list.records[i];
+    }
+    return nearest;
+}
+
+void sl_splat_announce_gather(sl_splat_state *s, sl_record_cache *cache) {
+    const sl_gbuffer *g = s->gbuffer;
+    size_t middle = sl_splat_pixels(s) / 2 + (size_t)s->settings.width / 2;
+    if (!sl_announcing(&s->announcer) || !cache->gather || g->material[middle] == SL_NO_INDEX) return;
+    const sl_record *record = record_near(cache, sl_v3(g->position_x[middle], g->position_y[middle], g->position_z[middle]));
+    if (!record || record->triangle == SL_NO_INDEX) return;
+    const sl_scene *scene = s->scene;
+    uint32_t t = record->triangle;
+    sl_vec3 face = sl_v3(scene->geometric_normal_x[t], scene->geometric_normal_y[t], scene->geometric_normal_z[t]);
+    if (sl_dot(face, record->normal) < 0.0f) face = sl_neg(face);
+    const sl_gather_point point = {record->position, face, record->normal, t, 0};
+    sl_irradiance ignored_value;
+    sl_counters ignored = {{0}};
+    sl_gather_irradiance(cache->gather, &point, cache->scratch[0], &ignored_value, &ignored);
+    const sl_gather_picture picture = sl_gather_last_picture(cache->scratch[0]);
+    const float *const planes[3] = {picture.r, picture.g, picture.b};
+    sl_announce_planes(&s->announcer, "gather of one record", "section 4, incident radiance", picture.width, picture.height, planes);
+    const sl_mark mark = {.kind = SL_MARK_POINT, .at = {record->position.x, record->position.y, record->position.z}, .colour = {1.0f, 1.0f, 1.0f}};
+    sl_announce_marks(&s->announcer, "gather of one record: where", "section 4, incident radiance", &mark, 1);
 }
 
 /* ---- marks ---- */
