@@ -339,14 +339,18 @@ static void lobes_wide_and_narrow_are_unbiased(void **state) {
 
 typedef struct {
     double half_width, bottom, top, exponent, bias, rms; /* the last two: at most */
+    int pieces;                                          /* across and upwards: many lamps, side by side */
 } lamp_case;
 
 /* A glossy floor, and a lamp of radiance 3 in the plane z = -3 that shines towards +z; the floor hides what is below it. */
 static sl_scene *floor_and_lamp(const lamp_case *c) {
     trace_mesh mesh = a_floor(0.0f, 0.5f, (float)c->exponent);
     uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
-    float w = (float)c->half_width;
-    trace_mesh_quad(&mesh, sl_v3(-w, (float)c->bottom, -3), sl_v3(2 * w, 0, 0), sl_v3(0, (float)(c->top - c->bottom), 0), lamp);
+    float wide = 2.0f * (float)c->half_width / (float)c->pieces, high = (float)(c->top - c->bottom) / (float)c->pieces;
+    for (int k = 0; k < c->pieces * c->pieces; k++) {
+        sl_vec3 corner = sl_v3((float)(k % c->pieces) * wide - (float)c->half_width, (float)c->bottom + (float)(k / c->pieces) * high, -3);
+        trace_mesh_quad(&mesh, corner, sl_v3(wide, 0, 0), sl_v3(0, high, 0), lamp);
+    }
     mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(0, 3, 3), sl_v3(0, 0, -1.5f), sl_v3(0, 1, 0), 0.7f);
     return trace_mesh_build(&mesh);
 }
@@ -372,8 +376,8 @@ static double lobe_of_lamp(const lamp_case *c, sl_vec3 eye, sl_vec3d at) {
 /* Beside a lamp as wide as the view, points spread over the lamp nearly all fall where the lobe is not. */
 static void few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is(void **state) {
     (void)state;
-    const lamp_case cases[] = {{2.0, 0.02, 2.5, 20.0, 0.015, 0.15}, {2.0, 0.02, 2.5, 200.0, 0.015, 0.15}, {2.0, -4.0, 2.5, 60.0, 0.015, 0.15},
-                               {1e-4, 1.0, 1.0002, 20.0, 0.001, 0.001}};
+    const lamp_case cases[] = {{2.0, 0.02, 2.5, 20.0, 0.015, 0.15, 1}, {2.0, 0.02, 2.5, 200.0, 0.015, 0.15, 1}, {2.0, -4.0, 2.5, 60.0, 0.015, 0.15, 1},
+                               {1e-4, 1.0, 1.0002, 20.0, 0.001, 0.001, 1}, {2.0, 0.02, 2.5, 60.0, 0.015, 0.15, 10}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sl_scene *scene = floor_and_lamp(&cases[k]);
         picture *p = direct_light(scene, (options){16, 1, 2, false, 64});

@@ -1,10 +1,12 @@
 /* Emitters as a glossy lobe sees them. Each is chosen in proportion to about what the lobe gets from it: its radiance, the lobe's largest value on it
  * and its solid angle, but of that no more than the lobe's own. Directions to it are spread evenly over its solid angle (Arvo 1995), so that
- * nothing but the lobe differs between them, however near the lamp is. */
+ * nothing but the lobe differs between them, however near the lamp is; far away points spread over its area do as well. */
 #include "cache/direct/direct_lamps.h"
 
 #include "base/math.h"
 
+enum { FEW_LAMPS = 16 };  /* all of which are looked at by angle; of more, those alone that are nearer */
+#define DISTANT 4.0       /* times their extent: beyond, a lamp's area tells nearly as much as its solid angle, which takes longer to find */
 #define LEAST_IMPORTANCE 0.01f /* of a lamp at the lobe's far end; samples of what turns out brighter weigh more than others by the inverse */
 
 /* ---- how near the lobe's axis a lamp comes ---- */
@@ -20,9 +22,9 @@ static double cosine_inside_arc(sl_vec3d a, sl_vec3d b, sl_vec3d axis) {
     return inside ? sl_lengthd(foot) : -1.0;
 }
 
-static double closest_cosine(const sl_spherical_triangle *t, sl_vec3d axis) {
-    const sl_vec3d corner[3] = {t->a, t->b, t->c};
-    double cosine = -1.0, turn = sl_dotd(t->a, sl_crossd(t->b, t->c)) < 0.0 ? -1.0 : 1.0;
+/* Corners: unit directions. */
+static double closest_cosine(const sl_vec3d corner[3], sl_vec3d axis) {
+    double cosine = -1.0, turn = sl_dotd(corner[0], sl_crossd(corner[1], corner[2])) < 0.0 ? -1.0 : 1.0;
     bool inside = true;
     for (int k = 0; k < 3; k++) {
         sl_vec3d a = corner[k], b = corner[(k + 1) % 3];
@@ -36,40 +38,58 @@ static double closest_cosine(const sl_spherical_triangle *t, sl_vec3d axis) {
 
 static float lobe_value(const sl_bsdf *lobe, double cosine) { return cosine > 0.0 ? sl_powf(fminf((float)cosine, 1.0f), lobe->exponent) : 0.0f; }
 
-/* Too small, or seen from too flat an angle, for its corners to be told apart. */
-static double small_solid_angle(const sl_polygon_light *light, sl_vec3 p, sl_vec3d *towards) {
-    sl_vec3d d = {0.0, 0.0, 0.0};
-    for (int c = 0; c < 3; c++) d = sl_addd(d, sl_scaled(sl_subd(sl_to_double(light->corner[c]), sl_to_double(p)), 1.0 / 3.0));
-    double squared = sl_dotd(d, d), emitted = -sl_dotd(d, sl_to_double(light->normal));
-    *towards = d;
-    if (!(squared > 0.0) || !(emitted > 0.0)) return 0.0;
-    *towards = sl_scaled(d, 1.0 / sqrt(squared));
-    return (double)light->area * emitted / (squared * sqrt(squared));
+/* Where no part of a lamp is much nearer than another, its solid angle is about this. */
+static double distant_solid_angle(const sl_polygon_light *light, sl_vec3d towards, double squared) {
+    double emitted = -sl_dotd(towards, sl_to_double(light->normal));
+    return squared > 0.0 && emitted > 0.0 ? (double)light->area * emitted / (squared * sqrt(squared)) : 0.0;
+}
+
+/* Sampled by area: far away, too small, or seen from so flat an angle that its corners cannot be told apart. */
+static float look_from_afar(const sl_bsdf *lobe, const sl_polygon_light *light, const sl_vec3d corner[3], sl_lamp *lamp) {
+    sl_vec3d middle = sl_scaled(sl_addd(sl_addd(corner[0], corner[1]), corner[2]), 1.0 / 3.0), towards[3];
+    for (int c = 0; c < 3; c++) {
+        double length = sl_lengthd(corner[c]);
+        towards[c] = length > 0.0 ? sl_scaled(corner[c], 1.0 / length) : corner[c];
+    }
+    lamp->solid_angle = distant_solid_angle(light, middle, sl_dotd(middle, middle));
+    return lobe_value(lobe, closest_cosine(towards, sl_to_double(lobe->mirror_direction)));
+}
+
+/* The parts above the horizon. */
+static float look_by_angle(const sl_bsdf *lobe, const sl_polygon_light *light, sl_vec3 p, sl_lamp *lamp) {
+    sl_vec3 above[4];
+    int corners = sl_clip_to_horizon(light->corner, p, lobe->normal, above);
+    double cosine = -1.0;
+    for (int k = 2; k < corners; k++) {
+        const sl_vec3 corner[3] = {above[0], above[k - 1], above[k]};
+        sl_spherical_triangle *t = &lamp->part[lamp->parts];
+        if (!sl_spherical_triangle_make(corner, p, t)) continue;
+        const sl_vec3d towards[3] = {t->a, t->b, t->c};
+        cosine = fmax(cosine, closest_cosine(towards, sl_to_double(lobe->mirror_direction)));
+        lamp->solid_angle += t->solid_angle;
+        lamp->parts++;
+    }
+    return lobe_value(lobe, cosine);
 }
 
 /* Fills in all but the sums; the lobe's largest value on the lamp. */
 static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, uint32_t side, sl_lamp *lamp) {
     const sl_polygon_light *light = &direct->polygons[side];
-    sl_vec3 above[4];
-    sl_vec3d axis = sl_to_double(lobe->mirror_direction), towards;
-    double cosine = -1.0;
+    sl_vec3d corner[3];
+    double highest = 0.0, nearest = INFINITY;
     lamp->side = side;
     lamp->parts = 0;
     lamp->solid_angle = 0.0;
     if (!(sl_dot(light->normal, sl_sub(p, light->corner[0])) > 0.0f)) return 0.0f;
-    int corners = sl_clip_to_horizon(light->corner, p, lobe->normal, above);
-    if (corners < 3) return 0.0f;
-    for (int k = 2; k < corners; k++) {
-        const sl_vec3 corner[3] = {above[0], above[k - 1], above[k]};
-        sl_spherical_triangle *t = &lamp->part[lamp->parts];
-        if (!sl_spherical_triangle_make(corner, p, t)) continue;
-        cosine = fmax(cosine, closest_cosine(t, axis));
-        lamp->solid_angle += t->solid_angle;
-        lamp->parts++;
+    for (int c = 0; c < 3; c++) {
+        corner[c] = sl_subd(sl_to_double(light->corner[c]), sl_to_double(p));
+        highest = fmax(highest, sl_dotd(corner[c], sl_to_double(lobe->normal)));
+        nearest = fmin(nearest, sl_dotd(corner[c], corner[c]));
     }
-    if (lamp->parts) return lobe_value(lobe, cosine);
-    lamp->solid_angle = small_solid_angle(light, p, &towards);
-    return lobe_value(lobe, sl_dotd(towards, axis));
+    if (!(highest > 0.0)) return 0.0f;
+    bool by_angle = direct->exact_count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
+    float value = by_angle ? look_by_angle(lobe, light, p, lamp) : 0.0f;
+    return lamp->parts ? value : look_from_afar(lobe, light, corner, lamp);
 }
 
 bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 position, sl_lamps *lamps) {
@@ -117,10 +137,11 @@ static sl_vec3d draw_by_angle(const sl_lamp *lamp, double u1, double u2) {
     return sl_spherical_triangle_point(&lamp->part[second ? 1 : 0], u1, u2);
 }
 
+/* Numbers go where they go on the sphere: u1 along the side from a to c, u2 from b towards there. */
 static sl_vec3d draw_by_area(const sl_polygon_light *light, sl_vec3 p, double u1, double u2) {
-    double root = sqrt(u1), w1 = root * (1.0 - u2), w2 = root * u2;
+    double root = sqrt(u2);
     sl_vec3d a = sl_to_double(light->corner[0]), b = sl_to_double(light->corner[1]), c = sl_to_double(light->corner[2]);
-    sl_vec3d d = sl_subd(sl_addd(sl_scaled(a, 1.0 - w1 - w2), sl_addd(sl_scaled(b, w1), sl_scaled(c, w2))), sl_to_double(p));
+    sl_vec3d d = sl_subd(sl_addd(sl_scaled(b, 1.0 - root), sl_addd(sl_scaled(a, root * (1.0 - u1)), sl_scaled(c, root * u1))), sl_to_double(p));
     double length = sl_lengthd(d);
     return length > 0.0 ? sl_scaled(d, 1.0 / length) : d;
 }
