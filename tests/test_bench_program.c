@@ -239,6 +239,22 @@ static void another_size_is_another_measurement(void **state) {
     free(text);
 }
 
+static void a_report_alone_runs_no_trial(void **state) {
+    (void)state;
+    static const char *const alone[] = {"--report-only", "-m", "direct-radiance,multi-mesh", NULL};
+    char *before = file_of("halves", "journal.jsonl");
+    assert_int_equal(finish(start("halves", alone)), 0);
+    char *after = file_of("halves", "journal.jsonl"), *text = file_of("halves", "results.csv");
+    assert_string_equal(before, after);
+    csv c = parse_csv(text);
+    assert_int_equal(c.rows, 1); /* of multi-mesh caching there is nothing to tell */
+    assert_string_equal(field(&c, 0, "method"), "direct-radiance");
+    free_csv(&c);
+    free(before);
+    free(after);
+    free(text);
+}
+
 static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
     (void)state;
     static const char *const little[] = {"--memory", "16", "-m", "direct-radiance", NULL};
@@ -269,12 +285,13 @@ static int remove_folder(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_trial_without_memory_is_a_row_that_says_so), /* first: what later tests freed would be memory to it */
         cmocka_unit_test(every_trial_is_a_row_with_its_time_and_its_errors),
         cmocka_unit_test(the_page_holds_every_row_and_fetches_nothing),
         cmocka_unit_test(what_was_measured_is_not_measured_again),
         cmocka_unit_test(interrupted_it_goes_on_to_the_same_rows),
         cmocka_unit_test(another_size_is_another_measurement),
-        cmocka_unit_test(a_trial_without_memory_is_a_row_that_says_so),
+        cmocka_unit_test(a_report_alone_runs_no_trial),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

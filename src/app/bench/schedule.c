@@ -291,7 +291,11 @@ sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const s
         return error->status = SL_ERROR_RESOURCES;
     }
     for (size_t i = 0; i < count; i++) {
-        if (is_wanted(o, sl_trial_at(i))) make_row(o, s, journal, sl_trial_at(i), &s->rows[s->row_count++]);
+        if (!is_wanted(o, sl_trial_at(i))) continue;
+        make_row(o, s, journal, sl_trial_at(i), &s->rows[s->row_count]);
+        bool untold = o->report_only && s->rows[s->row_count].end == SL_BENCH_LEFT_OUT; /* what measured may not have known this trial */
+        if (untold) memset(&s->rows[s->row_count], 0, sizeof *s->rows);
+        else s->row_count++;
     }
     return SL_OK;
 }
