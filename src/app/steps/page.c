@@ -146,7 +146,7 @@ static void put_reference(FILE *out, const sl_steps_run *run) {
     percent_text(run->reference_noise, noise);
     percent_text(run->snapshots[run->snapshot_count - 1].rel_rmse, error);
     fprintf(out, "<section class=\"reference\"><h3>How far it is from the truth</h3><p>The same light paths, path traced with %" PRIu32
-                 " samples a pixel (their own noise: %s). The picture is off by %s, relative RMSE. Blue is too dark, red too bright, full colour at 50 %%.</p>\n",
+                 " samples a pixel (their own noise: %s). Without that noise the picture is off by %s, relative RMSE. Blue is too dark, red too bright, full colour at 50 %%.</p>\n",
             run->reference_samples, noise, error);
     const struct { const char *name, *data; } pictures[] = {{"the reference", run->reference}, {"the difference", run->difference}};
     for (size_t i = 0; i < 2; i++) {

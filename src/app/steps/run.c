@@ -1,5 +1,6 @@
 #include "app/steps/run.h"
 
+#include "app/bench/judge.h"
 #include "app/html.h"
 
 #include <math.h>
@@ -40,20 +41,37 @@ static sl_status trace_reference(const sl_scene *scene, const sl_steps_options *
     return status;
 }
 
-static double error_of(const sl_image *picture, const sl_image *reference) {
-    sl_comparison c;
-    if (!reference || sl_image_compare(picture, reference, NULL, &c, NULL, NULL) != SL_OK) return -1.0;
-    return c.rel_rmse;
+/* The reference and a mask that takes all of it. */
+typedef struct truth {
+    sl_image *reference, *mask; /* NULL: there is none */
+} truth;
+
+static sl_status find_truth(const sl_scene *scene, const sl_steps_options *o, truth *t, sl_error *error) {
+    static const char *const name[1] = {"Y"};
+    *t = (truth){NULL, NULL};
+    if (!o->reference_samples) return SL_OK;
+    sl_status status = trace_reference(scene, o, &t->reference, error);
+    if (status == SL_OK) status = sl_image_create(t->reference->width, t->reference->height, 1, name, &t->mask, error);
+    for (int i = 0; status == SL_OK && i < t->mask->width * t->mask->height; i++) t->mask->planes[i] = 1.0f;
+    return status;
 }
 
-static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const sl_image *picture, const sl_image *reference) {
-    sl_comparison c;
+/* Relative RMSE without the reference's own noise; negative: there is no reference. */
+static double error_of(const sl_image *picture, const truth *t) {
+    sl_bench_error e;
+    sl_error ignored;
+    if (!t->mask || sl_judge_quickly(picture, t->reference, t->mask, &e, &ignored) != SL_OK || !e.known) return -1.0;
+    return e.rel_rmse;
+}
+
+static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const sl_image *picture, const truth *t) {
     sl_image *difference = NULL;
-    if (sl_image_compare(picture, reference, NULL, &c, &difference, NULL) == SL_OK) {
-        run->difference = sl_picture_text(difference, false, o->scratch);
-        run->reference_noise = sqrt(fmax(c.rel_mse_noise, 0.0));
-    }
-    run->reference = sl_picture_text(reference, true, o->scratch);
+    sl_bench_error e;
+    sl_error ignored;
+    if (!t->mask || sl_judge(picture, t->reference, t->mask, &e, &difference, &ignored) != SL_OK) return;
+    run->difference = sl_picture_text(difference, false, o->scratch);
+    run->reference_noise = e.noise;
+    run->reference = sl_picture_text(t->reference, true, o->scratch);
     run->reference_samples = o->reference_samples;
     sl_image_destroy(difference);
 }
@@ -61,7 +79,7 @@ static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const s
 /* ---- what each layer is worth ---- */
 
 /* The picture less one of its layers, in place, and put back. */
-static double error_without(sl_image *picture, const char *layer, const sl_image *reference) {
+static double error_without(sl_image *picture, const char *layer, const truth *t) {
     static const char *const colours[3] = {"R", "G", "B"};
     size_t pixels = (size_t)picture->width * (size_t)picture->height;
     float *kept = malloc(3 * pixels * sizeof *kept);
@@ -74,13 +92,13 @@ static double error_without(sl_image *picture, const char *layer, const sl_image
         memcpy(kept + c * pixels, whole, pixels * sizeof *kept);
         for (size_t i = 0; i < pixels; i++) whole[i] -= part[i];
     }
-    double without = error_of(picture, reference);
+    double without = error_of(picture, t);
     for (size_t c = 0; c < 3; c++) memcpy(sl_image_channel(picture, colours[c]), kept + c * pixels, pixels * sizeof *kept);
     free(kept);
     return without;
 }
 
-static void weigh_layers(sl_steps_run *run, sl_image *picture, const sl_image *reference) {
+static void weigh_layers(sl_steps_run *run, sl_image *picture, const truth *t) {
     static const char *const names[] = {"emission", "direct", "specular", "indirect", "glossy"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char red[SL_CHANNEL_NAME_MAX];
@@ -88,14 +106,13 @@ static void weigh_layers(sl_steps_run *run, sl_image *picture, const sl_image *r
         if (!sl_image_channel(picture, red)) continue;
         sl_layer_error *l = &run->layers[run->layer_count++];
         snprintf(l->layer, sizeof l->layer, "%s", names[i]);
-        l->rel_rmse = error_without(picture, names[i], reference);
+        l->rel_rmse = error_without(picture, names[i], t);
     }
 }
 
 /* ---- the method ---- */
 
-static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const sl_progress *progress, const sl_image *reference,
-                      sl_image **picture, sl_error *error) {
+static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const sl_progress *progress, const truth *t, sl_image **picture, sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
     sl_recording_interrupt(&run->recording, sl_method_counters(method));
@@ -104,13 +121,13 @@ static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *m
     size_t index = run->snapshot_count++;
     sl_recording_snapshot(&run->recording, index);
     sl_snapshot *s = &run->snapshots[index];
-    *s = (sl_snapshot){.batches = progress->batches, .rel_rmse = error_of(*picture, reference), .counters = *sl_method_counters(method)};
+    *s = (sl_snapshot){.batches = progress->batches, .rel_rmse = error_of(*picture, t), .counters = *sl_method_counters(method)};
     s->picture = sl_picture_text(*picture, true, o->scratch);
     return s->picture && !run->recording.failed ? SL_OK : fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
 }
 
 /* Snapshots after the first batches and then ever more rarely, the last one when all is done. */
-static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const sl_image *reference, sl_image **picture,
+static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const truth *t, sl_image **picture,
                         sl_error *error) {
     sl_progress progress = {0};
     uint64_t next = 1;
@@ -120,27 +137,27 @@ static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method 
         tell(o, o->settings.method, progress.fraction);
         bool room = run->snapshot_count + 1 < SL_SNAPSHOTS_MAX;
         if (status != SL_OK || !(progress.done || (room && progress.batches >= next))) continue;
-        status = snap(run, o, method, &progress, reference, picture, error);
+        status = snap(run, o, method, &progress, t, picture, error);
         next = progress.batches + 1 + progress.batches / 3;
     }
     return status;
 }
 
-static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, const sl_image *reference, sl_error *error) {
+static sl_status watch(const sl_scene *scene, const sl_steps_options *o, sl_steps_run *run, const truth *t, sl_error *error) {
     sl_observer observer = sl_recording_observer(&run->recording);
     sl_settings settings = o->settings;
     settings.observer = &observer;
     sl_method *method = NULL;
     sl_image *picture = NULL;
     sl_status status = sl_method_create(scene, &settings, &method, error);
-    if (status == SL_OK) status = refine(run, o, method, reference, &picture, error);
+    if (status == SL_OK) status = refine(run, o, method, t, &picture, error);
     if (status == SL_OK) {
         tell(o, "stories of the pixels", 0.0);
         status = sl_stories_collect(method, picture, &run->stories, error);
     }
-    if (status == SL_OK && reference) {
-        weigh_layers(run, picture, reference);
-        keep_reference(run, o, picture, reference);
+    if (status == SL_OK && t->mask) {
+        weigh_layers(run, picture, t);
+        keep_reference(run, o, picture, t);
     }
     sl_image_destroy(picture);
     sl_method_destroy(method);
@@ -151,16 +168,17 @@ sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, 
     *run = (sl_steps_run){.narrative = sl_narrative_of(o->settings.method), .width = o->settings.width, .height = o->settings.height};
     if (!run->narrative) return fail(error, SL_ERROR_USAGE, "--method: steps are told of splatting, direct-radiance, light-octree, multi-mesh and shading-cache");
     sl_tracer *tracer = NULL;
-    sl_image *reference = NULL;
+    truth t = {NULL, NULL};
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
     run->recording = (sl_recording){.narrative = run->narrative, .scratch = o->scratch,
                                     .view = {scene->camera, run->width, run->height, tracer, scene->diagonal}};
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &run->plan, error);
-    if (status == SL_OK && o->reference_samples) status = trace_reference(scene, o, &reference, error);
-    if (status == SL_OK) status = watch(scene, o, run, reference, error);
+    if (status == SL_OK) status = find_truth(scene, o, &t, error);
+    if (status == SL_OK) status = watch(scene, o, run, &t, error);
     if (status == SL_OK) sl_recording_sort(&run->recording);
     run->recording.view.tracer = NULL;
-    sl_image_destroy(reference);
+    sl_image_destroy(t.reference);
+    sl_image_destroy(t.mask);
     sl_tracer_destroy(tracer);
     return status;
 }

@@ -8,7 +8,7 @@
 typedef struct sl_snapshot {
     uint64_t batches;
     char *picture;      /* PNG in base 64 */
-    double rel_rmse;    /* against the reference; negative: there is none */
+    double rel_rmse;    /* against the reference, whose own noise is subtracted; negative: there is none */
     sl_counters counters; /* so far */
 } sl_snapshot;
 
