@@ -175,8 +175,8 @@ static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void *
 
 /* ---- where the twin stands ------------------------------------------------------------------------------------------------------- */
 
-static hierarchy animated(const char *path) {
-    hierarchy h = hierarchy_of(load_scene(path), 0);
+static hierarchy lit(sl_scene *scene) {
+    hierarchy h = hierarchy_of(scene, 0);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) want_root(&h, r);
     for (uint32_t patch = 0, count = (uint32_t)h.patches->patch_count; patch < count; patch++) {
         if (sl_patch_is_alive(h.patches, patch)) split(&h, patch);
@@ -191,7 +191,7 @@ static hierarchy animated(const char *path) {
 /* The window beside a display whose scene has really moved there. */
 static void assert_window_shows_another_time(const char *path, double time) {
     static picture in_window, moved, before, after;
-    hierarchy h = animated(path), other = animated(path);
+    hierarchy h = lit(load_scene(path)), other = lit(load_scene(path));
     sl_display *display = display_of(&h), *there = display_of(&other);
     sl_scene *twin;
     sl_window *window;
@@ -237,7 +237,7 @@ static void a_window_looks_from_where_its_twin_looks(void **state) {
 static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state) {
     (void)state;
     static picture in_window, there, near_by;
-    hierarchy h = animated("scenes/vase.json");
+    hierarchy h = lit(load_scene("scenes/vase.json"));
     sl_display *display = display_of(&h);
     sl_scene *twin;
     sl_window *window;
@@ -252,6 +252,31 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     draw_window(display, window, &in_window);
     assert_memory_equal(&there, &in_window, sizeof there);
     assert_memory_equal(&near_by, &in_window, sizeof there); /* the first frame after a build is cut for where it is looked from */
+    sl_window_destroy(window);
+    sl_scene_twin_destroy(twin);
+    sl_display_destroy(display);
+    hierarchy_discard(&h);
+}
+
+static void a_window_shows_textures_as_the_display_does(void **state) {
+    (void)state;
+    static picture in_window, shown;
+    sl_scene *scene = load_scene("scenes/bricks.json");
+    size_t textured = 0;
+    for (size_t m = 0; m < scene->material_count; m++) { /* its height maps make good pictures, too */
+        if (scene->materials[m].height_map) scene->materials[m].texture = scene->materials[m].height_map - 1, textured++;
+    }
+    assert_true(textured > 1);
+    hierarchy h = lit(scene);
+    sl_display *display = display_of(&h);
+    sl_scene *twin;
+    sl_window *window;
+    assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
+    assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
+    build(display, &h);
+    draw_window(display, window, &in_window); /* which has its own planes, and needs nobody else's */
+    draw(display, &shown);
+    assert_memory_equal(&shown, &in_window, sizeof shown);
     sl_window_destroy(window);
     sl_scene_twin_destroy(twin);
     sl_display_destroy(display);
@@ -288,6 +313,7 @@ int main(void) {
         cmocka_unit_test(a_window_shows_objects_where_its_twin_has_them),
         cmocka_unit_test(a_window_looks_from_where_its_twin_looks),
         cmocka_unit_test(curved_surfaces_in_a_window_are_cut_for_its_own_camera),
+        cmocka_unit_test(a_window_shows_textures_as_the_display_does),
         cmocka_unit_test(a_twin_moves_as_the_scene_would_and_the_scene_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
