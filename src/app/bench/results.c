@@ -33,16 +33,21 @@ double sl_bench_unrest_of(double *values, int count) {
     return count >= 4 && median > 0.0 ? 0.5 * (values[count - 1 - count / 4] - values[count / 4]) / median : 0.0;
 }
 
-void sl_bench_promises(const sl_bench_results *results, const char *method, size_t *made, size_t *kept) {
-    *made = *kept = 0;
+sl_bench_kept sl_bench_promises(const sl_bench_results *results, const char *method) {
+    enum { MOST = 4096 };
+    static double slack[MOST];
+    sl_bench_kept k = {0, 0, 0.0};
     for (size_t s = 0; s < results->scene_count; s++) {
-        for (size_t i = 0; i < results->scenes[s].row_count; i++) {
+        for (size_t i = 0; i < results->scenes[s].row_count && k.made < MOST; i++) {
             const sl_bench_row *row = &results->scenes[s].rows[i];
-            if (!row->promise.known || !row->promise.measured_known || (method && strcmp(row->method, method) != 0)) continue;
-            ++*made;
-            *kept += row->promise.measured <= row->promise.bound;
+            const sl_bench_promise *p = &row->promise;
+            if (!p->known || !p->measured_known || !(p->measured > 0.0) || (method && strcmp(row->method, method) != 0)) continue;
+            slack[k.made++] = p->bound / p->measured;
+            k.kept += p->measured <= p->bound;
         }
     }
+    k.slack = sl_bench_spread_of(slack, k.made).median;
+    return k;
 }
 
 const char *sl_bench_truth_name(sl_bench_truth truth) {

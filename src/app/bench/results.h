@@ -125,8 +125,13 @@ void sl_bench_results_free(sl_bench_results *results);
 sl_bench_spread sl_bench_spread_of(double *values, int count);
 /* Half the distance of the quartiles over the median; 0 of fewer than four. Sorts the values. */
 double sl_bench_unrest_of(double *values, int count);
-/* Of the rows of one method, or NULL: of all: how many promise a bound that could be checked, and how many of those keep it. */
-void sl_bench_promises(const sl_bench_results *results, const char *method, size_t *made, size_t *kept);
+/* Of the rows of one method, or NULL: of all: how many promise a bound that could be checked, how many of those keep it, and how far above the measured
+ * error the bounds are, in the middle. */
+typedef struct sl_bench_kept {
+    int made, kept;
+    double slack;
+} sl_bench_kept;
+sl_bench_kept sl_bench_promises(const sl_bench_results *results, const char *method);
 const char *sl_bench_truth_name(sl_bench_truth truth);
 const char *sl_bench_quality_name(sl_bench_quality quality);
 const char *sl_bench_end_name(sl_bench_end end);
