@@ -177,6 +177,20 @@ static void bits_do_not_depend_on_threads(void **state) {
     sl_scene_destroy(scene);
 }
 
+static void small_pictures_have_points_enough_for_what_they_show(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    for (int size = 1; size <= 2; size++) {
+        sl_settings settings = cache_settings(32 * size, 24 * size);
+        sl_image *truth = path_picture(scene, &settings, 256), *ours = render(scene, &settings, NULL);
+        sl_comparison c = compared(ours, truth, size == 1 ? "32 x 24" : "64 x 48");
+        assert_true(fabs(c.bias) < 0.02 && c.rel_rmse < 0.06);
+        sl_image_destroy(ours);
+        sl_image_destroy(truth);
+    }
+    sl_scene_destroy(scene);
+}
+
 /* As the table of bench/bench_shading_tables.c counts: what a picture takes beyond what it takes before its first split (both copies of the display there, the list of
  * visible leaves, too), for each patch that splits have made. */
 static void a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows(void **state) {
@@ -213,6 +227,7 @@ int main(void) {
         cmocka_unit_test(a_moved_object_is_shown_in_its_place_at_once),
         cmocka_unit_test(a_still_scene_never_seems_to_change),
         cmocka_unit_test(bits_do_not_depend_on_threads),
+        cmocka_unit_test(small_pictures_have_points_enough_for_what_they_show),
         cmocka_unit_test(a_patch_takes_at_most_85_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,10 +1,13 @@
 #include "cache/shading_cache/plan.h"
 
+#include <math.h>
+
 #include "scene/features.h"
 
-enum { POINTS = 64, AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, AGEING_WINDOW = 60, CHANGE_WINDOW = 3, FRAMES_AN_UPDATE = 20 };
+enum { POINTS = 64, AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, AGEING_WINDOW = 60, CHANGE_WINDOW = 3, FRAMES_AN_UPDATE = 20, FEW = 1024 };
 
-/* A picture of a still scene is done after so many points a pixel: the paper's cache has its quality at 0.03. */
+/* A picture of a still scene is done after so many points a pixel: the paper's cache has its quality at 0.03. But every primitive wants its corners and every shadow its
+ * edge, however few pixels there are: a small picture has as many points as pixels, up to FEW. */
 static const double points_a_pixel[] = {[SL_QUALITY_DRAFT] = 0.03, [SL_QUALITY_NORMAL] = 0.12, [SL_QUALITY_HIGH] = 0.5};
 static const int indirect_samples[] = {[SL_QUALITY_DRAFT] = 100, [SL_QUALITY_NORMAL] = 400, [SL_QUALITY_HIGH] = 1200};
 
@@ -12,7 +15,7 @@ static int or_default(int value, int otherwise) { return value ? value : otherwi
 static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
 
 static uint32_t updates_for(const sl_settings *settings) {
-    double points = points_a_pixel[settings->quality] * (double)settings->width * (double)settings->height;
+    double pixels = (double)settings->width * (double)settings->height, points = fmax(points_a_pixel[settings->quality] * pixels, fmin(pixels, FEW));
     return 1u + (uint32_t)(points / (double)settings->shading_cache.points);
 }
 
