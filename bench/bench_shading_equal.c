@@ -54,10 +54,8 @@ static void run_rival(bench_report *r, const bench_options *o, shading_world *w,
         spent += 1e-3 * (process_ms() - from);
         points = (double)render_cache_costs(cache).samples;
         if (!is_due(&next, points)) continue;
-        render_cache_show(cache, false);
-        add(narrow, points, spent, shading_error(w, render_cache_picture(cache)));
-        render_cache_show(cache, true);
-        add(wide, points, spent, shading_error(w, render_cache_picture(cache)));
+        add(narrow, points, spent, shading_rival_error(w, cache, false));
+        add(wide, points, spent, shading_rival_error(w, cache, true));
     }
     if (o->pictures) shading_rival_picture(w, cache, r, "rendercache");
     render_cache_destroy(cache);

@@ -193,6 +193,11 @@ render_cache *shading_rival(const shading_world *w, int samples) {
     return cache;
 }
 
+double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill) {
+    render_cache_show(cache, wide_fill);
+    return shading_error(w, render_cache_picture(cache));
+}
+
 void shading_rival_picture(const shading_world *w, const render_cache *cache, const bench_report *r, const char *what) {
     sl_image *image;
     sl_error error;
