@@ -14,7 +14,7 @@ typedef struct lit_floor {
 } lit_floor;
 
 /* A floor of two triangles, a lamp over its left half and one over its right; and, if asked for, a plate below the left one that the other's light passes. */
-static void make(lit_floor *f, bool plate) {
+static void make_with(lit_floor *f, bool plate, bool few_rays, float ambient) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_quad(&mesh, sl_v3(-8, 0, -8), sl_v3(0, 0, 16), sl_v3(16, 0, 0), grey);
@@ -26,10 +26,12 @@ static void make(lit_floor *f, bool plate) {
     assert_int_equal(f->world.lights->count, 2);
     assert_int_equal(sl_topology_create(f->world.scene, false, &f->topology, NULL), SL_OK);
     sl_irradiance_settings s = {.scene = f->world.scene, .topology = f->topology, .tracer = f->world.tracer, .lights = f->world.lights,
-                                .sampling = f->world.sampling, .perception = {.exposure = 30.0f, .threshold_scale = 4.0f}, .ambient = {0.01f, 0.01f, 0.01f},
-                                .max_depth = 12, .threads = 1};
+                                .sampling = f->world.sampling, .perception = {.exposure = 30.0f, .threshold_scale = 4.0f}, .ambient = sl_grey(ambient),
+                                .few_rays = few_rays, .max_depth = 12, .threads = 1};
     assert_int_equal(sl_irradiance_meshes_create(&s, &f->meshes, NULL), SL_OK);
 }
+
+static void make(lit_floor *f, bool plate) { make_with(f, plate, false, 0.01f); }
 
 static void discard(lit_floor *f) {
     sl_irradiance_meshes_destroy(f->meshes);
@@ -120,6 +122,37 @@ static void a_light_without_shadows_stays_coarse_and_is_sampled_once(void **stat
     discard(&f);
 }
 
+/* At a point of an edge of the floor's front: F of both lamps, and how many shadow rays that took. */
+static uint64_t ask_one(bool few_rays, float ambient, uint16_t q, float share[2]) {
+    lit_floor f;
+    bool valid;
+    make_with(&f, true, few_rays, ambient);
+    sl_face_point x = {0, 0, q, 0};
+    for (int round = 0; round < 2; round++) assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, share, &valid, &f.counters, NULL), SL_OK);
+    assert_true(valid);
+    discard(&f);
+    return f.counters.value[SL_COUNT_SHADOW_RAYS];
+}
+
+/* In two of the floor's corners, where ambient light is most of all; between them; and without ambient light in the first again, where the left lamp gives
+ * nearly all. */
+static void a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays(void **state) {
+    (void)state;
+    static const uint16_t place[4] = {0, SL_MESH_DYADIC, SL_MESH_DYADIC / 2, 0};
+    static const uint64_t expected[4] = {2 * 4 * 4, 2 * 4 * 4, 2 * 8 * 8, 8 * 8};
+    for (int k = 0; k < 4; k++) {
+        float by_pictures[2], by_rays[2];
+        float ambient = k < 3 ? 0.01f : 0.0f;
+        assert_int_equal(ask_one(false, ambient, place[k], by_pictures), 0);
+        uint64_t rays = ask_one(true, ambient, place[k], by_rays);
+        float sum = by_pictures[LEFT] + by_pictures[RIGHT];
+        for (int l = 0; l < 2; l++) assert_true(fabsf(by_rays[l] - by_pictures[l]) < 0.02f * sum);
+        print_message("F %.5f and %.5f, by rays %.5f and %.5f: %llu rays\n", (double)by_pictures[LEFT], (double)by_pictures[RIGHT], (double)by_rays[LEFT],
+                      (double)by_rays[RIGHT], (unsigned long long)rays);
+        assert_int_equal(rays, expected[k]);
+    }
+}
+
 /* A wall without thickness stands at the floor's edge, a lamp is behind it: no vertex at its foot is lit. */
 static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
     (void)state;
@@ -154,6 +187,7 @@ int main(void) {
         cmocka_unit_test(an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was),
         cmocka_unit_test(no_leaf_is_deeper_than_what_was_asked_for),
         cmocka_unit_test(a_light_without_shadows_stays_coarse_and_is_sampled_once),
+        cmocka_unit_test(a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays),
         cmocka_unit_test(at_a_walls_foot_no_light_comes_from_behind_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

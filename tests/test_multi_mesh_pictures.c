@@ -187,6 +187,28 @@ static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Leaves are judged by all components together, and these were known one after another. */
+static void told_to_look_again_it_has_nothing_to_ask(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    for (int quality = SL_QUALITY_DRAFT; quality <= SL_QUALITY_NORMAL; quality++) {
+        sl_settings settings = mesh_settings(160, 160);
+        settings.quality = (sl_quality)quality;
+        sl_method *method;
+        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+        to_the_end(method);
+        sl_counters before = counters_of(method);
+        assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+        to_the_end(method);
+        sl_counters after = counters_of(method);
+        assert_int_equal(grown(&before, &after, SL_COUNT_LIGHT_SAMPLES), 0);
+        assert_int_equal(grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES), 0);
+        assert_int_equal(grown(&before, &after, SL_COUNT_SPLITS), 0);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
@@ -339,6 +361,7 @@ int main(void) {
         cmocka_unit_test(an_empty_floor_under_a_lamp_is_lit_as_lambert_says),
         cmocka_unit_test(two_lamps_together_light_as_one_and_the_other),
         cmocka_unit_test(back_in_an_old_view_no_irradiance_is_sampled_again),
+        cmocka_unit_test(told_to_look_again_it_has_nothing_to_ask),
         cmocka_unit_test(the_first_picture_takes_the_roots_vertices_and_the_ambient_light),
         cmocka_unit_test(what_no_light_falls_on_is_black_without_a_picture_of_a_light),
         cmocka_unit_test(a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures),

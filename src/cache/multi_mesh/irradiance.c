@@ -240,8 +240,28 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
 
 /* ---- samples ---- */
 
+/* What a light could give, mean of the channels. */
+static double most_of(const sl_irradiance_meshes *m, size_t light, const sl_lit_point *point) {
+    const sl_sampled_light *l = &m->settings.lights->light[light];
+    double most = sl_light_unoccluded(l, point) * (double)sl_rgb_mean(l->colour);
+    return most > 0.0 && most <= DBL_MAX ? most : 0.0;
+}
+
+/* n of the n x n rays that are enough for a light that is one of many; 0: none are. A light of which n x n rays see a part is off by some
+ * 0.1 (4 / n)^(3/2) of itself (the cathedral's windows behind their tracery). It may be off by 0.8 % of what else arrives, a seventh of what an eye can
+ * tell in the middle greys: the ambient light, and a third of all that lights could give, since not all of it will arrive. */
+static int enough_rays(const sl_irradiance_meshes *m, size_t light, const sl_lit_point *point) {
+    static const double part[2] = {0.08, 0.226};
+    double all = (double)sl_rgb_mean(m->settings.ambient), scale = (double)m->settings.perception.threshold_scale;
+    for (size_t l = 0; l < m->settings.lights->count; l++) all += most_of(m, l, point) / 3.0;
+    double own = most_of(m, light, point);
+    return own <= part[0] * scale * all ? 4 : own <= part[1] * scale * all ? 8 : 0;
+}
+
 static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_point *at, sample_worker *w) {
     sl_lit_point point = sl_lit_point_of(at);
+    int rays = m->settings.few_rays ? enough_rays(m, light, &point) : 0;
+    if (rays) return sl_light_sample_by_rays(m->settings.sampling, light, &point, rays, &w->counters);
     return sl_light_sample_take(m->settings.sampling, light, &point, w->scratch, &w->counters);
 }
 

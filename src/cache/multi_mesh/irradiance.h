@@ -35,6 +35,7 @@ typedef struct sl_irradiance_settings {
     const sl_light_sampling *sampling;
     sl_perception perception;
     sl_rgb ambient;            /* irradiance beside which a light's own is judged */
+    bool few_rays;             /* lights that matter little beside the others are sampled by a few rays, whatever `sampling` says */
     int max_depth;
     unsigned threads;
 } sl_irradiance_settings;

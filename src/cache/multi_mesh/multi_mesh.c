@@ -213,12 +213,20 @@ static void tidy(sl_multi_mesh_state *s) {
     s->phase = SL_PHASE_DONE;
 }
 
+/* Leaves were judged by the other components as they were then. Before the end all are judged by what there is now: whether any is wanted after all. A
+ * view that is seen again asks for nothing then. */
+static bool look_again(sl_multi_mesh_state *s) {
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (takes_part(s, i)) sl_displayed_prioritise(s->part[i]);
+    return most_urgent(s) >= 0;
+}
+
 static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
     size_t served = 0;
     bool coarse = s->plan.indirect && !indirect_is_ready(s);
     sl_status status = refine(s, &served, error);
     if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
-    if (status == SL_OK && served == 0) tidy(s);
+    if (status == SL_OK && served == 0 && !look_again(s)) tidy(s);
     return status;
 }
 

@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "scene/ambient.h"
 
-enum { FEW_PIXELS = 8, SPECKS = 4, INDIRECT_SPECKS = 32 };
+enum { FEW_PIXELS = 8, SPECKS = 4, INDIRECT_SPECKS = 32, MANY_LIGHTS = 16 };
 /* In the room (640 x 480, normal) these take half of the displayed meshes' samples of direct light and a third of the gathers, for 3 % more squared
  * error of direct light; of indirect light for less, since most of the leaves that are left out were cut for what gathers' pixels make. */
 static const float SPECKS_CONTRAST = 16.0f, INDIRECT_SPECKS_CONTRAST = 48.0f;
@@ -87,6 +87,7 @@ static sl_status make_sampling(sl_multi_mesh_state *s, sl_error *error) {
 static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) {
     return (sl_irradiance_settings){.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights,
                                     .sampling = s->sampling, .perception = s->perception, .ambient = s->ambient,
+                                    .few_rays = s->settings.multi_mesh.estimator == SL_LIGHT_RATIO && s->lights->count >= MANY_LIGHTS,
                                     .max_depth = s->settings.multi_mesh.max_depth, .threads = s->settings.threads};
 }
 
