@@ -96,18 +96,23 @@ static uint64_t pairs_wanted(const sl_bench_reference *r, double seconds_left, d
     return more > 1.0 ? (uint64_t)more : 1;
 }
 
+/* By what the ones before took. */
+static double next_pair_seconds(const sl_bench_reference *r) {
+    double samples = (double)(sl_reference_samples(r->pairs + 1) - sl_reference_samples(r->pairs));
+    return r->samples ? r->seconds * samples / (double)r->samples : 0.0;
+}
+
 static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask, sl_error *error) {
-    double from = sl_seconds_now(), a_pair = 0.0;
+    double from = sl_seconds_now();
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(s, r, mask);
     while (status == SL_OK && !r->trouble[0] && !sl_interrupted()) {
-        double begin = sl_seconds_now(), left = o->reference_budget - (begin - from);
+        double begin = sl_seconds_now(), left = o->reference_budget - (begin - from), a_pair = next_pair_seconds(r);
         bool enough = r->samples > 0 && (r->wanted <= 0.0 || r->noise <= r->wanted);
-        if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= 0.0)) break;
+        if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= a_pair)) break;
         uint64_t pairs = r->samples ? pairs_wanted(r, o->reference_budget > 0.0 ? left : HUGE_VAL, a_pair) : 1;
         status = sl_reference_extend(o, s, pairs, r, error);
-        a_pair = (sl_seconds_now() - begin) / (double)pairs;
         if (status == SL_OK && !r->trouble[0]) look_at(s, r, mask);
         show(o, s, r);
     }
