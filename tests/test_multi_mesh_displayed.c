@@ -392,6 +392,34 @@ static void a_view_seen_again_asks_for_nothing(void **state) {
     assert_int_equal(again, 0);
 }
 
+static sl_rgb counted(const void *context, sl_component component, uint32_t face, float w1, float w2, sl_rgb value) {
+    ++*(size_t *)(uintptr_t)context;
+    return shown_as_it_is(NULL, component, face, w1, w2, value);
+}
+
+static void specks_of_a_picture_that_is_done_are_not_judged_again(void **state) {
+    (void)state;
+    size_t judged = 0;
+    sl_displayed_settings settings = usual_settings();
+    settings.specks = 32;
+    settings.specks_contrast = 48.0f;
+    settings.shown = (sl_shown_radiance){&judged, counted};
+    rig r = rig_of(square_scene(), (field){stripes, NULL}, &settings, 128, 128);
+    rig_look(&r, NULL, 1);
+    rig_finish(&r);
+    judged = 0;
+    rig_look(&r, NULL, 1);
+    size_t unsettled = judged;
+    sl_displayed_settle(r.mesh);
+    sl_displayed_tidy(r.mesh, true);
+    judged = 0;
+    rig_look(&r, NULL, 1);
+    assert_int_equal(rig_finish(&r), 0);
+    print_message("%zu, settled %zu\n", unsettled, judged);
+    assert_true(unsettled > 1000 && judged == 0);
+    rig_discard(&r);
+}
+
 static void a_view_seen_again_asks_only_where_a_nearer_one_has_found_a_shadow(void **state) {
     (void)state;
     uint64_t first, again;
@@ -414,6 +442,7 @@ int main(void) {
         cmocka_unit_test(specks_are_looked_into_only_where_their_corners_differ_by_much),
         cmocka_unit_test(depth_is_bounded),
         cmocka_unit_test(a_view_seen_again_asks_for_nothing),
+        cmocka_unit_test(specks_of_a_picture_that_is_done_are_not_judged_again),
         cmocka_unit_test(a_view_seen_again_asks_only_where_a_nearer_one_has_found_a_shadow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -82,5 +82,6 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     if (!s->coarse_whole) return status;
     sl_multi_mesh_announce_gather(s);
     s->phase = SL_PHASE_FIRST; /* of the indirect mesh */
+    s->priorities_stale = true;
     return status;
 }

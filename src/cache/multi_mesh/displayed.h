@@ -92,6 +92,8 @@ sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pix
 size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t room);
 /* Priorities of visible leaves from what is known now: after values of missing vertices were filled in. */
 void sl_displayed_prioritise(sl_displayed *displayed);
+/* Nothing is left to do in the view as it stands: what was not worth a look need not be judged again when it is seen again, no larger. */
+void sl_displayed_settle(sl_displayed *displayed);
 /* As little memory as it takes, when nothing is asked of it for the time being; where memory ends, all stays as it is. forget: values that show nowhere go,
  * which the tests of cuts that were undone left. No picture changes by it. */
 void sl_displayed_tidy(sl_displayed *displayed, bool forget);

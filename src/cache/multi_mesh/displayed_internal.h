@@ -45,8 +45,11 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
  * few pixels is less the fewer they are (Ricco's law: threshold times area is constant). Without known corners there is nothing to be told. */
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf);
 /* May the leaf be cut at all? Patches of a pixel or less are not. */
+static inline bool sl_may_split_but_for_specks(const sl_displayed *d, const sl_mesh_place *leaf) {
+    return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth;
+}
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth && !sl_displayed_is_speck(d, leaf);
+    return sl_may_split_but_for_specks(d, leaf) && !sl_displayed_is_speck(d, leaf);
 }
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Sets or clears SL_NODE_SMALL. */

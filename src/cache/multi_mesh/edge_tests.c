@@ -85,6 +85,7 @@ static void tell(sl_displayed *d, uint32_t leaf, uint32_t middle) {
         if (sl_edge_of(node, e) != SL_EDGE_CLOSED) continue;
         if (!any_differs(d, place.face, end_of(d->mesh, &place, (e + 1) % 3), end_of(d->mesh, &place, (e + 2) % 3), middle)) continue;
         node->flags = (node->flags & ~(3u << 2 * e) & ~(uint32_t)SL_NODE_SETTLED) | (uint32_t)SL_EDGE_SPLIT << 2 * e;
+        sl_mesh_set_speck(node, 0); /* nor is it what it was when it was tested */
         node->priority = sl_displayed_leaf_priority(d, &place);
         sl_displayed_raise(d, place.face, leaf);
     }

@@ -52,7 +52,7 @@ enum {
     SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
     SL_NODE_LISTED = 0x4000,   /* what is on its edges is in sl_displayed.hanging */
     SL_NODE_SLIVERS = 0x8000,  /* a root with cuts in two below it (displayed meshes) */
-    SL_NODE_TESTED_SHIFT = 16  /* the upper half: sl_mesh_tested_size() */
+    SL_NODE_TESTED_SHIFT = 16  /* the upper half: of leaves with closed edges sl_mesh_tested_size(), of others sl_mesh_speck() */
 };
 
 typedef struct sl_mesh_node {
@@ -67,6 +67,9 @@ typedef struct sl_mesh_node {
 /* A node's size in pixels when it collapsed: it is not opened again before it is twice that; 0: it never did. The upper half of a float's bits. */
 float sl_mesh_tested_size(const sl_mesh_node *node);
 void sl_mesh_set_tested_size(sl_mesh_node *node, float size);
+/* Of a leaf whose edges are not all closed: how many pixels it had when a picture was done without a look into it; 0: it never was. */
+static inline uint32_t sl_mesh_speck(const sl_mesh_node *node) { return node->flags >> SL_NODE_TESTED_SHIFT; }
+static inline void sl_mesh_set_speck(sl_mesh_node *node, uint32_t pixels) { node->flags = (node->flags & 0xffffu) | pixels << SL_NODE_TESTED_SHIFT; }
 
 /* Where a vertex lies. On a SITE: `of` is the site; EDGE: the topology's edge, p the fraction from its lower site in 1/SL_MESH_DYADIC; FACE: the face,
  * weights of corners 1 and 2 p and q in 1/SL_MESH_DYADIC. */

@@ -95,6 +95,7 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
         sl_announce(&s->announcer, "material: k_s", "section 3, pass 2", s->settings.width, s->settings.height, 3, s->materials->specular[0], true);
     if (status == SL_OK) status = see(s, error);
     sl_visible_pixels_destroy(before);
+    s->priorities_stale = false;
     if (status == SL_OK) s->phase = SL_PHASE_FIRST;
     return status;
 }
@@ -107,6 +108,7 @@ static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *n
     sl_wanted_vertex wanted[FIRST_VERTICES];
     size_t count = sl_displayed_missing(s->part[part], vertex, FIRST_VERTICES);
     *none = count < FIRST_VERTICES;
+    s->priorities_stale |= count > 0;
     for (size_t i = 0; i < count; i++) wanted[i] = (sl_wanted_vertex){vertex[i], 0};
     return sl_multi_mesh_sample(s, part, count, wanted, error);
 }
@@ -127,8 +129,8 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
         all = all && none;
     }
     if (!all) return SL_OK;
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (takes_part(s, i)) sl_displayed_prioritise(s->part[i]);
+    for (int i = 0; i < SL_COMPONENTS; i++) /* in a view seen before they are as sl_displayed_see() has set them */
+        if (takes_part(s, i) && s->priorities_stale) sl_displayed_prioritise(s->part[i]);
     sl_announce_pass(&s->announcer, "vertices of the roots", "section 4");
     sl_multi_mesh_announce_priorities(s);
     s->phase = SL_PHASE_REFINE;
@@ -207,8 +209,11 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
  * gathered again, and stay. */
 static void tidy(sl_multi_mesh_state *s) {
     sl_multi_mesh_announce_light_sample(s);
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (s->part[i]) sl_displayed_tidy(s->part[i], i != SL_INDIRECT);
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        if (!s->part[i]) continue;
+        sl_displayed_settle(s->part[i]);
+        sl_displayed_tidy(s->part[i], i != SL_INDIRECT);
+    }
     if (s->irradiance) sl_irradiance_meshes_tidy(s->irradiance);
     s->phase = SL_PHASE_DONE;
 }

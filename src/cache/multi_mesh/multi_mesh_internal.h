@@ -50,6 +50,7 @@ typedef struct sl_multi_mesh_state {
     float *plane_memory;
 
     sl_mesh_phase phase;
+    bool priorities_stale;          /* values have come since the view was seen */
     sl_counters counters;
     sl_announcer announcer;
 } sl_multi_mesh_state;

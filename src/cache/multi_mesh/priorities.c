@@ -72,16 +72,33 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
     return most;
 }
 
+static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) {
+    return pixels < d->settings.specks && (float)pixels * contrast < d->settings.specks_contrast;
+}
+
+/* What was one when a picture was done still is, with no more pixels. */
+static bool was_speck(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_speck(node); }
+
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
-    uint32_t pixels = d->mesh->node[leaf->node].pixels;
-    return pixels < d->settings.specks && (float)pixels * sl_displayed_corner_contrast(d, leaf) < d->settings.specks_contrast;
+    const sl_mesh_node *node = &d->mesh->node[leaf->node];
+    return node->pixels < d->settings.specks && (was_speck(node) || is_speck(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
+}
+
+void sl_displayed_settle(sl_displayed *d) {
+    for (uint32_t n = 0; n < d->mesh->node_count; n++) {
+        sl_mesh_node *node = &d->mesh->node[n];
+        bool judged = sl_mesh_is_used(d->mesh, n) && node->child == SL_NO_INDEX && !(node->flags & SL_NODE_SETTLED) && !sl_all_edges_closed(node);
+        if (judged && node->pixels > 1 && node->pixels < d->settings.specks && node->pixels > sl_mesh_speck(node)) sl_mesh_set_speck(node, node->pixels);
+    }
 }
 
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
-    if (!sl_may_split(d, leaf) || (node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f;
-    return (float)node->pixels * (sl_displayed_corner_contrast(d, leaf) + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
+    if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f; /* most often so, and quicker to tell than what follows */
+    if (!sl_may_split_but_for_specks(d, leaf) || was_speck(node)) return 0.0f;
+    float contrast = sl_displayed_corner_contrast(d, leaf);
+    return is_speck(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }
 
 /* ---- up to the roots ---- */
