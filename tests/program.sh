@@ -112,8 +112,8 @@ plane() { # plane NAME LIGHT: a triangle seen from above
 }
 plane lit -1; plane unlit 1
 expect 0 '^auto +splatting, 8 bounces: .* direct' info scenes/cornell.json
-expect 0 '^auto +bidirectional: .*caustics' info scenes/mirror-balls.json -m path
-expect 0 '^auto +light-octree: .*caustics' info scenes/cornell-mirror.json -q draft
+expect 0 '^auto +bidirectional: .*caustics' info scenes/mirror-balls.json -m path -q high
+expect 0 '^auto +light-octree: .*caustics' info scenes/cornell-mirror.json -q normal
 expect 0 '^plan of bidirectional' info scenes/cornell-mirror.json -m auto -q high
 expect 0 '^auto +path: .*100 % is direct' info "$folder/lit.json"
 expect 0 '^auto +path: nothing' info "$folder/unlit.json"

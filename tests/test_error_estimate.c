@@ -59,7 +59,7 @@ static void estimates_agree_with_a_converged_reference_for_every_method(void **s
         char transport[64];
         snprintf(transport, sizeof transport, "matched:%s", methods[i]);
         sl_settings settings = small_settings(methods[i], SIZE, SIZE);
-        sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, transport, 48);
+        sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, transport, 24);
         sl_error_probe *probe = probe_of(scene, &settings);
         sl_error_estimate e = estimate_with(probe, image, 512, 16);
         double truth = measured_error(image, reference);
@@ -100,13 +100,13 @@ static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
     enum { SEEDS = 40 };
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
-    sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, "matched:splatting", 96);
+    sl_image *image = render(scene, &settings, NULL), *reference = reference_of(scene, "matched:splatting", 48);
     double truth = measured_error(image, reference);
     unsigned above = 0, below = 0;
     for (unsigned seed = 0; seed < SEEDS; seed++) {
         settings.seed = seed;
         sl_error_probe *probe = probe_of(scene, &settings);
-        sl_error_estimate e = estimate_with(probe, image, 128, 8);
+        sl_error_estimate e = estimate_with(probe, image, 96, 4);
         above += e.bound >= truth;
         below += e.least <= truth;
         sl_error_probe_destroy(probe);
@@ -247,7 +247,7 @@ static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(voi
 static void a_picture_of_two_halves_knows_its_own_error(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_image *reference = reference_of(scene, "full", 128);
+    sl_image *reference = reference_of(scene, "full", 64);
     sl_settings settings = small_settings("path", SIZE, SIZE);
     settings.spp = 8;
     sl_image *image = render(scene, &settings, NULL);
