@@ -458,8 +458,8 @@ typedef struct sl_multi_mesh_settings {
     bool side_strips;           /**< the rest of the hemisphere is drawn, too, where it may matter */
     double threshold_scale;     /**< times the threshold map of what an eye can tell; by quality 2, 1, 0.5 */
     double exposure;            /**< displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); by the light in the scene */
-    double leaf_area;           /**< pixels squared: leaves larger than that are split whatever their edges say; by quality 256, 64, 16; of indirect light 4 times that */
-    double leaf_edge;           /**< pixels: likewise; by quality 32, 16, 8; of indirect light twice that */
+    double leaf_area;           /**< pixels squared: leaves larger than that are split whatever their edges say; by quality 256, 144, 16; of indirect light 4 times that */
+    double leaf_edge;           /**< pixels: likewise; by quality 32, 24, 8; of indirect light twice that */
     int max_depth;              /**< of splits; 12 */
     int coarse_depth;           /**< of the coarse mesh; by quality 3, 4, 5 */
     double coarse_edge;         /**< scene units: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
