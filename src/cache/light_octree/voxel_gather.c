@@ -65,6 +65,21 @@ sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_phot
     return gather;
 }
 
+static bool is_same(const sl_ellipsoid *a, const sl_ellipsoid *b) {
+    return a->radius == b->radius && a->flatness == b->flatness && a->centre.x == b->centre.x && a->centre.y == b->centre.y &&
+           a->centre.z == b->centre.z && a->normal.x == b->normal.x && a->normal.y == b->normal.y && a->normal.z == b->normal.z;
+}
+
+static sl_strewn_area strewn_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
+    for (int i = 0; i < SL_AREAS_REMEMBERED; i++) {
+        if (is_same(&w->remembered[i].ellipsoid, e)) return w->remembered[i].area;
+    }
+    sl_strewn_area area = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
+    w->remembered[w->next_remembered] = (sl_remembered_area){*e, area};
+    w->next_remembered = (w->next_remembered + 1) % SL_AREAS_REMEMBERED;
+    return area;
+}
+
 double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
                      double area[2]) {
     const sl_ellipsoid *e = &gather->ellipsoid;
@@ -79,7 +94,7 @@ double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o
             area[0] = area[1] = sl_section_area(e, n, sl_dotd(n, gather->mean_place));
         }
     } else if (o->area == SL_PHOTON_AREA_CLIP) {
-        sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
+        sl_strewn_area strewn = strewn_area(work, e, w);
         bool together = strewn.sheet || !work->by_side;
         all = strewn.front + strewn.back;
         area[0] = together ? all : strewn.front;

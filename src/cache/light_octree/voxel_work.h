@@ -10,12 +10,21 @@ enum { SL_LEAVES_A_TASK = 16 };
 
 struct ranked_photon;
 
+/* The last areas that were worked out: to choose k takes those of several ellipsoids, and one of them is the voxel's in the end. */
+enum { SL_AREAS_REMEMBERED = 4 };
+typedef struct sl_remembered_area {
+    sl_ellipsoid ellipsoid;   /* radius 0: nothing yet */
+    sl_strewn_area area;
+} sl_remembered_area;
+
 /* A worker's own. */
 typedef struct sl_voxel_worker {
     sl_gathered_photons gathered;
     struct ranked_photon *ranked; /* estimated radius alone: as many */
     sl_lobe_photons photons;      /* both sides: room for twice k */
     sl_surroundings_marks marks;
+    sl_remembered_area remembered[SL_AREAS_REMEMBERED];
+    unsigned next_remembered;
     sl_voxel_piece *pieces;
     sl_counters counters;
 } sl_voxel_worker;
