@@ -98,12 +98,25 @@ static double size_of(const sl_story_term *t) {
     return fabs(t->contribution[0]) + fabs(t->contribution[1]) + fabs(t->contribution[2]);
 }
 
-/* The method's order among those that are shown. */
-static bool is_shown(const sl_story *story, size_t i) {
-    size_t greater = 0;
-    for (size_t k = 0; k < story->count; k++)
-        greater += size_of(&story->terms[k]) > size_of(&story->terms[i]) || (size_of(&story->terms[k]) == size_of(&story->terms[i]) && k < i);
-    return greater < SL_STORY_TERMS_SHOWN;
+/* The terms that are shown, the largest: their places in the story, in descending order of size; of equal ones the first. */
+static size_t find_largest(const sl_story *story, size_t place[SL_STORY_TERMS_SHOWN]) {
+    size_t count = 0;
+    for (size_t i = 0; i < story->count; i++) {
+        double size = size_of(&story->terms[i]);
+        size_t at = count;
+        while (at > 0 && size > size_of(&story->terms[place[at - 1]])) at--;
+        if (at == SL_STORY_TERMS_SHOWN) continue;
+        if (count < SL_STORY_TERMS_SHOWN) count++;
+        for (size_t k = count - 1; k > at; k--) place[k] = place[k - 1];
+        place[at] = i;
+    }
+    return count;
+}
+
+static bool is_among(const size_t *place, size_t count, size_t i) {
+    for (size_t k = 0; k < count; k++)
+        if (place[k] == i) return true;
+    return false;
 }
 
 static bool add_term(sl_stories *s, const sl_story_term *t, double left[3]) {
@@ -121,11 +134,12 @@ static bool add_term(sl_stories *s, const sl_story_term *t, double left[3]) {
 static bool add_story(sl_stories *s, const sl_story *story, size_t pixel) {
     sl_story_term smaller = {.layer = "several", .kind = "smaller ones, together"};
     double left[3] = {(double)story->pixel[0], (double)story->pixel[1], (double)story->pixel[2]};
-    bool fits = story->count <= SL_STORY_TERMS_SHOWN;
+    size_t largest[SL_STORY_TERMS_SHOWN], shown = find_largest(story, largest);
+    bool fits = story->count == shown;
     s->begin[pixel] = (uint32_t)s->term_count;
     for (size_t i = 0; i < story->count; i++) {
         const sl_story_term *t = &story->terms[i];
-        if (fits || is_shown(story, i)) {
+        if (is_among(largest, shown, i)) {
             if (!add_term(s, t, left)) return false;
             continue;
         }

@@ -61,11 +61,23 @@ static void tell_photon(void *context, size_t photon, float weight, const float 
     sl_story_add(t->writer, &term);
 }
 
+/* The tile's lanes up to one pixel's, and as few as loops take: what lies beyond has no say. */
+static sl_receiver_tile up_to(const sl_receiver_tile *tile, size_t lane) {
+    sl_receiver_tile shorter = *tile;
+    shorter.count = lane + 1;
+    shorter.padded = (lane / SL_TILE_LANES + 1) * SL_TILE_LANES;
+    shorter.whole = false;
+    return shorter;
+}
+
 /* Of the tiles of its strip the one that has the pixel. */
 static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
     const telling *t = context;
-    for (size_t lane = 0; lane < tile->count; lane++)
-        if (tile->pixel[lane] == t->pixel) sl_indirect_light_apart(t->story->sums, tile, glossy, lane, tell_photon, context, counters);
+    for (size_t lane = 0; lane < tile->count; lane++) {
+        if (tile->pixel[lane] != t->pixel) continue;
+        const sl_receiver_tile shorter = up_to(tile, lane);
+        sl_indirect_light_apart(t->story->sums, &shorter, glossy, lane, tell_photon, context, counters);
+    }
 }
 
 void sl_radiance_story_tell(const sl_radiance_story *story, int x, int y, sl_story_writer *writer) {
