@@ -179,8 +179,9 @@ const sl_hard_case sl_hard_cases[] = {
     {"triangles of 1e-6", tiny_among_large, SL_EXPECT_SAME, 2.0, 1.0},
     {"triangles of 1e6", huge_among_small, SL_EXPECT_SOUND, 0.0, 1.0},
     {"light on the floor", light_on_the_floor, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"light inside the box", light_in_the_box, SL_EXPECT_SAME, 2.0, 1.0},
-    {"light behind the wall", light_behind_the_wall, SL_EXPECT_SAME, 3.0, 1.0},
+    /* A light that nobody sees takes its share of light samples all the same, and of the light that exposures are reckoned by. */
+    {"light inside the box", light_in_the_box, SL_EXPECT_SAME, 4.0, 1.0},
+    {"light behind the wall", light_behind_the_wall, SL_EXPECT_SAME, 4.0, 1.0},
     {"lamp in the floor", lamp_in_the_floor, SL_EXPECT_SOUND, 0.0, 1.0},
     {"tiny lamp", tiny_lamp, SL_EXPECT_SOUND, 0.0, 1.0},
     {"huge lamp", huge_lamp, SL_EXPECT_SOUND, 0.0, 1.0},
