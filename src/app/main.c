@@ -25,7 +25,7 @@ enum { COMMANDS = sizeof commands / sizeof commands[0] };
 static void print_help(FILE *out) {
     fprintf(out, "usage: softlux COMMAND ...\n\n"
                  "Global illumination of triangle scenes on a CPU: deterministic, without a GPU.\n\ncommands:\n");
-    for (size_t i = 0; i < COMMANDS; i++) fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+    for (size_t i = 0; i < COMMANDS; i++) fprintf(out, "  %-15s %s\n", commands[i].name, commands[i].summary);
     fprintf(out, "\n`softlux COMMAND --help` tells more; `softlux --version` prints the version.\n"
                  "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources.\n\n"
                  "example: softlux render scenes/cornell.json -o cornell.png\n");
