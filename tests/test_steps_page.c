@@ -138,6 +138,8 @@ static void assert_story_is(browser *b, const sl_image *image, int x, int y) {
     char *told = browser_text(b, "return document.querySelector('.story h3').textContent");
     assert_string_equal(told, title);
     free(told);
+    /* Every line says what it holds. */
+    assert_true(browser_number(b, "return [...document.querySelectorAll('.story tr')].slice(1, -2).every(r => r.cells[3].textContent.split(' ').length === 3)") == 1.0);
     cJSON *pixel = browser_run(b, "return JSON.parse(document.querySelector('article').dataset.story)");
     for (int c = 0; c < 3; c++) {
         float value = image->planes[(c * HEIGHT + y) * WIDTH + x];

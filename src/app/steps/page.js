@@ -54,9 +54,9 @@
   function tell(run, x, y) {
     const s = run.unpacked, pixel = y * run.width + x, sum = [0, 0, 0], terms = [];
     for (let i = s.begin[pixel]; i < s.begin[pixel + 1]; i++) {
-      const item = s.items[s.item[i]], given = s.values.subarray(4 * i, 4 * i + 4);
+      const item = s.items[s.item[i]], given = s.values.subarray(7 * i, 7 * i + 7);
       terms.push({ layer: s.kinds[item[0]][0], kind: s.kinds[item[0]][1], index: item[1], column: item[2], row: item[3],
-                   value: item.slice(4), weight: given[0], contribution: [...given.subarray(1)] });
+                   value: [...given.subarray(4)], weight: given[0], contribution: [...given.subarray(1, 4)] });
       for (let c = 0; c < 3; c++) sum[c] += given[1 + c];
     }
     const rest = [...s.rounding.subarray(3 * pixel, 3 * pixel + 3)];

@@ -7,24 +7,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KINDS_MAX = 64 };
+enum { KINDS_MAX = 64, FLOATS = 7 }; /* of a term: weight, contribution, value */
 
 typedef struct item {
     uint32_t kind; /* into kinds */
     uint64_t index;
     bool placed;
-    float position[3], value[3];
+    float position[3];
 } item;
 
 typedef struct told_term {
     uint32_t item;
-    float weight, contribution[3];
+    float weight, contribution[3], value[3];
 } told_term;
 
 struct sl_stories {
     struct {
         const char *layer, *kind;
-        bool varies; /* its value differs from pixel to pixel */
     } kinds[KINDS_MAX];
     uint32_t kind_count;
     item *items;
@@ -85,10 +84,7 @@ static bool find_item(sl_stories *s, const sl_story_term *t, uint32_t *number) {
         item *made = &s->items[s->item_count];
         *made = (item){.kind = kind, .index = t->index, .placed = t->placed};
         memcpy(made->position, t->position, sizeof made->position);
-        memcpy(made->value, t->value, sizeof made->value);
         s->table[slot] = (uint32_t)++s->item_count;
-    } else if (memcmp(s->items[s->table[slot] - 1].value, t->value, sizeof t->value) != 0) {
-        s->kinds[kind].varies = true;
     }
     *number = s->table[slot] - 1;
     return true;
@@ -124,6 +120,7 @@ static bool add_term(sl_stories *s, const sl_story_term *t, double left[3]) {
     if (!find_item(s, t, &told.item) || !make_room((void **)&s->terms, &s->term_capacity, s->term_count, sizeof *s->terms)) return false;
     for (int c = 0; c < 3; c++) {
         told.contribution[c] = (float)t->contribution[c];
+        told.value[c] = t->value[c];
         left[c] -= (double)told.contribution[c];
     }
     s->terms[s->term_count++] = told;
@@ -194,13 +191,11 @@ void sl_stories_destroy(sl_stories *s) {
 
 /* ---- as JSON ---- */
 
-static void put_item(const sl_stories *s, const item *i, const sl_mark_view *view, FILE *out) {
+static void put_item(const item *i, const sl_mark_view *view, FILE *out) {
     double column, row;
     fprintf(out, "[%u,%llu", i->kind, (unsigned long long)i->index);
     if (i->placed && sl_mark_project(view, i->position, &column, &row)) fprintf(out, ",%.1f,%.1f", column, row);
     else fputs(",null,null", out);
-    if (!s->kinds[i->kind].varies)
-        for (int c = 0; c < 3; c++) fprintf(out, ",%.4g", isfinite(i->value[c]) ? (double)i->value[c] : 0.0);
     fputc(']', out);
 }
 
@@ -212,15 +207,16 @@ static void put_array(FILE *out, const char *name, const void *data, size_t byte
 
 static void put_terms(const sl_stories *s, FILE *out) {
     uint32_t *number = malloc((s->term_count + 1) * sizeof *number);
-    float *values = malloc((4 * s->term_count + 1) * sizeof *values);
+    float *values = malloc((FLOATS * s->term_count + 1) * sizeof *values);
     if (number && values) {
         for (size_t i = 0; i < s->term_count; i++) {
             number[i] = s->terms[i].item;
-            values[4 * i] = s->terms[i].weight;
-            memcpy(&values[4 * i + 1], s->terms[i].contribution, sizeof s->terms[i].contribution);
+            values[FLOATS * i] = s->terms[i].weight;
+            memcpy(&values[FLOATS * i + 1], s->terms[i].contribution, sizeof s->terms[i].contribution);
+            memcpy(&values[FLOATS * i + 4], s->terms[i].value, sizeof s->terms[i].value);
         }
         put_array(out, "item", number, s->term_count * sizeof *number);
-        put_array(out, "values", values, 4 * s->term_count * sizeof *values);
+        put_array(out, "values", values, FLOATS * s->term_count * sizeof *values);
     }
     free(number);
     free(values);
@@ -232,7 +228,7 @@ void sl_stories_put(const sl_stories *s, const sl_mark_view *view, FILE *out) {
     fputs("],\n\"items\":[", out);
     for (size_t i = 0; i < s->item_count; i++) {
         if (i) fputc(',', out);
-        put_item(s, &s->items[i], view, out);
+        put_item(&s->items[i], view, out);
     }
     fputs("]", out);
     put_array(out, "begin", s->begin, (s->pixels + 1) * sizeof *s->begin);
