@@ -1,9 +1,10 @@
 #!/bin/sh
 # bench/report.sh BUILD: speed against error of every method (softlux bench) on the scenes of this repository and, where they are there, on real ones;
-# the tables and plots go to docs/report/, the page with everything in it stays in BUILD/report/report.html.
+# the tables and plots go to docs/report/, the page with everything in it stays in BUILD/report/report.html. Interrupted, the same command goes on.
 #
-# From outside: SIZE (128x128), REPEATS (3), LIMIT of one trial in seconds (60), REFERENCE_BUDGET of each reference in seconds (60), THREADS (1),
-# SCENES (those below), SHARED (../shared/scenes), OPTIONS (more of softlux bench; --report-only writes the report anew from what was measured).
+# From outside: SIZE (128x128), REPEATS (3), LIMIT of one trial in seconds (60), BUDGET of a scene's trials in seconds (none), REFERENCES (folder, the user's cache),
+# REFERENCE_BUDGET of each reference in processor seconds (60), THREADS of a trial (1), JOBS: scenes measured at once (1), SCENES (those below),
+# SHARED (../shared/scenes), STEPS (trials report; references before them), OPTIONS (more of softlux bench).
 set -eu
 cd "$(dirname "$0")/.."
 build=$1
@@ -13,9 +14,12 @@ mkdir -p "$out" docs/report
 
 if [ -z "${SCENES:-}" ]; then
     [ -f scenes/generated/atrium.json ] || make -s scenes >/dev/null
-    SCENES="scenes/cornell.json scenes/cornell-point.json scenes/cornell-glossy.json scenes/two-rooms.json scenes/vase.json scenes/bricks.json
-        scenes/mirror-balls.json scenes/furnace.json scenes/generated/room.json scenes/generated/atrium.json scenes/generated/cathedral.json"
-    for name in sponza living-room veach-ajar classroom; do
+    # Not walk.json: its first picture is that of cornell-glossy.json.
+    SCENES="scenes/cornell.json scenes/two-rooms.json scenes/generated/room.json scenes/cornell-glossy.json scenes/mirror-balls.json scenes/generated/atrium.json
+        scenes/cornell-point.json scenes/vase.json scenes/cornell-mirror.json scenes/generated/cathedral.json scenes/generated/cave.json scenes/bricks.json
+        scenes/furnace.json scenes/cornell-lamp.json scenes/generated/castle.json scenes/generated/figure.json scenes/generated/mirror-cave.json
+        scenes/moving-ball.json scenes/moving-light.json scenes/sphere.json"
+    for name in sponza veach-ajar classroom living-room sponza-crytek fzk-haus map-complex cornell-mcguire cornell-mcguire-glossy cornell-mitsuba; do
         wanted=$(sed -n 's#.*"file": *"../../../shared/scenes/\([^/]*\)/.*#\1#p' "bench/scenes/$name.json" | head -n 1)
         if [ ! -d "$shared/$wanted" ]; then
             echo "skip: $name, there is no $shared/$wanted"
@@ -30,9 +34,24 @@ if [ -z "${SCENES:-}" ]; then
 fi
 
 # shellcheck disable=SC2086 # lists
-"${SOFTLUX:-$build/softlux}" bench $SCENES -o "$out" --size "${SIZE:-128x128}" --repeats "${REPEATS:-3}" --limit "${LIMIT:-60}" \
-    --reference-budget "${REFERENCE_BUDGET:-60}" --threads "${THREADS:-1}" ${OPTIONS:-}
-rm -f docs/report/*.svg
-for plot in "$out"/*.svg; do [ -f "$plot" ] && cp "$plot" docs/report/; done
-cp "$out/results.csv" docs/report/
-cp "$out/report.md" docs/report/README.md
+set -- -o "$out" --size "${SIZE:-128x128}" --repeats "${REPEATS:-3}" --limit "${LIMIT:-60}" --reference-budget "${REFERENCE_BUDGET:-60}" \
+    --threads "${THREADS:-1}" ${REFERENCES:+--references "$REFERENCES"} ${BUDGET:+--budget "$BUDGET"} ${OPTIONS:-}
+softlux=${SOFTLUX:-$build/softlux}
+
+for step in ${STEPS:-trials report}; do
+    case $step in
+    references) # as good as the budget allows, ahead of time: who else works on the machine does not matter to them
+        for scene in $SCENES; do "$softlux" bench "$scene" "$@" --references-only --quiet; done ;;
+    trials) # what a busy machine spoils
+        # shellcheck disable=SC2086 # a list
+        printf '%s\n' $SCENES | xargs -P "${JOBS:-1}" -I SCENE "$softlux" bench SCENE "$@" --trials-only --quiet ;;
+    report) # errors, with better references where they need them
+        # shellcheck disable=SC2086 # a list
+        "$softlux" bench $SCENES "$@" --report-only
+        rm -f docs/report/*.svg
+        for plot in "$out"/*.svg; do [ -f "$plot" ] && cp "$plot" docs/report/; done
+        cp "$out/results.csv" docs/report/
+        cp "$out/report.md" docs/report/README.md ;;
+    *) echo "STEPS: references, trials, report; not '$step'" >&2 && exit 2 ;;
+    esac
+done

@@ -32,8 +32,9 @@ allow cache/shading_cache "($below|cache/(shading_cache|light_sample|method|anno
 allow cache/reference "($below|cache/(reference|method))"
 # What judges pictures knows no method, only what light paths each declares.
 allow cache/audit "($below|cache/(audit|method))"
-# Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden.
-allow app '(app/|scene/(features|scene)|base/vec|image/(color|output_file)|trace/trace)'
+# Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden; what measures methods asks which light paths
+# each declares.
+allow app '(app/|scene/(features|scene)|base/vec|image/(color|output_file)|trace/trace|cache/method\.h)'
 # Every symbol that the library shows begins with sl_.
 library=../build/libsoftlux.so
 [ -f $library ] || { echo "no $library: make it first"; exit 1; }

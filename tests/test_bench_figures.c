@@ -13,6 +13,7 @@
 #include "app/bench/curves.h"
 #include "app/bench/journal.h"
 #include "app/bench/judge.h"
+#include "app/bench/references.h"
 #include "app/bench/report.h"
 #include "app/bench/trials.h"
 #include "scene_files.h"
@@ -88,7 +89,8 @@ static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl
     assert_int_equal(sl_image_create(SIZE, SIZE, 1, NULL, mask, &error), SL_OK);
     for (size_t i = 0; i < (size_t)SIZE * SIZE; i++) (*mask)->planes[i] = i % 7 ? 1.0f : 0.0f;
     for (size_t i = 0; i < values; i++) {
-        double a = 1.0 + 0.2 * noise_at((uint32_t)i + 1), b = 1.0 + 0.2 * noise_at((uint32_t)i + 7000001);
+        uint32_t pixel = (uint32_t)(i % ((size_t)SIZE * SIZE)); /* one noise in all channels, as that of light is */
+        double a = 1.0 + 0.2 * noise_at(pixel + 1), b = 1.0 + 0.2 * noise_at(pixel + 7000001);
         (*picture)->planes[i] = (float)(1.0 + (i & 1 ? wrong : -wrong));
         if (i % ((size_t)SIZE * SIZE) % 7 == 0) (*picture)->planes[i] = 50.0f; /* a lamp: not compared */
         (*reference)->planes[i] = (float)(0.5 * (a + b));
@@ -123,7 +125,40 @@ static void an_error_far_below_the_noise_is_only_bounded(void **state) {
     (void)state;
     sl_bench_error e = judge(0.0);
     assert_true(e.known && e.lost);
-    assert_true(fabs(e.rel_rmse - 0.25 * e.noise) < 1e-12);
+    assert_true(e.rel_rmse > 0.05 * e.noise && e.rel_rmse < 0.3 * e.noise);
+    assert_true(e.doubt == e.rel_rmse);
+}
+
+/* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 for each of n values, A and B with the variance s^2. */
+static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
+    (void)state;
+    const double wrong = 0.1, variance = 0.2 * 0.2 / 3.0, values = 64.0 * 64.0 * 6.0 / 7.0; /* the channels of a pixel count as one */
+    double doubt = 2.0 * sqrt((2.0 * wrong * wrong * variance + variance * variance) / values) / (2.0 * wrong);
+    sl_bench_error e = judge(wrong);
+    assert_true(e.doubt > 0.8 * doubt && e.doubt < 1.1 * doubt);
+    assert_true(fabs(e.rel_rmse - wrong) < e.doubt);
+}
+
+/* ---- light paths that are the same in a scene ---- */
+
+static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference(void **state) {
+    (void)state;
+    sl_bench_scene diffuse = {.hash = "0123456789abcdef", .width = 8, .height = 8}, glossy = diffuse, mirrors = diffuse;
+    char a[SL_BENCH_PATH], b[SL_BENCH_PATH];
+    glossy.glossy = mirrors.mirrors = true;
+    assert_true(sl_reference_is_same(&mirrors, "matched:splatting", "one-bounce"));
+    assert_true(sl_reference_is_same(&diffuse, "matched:multi-mesh", "one-bounce"));
+    assert_false(sl_reference_is_same(&glossy, "matched:multi-mesh", "one-bounce")); /* its receivers are diffuse */
+    assert_false(sl_reference_is_same(&mirrors, "matched:multi-mesh", "one-bounce")); /* mirrors are black to it */
+    assert_true(sl_reference_is_same(&mirrors, "matched:light-octree", "full"));
+    assert_false(sl_reference_is_same(&diffuse, "matched:shading-cache", "full")); /* ends after some surfaces */
+    assert_false(sl_reference_is_same(&diffuse, "matched:direct-radiance", "one-bounce")); /* sees through walls */
+    assert_false(sl_reference_is_same(&diffuse, "direct", "one-bounce"));
+    sl_reference_path("folder", &diffuse, "matched:multi-mesh", a);
+    sl_reference_path("folder", &diffuse, "one-bounce", b);
+    assert_string_equal(a, b);
+    sl_reference_path("folder", &glossy, "matched:multi-mesh", a);
+    assert_string_not_equal(a, b);
 }
 
 /* ---- curves ---- */
@@ -202,6 +237,8 @@ int main(void) {
         cmocka_unit_test(a_line_that_was_cut_off_is_passed_over_and_spoils_none_after_it),
         cmocka_unit_test(the_noise_of_a_reference_is_no_error_of_the_picture),
         cmocka_unit_test(an_error_far_below_the_noise_is_only_bounded),
+        cmocka_unit_test(what_noise_leaves_in_doubt_is_what_theory_says),
+        cmocka_unit_test(sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference),
         cmocka_unit_test(times_are_read_along_the_settings_that_pay),
         cmocka_unit_test(a_scene_that_nothing_could_be_measured_of_has_no_lead),
         cmocka_unit_test(spreads_know_their_middle_and_their_ends),

@@ -6,6 +6,7 @@
 #include "app/clock.h"
 #include "app/commands.h"
 #include "app/options.h"
+#include "scene/features.h"
 
 #include <errno.h>
 #include <math.h>
@@ -75,16 +76,19 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0, NULL},
         {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST", "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]", 0, 0, NULL},
-        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than 5 seconds [3]", 1, 50, NULL},
+        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than 2 seconds [3]", 1, 50, NULL},
         {"threads", 't', SL_OPTION_COUNT, &q->threads, NULL, "N", "workers of each trial [1]", 1, 256, NULL},
         {"budget", 0, SL_OPTION_REAL, &o->budget, NULL, "SECONDS", "for a scene's trials; the rest is left out [no limit]", 0.1, 1e9, NULL},
         {"limit", 0, SL_OPTION_REAL, &o->limit, NULL, "SECONDS", "for one trial, by the clock; then it is stopped [60]", 0.1, 1e9, NULL},
         {"memory", 0, SL_OPTION_COUNT, &q->memory, NULL, "MB", "of addresses for one trial [no limit]", 16, 1e7, NULL},
         {"references", 0, SL_OPTION_TEXT, &o->references, NULL, "DIR", "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]", 0, 0, NULL},
         {"reference-budget", 0, SL_OPTION_REAL, &o->reference_budget, NULL, "SECONDS",
-         "for each reference; its noise is to be a tenth of the smallest error told with it [20]", 0.1, 1e9, NULL},
+         "of processor time for each reference, all runs together; its noise is to be a tenth of the smallest error told with it [20]", 0.1, 1e9, NULL},
         {"reference-threads", 0, SL_OPTION_COUNT, &q->reference_threads, NULL, "N", "workers of the references [all processors]", 1, 256, NULL},
         {"report-only", 0, SL_OPTION_FLAG, &o->report_only, NULL, NULL, "run no trial: the report anew, of what the last run measured", 0, 0, NULL},
+        {"references-only", 0, SL_OPTION_FLAG, &o->references_only, NULL, NULL, "make references, as good as their budget allows, and nothing else", 0, 0, NULL},
+        {"trials-only", 0, SL_OPTION_FLAG, &o->trials_only, NULL, NULL,
+         "measure, and write no report: several of these may fill one folder, with a scene each, on a processor each", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
@@ -114,8 +118,10 @@ static bool describe_work(void *context, char **report) {
         *report = strdup(error.message);
         return false;
     }
+    sl_features f = sl_scene_features(scene);
     sl_scene_film(scene, &width, &height);
-    snprintf(text, sizeof text, "%016llx %d %d %zu", (unsigned long long)sl_scene_hash(scene), width, height, sl_scene_triangle_count(scene));
+    snprintf(text, sizeof text, "%016llx %d %d %zu %d %d", (unsigned long long)sl_scene_hash(scene), width, height, sl_scene_triangle_count(scene),
+             f.glossy_triangles > 0, f.mirror_triangles > 0);
     *report = strdup(text);
     sl_scene_destroy(scene);
     return true;
@@ -146,13 +152,17 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     char copy[SL_BENCH_PATH];
     sl_child_end end;
     unsigned long long triangles = 0;
+    int glossy = 0, mirrors = 0;
     name_scene(path, s);
     snprintf(copy, sizeof copy, "%s", path);
     sl_status status = sl_child_run(describe_work, copy, &limits, &end, error);
     if (status != SL_OK) return status;
     if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
-    else if (sscanf(end.text, "%16s %d %d %llu", s->hash, &s->width, &s->height, &triangles) != 4) snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
+    else if (sscanf(end.text, "%16s %d %d %llu %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors) != 6)
+         snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
     s->triangles = triangles;
+    s->glossy = glossy;
+    s->mirrors = mirrors;
     free(end.text);
     choose_size(o, s);
     return SL_OK;
@@ -171,10 +181,10 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
     sl_status status = describe(o, path, s, error);
     tell_apart(r);
     if (status != SL_OK || s->trouble[0]) return status;
-    status = sl_schedule_run(o, s, journal, error);
+    if (!o->references_only) status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
-    if (status == SL_OK) status = sl_audits_run(o, s, journal, error);
-    if (status == SL_OK && sl_evaluate(o, s, error) != SL_OK) {
+    if (status == SL_OK && !o->references_only) status = sl_audits_run(o, s, journal, error);
+    if (status == SL_OK && !o->trials_only && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
         if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
     }
@@ -252,7 +262,7 @@ static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_res
         status = measure(&q->options, q->scenes[i], r, journal, error);
         r->interrupted = sl_interrupted();
         take_calibration(&q->options, journal, r);
-        if (status == SL_OK) status = write_reports(&q->options, r, error);
+        if (status == SL_OK && !q->options.trials_only && !q->options.references_only) status = write_reports(&q->options, r, error);
     }
     return status;
 }
@@ -265,7 +275,7 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
         if (r->scenes[i].trouble[0] && (o->quiet || o->json)) fprintf(stderr, "softlux: %s\n", r->scenes[i].trouble);
     }
     if (o->json) sl_report_json(r, stdout);
-    else if (!o->quiet) sl_report_terminal(r, stdout);
+    else if (!o->quiet && !o->trials_only && !o->references_only) sl_report_terminal(r, stdout);
     return measured || r->interrupted ? 0 : SL_ERROR_INPUT;
 }
 

@@ -32,14 +32,14 @@ static sl_bench_reference *add_reference(sl_bench_scene *s, const char *transpor
     return r;
 }
 
-static bool list_references(sl_bench_scene *s) {
+static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
     s->reference_count = 0;
     s->references = calloc(s->row_count + 3, sizeof *s->references);
     if (!s->references) return false;
     add_reference(s, "full");
     add_reference(s, "one-bounce");
     for (size_t i = 0; i < s->row_count; i++) {
-        if (s->rows[i].end == SL_BENCH_RAN) add_reference(s, s->rows[i].transport);
+        if (s->rows[i].end == SL_BENCH_RAN || o->references_only) add_reference(s, s->rows[i].transport);
     }
     add_reference(s, "direct");
     return true;
@@ -59,16 +59,18 @@ static bool is_used_by(const sl_bench_row *row, const char *transport) {
 
 /* ---- as good as they have to be ---- */
 
-/* The smallest error that would be told with this reference; 0: none. */
-static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
-    double smallest = 0.0;
+/* The smallest error that would be told with this reference, and what share of it is in doubt; 0: none. */
+static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask, double *doubt) {
+    double smallest = *doubt = 0.0;
     for (size_t i = 0; i < s->row_count; i++) {
         sl_image *picture = NULL;
         sl_bench_error e;
         sl_error error;
         if (!is_used_by(&s->rows[i], r->transport) || sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK) continue;
-        if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && (smallest == 0.0 || e.rel_rmse < smallest))
+        if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 && (smallest == 0.0 || e.rel_rmse < smallest)) {
             smallest = e.rel_rmse;
+            *doubt = e.doubt / e.rel_rmse;
+        }
         sl_image_destroy(picture);
     }
     return smallest;
@@ -83,17 +85,9 @@ static void look_at(const sl_bench_scene *s, sl_bench_reference *r, const sl_ima
     if (sl_image_read(r->file, &image, NULL) != SL_OK) return;
     if (sl_reference_read(image, &r->pairs, &r->seconds) && sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
         r->samples = sl_reference_samples(r->pairs);
-        r->wanted = wanted_share * smallest_error(s, r, image, mask);
+        r->wanted = wanted_share * smallest_error(s, r, image, mask, &r->doubt);
     }
     sl_image_destroy(image);
-}
-
-/* Noise falls with the square root of the samples. At most as many again as there are, since the first estimates are rough. */
-static uint64_t pairs_wanted(const sl_bench_reference *r, double seconds_left, double seconds_a_pair) {
-    double pairs = (double)r->pairs, ratio = r->noise / r->wanted, more = pairs * (ratio * ratio - 1.0);
-    if (more > pairs) more = pairs;
-    if (seconds_a_pair > 0.0 && more > seconds_left / seconds_a_pair) more = seconds_left / seconds_a_pair;
-    return more > 1.0 ? (uint64_t)more : 1;
 }
 
 /* By what the ones before took. */
@@ -102,17 +96,19 @@ static double next_pair_seconds(const sl_bench_reference *r) {
     return r->samples ? r->seconds * samples / (double)r->samples : 0.0;
 }
 
+static bool is_good_enough(const sl_bench_options *o, const sl_bench_reference *r) {
+    if (!r->samples) return false;
+    if (o->reference_budget > 0.0 && r->seconds + next_pair_seconds(r) > o->reference_budget) return true;
+    return r->wanted > 0.0 ? r->noise <= r->wanted : !o->references_only;
+}
+
+/* A pair at a time: each is as long as all before it. */
 static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r, const sl_image *mask, sl_error *error) {
-    double from = sl_seconds_now();
     sl_status status = SL_OK;
     sl_reference_path(o->references, s, r->transport, r->file);
     look_at(s, r, mask);
-    while (status == SL_OK && !r->trouble[0] && !sl_interrupted()) {
-        double begin = sl_seconds_now(), left = o->reference_budget - (begin - from), a_pair = next_pair_seconds(r);
-        bool enough = r->samples > 0 && (r->wanted <= 0.0 || r->noise <= r->wanted);
-        if (enough || (r->samples > 0 && o->reference_budget > 0.0 && left <= a_pair)) break;
-        uint64_t pairs = r->samples ? pairs_wanted(r, o->reference_budget > 0.0 ? left : HUGE_VAL, a_pair) : 1;
-        status = sl_reference_extend(o, s, pairs, r, error);
+    while (status == SL_OK && !r->trouble[0] && !sl_interrupted() && !is_good_enough(o, r)) {
+        status = sl_reference_extend(o, s, 1, r, error);
         if (status == SL_OK && !r->trouble[0]) look_at(s, r, mask);
         show(o, s, r);
     }
@@ -193,12 +189,12 @@ static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_ima
 sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *error) {
     sl_image *mask = sl_reference_mask(o, s, error);
     if (!mask) return error->status;
-    sl_status status = list_references(s) ? SL_OK : SL_ERROR_RESOURCES;
+    sl_status status = list_references(o, s) ? SL_OK : SL_ERROR_RESOURCES;
     if (status != SL_OK) snprintf(error->message, sizeof error->message, "not enough memory for a list of references"), error->status = status;
     s->pixels_compared = 0;
     for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++) s->pixels_compared += mask->planes[i] > 0.5f;
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++) status = refine(o, s, &s->references[i], mask, error);
-    if (status == SL_OK) judge_all(o, s, mask);
+    if (status == SL_OK && !o->references_only) judge_all(o, s, mask);
     if (!o->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     sl_image_destroy(mask);
     return status;

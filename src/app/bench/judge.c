@@ -43,31 +43,41 @@ sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double
     return SL_OK;
 }
 
-/* The mean of (x-A)(x-B), and of (x-R)^2 as it is measured. */
-static void squared_errors(const sl_image *picture, const halves *h, const sl_image *mask, double *less_noise, double *measured) {
+typedef struct squares {
+    double less_noise, measured; /* the mean of (x-A)(x-B), and of (x-R)^2 */
+    double deviation;            /* standard, of the first, by the noise of A and B */
+} squares;
+
+/* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 where the error is e and A and B have the variance s^2; and that is what (x-R)^2 (A-B)^2 is on average. A pixel's
+ * three channels count as one value, since their noise is mostly one. */
+static squares squared_errors(const sl_image *picture, const halves *h, const sl_image *mask) {
     static const char *const names[3] = {"R", "G", "B"};
-    double product = 0.0, square = 0.0, count = 0.0;
+    const float *x[3] = {sl_image_channel(picture, names[0]), sl_image_channel(picture, names[1]), sl_image_channel(picture, names[2])};
+    double product = 0.0, square = 0.0, count = 0.0, variance = 0.0;
     size_t pixels = (size_t)picture->width * (size_t)picture->height;
-    for (int k = 0; k < 3; k++) {
-        const float *x = sl_image_channel(picture, names[k]);
-        for (size_t i = 0; i < pixels; i++) {
-            double a = (double)h->a[k][i], b = (double)h->b[k][i], v = (double)x[i], r = 0.5 * (a + b);
-            if (!(mask->planes[i] > 0.5f) || !isfinite(v) || !isfinite(r)) continue;
+    for (size_t i = 0; i < pixels; i++) {
+        double spread = 0.0;
+        if (!(mask->planes[i] > 0.5f)) continue;
+        for (int k = 0; k < 3; k++) {
+            double a = (double)h->a[k][i], b = (double)h->b[k][i], v = (double)x[k][i], r = 0.5 * (a + b);
+            if (!isfinite(v) || !isfinite(r)) continue;
             product += (v - a) * (v - b);
             square += (v - r) * (v - r);
+            spread += fabs((v - r) * (a - b));
             count += 1.0;
         }
+        variance += spread * spread;
     }
-    *less_noise = count > 0.0 ? product / count : 0.0;
-    *measured = count > 0.0 ? square / count : 0.0;
+    if (!(count > 0.0)) return (squares){0.0, 0.0, 0.0};
+    return (squares){product / count, square / count, sqrt(variance) / count};
 }
 
-/* What lies further below the noise than this cannot be told from nothing. */
-static const double tellable_share = 0.25;
+/* Two standard deviations: 95 % confidence. */
+static const double confidence = 2.0;
 
 sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask, sl_bench_error *e, sl_error *error) {
     halves h;
-    double mean, less_noise, measured;
+    double mean;
     memset(e, 0, sizeof *e);
     sl_status status = find_halves(reference, mask, &h, error);
     if (status == SL_OK) status = sl_judge_noise(reference, mask, &e->noise, &mean, error);
@@ -78,13 +88,13 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, c
         status = error->status = SL_ERROR_INPUT;
     }
     if (status != SL_OK || !(mean > 0.0)) return status;
-    squared_errors(picture, &h, mask, &less_noise, &measured);
+    squares s = squared_errors(picture, &h, mask);
+    double doubt = confidence * s.deviation, most = sqrt(s.less_noise + doubt > 0.0 ? s.less_noise + doubt : 0.0) / mean;
     e->known = true;
-    double least = tellable_share * e->noise;
-    e->measured = sqrt(measured) / mean;
-    e->rel_rmse = less_noise > 0.0 ? sqrt(less_noise) / mean : 0.0;
-    e->lost = !(e->rel_rmse > least);
-    if (e->lost) e->rel_rmse = least;
+    e->measured = sqrt(s.measured) / mean;
+    e->lost = !(s.less_noise > doubt);
+    e->rel_rmse = e->lost ? most : sqrt(s.less_noise) / mean;
+    e->doubt = e->lost ? most : most - e->rel_rmse;
     return SL_OK;
 }
 

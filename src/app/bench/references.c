@@ -1,6 +1,7 @@
 #include "app/bench/references.h"
 
 #include "app/clock.h"
+#include "cache/method.h"
 
 #include <cjson/cJSON.h>
 #include <errno.h>
@@ -19,20 +20,49 @@ void sl_reference_default_folder(char path[SL_BENCH_PATH]) {
     else snprintf(path, SL_BENCH_PATH, "softlux-references");
 }
 
+/* What there is not in a scene, no path of it can meet. */
+static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport *t) {
+    sl_settings settings = sl_settings_default();
+    unsigned lobes = SL_LOBE_DIFFUSE | (s->glossy ? SL_LOBE_GLOSSY : 0u) | (s->mirrors ? SL_LOBE_MIRROR : 0u);
+    settings.method = "path";
+    settings.transport = name;
+    settings.filter = SL_FILTER_CENTRE;
+    if (sl_method_transport(&settings, t, NULL) != SL_OK) return false;
+    t->direct_lobes &= lobes;
+    t->receiver_lobes &= lobes;
+    t->bounce_lobes &= lobes;
+    t->eye_mirrors = t->eye_mirrors && s->mirrors;
+    return true;
+}
+
+bool sl_reference_is_same(const sl_bench_scene *s, const char *name, const char *other) {
+    sl_transport a, b;
+    if (!transport_of(s, name, &a) || !transport_of(s, other, &b)) return false;
+    return a.emission == b.emission && a.eye_mirrors == b.eye_mirrors && a.direct_lobes == b.direct_lobes && a.receiver_lobes == b.receiver_lobes &&
+           a.bounce_lobes == b.bounce_lobes && a.bounces == b.bounces && a.direct_visibility == b.direct_visibility &&
+           a.bounce_visibility == b.bounce_visibility;
+}
+
 void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *transport, char path[SL_BENCH_PATH]) {
+    static const char *const plain[] = {"full", "one-bounce", "direct"}; /* whose files stand for others' of the same paths */
     char name[SL_BENCH_NAME];
     snprintf(name, sizeof name, "%s", transport);
+    for (size_t i = sizeof plain / sizeof *plain; i-- > 0;) {
+        if (sl_reference_is_same(s, plain[i], transport)) snprintf(name, sizeof name, "%s", plain[i]);
+    }
     for (char *c = name; *c; c++) {
         if (*c == ':') *c = '-';
     }
-    snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centre-%s.exr", folder, s->hash, s->width, s->height, name, SL_VERSION);
+    snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-%s-centres-%s.exr", folder, s->hash, s->width, s->height, name, SL_VERSION);
 }
 
 /* ---- how long chunks are ---- */
 
+/* As long as all before them: samples of one sequence do more than as many of two (noise falls with their number to the power of -0.65 or so). */
 static uint32_t chunk_samples(uint64_t chunk) {
+    enum { LONGEST = 12 };
     uint64_t pair = chunk / 2;
-    return 32u << (pair < 3 ? pair : 3);
+    return 32u << (pair < LONGEST ? pair : LONGEST);
 }
 
 uint64_t sl_reference_samples(uint64_t pairs) {

@@ -21,11 +21,22 @@ sl_status sl_report_write(const char *folder, const char *name, const char *text
     return error->status = SL_ERROR_OUTPUT;
 }
 
+/* What is in doubt by less than this share of an error goes without saying. */
+static const double silent_doubt = 0.1;
+
+static int digits_of(double percent) { return percent >= 100.0 ? 0 : percent >= 9.95 ? 1 : percent >= 0.995 ? 2 : 3; }
+
 void sl_error_text(const sl_bench_error *e, char text[32]) {
-    double percent = 100.0 * e->rel_rmse;
-    int digits = percent >= 100.0 ? 0 : percent >= 9.95 ? 1 : percent >= 0.995 ? 2 : 3;
+    double percent = 100.0 * e->rel_rmse, doubt = 100.0 * e->doubt;
     if (!e->known) snprintf(text, 32, "-");
-    else snprintf(text, 32, "%s%.*f %%", e->lost ? "< " : "", digits, percent);
+    else if (e->lost || !(e->doubt > silent_doubt * e->rel_rmse)) snprintf(text, 32, "%s%.*f %%", e->lost ? "< " : "", digits_of(percent), percent);
+    else snprintf(text, 32, "%.*f ± %.*f %%", digits_of(percent), percent, digits_of(percent), doubt);
+}
+
+void sl_reference_text(const sl_bench_reference *r, char text[96]) {
+    if (!(r->wanted > 0.0)) text[0] = '\0';
+    else snprintf(text, 96, "%.2g %%: %s; subtracted, leaves ± %.0f %%", 1000.0 * r->wanted, r->noise <= r->wanted ? "noise below a tenth" : "noise above a tenth",
+                  100.0 * r->doubt);
 }
 
 void sl_promise_text(const sl_bench_promise *p, char text[64]) {

@@ -21,8 +21,10 @@ void sl_report_json(const sl_bench_results *results, FILE *out);
 
 /* Writes text as folder/name. */
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error);
-/* "3.2 %", "< 0.04 %" below what the reference can tell, "-" where it is not known. */
+/* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing; "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
+/* The smallest error told with a reference, and how much of the reference's noise is in it; "" where none is told. */
+void sl_reference_text(const sl_bench_reference *reference, char text[96]);
 /* "3.1 %, at most 3.9 %", or "-". */
 void sl_promise_text(const sl_bench_promise *promise, char text[64]);
 /* "0.31" to three digits. */

@@ -35,8 +35,8 @@ static void put_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *r) {
             (unsigned long long)r->fragments);
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
         const sl_bench_error *e = &r->error[t];
-        if (!e->known) fputs(",,,,,,,", out);
-        else fprintf(out, ",%.6g,%s,%.6g,%.6g,%.6g,%.6g,%llu", e->rel_rmse, e->lost ? "yes" : "no", e->noise, e->rel_mse, e->bias, e->flip,
+        if (!e->known) fputs(",,,,,,,,", out);
+        else fprintf(out, ",%.6g,%s,%.6g,%.6g,%.6g,%.6g,%.6g,%llu", e->rel_rmse, e->lost ? "yes" : "no", e->doubt, e->noise, e->rel_mse, e->bias, e->flip,
                      (unsigned long long)e->nonfinite);
     }
     const sl_bench_promise *p = &r->promise;
@@ -55,7 +55,7 @@ sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_
         fputs(head, out);
         for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
             const char *n = sl_bench_truth_name((sl_bench_truth)t);
-            fprintf(out, ",%s_rel_rmse,%s_is_bound,%s_reference_noise,%s_rel_mse,%s_bias,%s_flip,%s_nonfinite", n, n, n, n, n, n, n);
+            fprintf(out, ",%s_rel_rmse,%s_is_bound,%s_doubt,%s_reference_noise,%s_rel_mse,%s_bias,%s_flip,%s_nonfinite", n, n, n, n, n, n, n, n);
         }
         fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds,whole_picture_rel_rmse\n", out);
         for (size_t s = 0; s < results->scene_count; s++) {
@@ -98,6 +98,7 @@ static cJSON *row_object(const sl_bench_row *r) {
         cJSON *one = cJSON_AddObjectToObject(errors, sl_bench_truth_name((sl_bench_truth)t));
         cJSON_AddNumberToObject(one, "rel_rmse", e->rel_rmse);
         cJSON_AddBoolToObject(one, "is_bound", e->lost);
+        cJSON_AddNumberToObject(one, "doubt", e->doubt);
         cJSON_AddNumberToObject(one, "reference_noise", e->noise);
         cJSON_AddNumberToObject(one, "rel_mse", e->rel_mse);
         cJSON_AddNumberToObject(one, "bias", e->bias);

@@ -135,7 +135,7 @@ static void put_differences(FILE *out, const sl_bench_scene *s) {
 
 static void put_references(FILE *out, const sl_bench_scene *s) {
     fputs("<h3>What the methods cannot see</h3>\n<p>References by the path tracer: what each set of light paths holds of full global illumination.</p>\n"
-          "<table><tr><th>light paths</th><th>samples a pixel</th><th>cpu s</th><th>its noise</th><th>wanted</th><th>light in it</th><th>relative RMSE against full</th></tr>\n",
+          "<table><tr><th>light paths</th><th>samples a pixel</th><th>cpu s</th><th>its noise</th><th class=\"t\">smallest error told with it</th><th>light in it</th><th>relative RMSE against full</th></tr>\n",
           out);
     for (size_t i = 0; i < s->reference_count; i++) {
         const sl_bench_reference *r = &s->references[i];
@@ -144,9 +144,10 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
             put(out, "<td class=\"t\" colspan=\"6\">none: ", r->trouble[0] ? r->trouble : "there was no time for it", "</td></tr>\n");
             continue;
         }
+        char smallest[96];
+        sl_reference_text(r, smallest);
         fprintf(out, "<td>%llu</td><td>%.0f</td><td>%.3g %%</td>", (unsigned long long)r->samples, r->seconds, 100.0 * r->noise);
-        if (r->wanted > 0.0) fprintf(out, "<td>%.2g %%%s</td>", 100.0 * r->wanted, r->noise <= r->wanted ? "" : ", not reached: subtracted");
-        else fputs("<td></td>", out);
+        put(out, "<td class=\"t\">", smallest, "</td>");
         if (r->missing_known) fprintf(out, "<td>%.1f %%</td><td>%.2f %%</td></tr>\n", 100.0 * r->energy, 100.0 * r->missing);
         else fputs("<td></td><td></td></tr>\n", out);
     }
@@ -210,7 +211,8 @@ static void put_head(FILE *out, const sl_bench_results *r) {
             1e3 * r->calibration.median, 1e3 * r->calibration.least, 1e3 * r->calibration.most, 100.0 * r->unrest, 100.0 * r->unrest_cpu,
             100.0 * r->share_of_processor);
     fputs("<p>Time is the processor's, of all threads together, until the picture is there; reading the scene is not in it. Errors are relative RMSE over the pixels that look at "
-          "neither lamp nor sky, the reference's own noise subtracted; &lt; and a triangle: too far below that noise to be told. Large points are the three qualities, "
+          "neither lamp nor sky, the reference's own noise subtracted. What that noise leaves in doubt is below a tenth of the error, with 95 % confidence, or stands behind it "
+          "as ±; &lt; and a triangle: at most, and perhaps nothing. Large points are the three qualities, "
           "small ones other settings, hollow ones what another setting of the same method beats.</p>\n", out);
 }
 

@@ -12,7 +12,7 @@ static const double wanted_errors[] = {0.2, 0.1, 0.05, 0.02, 0.01, 0.005};
 enum { WANTED = sizeof wanted_errors / sizeof *wanted_errors };
 
 static void put_head(FILE *out, const sl_bench_results *r) {
-    fprintf(out, "softlux %s, %s, %d thread%s%s, %d run%s of a setting that takes less than 5 seconds, medians%s.\n\n", r->version, r->machine, r->threads,
+    fprintf(out, "softlux %s, %s, %d thread%s%s, %d run%s of a setting that takes less than 2 seconds, medians%s.\n\n", r->version, r->machine, r->threads,
             r->threads == 1 ? "" : "s", r->date[0] ? r->date : "", r->repeats, r->repeats == 1 ? "" : "s",
             r->interrupted ? "; **interrupted: what was measured until then**" : "");
     fprintf(out, "The machine was %s: a fixed amount of arithmetic between the trials took %.1f ms by the clock, %.1f to %.1f; half the distance of its quartiles is "
@@ -20,7 +20,8 @@ static void put_head(FILE *out, const sl_bench_results *r) {
             r->noisy ? "**noisy**" : "quiet", 1e3 * r->calibration.median, 1e3 * r->calibration.least, 1e3 * r->calibration.most, 100.0 * r->unrest,
             100.0 * r->unrest_cpu, 100.0 * r->share_of_processor);
     fprintf(out, "Errors are relative RMSE: the root of the mean squared difference over the reference's mean, over the pixels that look at neither lamp nor sky; the "
-                 "reference's own noise is subtracted. `<`: too far below that noise to be told. *matched*: against the light paths that the method itself declares; "
+                 "reference's own noise is subtracted. What that noise leaves in doubt is below a tenth of the error (95 %% confidence), or stands behind it as ±; `<`: at most, and "
+                 "perhaps nothing. *matched*: against the light paths that the method itself declares; "
                  "*one bounce*: direct light and one diffuse bounce; *full*: all of global illumination.\n");
 }
 
@@ -75,16 +76,16 @@ static void put_times(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, 
 }
 
 static void put_references(FILE *out, const sl_bench_scene *s) {
-    fputs("\n| reference | samples a pixel | its noise | wanted | light in it | what it leaves out of full |\n| --- | ---: | ---: | ---: | ---: | ---: |\n", out);
+    fputs("\n| reference | samples a pixel | its noise | smallest error told with it | light in it | what it leaves out of full |\n| --- | ---: | ---: | ---: | ---: | ---: |\n", out);
     for (size_t i = 0; i < s->reference_count; i++) {
         const sl_bench_reference *r = &s->references[i];
         if (!r->samples) {
             fprintf(out, "| %s | none: %s | | | | |\n", r->transport, r->trouble[0] ? r->trouble : "there was no time for it");
             continue;
         }
-        fprintf(out, "| %s | %llu | %.3g %% |", r->transport, (unsigned long long)r->samples, 100.0 * r->noise);
-        if (r->wanted > 0.0) fprintf(out, " %.2g %%%s |", 100.0 * r->wanted, r->noise <= r->wanted ? "" : ", not reached: subtracted");
-        else fputs(" |", out);
+        char smallest[96];
+        sl_reference_text(r, smallest);
+        fprintf(out, "| %s | %llu | %.3g %% | %s |", r->transport, (unsigned long long)r->samples, 100.0 * r->noise, smallest);
         if (r->missing_known) fprintf(out, " %.1f %% | %.2f %% |\n", 100.0 * r->energy, 100.0 * r->missing);
         else fputs(strcmp(r->transport, "full") == 0 ? " 100 % | |\n" : " | |\n", out);
     }

@@ -35,9 +35,10 @@ typedef struct sl_bench_spread {
 typedef struct sl_bench_error {
     bool known;
     double rel_rmse; /* the reference's own noise is subtracted */
+    double doubt;    /* with 95 % confidence it is not further than that from the error against the truth: what that noise leaves of itself */
     double measured; /* with it */
     double noise;    /* relative RMSE of the reference itself, by its two halves */
-    bool lost;       /* rel_rmse is too far below the noise to be told: an upper bound stands in its place */
+    bool lost;       /* it cannot be told from nothing: an upper bound stands in its place */
     double rel_mse, bias, flip;
     uint64_t nonfinite;
 } sl_bench_error;
@@ -89,6 +90,7 @@ typedef struct sl_bench_reference {
     double seconds;   /* of all processors, in all runs that made it */
     double noise;     /* relative RMSE */
     double wanted;    /* a tenth of the smallest error that is told with it; 0: nothing was */
+    double doubt;     /* of that error, as a share of it */
     char trouble[256]; /* why there is none, or no more of it; or "" */
     double energy;    /* its mean over that of full global illumination; 0: not known */
     double missing;   /* its relative RMSE against full global illumination; 0: not known */
@@ -101,6 +103,7 @@ typedef struct sl_bench_scene {
     char hash[17];
     int width, height;
     uint64_t triangles, pixels_compared;
+    bool glossy, mirrors; /* there are such surfaces */
     char trouble[1200]; /* why nothing could be measured; or "" */
     size_t row_count, reference_count;
     sl_bench_row *rows;

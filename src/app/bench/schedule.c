@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LONG_SECONDS = 5 }; /* a trial that takes longer is not repeated: what disturbs it lasts shorter than it does */
+enum { LONG_SECONDS = 2 }; /* a trial that takes longer is not repeated: what disturbs it lasts shorter than it does */
 
 typedef struct job {
     const sl_trial *trial;
@@ -108,7 +108,18 @@ static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *
     return (end_of(entry) == SL_BENCH_STOPPED && more_time) || more_memory ? NULL : entry;
 }
 
-/* Whether a job still makes sense after what its first run was like. */
+/* A cheaper setting of the same curve that was stopped by the limit; NULL: none. */
+static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const sl_trial *trial) {
+    const sl_trial *t;
+    for (size_t i = 0; (t = sl_trial_at(i)) && t != trial; i++) {
+        const job first = {t, 0, 0};
+        const cJSON *entry = strcmp(t->curve, trial->curve) == 0 ? find_entry(o, s, journal, &first) : NULL;
+        if (entry && end_of(entry) == SL_BENCH_STOPPED) return t;
+    }
+    return NULL;
+}
+
+/* Whether a job still makes sense after what its first run, and cheaper settings, were like. */
 static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const job *j) {
     job first = *j;
     char picture[SL_BENCH_PATH];
@@ -116,7 +127,7 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
     const cJSON *entry = find_entry(o, s, journal, j);
     sl_trial_picture(o, s, j->trial, picture);
     if (entry) return j->repeat == 0 && end_of(entry) == SL_BENCH_RAN && access(picture, R_OK) != 0;
-    if (j->repeat == 0) return true;
+    if (j->repeat == 0) return !stopped_before(o, s, journal, j->trial);
     entry = find_entry(o, s, journal, &first);
     if (!entry || end_of(entry) != SL_BENCH_RAN) return false;
     return j->repeat < 0 || number(cJSON_GetObjectItem(entry, "result"), "wall_seconds") < (double)LONG_SECONDS;
@@ -257,7 +268,9 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     snprintf(row->transport, sizeof row->transport, "%s", t->transport);
     row->quality = t->quality;
     row->end = SL_BENCH_LEFT_OUT;
-    snprintf(row->why, sizeof row->why, "there was no time left for it");
+    const sl_trial *cheaper = stopped_before(o, s, journal, t);
+    if (cheaper) snprintf(row->why, sizeof row->why, "'%s' was stopped by the limit, and this takes longer", cheaper->name);
+    else snprintf(row->why, sizeof row->why, "there was no time left for it");
     sl_trial_picture(o, s, t, row->picture);
     for (int r = -1; r < o->repeats && runs < MOST; r++) {
         const job j = {t, 0, r};
@@ -292,8 +305,9 @@ sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const s
     }
     for (size_t i = 0; i < count; i++) {
         if (!is_wanted(o, sl_trial_at(i))) continue;
-        make_row(o, s, journal, sl_trial_at(i), &s->rows[s->row_count]);
-        bool untold = o->report_only && s->rows[s->row_count].end == SL_BENCH_LEFT_OUT; /* what measured may not have known this trial */
+        const sl_trial *t = sl_trial_at(i);
+        make_row(o, s, journal, t, &s->rows[s->row_count]);
+        bool untold = o->report_only && s->rows[s->row_count].end == SL_BENCH_LEFT_OUT && !stopped_before(o, s, journal, t); /* nobody tried it */
         if (untold) memset(&s->rows[s->row_count], 0, sizeof *s->rows);
         else s->row_count++;
     }

@@ -11,11 +11,13 @@ typedef struct sl_bench_options {
     const char *methods, *qualities;  /* lists with commas between, or NULL: all */
     int width, height;                /* 0: as the scene says, made small */
     int repeats;
-    double budget, limit, reference_budget; /* seconds: of all trials of a scene; of one; of each reference. 0: none */
+    double budget, limit, reference_budget; /* seconds: of all trials of a scene; of one; of processor time of each reference. 0: none */
     uint64_t memory_bytes;            /* of one trial; 0: none */
     unsigned threads, reference_threads; /* 0: all processors */
     bool quiet, json;
     bool report_only; /* no trial is run: the journal is taken as it is */
+    bool trials_only; /* no errors, no report */
+    bool references_only; /* as good as their budget makes them */
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
