@@ -76,7 +76,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"methods", 'm', SL_OPTION_TEXT, &o->methods, NULL, "LIST", "which, with commas between [all]", 0, 0, NULL},
         {"qualities", 'q', SL_OPTION_TEXT, &o->qualities, NULL, "LIST", "of draft, normal, high, and curve: what lies between and beyond [all]", 0, 0, NULL},
         {"size", 's', SL_OPTION_SIZE, q->size, NULL, "WxH", "pixels [the scene's film, at most 192 a side]", 0, 0, NULL},
-        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than 2 seconds [3]", 1, 50, NULL},
+        {"repeats", 'r', SL_OPTION_COUNT, &q->repeats, NULL, "R", "runs of what takes less than a second [3]", 1, 50, NULL},
         {"threads", 't', SL_OPTION_COUNT, &q->threads, NULL, "N", "workers of each trial [1]", 1, 256, NULL},
         {"budget", 0, SL_OPTION_REAL, &o->budget, NULL, "SECONDS", "for a scene's trials; the rest is left out [no limit]", 0.1, 1e9, NULL},
         {"limit", 0, SL_OPTION_REAL, &o->limit, NULL, "SECONDS", "for one trial, by the clock; then it is stopped [60]", 0.1, 1e9, NULL},
@@ -240,6 +240,7 @@ static sl_status write_reports(const sl_bench_options *o, const sl_bench_results
     if (status == SL_OK) status = sl_report_markdown(r, o->folder, error);
     if (status == SL_OK) status = sl_report_plots(r, o->folder, error);
     if (status == SL_OK) status = sl_report_html(r, o->folder, error);
+    if (status == SL_OK) status = sl_report_summary(r, o->folder, error);
     return status;
 }
 

@@ -35,8 +35,7 @@ void sl_error_text(const sl_bench_error *e, char text[32]) {
 
 void sl_reference_text(const sl_bench_reference *r, char text[96]) {
     if (!(r->wanted > 0.0)) text[0] = '\0';
-    else snprintf(text, 96, "%.2g %%: %s; subtracted, leaves ± %.0f %%", 1000.0 * r->wanted, r->noise <= r->wanted ? "noise below a tenth" : "noise above a tenth",
-                  100.0 * r->doubt);
+    else snprintf(text, 96, "%.2g ± %.1g %%%s", 1000.0 * r->wanted, 1000.0 * r->wanted * r->doubt, r->noise <= r->wanted ? "" : ", noise above a tenth");
 }
 
 void sl_promise_text(const sl_bench_promise *p, char text[64]) {

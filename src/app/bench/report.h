@@ -10,6 +10,8 @@
 sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_error *error);
 sl_status sl_report_markdown(const sl_bench_results *results, const char *folder, sl_error *error);
 sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl_error *error);
+/* tables.md: what a page in words quotes, each table between <!-- table NAME --> and <!-- end -->. */
+sl_status sl_report_summary(const sl_bench_results *results, const char *folder, sl_error *error);
 /* SCENE-one-bounce.svg and the like. */
 sl_status sl_report_plots(const sl_bench_results *results, const char *folder, sl_error *error);
 /* To the terminal: what matters, a line each. */
@@ -23,6 +25,8 @@ void sl_report_json(const sl_bench_results *results, FILE *out);
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error);
 /* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing; "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
+/* How often errors told without a reference hold, as a table. */
+void sl_report_promises(FILE *out, const sl_bench_results *results);
 /* The smallest error told with a reference, and how much of the reference's noise is in it; "" where none is told. */
 void sl_reference_text(const sl_bench_reference *reference, char text[96]);
 /* "3.1 %, at most 3.9 %", or "-". */

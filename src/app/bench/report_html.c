@@ -12,9 +12,12 @@ static const char style[] =
     "@media(prefers-color-scheme:dark){:root{--ink:#ddd;--paper:#15171a;--soft:#999;--line:#33373d}}"
     "body{font:15px/1.45 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:1100px;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse;font-size:13px;margin:1em 0}td,th{padding:2px 9px;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}"
-    "td:first-child,th:first-child,td.t,th.t{text-align:left}tr.q td{font-weight:600}.soft{color:var(--soft)}.wide{overflow-x:auto}svg{max-width:100%;height:auto}"
+    "a{color:inherit}td:first-child,th:first-child,td.t,th.t{text-align:left}tr.q td{font-weight:600}.soft{color:var(--soft)}.wide{overflow-x:auto}svg{max-width:100%;height:auto}"
     ".grid{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0;font-size:12px}figure img{display:block;width:192px;image-rendering:pixelated}"
-    "code{font-size:12px}.noisy{border-left:4px solid #c24e00;padding-left:10px}";
+    "code{font-size:12px}.noisy{border-left:4px solid #c24e00;padding-left:10px}"
+    "@media(max-width:700px){.wide svg{max-width:none;width:640px}figure,figure img{width:42vw}}"
+    "@media print{:root{--ink:#000;--paper:#fff;--soft:#444;--line:#bbb}body{max-width:none;margin:0}h2.scene{break-before:page}svg,figure,tr{break-inside:avoid}"
+    ".wide{overflow:visible}.wide table{font-size:8px}.wide td,.wide th{padding:1px 3px}}";
 
 static void put(FILE *out, const char *before, const char *text, const char *after) {
     fputs(before, out);
@@ -97,7 +100,7 @@ static void put_times(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, 
     sl_curve curves[SL_CURVES];
     size_t count = sl_curves_of(s, truth, curves);
     if (!count) return;
-    fprintf(out, "<table><tr><th>seconds until, against %s,</th>", title);
+    fprintf(out, "<div class=\"wide\"><table><tr><th>seconds until, against %s,</th>", title);
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) fprintf(out, "<th>%g %%</th>", 100.0 * wanted[i]);
     fputs("</tr>\n", out);
     for (size_t k = 0; k < count; k++) {
@@ -105,7 +108,7 @@ static void put_times(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, 
         for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) put_seconds(out, sl_curve_time_to(&curves[k], truth, wanted[i]));
         fputs("</tr>\n", out);
     }
-    fputs("</table>\n", out);
+    fputs("</table></div>\n", out);
 }
 
 /* ---- pictures ---- */
@@ -135,7 +138,7 @@ static void put_differences(FILE *out, const sl_bench_scene *s) {
 
 static void put_references(FILE *out, const sl_bench_scene *s) {
     fputs("<h3>What the methods cannot see</h3>\n<p>References by the path tracer: what each set of light paths holds of full global illumination.</p>\n"
-          "<table><tr><th>light paths</th><th>samples a pixel</th><th>cpu s</th><th>its noise</th><th class=\"t\">smallest error told with it</th><th>light in it</th><th>relative RMSE against full</th></tr>\n",
+          "<div class=\"wide\"><table><tr><th>light paths</th><th>samples a pixel</th><th>cpu s</th><th>its noise</th><th class=\"t\">smallest error told with it</th><th>light in it</th><th>relative RMSE against full</th></tr>\n",
           out);
     for (size_t i = 0; i < s->reference_count; i++) {
         const sl_bench_reference *r = &s->references[i];
@@ -151,7 +154,7 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
         if (r->missing_known) fprintf(out, "<td>%.1f %%</td><td>%.2f %%</td></tr>\n", 100.0 * r->energy, 100.0 * r->missing);
         else fputs("<td></td><td></td></tr>\n", out);
     }
-    fputs("</table>\n<div class=\"grid\">\n", out);
+    fputs("</table></div>\n<div class=\"grid\">\n", out);
     if (s->picture) put_figure(out, s->picture, "full global illumination", "the reference");
     for (size_t i = 0; i < s->reference_count; i++) {
         const sl_bench_reference *r = &s->references[i];
@@ -165,20 +168,55 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
 
 /* ---- the page ---- */
 
+static void put_overview_cell(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, double error) {
+    sl_bench_lead lead = sl_bench_lead_at(s, truth, error);
+    char seconds[32];
+    if (!lead.method) {
+        fputs("<td class=\"t\">none</td><td></td>", out);
+        return;
+    }
+    sl_seconds_text(lead.seconds, seconds);
+    put(out, "<td class=\"t\">", lead.method, "");
+    fprintf(out, ", %s s</td>", seconds);
+    if (lead.path_seconds > 0.0) fprintf(out, "<td>%s%.1f</td>", lead.path_later ? "&gt; " : "", lead.path_seconds / lead.seconds);
+    else fputs("<td></td>", out);
+}
+
+/* A line a scene: which method is first, and how many times sooner than the path tracer. */
+static void put_overview(FILE *out, const sl_bench_results *r) {
+    fputs("<div class=\"wide\"><table><tr><th>scene</th><th class=\"t\">first at 5 % of one bounce</th><th>times as soon as paths</th><th class=\"t\">at 1 %</th><th>times</th>"
+          "<th class=\"t\">at 5 % of all light</th><th>times</th></tr>\n", out);
+    for (size_t i = 0; i < r->scene_count; i++) {
+        const sl_bench_scene *s = &r->scenes[i];
+        put(out, "<tr><td><a href=\"#", s->name, "\">");
+        put(out, "", s->name, "</a></td>");
+        if (s->trouble[0]) {
+            fputs("<td class=\"t\" colspan=\"6\">nothing was measured</td></tr>\n", out);
+            continue;
+        }
+        put_overview_cell(out, s, SL_BENCH_ONE_BOUNCE, 0.05);
+        put_overview_cell(out, s, SL_BENCH_ONE_BOUNCE, 0.01);
+        put_overview_cell(out, s, SL_BENCH_FULL, 0.05);
+        fputs("</tr>\n", out);
+    }
+    fputs("</table></div>\n", out);
+}
+
 static void put_promises(FILE *out, const sl_bench_results *r) {
     fputs("<h2>Errors told without a reference</h2>\n<p>Of the whole picture, against the method's own light paths: how often the measured error is within the bound that "
-          "<code>softlux render --error</code> stops by, which is to hold in 95 %.</p>\n<table><tr><th>method</th><th>pictures judged</th><th>within the bound</th><th>bound over measured, median</th></tr>\n", out);
+          "<code>softlux render --error</code> stops by, which is to hold in 95 %.</p>\n<div class=\"wide\"><table><tr><th>method</th><th>pictures judged</th><th>within the bound</th><th>bound over measured, median</th></tr>\n", out);
     for (size_t m = 0;; m++) {
         const char *name = sl_method_name(m);
         sl_bench_kept k = sl_bench_promises(r, name);
         if (k.made) fprintf(out, "<tr><td>%s</td><td>%d</td><td>%.0f %%</td><td>%.2f</td></tr>\n", name ? name : "all", k.made, 100.0 * k.kept / k.made, k.slack);
         if (!name) break;
     }
-    fputs("</table>\n", out);
+    fputs("</table></div>\n", out);
 }
 
 static void put_scene(FILE *out, const sl_bench_scene *s) {
-    put(out, "<h2>", s->name, "</h2>\n");
+    put(out, "<h2 class=\"scene\" id=\"", s->name, "\">");
+    put(out, "", s->name, "</h2>\n");
     if (s->trouble[0]) {
         put(out, "<p>Nothing was measured: ", s->trouble, "</p>\n");
         return;
@@ -190,13 +228,19 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
     put_lead(out, s, SL_BENCH_ONE_BOUNCE, "one bounce", 0.01);
     put_lead(out, s, SL_BENCH_FULL, "full global illumination", 0.05);
     fputs("</ul>\n", out);
-    for (int t = SL_BENCH_TRUTHS; t-- > 0;) sl_plot_curves(out, s, (sl_bench_truth)((t + 2) % SL_BENCH_TRUTHS));
+    for (int t = SL_BENCH_TRUTHS; t-- > 0;) {
+        fputs("<div class=\"wide\">", out);
+        sl_plot_curves(out, s, (sl_bench_truth)((t + 2) % SL_BENCH_TRUTHS));
+        fputs("</div>\n", out);
+    }
     put_times(out, s, SL_BENCH_ONE_BOUNCE, "one bounce");
     put_times(out, s, SL_BENCH_FULL, "full global illumination");
     put_differences(out, s);
     put_references(out, s);
     fputs("<h3>Where the time goes</h3>\n<p>A part ends where its pass announces itself: what was done for it beforehand is in it.</p>\n", out);
-    if (!sl_plot_parts(out, s)) fputs("<p>No trial was looked at.</p>\n", out);
+    fputs("<div class=\"wide\">", out);
+    if (!sl_plot_parts(out, s)) fputs("<p>No trial was looked at.</p>", out);
+    fputs("</div>\n", out);
     put_rows(out, s);
 }
 
@@ -222,6 +266,7 @@ sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl
     FILE *out = open_memstream(&text, &size);
     if (out) {
         put_head(out, results);
+        put_overview(out, results);
         for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
         put_promises(out, results);
         fputs("</body></html>\n", out);

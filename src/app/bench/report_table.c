@@ -12,7 +12,7 @@ static const double wanted_errors[] = {0.2, 0.1, 0.05, 0.02, 0.01, 0.005};
 enum { WANTED = sizeof wanted_errors / sizeof *wanted_errors };
 
 static void put_head(FILE *out, const sl_bench_results *r) {
-    fprintf(out, "softlux %s, %s, %d thread%s%s, %d run%s of a setting that takes less than 2 seconds, medians%s.\n\n", r->version, r->machine, r->threads,
+    fprintf(out, "softlux %s, %s, %d thread%s%s, %d run%s of a setting that takes less than a second, medians%s.\n\n", r->version, r->machine, r->threads,
             r->threads == 1 ? "" : "s", r->date[0] ? r->date : "", r->repeats, r->repeats == 1 ? "" : "s",
             r->interrupted ? "; **interrupted: what was measured until then**" : "");
     fprintf(out, "The machine was %s: a fixed amount of arithmetic between the trials took %.1f ms by the clock, %.1f to %.1f; half the distance of its quartiles is "
@@ -106,9 +106,8 @@ static void put_leads(FILE *out, const sl_bench_results *r, double error) {
     }
 }
 
-static void put_promises(FILE *out, const sl_bench_results *r) {
-    fputs("\nErrors told without a reference (`softlux render --error`), of the whole picture: how often the measured one is within the bound, which is to hold in 95 %.\n\n"
-          "| method | pictures judged | within the bound | bound over measured, median |\n| --- | ---: | ---: | ---: |\n", out);
+void sl_report_promises(FILE *out, const sl_bench_results *r) {
+    fputs("| method | pictures judged | within the bound | bound over measured, median |\n| --- | ---: | ---: | ---: |\n", out);
     for (size_t m = 0;; m++) {
         const char *name = sl_method_name(m);
         sl_bench_kept k = sl_bench_promises(r, name);
@@ -147,7 +146,9 @@ sl_status sl_report_markdown(const sl_bench_results *results, const char *folder
         put_leads(out, results, 0.05);
         put_leads(out, results, 0.02);
         put_leads(out, results, 0.01);
-        put_promises(out, results);
+        fputs("\nErrors told without a reference (`softlux render --error`), of the whole picture: how often the measured one is within the bound, which is to hold in "
+              "95 %.\n\n", out);
+        sl_report_promises(out, results);
         for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
         fclose(out);
     }

@@ -10,7 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LONG_SECONDS = 2 }; /* a trial that takes longer is not repeated: what disturbs it lasts shorter than it does */
+static const double most_of_limit = 0.4; /* settings of a curve are some three times as dear as the one before */
+enum { LONG_SECONDS = 1 }; /* a trial that takes longer is not repeated: what disturbs it lasts shorter than it does */
 
 typedef struct job {
     const sl_trial *trial;
@@ -58,6 +59,12 @@ static bool is_wanted(const sl_bench_options *o, const sl_trial *t) {
     return sl_list_names(o->methods, t->method) && sl_list_names(o->qualities, sl_bench_quality_name(t->quality));
 }
 
+/* Of the tracers one look is enough: they have one pass, and a first picture does not depend on how many samples follow. */
+static bool is_looked_at(const sl_trial *t) {
+    bool tracer = strcmp(t->method, "path") == 0 || strcmp(t->method, "bidirectional") == 0;
+    return t->quality != SL_BENCH_CURVE && (!tracer || t->quality == SL_BENCH_DRAFT);
+}
+
 static bool list_jobs(const sl_bench_options *o, job_list *l) {
     const sl_trial *t, *before = NULL;
     size_t rank = 0;
@@ -65,7 +72,7 @@ static bool list_jobs(const sl_bench_options *o, job_list *l) {
     for (size_t i = 0; (t = sl_trial_at(i)); before = t, i++) {
         rank = before && strcmp(before->curve, t->curve) == 0 ? rank + 1 : 0;
         if (!is_wanted(o, t)) continue;
-        for (int r = t->quality == SL_BENCH_CURVE ? 0 : -1; r < o->repeats; r++) {
+        for (int r = is_looked_at(t) ? -1 : 0; r < o->repeats; r++) {
             if (!add_job(l, t, rank, r)) return false;
         }
     }
@@ -108,13 +115,15 @@ static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *
     return (end_of(entry) == SL_BENCH_STOPPED && more_time) || more_memory ? NULL : entry;
 }
 
-/* A cheaper setting of the same curve that was stopped by the limit; NULL: none. */
+static double seconds_of(const cJSON *entry) { return number(cJSON_GetObjectItem(entry, "result"), "wall_seconds"); }
+
+/* A cheaper setting of the same curve that the limit stopped, or that left too little of it for this one; NULL: none. */
 static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal, const sl_trial *trial) {
     const sl_trial *t;
     for (size_t i = 0; (t = sl_trial_at(i)) && t != trial; i++) {
         const job first = {t, 0, 0};
         const cJSON *entry = strcmp(t->curve, trial->curve) == 0 ? find_entry(o, s, journal, &first) : NULL;
-        if (entry && end_of(entry) == SL_BENCH_STOPPED) return t;
+        if (entry && (end_of(entry) == SL_BENCH_STOPPED || (o->limit > 0.0 && seconds_of(entry) > most_of_limit * o->limit))) return t;
     }
     return NULL;
 }
@@ -130,7 +139,7 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
     if (j->repeat == 0) return !stopped_before(o, s, journal, j->trial);
     entry = find_entry(o, s, journal, &first);
     if (!entry || end_of(entry) != SL_BENCH_RAN) return false;
-    return j->repeat < 0 || number(cJSON_GetObjectItem(entry, "result"), "wall_seconds") < (double)LONG_SECONDS;
+    return j->repeat < 0 || seconds_of(entry) < (double)LONG_SECONDS;
 }
 
 /* ---- running ---- */
@@ -269,7 +278,7 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     row->quality = t->quality;
     row->end = SL_BENCH_LEFT_OUT;
     const sl_trial *cheaper = stopped_before(o, s, journal, t);
-    if (cheaper) snprintf(row->why, sizeof row->why, "'%s' was stopped by the limit, and this takes longer", cheaper->name);
+    if (cheaper) snprintf(row->why, sizeof row->why, "'%s' took most of the limit of seconds, and this takes longer", cheaper->name);
     else snprintf(row->why, sizeof row->why, "there was no time left for it");
     sl_trial_picture(o, s, t, row->picture);
     for (int r = -1; r < o->repeats && runs < MOST; r++) {

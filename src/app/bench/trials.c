@@ -70,7 +70,6 @@ static const sl_trial trials[] = {
     SHADING_CACHE("high", SL_BENCH_HIGH, "-q high"),
     PATH("one-bounce"),
     PATH("full"),
-    BIDIRECTIONAL("one-bounce"),
     BIDIRECTIONAL("full"),
 };
 
