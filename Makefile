@@ -4,6 +4,7 @@
 #   CONFIG=debug              address and undefined-behaviour sanitizers
 #   CONFIG=tsan               thread sanitizer (clang)
 #   CONFIG=baseline           without the multiversioned loops
+#   CONFIG=fuzz               for the fuzzer: sanitizers and coverage (clang)
 # Each configuration and compiler has its own folder: build/ for the default, build/CONFIG[-clang] otherwise.
 
 CONFIG ?= release
@@ -45,8 +46,13 @@ else ifeq ($(CONFIG),baseline)
 OPTIMISE := -O2 -g
 ISAS := baseline
 DEFINES += -DSL_BASELINE_ONLY
+else ifeq ($(CONFIG),fuzz)
+OPTIMISE := -O1 -g -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
+ISAS := baseline
+DEFINES += -DSL_BASELINE_ONLY -DSL_THREADS_WITHOUT_OPENMP
+OPENMP :=
 else
-$(error CONFIG is release, debug, tsan or baseline, not '$(CONFIG)')
+$(error CONFIG is release, debug, tsan, baseline or fuzz, not '$(CONFIG)')
 endif
 
 FLAGS_baseline := -DSL_ISA_SUFFIX=baseline
@@ -89,7 +95,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check test golden scenes bench report bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc lessons clean help setup
+.PHONY: all demo check check-all fuzz fuzz-targets test golden scenes bench report bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc lessons clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -199,6 +205,16 @@ $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
+# Fuzzing's targets: with libFuzzer where CONFIG=fuzz, else with a main() that replays files.
+FUZZ_TARGETS := $(patsubst tests/fuzz/target_%.c,%,$(wildcard tests/fuzz/target_*.c))
+FUZZ_DRIVER := $(if $(filter fuzz,$(CONFIG)),,$(BUILD)/o/tests/fuzz/replay.o)
+FUZZ_APP_command_line := $(filter-out %/main.o,$(APP_OBJECTS))
+FUZZ_MUTATOR_scene_file := $(if $(filter fuzz,$(CONFIG)),$(BUILD)/o/tests/fuzz/json_mutator.o)
+.SECONDEXPANSION:
+$(FUZZ_TARGETS:%=$(BUILD)/fuzz/%): $(BUILD)/fuzz/%: $(BUILD)/o/tests/fuzz/target_%.o $(BUILD)/o/tests/fuzz/support.o $(FUZZ_DRIVER) $$(FUZZ_APP_$$*) $$(FUZZ_MUTATOR_$$*) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(subst fuzzer-no-link,fuzzer,$(OPTIMISE)) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 # Stands alone: of the library it takes the elementary functions only, so that its files are the same everywhere.
 $(BUILD)/generate: $(BUILD)/o/scenes/generate.o $(GENERATE_SOURCES:%.c=$(BUILD)/o/%.o) $(BUILD)/o/src/base/math.o
 	$(CC) $(OPTIMISE) -o $@ $^ -lm
@@ -221,6 +237,16 @@ check: setup
 # The tests of this configuration alone.
 test: all $(TESTS) $(BUILD)/generate
 	@./tests/run.sh $(BUILD)
+
+fuzz-targets: $(FUZZ_TARGETS:%=$(BUILD)/fuzz/%)
+
+# Tries inputs that nobody wrote on every target, FUZZ_SECONDS each (FUZZ_TARGETS: which).
+fuzz:
+	@tests/fuzz/fuzz.sh $(or $(FUZZ_SECONDS),60) $(FUZZ_TARGETS)
+
+# What `make check` does, and all that takes longer.
+check-all: setup
+	@tests/check-all.sh
 
 # Writes the golden images of the tests anew; look at them before committing.
 golden: $(BUILD)/tests/test_golden_passes
@@ -299,6 +325,8 @@ help:
 	@echo 'make            build/softlux, build/libsoftlux.a and build/libsoftlux.so'
 	@echo 'make demo       install what is missing, build, render a scene and print its error'
 	@echo 'make check      install what is missing, build, run all tests'
+	@echo 'make check-all  that, and what takes longer: about an hour'
+	@echo 'make fuzz       inputs that nobody wrote, FUZZ_SECONDS=60 for each of FUZZ_TARGETS; wants clang with its libFuzzer'
 	@echo 'make test       build and run the tests of one configuration'
 	@echo 'make golden     write the golden images of the tests anew'
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'

@@ -223,6 +223,22 @@ static void a_huge_exr_window_is_refused(void **state) {
     }
 }
 
+/* Found by fuzzing: stb_image passes over bytes of 0xff before the first marker, the check of its Huffman tables did not. This one lists 96 + 765
+ * codes where there are 257 places. */
+static void a_jpeg_behind_fill_bytes_is_checked_too(void **state) {
+    static const uint8_t start[] = {0xff, 0xff, 0xd8, 0xff, 0xc4, 0x24, 0x00, 0x00, 0, 0, 0, 0, 0, 0, 0, 0, 0, 32, 32, 32, 255, 255, 255, 0};
+    uint8_t file[160] = {0}, *rgba;
+    int width, height;
+    bool has_alpha;
+    sl_error error = {0};
+    (void)state;
+    memcpy(file, start, sizeof start);
+    for (size_t fill = 0; fill < 2; fill++) {
+        assert_int_equal(sl_decode_texels("t.jpg", file + fill, sizeof file - fill, &width, &height, &has_alpha, &rgba, &error), SL_ERROR_INPUT);
+        assert_non_null(strstr(error.message, "t.jpg: damaged JPEG"));
+    }
+}
+
 static void what_cannot_be_opened_is_named(void **state) {
     sl_error error = {0};
     sl_image *image;
@@ -240,6 +256,7 @@ int main(void) {
         cmocka_unit_test(changed_bytes_never_crash_a_reader),
         cmocka_unit_test(absurd_sizes_are_refused_before_memory_is_asked_for),
         cmocka_unit_test(a_huge_exr_window_is_refused),
+        cmocka_unit_test(a_jpeg_behind_fill_bytes_is_checked_too),
         cmocka_unit_test(what_cannot_be_opened_is_named),
     };
     return cmocka_run_group_tests(tests, make_temporary_folder, remove_temporary_folder);

@@ -69,8 +69,13 @@ bool sl_jpeg_recognise(const sl_bytes *bytes) {
     return bytes->size >= 3 && bytes->data[0] == 0xff && bytes->data[1] == 0xd8 && bytes->data[2] == 0xff;
 }
 
+/* stb_image passes over fill bytes before the first marker, so more begins a JPEG for it than the three bytes that one has. */
+static bool is_taken_for_jpeg(const sl_bytes *bytes) {
+    return bytes->size >= 2 && bytes->data[0] == 0xff && (bytes->data[1] == 0xff || bytes->data[1] == 0xd8);
+}
+
 static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *error) {
-    if (sl_jpeg_recognise(bytes) && !sl_jpeg_tables_are_sound(bytes)) {
+    if (is_taken_for_jpeg(bytes) && !sl_jpeg_tables_are_sound(bytes)) {
         return sl_fail(error, SL_ERROR_INPUT, "%s: damaged JPEG: its segments or Huffman tables are broken", bytes->path);
     }
     watched_stream stream = {bytes, 0, false};

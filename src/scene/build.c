@@ -135,16 +135,16 @@ static sl_status copy_triangles(const sl_scene_parts *parts, sl_scene *s, sl_err
     sl_status status = sl_bicubics_copy(parts, s, error);
     if (status != SL_OK) return status;
     dropped lost = {0};
-    const sl_bicubic *surface = parts->bicubics, *end = surface + parts->bicubic_count;
+    size_t surface = 0;
     for (size_t t = 0; t < count; t++) {
         if (parts->material_index && parts->material_index[t] >= s->material_count) {
             return sl_fail(error, SL_ERROR_INPUT, "triangle %zu names material %u of %zu", t, parts->material_index[t], s->material_count);
         }
         sl_vec3 normal;
-        if (surface != end && t == surface->first_triangle) {
-            status = keep_surface(parts, s, surface, &s->bicubics[surface - parts->bicubics], error);
+        if (surface < parts->bicubic_count && t == parts->bicubics[surface].first_triangle) {
+            status = keep_surface(parts, s, &parts->bicubics[surface], &s->bicubics[surface], error);
             if (status != SL_OK) return status;
-            t += surface++->triangle_count - 1;
+            t += parts->bicubics[surface++].triangle_count - 1;
         } else if (keep_triangle(parts, t, &normal, &lost)) {
             add_triangle(parts, s, t, normal);
         }

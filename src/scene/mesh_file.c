@@ -187,14 +187,6 @@ static void add_camera(const importer *in) {
 
 /* ---- the file ------------------------------------------------------------------------------------------------------------------ */
 
-static sl_status add_file(const importer *in) {
-    sl_status status = sl_mesh_materials(in->path, in->file, in->gltf, in->model, in->error);
-    if (status == SL_OK) status = add_node(in, in->file->mRootNode, &in->placement, 0);
-    for (unsigned i = 0; i < in->file->mNumLights && status == SL_OK; i++) status = add_light(in, in->file->mLights[i]);
-    if (status == SL_OK) add_camera(in);
-    return status;
-}
-
 /* Post-processing trusts what the readers made; damaged files make faces that it would run astray on. */
 static sl_status check_faces(const char *path, const struct aiScene *file, sl_error *error) {
     for (unsigned m = 0; m < file->mNumMeshes; m++) {
@@ -212,6 +204,17 @@ static sl_status check_faces(const char *path, const struct aiScene *file, sl_er
         }
     }
     return SL_OK;
+}
+
+sl_status sl_mesh_file_add(const char *path, const struct aiScene *file, const struct sl_gltf *gltf, const sl_affine *placement,
+                           sl_model *model, sl_error *error) {
+    const importer in = {path, file, gltf, *placement, (uint32_t)model->material_count, model, error};
+    sl_status status = check_faces(path, file, error);
+    if (status == SL_OK) status = sl_mesh_materials(path, file, gltf, model, error);
+    if (status == SL_OK) status = add_node(&in, file->mRootNode, placement, 0);
+    for (unsigned i = 0; i < file->mNumLights && status == SL_OK; i++) status = add_light(&in, file->mLights[i]);
+    if (status == SL_OK) add_camera(&in);
+    return status;
 }
 
 /* Reads, checks, and only then has polygons cut into triangles. Points and lines stay and are skipped. */
@@ -242,10 +245,7 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
     if (status != SL_OK) return status;
     const struct aiScene *file = NULL;
     status = import(path, &file, error);
-    if (status == SL_OK) {
-        importer in = {path, file, is_gltf ? &gltf : NULL, *placement, (uint32_t)model->material_count, model, error};
-        status = add_file(&in);
-    }
+    if (status == SL_OK) status = sl_mesh_file_add(path, file, is_gltf ? &gltf : NULL, placement, model, error);
     if (file) aiReleaseImport(file);
     sl_gltf_release(&gltf);
     return status;
