@@ -117,9 +117,11 @@ static void whole_scene(bench_report *r, const bench_options *o, const char *pat
     bench_scene_name(path, name);
     if (!bench_wants(o, name) || !bench_open_scene(r, path, &scene)) return;
     int size = o->brief ? 200 : o->size ? o->size : 1000;
-    open_target(scene, size, size, o->brief ? 10 : size / 50, o->brief ? 256 : size < 1000 ? 4096 : 16384, &t);
+    uint32_t samples = o->samples ? o->samples : o->brief ? 256 : size < 1000 ? 4096 : 16384;
+    open_target(scene, size, size, o->brief ? 10 : size / 50, samples, &t);
     for (size_t i = 0; i < (o->brief ? 2 : sizeof settings_shown / sizeof *settings_shown); i++) {
         const setting *s = &settings_shown[i];
+        if (!bench_wants_row(o, s->name)) continue;
         sl_settings settings = settings_of(s, size, size);
         splat_run run;
         splat_render(scene, &settings, o->once, &run);

@@ -23,6 +23,8 @@ typedef struct bench_options {
     bool once;             /* everything is measured once, with one thread: for a busy machine */
     bool pictures;         /* writes pictures too */
     const char *only;      /* scenes whose name holds this text, or, after a '=', is this; NULL: all */
+    const char *rows;      /* the same for settings */
+    uint32_t samples;      /* of references; 0: as many as the experiment has */
     size_t points;         /* of table 1; 0: as many as the paper */
     int size;              /* of pictures of whole scenes, pixels a side; 0: as the experiment has it */
     char folder[512];      /* for tables and pictures */
@@ -31,6 +33,7 @@ typedef struct bench_options {
 /* folder: where tables go unless --out names another. */
 bench_options bench_options_parse(int argc, char **argv, const char *folder);
 bool bench_wants(const bench_options *o, const char *scene);
+bool bench_wants_row(const bench_options *o, const char *setting);
 /* Ends the program. */
 _Noreturn void bench_fail(const char *what, const sl_error *error);
 

@@ -15,11 +15,14 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
         else if (strcmp(argv[i], "--once") == 0) o.once = true;
         else if (strcmp(argv[i], "--pictures") == 0) o.pictures = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) o.only = argv[++i];
+        else if (strcmp(argv[i], "--rows") == 0 && i + 1 < argc) o.rows = argv[++i];
+        else if (strcmp(argv[i], "--samples") == 0 && i + 1 < argc) o.samples = (uint32_t)strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--points") == 0 && i + 1 < argc) o.points = (size_t)strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--size") == 0 && i + 1 < argc) o.size = atoi(argv[++i]);
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc) snprintf(o.folder, sizeof o.folder, "%s", argv[++i]);
         else {
-            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--points N] [--size N] [--pictures] [--out FOLDER]\n", argv[0]);
+            fprintf(stderr, "usage: %s [--brief] [--once] [--only TEXT|=NAME] [--rows TEXT] [--points N] [--size N] [--samples N]"
+                            " [--pictures] [--out FOLDER]\n", argv[0]);
             exit(2);
         }
     }
@@ -28,10 +31,14 @@ bench_options bench_options_parse(int argc, char **argv, const char *folder) {
     return o;
 }
 
-bool bench_wants(const bench_options *o, const char *scene) {
-    if (o->only && o->only[0] == '=') return strcmp(scene, o->only + 1) == 0;
-    return !o->only || strstr(scene, o->only);
+static bool wanted(const char *pattern, const char *name) {
+    if (pattern && pattern[0] == '=') return strcmp(name, pattern + 1) == 0;
+    return !pattern || strstr(name, pattern);
 }
+
+bool bench_wants(const bench_options *o, const char *scene) { return wanted(o->only, scene); }
+
+bool bench_wants_row(const bench_options *o, const char *setting) { return wanted(o->rows, setting); }
 
 _Noreturn void bench_fail(const char *what, const sl_error *error) {
     fprintf(stderr, "%s: %s\n", what, error ? error->message : "failed");
