@@ -249,6 +249,17 @@ static void a_record_in_front_of_a_pixel_is_refused(void **state) {
     assert_true(p.weight[1] > 0.0f);
 }
 
+/* A record of the floor, far below the tread of a step: it sees another piece of the world. aR = 1, so half of it is the most. */
+static void a_record_far_behind_a_pixel_is_refused(void **state) {
+    (void)state;
+    patch p;
+    patch_clear(&p);
+    sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
+    for (int i = 0; i < PIXELS; i++) p.pz[i] = (float)i / PIXELS;
+    splat(&p, &record, 1, &wards);
+    for (int i = 0; i < PIXELS; i++) assert_true((p.weight[i] > 0.0f) == (i <= PIXELS / 2));
+}
+
 static void no_record_on_a_sphere_is_refused_for_curvature(void **state) {
     (void)state;
     patch p;
@@ -433,6 +444,7 @@ int main(void) {
         cmocka_unit_test(gradients_that_are_not_finite_stay_within_what_the_record_knows),
         cmocka_unit_test(nearly_parallel_normals_never_give_nan),
         cmocka_unit_test(a_record_in_front_of_a_pixel_is_refused),
+        cmocka_unit_test(a_record_far_behind_a_pixel_is_refused),
         cmocka_unit_test(no_record_on_a_sphere_is_refused_for_curvature),
         cmocka_unit_test(coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_set),
         cmocka_unit_test(the_radius_is_the_harmonic_mean_where_nothing_limits_it),
