@@ -237,6 +237,8 @@ SL_API size_t sl_scene_warning_count(const sl_scene *scene);
 SL_API const char *sl_scene_warning(const sl_scene *scene, size_t index);
 /** Triangles that can be seen or hit, those of curved surfaces included. */
 SL_API size_t sl_scene_triangle_count(const sl_scene *scene);
+/** Bytes that the scene holds: triangles, textures, environment, lights. */
+SL_API size_t sl_scene_memory_bytes(const sl_scene *scene);
 /** The size in pixels that the scene's file asks for, or 512 x 512. */
 SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
 /** A hash of everything that can reach a pixel, the camera included: equal scenes have equal ones, on every machine. */
@@ -549,6 +551,9 @@ typedef struct sl_settings {
     sl_light_octree_settings light_octree; /**< light-octree */
     sl_multi_mesh_settings multi_mesh; /**< multi-mesh */
     sl_shading_cache_settings shading_cache; /**< shading-cache */
+    uint64_t memory_bytes; /**< the most that scene, rays, buffers, caches and the finished picture may take together; 0: no limit.
+                              Where more would be taken the method does less, and sl_method_concession() tells what; or it refuses, with
+                              SL_ERROR_RESOURCES and the least that it needs. Not counted: what loading the scene takes while it loads */
     const sl_observer *observer; /**< or NULL */
 } sl_settings;
 
@@ -593,6 +598,15 @@ SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *e
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
 /** Bytes that the method holds, its own hierarchies, caches and pictures, without the scene. */
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
+/** An upper estimate, from counts alone and before anything is allocated, of what sl_settings.memory_bytes bounds, for these settings as they
+ * stand: 32 MiB for the program itself, the scene, the hierarchies over it, the method at its largest, and its picture as it is given and
+ * written. Caches that grow as they are filled count with the least that they can work with. No observer is counted. */
+SL_API sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error);
+/** One line on what the method does less than its settings ask for, so as to keep within sl_settings.memory_bytes: "75000 stored
+ * photons instead of 600000". Caches that are full by then are told of once they are. Owned by the method, and valid until it is called
+ * again; NULL where it does all. The picture's metadata tell the settings that were used. */
+SL_API const char *sl_method_concession(sl_method *method);
+
 /* ---- the story of a pixel ---- */
 
 /** One thing that made a pixel: a record, a photon, a voxel's light, a vertex of a mesh. */

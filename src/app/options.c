@@ -133,6 +133,23 @@ static bool parse_size(const sl_option *o, const char *text, int *status) {
     return true;
 }
 
+/* K, M, G and T are powers of 1024; a B or iB after them is allowed. */
+static bool parse_bytes(const sl_option *o, const char *text, int *status) {
+    static const char units[] = "kmgt";
+    char *end;
+    double value = text[0] >= '0' && text[0] <= '9' ? strtod(text, &end) : -1.0;
+    if (value >= 0.0 && *end) {
+        const char *unit = strchr(units, *end | 0x20);
+        if (unit) value *= (double)(1ull << 10 * (unit - units + 1)), end++;
+        if (unit && *end == 'i') end++;
+        if (*end == 'B' || *end == 'b') end++;
+    }
+    if (!(value >= 0.0) || *end) return mistake(status, "--%s: expected bytes, as 512M or 2G, got '%s'", o->name, text);
+    if (!within_bounds(o, value)) return mistake(status, "--%s: expected %.0fM to %.0fG, got %s", o->name, o->minimum / 0x1p20, o->maximum / 0x1p30, text);
+    *(uint64_t *)o->value = (uint64_t)value;
+    return true;
+}
+
 static bool take_value(const sl_option *o, const char *text, int *status) {
     if (o->given) *o->given = true;
     switch (o->kind) {
@@ -141,6 +158,7 @@ static bool take_value(const sl_option *o, const char *text, int *status) {
     case SL_OPTION_REAL: return parse_real(o, text, status);
     case SL_OPTION_COUNT: return parse_count(o, text, status);
     case SL_OPTION_CHOICE: return parse_choice(o, text, status);
+    case SL_OPTION_BYTES: return parse_bytes(o, text, status);
     case SL_OPTION_SIZE: return parse_size(o, text, status);
     case SL_OPTION_HEADING: break;
     }

@@ -74,6 +74,8 @@ sl_status sl_picture_write(const sl_render_options *o, sl_image *image, double s
 void sl_picture_warn(const sl_render_options *o, const sl_image *image) {
     const char *warning = sl_image_metadata(image, "softlux.warning");
     if (warning && !o->quiet) fprintf(stderr, "softlux: warning: %s\n", warning);
+    const char *conceded = sl_image_metadata(image, "softlux.concession");
+    if (conceded && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", conceded);
 }
 
 /* *seconds: from `start` until the picture was there, writing it not included. warn: of what the method found out on its way. */

@@ -48,6 +48,7 @@ static void add_common(sl_raw_settings *r, table *t) {
         {"quality", 'q', SL_OPTION_CHOICE, &r->quality, &r->quality_given, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &r->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1, 256, NULL},
+        {"memory", 0, SL_OPTION_BYTES, &s->memory_bytes, NULL, "SIZE", "512M, 2G: do less, or nothing, rather than take more [no limit]", 0x1p24, 0x1p50, NULL},
         {"spp", 0, SL_OPTION_COUNT, &r->spp, NULL, "N", "path, bidirectional: samples a pixel; splatting: light samples a pixel [by quality]", 1, 1e8, NULL},
         HEADING("path, bidirectional"),
         {"transport", 0, SL_OPTION_TEXT, &s->transport, NULL, "PATHS", "direct, one-bounce, full or matched:METHOD [full]", 0, 0, NULL},

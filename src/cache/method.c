@@ -1,6 +1,7 @@
 /* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture. */
 #include "cache/method.h"
 
+#include "cache/budget.h"
 #include "cache/settings.h"
 
 #include "base/counters.h"
@@ -75,13 +76,14 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
 }
 
 /* Checks what was asked for and fills in what was left to the scene, the machine or the quality. */
-static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, sl_error *error) {
+static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, char *conceded, size_t room,
+                                   sl_error *error) {
     if (settings->width == 0 && settings->height == 0) sl_scene_film(scene, &settings->width, &settings->height);
     sl_status status = sl_settings_check(settings, error);
     if (status != SL_OK) return status;
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
-    return SL_OK;
+    return sl_budget_keep(class, scene, settings, conceded, room, error);
 }
 
 sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method, sl_error *error) {
@@ -101,7 +103,8 @@ sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, s
     if (!settings->transport) snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
     m->settings.method = m->name;
     m->settings.transport = m->transport_name;
-    status = complete_settings(class, scene, &m->settings, error);
+    m->memory_bytes = settings->memory_bytes;
+    status = complete_settings(class, scene, &m->settings, m->conceded, sizeof m->conceded, error);
     if (status == SL_OK) status = class->create(scene, &m->settings, &transport, &m->state, error);
     if (status != SL_OK) {
         sl_free(m);
@@ -146,6 +149,10 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.scene_hash", text, error);
     snprintf(text, sizeof text, "%" PRIu64, method->batches);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.batches", text, error);
+    snprintf(text, sizeof text, "%" PRIu64, method->memory_bytes);
+    if (status == SL_OK && method->memory_bytes) status = sl_image_set_metadata(image, "softlux.memory", text, error);
+    const char *conceded = sl_method_concession(method);
+    if (status == SL_OK && conceded) status = sl_image_set_metadata(image, "softlux.concession", conceded, error);
     const sl_counters *counters = method->class->counters(method->state);
     for (int i = 0; i < SL_COUNTERS && status == SL_OK; i++) {
         if (!counters->value[i]) continue;
@@ -196,6 +203,23 @@ size_t sl_method_memory_bytes(const sl_method *method) {
     return sizeof *method + method->class->memory_bytes(method->state);
 }
 
+sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error) {
+    *bytes = 0;
+    const sl_method_class *class = find_class(settings->method);
+    if (!class) return unknown_method(settings->method, error);
+    sl_settings completed = *settings;
+    completed.memory_bytes = 0;
+    sl_status status = complete_settings(class, scene, &completed, NULL, 0, error);
+    if (status == SL_OK) *bytes = sl_budget_need(class, scene, &completed);
+    return status;
+}
+
+const char *sl_method_concession(sl_method *m) {
+    const char *filled = m->class->filled ? m->class->filled(m->state) : NULL;
+    snprintf(m->concession, sizeof m->concession, "%s%s%s", m->conceded, m->conceded[0] && filled ? ", " : "", filled ? filled : "");
+    return m->concession[0] ? m->concession : NULL;
+}
+
 sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error) {
     return sl_story_tell(method->class, method->state, picture, x, y, story, error);
 }
@@ -239,11 +263,13 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     const sl_method_class *class = find_class(settings->method);
     if (!class) return unknown_method(settings->method, error);
     sl_settings completed = *settings;
-    sl_status status = complete_settings(class, scene, &completed, error);
+    char conceded[512] = "";
+    sl_status status = complete_settings(class, scene, &completed, conceded, sizeof conceded, error);
     if (status != SL_OK) return status;
     sl_plan_writer writer = {0};
     plan_append(&writer, "");
     class->plan(scene, &completed, &writer);
+    if (conceded[0]) sl_plan_pass(&writer, true, "with less memory", "%s", conceded);
     if (writer.failed) {
         free(writer.text);
         return sl_fail_memory(error, "the plan");

@@ -27,6 +27,21 @@ typedef struct sl_window_class {
     sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters, sl_error *error);
 } sl_window_class;
 
+/* What a method takes, in bytes, beside the scene: an upper estimate by counts, before anything is there (cache/budget.h). */
+typedef struct sl_memory_need {
+    double hierarchies; /* clusters of the rasterizer, the rays' */
+    double caches;      /* of which those that grow count with the least that is of use */
+    double picture;     /* film, G-buffer and the picture that is given */
+} sl_memory_need;
+
+/* A setting that can be lowered to save memory. */
+typedef struct sl_concession {
+    const char *what;   /* "stored photons"; NULL ends a list */
+    size_t offset;      /* of the setting in sl_settings */
+    enum { SL_CONCEDE_INT, SL_CONCEDE_COUNT, SL_CONCEDE_REAL, SL_CONCEDE_LEVEL, SL_CONCEDE_FLAG } kind; /* the first three are halved; levels go one by one */
+    double least;       /* not below that */
+} sl_concession;
+
 typedef struct sl_method_class {
     const char *name;
     /* Replaces what is 0, "by quality", by what will be used. */
@@ -43,6 +58,12 @@ typedef struct sl_method_class {
     sl_status (*load)(void *state, const char *path, sl_error *error);
     const sl_counters *(*counters)(const void *state);
     size_t (*memory_bytes)(const void *state);
+    /* settings are complete. Independent of the number of threads but for what each thread has of its own. */
+    sl_memory_need (*need)(const sl_scene *scene, const sl_settings *settings);
+    const sl_concession *concessions; /* what can be lowered, or NULL */
+    /* A cache that was to grow and found sl_settings.memory_bytes taken: a few words on it, or NULL; may itself be NULL. In complete settings
+     * memory_bytes is what such caches may take; 0: no limit. */
+    const char *(*filled)(const void *state);
     /* The paths that the method models with these settings (for the tracers: `full`). */
     void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
@@ -61,6 +82,8 @@ struct sl_method {
     const sl_scene *scene;
     sl_settings settings; /* complete */
     char name[32], transport_name[64];
+    uint64_t memory_bytes; /* as asked for */
+    char conceded[512], concession[640]; /* before the start; with what was found on the way */
     uint64_t batches;
     uint64_t light_hash; /* of the scene */
     bool light_hash_known;

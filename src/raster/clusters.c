@@ -310,3 +310,7 @@ void sl_raster_destroy(sl_raster *r) {
 }
 
 size_t sl_raster_memory_bytes(const sl_raster *raster) { return raster->memory_bytes; }
+
+/* Two sorted lists of triangles, until the clusters stand: 57 to 59 bytes a triangle, of which 25 to 27 stay. */
+double sl_raster_memory_need(size_t triangles) { return 1e6 + 62.0 * (double)triangles; }
+double sl_raster_memory_kept(size_t triangles) { return 1e6 + 30.0 * (double)triangles; }

@@ -27,6 +27,9 @@ typedef struct sl_raster sl_raster;
 sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error);
 void sl_raster_destroy(sl_raster *raster);
 size_t sl_raster_memory_bytes(const sl_raster *raster);
+/* The most that one takes while it is made, and what it keeps, by the count of triangles. */
+double sl_raster_memory_need(size_t triangles);
+double sl_raster_memory_kept(size_t triangles);
 /* Follows vertices that have moved in the scene's (or mesh's) arrays, be it whole objects or each vertex by itself: pictures are then, bit by
  * bit, those of a rasterizer made anew; how much was culled may differ. No pass may be running; a sl_raster_scratch must be made anew.
  * After a failure it can be destroyed, no more. */

@@ -20,6 +20,21 @@ void sl_scene_film(const sl_scene *scene, int *width, int *height) {
     *height = scene->film_height;
 }
 
+static size_t animation_bytes(const sl_scene *s) {
+    const size_t a_vertex = sizeof *s->animation->track_of_vertex + sizeof *s->animation->rest_position + sizeof *s->animation->rest_normal;
+    return s->animation ? s->vertex_count * a_vertex + s->bicubic_count * 16 * sizeof *s->animation->rest_control : 0;
+}
+
+size_t sl_scene_memory_bytes(const sl_scene *s) {
+    const sl_environment *e = &s->environment;
+    size_t bytes = sizeof *s + s->vertex_count * 8 * sizeof(float) + s->triangle_count * (6 * sizeof(uint32_t) + 3 * sizeof(float));
+    bytes += s->bicubic_count * sizeof *s->bicubics + s->material_count * sizeof *s->materials + s->light_count * sizeof *s->lights +
+             s->emitter_count * sizeof *s->emitters + animation_bytes(s);
+    for (size_t i = 0; i < s->texture_count; i++) bytes += sizeof *s->textures + 4 * (size_t)s->textures[i].width * (size_t)s->textures[i].height;
+    size_t texels = (size_t)e->width * (size_t)e->height;
+    return bytes + texels * (3 * sizeof *e->texels + sizeof *e->column_cdf) + (size_t)e->height * sizeof *e->row_cdf;
+}
+
 char *sl_string_copy(const char *text) {
     if (!text) text = "";
     size_t length = strlen(text);

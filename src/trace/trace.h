@@ -13,6 +13,8 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
                            sl_error *error);
 void sl_tracer_destroy(sl_tracer *tracer);
 size_t sl_tracer_memory_bytes(const sl_tracer *tracer);
+/* The most that one takes while it is made, by the scene's count of triangles. */
+double sl_tracer_memory_need(size_t triangles);
 
 enum { SL_PACKET = 16 };
 

@@ -27,4 +27,8 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
  * up, and says no, on scenes where that would take long to find out. */
 bool sl_scene_is_convex(const sl_scene *scene);
 
+/* memory.c */
+sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings);
+extern const sl_concession sl_radiance_concessions[];
+
 #endif

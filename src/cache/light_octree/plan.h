@@ -20,4 +20,8 @@ sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *set
 void sl_octree_transport(const sl_settings *settings, sl_transport *transport);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
+/* memory.c */
+sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings);
+extern const sl_concession sl_octree_concessions[];
+
 #endif

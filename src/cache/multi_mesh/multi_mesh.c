@@ -229,9 +229,10 @@ static bool look_again(sl_multi_mesh_state *s) {
 static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
     size_t served = 0;
     bool coarse = s->plan.indirect && !indirect_is_ready(s);
-    sl_status status = refine(s, &served, error);
+    bool full = sl_multi_mesh_is_full(s);
+    sl_status status = full ? SL_OK : refine(s, &served, error);
     if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
-    if (status == SL_OK && served == 0 && !look_again(s)) tidy(s);
+    if (status == SL_OK && served == 0 && (full || !look_again(s))) tidy(s);
     return status;
 }
 
@@ -302,6 +303,7 @@ static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error)
     s->phase = SL_PHASE_VIEW;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
         forget_view(s);
+        s->full = false;
         status = sl_multi_mesh_follow_world(s, error);
         if (status != SL_OK) sl_multi_mesh_forget_world(s);
     } else if (s->part[SL_DIRECT_SPECULAR]) {
@@ -364,6 +366,9 @@ const sl_method_class sl_multi_mesh_method = {
     .edit = multi_mesh_edit,
     .counters = multi_mesh_counters,
     .memory_bytes = multi_mesh_bytes,
+    .need = sl_multi_mesh_need,
+    .concessions = sl_multi_mesh_concessions,
+    .filled = sl_multi_mesh_filled,
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
     .story = sl_multi_mesh_story,

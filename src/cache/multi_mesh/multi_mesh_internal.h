@@ -50,6 +50,9 @@ typedef struct sl_multi_mesh_state {
     float *plane_memory;
 
     sl_mesh_phase phase;
+    bool full;                      /* settings.memory_bytes is taken: no more splits */
+    size_t bytes_of_roots;          /* of the meshes before refinement */
+    char filled[48];
     bool priorities_stale;          /* values have come since the view was seen */
     sl_counters counters;
     sl_announcer announcer;
@@ -59,6 +62,12 @@ static inline size_t sl_multi_mesh_pixels(const sl_multi_mesh_state *s) { return
 static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_t face) {
     return &scene->materials[scene->material_index[face / 2]];
 }
+
+/* ---- memory.c ---- */
+
+/* The meshes have taken what memory they may. To be asked from the first refinement on. */
+bool sl_multi_mesh_is_full(sl_multi_mesh_state *s);
+const char *sl_multi_mesh_filled(const void *state);
 
 /* ---- world.c ---- */
 

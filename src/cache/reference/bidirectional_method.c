@@ -32,6 +32,11 @@ static sl_status bidirectional_create(const sl_scene *scene, const sl_settings *
     return sl_sampled_create(&bidirectional_film, scene, settings, transport, state, error);
 }
 
+/* Two subpaths for each ray of a packet; and lists of what falls on other pixels, 64 tasks of 256 pixels. */
+static sl_memory_need bidirectional_need(const sl_scene *scene, const sl_settings *settings) {
+    return sl_sampled_need(scene, settings, 1e6, 8e6);
+}
+
 static void bidirectional_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
     sl_plan_pass(writer, true, "paths from the eye", "%u for each of %d x %d pixels", (unsigned)settings->spp, settings->width,
@@ -50,6 +55,7 @@ const sl_method_class sl_bidirectional_method = {
     .edit = sl_sampled_edit,
     .counters = sl_sampled_counters,
     .memory_bytes = sl_sampled_memory_bytes,
+    .need = bidirectional_need,
     .transport = sl_sampled_transport,
     .plan = bidirectional_plan,
     .any_transport = true,

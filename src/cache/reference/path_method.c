@@ -30,6 +30,8 @@ static sl_status path_create(const sl_scene *scene, const sl_settings *settings,
     return sl_sampled_create(&path_film, scene, settings, transport, state, error);
 }
 
+static sl_memory_need path_need(const sl_scene *scene, const sl_settings *settings) { return sl_sampled_need(scene, settings, 1e5, 0.0); }
+
 static void path_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
     sl_plan_pass(writer, true, "paths", "%u samples for each of %d x %d pixels", (unsigned)settings->spp, settings->width,
@@ -46,6 +48,7 @@ const sl_method_class sl_path_method = {
     .edit = sl_sampled_edit,
     .counters = sl_sampled_counters,
     .memory_bytes = sl_sampled_memory_bytes,
+    .need = path_need,
     .transport = sl_sampled_transport,
     .plan = path_plan,
     .any_transport = true,

@@ -27,6 +27,8 @@ sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error);
 sl_status sl_sampled_edit(void *state, unsigned changes, sl_error *error);
 const sl_counters *sl_sampled_counters(const void *state);
 size_t sl_sampled_memory_bytes(const void *state);
+/* memory.c. The film's need, with what its kind has for each thread and once. */
+sl_memory_need sl_sampled_need(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread, double bytes_more);
 void sl_sampled_transport(const sl_settings *settings, sl_transport *transport);
 
 #endif

@@ -161,6 +161,7 @@ static sl_status create_transport(sl_splat_state *s, sl_error *error) {
 }
 
 sl_status sl_splat_renew_transport(sl_splat_state *s, sl_error *error) {
+    s->full = false;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         sl_record_list_clear(&s->cache[c].list);
         s->cache[c].clamped = 0;

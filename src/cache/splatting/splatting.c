@@ -138,6 +138,10 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
 static sl_status new_records(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
     size_t before = cache->list.count, budget = s->settings.records_per_frame;
+    if (sl_splat_is_full(s)) { /* what is uncovered is filled from its neighbours */
+        start_records(s, s->class + 1);
+        return SL_OK;
+    }
     if (budget && cache->traversal.batch > budget - s->frame_records) cache->traversal.batch = budget - s->frame_records;
     sl_status status = sl_traversal_advance(&cache->traversal, &cache->pass, &cache->list, &s->counters, error);
     s->frame_records += cache->list.count - before;
@@ -340,6 +344,9 @@ const sl_method_class sl_splatting_method = {
     .load = splat_load,
     .counters = splat_counters,
     .memory_bytes = sl_splat_memory_bytes,
+    .need = sl_splat_need,
+    .concessions = sl_splat_concessions,
+    .filled = sl_splat_filled,
     .story = sl_splat_story,
     .transport = sl_splat_transport,
     .plan = sl_splat_plan_write,

@@ -61,6 +61,8 @@ typedef struct sl_splat_state {
     int class;                  /* whose records are being made */
     int direct_row;
     uint64_t frame_records;     /* new ones since the frame began */
+    bool full;                  /* settings.memory_bytes is taken: no more records */
+    char filled[48];
     sl_counters counters;
     sl_announcer announcer;
 } sl_splat_state;
@@ -79,6 +81,14 @@ void sl_splat_prepare_pass(const sl_splat_state *state, sl_record_cache *cache);
 void sl_splat_close_caches(sl_splat_state *state);
 sl_hidden_settings sl_splat_hidden_settings(const sl_splat_state *state);
 size_t sl_splat_memory_bytes(const void *state);
+
+/* ---- memory.c ---- */
+
+sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings);
+extern const sl_concession sl_splat_concessions[];
+/* Records have taken what memory they may: there will be no more. */
+bool sl_splat_is_full(sl_splat_state *state);
+const char *sl_splat_filled(const void *state);
 
 /* ---- keep.c ---- */
 

@@ -1,0 +1,39 @@
+/* What the light octree takes: photons, and what its voxels hold. */
+#include "cache/budget.h"
+#include "cache/light_octree/octree.h"
+#include "cache/light_octree/photons.h"
+#include "cache/light_octree/plan.h"
+#include "scene/features.h"
+
+/* G-buffer 64, planes 24, picture 48. A photon lies in its list (half as large again while that grows, and once more while it does) and in the tree. A path
+ * leaves ten photons where surfaces are as bright as they are in most scenes. Triangles are listed in every voxel that they meet; lists are sorted. */
+enum { A_PIXEL = 140, OF_MIRRORS = 96, A_PHOTON = 150, A_TRIANGLE = 180, A_PATH = 900, CHUNKS = 16, A_TEXEL = 40, A_THREAD = 3000000 };
+
+/* Voxels that a surface meets: six faces of the root cube and as much inside, or a few for each triangle. Each has sets of lights for its normals, in
+ * the making, as textures, and unpacked. */
+static double voxel_bytes(const sl_light_octree_settings *o, double triangles) {
+    const double side = (double)(1 << o->depth), cells = side * side * side;
+    double voxels = 12.0 * side * side, by_triangles = 40.0 * triangles + 64.0;
+    voxels = voxels < by_triangles ? voxels : by_triangles;
+    voxels = voxels < cells ? voxels : cells;
+    const double of_lights = o->lobes == SL_LOBES_HARMONICS ? 27.0 * 8.0 : (double)o->lights * 40.0, index = o->depth <= 7 ? 4.0 * cells : 0.0;
+    return voxels * (160.0 + 2.0 * of_lights) * 1.5 + index;
+}
+
+sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings) {
+    const sl_light_octree_settings *o = &settings->light_octree;
+    const sl_octree_plan plan = sl_octree_plan_make(scene, settings);
+    const double triangles = (double)scene->triangle_count, sky = 20.0 * (double)scene->environment.width * (double)scene->environment.height;
+    double caches = plan.photons ? (double)o->photons * A_PHOTON + (double)CHUNKS * SL_PHOTON_CHUNK * A_PATH + triangles * A_TRIANGLE + voxel_bytes(o, triangles) : 0.0;
+    if (o->atlas) caches += (double)o->atlas_size * o->atlas_size * A_TEXEL;
+    caches += (double)(scene->light_count + scene->emitter_count) * 400.0 + sl_need_of_threads(settings, A_THREAD) + sky;
+    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count),
+                            .caches = caches,
+                            .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.mirrors ? OF_MIRRORS : 0))};
+}
+
+const sl_concession sl_octree_concessions[] = {{"stored photons", offsetof(sl_settings, light_octree.photons), SL_CONCEDE_COUNT, 2000.0},
+                                               {"levels of the octree", offsetof(sl_settings, light_octree.depth), SL_CONCEDE_LEVEL, 3.0},
+                                               {"texels a side of the atlas", offsetof(sl_settings, light_octree.atlas_size), SL_CONCEDE_INT, 64.0},
+                                               {"lights a voxel", offsetof(sl_settings, light_octree.lights), SL_CONCEDE_INT, 1.0},
+                                               {NULL, 0, SL_CONCEDE_INT, 0.0}};

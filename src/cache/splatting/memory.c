@@ -1,0 +1,52 @@
+/* What radiance cache splatting takes, and where records end if memory does. */
+#include "cache/budget.h"
+#include "cache/splatting/state.h"
+
+#include <stdio.h>
+
+/* G-buffer 64, planes 36, receivers 4 for each class and owners 1, the picture 56; of radiance 12 more in either; what mirrors show. Records: the least that
+ * shows anything. Gathers: tables and buffers by the square of their size, a thread each. */
+enum { A_PIXEL = 176, OF_RADIANCE = 28, OF_MIRRORS = 96, RECORDS_LEAST = 1000, TREE_A_RECORD = 64, AN_EMITTER = 400, A_SAMPLE = 260 };
+
+static double record_bytes(const sl_settings *settings, bool radiance) {
+    double n = settings->harmonics_order > 0 ? settings->harmonics_order : 10;
+    return (double)sizeof(sl_record) + TREE_A_RECORD + (radiance ? 9.0 * n * n * sizeof(float) : 0.0);
+}
+
+sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings) {
+    const sl_splat_plan plan = sl_splat_plan_make(scene, settings);
+    const double n = plan.quality.gather_size, lights = (double)(scene->light_count + scene->emitter_count);
+    const double maps = settings->direct == SL_DIRECT_SHADOW_MAPS || settings->gather == SL_GATHER_PLANE || settings->gather == SL_GATHER_HEMICUBE
+                            ? 6.0 * (lights + 64.0) * SL_SHADOW_MAP_SIZE * SL_SHADOW_MAP_SIZE * sizeof(float) : 0.0;
+    const double sky = 20.0 * (double)scene->environment.width * (double)scene->environment.height;
+    bool tracer = plan.direct || plan.mirrors;
+    return (sl_memory_need){.hierarchies = tracer ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
+                                                  : sl_raster_memory_need(scene->triangle_count),
+                            .caches = 3.0 * RECORDS_LEAST * record_bytes(settings, plan.radiance) + (4.0 + 2.0 * settings->threads) * n * n * A_SAMPLE +
+                                      lights * AN_EMITTER + maps + sky + 2e6,
+                            .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.radiance ? OF_RADIANCE : 0) + (plan.mirrors ? OF_MIRRORS : 0))};
+}
+
+const sl_concession sl_splat_concessions[] = {{"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_CONCEDE_INT, 16.0},
+                                               {NULL, 0, SL_CONCEDE_INT, 0.0}};
+
+/* Arrays are half as large again while they grow. */
+bool sl_splat_is_full(sl_splat_state *s) {
+    if (!s->settings.memory_bytes || s->full) return s->full;
+    double bytes = 0.0;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_record_cache *cache = &s->cache[c];
+        bytes += (double)cache->list.count * ((double)sizeof(sl_record) + (double)cache->pass.coefficient_count * sizeof(float));
+        if (cache->list.reaches) bytes += (double)sl_reach_tree_bytes(cache->list.reaches);
+    }
+    if (s->hidden) bytes += (double)sl_hidden_cache_bytes(s->hidden);
+    s->full = 3.0 * bytes > (double)s->settings.memory_bytes;
+    size_t count = s->cache[0].list.count + s->cache[1].list.count;
+    if (s->full) snprintf(s->filled, sizeof s->filled, "records end at %zu", count);
+    return s->full;
+}
+
+const char *sl_splat_filled(const void *state) {
+    const sl_splat_state *s = state;
+    return s->full ? s->filled : NULL;
+}
