@@ -7,7 +7,7 @@
 static inline void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uint32_t now) {
     sl_patch_vertex *v = &h->patches->vertex[vertex];
     for (int c = 0; c < 3; c++) v->value[c] = irradiance;
-    v->evaluated = now;
+    sl_vertex_mark(v, now);
     if (h->patches->sets) h->patches->sets[vertex].count = 1;
 }
 

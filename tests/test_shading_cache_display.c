@@ -89,7 +89,7 @@ static void evaluate(hierarchy *h, uint32_t vertex, uint32_t update) {
     v->value[0] = 1.0f + p.x * p.x + (float)update * 0.01f;
     v->value[1] = step + 0.2f * p.y;
     v->value[2] = 0.3f + fabsf(p.z);
-    v->evaluated = update;
+    sl_vertex_mark(v, update);
     float *lobe = sl_vertex_lobe(h->patches, vertex);
     for (int c = 0; lobe && c < 3; c++) lobe[c] = p.y + 0.1f * (float)c;
     sl_patches_touch(h->patches, vertex);

@@ -61,7 +61,7 @@ static void give_all(hierarchy *h, float irradiance, uint32_t update) {
         sl_patch_vertex *vertex = &h->patches->vertex[v];
         if (!vertex->references) continue;
         for (int c = 0; c < 3; c++) vertex->value[c] = irradiance;
-        vertex->evaluated = update;
+        sl_vertex_mark(vertex, update);
         sl_patches_touch(h->patches, v);
     }
 }

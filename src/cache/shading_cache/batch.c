@@ -16,14 +16,14 @@ static void render_one(void *context, size_t i, unsigned worker) {
     const batch *b = context;
     b->samples[i] = (sl_sample){.valid = true};
     if (!sl_request_is_sound(&b->requests[i])) {
-        b->samples[i].valid = false;
+        b->samples[i] = (sl_sample){.broken = true};
         sl_count(&b->counters[worker], SL_COUNT_NONFINITE, 1);
         return;
     }
     b->render(b->state, &b->requests[i], worker, &b->samples[i], &b->counters[worker]);
     const sl_sample *s = &b->samples[i];
     if (sl_rgb_is_finite(s->irradiance) && sl_rgb_is_finite(s->radiance) && isfinite(s->variance)) return;
-    b->samples[i] = (sl_sample){.valid = false};
+    b->samples[i] = (sl_sample){.broken = true};
     sl_count(&b->counters[worker], SL_COUNT_NONFINITE, 1);
 }
 

@@ -65,7 +65,7 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
     const sl_bidirectional_points *points = r->sets->points[q->set % SETS_MAX];
     bool irradiance = sl_request_wants_irradiance(q), lobe = sl_request_wants_lobe(q), mirror = sl_request_wants_mirror(q);
     if (!points) { /* no memory for it */
-        sample->valid = false;
+        *sample = (sl_sample){.broken = true};
         return;
     }
     const sl_bidirectional_request request = {q->point.position, q->point.geometric_normal, q->point.normal, q->point.triangle, q->material};

@@ -30,7 +30,8 @@ void sl_changes_destroy(sl_changes *changes) {
 }
 
 /* A change that begins anew makes patches coarser once. */
-static void begin(sl_object_change *object, uint32_t now) {
+void sl_changes_begin(sl_changes *changes, uint32_t index, uint32_t now) {
+    sl_object_change *object = &changes->object[index];
     if (!object->changing) object->dropped = false;
     object->changing = true;
     object->changed = now;
@@ -45,13 +46,13 @@ void sl_changes_edit(sl_changes *changes, unsigned what, const bool *moved, uint
         object->stale_before = now;
         if (!(what & SL_CHANGED_OBJECTS) || !moved || !moved[i]) continue;
         object->moved = now;
-        begin(object, now);
+        sl_changes_begin(changes, (uint32_t)i, now);
     }
 }
 
 bool sl_changes_compare(sl_changes *changes, uint32_t object, float before, float after, uint32_t now) {
     if (!(fabsf(after - before) > changes->threshold)) return false; /* NaN, too: no value came */
-    begin(&changes->object[object], now);
+    sl_changes_begin(changes, object, now);
     return true;
 }
 

@@ -19,22 +19,28 @@ static bool meets(const sl_patch_place *place, const uv_box *box) {
     return a >= 0 && b >= 0 && a + b <= side * turned;
 }
 
-static void touch_below(sl_patches *p, const sl_patch_place *place, const uv_box *box) {
+typedef struct leaf_walk {
+    sl_patches *patches;
+    sl_leaf_visitor *visit;
+    void *context;
+} leaf_walk;
+
+static void walk_below(const leaf_walk *w, const sl_patch_place *place, const uv_box *box) {
     if (!meets(place, box)) return;
-    if (sl_patch_is_leaf(p, place->patch)) {
-        p->flags[place->patch] |= SL_PATCH_DIRTY;
+    if (sl_patch_is_leaf(w->patches, place->patch)) {
+        w->visit(w->patches, place, w->context);
         return;
     }
     for (int c = 0; c < 4; c++) {
-        sl_patch_place child = sl_patch_child_place(p, place, c);
-        touch_below(p, &child, box);
+        sl_patch_place child = sl_patch_child_place(w->patches, place, c);
+        walk_below(w, &child, box);
     }
 }
 
-static void touch_box(sl_patches *p, uint32_t root, const uv_box *box) {
-    if (p->root_patch[root] == SL_NO_INDEX) return;
-    sl_patch_place place = sl_patch_place_of(p, p->root_patch[root]);
-    touch_below(p, &place, box);
+static void walk_box(const leaf_walk *w, uint32_t root, const uv_box *box) {
+    if (w->patches->root_patch[root] == SL_NO_INDEX) return;
+    sl_patch_place place = sl_patch_place_of(w->patches, w->patches->root_patch[root]);
+    walk_below(w, &place, box);
 }
 
 static uv_box edge_box(const sl_primitives *primitives, uint32_t code, uint32_t from, uint32_t to) {
@@ -51,13 +57,14 @@ static uint32_t along(const sl_primitives *primitives, uint32_t code, uint32_t t
 }
 
 /* Corners and edges that are one stand in rings. */
-void sl_patches_touch_place(sl_patches *p, sl_root_place place) {
+void sl_patches_visit_around(sl_patches *p, sl_root_place place, sl_leaf_visitor *visit, void *context) {
     const sl_primitives *primitives = p->primitives;
+    leaf_walk walk = {p, visit, context};
     uint32_t primitive = place.root / 2, side = place.root % 2, t;
     int edge = sl_edge_at(sl_primitive_corners(primitives, primitive), place.u, place.v, &t);
     if (edge < 0) {
         uv_box box = {{place.u, place.u}, {place.v, place.v}};
-        touch_box(p, place.root, &box);
+        walk_box(&walk, place.root, &box);
         return;
     }
     uint32_t first = 4 * primitive + (uint32_t)edge, code = first;
@@ -67,10 +74,17 @@ void sl_patches_touch_place(sl_patches *p, sl_root_place place) {
         uint32_t from = corner ? 0 : along(primitives, code, common);
         uint32_t to = corner && primitives->edge_kind[code] & SL_EDGE_POINT ? SL_PATCH_DYADIC : from;
         uv_box box = edge_box(primitives, code, from, to);
-        touch_box(p, 2 * (code / 4) + side, &box);
+        walk_box(&walk, 2 * (code / 4) + side, &box);
         code = corner ? primitives->corner_next[code] : primitives->edge_next[code];
     } while (code != first);
 }
+
+static void mark(sl_patches *p, const sl_patch_place *leaf, void *context) {
+    (void)context;
+    p->flags[leaf->patch] |= SL_PATCH_DIRTY;
+}
+
+void sl_patches_touch_place(sl_patches *p, sl_root_place place) { sl_patches_visit_around(p, place, mark, NULL); }
 
 void sl_patches_touch(sl_patches *p, uint32_t vertex) {
     sl_patches_touch_place(p, sl_vertex_place(&p->vertex[vertex]));

@@ -27,6 +27,9 @@ uint32_t sl_vertex_take(sl_patches *patches, sl_root_place place, bool *created)
 /* One reference less; true: it was the last, and the vertex is gone. */
 bool sl_vertex_release(sl_patches *patches, uint32_t vertex);
 
+/* All leaves around a place of a root, of all roots that meet there; one may come twice. */
+typedef void sl_leaf_visitor(sl_patches *patches, const sl_patch_place *leaf, void *context);
+void sl_patches_visit_around(sl_patches *patches, sl_root_place place, sl_leaf_visitor *visit, void *context);
 /* Marks as SL_PATCH_DIRTY the leaves around a place of a root, and of all roots that meet there. */
 void sl_patches_touch_place(sl_patches *patches, sl_root_place place);
 

@@ -3,6 +3,7 @@
  *   patches.c          trees: roots, splits, dropped children, blocks that are used again
  *   patch_vertices.c   vertices: shared inside a root by where they lie, and between roots along edges where position, normal and material agree
  *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
+ *   borrow.c           vertices without light of their own
  *   evict.c            ageing: children that nobody has seen for long, or that are below a pixel, go when there are too many
  *
  * Triangles are cut at their edges' middles (children 0 to 2 keep corners 0 to 2, 3 is the middle one), the others at the middles and the
@@ -44,7 +45,8 @@ typedef struct sl_patch_vertex {
     uint32_t root;               /* of those that share it the lowest */
     uint32_t u : SL_PATCH_DEPTH_MAX + 1, v : SL_PATCH_DEPTH_MAX + 1; /* in 1/SL_PATCH_DYADIC of that root */
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
-    uint32_t evaluated;          /* update; SL_VERTEX_NEVER */
+    uint32_t evaluated : 31;     /* update; SL_VERTEX_NEVER */
+    uint32_t borrowed : 1;       /* it was, but has no light of its own (it lies inside other geometry, or no number came): its value is that of those around it */
     float value[3];              /* E, W/m^2 */
 } sl_patch_vertex;
 
@@ -88,6 +90,7 @@ typedef struct sl_patches {
     size_t free_vertices[2];
     uint32_t *slot;              /* hash of vertices */
     size_t slot_count;
+    bool borrowing;              /* some vertex has been borrowed */
 } sl_patches;
 
 /* kept: SL_PATCHES_ bits. */
@@ -120,6 +123,7 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
     return block->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
 }
 
+static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) { v->evaluated = update & (UINT32_MAX >> 1); }
 static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) { return (sl_root_place){v->root, (uint16_t)v->u, (uint16_t)v->v}; }
 /* L_s of a vertex, towards the eye; NULL: its material has no lobe. */
 static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {
@@ -158,6 +162,11 @@ size_t sl_patch_hanging_at(const sl_patches *patches, const sl_patch_place *leaf
 
 /* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its value has changed. */
 void sl_patches_touch(sl_patches *patches, uint32_t vertex);
+
+/* A vertex without light of its own: it was asked for, and inside other geometry, or no number came. */
+void sl_patches_borrow(sl_patches *patches, uint32_t vertex);
+/* Before a build of the display: those of leaves that are SL_PATCH_DIRTY get their values anew from the corners around them that have light of their own. */
+void sl_patches_lend(sl_patches *patches);
 
 /* Eviction: down to `limit` patches where there are more (90 % of it): children of patches none of which was seen since update `since`, and
  * of patches that cover less than `small` pixels; oldest first, lower index on a tie, from the leaves up. */

@@ -63,6 +63,7 @@ float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_
     for (int c = 0; c < sl_patch_corners(p, patch); c++) {
         uint32_t vertex = sl_patch_corner(p, patch, c);
         if (p->vertex[vertex].evaluated == SL_VERTEX_NEVER) return -1.0f;
+        if (p->vertex[vertex].borrowed) low = 0.0f; /* nobody knows: it may be black there */
         float luminance = luminance_at(p, &e, vertex);
         low = luminance < low ? luminance : low;
         high = luminance > high ? luminance : high;

@@ -19,7 +19,8 @@ float sl_curve_level_of(const sl_display_curve *curve, float luminance);
 float sl_vertex_luminance(const sl_patches *patches, uint32_t vertex);
 float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, uint32_t vertex);
 
-/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. */
+/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. Corners without light of their own may be black, so that
+ * what holds them is split as long as it can be seen. */
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
 /* Age in grey levels: c (now - evaluated) of its oldest corner, if that was evaluated before the last relevant change; else 0. */
 float sl_patch_age(const sl_patches *patches, uint32_t patch, uint32_t now, uint32_t changed, float c);

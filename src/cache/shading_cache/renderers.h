@@ -25,7 +25,8 @@ typedef struct sl_sample {
     sl_rgb irradiance;         /* W/m^2; 0 of materials without a diffuse part, where nobody needs it */
     sl_rgb radiance;           /* W/(m^2 sr), of the lobe alone (of a mirror: all of it), towards the eye */
     float variance;            /* of the irradiance's channel mean, of this mean of samples; 0 where the renderer is exact */
-    bool valid;                /* false: the point lies inside other geometry (the area renderer alone looks), or its value is not finite */
+    bool valid;                /* false: the point lies inside other geometry (the area renderer alone looks), or it is broken */
+    bool broken;               /* it could not be computed, or is not finite: it says nothing */
 } sl_sample;
 
 typedef struct sl_sample_renderer {

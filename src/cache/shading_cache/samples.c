@@ -18,16 +18,24 @@ static bool on_the_border(const sl_primitives *primitives, const sl_patch_vertex
     return triangle ? v->u + v->v >= SL_PATCH_DYADIC : v->u >= SL_PATCH_DYADIC || v->v >= SL_PATCH_DYADIC;
 }
 
+/* Of the largest patches that have the vertex for a corner: the root's own corners are on all grids. */
+static int32_t side_of_patches(const sl_patch_vertex *v) {
+    uint32_t places = v->u | v->v | SL_PATCH_DYADIC;
+    return (int32_t)(places & -places);
+}
+
+static int32_t at_most(int32_t way, int32_t most) { return way > most ? most : way < -most ? -most : way; }
+
 /* Where a vertex is shaded. On its root's border it is moved inwards by 1/256 of the way to the middle: in the crease between two walls it would see
- * half of what is behind the other. Inside other geometry it is asked for further and further inside. */
+ * half of what is behind the other. Inside other geometry it is asked for again, moved by 1, by 5 and by 20 % of the patch that it was made for. */
 static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_root_point *point) {
     static const int32_t ways[NUDGES + 1] = {256, 100, 20, 5};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool triangle = s->primitives->kind[v->root / 2] == SL_PRIMITIVE_TRIANGLE;
-    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, u = v->u, w = v->v;
+    int32_t centre = triangle ? SL_PATCH_DYADIC / 3 : SL_PATCH_DYADIC / 2, side = nudge ? side_of_patches(v) : SL_PATCH_DYADIC, u = v->u, w = v->v;
     if (nudge || on_the_border(s->primitives, v)) {
-        u += (centre - u) / ways[nudge];
-        w += (centre - w) / ways[nudge];
+        u += at_most(centre - u, side) / ways[nudge];
+        w += at_most(centre - w, side) / ways[nudge];
     }
     sl_root_point_at(s->primitives, v->root, (uint32_t)u, (uint32_t)w, point);
 }
@@ -46,6 +54,7 @@ static void add_sample(sl_sample *sum, const sl_sample *part) {
     sum->radiance = sl_rgb_add(sum->radiance, part->radiance);
     sum->variance += part->variance;
     sum->valid = sum->valid && part->valid;
+    sum->broken = sum->broken || part->broken;
 }
 
 /* The next run of requests from `first` that are worth asking for: what one renderer calls invalid no other one is asked about. */
@@ -101,7 +110,7 @@ static float level_of(const sl_shading_state *s, uint32_t vertex, bool with_radi
 
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1),
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1),
                   .radiance = v->evaluated >= s->changes->eye_moved};
     c.before = c.comparable ? level_of(s, vertex, c.radiance) : 0.0f;
     return c;
@@ -121,15 +130,43 @@ static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t obje
            !s->changes->object[object].changing;
 }
 
+/* A sample that says nothing: the old value stays, and counts as new, or it would be asked for for ever. Where there is none it is borrowed. */
+static void commit_nothing(sl_shading_state *s, uint32_t vertex) {
+    sl_patch_vertex *v = &s->patches->vertex[vertex];
+    if (v->evaluated == SL_VERTEX_NEVER) sl_patches_borrow(s->patches, vertex);
+    sl_vertex_mark(v, s->now);
+    sl_patches_touch(s->patches, vertex);
+}
+
+/* Light inside other geometry is nobody's. */
+static void commit_inside(sl_shading_state *s, uint32_t vertex) {
+    sl_patches_borrow(s->patches, vertex);
+    sl_vertex_mark(&s->patches->vertex[vertex], s->now);
+    sl_patches_touch(s->patches, vertex);
+}
+
+/* What a vertex was inside of has gone, or something has come: nothing that could be compared, but a change. */
+static bool comes_or_goes(const sl_patch_vertex *v, const sl_sample *sample) { return v->evaluated != SL_VERTEX_NEVER && v->borrowed == sample->valid; }
+
 static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request, const sl_sample *sample) {
     sl_patch_vertex *v = &s->patches->vertex[vertex];
-    if (!sl_rgb_is_finite(sample->irradiance) || !sl_rgb_is_finite(sample->radiance)) {
-        sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
-        v->evaluated = v->evaluated == SL_VERTEX_NEVER ? s->now : v->evaluated; /* the old value stays */
+    uint32_t object = sl_root_object(s->primitives, v->root);
+    bool finite = sl_rgb_is_finite(sample->irradiance) && sl_rgb_is_finite(sample->radiance);
+    sl_count(&s->counters, SL_COUNT_NONFINITE, !finite);
+    if (sample->broken || !finite) {
+        commit_nothing(s, vertex);
+        return;
+    }
+    if (comes_or_goes(v, sample)) {
+        sl_changes_begin(s->changes, object, s->now);
+        sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
+    }
+    if (!sample->valid) {
+        commit_inside(s, vertex);
         return;
     }
     compared c = compare_before(s, vertex, request);
-    uint32_t object = sl_root_object(s->primitives, v->root);
+    v->borrowed = 0;
     float share = share_of(request), from[3], from_lobe[3] = {0};
     bool fades = is_to_fade(s, vertex, object) && sl_fade_from(s->patches, vertex, from, from_lobe);
     blend(v->value, sample->irradiance, share);
@@ -140,7 +177,7 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
         sets->variance = fmaxf(0.0f, sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
         sets->count = request->set < UINT32_MAX ? request->set + 1 : UINT32_MAX;
     }
-    v->evaluated = s->now;
+    sl_vertex_mark(v, s->now);
     if (fades) sl_fade_begin(&s->fades, s->patches, vertex, from, from_lobe, (float)s->settings.shading_cache.blending);
     sl_patches_touch(s->patches, vertex);
     if (c.comparable && sl_changes_compare(s->changes, object, c.before, level_of(s, vertex, c.radiance), s->now))

@@ -87,10 +87,11 @@ static sl_vec3 place_of(const sl_shading_state *s, uint32_t vertex) {
 static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight, const double reflectance[3],
                         sl_story_writer *writer) {
     float value[6] = {0};
-    bool sampled = s->patches->vertex[vertex].evaluated != SL_VERTEX_NEVER;
+    const sl_patch_vertex *v = &s->patches->vertex[vertex];
+    bool sampled = v->evaluated != SL_VERTEX_NEVER;
     sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
-    sl_story_term term = {.layer = "irradiance", .kind = sampled ? "vertex with samples" : "vertex between others, without samples yet",
-                          .index = vertex, .placed = true, .weight = weight};
+    const char *kind = !sampled ? "vertex between others, without samples yet" : v->borrowed ? "vertex inside something, with light from around it" : "vertex with samples";
+    sl_story_term term = {.layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
     put_place(term.position, place_of(s, vertex));
     const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]}, lobe[3] = {weight, weight, weight};
     add_term(writer, &term, value, diffuse);

@@ -173,6 +173,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     status = sl_shading_commit(s, vertices, error);
     if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
     if (status == SL_OK) status = age(s, error);
+    if (status == SL_OK) sl_patches_lend(s->patches);
     sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
     sl_announce_pass(&s->announcer, "display arrays", "section 3");

@@ -1,0 +1,297 @@
+/* Vertices without light of their own: inside other geometry, or where no number came. What they show, what splits them, what an edit does; and samples that are no number. */
+#include "shading_cache_support.h"
+
+#include <math.h>
+
+#include "base/counters.h"
+#include "cache/shading_cache/state.h"
+#include "rendering.h"
+
+static uint32_t vertex_at(const hierarchy *h, int u, int v) { /* in quarters of the root */
+    sl_patch_place leaf = sl_patch_locate(h->patches, 0, u / 4.0, v / 4.0);
+    for (int c = 0; c < leaf.corners; c++) {
+        if (4 * leaf.u[c] == u * SL_PATCH_DYADIC && 4 * leaf.v[c] == v * SL_PATCH_DYADIC) return sl_patch_corner(h->patches, leaf.patch, c);
+    }
+    fail_msg("no vertex at (%d, %d) / 4", u, v);
+    return SL_NO_INDEX;
+}
+
+/* A square of four by four leaves, all with the same light. */
+static hierarchy square_of(unsigned kept, float irradiance) {
+    hierarchy h = hierarchy_of(kept ? square_scene_of(0.4f) : square_scene(), kept);
+    split_levels(&h, want_root(&h, 0), 2);
+    evaluate_all(&h, irradiance, 1);
+    return h;
+}
+
+static void give(hierarchy *h, uint32_t vertex, float irradiance) {
+    evaluate(h, vertex, irradiance, 2);
+    sl_patches_touch(h->patches, vertex);
+}
+
+static float value_of(const hierarchy *h, uint32_t vertex) { return h->patches->vertex[vertex].value[1]; }
+
+/* ---- what is lent ---------------------------------------------------------------------------------------------------------------- */
+
+/* Around it: four at distance 1/2, in two leaves each, and four at 1/2 sqrt(2): weights 8 and 2, of 40. */
+static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more(void **state) {
+    (void)state;
+    hierarchy h = square_of(SL_PATCHES_LOBES, 6.0f);
+    uint32_t buried = vertex_at(&h, 2, 2);
+    give(&h, vertex_at(&h, 1, 2), 12.0f);
+    give(&h, vertex_at(&h, 3, 3), 18.0f);
+    give(&h, vertex_at(&h, 0, 0), 1000.0f); /* in none of its leaves */
+    sl_vertex_lobe(h.patches, vertex_at(&h, 2, 1))[2] = 3.0f;
+    evaluate(&h, buried, 777.0f, 2);
+    sl_patches_borrow(h.patches, buried);
+    sl_patches_lend(h.patches);
+    for (int c = 0; c < 3; c++) assert_true(fabs((double)h.patches->vertex[buried].value[c] - (6.0 + 6.0 * 8.0 / 40.0 + 12.0 * 2.0 / 40.0)) < 1e-5);
+    assert_true(fabs((double)sl_vertex_lobe(h.patches, buried)[2] - 0.6) < 1e-6);
+    hierarchy_discard(&h);
+}
+
+static void what_has_no_light_lends_none(void **state) {
+    (void)state;
+    hierarchy h = square_of(0, 6.0f);
+    uint32_t buried = vertex_at(&h, 2, 2);
+    for (int i = 0; i < 9; i++) {
+        uint32_t v = vertex_at(&h, 1 + i % 3, 1 + i / 3);
+        if (i == 5) continue; /* (3, 2) is the only one that is lit */
+        give(&h, v, 500.0f);
+        if (i % 2) h.patches->vertex[v].evaluated = SL_VERTEX_NEVER;
+        else sl_patches_borrow(h.patches, v);
+    }
+    sl_patches_lend(h.patches);
+    assert_true(value_of(&h, buried) == 6.0f);
+    hierarchy_discard(&h);
+}
+
+/* All sixteen leaves inside something, but for the root's corners. */
+static void where_nothing_around_has_light_a_patch_above_lends_its_corners(void **state) {
+    (void)state;
+    hierarchy h = square_of(0, 100.0f);
+    uint32_t buried = vertex_at(&h, 2, 2);
+    for (uint32_t i = 0; i < h.patches->vertex_count; i++) {
+        const sl_patch_vertex *v = &h.patches->vertex[i];
+        bool corner = v->u % SL_PATCH_DYADIC == 0 && v->v % SL_PATCH_DYADIC == 0;
+        if (corner) give(&h, i, v->u ? 8.0f : 4.0f);
+        else sl_patches_borrow(h.patches, i);
+    }
+    sl_patches_lend(h.patches);
+    assert_true(fabsf(value_of(&h, buried) - 6.0f) < 1e-5f);
+    hierarchy_discard(&h);
+}
+
+static void where_nobody_has_light_what_is_there_stays(void **state) {
+    (void)state;
+    hierarchy h = square_of(0, 3.0f);
+    for (uint32_t i = 0; i < h.patches->vertex_count; i++) sl_patches_borrow(h.patches, i);
+    sl_patches_lend(h.patches);
+    for (uint32_t i = 0; i < h.patches->vertex_count; i++) assert_true(value_of(&h, i) == 3.0f);
+    hierarchy_discard(&h);
+}
+
+static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_it(void **state) {
+    (void)state;
+    hierarchy h = square_of(0, 6.0f);
+    uint32_t buried = vertex_at(&h, 2, 2), far = vertex_at(&h, 0, 0);
+    sl_patches_borrow(h.patches, buried);
+    sl_patches_lend(h.patches);
+    for (size_t i = 0; i < h.patches->patch_count; i++) h.patches->flags[i] &= (uint8_t)~SL_PATCH_DIRTY;
+    h.patches->vertex[buried].value[1] = 5.0f;
+    give(&h, far, 60.0f);
+    sl_patches_lend(h.patches);
+    assert_true(value_of(&h, buried) == 5.0f); /* nothing around it is dirty */
+    give(&h, vertex_at(&h, 1, 2), 12.0f);
+    sl_patches_lend(h.patches);
+    assert_true(fabsf(value_of(&h, buried) - 7.2f) < 1e-5f);
+    hierarchy_discard(&h);
+}
+
+/* ---- what splits it -------------------------------------------------------------------------------------------------------------- */
+
+static void a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows(void **state) {
+    (void)state;
+    hierarchy h = square_of(0, 6.0f);
+    const sl_display_curve curve = {1.0f};
+    uint32_t leaf = sl_patch_locate(h.patches, 0, 0.4, 0.4).patch, other = sl_patch_locate(h.patches, 0, 0.9, 0.9).patch;
+    assert_true(sl_patch_error(h.patches, &curve, leaf) == 0.0f);
+    sl_patches_borrow(h.patches, vertex_at(&h, 2, 2));
+    assert_true(sl_patch_error(h.patches, &curve, leaf) == sl_vertex_level(h.patches, &curve, vertex_at(&h, 1, 1)));
+    assert_true(sl_patch_error(h.patches, &curve, other) == 0.0f);
+    hierarchy_discard(&h);
+}
+
+/* A box stands in the floor, the sun is straight above: the floor has the same light everywhere that it can be seen, however few samples there are. */
+static const char box_in_floor[] = "v -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\n"
+                                   "v -0.5 -0.3 0.4\nv 0.4 -0.3 0.5\nv 0.5 -0.3 -0.4\nv -0.4 -0.3 -0.5\n"
+                                   "v -0.5 0.3 0.4\nv 0.4 0.3 0.5\nv 0.5 0.3 -0.4\nv -0.4 0.3 -0.5\n"
+                                   "f 1 2 3 4\nf 9 10 11 12\nf 8 7 6 5\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n";
+static const char sun_above[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\"}],"
+                                "\"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 3}],"
+                                "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
+
+static void around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(sun_above, box_in_floor);
+    sl_settings settings = small_settings("shading-cache", 64, 64);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    for (int updates = 2; updates <= 20; updates += 18) {
+        sl_counters cost;
+        settings.shading_cache.updates = (uint32_t)updates;
+        sl_image *image = render(scene, &settings, &cost);
+        float even = image->planes[0];
+        assert_true(even > 0.1f);
+        for (int i = 0; i < 3 * 64 * 64; i++) assert_true(fabsf(image->planes[i] - even) < 0.004f * even); /* the box's top, too */
+        assert_true(cost.value[SL_COUNT_POINTS_SHADED] > 40);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Where it ends: leaves around the box are split to the size of pixels, and no further. */
+static void splits_around_what_is_inside_something_come_to_an_end(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(sun_above, box_in_floor);
+    sl_settings settings = small_settings("shading-cache", 24, 24);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 100000;
+    sl_method *method;
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_true(progress.batches < 400);
+    assert_true(sl_method_counters(method)->value[SL_COUNT_SPLITS] < 24 * 24);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- samples, committed ---------------------------------------------------------------------------------------------------------- */
+
+/* A cache of one square, as far as a commit needs it. */
+typedef struct committing {
+    hierarchy h;
+    sl_shading_state s;
+} committing;
+
+static void begin(committing *c) {
+    *c = (committing){.h = hierarchy_of(square_scene(), 0)};
+    want_root(&c->h, 0);
+    c->s.scene = c->h.scene;
+    c->s.primitives = c->h.primitives;
+    c->s.patches = c->h.patches;
+    c->s.settings = sl_settings_default();
+    c->s.settings.width = c->s.settings.height = 16;
+    sl_shading_complete(&c->s.settings);
+    c->s.curve.reference = 1.0f;
+    c->s.now = 5;
+    assert_int_equal(sl_changes_create(c->h.scene, 2.0f, 3, &c->s.changes, NULL), SL_OK);
+    c->s.vertex = calloc(4, sizeof *c->s.vertex);
+    c->s.request = calloc(4, sizeof *c->s.request);
+    c->s.sample = calloc(4, sizeof *c->s.sample);
+    c->s.part = calloc(4, sizeof *c->s.part);
+    c->s.stale = calloc(c->h.scene->object_count, sizeof *c->s.stale);
+    assert_true(c->s.vertex && c->s.request && c->s.sample && c->s.part && c->s.stale);
+    for (uint32_t i = 0; i < 4; i++) c->s.vertex[i] = i;
+}
+
+static void end(committing *c) {
+    sl_changes_destroy(c->s.changes);
+    free(c->s.vertex), free(c->s.request), free(c->s.sample), free(c->s.part), free(c->s.stale);
+    hierarchy_discard(&c->h);
+}
+
+static const sl_sample lit = {.irradiance = {4.0f, 4.0f, 4.0f}, .valid = true}, inside = {.valid = false}, broken = {.broken = true};
+
+static void commit(committing *c, const sl_sample samples[4]) {
+    for (int i = 0; i < 4; i++) c->s.sample[i] = samples[i];
+    assert_int_equal(sl_shading_commit(&c->s, 4, NULL), SL_OK);
+    sl_patches_lend(c->s.patches);
+}
+
+static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again(void **state) {
+    (void)state;
+    committing c;
+    begin(&c);
+    evaluate_all(&c.h, 2.0f, 1);
+    sl_changes_edit(c.s.changes, SL_CHANGED_LIGHTS, NULL, c.s.now);
+    const sl_sample samples[4] = {lit, {.irradiance = {NAN, 1, 1}, .valid = true}, {.irradiance = {1, 1, INFINITY}, .valid = true}, broken};
+    commit(&c, samples);
+    assert_true(value_of(&c.h, 0) == 4.0f);
+    for (uint32_t i = 1; i < 4; i++) {
+        const sl_patch_vertex *v = &c.h.patches->vertex[i];
+        assert_true(v->value[0] == 2.0f && v->value[1] == 2.0f && v->value[2] == 2.0f);
+        assert_int_equal(v->evaluated, 5);
+        assert_false(v->borrowed);
+    }
+    assert_int_equal(c.s.counters.value[SL_COUNT_NONFINITE], 2); /* the broken one's renderer has counted it */
+    assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 1);
+    end(&c);
+}
+
+static void where_there_is_no_old_value_what_is_no_number_is_borrowed(void **state) {
+    (void)state;
+    committing c;
+    begin(&c);
+    const sl_sample samples[4] = {lit, {.irradiance = {NAN, 1, 1}, .valid = true}, lit, broken};
+    commit(&c, samples);
+    for (uint32_t i = 0; i < 4; i++) {
+        assert_true(value_of(&c.h, i) == 4.0f);
+        assert_int_equal(c.h.patches->vertex[i].borrowed, i % 2);
+        assert_int_equal(c.h.patches->vertex[i].evaluated, 5);
+    }
+    end(&c);
+}
+
+/* A renderer that returns no number is one whose samples are broken, wherever they are asked for. */
+static void renderers_that_return_no_number_leave_the_picture_as_it_was(void **state) {
+    (void)state;
+    committing c;
+    begin(&c);
+    evaluate_all(&c.h, 2.0f, 1);
+    assert_int_equal(sl_constant_renderer((sl_rgb){1.0f, NAN, 1.0f}, &c.s.renderer[0], NULL), SL_OK);
+    c.s.renderer_count = 1;
+    c.s.settings.threads = 1;
+    sl_shading_sample(&c.s, 4);
+    assert_int_equal(sl_shading_commit(&c.s, 4, NULL), SL_OK);
+    for (uint32_t i = 0; i < 4; i++) assert_true(value_of(&c.h, i) == 2.0f);
+    assert_true(c.s.counters.value[SL_COUNT_NONFINITE] >= 4);
+    c.s.renderer[0].destroy(c.s.renderer[0].state);
+    end(&c);
+}
+
+static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state) {
+    (void)state;
+    committing c;
+    begin(&c);
+    commit(&c, (const sl_sample[4]){inside, lit, lit, lit});
+    assert_true(c.h.patches->vertex[0].borrowed && value_of(&c.h, 0) == 4.0f);
+    assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 0); /* the first value is none */
+    c.s.now++;
+    commit(&c, (const sl_sample[4]){inside, lit, lit, lit});
+    assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 0); /* nothing has changed */
+    c.s.now++;
+    commit(&c, (const sl_sample[4]){lit, lit, inside, lit});
+    assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 2);
+    assert_true(c.s.changes->object[0].changing);
+    assert_true(!c.h.patches->vertex[0].borrowed && c.h.patches->vertex[2].borrowed);
+    end(&c);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more),
+        cmocka_unit_test(what_has_no_light_lends_none),
+        cmocka_unit_test(where_nothing_around_has_light_a_patch_above_lends_its_corners),
+        cmocka_unit_test(where_nobody_has_light_what_is_there_stays),
+        cmocka_unit_test(what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_it),
+        cmocka_unit_test(a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows),
+        cmocka_unit_test(around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere),
+        cmocka_unit_test(splits_around_what_is_inside_something_come_to_an_end),
+        cmocka_unit_test(a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again),
+        cmocka_unit_test(where_there_is_no_old_value_what_is_no_number_is_borrowed),
+        cmocka_unit_test(renderers_that_return_no_number_leave_the_picture_as_it_was),
+        cmocka_unit_test(what_comes_out_of_something_or_gets_into_it_is_a_change),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
