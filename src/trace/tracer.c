@@ -10,14 +10,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "trace/embree.h"
+#include "trace/ray_setup.h"
 #include "trace/triangle_order.h"
-#include "trace/triangle_test.h"
 
-/* Across the ray a hit is decided within about 3 * 2^-24 of its distance, which start_near() bounds by 2.5 diagonals; boxes
- * grow by four times that. Near ties differ by the rounding of distances, far below FAR_SLACK. */
+/* Boxes grow by four times what rounding decides a hit within (ray_setup.h). */
 #define INFLATION 2e-6
-#define FAR_SLACK 1e-4
 
 enum { FEW_RAYS = 2 }; /* not worth a packet */
 
@@ -39,6 +36,8 @@ struct sl_tracer {
     double diagonal;
     sl_triangle_test *test;
     sl_ray_frames *frames;
+    sl_ray_setup setup;
+    sl_ray_setup_usual *make_usual_ready;
     atomic_llong embree_bytes;
 };
 
@@ -71,6 +70,9 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments) 
 
 static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments);
 static void occluded_callback(const struct RTCOccludedFunctionNArguments *arguments);
+
+/* Origins beyond this are far from the scene. */
+static double far_squared(const sl_tracer *tracer) { return 4.0 * tracer->diagonal * tracer->diagonal; }
 
 static bool count_memory(void *tracer, ssize_t bytes, bool post) {
     (void)post;
@@ -169,6 +171,16 @@ static sl_ray_frames *ray_frames_for(sl_isa isa) {
 #endif
 }
 
+static sl_ray_setup_usual *ray_setup_for(sl_isa isa) {
+#ifdef SL_BASELINE_ONLY
+    (void)isa;
+    return sl_ray_setup_usual_baseline;
+#else
+    static sl_ray_setup_usual *const setups[SL_ISAS] = {sl_ray_setup_usual_baseline, sl_ray_setup_usual_avx2, sl_ray_setup_usual_avx512};
+    return setups[isa];
+#endif
+}
+
 sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config, sl_tracer **out,
                            sl_error *error) {
     *out = NULL;
@@ -181,11 +193,13 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     tracer->scene = scene;
     tracer->test = triangle_test_for(sl_isa_best());
     tracer->frames = ray_frames_for(sl_isa_best());
+    tracer->make_usual_ready = ray_setup_for(sl_isa_best());
     sl_status status = place_triangles(tracer, error);
     if (status != SL_OK) {
         sl_tracer_destroy(tracer);
         return status;
     }
+    tracer->setup = (sl_ray_setup){tracer->centre, far_squared(tracer), (double)tracer->unit};
 
     char config[256];
     /* Embree's default, a leaf for each triangle, makes it test boxes longer than we would test triangles. */
@@ -240,7 +254,7 @@ static bool is_opaque(const sl_tracer *tracer, uint32_t triangle, float w1, floa
 /* The far end that Embree is told for a ray whose best hit (or given end) is at t. */
 static float embree_far(const query_state *state, unsigned k, float t) {
     double from_start = (double)t - state->rays.start[k];
-    double end = from_start + FAR_SLACK * fabs(from_start) + 0x1p-22 * fabs((double)t);
+    double end = from_start + SL_FAR_SLACK * fabs(from_start) + 0x1p-22 * fabs((double)t);
     return (float)(end * (double)state->tracer->unit);
 }
 
@@ -293,7 +307,7 @@ static sl_vec3 start_near(const sl_tracer *tracer, sl_vec3 origin, sl_vec3d dire
     sl_vec3d to_centre = sl_subd(tracer->centre, sl_to_double(origin));
     double distance_squared = sl_dotd(to_centre, to_centre), diagonal = tracer->diagonal;
     *start = 0.0;
-    if (distance_squared <= 4.0 * diagonal * diagonal) return origin;
+    if (distance_squared <= far_squared(tracer)) return origin;
     double length_squared = sl_dotd(direction, direction);
     double forward = sl_dotd(to_centre, direction) / length_squared - diagonal / sqrt(length_squared);
     if (!(forward > 0.0) || !isfinite(forward)) return origin;
@@ -304,7 +318,7 @@ static sl_vec3 start_near(const sl_tracer *tracer, sl_vec3 origin, sl_vec3d dire
 /* The power of two that brings a direction's largest component near 1, where it is far from that: Embree treats tiny
  * directions as zero. Distances are then in units of the scaled direction, exactly. */
 static float direction_scale(float largest_component) {
-    if (largest_component > 0x1p-20f && largest_component < 0x1p20f) return 1.0f;
+    if (largest_component > SL_SHORTEST && largest_component < SL_LONGEST) return 1.0f;
     int exponent;
     frexpf(largest_component, &exponent);
     exponent = exponent > 120 ? 120 : exponent < -120 ? -120 : exponent;
@@ -351,7 +365,7 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     out->dir_y[i] = d.y;
     out->dir_z[i] = d.z;
     double from_start = (double)r->near[i] - r->start[i];
-    out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - FAR_SLACK) * (double)unit) : 0.0f;
+    out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - SL_FAR_SLACK) * (double)unit) : 0.0f;
     out->tfar[i] = isinf(far) ? INFINITY : embree_far(state, i, far);
     out->time[i] = 0.0f;
     out->mask[i] = UINT32_MAX;
@@ -360,28 +374,31 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     return true;
 }
 
-/* All rays of a query; lanes that are not valid hold a harmless ray. Returns how many are valid. */
+/* A lane without a ray holds a harmless one. */
+static void clear_ray(query_state *state, unsigned i, struct RTCRay16 *out) {
+    set_frame(state, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f));
+    state->rays.near[i] = state->rays.best_t[i] = 0.0f;
+    state->rays.start[i] = 0.0;
+    state->rays.best_triangle[i] = state->rays.skip[i] = SL_NO_INDEX;
+    out->org_x[i] = out->org_y[i] = out->org_z[i] = out->dir_x[i] = out->dir_y[i] = 0.0f;
+    out->dir_z[i] = 1.0f;
+    out->tnear[i] = out->time[i] = 0.0f;
+    out->tfar[i] = -INFINITY;
+    out->mask[i] = out->flags[i] = 0;
+    out->id[i] = i;
+}
+
+/* All rays of a query: the usual ones together, the others one by one. Returns how many are valid. */
 static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ray16 *rays, unsigned count,
                         struct RTCRay16 *out, int valid[SL_PACKET]) {
-    unsigned valids = 0;
+    const sl_ready_rays ready = {&state->rays, state->origin, state->direction, state->scale, out, valid};
     state->tracer = tracer;
     state->occluded = 0;
-    for (unsigned i = 0; i < SL_PACKET; i++) {
-        valid[i] = i < count && prepare_ray(state, rays, i, out) ? -1 : 0;
-        if (valid[i]) {
-            valids++;
-            continue;
-        }
-        set_frame(state, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f));
-        state->rays.near[i] = state->rays.best_t[i] = 0.0f;
-        state->rays.start[i] = 0.0;
-        state->rays.best_triangle[i] = state->rays.skip[i] = SL_NO_INDEX;
-        out->org_x[i] = out->org_y[i] = out->org_z[i] = out->dir_x[i] = out->dir_y[i] = 0.0f;
-        out->dir_z[i] = 1.0f;
-        out->tnear[i] = out->time[i] = 0.0f;
-        out->tfar[i] = -INFINITY;
-        out->mask[i] = out->flags[i] = 0;
-        out->id[i] = i;
+    unsigned valids = tracer->make_usual_ready(&tracer->setup, rays, count, &ready);
+    for (unsigned i = 0; i < SL_PACKET && valids < SL_PACKET; i++) {
+        if (valid[i]) continue;
+        if (i < count && prepare_ray(state, rays, i, out)) valid[i] = -1, valids++;
+        else clear_ray(state, i, out);
     }
     tracer->frames(&state->rays, (const float(*)[SL_PACKET])state->origin, (const float(*)[SL_PACKET])state->direction);
     return valids;

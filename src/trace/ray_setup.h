@@ -1,0 +1,39 @@
+/* Rays made ready for Embree and for the triangle test, sixteen at a time. Nearly all rays are usual: their numbers are finite, their directions of
+ * about unit length, their origins not far from the scene. These are made ready in whole vectors; tracer.c looks at the others one by one. */
+#ifndef SL_TRACE_RAY_SETUP_H
+#define SL_TRACE_RAY_SETUP_H
+
+#include "trace/embree.h"
+#include "trace/triangle_test.h"
+
+/* Across the ray a hit is decided within about 3 * 2^-24 of its distance, which a ray's start near the scene bounds by 2.5 diagonals. Near ties
+ * differ by the rounding of distances, far below this. */
+#define SL_FAR_SLACK 1e-4
+
+/* Directions whose largest component lies between these are usual. */
+#define SL_SHORTEST 0x1p-20f
+#define SL_LONGEST 0x1p20f
+
+/* The same of all rays. */
+typedef struct sl_ray_setup {
+    sl_vec3d centre;     /* of the scene */
+    double far_squared;  /* origins beyond it are moved nearer */
+    double unit;         /* Embree's unit of length over ours */
+} sl_ray_setup;
+
+/* What becomes of them: lanes that are not usual hold anything, but for valid, which is -1 or 0. */
+typedef struct sl_ready_rays {
+    sl_ray_state *state; /* all but its frames (sl_ray_frames) */
+    float (*origin)[SL_PACKET], (*direction)[SL_PACKET], *scale;
+    struct RTCRay16 *rays;
+    int *valid;
+} sl_ready_rays;
+
+/* Returns how many of the first `count` are usual. */
+typedef unsigned sl_ray_setup_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, const sl_ready_rays *ready);
+
+unsigned sl_ray_setup_usual_baseline(const sl_ray_setup *, const sl_ray16 *, unsigned, const sl_ready_rays *);
+unsigned sl_ray_setup_usual_avx2(const sl_ray_setup *, const sl_ray16 *, unsigned, const sl_ready_rays *);
+unsigned sl_ray_setup_usual_avx512(const sl_ray_setup *, const sl_ray16 *, unsigned, const sl_ready_rays *);
+
+#endif
