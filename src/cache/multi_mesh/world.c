@@ -93,8 +93,9 @@ static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) 
 
 static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = make_sampling(s, error);
+    if (status != SL_OK) return status;
     sl_irradiance_settings irradiance = irradiance_settings(s);
-    return status == SL_OK ? sl_irradiance_meshes_create(&irradiance, &s->irradiance, error) : status;
+    return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
 }
 
 static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *error) {
@@ -214,6 +215,10 @@ sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = renew_world(s, &old, error);
     if (status == SL_OK) status = keep_samples(s, &old, error);
     if (status == SL_OK) status = make_pictures(s, error);
+    if (status != SL_OK) { /* which may hold the old lights still */
+        sl_irradiance_meshes_destroy(s->irradiance);
+        s->irradiance = NULL;
+    }
     forget_old_world(&old);
     return status;
 }

@@ -1,0 +1,204 @@
+/* Some work, again and again, with another allocation failing each time: whatever fails, the work comes to an end, says in one line that memory
+ * ended (or did without, and gives the same result), loses no memory, and can be done afterwards as if nothing had been. Trials run in
+ * children, since what they look for may crash. Foreign code (Assimp, Embree, OpenMP's runtime) that does not stand it is counted and told. */
+#ifndef SL_TESTS_ALLOCATION_TRIALS_H
+#define SL_TESTS_ALLOCATION_TRIALS_H
+
+#include "every_allocation.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+
+#include "softlux.h"
+
+typedef struct fault_outcome {
+    sl_status status;
+    sl_error error;
+    uint64_t hash; /* of all that came out; 0: not told, since it depends on the clock */
+} fault_outcome;
+
+typedef struct fault_case {
+    const char *name;
+    void (*prepare)(const struct fault_case *c); /* once a child, with all memory there is; may be NULL */
+    void (*work)(const struct fault_case *c, fault_outcome *o);
+    const void *what;
+    bool uneven; /* allocations come in another order each time: threads */
+} fault_case;
+
+enum { TRIALS_A_CHILD = 48, MOST_CRASHES = 12 };
+
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes) {
+    const unsigned char *at = data;
+    if (!hash) hash = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < bytes; i++) hash = (hash ^ at[i]) * 0x100000001b3u;
+    return hash;
+}
+
+static uint64_t hash_image(uint64_t hash, const sl_image *image) {
+    return hash_bytes(hash, image->planes, (size_t)image->channels * (size_t)image->width * (size_t)image->height * sizeof(float));
+}
+
+/* The leak checker of the address sanitizer, where there is one. */
+int __lsan_do_recoverable_leak_check(void) __attribute__((weak));
+SEEN const char *__lsan_default_suppressions(void), *__lsan_default_options(void);
+SEEN const char *__lsan_default_suppressions(void) { return "leak:add_to_global_resize\n"; } /* a table of the dynamic loader */
+SEEN const char *__lsan_default_options(void) { return "print_suppressions=0"; }
+
+/* cmocka catches what kills a program, and goes on; children are to die of it. Called before cmocka is. */
+static struct sigaction deaths[5];
+static const int deadly[5] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS};
+
+static void keep_deaths(void) {
+    for (int i = 0; i < 5; i++) sigaction(deadly[i], NULL, &deaths[i]);
+}
+
+/* ---- in a child ------------------------------------------------------------------------------------------------------------------- */
+
+static void run_once(const fault_case *c, long failing, fault_outcome *o) {
+    *o = (fault_outcome){.status = SL_OK};
+    open_window(failing);
+    c->work(c, o);
+    close_window();
+}
+
+static void complain(const fault_case *c, long index, const char *what, const char *detail) {
+    const fault_path *p = &board->path[index];
+    fprintf(stderr, "%s: allocation %ld (path %ld, of %s)%s: %s%s%s\n", c->name, p->first, index, p->owner,
+            all_from_there_on ? " and all after it" : "", what, detail && *detail ? ": " : "", detail ? detail : "");
+    board->faults++;
+}
+
+static void try_path(const fault_case *c, long index) {
+    fault_outcome o;
+    const fault_path *p = &board->path[index];
+    run_once(c, p->first, &o);
+    board->trials++;
+    if (o.status == SL_OK) {
+        board->absorbed++;
+        if (o.hash != board->expected) complain(c, index, "went on with another result", NULL);
+        return;
+    }
+    size_t length = strlen(o.error.message);
+    if (o.error.status != o.status) complain(c, index, "the error's status is another", o.error.message);
+    if (o.status != SL_ERROR_RESOURCES) complain(c, index, "blames something else than memory", o.error.message);
+    if (length == 0 || strchr(o.error.message, '\n')) complain(c, index, "does not say in one line what is wrong", o.error.message);
+}
+
+/* What it gives with all memory there is. */
+static void run_whole(const fault_case *c, long index) {
+    fault_outcome o;
+    run_once(c, -1, &o);
+    if (o.status != SL_OK) complain(c, index, "fails afterwards, with memory", o.error.message);
+    else if (o.hash != board->expected) complain(c, index, "another result afterwards, with memory", NULL);
+}
+
+static void become_mortal(void) {
+    for (int i = 0; i < 5; i++) sigaction(deadly[i], &deaths[i], NULL);
+}
+
+static _Noreturn void be_recorder(const fault_case *c) {
+    fault_outcome o;
+    become_mortal();
+    if (c->prepare) c->prepare(c);
+    run_once(c, -1, &o); /* what is made once a process, by libraries, is made now */
+    atomic_store(&recording, true);
+    run_once(c, -1, &o);
+    board->allocations = atomic_load(&allocation_number);
+    board->expected = o.hash;
+    if (o.status != SL_OK) fprintf(stderr, "%s: fails with all memory there is: %s\n", c->name, o.error.message);
+    _exit(o.status == SL_OK ? 0 : 1);
+}
+
+/* A chosen subset of the paths of one kind. */
+static bool is_chosen(long index, long step, bool foreign) { return index % step == 0 && board->path[index].foreign == foreign; }
+
+static _Noreturn void be_trier(const fault_case *c, long from, long step, bool foreign) {
+    become_mortal();
+    alarm(600);
+    setrlimit(RLIMIT_CPU, &(struct rlimit){120, 120});
+    if (c->prepare) c->prepare(c);
+    run_whole(c, from);
+    long i = from;
+    for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD; i++) {
+        if (!is_chosen(i, step, foreign)) continue;
+        atomic_store(&board->at, i);
+        try_path(c, i);
+        done++;
+    }
+    run_whole(c, i - 1);
+    /* What foreign code loses is not ours to mend. */
+    if (!foreign && __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check()) complain(c, i - 1, "leaks, or one of those before it", NULL);
+    atomic_store(&board->at, i);
+    _exit(0);
+}
+
+/* ---- in the parent, which allocates nothing and has one thread ------------------------------------------------------------------------- */
+
+static int wait_for(pid_t child) {
+    int how = 0;
+    while (waitpid(child, &how, 0) < 0 && errno == EINTR) {}
+    return how;
+}
+
+static void tell_death(const fault_case *c, int how, bool foreign) {
+    long at = atomic_load(&board->at);
+    char what[80];
+    if (WIFSIGNALED(how)) snprintf(what, sizeof what, WTERMSIG(how) == SIGALRM || WTERMSIG(how) == SIGXCPU || WTERMSIG(how) == SIGKILL ? "does not end" : "crashes with signal %d", WTERMSIG(how));
+    else snprintf(what, sizeof what, "ends the process with status %d", WEXITSTATUS(how));
+    if (!foreign) {
+        complain(c, at, what, NULL);
+    } else {
+        board->foreign++;
+        fprintf(stderr, "%s: (not ours) %s %s where it is refused allocation %ld\n", c->name, board->path[at].owner, what, board->path[at].first);
+    }
+}
+
+/* All paths of a kind, or every step-th. */
+static void try_paths(const fault_case *c, long step, bool foreign) {
+    int crashes = 0;
+    for (long from = 0; from < board->path_count && crashes < MOST_CRASHES;) {
+        while (from < board->path_count && !is_chosen(from, step, foreign)) from++;
+        if (from == board->path_count) break;
+        atomic_store(&board->at, from);
+        fflush(NULL);
+        pid_t child = fork();
+        if (child == 0) be_trier(c, from, step, foreign);
+        int how = wait_for(child);
+        from = atomic_load(&board->at);
+        if (how == 0) continue;
+        tell_death(c, how, foreign);
+        from++;
+        crashes++;
+    }
+}
+
+static bool make_board(void) {
+    if (!board) board = mmap(NULL, sizeof *board, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (board == MAP_FAILED) return false;
+    memset(board, 0, sizeof *board);
+    return true;
+}
+
+/* Returns how many faults there are. most: how many of our own paths are tried; 0: all, foreign ones too, and with all that
+ * follow failing as well. */
+static long try_case(const fault_case *c, long most) {
+    if (!make_board()) return 1;
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) be_recorder(c);
+    if (wait_for(child) != 0) return fprintf(stderr, "%s: does not work at all\n", c->name), 1;
+    long ours = 0, count = board->path_count;
+    for (long i = 0; i < count; i++) ours += !board->path[i].foreign;
+    for (int all = 0; all < (most ? 1 : 2); all++) {
+        all_from_there_on = all;
+        for (int foreign = 0; foreign < (most ? 1 : 2); foreign++) {
+            long of_kind = foreign ? count - ours : ours, step = most && of_kind > most ? (of_kind + most - 1) / most : 1;
+            try_paths(c, step, foreign);
+        }
+    }
+    printf("%-34s %7ld allocations, %5ld paths from %4ld places (%ld of ours); %ld tried, %ld did without, %ld deaths of foreign code, %ld faults\n",
+           c->name, board->allocations, count, board->place_count, ours, board->trials, board->absorbed, board->foreign, board->faults);
+    return board->faults;
+}
+
+#endif
