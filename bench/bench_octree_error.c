@@ -119,7 +119,8 @@ static void disc(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_DISC; }
 static void section(sl_light_octree_settings *s) { s->area = SL_PHOTON_AREA_SECTION; }
 static void accept_all(sl_light_octree_settings *s) { s->acceptance = SL_PI; }
 static void whole(sl_light_octree_settings *s) { s->whole_voxels = true, s->acceptance = SL_PI / 3.0; }
-static void facing(sl_light_octree_settings *s) { s->facing_voxels = true; }
+static void by_distance(sl_light_octree_settings *s) { s->distance_weights = true; }
+static void all_area(sl_light_octree_settings *s) { s->whole_area = true; }
 static void paper(sl_light_octree_settings *s) {
     s->whole_voxels = s->fixed_neighbours = true;
     s->area = SL_PHOTON_AREA_DISC;
@@ -147,7 +148,8 @@ static void whole_harmonics(sl_light_octree_settings *s) {
 static const choice choices[] = {
     {"default", "octree", none}, {"the paper's: whole voxels, disc, all photons, equal weights", "paper", paper}, {"area of a disc", "disc", disc},
     {"area of a section", NULL, section}, {"photons of all normals", "accept-all", accept_all}, {"sphere, f = 1", NULL, sphere},
-    {"one set of lights a voxel", "whole", whole}, {"voxels weigh by facing", NULL, facing},
+    {"one set of lights a voxel", "whole", whole}, {"voxels weigh by distance alone", NULL, by_distance},
+    {"area that no photon met counts too", "whole-area", all_area},
     {"k photons, not k/4 to k", NULL, exactly_k}, {"photons within 60 degrees", NULL, sixty},
     {"each voxel's own photons", "own", own}, {"nearest voxel", "nearest", nearest}, {"void is dark", "void-dark", void_dark},
     {"equal weights", NULL, unit}, {"12 + 12 bits", NULL, wide}, {"one irradiance", "colour", colour},

@@ -182,7 +182,7 @@ static void view_rows(bench_report *r, const bench_options *o, const char *scene
         if (!four && (which == 1 || o->brief)) continue;
         settings.lights = ns[i];
         octree_light_voxels(view.scene, octree, tree, &settings, 2, &light);
-        frames f = {.view = &view, .shading = {.texture = light.texture, .filter = SL_VOXEL_TRILINEAR}};
+        frames f = {.view = &view, .shading = sl_octree_shading_of(&settings, light.texture)};
         frame_row(r, o, scene, "trilinear", ns[i], &f, four ? which ? "10 fps" : "14 to 40 fps" : paper[i], &first);
         if (o->pictures && four && which == 0) octree_view_write(&view, r, scene, "trilinear");
         if (four) {

@@ -56,8 +56,7 @@ octree_picture octree_world_picture(octree_world *w, const sl_octree *octree, co
                                     const sl_light_octree_settings *settings, unsigned threads, float *values) {
     octree_light light;
     octree_light_voxels(w->view.scene, octree, tree, settings, threads, &light);
-    sl_octree_shading shading = {.texture = light.texture, .filter = settings->filter, .keep_void_dark = settings->keep_void_dark,
-                                 .facing = settings->facing_voxels};
+    sl_octree_shading shading = sl_octree_shading_of(settings, light.texture);
     double pixels = octree_shade_view(&w->view, &shading, threads);
     octree_view_pick(&w->view, &w->pixels, values);
     octree_picture picture = {light.seconds[0] + light.seconds[1] + pixels, (double)sl_voxel_texture_bytes(light.texture) / 1048576.0};

@@ -424,10 +424,15 @@ typedef struct sl_light_octree_settings {
                                      that is a sliver; voxels are whole then */
     bool photons_at_pixels;       /**< the photon map itself is shown: every pixel gathers its k nearest photons, and there are no lights in between */
     bool whole_voxels;            /**< one set of lights a voxel, as the paper; else one for each group of normals in it */
+    bool whole_area;              /**< all surface within reach of a voxel's photons counts as area, also what no photon met; else no more than their convex
+                                     hull tells */
     bool fixed_neighbours;        /**< k photons a voxel, as the paper; else k/4 to k of them, by an error estimate */
     bool keep_void_dark;          /**< empty voxels count as black in filtering: the paper's holes */
     bool environment_mirrors;     /**< mirrors show the environment from a cube map, and nothing of the scene; no ray is followed */
-    bool facing_voxels;           /**< in filtering voxels also weigh by the cosine between their normal and the point's */
+    double dilation;              /**< voxels also hold what lies around them within that share of their edge, 0 to 1: the paper's cure for holes; 0 */
+    bool distance_weights;        /**< in filtering voxels weigh by their distance alone, as whole ones and those beside dark void do; else also by the
+                                     cosine between their normal and the point's */
+    bool geometric_normals;       /**< surfaces take the octree's light by their geometric normals: where shading normals turn away from all of it */
     bool atlas;                   /**< light is rendered to a texture atlas first, and the picture looks it up there */
     int atlas_size;               /**< texels a side; 1024 */
     bool direct_sky;              /**< all of the environment lights pixels directly, by light samples; else only what stands out of it, and the

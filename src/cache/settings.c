@@ -247,9 +247,12 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "own_photons", o->own_photons);
     stamp_flag(st, "photons_at_pixels", o->photons_at_pixels);
     stamp_flag(st, "whole_voxels", o->whole_voxels);
+    stamp_flag(st, "whole_area", o->whole_area);
     stamp_flag(st, "fixed_neighbours", o->fixed_neighbours);
     stamp_flag(st, "void_dark", o->keep_void_dark);
-    stamp_flag(st, "facing_voxels", o->facing_voxels);
+    if (o->dilation > 0.0) stamp_real(st, "dilation", o->dilation);
+    stamp_flag(st, "distance_weights", o->distance_weights);
+    stamp_flag(st, "geometric_normals", o->geometric_normals);
     stamp_flag(st, "environment_mirrors", o->environment_mirrors);
     stamp_flag(st, "atlas", o->atlas);
     if (o->atlas) stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);

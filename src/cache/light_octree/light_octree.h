@@ -2,12 +2,14 @@
  * use like any others. Read in this order:
  *
  *   plan.c            which passes a scene needs
- *   light_octree.c    the passes of one picture, and the state between them
+ *   passes.c          the passes of one picture, one after another; state.h: what is between them
+ *   light_octree.c    what a method holds of that, and what edits leave; report.c: what is said of it
  *
  *   photons.c         P1: photon tracing; photon_emission.c: from which lights
  *   photon_tree.c     P2: the kd-tree, and the k nearest photons
  *   octree.c          G1: the voxels, on geometry; triangle_cells.c, coplanar.c; octree_cuts.c: a shallower one
- *   voxel_gather.c    P3: a voxel's photons, and over which area they were strewn: photon_area.c exactly, surroundings.c for all triangles
+ *   voxel_gather.c    P3: a voxel's photons, and over which area they were strewn: photon_area.c exactly, surroundings.c for all triangles,
+ *                     photon_hull.c without those that no photon met
  *   own_photons.c     P3 without a search: the photons in the voxel
  *   voxel_error.c     P3: how many photons, by an estimate of the error
  *   cluster.c         P4: K-means on their directions
@@ -34,6 +36,8 @@
 
 /* Of completed settings; radius: theirs, or that of the octree's density. */
 sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *settings, double radius);
+
+sl_octree_shading sl_octree_shading_of(const sl_light_octree_settings *settings, const sl_voxel_texture *texture);
 
 /* What a picture is made of; planes of the G-buffer's size, row 0 at the bottom. */
 typedef struct sl_octree_composition {

@@ -1,7 +1,11 @@
 /* Which passes run, and with what. */
 #include "cache/light_octree/plan.h"
 
+#include <stdio.h>
+
 #include "base/math.h"
+#include "base/memory.h"
+#include "cache/light_octree/octree.h"
 #include "scene/features.h"
 
 typedef struct {
@@ -65,6 +69,62 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
     };
 }
 
+/* ---- what can be said before anything has run (section 7) ---- */
+
+static double root_edge(const sl_scene *scene) {
+    sl_vec3 size = sl_sub(scene->box_max, scene->box_min);
+    return (double)fmaxf(size.x, fmaxf(size.y, size.z));
+}
+
+double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
+    double area = 0.0, cells = ceil(root_edge(scene) / voxel);
+    for (uint32_t t = 0; t < scene->triangle_count; t++) {
+        if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) continue;
+        sl_vec3 p[3];
+        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(scene, scene->vertex[k][t]);
+        area += 0.5 * (double)sl_length(sl_cross(sl_sub(p[1], p[0]), sl_sub(p[2], p[0])));
+    }
+    return fmin(1.5 * area / (voxel * voxel), cells * cells * cells);
+}
+
+size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
+    sl_vec3 *low = sl_allocate(2 * scene->object_count, sizeof *low), *high = low ? low + scene->object_count : NULL;
+    size_t small = 0;
+    if (!low) return 0;
+    for (size_t i = 0; i < scene->object_count; i++) {
+        low[i] = sl_v3(INFINITY, INFINITY, INFINITY);
+        high[i] = sl_neg(low[i]);
+    }
+    for (uint32_t t = 0; t < scene->triangle_count; t++) {
+        uint32_t object = scene->object_index[t];
+        for (int k = 0; k < 3; k++) {
+            sl_vec3 p = sl_scene_position(scene, scene->vertex[k][t]);
+            low[object] = sl_v3(fminf(low[object].x, p.x), fminf(low[object].y, p.y), fminf(low[object].z, p.z));
+            high[object] = sl_v3(fmaxf(high[object].x, p.x), fmaxf(high[object].y, p.y), fmaxf(high[object].z, p.z));
+        }
+    }
+    for (size_t i = 0; i < scene->object_count; i++) {
+        sl_vec3 size = sl_sub(high[i], low[i]);
+        float longest = fmaxf(size.x, fmaxf(size.y, size.z));
+        small += longest >= 0.0f && (double)longest < 2.0 * voxel; /* below 0: it has no triangle */
+    }
+    sl_free(low);
+    return small;
+}
+
+static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p, sl_plan_writer *writer) {
+    double voxel = root_edge(scene) / (double)(1u << o->depth), voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
+    double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
+    size_t small = voxel > 0.0 ? sl_octree_small_objects(scene, voxel) : 0;
+    char few[160] = "", tiny[96] = "";
+    if (a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
+        snprintf(few, sizeof few, ", less than a tenth of %d: %s", o->neighbours,
+                 o->own_photons ? "too few to count by voxels" : "they come from far beyond the voxel");
+    if (small > 0) snprintf(tiny, sizeof tiny, "; %zu object%s smaller than two voxels", small, small > 1 ? "s are" : " is");
+    sl_plan_pass(writer, p->photons, "octree", "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s", o->depth, p->first_depth, voxels,
+                 a_voxel, few, tiny);
+}
+
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     static const char *const stores[] = {"after a bounce at least", "all", "caustics alone"};
     static const char *const areas[] = {"the scene's triangles in the ellipsoid", "the section of a plane", "a disc"};
@@ -74,7 +134,7 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     sl_features f = sl_scene_features(scene);
     sl_octree_plan p = sl_octree_plan_make(scene, settings);
     sl_plan_pass(writer, p.photons, "photons", "%llu to be stored, %s", (unsigned long long)o->photons, stores[o->store]);
-    sl_plan_pass(writer, p.photons, "octree", "depth %d, shown from depth %d on", o->depth, p.first_depth);
+    plan_octree(scene, o, &p, writer);
     if (o->photons_at_pixels) sl_plan_pass(writer, p.photons, "gathers", "the %d nearest photons of each pixel, spread over %s", o->neighbours,
                                            areas[o->area == SL_PHOTON_AREA_SECTION ? SL_PHOTON_AREA_DISC : o->area]);
     else if (o->own_photons) sl_plan_pass(writer, p.photons, "gathers", "each voxel's own photons");

@@ -247,10 +247,11 @@ typedef struct tile_pass {
 } tile_pass;
 
 /* In the order of sl_octree_points. */
-static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, size_t pixel, float values[16]) {
+static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye, bool geometric, size_t pixel, float values[16]) {
     const sl_material *m = &scene->materials[g->material[pixel]];
     sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
-    sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
+    sl_vec3 n = geometric ? sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel])
+                          : sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
     sl_vec3 from = g->seen_from ? g->seen_from[pixel] : eye;
     sl_vec3 v = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n;
     const float all[16] = {place.x, place.y, place.z, n.x, n.y, n.z, v.x, v.y, v.z, g->diffuse_r[pixel], g->diffuse_g[pixel],
@@ -260,7 +261,7 @@ static void point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 e
 
 static void take_pixel(const tile_pass *pass, uint32_t pixel, size_t at, sl_octree_scratch *s) {
     float values[16];
-    point_of_pixel(pass->scene, pass->gbuffer, pass->eye, pixel, values);
+    point_of_pixel(pass->scene, pass->gbuffer, pass->eye, pass->shading->geometric, pixel, values);
     for (int k = 0; k < 16; k++) s->point[k][at] = values[k];
     s->pixel[at] = pixel;
 }
@@ -270,7 +271,7 @@ bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *sce
     float v[16];
     uint64_t fetches = 0;
     *out = (sl_octree_pixel){.glossy = false};
-    point_of_pixel(scene, gbuffer, eye, pixel, v);
+    point_of_pixel(scene, gbuffer, eye, shading->geometric, pixel, v);
     sl_octree_points p = {1, v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, v + 7, v + 8, v + 9, v + 10, v + 11, v + 12, v + 13, v + 14, v + 15};
     voxel_place place = place_of(shading, &p, 0, out->cell);
     if (place.key == NOWHERE) return false;

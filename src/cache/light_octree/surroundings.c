@@ -279,9 +279,11 @@ static double extent(const sl_ellipsoid *e, double cosine) {
 
 /* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor below its boards, and photons
  * met but one of them; of a ceiling with a black lamp on it, what the lamp leaves free. */
-static double one_layer(const sl_ellipsoid *e, double area, double flat, double hidden) {
+static void one_layer(const sl_ellipsoid *e, double hidden, double *area, double *flat) {
     double disc = sl_disc_area(e), least = 0.01 * disc, free = disc - hidden > least ? disc - hidden : least;
-    return flat > free ? area * (free / flat) : area;
+    if (!(*flat > free)) return;
+    *area *= free / *flat;
+    *flat = free;
 }
 
 sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid *e, double least_cosine, sl_surroundings_marks *marks) {
@@ -303,12 +305,14 @@ sl_strewn_area sl_surroundings_area(const sl_surroundings *s, const sl_ellipsoid
     q.high = sl_addd(sl_scaled(sl_subd(sl_addd(e->centre, reach), s->octree->origin), scale), margin);
     if (s->count[0] > 0) visit_node(&q, 0, 0);
     /* Both windings at one height are one sheet whose triangles turn either way. */
-    double front = q.sums.front, back = q.sums.back;
+    double front = q.sums.front, back = q.sums.back, front_flat = 0.0, back_flat = 0.0;
     bool both = front > 0.1 * back && back > 0.1 * front;
     bool sheet = !both || fabs(q.sums.front_height / front - q.sums.back_height / back) < 1e-3 * e->radius;
     if (q.has_normal) {
-        front = one_layer(e, front, q.sums.front_flat, q.hidden[0]);
-        back = one_layer(e, back, q.sums.back_flat, q.hidden[1]);
+        front_flat = q.sums.front_flat;
+        back_flat = q.sums.back_flat;
+        one_layer(e, q.hidden[0], &front, &front_flat);
+        one_layer(e, q.hidden[1], &back, &back_flat);
     }
-    return (sl_strewn_area){front, back, sheet};
+    return (sl_strewn_area){front, back, sheet, front_flat, back_flat};
 }

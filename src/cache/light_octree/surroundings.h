@@ -35,11 +35,13 @@ typedef struct sl_surroundings_marks {
     uint32_t query;
 } sl_surroundings_marks;
 
-/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it; of layers that hide each other, one. sheet: they are the same sheets, to be
- * seen from both sides, and not the two faces of a wall: then each side's area is that of both. */
+/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it; of layers that hide each other, one. sheet: they
+ * are the same sheets, to be seen from both sides, and not the two faces of a wall: then each side's area is that of both. flat: the same
+ * projected along the ellipsoid's normal, on its disc; 0 without a normal. */
 typedef struct sl_strewn_area {
     double front, back;
     bool sheet;
+    double front_flat, back_flat;
 } sl_strewn_area;
 
 /* A zero normal: all triangles, as front. */

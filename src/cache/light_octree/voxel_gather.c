@@ -14,12 +14,20 @@ sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_o
                              .neighbours = o->neighbours};
 }
 
+static void put_on_disc(sl_photon_places *p, float x, float y, double distance) {
+    p->x[p->count] = x;
+    p->y[p->count] = y;
+    p->distance[p->count++] = distance;
+}
+
 /* Two passes, so that each side's photons stand together in order of their ids. */
 static void split_sides(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w, sl_voxel_gather *gather) {
     const sl_photon_list *list = sl_photon_tree_list(work->tree);
-    w->photons.count = 0;
+    sl_photon_places *on_disc = &w->places;
+    w->photons.count = on_disc->count = on_disc->front = 0;
     size_t front = 0, seen = 0;
     sl_vec3d normals = {0}, places = {0};
+    sl_frame frame = sl_frame_from_normal(query->normal);
     for (int back = 0; back < 2 && seen < w->gathered.count; back++) {
         for (size_t i = 0; i < w->gathered.count; i++) {
             const sl_photon *p = &list->photon[w->gathered.place[i]];
@@ -31,8 +39,12 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
             sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
             places = sl_addd(places, sl_to_double(place));
             normals = sl_addd(normals, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
+            if (on_disc->x) put_on_disc(on_disc, sl_dot(place, frame.x), sl_dot(place, frame.y), w->gathered.distance[i]);
         }
-        if (back == 0) front = w->photons.count;
+        if (back == 0) {
+            front = w->photons.count;
+            on_disc->front = on_disc->count;
+        }
     }
     gather->front = sl_lobe_photons_from(&w->photons, 0, front);
     gather->back = sl_lobe_photons_from(&w->photons, front, w->photons.count - front);
@@ -70,12 +82,40 @@ static bool is_same(const sl_ellipsoid *a, const sl_ellipsoid *b) {
            a->centre.z == b->centre.z && a->normal.x == b->normal.x && a->normal.y == b->normal.y && a->normal.z == b->normal.z;
 }
 
-static sl_strewn_area strewn_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
-    for (int i = 0; i < SL_AREAS_REMEMBERED; i++) {
-        if (is_same(&w->remembered[i].ellipsoid, e)) return w->remembered[i].area;
+/* What of a side's surface its photons were strewn over, by their hull. Of nearer ones than were gathered, if the ellipsoid is smaller. */
+static double share_by_hull(sl_photon_places *p, const sl_ellipsoid *e, int side, double flat) {
+    double limit = e->radius * e->radius * (1.0 + 1e-9);
+    size_t first = side ? p->front : 0, end = side ? p->count : p->front;
+    p->hull.count = 0;
+    for (size_t i = first; i < end; i++) {
+        p->hull.x[p->hull.count] = p->x[i];
+        p->hull.y[p->hull.count] = p->y[i];
+        p->hull.count += p->distance[i] <= limit;
     }
-    sl_strewn_area area = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
-    w->remembered[w->next_remembered] = (sl_remembered_area){*e, area};
+    sl_photon_hull hull = sl_photon_hull_of(&p->hull);
+    return sl_photon_hull_share(&hull, p->hull.count, flat);
+}
+
+/* Surface that no photon met counts for nothing. */
+static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_photon_places *places, sl_remembered_area *a) {
+    double both = fmin(strewn->front_flat + strewn->back_flat, sl_disc_area(&a->ellipsoid));
+    double front = share_by_hull(places, &a->ellipsoid, 0, together ? both : strewn->front_flat);
+    double back = share_by_hull(places, &a->ellipsoid, 1, together ? both : strewn->back_flat);
+    a->side[0] *= front;
+    a->side[1] *= back;
+    a->all = front * strewn->front + back * strewn->back;
+}
+
+static sl_remembered_area clipped_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
+    for (int i = 0; i < SL_AREAS_REMEMBERED; i++) {
+        if (is_same(&w->remembered[i].ellipsoid, e)) return w->remembered[i];
+    }
+    sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
+    bool together = strewn.sheet || !work->by_side, has_normal = sl_dotd(e->normal, e->normal) > 0.0;
+    sl_remembered_area area = {*e, {strewn.front, strewn.back}, strewn.front + strewn.back};
+    if (together) area.side[0] = area.side[1] = area.all;
+    if (w->places.x && work->by_side && has_normal) leave_out_hidden(&strewn, together, &w->places, &area);
+    w->remembered[w->next_remembered] = area;
     w->next_remembered = (w->next_remembered + 1) % SL_AREAS_REMEMBERED;
     return area;
 }
@@ -94,11 +134,10 @@ double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o
             area[0] = area[1] = sl_section_area(e, n, sl_dotd(n, gather->mean_place));
         }
     } else if (o->area == SL_PHOTON_AREA_CLIP) {
-        sl_strewn_area strewn = strewn_area(work, e, w);
-        bool together = strewn.sheet || !work->by_side;
-        all = strewn.front + strewn.back;
-        area[0] = together ? all : strewn.front;
-        area[1] = together ? all : strewn.back;
+        sl_remembered_area clipped = clipped_area(work, e, w);
+        all = clipped.all;
+        area[0] = clipped.side[0];
+        area[1] = clipped.side[1];
     }
     for (int side = 0; side < 2; side++) {
         if (!(area[side] > 1e-3 * disc)) area[side] = disc;

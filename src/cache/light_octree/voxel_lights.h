@@ -16,6 +16,7 @@ typedef struct sl_voxel_light_options {
     double flatness;         /* f in (0,1] */
     double acceptance;       /* radians between a photon's normal and the voxel's; pi: all photons, whatever their side */
     sl_photon_area area;
+    bool whole_area;         /* of SL_PHOTON_AREA_CLIP: all of it; else no more than the photons' hull tells (photon_hull.h) */
     sl_voxel_lobes lobes;
     int lights;              /* n of directional lights */
     int harmonics_order;     /* of SL_LOBES_HARMONICS: 2 or 3 */

@@ -16,6 +16,14 @@ static sl_status check_options(const sl_voxel_light_options *o, sl_error *error)
                    o->radius, o->flatness, o->lights, (int)SL_VOXEL_LIGHTS_MAX);
 }
 
+static sl_status create_places(size_t k, sl_photon_places *p, sl_error *error) {
+    p->x = sl_allocate(2 * k, sizeof *p->x);
+    p->distance = sl_allocate(k, sizeof *p->distance);
+    if (!p->x || !p->distance) return sl_fail_memory(error, "gathered photons");
+    p->y = p->x + k;
+    return sl_hull_points_create(k, &p->hull, error);
+}
+
 static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_voxel_worker *w, sl_error *error) {
     size_t k = lights->options.own_photons ? lights->work->own.most : sl_voxel_most_neighbours(&lights->options);
     bool ranks = lights->options.estimated_radius;
@@ -26,7 +34,9 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
     if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
     bool good = w->gathered.place && w->gathered.distance && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
                 (w->ranked || !ranks);
-    return good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
+    sl_status status = good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
+    bool hulls = lights->work->surroundings && !lights->options.whole_area;
+    return status == SL_OK && hulls ? create_places(k, &w->places, error) : status;
 }
 
 static void destroy_work(sl_voxel_work *work) {
@@ -39,6 +49,9 @@ static void destroy_work(sl_voxel_work *work) {
         sl_free(w->marks.mark);
         sl_free(w->pieces);
         sl_lobe_photons_release(&w->photons);
+        sl_hull_points_release(&w->places.hull);
+        sl_free(w->places.x);
+        sl_free(w->places.distance);
     }
     sl_free(work->worker);
     sl_own_photons_release(&work->own);

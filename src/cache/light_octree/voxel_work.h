@@ -3,6 +3,7 @@
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_WORK_H
 
 #include "cache/light_octree/normal_groups.h"
+#include "cache/light_octree/photon_hull.h"
 #include "cache/light_octree/surroundings.h"
 #include "cache/light_octree/voxel_lobes.h"
 
@@ -14,14 +15,23 @@ struct ranked_photon;
 enum { SL_AREAS_REMEMBERED = 4 };
 typedef struct sl_remembered_area {
     sl_ellipsoid ellipsoid;   /* radius 0: nothing yet */
-    sl_strewn_area area;
+    double side[2], all;      /* A for the photons in front and behind; of all surfaces together */
 } sl_remembered_area;
+
+/* Where gathered photons lie on the ellipsoid's disc, those of the front first; for their hull. */
+typedef struct sl_photon_places {
+    float *x, *y;             /* NULL: not asked for */
+    double *distance;         /* delta^2 */
+    size_t front, count;
+    sl_hull_points hull;
+} sl_photon_places;
 
 /* A worker's own. */
 typedef struct sl_voxel_worker {
     sl_gathered_photons gathered;
     struct ranked_photon *ranked; /* estimated radius alone: as many */
     sl_lobe_photons photons;      /* both sides: room for twice k */
+    sl_photon_places places;
     sl_surroundings_marks marks;
     sl_remembered_area remembered[SL_AREAS_REMEMBERED];
     unsigned next_remembered;

@@ -1,0 +1,119 @@
+#include "cache/light_octree/photon_hull.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "base/memory.h"
+#include "cache/light_octree/photon_hull_kernels.h"
+
+enum { PHOTONS_LEAST = 16 };
+
+/* So many standard deviations are sure. */
+static const double sure = 3.0;
+/* A few photons close together must not outshine all else. */
+static const double share_least = 0.1;
+
+sl_status sl_hull_points_create(size_t capacity, sl_hull_points *p, sl_error *error) {
+    *p = (sl_hull_points){0, sl_allocate(2 * capacity, sizeof *p->x), NULL, sl_allocate(3 * capacity + 2, sizeof *p->outer), NULL};
+    if (!p->x || !p->outer) {
+        sl_hull_points_release(p);
+        return sl_fail_memory(error, "gathered photons");
+    }
+    p->y = p->x + capacity;
+    p->chain = p->outer + capacity;
+    return SL_OK;
+}
+
+void sl_hull_points_release(sl_hull_points *p) {
+    sl_free(p->x);
+    sl_free(p->outer);
+    *p = (sl_hull_points){0, NULL, NULL, NULL, NULL};
+}
+
+/* ---- most points are far inside (Akl and Toussaint 1978) ---- */
+
+/* The octagon of the points that lie farthest out, or what is left of it where some are the same; false: all points are in one place. */
+static bool octagon(const sl_hull_points *p, const sl_hull_kernels *kernel, sl_hull_edges *edges) {
+    uint32_t extreme[SL_HULL_WAYS];
+    float x[SL_HULL_WAYS], y[SL_HULL_WAYS];
+    int corners = 0;
+    kernel->extremes(p->x, p->y, p->count, extreme);
+    for (int w = 0; w < SL_HULL_WAYS; w++) {
+        float px = p->x[extreme[w]], py = p->y[extreme[w]];
+        if (corners > 0 && px == x[corners - 1] && py == y[corners - 1]) continue;
+        x[corners] = px;
+        y[corners++] = py;
+    }
+    if (corners > 1 && x[corners - 1] == x[0] && y[corners - 1] == y[0]) corners--;
+    edges->count = corners;
+    for (int e = 0; e < corners; e++) {
+        int next = e + 1 < corners ? e + 1 : 0;
+        edges->x[e] = x[e];
+        edges->y[e] = y[e];
+        edges->along_x[e] = x[next] - x[e];
+        edges->along_y[e] = y[next] - y[e];
+    }
+    return corners > 1;
+}
+
+static float slack_of(const sl_hull_edges *edges) {
+    float size = 0.0f;
+    for (int e = 0; e < edges->count; e++) size = fmaxf(size, fmaxf(fabsf(edges->x[e]), fabsf(edges->y[e])));
+    return 1e-5f * size * size;
+}
+
+/* ---- the hull of the rest (Andrew 1979) ---- */
+
+static bool comes_before(const sl_hull_points *p, uint32_t a, uint32_t b) { return p->x[a] != p->x[b] ? p->x[a] < p->x[b] : p->y[a] < p->y[b]; }
+
+static void sort_outer(sl_hull_points *p, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        uint32_t moved = p->outer[i];
+        size_t k = i;
+        for (; k > 0 && comes_before(p, moved, p->outer[k - 1]); k--) p->outer[k] = p->outer[k - 1];
+        p->outer[k] = moved;
+    }
+}
+
+/* Twice the area of (a, b, c), positive where they turn left. */
+static double turn(const sl_hull_points *p, uint32_t a, uint32_t b, uint32_t c) {
+    double x = (double)p->x[a], y = (double)p->y[a];
+    return ((double)p->x[b] - x) * ((double)p->y[c] - y) - ((double)p->y[b] - y) * ((double)p->x[c] - x);
+}
+
+/* Adds a point to a chain that may not be shorter than `least`; what no longer turns left goes. */
+static size_t add_to_chain(const sl_hull_points *p, size_t length, size_t least, uint32_t point) {
+    while (length >= least + 2 && !(turn(p, p->chain[length - 2], p->chain[length - 1], point) > 0.0)) length--;
+    p->chain[length++] = point;
+    return length;
+}
+
+/* Below from left to right, and back above. */
+static size_t chain_around(const sl_hull_points *p, size_t count) {
+    size_t length = 0, below;
+    for (size_t i = 0; i < count; i++) length = add_to_chain(p, length, 0, p->outer[i]);
+    below = length - 1;
+    for (size_t i = count - 1; i-- > 0;) length = add_to_chain(p, length, below, p->outer[i]);
+    return length - 1; /* the first point is the last as well */
+}
+
+sl_photon_hull sl_photon_hull_of(sl_hull_points *p) {
+    sl_hull_kernels kernel = sl_hull_kernels_for(sl_isa_best());
+    sl_hull_edges edges;
+    sl_photon_hull hull = {0.0, 0};
+    if (p->count < 3 || !octagon(p, &kernel, &edges)) return hull;
+    size_t count = kernel.outside(p->x, p->y, p->count, &edges, slack_of(&edges), p->outer);
+    if (count < 3) return hull;
+    sort_outer(p, count);
+    hull.corners = chain_around(p, count);
+    for (size_t i = 2; i < hull.corners; i++) hull.area += 0.5 * turn(p, p->chain[0], p->chain[i - 1], p->chain[i]);
+    return hull;
+}
+
+double sl_photon_hull_share(const sl_photon_hull *hull, size_t photons, double area) {
+    if (photons < PHOTONS_LEAST || hull->corners < 3 || !(area > 0.0)) return 1.0;
+    double count = (double)photons, corners = (double)hull->corners;
+    double share = hull->area / area * ((count + 1.0) / (count - corners + 1.0));
+    if (!(share * (1.0 + sure * sqrt(corners) / count) < 1.0)) return 1.0;
+    return share > share_least ? share : share_least;
+}

@@ -1,0 +1,82 @@
+/* What a picture was made from, for its metadata, and what it takes in memory. */
+#include "cache/light_octree/state.h"
+
+#include <stdio.h>
+
+static sl_status write_number(sl_image *image, const char *name, double value, sl_error *error) {
+    char key[SL_METADATA_KEY_MAX], text[32];
+    snprintf(key, sizeof key, "softlux.octree.%s", name);
+    snprintf(text, sizeof text, "%.9g", value);
+    return sl_image_set_metadata(image, key, text, error);
+}
+
+static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_statistics *v, sl_image *image, sl_error *error) {
+    const sl_octree *octree = s->shown.octree;
+    const sl_photon_list *photons = sl_photon_tree_list(s->tree);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"depth", octree->depth},
+                   {"leaves", (double)octree->leaf_count},
+                   {"photons_emitted", (double)photons->emitted},
+                   {"photons_stored", (double)photons->count},
+                   {"photons_a_voxel", v->mean_photons},
+                   {"radius", v->mean_radius},
+                   {"radius_in_voxels", v->mean_radius / sl_octree_voxel(octree)},
+                   {"spread_deg", v->rms_angle * 57.29577951308232},
+                   {"flux", v->flux},
+                   {"power_ratio", v->max_power_ratio},
+                   {"sets", (double)v->sets},
+                   {"borrowed_directions", (double)v->from_parent},
+                   {"coincident", (double)v->coincident},
+                   {"small_objects", (double)sl_octree_small_objects(s->scene, sl_octree_voxel(octree))},
+                   {"texture_bytes", (double)sl_voxel_texture_bytes(s->shown.texture)}};
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0] && status == SL_OK; i++)
+        status = write_number(image, numbers[i].name, numbers[i].value, error);
+    return status;
+}
+
+/* ---- what is to be said against it (section 7) ---- */
+
+/* Gathers that reach beyond the voxels blur more than these do; voxels that count their own photons and have few count badly. */
+static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v, char *text, size_t size) {
+    const sl_light_octree_settings *o = &s->settings.light_octree;
+    double reach = v->mean_radius / sl_octree_voxel(s->shown.octree);
+    double photons = (double)sl_photon_tree_list(s->tree)->count, a_voxel = photons / (double)s->shown.octree->leaf_count;
+    text[0] = '\0';
+    if (o->own_photons && a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
+        snprintf(text, size, "%.3g photons a voxel are few for voxels that count their own: more stored photons, or a smaller depth", a_voxel);
+    else if (!o->own_photons && v->lit > 0 && reach > SL_OCTREE_WIDE_GATHERS)
+        snprintf(text, size, "photons were gathered from %.3g voxels around: light is blurred by that, not by the voxels; more stored photons, fewer neighbours "
+                             "or a smaller depth", reach);
+}
+
+sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error) {
+    if (!s->shown.lights || !s->shown.octree->leaf_count) return SL_OK;
+    char text[256];
+    sl_voxel_statistics v;
+    sl_voxel_lights_statistics(s->shown.lights, s->shown.octree, &v);
+    sl_status status = write_statistics(s, &v, image, error);
+    write_warning(s, &v, text, sizeof text);
+    return status == SL_OK && text[0] ? sl_image_set_metadata(image, "softlux.warning", text, error) : status;
+}
+
+/* ---- memory ---- */
+
+static size_t level_bytes(const sl_octree_level *level) {
+    size_t bytes = level->octree ? sl_octree_bytes(level->octree) : 0;
+    if (level->lights) bytes += sl_voxel_lights_bytes(level->lights);
+    return bytes + (level->texture ? sl_voxel_texture_bytes(level->texture) : 0);
+}
+
+size_t sl_octree_state_bytes(const sl_octree_state *s) {
+    size_t bytes = sizeof *s + sl_octree_state_pixels(s) * (SL_OCTREE_PLANES * sizeof(float) + 14 * sizeof(float) + 2 * sizeof(uint32_t));
+    bytes += level_bytes(&s->shown) + level_bytes(&s->next);
+    if (s->photons) bytes += s->photons->count * sizeof(sl_photon);
+    if (s->tree) bytes += sl_photon_tree_bytes(s->tree);
+    if (s->atlas) bytes += sl_lit_atlas_bytes(s->atlas);
+    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
+    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    return bytes;
+}

@@ -1,0 +1,69 @@
+/* A picture under way: what there is of it, and which pass comes next. */
+#ifndef SL_CACHE_LIGHT_OCTREE_STATE_H
+#define SL_CACHE_LIGHT_OCTREE_STATE_H
+
+#include "cache/announce.h"
+#include "cache/light_octree/light_octree.h"
+
+enum { SL_OCTREE_PLANES = 6 }; /* direct, indirect */
+
+typedef enum sl_octree_phase {
+    SL_OCTREE_PHASE_GBUFFER,
+    SL_OCTREE_PHASE_DIRECT,
+    SL_OCTREE_PHASE_PHOTONS,
+    SL_OCTREE_PHASE_OCTREE,
+    SL_OCTREE_PHASE_LIGHTS,
+    SL_OCTREE_PHASE_SHADE,
+    SL_OCTREE_PHASE_DONE
+} sl_octree_phase;
+
+/* A finished octree: what pixels are lit from. */
+typedef struct sl_octree_level {
+    sl_octree *octree;          /* made anew for each depth: a cut of the deepest rounds in another order than that depth alone */
+    sl_voxel_lights *lights;
+    sl_voxel_texture *texture;
+} sl_octree_level;
+
+typedef struct sl_octree_state {
+    const sl_scene *scene;
+    sl_settings settings;
+    sl_octree_plan plan;
+
+    sl_raster *raster;
+    sl_tracer *tracer;
+    sl_environment sky, sun;    /* of the scene's environment: in the octree, and direct light of pixels */
+    sl_direct *direct;
+    sl_cube_map *cube;          /* what mirrors show where they show the environment alone */
+
+    sl_photon_list *photons;    /* until the tree takes them */
+    sl_photon_tree *tree;
+    sl_octree_level shown, next;
+    sl_lit_atlas *atlas;        /* as long as the geometry stays; NULL where it is not asked for */
+
+    sl_gbuffer *gbuffer;
+    sl_reflections *reflections;
+    float *planes;
+    float *direct_light[3], *indirect_light[3];
+
+    sl_octree_phase phase;
+    bool lit;                   /* the picture's indirect light is that of `shown` */
+    int depth;                  /* of the octree under way */
+    int direct_row;
+    size_t leaf;
+    double radius;
+    sl_counters counters;
+    sl_announcer announcer;
+} sl_octree_state;
+
+static inline size_t sl_octree_state_pixels(const sl_octree_state *s) { return (size_t)s->settings.width * (size_t)s->settings.height; }
+
+void sl_octree_forget_level(sl_octree_level *level);
+sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
+
+/* The next step of the pass that is under way (passes.c). */
+sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
+/* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said against that (report.c). */
+sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);
+size_t sl_octree_state_bytes(const sl_octree_state *s);
+
+#endif
