@@ -15,12 +15,13 @@
 enum { WORDS_MAX = 48, WORD_MAX = 200, ENDS_MAX = 80 };
 
 static const char scene[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"c.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1, "
-                            "\"keyframes\": [{\"time\": 0}, {\"time\": 1, \"position\": [0.5, 1, 0]}]}], \"camera\": {\"eye\": [0, 1, 3], \"target\": [0, 0, 0]}}";
+                            "\"keyframes\": [{\"time\": 0}, {\"time\": 1, \"position\": [0.5, 1, 0]}]}], \"camera\": {\"eye\": [0, 1, 3], \"target\": [0, 0, 0]}, "
+                            "\"film\": {\"width\": 6, \"height\": 4}}";
 static const char obj[] = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 4 3 2\nf 4 2 1\n";
 
 /* What ends a command that renders: last words win. */
 static const char *const least[] = {"--size", "3x2", "--threads", "1", "--spp", "1", "--batches", "2", "--frames", "1", "--gather-size", "8", "--photons", "50",
-                                    "--depth", "2", "--map-samples", "2", "--points", "20", "--quiet"};
+                                    "--depth", "2", "--map-samples", "2", "--points", "20", "--time", "0.05", "--quiet"};
 
 static void make_folder(void) {
     char start[256];
@@ -75,18 +76,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     ready = true;
     if (size < 1) return 0;
     unsigned command = data[0] % 7;
-    bool renders = command == 0 && data[0] / 7 % 4 == 0;
+    bool works = data[0] / 7 % 4 == 0, renders = command == 0 && works, reads = command == 1 || (command == 2 && works);
     size_t count = split(data + 1, size - 1, words), argc = 0, end_count = 0;
     char *argv[WORDS_MAX + ENDS_MAX + 1];
-    for (size_t i = 0; i < count; i++) argv[argc++] = words[i];
+    for (size_t i = 0; i < count; i++) {
+        bool hides_the_end = !renders && !reads && strcmp(words[i], "--") == 0; /* behind it no word is an option */
+        if (!hides_the_end) argv[argc++] = words[i];
+    }
     if (renders) {
         for (size_t i = 0; i < sizeof least / sizeof least[0]; i++) strcpy(ends[end_count++], least[i]);
-    } else if (command == 0 || command > 2) {
-        strcpy(ends[end_count++], "--no-such-option");
+    } else if (!reads) {
+        for (int i = 0; i < 2; i++) strcpy(ends[end_count++], "--no-such-option"); /* the first may be the value of what is before it */
     }
     for (size_t i = 0; i < end_count; i++) argv[argc++] = ends[i];
     argv[argc] = NULL;
-    if (argc == end_count && (command == 1 || command == 2)) return 0;
     int status = commands[command]((int)argc, argv);
     if (status < 0 || status > 5) fuzz_fail("an exit status that is none of ours");
     remove_outputs(words, count);
