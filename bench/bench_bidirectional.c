@@ -131,7 +131,7 @@ int main(int argc, char **argv) {
         sl_error error;
         sl_scene *scene;
         sl_tracer *tracer;
-        check(sl_scene_load(path, &scene, &error), &error);
+        check(sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, &scene, &error), &error);
         check(sl_tracer_create(scene, 1, NULL, &tracer, &error), &error);
         for (int t = 0; t < 3; t++) compare(file_name(path), scene, tracer, transports[t]);
         sl_tracer_destroy(tracer);

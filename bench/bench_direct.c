@@ -51,7 +51,7 @@ static void draw_gbuffer(bench *b, int size, sl_error *error) {
 
 static void prepare(bench *b, const char *path, int size, bool maps, uint32_t samples) {
     sl_error error;
-    check(sl_scene_load(path, &b->scene, &error), &error);
+    check(sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, &b->scene, &error), &error);
     check(sl_raster_create(b->scene, 1, &b->raster, &error), &error);
     check(sl_tracer_create(b->scene, 1, NULL, &b->tracer, &error), &error);
     check(sl_environment_split(&b->scene->environment, 10.0, &b->sky, &b->sun, &error), &error);

@@ -152,7 +152,7 @@ static void one_scene(const options *o, const char *path, totals *t) {
     const char *slash = strrchr(path, '/');
     snprintf(name, sizeof name, "%s", slash ? slash + 1 : path);
     name[strcspn(name, ".")] = '\0';
-    check(sl_scene_load(path, &scene, &error), &error);
+    check(sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, &scene, &error), &error);
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) one_method(o, scene, name, methods[i], t);
     sl_scene_destroy(scene);
 }

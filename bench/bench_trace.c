@@ -252,7 +252,7 @@ static void *checked(void *memory) {
 static void run(const char *path) {
     bench b = {0};
     sl_error error = {0};
-    if (sl_scene_load(path, &b.scene, &error) != SL_OK) stop(path, &error);
+    if (sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, &b.scene, &error) != SL_OK) stop(path, &error);
     if (sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error) != SL_OK) stop(path, &error);
     build_triangles(&b);
     choose_points(&b);

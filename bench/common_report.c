@@ -139,7 +139,7 @@ bool bench_open_scene(bench_report *r, const char *path, sl_scene **scene) {
         bench_say(r, "skip: %s cannot be generated\n", path);
         return false;
     }
-    if (sl_scene_load(path, scene, &error) == SL_OK) return true;
+    if (sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, scene, &error) == SL_OK) return true;
     bench_say(r, "skip: %s\n", error.message);
     return false;
 }

@@ -42,7 +42,7 @@ static void choose_points(bench *b, size_t points) {
 
 void bench_open(bench *b, const char *path, size_t points) {
     sl_error error;
-    if (sl_scene_load(path, &b->scene, &error) != SL_OK) bench_stop(path, &error);
+    if (sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, &b->scene, &error) != SL_OK) bench_stop(path, &error);
     if (sl_raster_create(b->scene, 1, &b->raster, &error) != SL_OK) bench_stop("rasterizer", &error);
     if (sl_tracer_create(b->scene, 1, NULL, &b->tracer, &error) != SL_OK) bench_stop("tracer", &error);
     choose_points(b, points);

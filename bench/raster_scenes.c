@@ -192,7 +192,7 @@ static void open_room(bench_scene *s) {
 
 static void open_file(bench_scene *s) {
     sl_error error;
-    if (sl_scene_load(s->path, &s->scene, &error) != SL_OK) bench_stop(s->path, error.message);
+    if (sl_scene_load_with(s->path, &(sl_load_options){.allow_outside = true}, &s->scene, &error) != SL_OK) bench_stop(s->path, error.message);
     put_points_in_sight(s);
 }
 

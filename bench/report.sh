@@ -34,7 +34,8 @@ if [ -z "${SCENES:-}" ]; then
 fi
 
 # shellcheck disable=SC2086 # lists
-set -- -o "$out" --size "${SIZE:-128x128}" --repeats "${REPEATS:-3}" --limit "${LIMIT:-60}" --reference-budget "${REFERENCE_BUDGET:-60}" \
+# Scenes of bench/scenes name files elsewhere.
+set -- -o "$out" --allow-outside --size "${SIZE:-128x128}" --repeats "${REPEATS:-3}" --limit "${LIMIT:-60}" --reference-budget "${REFERENCE_BUDGET:-60}" \
     --threads "${THREADS:-1}" ${REFERENCES:+--references "$REFERENCES"} ${BUDGET:+--budget "$BUDGET"} ${OPTIONS:-}
 softlux=${SOFTLUX:-$build/softlux}
 

@@ -227,8 +227,15 @@ SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *referen
 /** Triangles, materials, lights, environment and camera; opaque. Immutable but for the two functions that move it. */
 typedef struct sl_scene sl_scene;
 
-/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller destroys the scene. */
+/** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller destroys the scene. The files that it
+ * names must lie in the folder of `path` or below. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
+/** What loading a scene may do. {0} is what sl_scene_load() does. */
+typedef struct sl_load_options {
+    bool allow_outside; /**< files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else they are refused */
+} sl_load_options;
+/** The same as it is told to; options must not be NULL. */
+SL_API sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error);
 /** Frees a scene that no method reads any more. NULL is allowed. */
 SL_API void sl_scene_destroy(sl_scene *scene);
 /** How many lines there are about what loading had to decide or repair: a framed camera, the default light, dropped triangles, scaled reflectances. */

@@ -123,9 +123,9 @@ expect 0 'method direct-radiance' render scenes/moving-light.json -s 16x16 -m au
 
 # What a method finds out on its way is told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
-expect 0 'warning: weight 15' render "$folder/low.json" -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"
+expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"
 [ "$(grep -c 'weight 15' "$folder/err")" -eq 1 ] || { echo 'a warning is not told once'; bad=1; }
-expect 0 '' render "$folder/low.json" -m direct-radiance --weight 15 --quiet -s 16x16 -o "$folder/low.pfm"
+expect 0 '' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 --quiet -s 16x16 -o "$folder/low.pfm"
 [ ! -s "$folder/err" ] || { echo '--quiet warns'; bad=1; }
 
 # A live show: pictures, a stream, a report; and what cannot be shown.

@@ -89,6 +89,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"references-only", 0, SL_OPTION_FLAG, &o->references_only, NULL, NULL, "make references, as good as their budget allows, and nothing else", 0, 0, NULL},
         {"trials-only", 0, SL_OPTION_FLAG, &o->trials_only, NULL, NULL,
          "measure, and write no report: several of these may fill one folder, with a scene each, on a processor each", 0, 0, NULL},
+        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL, "files that scenes name may lie outside of their folders", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print the rows as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
@@ -108,13 +109,19 @@ static bool parse(int argc, char **argv, request *q, int *status) {
 
 /* ---- a scene ---- */
 
+typedef struct description {
+    const char *path;
+    sl_load_options load;
+} description;
+
 /* In a child, since reading a scene may start threads: what is in it, as JSON. */
 static bool describe_work(void *context, char **report) {
+    const description *d = context;
     sl_scene *scene = NULL;
     sl_error error;
     char text[160];
     int width = 0, height = 0;
-    if (sl_scene_load(context, &scene, &error) != SL_OK) {
+    if (sl_scene_load_with(d->path, &d->load, &scene, &error) != SL_OK) {
         *report = strdup(error.message);
         return false;
     }
@@ -149,13 +156,12 @@ static void name_scene(const char *path, sl_bench_scene *s) {
 /* False: the scene cannot be read, which its `trouble` says. */
 static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
-    char copy[SL_BENCH_PATH];
+    description d = {path, o->load};
     sl_child_end end;
     unsigned long long triangles = 0;
     int glossy = 0, mirrors = 0;
     name_scene(path, s);
-    snprintf(copy, sizeof copy, "%s", path);
-    sl_status status = sl_child_run(describe_work, copy, &limits, &end, error);
+    sl_status status = sl_child_run(describe_work, &d, &limits, &end, error);
     if (status != SL_OK) return status;
     if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
     else if (sscanf(end.text, "%16s %d %d %llu %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors) != 6)

@@ -52,8 +52,10 @@ int sl_command_info(int argc, char **argv) {
     const char *path;
     int operands, exit_status;
     sl_raw_settings raw;
-    sl_option options[SL_SETTINGS_OPTIONS];
-    sl_settings_options(&raw, options);
+    sl_load_options load = {0};
+    sl_option options[1 + SL_SETTINGS_OPTIONS];
+    options[0] = (sl_option){"allow-outside", 0, SL_OPTION_FLAG, &load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL};
+    sl_settings_options(&raw, options + 1);
     const sl_command_line line = {"softlux info SCENE [options]",
                                   "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
                                   NULL, options, 1, 1};
@@ -61,7 +63,7 @@ int sl_command_info(int argc, char **argv) {
     sl_settings settings = sl_settings_taken(&raw);
     sl_error error;
     sl_scene *scene;
-    sl_status status = sl_scene_load(path, &scene, &error);
+    sl_status status = sl_scene_load_with(path, &load, &scene, &error);
     if (status == SL_OK) {
         print_scene(scene);
         for (size_t i = 0; i < sl_scene_warning_count(scene); i++) printf("warning      %s\n", sl_scene_warning(scene, i));

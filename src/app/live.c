@@ -18,6 +18,7 @@ typedef struct show_options {
     bool exposure_given, json, quiet;
     int tone;
     sl_settings settings;
+    sl_load_options load;
 } show_options;
 
 static bool parse(int argc, char **argv, show_options *o, int *status) {
@@ -33,6 +34,7 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
         {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
         {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0, tone_names},
+        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no report, no warnings", 0, 0, NULL},
     };
@@ -146,7 +148,7 @@ int sl_command_live(int argc, char **argv) {
         snprintf(error.message, sizeof error.message, "--json and --output -: both would go to standard output");
         status = SL_ERROR_USAGE;
     }
-    if (status == SL_OK) status = sl_scene_load(o.scene_path, &scene, &error);
+    if (status == SL_OK) status = sl_scene_load_with(o.scene_path, &o.load, &scene, &error);
     for (size_t i = 0; status == SL_OK && !o.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
     if (status == SL_OK) {

@@ -20,6 +20,7 @@ typedef struct sl_render_options {
     int tone;                  /* as sl_tone_curve */
     double exposure;
     bool exposure_given, json, quiet;
+    sl_load_options load;
 } sl_render_options;
 
 /* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the frame's number goes. */

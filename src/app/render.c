@@ -32,6 +32,7 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "PNG: times 2^STOPS [automatic]", -64, 64,
          NULL},
         {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0, tone_names},
+        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
@@ -117,7 +118,7 @@ int sl_command_render(int argc, char **argv) {
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
-    sl_status status = sl_scene_load(o.scene_path, &scene, &error);
+    sl_status status = sl_scene_load_with(o.scene_path, &o.load, &scene, &error);
     if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
     if (status == SL_OK) {
         if (!o.quiet) print_warnings(scene);

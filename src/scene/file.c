@@ -1,7 +1,9 @@
+#define _XOPEN_SOURCE 700 /* realpath() */
 #include "scene/file.h"
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -48,6 +50,29 @@ char *sl_file_beside(const char *beside, const char *name) {
     memcpy(path, beside, folder);
     memcpy(path + folder, name, length);
     return path;
+}
+
+char *sl_file_folder(const char *path) {
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash - path) : 0;
+    char *name = sl_allocate(length + 2, 1), *folder = NULL;
+    if (!name) return NULL;
+    memcpy(name, path, length);
+    if (length == 0) name[0] = slash ? '/' : '.';
+    char *real = realpath(name, NULL);
+    if (real && (folder = sl_allocate(strlen(real) + 1, 1))) memcpy(folder, real, strlen(real));
+    free(real);
+    sl_free(name);
+    return folder;
+}
+
+bool sl_file_is_below(const char *folder, const char *path) {
+    char *real = folder ? realpath(path, NULL) : NULL;
+    if (!real) return true; /* reading it will say that it does not exist */
+    size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
+    bool below = strncmp(real, folder, length) == 0 && real[length] == '/';
+    free(real);
+    return below;
 }
 
 static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }

@@ -6,11 +6,12 @@
 #include "scene/mesh_file.h"
 #include "scene/scene_file.h"
 
-static sl_status load_mesh_alone(const char *path, sl_scene **scene, sl_error *error) {
+static sl_status load_mesh_alone(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
     sl_model model = {0};
     sl_affine identity = sl_affine_identity();
     sl_error problem = {0};
-    sl_status status = sl_mesh_file_load(path, &identity, &model, error);
+    sl_status status = sl_file_exists(path) && !options->allow_outside ? sl_model_confine(&model, path, error) : SL_OK;
+    if (status == SL_OK) status = sl_mesh_file_load(path, &identity, &model, error);
     if (status == SL_OK) {
         status = sl_model_build(&model, scene, &problem);
         if (status == SL_ERROR_INPUT) sl_fail(error, status, "%s: %s", path, problem.message);
@@ -32,9 +33,13 @@ static bool is_scene_file(const char *path) {
     return first == '{';
 }
 
-sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error) {
+sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
     *scene = NULL;
     if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
-    if (is_scene_file(path)) return sl_scene_file_load(path, scene, error);
-    return load_mesh_alone(path, scene, error);
+    if (is_scene_file(path)) return sl_scene_file_load(path, options, scene, error);
+    return load_mesh_alone(path, options, scene, error);
+}
+
+sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error) {
+    return sl_scene_load_with(path, &(sl_load_options){0}, scene, error);
 }

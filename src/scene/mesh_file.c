@@ -12,6 +12,7 @@
 #include "scene/file.h"
 #include "scene/gltf.h"
 #include "scene/header_check.h"
+#include "scene/import_io.h"
 #include "scene/obj_check.h"
 
 enum { DEEPEST_NODE = 1000 };
@@ -218,8 +219,13 @@ sl_status sl_mesh_file_add(const char *path, const struct aiScene *file, const s
 }
 
 /* Reads, checks, and only then has polygons cut into triangles. Points and lines stay and are skipped. */
-static sl_status import(const char *path, const struct aiScene **file, sl_error *error) {
-    *file = aiImportFile(path, 0);
+static sl_status import(const char *path, sl_import_io *io, const sl_model *model, const struct aiScene **file, sl_error *error) {
+    *file = aiImportFileEx(path, 0, &io->procedures);
+    if (io->refused[0]) {
+        sl_error problem;
+        sl_status refused = sl_model_may_read(model, io->refused, &problem);
+        if (refused != SL_OK) return sl_fail(error, refused, "%s: names %s", path, problem.message);
+    }
     if (!*file || !(*file)->mRootNode) {
         const char *reason = *file ? "it is empty" : aiGetErrorString();
         return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: %s", path, reason && *reason ? reason : "it is damaged");
@@ -244,7 +250,9 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
     sl_status status = check_first(path, model, is_gltf, &gltf, error);
     if (status != SL_OK) return status;
     const struct aiScene *file = NULL;
-    status = import(path, &file, error);
+    sl_import_io io;
+    sl_import_io_init(&io, path, model->folder);
+    status = import(path, &io, model, &file, error);
     if (status == SL_OK) status = sl_mesh_file_add(path, file, is_gltf ? &gltf : NULL, placement, model, error);
     if (file) aiReleaseImport(file);
     sl_gltf_release(&gltf);

@@ -51,33 +51,38 @@ static sl_status embedded_texture(const source *s, const struct aiTexture *t, co
     return SL_OK;
 }
 
-/* Exporters write back slashes, %20, and folders of the machine they ran on; what exists is taken. */
-static char *find_texture_file(const char *beside, char *name) {
+/* "%20" in file names stands for a blank. */
+static void decode_blanks(char *name) {
+    char *to = name;
+    for (const char *from = name; *from; from++) {
+        bool blank = from[0] == '%' && from[1] == '2' && from[2] == '0';
+        *to++ = blank ? ' ' : *from;
+        if (blank) from += 2;
+    }
+    *to = 0;
+}
+
+/* Exporters write back slashes, %20, and folders of the machine they ran on: of the names that can be meant, the first that exists and may be
+ * read; else the first that exists, and else the name as it is. Then reading it says what is wrong. */
+static char *find_texture_file(const source *s, char *name) {
     for (char *c = name; *c; c++) {
         if (*c == '\\') *c = '/';
     }
-    char *path = sl_file_beside(beside, name);
-    if (!path || sl_file_exists(path)) return path;
-    char *to = name;
-    for (const char *from = name; *from; from++) {
-        bool space = from[0] == '%' && from[1] == '2' && from[2] == '0';
-        *to++ = space ? ' ' : *from;
-        if (space) from += 2;
-    }
-    *to = 0;
+    char *candidates[3] = {sl_file_beside(s->path, name)};
+    decode_blanks(name);
     const char *base = strrchr(name, '/');
-    char *candidates[] = {sl_file_beside(beside, name), sl_file_beside(beside, base ? base + 1 : name)};
-    for (int i = 0; i < 2; i++) {
-        if (candidates[i] && sl_file_exists(candidates[i])) {
-            char *found = candidates[i];
-            sl_free(path);
-            sl_free(candidates[1 - i]);
-            return found;
-        }
+    candidates[1] = sl_file_beside(s->path, name);
+    candidates[2] = sl_file_beside(s->path, base ? base + 1 : name);
+    int best = 0, score = -1;
+    for (int i = 0; i < 3; i++) {
+        bool exists = candidates[i] && sl_file_exists(candidates[i]);
+        int worth = exists + (exists && sl_file_is_below(s->model->folder, candidates[i]));
+        if (worth > score) score = worth, best = i;
     }
-    sl_free(candidates[0]);
-    sl_free(candidates[1]);
-    return path; /* reading it will say that it does not exist */
+    for (int i = 0; i < 3; i++) {
+        if (i != best) sl_free(candidates[i]);
+    }
+    return candidates[best];
 }
 
 static sl_status find_texture(const source *s, unsigned type, uint32_t *index) {
@@ -92,9 +97,12 @@ static sl_status find_texture(const source *s, unsigned type, uint32_t *index) {
         snprintf(label, sizeof label, "%.*s%.100s", 1000, s->path, name.data);
         return embedded_texture(s, s->file->mTextures[number], label, index);
     }
-    char *path = find_texture_file(s->path, name.data);
+    char *path = find_texture_file(s, name.data);
     if (!path) return sl_fail_memory(s->error, "a file name");
-    sl_status status = sl_model_texture(s->model, path, NULL, 0, index, s->error);
+    sl_error problem;
+    sl_status status = sl_model_texture(s->model, path, NULL, 0, index, &problem);
+    if (status == SL_ERROR_INPUT) sl_fail(s->error, status, "%s: material '%s': texture %s", s->path, s->name, problem.message);
+    else if (status != SL_OK) sl_fail(s->error, status, "%s", problem.message);
     sl_free(path);
     return status;
 }

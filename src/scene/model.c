@@ -10,6 +10,7 @@
 #include "image/decode.h"
 #include "scene/bicubic.h"
 #include "scene/derive.h"
+#include "scene/file.h"
 #include "scene/texture.h"
 
 /* ---- lists that grow --------------------------------------------------------------------------------------------------- */
@@ -133,7 +134,7 @@ static void free_strings(char **list, size_t count) {
 
 void sl_model_clear(sl_model *m) {
     void *plain[] = {m->positions, m->normals, m->uvs, m->vertex_object, m->indices, m->material_index, m->object_index,
-                     m->bicubics, m->lights, m->environment.texels};
+                     m->bicubics, m->lights, m->environment.texels, m->folder};
     for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++) sl_free(plain[i]);
     for (size_t i = 0; i < m->material_count; i++) sl_free(m->materials[i].name);
     sl_free(m->materials);
@@ -145,6 +146,18 @@ void sl_model_clear(sl_model *m) {
     free_strings(m->object_names, m->object_count);
     free_strings(m->warnings, m->warning_count);
     *m = (sl_model){0};
+}
+
+/* ---- where files may lie ---------------------------------------------------------------------------------------------------- */
+
+sl_status sl_model_confine(sl_model *m, const char *path, sl_error *error) {
+    m->folder = sl_file_folder(path);
+    return m->folder ? SL_OK : sl_fail(error, SL_ERROR_INPUT, "%s: its folder cannot be read", path);
+}
+
+sl_status sl_model_may_read(const sl_model *m, const char *path, sl_error *error) {
+    if (sl_file_is_below(m->folder, path)) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: lies outside of the scene's folder, which --allow-outside (sl_load_options) would allow", path);
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------------------- */
@@ -165,6 +178,10 @@ sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, si
         }
     }
     *index = SL_NO_INDEX;
+    if (!memory) {
+        sl_status status = sl_model_may_read(m, path, error);
+        if (status != SL_OK) return status;
+    }
     const column columns[] = {COLUMN(m->textures, 1)};
     if (!make_room(columns, 1, m->texture_count, &m->texture_room, 1)) return sl_fail_memory(error, "the textures");
     sl_texture texture = {0};

@@ -27,9 +27,15 @@ typedef struct sl_model {
     sl_camera camera;
     sl_environment environment; /* texels owned */
     int film_width, film_height;
+    char *folder; /* real path of the folder that files must lie below; NULL: they may lie anywhere */
 } sl_model;
 
 void sl_model_clear(sl_model *model);
+
+/* Confines the model to the folder of the file that is being loaded. */
+sl_status sl_model_confine(sl_model *model, const char *path, sl_error *error);
+/* Refuses a file outside of the model's folder: the message says how to allow it. */
+sl_status sl_model_may_read(const sl_model *model, const char *path, sl_error *error);
 
 /* Room for `count` more; they are zero, and the counts are raised. The first new index in *first. */
 sl_status sl_model_add_vertices(sl_model *model, size_t count, uint32_t object, size_t *first, sl_error *error);
@@ -43,7 +49,7 @@ sl_status sl_model_add_object(sl_model *model, const char *name, uint32_t *index
 __attribute__((format(printf, 2, 3))) void sl_model_warn(sl_model *model, const char *format, ...);
 
 /* A texture by file name (decoded once however often it is named), or from `bytes` bytes at `memory` where that is not NULL, `path` then being its
- * name. What cannot be read is a warning, and *index SL_NO_INDEX; failing is for want of memory only. */
+ * name. What cannot be read is a warning, and *index SL_NO_INDEX; failing is for want of memory, or where the file may not be read. */
 sl_status sl_model_texture(sl_model *model, const char *path, const void *memory, size_t bytes, uint32_t *index,
                            sl_error *error);
 /* The mean colour (linear) and mean bytes/255 of a texture: for material constants that a texture modulates. */

@@ -64,7 +64,8 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
     sl_affine placement = sl_affine_after(&file->turn, &transform);
     size_t first = file->model.object_count, first_vertex = file->model.vertex_count, surfaces = file->model.bicubic_count;
     sl_error problem = {0};
-    sl_status status = sl_mesh_file_load(path, &placement, &file->model, &problem);
+    sl_status status = sl_model_may_read(&file->model, path, &problem);
+    if (status == SL_OK) status = sl_mesh_file_load(path, &placement, &file->model, &problem);
     sl_free(path);
     if (status == SL_ERROR_INPUT) sl_json_fail(json, named, "mesh %s", problem.message);
     else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
@@ -149,11 +150,13 @@ static sl_status build(sl_scene_file *file, sl_scene **scene) {
                                     : sl_fail(file->json.error, status, "%s", problem.message);
 }
 
-sl_status sl_scene_file_load(const char *path, sl_scene **scene, sl_error *error) {
+sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
     *scene = NULL;
     sl_scene_file file = {.animation = sl_allocate(1, sizeof(sl_animation))};
     if (!file.animation) return sl_fail_memory(error, "the scene file");
-    if (sl_json_open(path, &file.json, error) == SL_OK) read_root(&file);
+    sl_status opened = sl_json_open(path, &file.json, error);
+    if (opened == SL_OK && !options->allow_outside) file.json.status = sl_model_confine(&file.model, path, error);
+    if (file.json.status == SL_OK) read_root(&file);
     if (file.json.status == SL_OK) file.json.status = build(&file, scene);
     sl_status status = file.json.status;
     sl_animation_destroy(file.animation);

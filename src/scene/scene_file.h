@@ -6,7 +6,7 @@
 #include "scene/json.h"
 #include "scene/model.h"
 
-sl_status sl_scene_file_load(const char *path, sl_scene **scene, sl_error *error);
+sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error);
 
 /* ---- between scene_file.c, scene_file_motion.c, scene_file_lights.c and scene_file_materials.c ---- */
 

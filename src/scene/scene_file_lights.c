@@ -182,7 +182,8 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     char *path = sl_file_beside(json->path, name);
     sl_image *image = NULL;
     sl_error problem = {0};
-    sl_status status = path ? sl_image_read(path, &image, &problem) : sl_fail_memory(&problem, "a file name");
+    sl_status status = path ? sl_model_may_read(&file->model, path, &problem) : sl_fail_memory(&problem, "a file name");
+    if (status == SL_OK) status = sl_image_read(path, &image, &problem);
     sl_free(path);
     const float *plane[3] = {NULL};
     static const char *const channels[3] = {"R", "G", "B"};

@@ -17,6 +17,7 @@ typedef struct audit {
     const sl_bench_row *row;
     int width, height;
     unsigned threads;
+    sl_load_options load;
 } audit;
 
 /* A tracer's picture tells by its own halves; another by probes on the paths that its method declares. */
@@ -41,7 +42,7 @@ static bool audit_work(void *context, char **report) {
     sl_error_estimate e = {0};
     sl_error error;
     char text[160];
-    sl_status status = sl_scene_load(a->scene_path, &scene, &error);
+    sl_status status = sl_scene_load_with(a->scene_path, &a->load, &scene, &error);
     if (status == SL_OK) status = sl_image_read(a->row->picture, &picture, &error);
     double from = sl_process_seconds();
     if (status == SL_OK) status = estimate(a, scene, picture, &e, &error);
@@ -67,7 +68,7 @@ static void take(const cJSON *entry, sl_bench_promise *p) {
 
 static sl_status run(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_row *row, const char *key, sl_journal *journal, sl_error *error) {
     const sl_child_limits limits = {o->limit, 0, sl_interrupted};
-    audit a = {s->path, row, s->width, s->height, o->threads};
+    audit a = {s->path, row, s->width, s->height, o->threads, o->load};
     sl_child_end end;
     sl_status status = sl_child_run(audit_work, &a, &limits, &end, error);
     if (status != SL_OK || end.outcome == SL_CHILD_INTERRUPTED) {

@@ -89,6 +89,7 @@ typedef struct extension {
     int width, height;
     unsigned threads;
     uint64_t pairs;
+    sl_load_options load;
 } extension;
 
 /* The sums of both halves so far: planes R, G, B of the one, then of the other. An unreadable file counts as none. */
@@ -160,7 +161,7 @@ static bool extend_work(void *context, char **report) {
     uint64_t pairs = 0;
     double seconds = 0.0, *sums = calloc(6 * (size_t)e->width * (size_t)e->height, sizeof *sums);
     char text[96];
-    sl_status status = sums ? sl_scene_load(e->scene_path, &scene, &error) : SL_ERROR_RESOURCES;
+    sl_status status = sums ? sl_scene_load_with(e->scene_path, &e->load, &scene, &error) : SL_ERROR_RESOURCES;
     if (status == SL_OK) begin(e, sums, &pairs, &seconds);
     for (uint64_t i = 0; i < 2 * e->pairs && status == SL_OK; i++) status = add_chunk(e, scene, 2 * pairs + i, sums, &error);
     seconds += sl_process_seconds();
@@ -194,7 +195,7 @@ static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
 
 sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s, uint64_t pairs, sl_bench_reference *r, sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
-    extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs};
+    extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs, o->load};
     sl_child_end end;
     sl_reference_path(o->references, s, r->transport, r->file);
     sl_status status = make_folder(o->references, error);
@@ -231,7 +232,7 @@ static bool mask_work(void *context, char **report) {
     settings.radiance_map.direct_light_only = true;
     settings.width = e->width;
     settings.height = e->height;
-    sl_status status = sl_scene_load(e->scene_path, &scene, &error);
+    sl_status status = sl_scene_load_with(e->scene_path, &e->load, &scene, &error);
     if (status == SL_OK) status = sl_method_create(scene, &settings, &method, &error);
     while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
     if (status == SL_OK) status = sl_method_resolve(method, &picture, &error);
@@ -254,7 +255,7 @@ static bool mask_work(void *context, char **report) {
 sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
     char path[SL_BENCH_PATH];
-    extension e = {s->path, "", path, s->width, s->height, o->reference_threads, 0};
+    extension e = {s->path, "", path, s->width, s->height, o->reference_threads, 0, o->load};
     sl_image *mask = NULL;
     sl_child_end end;
     sl_reference_path(o->references, s, "mask", path);

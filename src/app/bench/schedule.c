@@ -175,7 +175,7 @@ static sl_status run_job(const sl_bench_options *o, const sl_bench_scene *s, sl_
     sl_child_end end;
     key_of(o, s, j, key, sizeof key);
     sl_trial_picture(o, s, j->trial, picture);
-    sl_trial_run run = {j->trial, s->path, s->width, s->height, o->threads, j->repeat < 0, j->repeat == 0 ? picture : NULL};
+    sl_trial_run run = {j->trial, s->path, s->width, s->height, o->threads, j->repeat < 0, j->repeat == 0 ? picture : NULL, o->load};
     sl_calibration calibration = sl_calibrate();
     sl_status status = sl_child_run(sl_trial_work, &run, &limits, &end, error);
     if (status != SL_OK || end.outcome == SL_CHILD_INTERRUPTED) {

@@ -18,6 +18,7 @@ typedef struct sl_bench_options {
     bool report_only; /* no trial is run: the journal is taken as it is */
     bool trials_only; /* no errors, no report */
     bool references_only; /* as good as their budget makes them */
+    sl_load_options load;
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 

@@ -141,7 +141,7 @@ bool sl_trial_work(void *context, char **answer) {
     settings.height = run->height;
     settings.threads = run->threads;
     settings.observer = run->look ? &observer : NULL;
-    if (status == SL_OK) status = sl_scene_load(run->scene_path, &scene, &error);
+    if (status == SL_OK) status = sl_scene_load_with(run->scene_path, &run->load, &scene, &error);
     if (status == SL_OK) status = make_picture(scene, &settings, &watch, &m, &error);
     if (status == SL_OK && run->picture) status = sl_image_write(m.image, run->picture, &error);
     *answer = status == SL_OK ? report(run, &m, &watch) : strdup(error.message);

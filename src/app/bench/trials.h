@@ -22,6 +22,7 @@ typedef struct sl_trial_run {
     unsigned threads;
     bool look;           /* not for the clock: with an observer, for the parts of the time and for the first picture */
     const char *picture; /* EXR to write; or NULL */
+    sl_load_options load;
 } sl_trial_run;
 
 /* In a child: runs the trial of an sl_trial_run and reports a JSON object: cpu_seconds, wall_seconds, peak_bytes, method_bytes, batches, counters;

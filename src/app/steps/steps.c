@@ -15,6 +15,7 @@ typedef struct steps_command {
     uint64_t reference_samples;
     double at_seconds;
     bool quiet;
+    sl_load_options load;
 } steps_command;
 
 static bool parse(int argc, char **argv, steps_command *s, int *status) {
@@ -28,6 +29,7 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
         {"reference-spp", 0, SL_OPTION_COUNT, &s->reference_samples, NULL, "N",
          "samples a pixel of the path-traced reference; 0: no errors are told [64]", 0, 1e6, NULL},
         {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
+        {"allow-outside", 0, SL_OPTION_FLAG, &s->load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &s->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
     size_t count = sizeof own / sizeof own[0];
@@ -96,7 +98,7 @@ int sl_command_steps(int argc, char **argv) {
     if (!parse(argc, argv, &s, &exit_status)) return exit_status;
     sl_error error;
     sl_scene *scene = NULL;
-    sl_status status = sl_scene_load(s.scene, &scene, &error);
+    sl_status status = sl_scene_load_with(s.scene, &s.load, &scene, &error);
     if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
     for (size_t i = 0; status == SL_OK && !s.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));

@@ -1,0 +1,68 @@
+#include "scene/import_io.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "scene/file.h"
+
+/* ---- one file ---------------------------------------------------------------------------------------------------------- */
+
+static size_t read_file(struct aiFile *file, char *to, size_t size, size_t count) { return fread(to, size, count, (FILE *)file->UserData); }
+
+static size_t write_file(struct aiFile *file, const char *from, size_t size, size_t count) {
+    (void)file;
+    (void)from;
+    (void)size;
+    (void)count;
+    return 0;
+}
+
+static size_t tell(struct aiFile *file) {
+    long position = ftell((FILE *)file->UserData);
+    return position < 0 ? 0 : (size_t)position;
+}
+
+static size_t size_of(struct aiFile *file) {
+    FILE *stream = (FILE *)file->UserData;
+    long position = ftell(stream), size = 0;
+    if (position >= 0 && fseek(stream, 0, SEEK_END) == 0) size = ftell(stream);
+    if (position >= 0) fseek(stream, position, SEEK_SET);
+    return size < 0 ? 0 : (size_t)size;
+}
+
+static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin) {
+    int whence = origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END;
+    return fseek((FILE *)file->UserData, (long)offset, whence) == 0 ? aiReturn_SUCCESS : aiReturn_FAILURE;
+}
+
+static void flush(struct aiFile *file) { (void)file; }
+
+/* ---- opening ------------------------------------------------------------------------------------------------------------- */
+
+static bool is_allowed(sl_import_io *io, const char *path) {
+    if (strcmp(path, io->path) == 0 || sl_file_is_below(io->folder, path)) return true;
+    if (!io->refused[0]) snprintf(io->refused, sizeof io->refused, "%s", path);
+    return false;
+}
+
+static struct aiFile *open_file(struct aiFileIO *procedures, const char *path, const char *mode) {
+    sl_import_io *io = (sl_import_io *)(void *)procedures->UserData;
+    if (mode[0] != 'r' || !sl_file_exists(path) || !is_allowed(io, path)) return NULL;
+    FILE *stream = fopen(path, "rb");
+    struct aiFile *file = stream ? sl_allocate(1, sizeof *file) : NULL;
+    if (stream && !file) fclose(stream);
+    if (file) *file = (struct aiFile){read_file, write_file, tell, size_of, seek, flush, (aiUserData)(void *)stream};
+    return file;
+}
+
+static void close_file(struct aiFileIO *procedures, struct aiFile *file) {
+    (void)procedures;
+    fclose((FILE *)file->UserData);
+    sl_free(file);
+}
+
+void sl_import_io_init(sl_import_io *io, const char *path, const char *folder) {
+    *io = (sl_import_io){.path = path, .folder = folder};
+    io->procedures = (struct aiFileIO){open_file, close_file, (aiUserData)(void *)io};
+}

@@ -1,0 +1,19 @@
+/* The files that the importer (Assimp) opens while it reads one: material libraries, buffers, whatever a format can name. */
+#ifndef SL_SCENE_IMPORT_IO_H
+#define SL_SCENE_IMPORT_IO_H
+
+#include <assimp/cfileio.h>
+
+#include "softlux.h"
+
+typedef struct sl_import_io {
+    struct aiFileIO procedures;
+    const char *path;     /* the file itself, which was asked for and may be opened wherever it is */
+    const char *folder;   /* the others must lie below it; NULL: anywhere */
+    char refused[512];    /* the first that did not; "": none */
+} sl_import_io;
+
+/* It must stay where it is until what was read with it is released. */
+void sl_import_io_init(sl_import_io *io, const char *path, const char *folder);
+
+#endif
