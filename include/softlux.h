@@ -363,7 +363,7 @@ typedef enum sl_photon_visibility {
 
 /** Direct Radiance Mapping (Frisvad et al. 2005). 0, wherever it stands, is the default that is named. */
 typedef struct sl_radiance_map_settings {
-    int samples;                     /**< m of m x m sample photons a face; by quality 3, 4, 8 */
+    int samples;                     /**< m of m x m sample photons a face; by quality 3, 6, 8 */
     int map_size;                    /**< w: texels a side of a face, rounded up to a multiple of m; 16, or 2 m where that is more */
     sl_map_shape shape;              /**< AUTO */
     double map_fov;                  /**< radians, of a frustum; the spot's own, or 90 degrees */
@@ -377,7 +377,7 @@ typedef struct sl_radiance_map_settings {
     int cube_size;                   /**< texels a side of a curved mirror's environment cube; 128 */
     bool traced_light_mirrors;       /**< light by way of curved mirrors, traced */
     int shadow_size;                 /**< texels a side of a face of a depth cube; 512 */
-    int emitter_samples;             /**< an area light shines from n x n points of it, and each takes pictures; 1, the paper's, or 2 at high quality */
+    int emitter_samples;             /**< an area light shines from n x n points of it, and each takes pictures; 1, the paper's, at draft, or 2 */
     bool eight_bit_positions;        /**< the map's positions as 8-bit colours, scaled into the scene's box */
     bool texture_photons;            /**< fragments fetch photons from textures, instead of finding them in registers: the same bits */
     bool separate_passes;            /**< a geometry pass for each of the map's pictures, as without multiple render targets */

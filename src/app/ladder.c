@@ -44,8 +44,8 @@ typedef struct map_rung {
 } map_rung;
 
 static const map_rung map[] = {
-    {SL_QUALITY_DRAFT, 3, 1, 512, 1.0},    {SL_QUALITY_NORMAL, 4, 1, 512, 2.0},    {SL_QUALITY_HIGH, 8, 2, 512, 28.0},
-    {SL_QUALITY_HIGH, 8, 4, 1024, 110.0},  {SL_QUALITY_HIGH, 12, 6, 1024, 560.0},  {SL_QUALITY_HIGH, 16, 10, 1024, 2800.0},
+    {SL_QUALITY_DRAFT, 3, 1, 512, 1.0},    {SL_QUALITY_NORMAL, 6, 2, 512, 2.0},    {SL_QUALITY_HIGH, 8, 2, 512, 10.0},
+    {SL_QUALITY_HIGH, 8, 4, 1024, 40.0},   {SL_QUALITY_HIGH, 12, 6, 1024, 200.0},  {SL_QUALITY_HIGH, 16, 10, 1024, 1000.0},
 };
 
 typedef struct mesh_rung {

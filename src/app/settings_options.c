@@ -98,7 +98,7 @@ static void add_direct_radiance(sl_raw_settings *r, table *t) {
         {"cube-size", 0, SL_OPTION_COUNT, &r->cube_size, NULL, "N", "texels a side of a curved mirror's cube [128]", 4, 4096, NULL},
         {"light-mirrors", 0, SL_OPTION_FLAG, &m->traced_light_mirrors, NULL, NULL, "light by way of curved mirrors, traced", 0, 0, NULL},
         {"shadow-size", 0, SL_OPTION_COUNT, &r->shadow_size, NULL, "N", "texels a side of a depth cube's face [512]", 16, 8192, NULL},
-        {"emitter-samples", 0, SL_OPTION_COUNT, &r->emitter_samples, NULL, "N", "area lights from N x N points, each with a map [1; high: 2]", 1, 64, NULL},
+        {"emitter-samples", 0, SL_OPTION_COUNT, &r->emitter_samples, NULL, "N", "area lights from N x N points, each with a map [2; draft: 1]", 1, 64, NULL},
         {"8-bit-positions", 0, SL_OPTION_FLAG, &m->eight_bit_positions, NULL, NULL, "the map's positions as colours", 0, 0, NULL},
         {"texture-photons", 0, SL_OPTION_FLAG, &m->texture_photons, NULL, NULL, "photons fetched from textures, not held in registers", 0, 0, NULL},
         {"separate-passes", 0, SL_OPTION_FLAG, &m->separate_passes, NULL, NULL, "a geometry pass for each of the map's pictures", 0, 0, NULL},

@@ -9,7 +9,7 @@ enum { MAP_SIZE = 16, CUBE_SIZE = 128, SHADOW_SIZE = 512 };
 static int or_default(int value, int otherwise) { return value ? value : otherwise; }
 
 void sl_radiance_complete(sl_settings *settings) {
-    static const int samples[] = {[SL_QUALITY_DRAFT] = 3, [SL_QUALITY_NORMAL] = 4, [SL_QUALITY_HIGH] = 8};
+    static const int samples[] = {[SL_QUALITY_DRAFT] = 3, [SL_QUALITY_NORMAL] = 6, [SL_QUALITY_HIGH] = 8};
     sl_radiance_map_settings *m = &settings->radiance_map;
     m->samples = or_default(m->samples, samples[settings->quality]);
     m->map_size = or_default(m->map_size, MAP_SIZE);
@@ -19,7 +19,7 @@ void sl_radiance_complete(sl_settings *settings) {
     m->reflections = or_default(m->reflections, 1);
     m->cube_size = or_default(m->cube_size, CUBE_SIZE);
     m->shadow_size = or_default(m->shadow_size, SHADOW_SIZE);
-    m->emitter_samples = or_default(m->emitter_samples, settings->quality == SL_QUALITY_HIGH ? 2 : 1);
+    m->emitter_samples = or_default(m->emitter_samples, settings->quality == SL_QUALITY_DRAFT ? 1 : 2);
     if (m->weight == SL_WEIGHT_AUTO) m->weight = settings->quality == SL_QUALITY_HIGH ? SL_WEIGHT_POLYGON : SL_WEIGHT_FLUX;
     if (m->filter == SL_MAP_FILTER_AUTO) m->filter = SL_MAP_FILTER_FLUX;
 }
