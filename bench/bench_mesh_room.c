@@ -16,6 +16,7 @@
 #include "cache/multi_mesh/coarse_light.h"
 #include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/mesh.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
 #include "mesh_bench.h"
 #include "timing.h"
 
@@ -126,7 +127,7 @@ static void table_of_samples(bench_report *r, const bench_options *o, const mesh
 enum { PASSES_MAX = 16 };
 typedef struct stopwatch {
     unsigned threads;
-    double last, copy;     /* when the last pass ended; seconds of the copy that an observer gets of a picture */
+    double last;           /* when the last pass ended */
     int count, repetition;
     const char *name[PASSES_MAX];
     double ms[PASSES_MAX][REPETITIONS];
@@ -138,30 +139,8 @@ static void pass_done(void *context, const sl_pass *pass) {
     int i = 0;
     while (i < w->count && strcmp(w->name[i], pass->name) != 0) i++;
     if (i == w->count && w->count < PASSES_MAX) w->name[w->count++] = pass->name;
-    if (i < PASSES_MAX) w->ms[i][w->repetition] = 1e3 * fmax(0.0, now - w->last - (pass->buffer ? w->copy : 0.0));
+    if (i < PASSES_MAX) w->ms[i][w->repetition] = 1e3 * (now - w->last);
     w->last = mesh_seconds(w->threads);
-}
-
-static void nothing(void *context, const sl_pass *pass) {
-    (void)context;
-    (void)pass;
-}
-
-/* What sl_observe() does before a pass is told of. */
-static double copy_seconds(const mesh_world *w, unsigned threads) {
-    size_t pixels = (size_t)w->pixels.width * (size_t)w->pixels.height;
-    float *planes = sl_allocate(3 * pixels, sizeof *planes);
-    double seconds[REPETITIONS];
-    sl_counters counters = {{0}};
-    const sl_observer observer = {NULL, nothing};
-    if (!planes) bench_fail("memory", NULL);
-    for (int i = 0; i < REPETITIONS; i++) {
-        double from = mesh_seconds(threads);
-        sl_observe(&observer, "", "", "", w->pixels.width, w->pixels.height, 3, planes, true, &counters, NULL, 0);
-        seconds[i] = mesh_seconds(threads) - from;
-    }
-    sl_free(planes);
-    return median(seconds, REPETITIONS);
 }
 
 /* The eye is said to have moved: identifiers, materials and all pictures are made anew, and no sample is asked for. */
@@ -185,7 +164,7 @@ static void table_of_passes(bench_report *r, const bench_options *o, const mesh_
     sl_settings s = mesh_settings(w, SL_QUALITY_NORMAL);
     mesh_run run;
     double whole[REPETITIONS], view[REPETITIONS], resolve[REPETITIONS];
-    watch = (stopwatch){.threads = threads, .copy = copy_seconds(w, threads)};
+    watch = (stopwatch){.threads = threads};
     const sl_observer observer = {&watch, pass_done};
     s.threads = threads;
     mesh_run_open(&run, w->scene, &s);
@@ -194,6 +173,7 @@ static void table_of_passes(bench_report *r, const bench_options *o, const mesh_
     mesh_run_close(&run);
     s.observer = &observer;
     mesh_run_open(&run, w->scene, &s);
+    ((sl_multi_mesh_state *)run.state)->announcer.names_alone = true; /* what an observer gets to see of meshes takes longer than they do */
     while (!run.done) mesh_run_step(&run);
     watch.count = 0;
     for (watch.repetition = 0; watch.repetition < repetitions; watch.repetition++) {

@@ -17,6 +17,7 @@ void sl_announce(sl_announcer *a, const char *name, const char *source, int widt
                  bool bottom_first) {
     if (!a->observer) return;
     sl_counters cost = cost_since(a);
+    if (a->names_alone) width = height = channels = 0, planes = NULL;
     sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost, NULL, 0);
 }
 

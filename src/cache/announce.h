@@ -9,11 +9,12 @@ typedef struct sl_announcer {
     const sl_observer *observer; /* or NULL */
     const char *method;
     const sl_counters *counters; /* the method's own */
+    bool names_alone;            /* no pictures and no marks, and nothing is made for their sake: for a stopwatch */
     sl_counters told;            /* as they were at the last pass */
 } sl_announcer;
 
-/* Whether anybody listens: marks need not be collected otherwise. */
-static inline bool sl_announcing(const sl_announcer *announcer) { return announcer->observer != NULL; }
+/* Whether anybody looks: pictures and marks that the method itself does not need are not made otherwise. */
+static inline bool sl_announcing(const sl_announcer *announcer) { return announcer->observer != NULL && !announcer->names_alone; }
 
 /* planes: `channels` planes of width*height, one after another, bottom row first where bottom_first. */
 void sl_announce(sl_announcer *announcer, const char *name, const char *source, int width, int height, int channels, const float *planes,

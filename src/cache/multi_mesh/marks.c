@@ -100,7 +100,10 @@ static void announce_plane(sl_multi_mesh_state *s, const char *name, const char 
 
 void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s) {
     float *plane = plane_for_observer(s);
-    if (!plane) return;
+    if (!plane) {
+        sl_announce_pass(&s->announcer, "identifiers, visible sizes", "section 3, pass 1");
+        return;
+    }
     for (size_t i = 0; i < sl_multi_mesh_pixels(s); i++) plane[i] = s->id[i] == SL_NO_INDEX ? -1.0f : (float)s->id[i];
     announce_plane(s, "identifiers, visible sizes", "section 3, pass 1", plane);
 }
