@@ -23,6 +23,7 @@ static void add(bench_series *s, double seconds, double error, const char *what)
 typedef struct progress {
     bench_series part[MESH_PARTS];   /* over seconds */
     bench_series samples;            /* all, over samples: of direct light that took a picture, and gathers */
+    double trimmed[BENCH_POINTS];    /* of all: without the largest 0.1 % of the terms */
 } progress;
 
 static void judge(const mesh_world *w, mesh_run *run, progress *p) {
@@ -34,6 +35,7 @@ static void judge(const mesh_world *w, mesh_run *run, progress *p) {
     sl_image_destroy(image);
     uint64_t gathers = mesh_run_count(run, SL_COUNT_INDIRECT_SAMPLES), direct = mesh_run_count(run, SL_COUNT_LIGHT_SAMPLES);
     snprintf(what, sizeof what, "%llu + %llu samples", (unsigned long long)direct, (unsigned long long)gathers);
+    if (p->samples.count < BENCH_POINTS) p->trimmed[p->samples.count] = e[MESH_ALL].trimmed;
     for (int part = 0; part < MESH_PARTS; part++) add(&p->part[part], run->seconds + picture, e[part].rel_mse, what);
     add(&p->samples, (double)(direct + gathers), e[MESH_ALL].rel_mse, what);
 }
@@ -62,7 +64,7 @@ static void run_method(const bench_report *r, const bench_options *o, const mesh
 
 /* ---- the path tracer ---- */
 
-static void run_paths(const bench_report *r, const bench_options *o, const mesh_world *w, double until, bench_series *s) {
+static void run_paths(const bench_report *r, const bench_options *o, const mesh_world *w, double until, bench_series *s, double trimmed[BENCH_POINTS]) {
     sl_settings settings = mesh_settings(w, SL_QUALITY_NORMAL);
     sl_method *method;
     sl_image *image = NULL;
@@ -88,6 +90,7 @@ static void run_paths(const bench_report *r, const bench_options *o, const mesh_
         mesh_pick(w, image, MESH_ALL, w->values);
         e[MESH_ALL] = bench_compare(w->values, &w->reference[MESH_ALL], NULL);
         snprintf(what, sizeof what, "%u paths a pixel", (unsigned)n);
+        if (s->count < BENCH_POINTS) trimmed[s->count] = e[MESH_ALL].trimmed;
         add(s, spent, e[MESH_ALL].rel_mse, what);
     }
     /* One more point: the reference's own noise is the path tracer's error at so many paths, and its time grows with them. */
@@ -95,6 +98,7 @@ static void run_paths(const bench_report *r, const bench_options *o, const mesh_
     if (samples > paths) {
         char what[64];
         snprintf(what, sizeof what, "%.0f paths, by noise", samples);
+        if (s->count < BENCH_POINTS) trimmed[s->count] = 0.0;
         add(s, spent * samples / paths, bench_compare(w->values, &w->reference[MESH_ALL], NULL).noise, what);
     }
     if (o->pictures && image) bench_write_picture(r, w->name, "paths", image);
@@ -112,7 +116,7 @@ static void say_progress(bench_report *r, const char *name, const char *with, co
         double other = at->rel_mse > 0.0 ? bench_between(paths, at->rel_mse, true) : 0.0, same_time = bench_between(paths, at->seconds, false);
         if (other > 0.0) snprintf(slower, sizeof slower, "%.1f", other / at->seconds);
         if (same_time > 0.0) snprintf(error, sizeof error, "%.2e", same_time);
-        bench_row(r, "%s|%s|%s|%.2f|%.2e|%.2e|%.2e|%.2e|%s|%s", name, with, at->what, at->seconds, at->rel_mse, p->part[MESH_DIRECT].point[i].rel_mse,
+        bench_row(r, "%s|%s|%s|%.2f|%.2e|%.2e|%.2e|%.2e|%.2e|%s|%s", name, with, at->what, at->seconds, at->rel_mse, p->trimmed[i], p->part[MESH_DIRECT].point[i].rel_mse,
                   p->part[MESH_SPECULAR].point[i].rel_mse, p->part[MESH_INDIRECT].point[i].rel_mse, error, slower);
     }
 }
@@ -132,6 +136,7 @@ static void say_chain(bench_report *r, const char *name, const bench_series *hea
 static void experiment(bench_report *r, const bench_options *o, const char *path, int width, int height) {
     static progress by_quality[3], chain;
     static bench_series series[MESH_PARTS + 3], paths;
+    static double trimmed[BENCH_POINTS];
     static const char *const colours[MESH_PARTS] = {"#c80", "#808", "#080", "#06c"};
     mesh_world w;
     char name[64];
@@ -144,14 +149,17 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
     for (int q = 0; q < 3; q++) run_method(r, o, &w, (sl_quality)q, SL_SELECT_HEAP, &by_quality[q]);
     run_method(r, o, &w, SL_QUALITY_NORMAL, SL_SELECT_CHAIN, &chain);
     const bench_series *high = &by_quality[2].part[MESH_ALL];
-    run_paths(r, o, &w, high->point[high->count - 1].seconds, &paths);
+    run_paths(r, o, &w, high->point[high->count - 1].seconds, &paths, trimmed);
     bench_say(r, "\n%s, %d x %d, %u reference samples at %zu pixels. *direct*, *specular*, *indirect*: their shares of relMSE, relative to the whole "
                  "picture. *paths*: the path tracer's error in the same time; *slower*: how many times as long it takes to the same error.\n",
               w.name, width, height, w.reference[MESH_ALL].samples, w.pixels.count);
-    bench_table(r, w.name, "scene|with|after|s|relMSE|direct|specular|indirect|paths|slower");
+    bench_table(r, w.name, "scene|with|after|s|relMSE|without the largest 0.1 %|direct|specular|indirect|paths|slower");
     for (int q = 0; q < 3; q++) say_progress(r, w.name, quality_names[q], &by_quality[q], &paths);
-    for (size_t i = 0; i < paths.count; i++)
-        bench_row(r, "%s|paths|%s|%.2f|%.2e|||||", w.name, paths.point[i].what, paths.point[i].seconds, paths.point[i].rel_mse);
+    for (size_t i = 0; i < paths.count; i++) {
+        char most[32] = "";
+        if (trimmed[i] > 0.0) snprintf(most, sizeof most, "%.2e", trimmed[i]);
+        bench_row(r, "%s|paths|%s|%.2f|%.2e|%s|||||", w.name, paths.point[i].what, paths.point[i].seconds, paths.point[i].rel_mse, most);
+    }
     for (int part = 0; part < MESH_PARTS; part++) {
         if (!w.has[part]) continue;
         series[count] = by_quality[1].part[part];

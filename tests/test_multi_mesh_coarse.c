@@ -160,6 +160,41 @@ static void long_faces_are_sliced_across_alone(void **state) {
     }
 }
 
+static sl_vec3 lit_position_of(const meshed *m, size_t v) {
+    sl_coarse_vertex at = sl_coarse_vertices(m->coarse)[v];
+    return face_point(m->scene, at.face, (float)at.lit_p / SL_MESH_DYADIC, (float)at.lit_q / SL_MESH_DYADIC).position;
+}
+
+/* A unit square of 4 x 4, and a board of 16 x 1 in slices of 1: what lies on the rim is half-way to the middle of a coarse triangle, whose height is a sixth
+ * of a quarter from one side of the square and a sixth of the width of the board's triangle; what lies within, on the diagonal too, stays. */
+static void light_is_asked_for_a_little_within_borders(void **state) {
+    (void)state;
+    for (int board = 0; board < 2; board++) {
+        trace_mesh mesh = trace_mesh_begin();
+        float length = board ? 16.0f : 1.0f, least = 1.0f / (board ? 6.0f : 24.0f);
+        trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(length, 0, 0), sl_v3(0, 1, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        meshed m = mesh_of(trace_mesh_build(&mesh), board ? 1.01f : 0.36f, 8);
+        size_t within = 0, rim = 0;
+        for (size_t v = 0; v < sl_coarse_vertex_count(m.coarse); v++) {
+            sl_vec3 p = position_of(&m, v), lit = lit_position_of(&m, v);
+            bool on_rim = p.x == 0.0f || p.y == 0.0f || p.x == length || p.y == 1.0f;
+            if (!on_rim) assert_true(near((double)lit.x, (double)p.x, 1e-6) && near((double)lit.y, (double)p.y, 1e-6));
+            bool corner = p.x == 0.0f || p.x == length;
+            double inwards = (double)(p.y == 0.0f ? lit.y : 1.0f - lit.y);
+            double width = !board ? 1.0 : (double)(p.y == 0.0f ? p.x : length - p.x) / (double)length; /* of the triangle there */
+            if (on_rim && !corner) assert_true(near(inwards, (double)least * width, 2e-3));
+            if (!board && on_rim && corner && (p.y == 0.0f || p.y == 1.0f)) assert_true(inwards > 0.9 * (double)least && inwards < 2.1 * (double)least);
+            if (p.x == 0.0f) assert_true(lit.x > 0.02f && lit.x < 0.5f);
+            if (p.x == length) assert_true(lit.x < length - 0.02f && lit.x > length - 0.5f);
+            assert_true(near((double)lit.x, (double)p.x, 0.5));
+            rim += on_rim;
+            within += !on_rim;
+        }
+        assert_true(rim > 20 && within > 10);
+        meshed_destroy(&m);
+    }
+}
+
 /* 16 long, and narrow: slices of up to sqrt(1/2 edge / width) times the edge, four times at most. */
 static void the_narrower_a_face_the_longer_its_slices(void **state) {
     (void)state;
@@ -345,6 +380,7 @@ int main(void) {
         cmocka_unit_test(the_inner_side_of_a_solid_is_not_sampled),
         cmocka_unit_test(a_linear_field_is_kept_between_vertices_across_levels),
         cmocka_unit_test(long_faces_are_sliced_across_alone),
+        cmocka_unit_test(light_is_asked_for_a_little_within_borders),
         cmocka_unit_test(the_narrower_a_face_the_longer_its_slices),
         cmocka_unit_test(small_faces_share_a_sample_in_each_cell_and_side),
         cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),

@@ -44,7 +44,8 @@ static void discard(lit_hall *h) {
 static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
     for (int i = 0; i < POINTS; i++) {
         int p = 60 + 35 * i, q = 40 + (i * 7 % 23) * 80;
-        vertex[i] = (sl_coarse_vertex){face, (uint16_t)p, (uint16_t)(q < SL_MESH_DYADIC - p ? q : 10), 0};
+        q = q < SL_MESH_DYADIC - p ? q : 10;
+        vertex[i] = (sl_coarse_vertex){face, (uint16_t)p, (uint16_t)q, (uint16_t)p, (uint16_t)q, 0};
     }
 }
 
@@ -118,12 +119,83 @@ static void any_number_of_threads_gives_the_same_light(void **state) {
     assert_int_equal(asked[0], asked[1]);
 }
 
+/* ---- borders ---- */
+
+/* Posts, which are no solids, stand on the corners of a floor; none of these sees the lamp, nearly all of the floor does. */
+static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f), lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), grey);
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 4, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    for (int k = 0; k < 4; k++) {
+        float x = k & 1 ? 1.8f : -2.2f, z = k & 2 ? 1.8f : -2.2f;
+        trace_mesh_quad(&mesh, sl_v3(x, -0.1f, z), sl_v3(0.4f, 0, 0), sl_v3(0, 2, 0), grey);
+        trace_mesh_quad(&mesh, sl_v3(x, -0.1f, z), sl_v3(0, 0, 0.4f), sl_v3(0, 2, 0), grey);
+        trace_mesh_quad(&mesh, sl_v3(x + 0.4f, -0.1f, z), sl_v3(0, 0, 0.4f), sl_v3(0, 2, 0), grey);
+        trace_mesh_quad(&mesh, sl_v3(x, -0.1f, z + 0.4f), sl_v3(0.4f, 0, 0), sl_v3(0, 2, 0), grey);
+    }
+    lit_hall h = {.counters = {{0}}};
+    light_world_make(&h.world, &mesh);
+    assert_int_equal(sl_topology_create(h.world.scene, false, &h.topology, NULL), SL_OK);
+    sl_coarse_light_settings s = {.scene = h.world.scene, .topology = h.topology, .tracer = h.world.tracer, .lights = h.world.lights,
+                                  .sampling = h.world.sampling, .threads = 1};
+    assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
+    sl_coarse *coarse;
+    assert_int_equal(sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL), SL_OK);
+    size_t floor = 0;
+    for (size_t i = 0; i < sl_coarse_vertex_count(coarse); i++) {
+        sl_rgb radiance;
+        const sl_coarse_vertex *v = &sl_coarse_vertices(coarse)[i];
+        if (v->face != 0 && v->face != 2) continue;
+        sl_coarse_light_take(h.light, 1, v, &radiance, &h.counters);
+        floor++;
+        double open = unoccluded(&h, v, 1) / SL_PI;
+        assert_true((double)radiance.g > 0.9 * open);
+    }
+    assert_int_equal(floor, 4);
+    sl_coarse_destroy(coarse);
+    discard(&h);
+}
+
+/* ---- few rays ---- */
+
+/* All over a penumbra: a single sample by 4 x 4 or 8 x 8 rays is off by some percent, a thousand of them together by a third of a percent at most. */
+static void few_rays_are_off_to_either_side_alike(void **state) {
+    (void)state;
+    enum { POINTS_A_SIDE = 32 };
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 3);
+    trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.5f, -0.4f), sl_v3(0.2f, 0, 1), sl_v3(0.9f, 0, -0.1f), grey);
+    light_world w;
+    light_world_make(&w, &mesh);
+    double sum = 0.0, by_rays[2] = {0.0, 0.0}, worst = 0.0;
+    for (int i = 0; i < POINTS_A_SIDE * POINTS_A_SIDE; i++) {
+        sl_vec3 p = sl_v3(-1.5f + 3.0f * ((float)(i % POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE, 0, -1.5f + 3.0f * ((float)(i / POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE);
+        sl_lit_point point = lit_point(p, sl_v3(0, 1, 0));
+        double exact = sample_light(&w, 0, p, point.normal);
+        sum += exact;
+        for (int k = 0; k < 2; k++) {
+            double some = (double)sl_light_sample_by_rays(w.sampling, 0, &point, k ? 8 : 4, &w.counters);
+            by_rays[k] += some;
+            worst = fmax(worst, fabs(some / exact - 1.0));
+        }
+    }
+    print_message("4 x 4: %+.3f %%, 8 x 8: %+.3f %%; a single one up to %.0f %%\n", 100.0 * (by_rays[0] / sum - 1.0), 100.0 * (by_rays[1] / sum - 1.0), 100.0 * worst);
+    for (int k = 0; k < 2; k++) assert_true(fabs(by_rays[k] / sum - 1.0) < 0.003);
+    assert_true(worst > 0.02); /* or there would be nothing to see */
+    light_world_free(&w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(where_nothing_is_between_all_lights_count_though_few_are_asked),
         cmocka_unit_test(lights_that_are_not_asked_are_off_by_no_more_than_they_could_give),
         cmocka_unit_test(below_every_light_s_horizon_nothing_is_asked),
         cmocka_unit_test(any_number_of_threads_gives_the_same_light),
+        cmocka_unit_test(things_that_stand_on_a_floors_corners_do_not_make_it_dark),
+        cmocka_unit_test(few_rays_are_off_to_either_side_alike),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

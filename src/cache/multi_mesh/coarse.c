@@ -135,7 +135,8 @@ static void place_vertex(sl_coarse *c, const uint32_t *stand_in, uint32_t face, 
     if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
     int n = sl_coarse_rows(c, face), step = SL_MESH_DYADIC / n, turn = c->turn[face / 2];
     const int weight[3] = {n - i - j, i, j}; /* of the lattice's corners */
-    *vertex = (sl_coarse_vertex){face, (uint16_t)(weight[(4 - turn) % 3] * step), (uint16_t)(weight[(5 - turn) % 3] * step), c->level[face]};
+    *vertex = (sl_coarse_vertex){.face = face, .p = (uint16_t)(weight[(4 - turn) % 3] * step), .q = (uint16_t)(weight[(5 - turn) % 3] * step),
+                                 .depth = c->level[face]};
 }
 
 static void place_vertices(sl_coarse *c, const uint32_t *stand_in) {
@@ -211,7 +212,7 @@ static sl_status make_vertices(sl_coarse *c, const sl_coarse_settings *settings,
     }
     if (!allocate_values(c)) return sl_fail_memory(error, "the coarse mesh");
     place_vertices(c, stand_in);
-    return SL_OK;
+    return sl_coarse_leave_borders(c, error);
 }
 
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {

@@ -71,20 +71,35 @@ static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, lig
 
 static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *v, double nudge) {
     double third = SL_MESH_DYADIC / 3.0;
-    sl_face_point x = {v->face, (uint16_t)(v->p + nudge * (third - v->p)), (uint16_t)(v->q + nudge * (third - v->q)), v->depth};
+    sl_face_point x = {v->face, (uint16_t)(v->lit_p + nudge * (third - v->lit_p)), (uint16_t)(v->lit_q + nudge * (third - v->lit_q)), v->depth};
     sl_mesh_point at = sl_face_point_in_world(c->settings.topology, &x);
     if (at.triangle == SL_NO_INDEX) sl_step_inside(c->settings.topology, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
     return at;
+}
+
+/* A vertex behind a wall that is but a face (lit_points.h): a face's corner has the light before the wall, another vertex none of its own. */
+static bool is_walled_in(const sl_coarse_light *c, const sl_coarse_vertex *v, const sl_mesh_point *at, sl_mesh_point *inside, light_worker *w) {
+    *inside = point_of(c, v, sl_nudge[SL_NUDGES - 1] * sl_dyadic_reach(v->p, v->q));
+    return sl_is_walled_in(c->settings.tracer, at, inside, 1e-5f * c->settings.scene->diagonal, &w->counters);
+}
+
+static sl_rgb light_before_wall(const sl_coarse_light *c, const sl_coarse_vertex *v, const sl_mesh_point *inside, light_worker *w) {
+    if (sl_dyadic_reach(v->p, v->q) < 1.0) return sl_grey(NAN);
+    sl_lit_point point = sl_lit_point_of(inside);
+    light_point(c, &point, w);
+    return sl_direct_diffuse(c->settings.lights, w->share);
 }
 
 /* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further inside its face (irradiance.c). */
 static sl_rgb light_vertex(const sl_coarse_light *c, const sl_coarse_vertex *v, light_worker *w) {
     const sl_coarse_light_settings *s = &c->settings;
     for (int i = 0; i <= SL_NUDGES; i++) {
-        sl_mesh_point at = point_of(c, v, i ? sl_nudge[i - 1] : 0.0);
+        sl_mesh_point at = point_of(c, v, i ? sl_nudge[i - 1] : 0.0), inside;
         sl_lit_point point = sl_lit_point_of(&at);
         bool lit = light_point(c, &point, w);
-        if (lit || !sl_topology_inside_solid(s->topology, s->tracer, at.position, at.normal, &w->counters)) return sl_direct_diffuse(s->lights, w->share);
+        if (!lit && sl_topology_inside_solid(s->topology, s->tracer, at.position, at.normal, &w->counters)) continue;
+        if (!lit && i == 0 && is_walled_in(c, v, &at, &inside, w)) return light_before_wall(c, v, &inside, w);
+        return sl_direct_diffuse(s->lights, w->share);
     }
     return sl_grey(NAN);
 }

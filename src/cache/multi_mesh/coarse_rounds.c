@@ -50,7 +50,7 @@ static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
     const sl_coarse_vertex *vertex = sl_coarse_vertices(s->coarse) + s->coarse_done;
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) {
-        sl_face_point x = {vertex[i].face, vertex[i].p, vertex[i].q, vertex[i].depth};
+        sl_face_point x = {vertex[i].face, vertex[i].lit_p, vertex[i].lit_q, vertex[i].depth};
         points[i] = sl_face_point_in_world(s->topology, &x);
     }
     sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);

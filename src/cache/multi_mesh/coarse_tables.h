@@ -60,6 +60,9 @@ enum { SL_COARSE_BLOCK = 512 };
  * and with much the same normal (coarse_clusters.c). */
 sl_status sl_coarse_cluster(const sl_coarse *coarse, double cell, uint32_t *stand_in, sl_error *error);
 
+/* Where light is asked for. */
+sl_status sl_coarse_leave_borders(sl_coarse *coarse, sl_error *error);
+
 /* The vertex at lattice point (i, j) of a face that is in the mesh. */
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i, int j);
 

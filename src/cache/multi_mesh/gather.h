@@ -3,6 +3,7 @@
  *
  *   coarse.c             the coarse mesh: what of it is to be sampled
  *   coarse_clusters.c    ... which corners share a sample
+ *   coarse_borders.c     ... and where
  *   coarse_colours.c     ... its values times the bounce's reflectance
  *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
  *   gather.c             where the point looks from, the render, the sums, what lies beyond the field of view
@@ -31,6 +32,7 @@ size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
 typedef struct sl_coarse_vertex {
     uint32_t face;
     uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_MESH_DYADIC */
+    uint16_t lit_p, lit_q;     /* ... and of where light is asked for: on a border, a little within (coarse_borders.c) */
     uint8_t depth;             /* of the coarse triangle */
 } sl_coarse_vertex;
 size_t sl_coarse_vertex_count(const sl_coarse *coarse), sl_coarse_triangle_count(const sl_coarse *coarse);

@@ -31,3 +31,18 @@ void sl_step_inside(const sl_topology *topology, double inwards, sl_mesh_point *
     if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
     at->position = sl_to_float(sl_addd(p, way));
 }
+
+double sl_dyadic_reach(uint32_t p, uint32_t q) {
+    uint32_t level = 0;
+    while (level < SL_MESH_DEPTH_MAX && (p | q) % ((uint32_t)SL_MESH_DYADIC >> level) != 0) level++;
+    return 1.0 / (double)(1u << level);
+}
+
+bool sl_is_walled_in(const sl_tracer *tracer, const sl_mesh_point *vertex, const sl_mesh_point *inside, float lift, sl_counters *counters) {
+    static const float stub = 0.25f;
+    sl_vec3 from = sl_mad(vertex->position, lift, vertex->normal), way = sl_sub(sl_mad(inside->position, lift, inside->normal), from);
+    if (!sl_is_finite(way) || !(sl_length(way) > 0.0f)) return false;
+    sl_ray16 ray = {.origin_x = {from.x}, .origin_y = {from.y}, .origin_z = {from.z}, .direction_x = {way.x}, .direction_y = {way.y},
+                    .direction_z = {way.z}, .far = {stub}, .skip = {vertex->triangle}};
+    return sl_trace_occluded(tracer, &ray, 1, false, counters) != 0;
+}
