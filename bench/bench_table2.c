@@ -110,7 +110,47 @@ static void scene_row(bench_report *r, const char *scene, const setting *s, cons
               errors[0].noise, 100.0 * errors[0].bias);
 }
 
-static void whole_scene(bench_report *r, const bench_options *o, const char *path) {
+/* What a record and its splat cost, and what a gather at every pixel would. */
+typedef struct cost_row {
+    char scene[64];
+    const char *setting;
+    double records, receivers, gathers, gather_seconds, splat_seconds, all_seconds;
+} cost_row;
+
+enum { COST_ROWS = 64 };
+typedef struct costs {
+    size_t count;
+    cost_row row[COST_ROWS];
+} costs;
+
+static void note_costs(costs *c, const char *scene, const setting *s, const splat_run *run) {
+    if (c->count == COST_ROWS) return;
+    cost_row *row = &c->row[c->count++];
+    snprintf(row->scene, sizeof row->scene, "%s", scene);
+    row->setting = s->name;
+    row->records = (double)(run->records[0] + run->records[1]);
+    row->receivers = (double)run->receivers;
+    row->gathers = (double)run->counters.value[SL_COUNT_GATHERS];
+    row->gather_seconds = run->cpu[SPLAT_RECORDS] + run->cpu[SPLAT_RECORDS + 1];
+    row->splat_seconds = run->cpu[SPLAT_SPLATS] + run->cpu[SPLAT_SPLATS + 1];
+    row->all_seconds = run->cpu_all;
+}
+
+static void costs_table(bench_report *r, const costs *c) {
+    bench_say(r, "\nA record and its splat, and a gather at every pixel that reflects, of which the records are a sample; *times* as long as\n"
+                 "records and splats together (the paper: 29.7 and 47.1, beside another program)\n");
+    bench_table(r, "costs", "scene|setting|ms a record|us a splat|splats %|every pixel s|times");
+    for (size_t i = 0; i < c->count; i++) {
+        const cost_row *row = &c->row[i];
+        double every = row->gather_seconds / row->gathers * row->receivers;
+        if (!(row->records > 0.0) || !(row->gathers > 0.0)) continue;
+        bench_row(r, "%s|%s|%.2f|%.2f|%.2f|%.0f|%.0f", row->scene, row->setting, 1e3 * row->gather_seconds / row->records,
+                  1e6 * row->splat_seconds / row->records, 100.0 * row->splat_seconds / row->all_seconds, every,
+                  every / (row->gather_seconds + row->splat_seconds));
+    }
+}
+
+static void whole_scene(bench_report *r, const bench_options *o, const char *path, costs *paid) {
     char name[64];
     sl_scene *scene;
     target t;
@@ -126,6 +166,7 @@ static void whole_scene(bench_report *r, const bench_options *o, const char *pat
         splat_run run;
         splat_render(scene, &settings, o->once, &run);
         scene_row(r, name, s, &run, &t);
+        note_costs(paid, name, s, &run);
         if (o->pictures && i < 3) bench_write_picture(r, name, s->name, run.image);
         splat_run_free(&run);
     }
@@ -138,7 +179,9 @@ static void whole_scenes(bench_report *r, const bench_options *o) {
                  "of the whole; in brackets where the reference's noise is over a tenth of the squared error, which is then not to be relied on.\n");
     bench_table(r, "scenes", "scene|setting|irr. rec.|rad. rec.|direct s|records s|splats s|rest s|all s|wall 2 s|2 threads|relRMSE %|relMSE|of direct|of indirect|"
                              "noise|bias %");
-    for (size_t i = 0; i < sizeof scene_paths / sizeof *scene_paths; i++) whole_scene(r, o, scene_paths[i]);
+    costs paid = {0};
+    for (size_t i = 0; i < sizeof scene_paths / sizeof *scene_paths; i++) whole_scene(r, o, scene_paths[i], &paid);
+    costs_table(r, &paid);
 }
 
 /* ---- beside Radiance ---- */

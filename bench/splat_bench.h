@@ -19,7 +19,7 @@ enum {
 typedef struct splat_run {
     double cpu[SPLAT_PARTS], cpu_all; /* processor seconds of one thread */
     double wall_one, wall_two;        /* seconds by a clock with one thread and with two (0: not measured) */
-    size_t records[SL_RECEIVER_CLASSES];
+    size_t records[SL_RECEIVER_CLASSES], receivers; /* receivers: pixels that records light */
     sl_counters counters;
     sl_image *image;
 } splat_run;

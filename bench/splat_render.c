@@ -57,6 +57,7 @@ static void render_once(const sl_scene *scene, const sl_settings *settings, spla
     for (int class = 0; class < SL_RECEIVER_CLASSES; class++) {
         splat_class(s, class, run);
         run->records[class] = s->cache[class].list.count;
+        run->receivers += s->cache[class].receivers;
     }
     from = process_ms();
     if (sl_splatting_method.resolve(state, &run->image, &error) != SL_OK) bench_fail("resolve", &error);
