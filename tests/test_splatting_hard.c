@@ -170,14 +170,15 @@ static void gathers_of_four_by_four_are_coarse_and_no_worse(void **state) {
     }
 }
 
-/* (F17) On the lit floor, where every border of a record would show. */
+/* On the lit floor every border of a record would show: weights that do not vanish there jump by up to the records' disagreement. Gathers so fine
+ * that their noise does not. */
 static void no_border_of_a_record_shows(void **state) {
     (void)state;
     sl_settings settings = floor_settings(SL_QUALITY_HIGH);
-    settings.gather_size = 64;
+    settings.gather_size = 160;
     floor_error e = measure_floor(&settings, &from_above);
     print_message("largest jump %.4f\n", e.jump);
-    assert_true(e.jump < 0.015);
+    assert_true(e.jump < 0.01);
 }
 
 /* A frame of one record at a time ends, with the bits of frames of a hundred. */
