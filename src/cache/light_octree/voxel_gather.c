@@ -14,6 +14,9 @@ sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_o
                              .neighbours = o->neighbours};
 }
 
+/* Where light is sharp, as at shadows' edges and in caustics, its hull tells of light and not of surface. */
+static bool comes_by_diffuse_surfaces(const sl_photon *p) { return (p->flags & SL_PHOTON_BOUNCES) && !(p->flags & SL_PHOTON_CAUSTIC); }
+
 static void put_on_disc(sl_photon_places *p, float x, float y, double distance) {
     p->x[p->count] = x;
     p->y[p->count] = y;
@@ -39,7 +42,7 @@ static void split_sides(const sl_voxel_work *work, const sl_photon_query *query,
             sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
             places = sl_addd(places, sl_to_double(place));
             normals = sl_addd(normals, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
-            if (on_disc->x) put_on_disc(on_disc, sl_dot(place, frame.x), sl_dot(place, frame.y), w->gathered.distance[i]);
+            if (on_disc->x && comes_by_diffuse_surfaces(p)) put_on_disc(on_disc, sl_dot(place, frame.x), sl_dot(place, frame.y), w->gathered.distance[i]);
         }
         if (back == 0) {
             front = w->photons.count;
