@@ -1,7 +1,9 @@
-/* What tests of priorities, work and change share: vertices with shading as if it had been computed. */
+/* What tests of priorities, work, change and display share: vertices with shading as if it had been computed, displays of them. */
 #ifndef TESTS_SHADING_CACHE_SUPPORT_H
 #define TESTS_SHADING_CACHE_SUPPORT_H
 
+#include "base/counters.h"
+#include "cache/shading_cache/display.h"
 #include "patch_support.h"
 
 static inline void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uint32_t now) {
@@ -13,6 +15,19 @@ static inline void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uin
 
 static inline void evaluate_all(hierarchy *h, float irradiance, uint32_t now) {
     for (uint32_t i = 0; i < h->patches->vertex_count; i++) evaluate(h, i, irradiance, now);
+}
+
+static inline sl_display *display_of(const hierarchy *h, int width, int height, sl_rgb guess) {
+    sl_display_settings settings = {width, height, guess, 1};
+    sl_display *display;
+    sl_error error = {0};
+    if (sl_display_create(h->scene, h->primitives, &settings, &display, &error) != SL_OK) fail_msg("%s", error.message);
+    return display;
+}
+
+static inline void build_display(sl_display *display, const hierarchy *h) {
+    sl_counters counters = {0};
+    assert_int_equal(sl_display_build(display, h->patches, &counters, NULL), SL_OK);
 }
 
 #endif

@@ -1,5 +1,5 @@
 /* The display of the shading cache: Gouraud times texture, silhouettes, id map, hanging vertices, the two copies, motion, memory. */
-#include "patch_support.h"
+#include "shading_cache_support.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,19 +23,6 @@ typedef struct id_picture {
 } id_picture;
 
 static const sl_rgb guess = {0.25f, 0.5f, 0.75f};
-
-static sl_display *display_of(const hierarchy *h) {
-    sl_display_settings settings = {W, H, guess, 1};
-    sl_display *display;
-    sl_error error = {0};
-    if (sl_display_create(h->scene, h->primitives, &settings, &display, &error) != SL_OK) fail_msg("%s", error.message);
-    return display;
-}
-
-static void build(sl_display *display, const hierarchy *h) {
-    sl_counters counters = {0};
-    assert_int_equal(sl_display_build(display, h->patches, &counters, NULL), SL_OK);
-}
 
 static void draw(sl_display *display, unsigned threads, picture *out) {
     sl_counters counters = {0};
@@ -82,7 +69,7 @@ static sl_scene *room(bool glossy) {
 }
 
 /* A smooth field with a step in it, by place: all that share a vertex would get the same. */
-static void evaluate(hierarchy *h, uint32_t vertex, uint32_t update) {
+static void sample_field(hierarchy *h, uint32_t vertex, uint32_t update) {
     sl_patch_vertex *v = &h->patches->vertex[vertex];
     sl_vec3 p = sl_root_position(h->primitives, v->root, v->u, v->v);
     float step = p.x + 0.3f * p.z > 0.1f ? 2.0f : 0.5f;
@@ -97,9 +84,9 @@ static void evaluate(hierarchy *h, uint32_t vertex, uint32_t update) {
 
 static bool is_alive(const sl_patches *p, uint32_t vertex) { return p->vertex[vertex].references > 0; }
 
-static void evaluate_all(hierarchy *h, uint32_t update) {
+static void sample_all(hierarchy *h, uint32_t update) {
     for (uint32_t v = 0; v < h->patches->vertex_count; v++) {
-        if (is_alive(h->patches, v)) evaluate(h, v, update);
+        if (is_alive(h->patches, v)) sample_field(h, v, update);
     }
 }
 
@@ -119,7 +106,7 @@ static void change_at_random(hierarchy *h, uint64_t key, uint32_t update, int ch
         else if (what < 0.62f) sl_patch_drop_children(h->patches, patch);
         else {
             int corner = (int)below(key, at + 3, (size_t)sl_patch_corners(h->patches, patch));
-            evaluate(h, sl_patch_corner(h->patches, patch, corner), update);
+            sample_field(h, sl_patch_corner(h->patches, patch, corner), update);
         }
     }
 }
@@ -185,9 +172,9 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
         for (int levels = 0; levels <= 3; levels += 3) {
             hierarchy h = hierarchy_of(room(glossy), glossy ? SL_PATCHES_LOBES : 0);
             for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), levels);
-            evaluate_all(&h, 1);
-            sl_display *display = display_of(&h);
-            build(display, &h);
+            sample_all(&h, 1);
+            sl_display *display = display_of(&h, W, H, guess);
+            build_display(display, &h);
             draw(display, 1, &shown);
             map_ids(display, 1, &ids);
             assert_equals_evaluation(&h, &shown, &ids);
@@ -201,11 +188,11 @@ static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_o
     (void)state;
     static id_picture ids;
     hierarchy h = hierarchy_of(room(false), 0);
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     uint32_t at = PIXELS / 4 + W / 2, before = SL_NO_INDEX;
     for (uint32_t update = 1; update <= 6; update++) {
         change_at_random(&h, sl_random_key(3, update), update, 300);
-        build(display, &h);
+        build_display(display, &h);
         map_ids(display, 1, &ids);
         for (uint32_t i = 0; i < PIXELS; i++) {
             uint32_t leaf = SL_NO_INDEX;
@@ -215,7 +202,7 @@ static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_o
         assert_int_not_equal(ids.root[at], SL_NO_INDEX);
         if (ids.patch[at] == SL_NO_INDEX) want_root(&h, ids.root[at]);
         else split(&h, ids.patch[at]);
-        build(display, &h);
+        build_display(display, &h);
         map_ids(display, 1, &ids);
         assert_int_not_equal(ids.patch[at], before);
         before = ids.patch[at];
@@ -242,7 +229,7 @@ static void parameters_of_pixels_are_those_of_the_triangles_that_they_show(void 
         }
         hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
         look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
-        sl_display *display = display_of(&h);
+        sl_display *display = display_of(&h, W, H, guess);
         sl_raster *raster;
         sl_view view = sl_view_scene(h.scene, W, H);
         sl_target target = {W, H, shown, NULL};
@@ -276,7 +263,7 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
     static picture shown;
     static id_picture ids;
     hierarchy h = hierarchy_of(room(false), 0);
-    sl_display *display = display_of(&h); /* not even built */
+    sl_display *display = display_of(&h, W, H, guess); /* not even built */
     sl_raster *raster;
     static uint32_t plain[PIXELS];
     sl_target target = {W, H, plain, NULL};
@@ -287,7 +274,7 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
     for (int wanted = 0; wanted < 2; wanted++) {
         if (wanted) {
             want_all(&h);
-            build(display, &h);
+            build_display(display, &h);
         }
         draw(display, 1, &shown);
         map_ids(display, 1, &ids);
@@ -313,15 +300,15 @@ static void a_split_without_samples_is_not_seen(void **state) {
     static picture before, after;
     hierarchy h = hierarchy_of(room(false), 0);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 1);
-    evaluate_all(&h, 1);
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sample_all(&h, 1);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     draw(display, 1, &before);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) {
         uint32_t child = h.patches->patch[h.patches->root_patch[r]].child;
         for (uint32_t k = 0; child != SL_NO_INDEX && k < 4; k++) split_levels(&h, child + k, 2);
     }
-    build(display, &h);
+    build_display(display, &h);
     draw(display, 1, &after);
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < PIXELS; i++) assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-5);
@@ -348,13 +335,13 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
     for (int kind = 0; kind < 2; kind++) {
         hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
-        sl_display *display = display_of(&h);
+        sl_display *display = display_of(&h, W, H, guess);
         want_root(&h, 0);
         uint64_t key = sl_random_key(17, (uint64_t)kind);
         for (uint32_t update = 1; update < 12; update++) {
             change_at_random(&h, sl_random_key(17, 10 + update), update, 40);
             want_root(&h, 0);
-            build(display, &h);
+            build_display(display, &h);
         }
         size_t fans = 0, tested = 0;
         for (uint32_t patch = 0; patch < h.patches->patch_count; patch++) {
@@ -392,9 +379,9 @@ static void a_fan_goes_through_its_corners_centre_and_hanging_vertices(void **st
     uint32_t child = h.patches->patch[root].child;
     split(&h, child + 1);
     split(&h, h.patches->patch[child + 1].child); /* beside child 0: vertices at a quarter and a half of its right edge */
-    evaluate_all(&h, 3);
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sample_all(&h, 3);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     sl_patch_place coarse = sl_patch_place_of(h.patches, child);
     uint32_t hanging[8];
     uint16_t at[8];
@@ -427,9 +414,9 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
     for (int i = 0; i < 512; i++) { /* along the right edge of child 0 */
         for (sl_patch_place at; (at = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;) split(&h, at.patch);
     }
-    evaluate_all(&h, 2);
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sample_all(&h, 2);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     sl_patch_place coarse = sl_patch_place_of(h.patches, child);
     static uint32_t hanging[1024];
     static uint16_t at[1024];
@@ -442,11 +429,11 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
     size_t words[2];
     for (int round = 0; round < 6; round++) { /* room that is given back is used again */
         sl_patch_drop_children(h.patches, child + 1);
-        build(display, &h);
+        build_display(display, &h);
         for (int i = 0; i < 512; i++) {
             for (sl_patch_place p; (p = sl_patch_locate(h.patches, 0, 0.5, 0.5 * (i + 0.5) / 512.0)).depth < 10;) split(&h, p.patch);
         }
-        build(display, &h);
+        build_display(display, &h);
         if (round % 2) words[round / 2 % 2] = display->copy[0].fans.used + display->copy[1].fans.used;
     }
     assert_int_equal(words[0], words[1]);
@@ -462,13 +449,13 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
     static id_picture one_ids, other_ids;
     for (int glossy = 0; glossy < 2; glossy++) {
         hierarchy h = hierarchy_of(room(glossy), glossy ? SL_PATCHES_LOBES : 0);
-        sl_display *display = display_of(&h);
+        sl_display *display = display_of(&h, W, H, guess);
         for (uint32_t update = 1; update <= 40; update++) {
             change_at_random(&h, sl_random_key(29, update), update, update % 5 == 0 ? 2 : 150);
-            build(display, &h);
+            build_display(display, &h);
             if (update % 3) continue;
-            sl_display *fresh = display_of(&h);
-            build(fresh, &h);
+            sl_display *fresh = display_of(&h, W, H, guess);
+            build_display(fresh, &h);
             double turn = 0.7 * update;
             look(h.scene, sl_v3((float)(3.0 * sl_cos(turn)), 1.2f, (float)(3.0 * sl_sin(turn))), sl_v3(0, 0.5f, 0));
             draw(display, 1, &one);
@@ -490,17 +477,17 @@ static void what_is_shown_stays_as_it_was_until_the_build_ends(void **state) {
     (void)state;
     static picture before, after;
     hierarchy h = hierarchy_of(room(false), 0);
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     want_all(&h);
     change_at_random(&h, sl_random_key(7, 6), 1, 1500);
-    evaluate_all(&h, 1);
-    build(display, &h);
-    build(display, &h);
+    sample_all(&h, 1);
+    build_display(display, &h);
+    build_display(display, &h);
     draw(display, 1, &before);
     change_at_random(&h, sl_random_key(7, 7), 2, 1500);
     draw(display, 1, &after); /* the patches have changed, grown and gone; what is shown has its own arrays, and nobody else has taken the vertices that it names */
     assert_memory_equal(&before, &after, sizeof before);
-    build(display, &h);
+    build_display(display, &h);
     draw(display, 1, &after);
     assert_memory_not_equal(&before, &after, sizeof before);
     sl_display_destroy(display);
@@ -512,9 +499,9 @@ static void frames_are_the_same_bits_with_any_number_of_threads(void **state) {
     static picture one, other;
     static id_picture one_ids, other_ids;
     hierarchy h = hierarchy_of(room(true), SL_PATCHES_LOBES);
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     change_at_random(&h, sl_random_key(41, 1), 1, 2000);
-    build(display, &h);
+    build_display(display, &h);
     draw(display, 1, &one);
     map_ids(display, 1, &one_ids);
     for (unsigned threads = 2; threads <= 3; threads++) {
@@ -560,9 +547,9 @@ static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void
     hierarchy h = hierarchy_of(square_scene(), 0);
     look(h.scene, sl_v3(0, 0, 6), sl_v3(0, 0, 0));
     split_levels(&h, want_root(&h, 0), 2);
-    evaluate_all(&h, 1);
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sample_all(&h, 1);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     draw(display, 1, &before);
     for (size_t v = 0; v < h.scene->vertex_count; v++) h.scene->position_x[v] += 1.0f;
     assert_int_equal(sl_display_move(display, NULL), SL_OK);
@@ -587,24 +574,24 @@ static void a_moved_object_is_shown_where_it_is_now_with_the_shading_it_had(void
 static void patches_and_both_copies_take_few_bytes_a_patch(void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     uint32_t root = want_root(&h, 0);
-    build(display, &h);
+    build_display(display, &h);
     for (int levels = 0; levels < 6; levels++) {
         for (uint32_t patch = 0, count = (uint32_t)h.patches->patch_count; patch < count; patch++) {
             if (patch == root || patch >= 4) split(&h, patch);
         }
-        evaluate_all(&h, 1);
-        build(display, &h);
+        sample_all(&h, 1);
+        build_display(display, &h);
     }
     for (uint32_t i = 0; i < 4000; i++) {
         double u = (i + 0.5) / 4000.0, v = 0.2 + 0.61 * u;
         for (sl_patch_place at; (at = sl_patch_locate(h.patches, 0, u, v)).depth < 9;) split(&h, at.patch);
         if (i % 20) continue;
         for (uint32_t k = 0; k < h.patches->vertex_count; k++) {
-            if (is_alive(h.patches, k) && h.patches->vertex[k].evaluated == SL_VERTEX_NEVER) evaluate(&h, k, 2 + i);
+            if (is_alive(h.patches, k) && h.patches->vertex[k].evaluated == SL_VERTEX_NEVER) sample_field(&h, k, 2 + i);
         }
-        build(display, &h);
+        build_display(display, &h);
     }
     double patches = (double)h.patches->patches_alive, tree = (double)sl_patches_memory_bytes(h.patches), shown = (double)sl_display_memory_bytes(display);
     printf("%.0f patches, %.2f vertices and %.2f leaves each: %.1f bytes each, and %.1f in the display's two copies\n", patches,

@@ -1,5 +1,5 @@
 /* Curved surfaces on the display: cut for the view, never torn, never shaded; poles, motion, eyes inside. */
-#include "patch_support.h"
+#include "shading_cache_support.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,19 +21,6 @@ static hierarchy vase(void) {
     sl_error error = {0};
     if (sl_scene_load("scenes/vase.json", &scene, &error) != SL_OK) fail_msg("%s", error.message);
     return hierarchy_of(scene, 0);
-}
-
-static sl_display *display_of(const hierarchy *h) {
-    sl_display_settings settings = {W, H, guess, 1};
-    sl_display *display;
-    sl_error error = {0};
-    if (sl_display_create(h->scene, h->primitives, &settings, &display, &error) != SL_OK) fail_msg("%s", error.message);
-    return display;
-}
-
-static void build(sl_display *display, const hierarchy *h) {
-    sl_counters counters = {0};
-    assert_int_equal(sl_display_build(display, h->patches, &counters, NULL), SL_OK);
 }
 
 static const sl_tessellation *shown(const sl_display *d) { return &d->own.tessellation; }
@@ -65,12 +52,12 @@ static bool window_of(const sl_view *view, sl_vec3d p, double out[2]) {
 static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     double worst = 0.0;
     size_t tested = 0;
     for (int k = 0; k < VIEWS; k++) {
         look_from(h.scene, k);
-        build(display, &h);
+        build_display(display, &h);
         const sl_tessellation *t = shown(display);
         sl_view view = sl_view_scene(h.scene, W, H);
         uint64_t key = sl_random_key(11, (uint64_t)k);
@@ -101,17 +88,17 @@ static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **sta
 static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     size_t count[3];
     const float distance[3] = {4000, 800, 330};
     for (int k = 0; k < 3; k++) {
         assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, 270 - distance[k]), sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.8f));
-        build(display, &h);
+        build_display(display, &h);
         count[k] = shown(display)->triangle_count;
     }
     assert_true(count[0] < count[1] && count[1] < count[2]);
     assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, -60), sl_v3(260, 150, -900), sl_v3(0, 1, 0), 0.8f));
-    build(display, &h);
+    build_display(display, &h);
     assert_true(shown(display)->triangle_count < count[2]);
     sl_display_destroy(display);
     hierarchy_discard(&h);
@@ -120,14 +107,14 @@ static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void *
 static void nothing_is_cut_anew_while_the_view_stays(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     const sl_raster *one = shown(display)->raster;
-    build(display, &h);
+    build_display(display, &h);
     const sl_raster *other = shown(display)->raster;
-    build(display, &h);
+    build_display(display, &h);
     assert_ptr_equal(shown(display)->raster, one);
-    build(display, &h);
+    build_display(display, &h);
     assert_ptr_equal(shown(display)->raster, other);
     sl_display_destroy(display);
     hierarchy_discard(&h);
@@ -146,10 +133,10 @@ static int compare_ends(const void *a, const void *b) { return memcmp(a, b, offs
 static void triangles_meet_along_whole_edges(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     for (int k = 0; k < VIEWS; k++) {
         look_from(h.scene, k);
-        build(display, &h);
+        build_display(display, &h);
         const sl_tessellation *t = shown(display);
         directed_edge *edge = calloc(3 * t->triangle_count, sizeof *edge);
         size_t alone = 0;
@@ -172,7 +159,7 @@ static void triangles_meet_along_whole_edges(void **state) {
         assert_true(alone > 0);
         free(edge);
         sl_display_destroy(display);
-        display = display_of(&h);
+        display = display_of(&h, W, H, guess);
     }
     sl_display_destroy(display);
     hierarchy_discard(&h);
@@ -182,7 +169,7 @@ static void triangles_meet_along_whole_edges(void **state) {
 static void no_pixel_shows_what_is_behind(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     sl_raster *raster;
     assert_int_equal(sl_raster_create(h.scene, 1, &raster, NULL), SL_OK);
     static uint32_t id[PIXELS], root[PIXELS];
@@ -190,7 +177,7 @@ static void no_pixel_shows_what_is_behind(void **state) {
     size_t tested = 0;
     for (int k = 0; k < 2 * VIEWS; k++) {
         look_from(h.scene, k);
-        build(display, &h);
+        build_display(display, &h);
         sl_view view = sl_view_scene(h.scene, W, H);
         sl_target target = {W, H, id, NULL};
         sl_counters counters = {0};
@@ -240,7 +227,7 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
     assert_int_equal(sl_scene_load("scenes/vase.json", &scene, NULL), SL_OK);
     pierce(scene);
     hierarchy h = hierarchy_of(scene, false);
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     sl_raster *raster;
     assert_int_equal(sl_raster_create(h.scene, 1, &raster, NULL), SL_OK);
     static uint32_t id[PIXELS], root[PIXELS];
@@ -248,7 +235,7 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
     size_t holes = 0, walls = 0;
     for (int k = 0; k < VIEWS; k++) {
         look_from(h.scene, k);
-        build(display, &h);
+        build_display(display, &h);
         sl_view view = sl_view_scene(h.scene, W, H), own = view;
         sl_target target = {W, H, id, NULL}, cut = {W, H, root, NULL};
         sl_counters counters = {0};
@@ -295,14 +282,14 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
         for (int c = 0; c < 3; c++) p->value[c] = 1.0f + 0.5f * (float)(sl_hash64(v * 3 + (uint64_t)c) % 1000) / 1000.0f;
         p->evaluated = 7;
     }
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     size_t patches = h.patches->patches_alive, vertices = h.patches->vertices_alive, curved = 0;
     static uint32_t root[PIXELS];
     static float u[PIXELS], v[PIXELS], plane[3][PIXELS];
     float *planes[3] = {plane[0], plane[1], plane[2]};
     for (int k = 0; k < 3; k++) {
         look_from(h.scene, k);
-        build(display, &h);
+        build_display(display, &h);
         sl_counters counters = {0};
         sl_display_ids ids = {.root = root, .u = u, .v = v};
         assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
@@ -338,8 +325,8 @@ static void translate_all(sl_scene *scene, float by) {
 static void moved_surfaces_are_shown_where_they_are_before_any_update(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     static uint32_t before[PIXELS], after[PIXELS];
     sl_counters counters = {0};
     sl_display_ids ids = {.root = before};
@@ -365,7 +352,7 @@ static void moved_surfaces_are_shown_where_they_are_before_any_update(void **sta
 static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     sl_vec3 on_it;
     sl_bicubic_at(&h.scene->bicubics[9], 0.5, 0.5, &on_it, NULL);
     const sl_vec3 eye[3] = {{260, 150, 270}, on_it, {260, 0, 270}}; /* inside, on it, at the pole */
@@ -373,7 +360,7 @@ static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
     float *planes[3] = {plane[0], plane[1], plane[2]};
     for (int k = 0; k < 3; k++) {
         assert_true(sl_camera_look_at(&h.scene->camera, eye[k], sl_v3(100, 200, 300), sl_v3(0, 1, 0), 1.2f));
-        build(display, &h);
+        build_display(display, &h);
         assert_true(shown(display)->triangle_count <= 2 * 64 * 64 * h.primitives->curved);
         sl_counters counters = {0};
         assert_int_equal(sl_display_draw(display, 1, planes, &counters, NULL), SL_OK);
@@ -388,8 +375,8 @@ static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
 static void triangles_at_poles_have_area_and_one_place_there(void **state) {
     (void)state;
     hierarchy h = vase();
-    sl_display *display = display_of(&h);
-    build(display, &h);
+    sl_display *display = display_of(&h, W, H, guess);
+    build_display(display, &h);
     const sl_tessellation *t = shown(display);
     size_t at_pole = 0;
     for (uint32_t i = 0; i < t->triangle_count; i++) {

@@ -1,5 +1,5 @@
 /* Windows of the display: another thread's frames, beside builds, from where its own twin of the scene stands. */
-#include "patch_support.h"
+#include "shading_cache_support.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -20,19 +20,6 @@ typedef struct picture {
 } picture;
 
 static const sl_rgb guess = {0.25f, 0.25f, 0.25f};
-
-static sl_display *display_of(const hierarchy *h) {
-    sl_display_settings settings = {W, H, guess, 1};
-    sl_display *display;
-    sl_error error = {0};
-    if (sl_display_create(h->scene, h->primitives, &settings, &display, &error) != SL_OK) fail_msg("%s", error.message);
-    return display;
-}
-
-static void build(sl_display *display, const hierarchy *h) {
-    sl_counters counters = {0};
-    assert_int_equal(sl_display_build(display, h->patches, &counters, NULL), SL_OK);
-}
 
 static void draw(sl_display *display, picture *out) {
     sl_counters counters = {0};
@@ -114,7 +101,7 @@ static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void 
     hierarchy h = wall();
     sl_scene *twin;
     assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
-    beside b = {.display = display_of(&h)};
+    beside b = {.display = display_of(&h, W, H, guess)};
     assert_int_equal(sl_window_create(b.display, twin, &b.window, NULL), SL_OK);
     sl_thread thread;
     assert_true(sl_thread_start(&thread, draw_on_and_on, &b));
@@ -122,7 +109,7 @@ static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void 
     for (; update < 3000 && (update < 40 || atomic_load(&b.builds_seen) < 20); update++) { /* as fast as it goes: it is the builds that wait */
         split_or_drop_at_random(&h, sl_random_key(83, update));
         give_all(&h, (float)SL_PI * (float)(update + 1), update + 1);
-        build(b.display, &h);
+        build_display(b.display, &h);
     }
     atomic_store(&b.stop, true);
     sl_thread_join(&thread);
@@ -148,7 +135,7 @@ static void build_twice(void *context) {
     two_builds *t = context;
     for (uint32_t k = 1; k <= 2; k++) {
         give_all(t->h, (float)k, k);
-        build(t->display, t->h);
+        build_display(t->display, t->h);
         atomic_store(&t->done, (int)k);
     }
 }
@@ -157,7 +144,7 @@ static void build_twice(void *context) {
 static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void **state) {
     (void)state;
     hierarchy h = wall();
-    two_builds t = {.display = display_of(&h), .h = &h};
+    two_builds t = {.display = display_of(&h, W, H, guess), .h = &h};
     const sl_display_copy *copy = sl_display_take(t.display); /* a frame begins */
     sl_thread thread;
     assert_true(sl_thread_start(&thread, build_twice, &t));
@@ -192,24 +179,24 @@ static hierarchy lit(sl_scene *scene) {
 static void assert_window_shows_another_time(const char *path, double time) {
     static picture in_window, moved, before, after;
     hierarchy h = lit(load_scene(path)), other = lit(load_scene(path));
-    sl_display *display = display_of(&h), *there = display_of(&other);
+    sl_display *display = display_of(&h, W, H, guess), *there = display_of(&other, W, H, guess);
     sl_scene *twin;
     sl_window *window;
     unsigned changes;
     assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
     assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
-    build(display, &h);
+    build_display(display, &h);
     draw(display, &before);
     draw_window(display, window, &in_window);
     assert_memory_equal(&before, &in_window, sizeof before);
     assert_int_equal(sl_scene_set_time(twin, time, &changes, NULL), SL_OK);
     assert_true(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA));
     assert_int_equal(sl_window_move(display, window, NULL), SL_OK);
-    build(display, &h); /* of curved surfaces, too, the window's own frame is the first of a build's arrays */
+    build_display(display, &h); /* of curved surfaces, too, the window's own frame is the first of a build's arrays */
     draw_window(display, window, &in_window);
     assert_int_equal(sl_scene_set_time(other.scene, time, &changes, NULL), SL_OK);
     assert_int_equal(sl_display_move(there, NULL), SL_OK);
-    build(there, &other);
+    build_display(there, &other);
     draw(there, &moved);
     assert_memory_equal(&moved, &in_window, sizeof moved);
     assert_memory_not_equal(&before, &in_window, sizeof before);
@@ -238,16 +225,16 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     (void)state;
     static picture in_window, there, near_by;
     hierarchy h = lit(load_scene("scenes/vase.json"));
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     sl_scene *twin;
     sl_window *window;
     assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
     assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
-    build(display, &h);
+    build_display(display, &h);
     look(twin, sl_v3(260, 200, -100), sl_v3(260, 150, 270));
     draw_window(display, window, &near_by);
     look(h.scene, sl_v3(260, 200, -100), sl_v3(260, 150, 270));
-    build(display, &h);
+    build_display(display, &h);
     draw(display, &there);
     draw_window(display, window, &in_window);
     assert_memory_equal(&there, &in_window, sizeof there);
@@ -268,12 +255,12 @@ static void a_window_shows_textures_as_the_display_does(void **state) {
     }
     assert_true(textured > 1);
     hierarchy h = lit(scene);
-    sl_display *display = display_of(&h);
+    sl_display *display = display_of(&h, W, H, guess);
     sl_scene *twin;
     sl_window *window;
     assert_int_equal(sl_scene_twin(h.scene, &twin, NULL), SL_OK);
     assert_int_equal(sl_window_create(display, twin, &window, NULL), SL_OK);
-    build(display, &h);
+    build_display(display, &h);
     draw_window(display, window, &in_window); /* which has its own planes, and needs nobody else's */
     draw(display, &shown);
     assert_memory_equal(&shown, &in_window, sizeof shown);
