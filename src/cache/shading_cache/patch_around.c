@@ -124,3 +124,20 @@ size_t sl_patch_hanging_at(const sl_patches *p, const sl_patch_place *leaf, int 
 size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex, size_t room) {
     return sl_patch_hanging_at(p, leaf, edge, vertex, NULL, room);
 }
+
+uint32_t sl_leaf_oldest(const sl_patches *p, uint32_t leaf) {
+    uint32_t oldest = UINT32_MAX, vertex[SL_HANGING_MOST];
+    for (int c = 0; c < sl_patch_corners(p, leaf); c++) {
+        uint32_t evaluated = p->vertex[sl_patch_corner(p, leaf, c)].evaluated;
+        oldest = evaluated < oldest ? evaluated : oldest;
+    }
+    sl_patch_place place = sl_patch_place_of(p, leaf);
+    for (int e = 0; e < place.corners && oldest != SL_VERTEX_NEVER; e++) {
+        size_t count = sl_patch_hanging(p, &place, e, vertex, SL_HANGING_MOST);
+        for (size_t i = 0; i < count; i++) {
+            uint32_t evaluated = p->vertex[vertex[i]].evaluated;
+            if (evaluated != SL_VERTEX_NEVER && evaluated < oldest) oldest = evaluated;
+        }
+    }
+    return oldest;
+}

@@ -35,7 +35,7 @@ sl_status sl_patches_create(const sl_primitives *primitives, unsigned kept, sl_p
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
     for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
-    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk, p->vertex, p->sets, p->lobe_group, p->lobe, p->slot};
+    void *all[] = {p->root_patch, p->wanted_root, p->root_corner, p->patch, p->flags, p->block_chunk, p->vertex, p->sets, p->lobe_group, p->lobe, p->slot, p->waiting};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
@@ -44,7 +44,8 @@ size_t sl_patches_memory_bytes(const sl_patches *p) {
     size_t of_chunk = SL_BLOCKS_A_CHUNK * sizeof **p->block_chunk + sizeof *p->block_chunk;
     size_t of_vertex = sizeof *p->vertex + (p->sets ? sizeof *p->sets : 0), groups = p->lobes ? p->vertex_capacity / SL_VERTEX_GROUP : 0;
     return p->patch_capacity * (sizeof *p->patch + 1) + p->block_chunks * of_chunk + p->wanted_capacity * sizeof *p->root_corner +
-           p->vertex_capacity * of_vertex + groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe + p->slot_count * sizeof *p->slot;
+           p->vertex_capacity * of_vertex + groups * sizeof *p->lobe_group + p->lobe_capacity * sizeof *p->lobe + p->slot_count * sizeof *p->slot +
+           p->waiting_capacity * sizeof *p->waiting;
 }
 
 /* ---- blocks of four patches ---------------------------------------------------------------------------------------------------- */

@@ -45,7 +45,8 @@ typedef struct sl_patch_vertex {
     uint32_t root;               /* of those that share it the lowest */
     uint32_t u : SL_PATCH_DEPTH_MAX + 1, v : SL_PATCH_DEPTH_MAX + 1; /* in 1/SL_PATCH_DYADIC of that root */
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
-    uint32_t evaluated : 31;     /* update; SL_VERTEX_NEVER */
+    uint32_t evaluated : 30;     /* update; SL_VERTEX_NEVER */
+    uint32_t waiting : 1;        /* in the list of those around which nobody had light to lend */
     uint32_t borrowed : 1;       /* it was, but has no light of its own (it lies inside other geometry, or no number came): its value is that of those around it */
     float value[3];              /* E, W/m^2 */
 } sl_patch_vertex;
@@ -91,6 +92,8 @@ typedef struct sl_patches {
     uint32_t *slot;              /* hash of vertices */
     size_t slot_count;
     bool borrowing;              /* some vertex has been borrowed */
+    uint32_t *waiting;           /* borrowed vertices with nobody around who had light */
+    size_t waiting_count, waiting_capacity;
 } sl_patches;
 
 /* kept: SL_PATCHES_ bits. */
@@ -123,7 +126,7 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
     return block->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
 }
 
-static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) { v->evaluated = update & (UINT32_MAX >> 1); }
+static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) { v->evaluated = update & (UINT32_MAX >> 2); }
 static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) { return (sl_root_place){v->root, (uint16_t)v->u, (uint16_t)v->v}; }
 /* L_s of a vertex, towards the eye; NULL: its material has no lobe. */
 static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {
@@ -160,13 +163,19 @@ size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, i
 /* The same with how far along the edge each lies, in 1/SL_PATCH_DYADIC of it. */
 size_t sl_patch_hanging_at(const sl_patches *patches, const sl_patch_place *leaf, int edge, uint32_t *vertex, uint16_t *at, size_t room);
 
+/* When the oldest of all that a leaf shows was evaluated: of its corners (SL_VERTEX_NEVER: one never was), and of what hangs on its edges and was evaluated at all. */
+uint32_t sl_leaf_oldest(const sl_patches *patches, uint32_t leaf);
+/* Vertices on a leaf's edges that are looked at for that. */
+enum { SL_HANGING_MOST = 1024 };
+
 /* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its value has changed. */
 void sl_patches_touch(sl_patches *patches, uint32_t vertex);
 
 /* A vertex without light of its own: it was asked for, and inside other geometry, or no number came. */
 void sl_patches_borrow(sl_patches *patches, uint32_t vertex);
-/* Before a build of the display: those of leaves that are SL_PATCH_DIRTY get their values anew from the corners around them that have light of their own. */
-void sl_patches_lend(sl_patches *patches);
+/* Before a build of the display: those of leaves that are SL_PATCH_DIRTY get their values anew from the corners around them that have light of their own. Where
+ * nobody around has any they are looked at each time: what lends from further away may have come. */
+sl_status sl_patches_lend(sl_patches *patches, sl_error *error);
 
 /* Eviction: down to `limit` patches where there are more (90 % of it): children of patches none of which was seen since update `since`, and
  * of patches that cover less than `small` pixels; oldest first, lower index on a tie, from the leaves up. */

@@ -73,13 +73,8 @@ float sl_patch_error(const sl_patches *p, const sl_display_curve *curve, uint32_
 }
 
 float sl_patch_age(const sl_patches *p, uint32_t patch, uint32_t now, uint32_t changed, float c) {
-    uint32_t oldest = now;
-    for (int i = 0; i < sl_patch_corners(p, patch); i++) {
-        uint32_t evaluated = p->vertex[sl_patch_corner(p, patch, i)].evaluated;
-        if (evaluated == SL_VERTEX_NEVER) return 0.0f;
-        oldest = evaluated < oldest ? evaluated : oldest;
-    }
-    return oldest < changed ? c * (float)(now - oldest) : 0.0f;
+    uint32_t oldest = changed ? sl_leaf_oldest(p, patch) : now;
+    return oldest != SL_VERTEX_NEVER && oldest < changed ? c * (float)(now - oldest) : 0.0f;
 }
 
 static double cube_root(double x) { return x > 0.0 ? sl_pow(x, 1.0 / 3.0) : 0.0; }

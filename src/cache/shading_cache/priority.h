@@ -22,7 +22,7 @@ float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, 
 /* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. Corners without light of their own may be black, so that
  * what holds them is split as long as it can be seen. */
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
-/* Age in grey levels: c (now - evaluated) of its oldest corner, if that was evaluated before the last relevant change; else 0. */
+/* Age in grey levels: c (now - evaluated) of its oldest corner, or what hangs on its edges, if that was evaluated before the last relevant change; else 0. */
 float sl_patch_age(const sl_patches *patches, uint32_t patch, uint32_t now, uint32_t changed, float c);
 /* c of a material: 1 + 8 c_g d with Pellacini's contrast gloss c_g = cbrt(ks + kd/2) - cbrt(kd/2) and d = 1 - 1/sqrt(2 n + 1), of
  * mirrors 1. */

@@ -116,9 +116,10 @@ static compared compare_before(const sl_shading_state *s, uint32_t vertex, const
     return c;
 }
 
+/* All of it: no trace is left of what was there, be it a million times as bright. */
 static void blend(float value[3], sl_rgb now, float share) {
     const float parts[3] = {now.r, now.g, now.b};
-    for (int k = 0; k < 3; k++) value[k] += share * (parts[k] - value[k]);
+    for (int k = 0; k < 3; k++) value[k] = share < 1.0f ? value[k] + share * (parts[k] - value[k]) : parts[k];
 }
 
 /* The share of a new value: all of it, but where it joins earlier sets of samples. */
@@ -203,10 +204,8 @@ static void find_stale(sl_shading_state *s) {
         uint32_t patch = s->leaf[i].patch;
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) continue;
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
-        for (int c = 0; c < sl_patch_corners(s->patches, patch); c++) {
-            const sl_patch_vertex *v = &s->patches->vertex[sl_patch_corner(s->patches, patch, c)];
-            s->stale[object] |= v->evaluated < s->changes->object[object].stale_before;
-        }
+        const sl_object_change *change = &s->changes->object[object];
+        if (change->changing && !s->stale[object]) s->stale[object] = sl_leaf_oldest(s->patches, patch) < change->stale_before;
     }
 }
 

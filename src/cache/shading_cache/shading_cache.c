@@ -46,7 +46,7 @@ static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
     s->leaf_of_pixel = sl_allocate(pixels, sizeof *s->leaf_of_pixel);
     s->choice = sl_allocate(choices, sizeof *s->choice);
     s->place = sl_allocate(choices, sizeof *s->place);
-    s->vertex_room = 4 * choices + 64;
+    s->vertex_room = (4 + SL_HANGING_A_PATCH) * choices + 64;
     s->vertex = sl_allocate(s->vertex_room, sizeof *s->vertex);
     s->request = sl_allocate(s->vertex_room, sizeof *s->request);
     s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);

@@ -147,9 +147,12 @@ static sl_status age(sl_shading_state *s, sl_error *error) {
     return sl_patches_evict(s->patches, limit, since, (double)drop_slack * c->stop_size, &s->counters, error);
 }
 
-/* Nothing that is seen wants any more: every leaf is as small as it gets, and as the scene is now. */
+/* Nothing that is seen wants any more: every leaf is as small as it gets, and as the scene is now. What changes is shown with coarser leaves: they are not the end. */
 static bool nothing_is_left(const sl_shading_state *s) {
     if (s->fades.count > 0) return false;
+    for (size_t i = 0; i < s->scene->object_count; i++) {
+        if (s->changes->object[i].changing || s->changing[i]) return false;
+    }
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t patch = s->leaf[i].patch;
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) return false;
@@ -173,7 +176,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     status = sl_shading_commit(s, vertices, error);
     if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
     if (status == SL_OK) status = age(s, error);
-    if (status == SL_OK) sl_patches_lend(s->patches);
+    if (status == SL_OK) status = sl_patches_lend(s->patches, error);
     sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
     sl_announce_pass(&s->announcer, "display arrays", "section 3");

@@ -34,11 +34,15 @@ typedef struct worker {
 
 /* ---- vertices asked for ---- */
 
+/* What was evaluated before that update is not as the scene is now. */
+static uint32_t stale_before(const sl_patches *p, const sl_work_settings *settings, uint32_t root) {
+    uint32_t edited = settings->stale_before ? settings->stale_before[sl_root_object(p->primitives, root)] : 0;
+    return settings->eye_moved > edited && sl_material_has_lobe(sl_root_material(p->primitives, root)) ? settings->eye_moved : edited;
+}
+
 bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
     const sl_patch_vertex *v = &p->vertex[vertex];
-    if (v->evaluated == SL_VERTEX_NEVER) return false;
-    if (settings->stale_before && v->evaluated < settings->stale_before[sl_root_object(p->primitives, v->root)]) return true;
-    return v->evaluated < settings->eye_moved && sl_material_has_lobe(sl_root_material(p->primitives, v->root));
+    return v->evaluated != SL_VERTEX_NEVER && v->evaluated < stale_before(p, settings, v->root);
 }
 
 static void ask_for(worker *w, uint32_t vertex) {
@@ -50,20 +54,33 @@ static void ask_for(worker *w, uint32_t vertex) {
     w->slot[at] = (uint32_t)w->count;
 }
 
-static bool is_missing(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
-    return p->vertex[vertex].evaluated == SL_VERTEX_NEVER || sl_vertex_is_stale(p, settings, vertex);
+/* A leaf shows what hangs on its edges, too. What was evaluated there for neighbours that are seen no more nobody else would ask for. Returns how many, so many at most. */
+static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
+    uint32_t vertex[SL_HANGING_MOST];
+    size_t found = 0, most = SL_HANGING_A_PATCH;
+    sl_patch_place place = sl_patch_place_of(w->patches, patch);
+    for (int e = 0; e < place.corners; e++) {
+        size_t count = sl_patch_hanging(w->patches, &place, e, vertex, SL_HANGING_MOST);
+        for (size_t i = 0; i < count && found < most; i++) {
+            if (!sl_vertex_is_stale(w->patches, w->settings, vertex[i])) continue;
+            ask_for(w, vertex[i]);
+            found++;
+        }
+    }
+    return found;
 }
 
-/* Those corners that were never evaluated, or before something moved; true: there were some. */
+/* Those corners that were never evaluated, or before something moved; true: there were some. Of a leaf also what hangs on its edges, if that is old. */
 static bool ask_for_missing(worker *w, uint32_t patch) {
     bool any = false;
     for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
         uint32_t vertex = sl_patch_corner(w->patches, patch, c);
-        if (!is_missing(w->patches, w->settings, vertex)) continue;
+        if (w->patches->vertex[vertex].evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
         ask_for(w, vertex);
         any = true;
     }
-    return any;
+    bool old = stale_before(w->patches, w->settings, sl_patch_root(w->patches, patch)) > 0 && sl_patch_is_leaf(w->patches, patch);
+    return (old && ask_for_stale_hanging(w, patch) > 0) || any;
 }
 
 static void ask_for_all(worker *w, uint32_t patch) {
@@ -107,9 +124,8 @@ static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_pa
 }
 
 bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch) {
-    for (int c = 0; c < sl_patch_corners(p, patch); c++) {
-        if (is_missing(p, settings, sl_patch_corner(p, patch, c))) return false;
-    }
+    uint32_t oldest = sl_leaf_oldest(p, patch);
+    if (oldest == SL_VERTEX_NEVER || oldest < stale_before(p, settings, sl_patch_root(p, patch))) return false;
     sl_patch_place place = sl_patch_place_of(p, patch);
     return place.depth == SL_PATCH_DEPTH_MAX || !is_large(p, settings, &place, camera, width, height);
 }
@@ -205,7 +221,7 @@ sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const 
     if (count == 0) return SL_OK;
     worker w = {.patches = patches, .curve = curve, .settings = settings, .camera = camera, .width = width, .height = height, .places = places,
                 .slot_count = 16, .vertex = vertex, .counters = counters, .error = error};
-    while (w.slot_count < 8 * count) w.slot_count *= 2; /* at most 4 vertices a place */
+    while (w.slot_count < 2 * (4 + SL_HANGING_A_PATCH) * count) w.slot_count *= 2; /* at most so many vertices a place */
     located *sorted = sl_allocate_unset(count, sizeof *sorted);
     group *groups = sl_allocate_unset(count, sizeof *groups);
     uint32_t *index = sl_allocate_unset(2 * count, sizeof *index);

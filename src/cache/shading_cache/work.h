@@ -22,6 +22,9 @@ typedef struct sl_work_settings {
     float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
 } sl_work_settings;
 
+/* Of old vertices on the edges of one leaf no more are asked for at once. */
+enum { SL_HANGING_A_PATCH = 4 };
+
 /* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first set of samples. Others in the list that
  * were evaluated want one more set. */
 bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
@@ -38,7 +41,8 @@ sl_patch_size sl_patch_projected(const sl_patches *patches, const sl_patch_place
 bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch);
 
 /* Handles all places, patch by patch in the order in which patches first occur: requests vertices never evaluated or stale; else splits and hands
- * places on. vertex: the vertices to be shaded, each once, in that order; room for 4 * count + 64. */
+ * places on. vertex: the vertices to be shaded, each once, in that order; room for
+ * (4 + SL_HANGING_A_PATCH) * count + 64. */
 sl_status sl_work_out(sl_patches *patches, const sl_display_curve *curve, const sl_work_settings *settings, const sl_camera *camera, int width,
                       int height, size_t count, const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count, sl_counters *counters,
                       sl_error *error);

@@ -1,0 +1,453 @@
+/* The whole loop, looked at from the inside: what is asked for and what is left alone, what grows old and what an edit costs, and that in the end all is as if nothing had
+ * ever moved. Samples are of direct light, so that a value is a function of its place. */
+#include "shading_cache_support.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "cache/method.h"
+#include "cache/shading_cache/state.h"
+#include "matched.h"
+#include "rendering.h"
+
+enum { SIZE = 32, PIXELS = SIZE * SIZE };
+
+static sl_settings loop_settings(void) {
+    sl_settings s = small_settings("shading-cache", SIZE, SIZE);
+    s.shading_cache.indirect = SL_INDIRECT_NONE;
+    s.shading_cache.frames_per_update = 1;
+    s.shading_cache.updates = 1u << 30;
+    return s;
+}
+
+static sl_method *method_of(const sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    sl_error error = {0};
+    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
+    return method;
+}
+
+static sl_shading_state *inside_of(sl_method *method) { return method->state; }
+
+static bool update(sl_method *method) {
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    return progress.done;
+}
+
+static uint64_t to_the_end(sl_method *method) {
+    uint64_t updates = 1;
+    while (!update(method)) assert_true(++updates < 20000);
+    return updates;
+}
+
+static uint64_t count_of(const sl_method *method, sl_counter what) { return sl_method_counters(method)->value[what]; }
+
+static void edit(sl_method *method, unsigned changes) { assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK); }
+
+static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) { assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f)); }
+
+/* A room of six quadrilaterals with a floor of tiles, a light in it, and the eye in its front. */
+static sl_scene *room(void) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
+    for (int i = 0; i < 4; i++) trace_mesh_quad(&mesh, sl_v3(-0.8f + 0.8f * (float)(i % 2), -0.9f, -0.8f + 0.8f * (float)(i / 2)), sl_v3(0, 0, 0.8f), sl_v3(0.8f, 0, 0), wall);
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.5f, -0.2f}, .intensity = sl_grey(1.0f)};
+    mesh.light_count = 1;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
+    return scene;
+}
+
+/* ---- what is asked for -------------------------------------------------------------------------------------------------------------- */
+
+static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices(void **state) {
+    (void)state;
+    enum { MOST = 20000 };
+    static uint32_t when[MOST];
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    memset(when, 0, sizeof when);
+    for (int i = 0; i < 40; i++) {
+        update(method);
+        assert_true(s->patches->vertex_count <= MOST);
+        size_t evaluated = 0;
+        for (size_t v = 0; v < s->patches->vertex_count; v++) {
+            uint32_t at = s->patches->vertex[v].evaluated;
+            assert_true(when[v] == SL_VERTEX_NEVER || at == when[v]);
+            when[v] = at;
+            evaluated += at != SL_VERTEX_NEVER;
+        }
+        assert_int_equal(count_of(method, SL_COUNT_POINTS_SHADED), evaluated);
+        assert_true(evaluated <= s->patches->vertices_alive);
+    }
+    assert_true(count_of(method, SL_COUNT_POINTS_SHADED) > 1000);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static uint32_t pixels_below(const sl_shading_state *s, uint32_t patch) {
+    if (s->patches->patch[patch].seen != s->now) return 0;
+    uint32_t child = s->patches->patch[patch].child, sum = 0;
+    if (child == SL_NO_INDEX) return s->patches->patch[patch].pixels;
+    for (uint32_t k = 0; k < 4; k++) sum += pixels_below(s, child + k);
+    return sum;
+}
+
+static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_children(void **state) {
+    (void)state;
+    static uint32_t patch[PIXELS];
+    sl_scene *scene = room();
+    look(scene, sl_v3(0, 0, 3.6f), sl_v3(0, -0.2f, -1)); /* from outside: the front wall is seen from behind, around it is nothing */
+    sl_settings settings = loop_settings();
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    size_t children = 0;
+    for (int i = 0; i < 12; i++) {
+        update(method);
+        size_t sum = 0, covered = 0;
+        for (size_t k = 0; k < s->leaf_count; k++) sum += s->leaf[k].pixels;
+        for (int k = 0; k < PIXELS; k++) covered += s->ids.patch[k] != SL_NO_INDEX;
+        assert_true(covered > PIXELS / 4 && covered < PIXELS);
+        assert_int_equal(sum, covered);
+        sl_display_ids ids = {.patch = patch};
+        sl_counters counters = {0};
+        assert_int_equal(sl_display_id_map(s->display, 1, &ids, &counters, NULL), SL_OK);
+        for (int k = 0; k < PIXELS; k++) {
+            assert_int_equal(patch[k] == SL_NO_INDEX, s->ids.patch[k] == SL_NO_INDEX);
+            if (patch[k] == SL_NO_INDEX) continue;
+            assert_true(sl_patch_is_alive(s->patches, patch[k]) && sl_patch_is_leaf(s->patches, patch[k]));
+            children += patch[k] != s->ids.patch[k];
+        }
+    }
+    assert_true(children > 500);
+    update(method); /* after an id map and before splits parents have what their leaves have: look at those that were not split */
+    for (uint32_t i = 0; i < s->patches->patch_count; i++) {
+        bool seen = sl_patch_is_alive(s->patches, i) && s->patches->patch[i].seen == s->now && !sl_patch_is_leaf(s->patches, i);
+        uint32_t below = seen ? pixels_below(s, i) : 0;
+        if (seen && below <= s->patches->patch[i].pixels) assert_int_equal(below, s->patches->patch[i].pixels); /* new children round a quarter upwards */
+    }
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* One wall hides another, and one is behind the eye. */
+static void patches_that_are_not_seen_are_left_alone(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-2, -2, 0), sl_v3(4, 0, 0), sl_v3(0, 4, 0), wall);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, -1), sl_v3(2, 0, 0), sl_v3(0, 2, 0), wall);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 5), sl_v3(0, 2, 0), sl_v3(2, 0, 0), wall);
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
+    mesh.light_count = 1;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
+    sl_settings settings = loop_settings();
+    sl_method *method = method_of(scene, &settings);
+    const sl_patches *p = inside_of(method)->patches;
+    for (int i = 0; i < 25; i++) update(method);
+    assert_true(count_of(method, SL_COUNT_SPLITS) > 100);
+    for (uint32_t root = 2; root < 6; root++) {
+        uint32_t patch = p->root_patch[root];
+        if (patch == SL_NO_INDEX) continue;
+        assert_true(sl_patch_is_leaf(p, patch));
+        assert_int_equal(p->patch[patch].seen, 0);
+        assert_int_equal(p->patch[patch].pixels, 0);
+        for (int c = 0; c < 4; c++) assert_int_equal(p->vertex[sl_patch_corner(p, patch, c)].evaluated, SL_VERTEX_NEVER);
+    }
+    const sl_shading_state *s = inside_of(method);
+    for (size_t i = 0; i < s->leaf_count; i++) assert_int_equal(sl_patch_root(p, s->leaf[i].patch), 0); /* nobody else has a priority */
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* Irradiance is even, so its four corners say all; what is seen has the texture's own resolution. */
+static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **state) {
+    (void)state;
+    static uint8_t texels[16 * 16 * 4];
+    for (int i = 0; i < 16 * 16 * 4; i++) texels[i] = (uint8_t)(30 + 97 * i % 220);
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
+    mesh.textures[0] = (sl_texture){.file = (char *)"checks", .width = 16, .height = 16, .texels = texels};
+    mesh.texture_count = 1;
+    mesh.materials[wall].texture = 0;
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), wall);
+    for (size_t v = 0; v < mesh.vertex_count; v++) {
+        mesh.texture_coordinates[2 * v] = mesh.positions[3 * v] * 0.5f + 0.5f;
+        mesh.texture_coordinates[2 * v + 1] = mesh.positions[3 * v + 1] * 0.5f + 0.5f;
+    }
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0.6f, -0.8f}, .intensity = {1, 2, 3}};
+    mesh.light_count = 1;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    look(scene, sl_v3(0.1f, 0.1f, 3), sl_v3(0, 0, 0));
+    sl_settings settings = loop_settings(), path = small_settings("path", SIZE, SIZE);
+    settings.shading_cache.updates = 1;
+    path.transport = "matched:shading-cache";
+    path.shading_cache = settings.shading_cache;
+    path.spp = 1;
+    sl_counters cost;
+    sl_image *ours = render(scene, &settings, &cost), *truth = render(scene, &path, NULL);
+    assert_int_equal(cost.value[SL_COUNT_POINTS_SHADED], 4);
+    float least = HUGE_VALF, most = 0.0f;
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        assert_true(fabsf(ours->planes[i] - truth->planes[i]) <= 1e-4f * (1e-3f + truth->planes[i])); /* both round; a texel is worth 0.7 times its neighbour */
+        if (i < PIXELS && truth->planes[i] > 0.0f) least = fminf(least, truth->planes[i]), most = fmaxf(most, truth->planes[i]);
+    }
+    assert_true(most > 2.0f * least);
+    sl_image_destroy(ours);
+    sl_image_destroy(truth);
+    sl_scene_destroy(scene);
+}
+
+/* ---- age ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* Two walls beside each other, each a material; the sun comes from the eye. */
+static sl_scene *two_walls(float specular, float exponent, float other_specular, float other_exponent) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t one = trace_mesh_material(&mesh, 0.4f, specular, exponent, 0, 0), other = trace_mesh_material(&mesh, 0.4f, other_specular, other_exponent, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-2.1f, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), one);
+    trace_mesh_quad(&mesh, sl_v3(0.1f, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), other);
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = sl_grey(2.0f)};
+    mesh.light_count = 1;
+    sl_scene *scene = trace_mesh_build(&mesh);
+    look(scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
+    return scene;
+}
+
+static void turn(sl_scene *scene, sl_method *method, int step) {
+    look(scene, sl_v3(0.1f * (float)(step % 5), 0, 4), sl_v3(0, 0.02f * (float)(step % 3), 0));
+    edit(method, SL_CHANGED_CAMERA);
+}
+
+static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_again(void **state) {
+    (void)state;
+    sl_scene *scene = two_walls(0.0f, 0.0f, 0.3f, 50.0f);
+    sl_settings settings = loop_settings();
+    settings.shading_cache.stop_size = 8.0;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    const sl_patches *p = s->patches;
+    to_the_end(method);
+    uint32_t before = s->now, renewed[2] = {0, 0};
+    uint64_t changes = count_of(method, SL_COUNT_CHANGES_DETECTED);
+    turn(scene, method, 1);
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        if (!sl_patch_is_alive(p, i) || !sl_patch_is_leaf(p, i) || p->patch[i].seen != before) continue;
+        float still = sl_patch_priority(p, &s->curve, i, s->now + 5, 0, 0), turned = sl_patch_priority(p, &s->curve, i, s->now + 5, s->changes->eye_moved, 0);
+        assert_true(sl_patch_root(p, i) < 2 ? turned == still : turned >= still + 5.0f);
+    }
+    to_the_end(method);
+    for (size_t v = 0; v < p->vertex_count; v++) {
+        if (p->vertex[v].references && p->vertex[v].evaluated > before) renewed[p->vertex[v].root / 2]++;
+    }
+    assert_true(renewed[1] > 20 && renewed[0] < 5); /* a few came into view */
+    assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), changes); /* light towards another eye tells of no change */
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* The eye never rests; patches are as large as they get. */
+static void the_glossier_of_two_walls_is_shaded_again_more_often(void **state) {
+    (void)state;
+    sl_scene *scene = two_walls(0.5f, 2.0f, 0.5f, 2000.0f);
+    sl_settings settings = loop_settings();
+    settings.shading_cache.stop_size = 10000.0;
+    settings.shading_cache.points = 1;
+    settings.shading_cache.no_flood = true;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    const sl_patches *p = s->patches;
+    uint64_t renewed[2] = {0, 0};
+    for (int i = 0; i < 400; i++) {
+        turn(scene, method, i);
+        update(method);
+        for (uint32_t w = 0; w < 2; w++) renewed[w] += p->vertex[sl_patch_corner(p, p->root_patch[4 * w / 2], 0)].evaluated == s->now;
+    }
+    print_message("%d of the dull wall, %d of the glossy one\n", (int)renewed[0], (int)renewed[1]);
+    assert_true(renewed[0] > 20 && renewed[1] > renewed[0] + renewed[0] / 5);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- edits -------------------------------------------------------------------------------------------------------------------------- */
+
+static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = loop_settings();
+    settings.shading_cache.stop_size = 4.0;
+    settings.shading_cache.area_samples = 16;
+    settings.shading_cache.no_resolution_drop = true;
+    sl_method *method = method_of(scene, &settings);
+    sl_image *before, *after;
+    to_the_end(method);
+    uint64_t points = count_of(method, SL_COUNT_POINTS_SHADED);
+    assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+    for (int i = 0; i < 3; i++) {
+        edit(method, SL_CHANGED_LIGHTS | SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA);
+        to_the_end(method);
+    }
+    assert_true(count_of(method, SL_COUNT_POINTS_SHADED) > 3 * points);
+    assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0);
+    assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+    assert_true(same_picture(before, after));
+    sl_image_destroy(before);
+    sl_image_destroy(after);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static size_t visible_leaves(const sl_shading_state *s) {
+    size_t leaves = 0;
+    for (uint32_t i = 0; i < s->patches->patch_count; i++) leaves += sl_patch_is_alive(s->patches, i) && sl_patch_is_leaf(s->patches, i) && s->patches->patch[i].seen > 0;
+    return leaves;
+}
+
+static void move_light(sl_scene *scene, float x) {
+    scene->lights[0].position = sl_v3(x, 0.3f, 0.1f);
+    scene->version++;
+}
+
+/* All is one object, and all of it changes: what is seen has no more leaves than there is time for, and is the coarser the less time there is. */
+static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(void **state) {
+    (void)state;
+    size_t left[2];
+    for (int k = 0; k < 2; k++) {
+        const double budget = k ? 60.0 : 240.0;
+        sl_scene *scene = room();
+        sl_settings settings = loop_settings();
+        settings.shading_cache.nominal_rate = 100.0;
+        settings.shading_cache.clean_up_seconds = budget / 100.0;
+        sl_method *method = method_of(scene, &settings);
+        const sl_shading_state *s = inside_of(method);
+        to_the_end(method);
+        size_t before = visible_leaves(s);
+        assert_true(before > 1000);
+        move_light(scene, -0.6f);
+        edit(method, SL_CHANGED_LIGHTS);
+        for (int i = 0; i < 50 && !count_of(method, SL_COUNT_CHANGES_DETECTED); i++) update(method);
+        assert_true(count_of(method, SL_COUNT_CHANGES_DETECTED) > 0);
+        left[k] = visible_leaves(s);
+        assert_true((double)left[k] <= budget && left[k] > 10);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+    assert_true(left[1] < left[0]);
+}
+
+/* Both are refined until nothing is left to refine. */
+static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings(), path = small_settings("path", SIZE, SIZE);
+    path.transport = "matched:shading-cache";
+    path.shading_cache = settings.shading_cache;
+    path.spp = 1;
+    sl_method *warm = method_of(scene, &settings);
+    to_the_end(warm);
+    sl_image *image[3];
+    assert_int_equal(sl_method_resolve(warm, &image[0], NULL), SL_OK);
+    move_light(scene, -0.6f);
+    edit(warm, SL_CHANGED_LIGHTS);
+    to_the_end(warm);
+    assert_true(count_of(warm, SL_COUNT_CHANGES_DETECTED) > 0);
+    sl_method *cold = method_of(scene, &settings);
+    to_the_end(cold);
+    assert_int_equal(sl_method_resolve(warm, &image[1], NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(cold, &image[2], NULL), SL_OK);
+    sl_image *truth = render(scene, &path, NULL);
+    sl_comparison c[3];
+    for (int i = 0; i < 3; i++) assert_int_equal(sl_image_compare(image[i], truth, NULL, &c[i], NULL, NULL), SL_OK);
+    print_message("relRMSE: before %.3f %%, after the change %.3f %%, from a cold start %.3f %%\n", 100.0 * c[0].rel_rmse, 100.0 * c[1].rel_rmse, 100.0 * c[2].rel_rmse);
+    assert_true(c[0].rel_rmse > 10.0 * c[2].rel_rmse && fabs(c[1].rel_rmse - c[2].rel_rmse) < 0.02 * c[2].rel_rmse);
+    for (int i = 0; i < 3; i++) sl_image_destroy(image[i]);
+    sl_image_destroy(truth);
+    sl_method_destroy(warm);
+    sl_method_destroy(cold);
+    sl_scene_destroy(scene);
+}
+
+/* ---- memory ------------------------------------------------------------------------------------------------------------------------- */
+
+static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was(void **state) {
+    (void)state;
+    for (int late = 0; late < 2; late++) {
+        sl_scene *scene = room();
+        sl_settings settings = loop_settings();
+        settings.shading_cache.cache_limit = late ? 3.5 : 8.0;
+        settings.shading_cache.ageing_window = late ? 5 : 2000;
+        sl_method *method = method_of(scene, &settings);
+        const sl_shading_state *s = inside_of(method);
+        const double limit = settings.shading_cache.cache_limit * PIXELS + 2.0 * (double)s->primitives->count;
+        to_the_end(method);
+        sl_image *before, *after;
+        assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+        look(scene, sl_v3(0, 0, 0), sl_v3(1, 0.3f, 0.9f));
+        edit(method, SL_CHANGED_CAMERA);
+        for (int i = 0; i < 60; i++) update(method);
+        print_message("%zu patches, at most %.0f\n", s->patches->patches_alive, limit);
+        if (late) assert_true((double)s->patches->patches_alive <= limit);
+        assert_int_equal(count_of(method, SL_COUNT_PATCHES_EVICTED) > 0, late);
+        uint64_t points = count_of(method, SL_COUNT_POINTS_SHADED);
+        look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
+        edit(method, SL_CHANGED_CAMERA);
+        assert_int_equal(to_the_end(method) == 1, !late);
+        assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+        assert_int_equal(count_of(method, SL_COUNT_POINTS_SHADED) > points, late);
+        if (!late) assert_true(same_picture(before, after));
+        sl_image_destroy(before);
+        sl_image_destroy(after);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* ---- stages ------------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct stage_list {
+    char names[512];
+} stage_list;
+
+static void note_stage(void *context, const sl_pass *pass) {
+    stage_list *list = context;
+    size_t used = strlen(list->names);
+    snprintf(list->names + used, sizeof list->names - used, "%s, ", pass->name);
+}
+
+static void every_update_tells_its_stages_in_their_order(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    stage_list list = {""};
+    sl_observer observer = {&list, note_stage};
+    settings.observer = &observer;
+    sl_method *method = method_of(scene, &settings);
+    for (int i = 0; i < 3; i++) {
+        list.names[0] = 0;
+        update(method);
+        assert_string_equal(list.names, "id map, priorities, selection, requests, samples, commit, display arrays, ");
+    }
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices),
+        cmocka_unit_test(pixels_of_patches_are_the_pictures_and_the_next_id_map_names_children),
+        cmocka_unit_test(patches_that_are_not_seen_are_left_alone),
+        cmocka_unit_test(a_textured_wall_in_even_light_is_exact_with_four_samples),
+        cmocka_unit_test(when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_again),
+        cmocka_unit_test(the_glossier_of_two_walls_is_shaded_again_more_often),
+        cmocka_unit_test(an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
+        cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
+        cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
+        cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
+        cmocka_unit_test(every_update_tells_its_stages_in_their_order),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
