@@ -152,7 +152,7 @@ $(BUILD)/bench/bench_gather: $(BUILD)/o/bench/bench_gather.o $(GATHER_BENCH) $(B
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
-SPLAT_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_table*.c bench/bench_glossy.c bench/bench_walk.c bench/bench_curve.c))
+SPLAT_BENCHES := $(patsubst bench/%.c,$(BUILD)/bench/%,$(wildcard bench/bench_table*.c bench/bench_glossy.c bench/bench_walk.c bench/bench_curve.c bench/bench_half.c))
 COMMON_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/common_*.c))
 SPLAT_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard bench/splat_*.c)) $(COMMON_BENCH)
 $(SPLAT_BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(SPLAT_BENCH) $(BUILD)/libsoftlux.a
