@@ -1,0 +1,238 @@
+/* The passes of a picture from within: what each leaves behind, which are left out, in which order meshes are served, what stays when the eye moves. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "cache/multi_mesh/multi_mesh_internal.h"
+#include "rendering.h"
+#include "scene/ambient.h"
+
+typedef struct run {
+    sl_scene *scene;
+    sl_multi_mesh_state *s;
+    bool done;
+} run;
+
+/* Takes the scene. */
+static run run_of(sl_scene *scene, int size) {
+    run r = {.scene = scene};
+    sl_settings settings = small_settings("multi-mesh", size, size);
+    sl_transport transport;
+    void *state;
+    settings.quality = SL_QUALITY_DRAFT;
+    sl_multi_mesh_complete(&settings);
+    sl_multi_mesh_transport(&settings, &transport);
+    assert_int_equal(sl_multi_mesh_method.create(scene, &settings, &transport, &state, NULL), SL_OK);
+    r.s = state;
+    return r;
+}
+
+static void step(run *r) {
+    sl_progress progress = {0};
+    assert_int_equal(sl_multi_mesh_method.update(r->s, &progress, NULL), SL_OK);
+    r->done = progress.done;
+}
+
+static void finish(run *r) {
+    do step(r);
+    while (!r->done);
+}
+
+static void discard(run *r) {
+    sl_multi_mesh_method.destroy(r->s);
+    sl_scene_destroy(r->scene);
+}
+
+static void look_from(run *r, float x) {
+    assert_int_equal(sl_scene_set_camera(r->scene, (float[]){278 + x, 273, -800}, (float[]){278, 273, 0}, (float[]){0, 1, 0}, 0.686f, NULL), SL_OK);
+    assert_int_equal(sl_multi_mesh_method.edit(r->s, SL_CHANGED_CAMERA, NULL), SL_OK);
+}
+
+/* ---- materials and merge ---- */
+
+static void assert_rgb(const float *const planes[3], size_t i, sl_rgb expected) {
+    assert_true(planes[0][i] == expected.r && planes[1][i] == expected.g && planes[2][i] == expected.b);
+}
+
+/* Both targets hold what the material of each pixel's triangle says; lamps' fronts their radiance. */
+static void materials_are_those_of_each_pixels_triangle(void **state) {
+    (void)state;
+    run r = run_of(load_scene("scenes/cornell-glossy.json"), 48);
+    step(&r);
+    const sl_materials_seen *m = r.s->materials;
+    size_t glossy = 0, lamp = 0;
+    for (size_t i = 0; i < 48 * 48; i++) {
+        uint32_t t = r.s->id[i];
+        sl_rgb none = {0, 0, 0};
+        const sl_material *material = t == SL_NO_INDEX ? NULL : &r.scene->materials[r.scene->material_index[t]];
+        assert_rgb((const float *const *)m->diffuse, i, material ? material->diffuse : none);
+        assert_rgb((const float *const *)m->specular, i, material ? material->specular : none);
+        assert_rgb((const float *const *)m->emission, i, material ? material->emission : none);
+        glossy += material && sl_material_is_glossy(material);
+        lamp += material && sl_material_is_emitter(material);
+    }
+    assert_true(glossy > 0 && lamp > 0);
+    discard(&r);
+}
+
+/* L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e, layer by layer, from the planes that were drawn. */
+static void the_merge_is_the_sum_of_planes_times_reflectances(void **state) {
+    (void)state;
+    enum { SIZE = 48, PIXELS = SIZE * SIZE };
+    run r = run_of(load_scene("scenes/cornell-glossy.json"), SIZE);
+    sl_image *image;
+    finish(&r);
+    assert_int_equal(sl_multi_mesh_method.resolve(r.s, &image, NULL), SL_OK);
+    const sl_materials_seen *m = r.s->materials;
+    double most[SL_COMPONENTS] = {0};
+    for (int i = 0; i < PIXELS; i++) {
+        size_t from = (size_t)((SIZE - 1 - i / SIZE) * SIZE + i % SIZE); /* planes have their bottom row first */
+        for (int c = 0; c < 3; c++) {
+            double kd = (double)m->diffuse[c][from], ks = (double)m->specular[c][from], part[SL_COMPONENTS];
+            part[0] = kd * (double)r.s->planes[SL_DIRECT_DIFFUSE][c][from];
+            part[1] = ks * (double)r.s->planes[SL_DIRECT_SPECULAR][c][from];
+            part[2] = kd * (double)r.s->planes[SL_INDIRECT][c][from] / 3.14159265358979;
+            double sum = part[0] + part[1] + part[2] + (double)m->emission[c][from], shown = (double)image->planes[c * PIXELS + i];
+            assert_true(fabs(shown - sum) <= 1e-6 * sum);
+            for (int k = 0; k < SL_COMPONENTS; k++) most[k] = fmax(most[k], part[k]);
+        }
+    }
+    for (int k = 0; k < SL_COMPONENTS; k++) assert_true(most[k] > 0.01);
+    sl_image_destroy(image);
+    discard(&r);
+}
+
+/* ---- from the first picture on ---- */
+
+/* rho Phi / A until the coarse mesh is whole; then meshes take turns, the one with the highest priority first, so that their maxima fall together: as
+ * long as either has leaves that are worth more than a hundredth of what was at first, neither is left more than four times as high as the other. */
+static void meshes_are_served_so_that_their_largest_priorities_fall_together(void **state) {
+    (void)state;
+    run r = run_of(load_scene("scenes/cornell.json"), 96);
+    r.s->settings.multi_mesh.batch = 4; /* leaves between two looks */
+    step(&r);
+    step(&r);
+    sl_image *first;
+    assert_int_equal(sl_multi_mesh_method.resolve(r.s, &first, NULL), SL_OK);
+    sl_rgb ambient = sl_ambient_irradiance(r.scene);
+    for (size_t i = 0; i < 96 * 96; i++)
+        if (r.s->materials->diffuse[0][i] > 0.0f) assert_true(r.s->planes[SL_INDIRECT][0][i] == ambient.r);
+    sl_image_destroy(first);
+    float top = 0.0f;
+    int together = 0, apart = 0;
+    while (!r.done) {
+        step(&r);
+        if (!r.s->coarse_whole || r.s->phase != SL_PHASE_REFINE) continue;
+        float a = sl_displayed_priority(r.s->part[SL_DIRECT_DIFFUSE]), b = sl_displayed_priority(r.s->part[SL_INDIRECT]);
+        float high = fmaxf(a, b), low = fminf(a, b);
+        top = fmaxf(top, high);
+        if (high < 0.01f * top || low <= 0.0f) continue;
+        if (high <= 4.0f * low) together++;
+        else apart++;
+    }
+    print_message("%d updates with largest priorities within a factor of four, %d without\n", together, apart);
+    assert_true(together > 20);
+    assert_true(4 * apart < together);
+    discard(&r);
+}
+
+/* ---- the eye moves ---- */
+
+static size_t known_in(const sl_mesh *mesh) {
+    size_t count = 0;
+    for (size_t v = 0; v < mesh->vertex_count; v++) count += mesh->state[v] == SL_VERTEX_KNOWN;
+    return count;
+}
+
+static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays(void **state) {
+    (void)state;
+    run r = run_of(load_scene("scenes/cornell-glossy.json"), 64);
+    finish(&r);
+    const sl_mesh *specular = r.s->part[SL_DIRECT_SPECULAR]->mesh, *direct = r.s->part[SL_DIRECT_DIFFUSE]->mesh, *indirect = r.s->part[SL_INDIRECT]->mesh;
+    size_t leaves = direct->leaf_count, roots = direct->root_count, known = known_in(direct), gathered = known_in(indirect);
+    assert_true(specular->leaf_count > specular->root_count);
+    look_from(&r, 20.0f);
+    step(&r); /* the view */
+    assert_true(specular->root_count > 0);
+    assert_int_equal(specular->leaf_count, specular->root_count);
+    assert_int_equal(known_in(specular), 0);
+    assert_int_equal(direct->leaf_count, leaves + direct->root_count - roots);
+    assert_int_equal(known_in(direct), known);
+    assert_int_equal(known_in(indirect), gathered);
+    finish(&r);
+    discard(&r);
+}
+
+/* Without lobes: there and back again. */
+static void back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again(void **state) {
+    (void)state;
+    run r = run_of(load_scene("scenes/cornell.json"), 64);
+    finish(&r);
+    look_from(&r, 60.0f);
+    finish(&r);
+    sl_counters before = r.s->counters;
+    look_from(&r, 0.0f);
+    finish(&r);
+    uint64_t light = r.s->counters.value[SL_COUNT_LIGHT_SAMPLES] - before.value[SL_COUNT_LIGHT_SAMPLES];
+    uint64_t gathers = r.s->counters.value[SL_COUNT_INDIRECT_SAMPLES] - before.value[SL_COUNT_INDIRECT_SAMPLES];
+    print_message("%llu of %llu samples of light, %llu of %llu gathers\n", (unsigned long long)light, (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES],
+                  (unsigned long long)gathers, (unsigned long long)before.value[SL_COUNT_INDIRECT_SAMPLES]);
+    assert_true(500 * light <= before.value[SL_COUNT_LIGHT_SAMPLES]);
+    assert_true(50 * gathers <= before.value[SL_COUNT_INDIRECT_SAMPLES]); /* where the other view has found a difference on an edge */
+    discard(&r);
+}
+
+/* ---- passes that are left out ---- */
+
+static const char square_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\n";
+
+static run run_of_floor(const char *material, const char *lights) {
+    char json[512];
+    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {%s}}, \"lights\": [%s], \"camera\": {\"eye\": [0, 3, 5], "
+             "\"target\": [0, 0, 0], \"fov_deg\": 40}}", material, lights);
+    run r = run_of(scene_from_text(json, square_obj), 24);
+    finish(&r);
+    return r;
+}
+
+static void what_a_scene_has_no_use_for_is_not_done(void **state) {
+    (void)state;
+    static const char point[] = "{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 5}";
+    run r = run_of_floor("\"diffuse\": 0, \"specular\": 0.5, \"exponent\": 20", point); /* nothing is diffuse */
+    assert_null(r.s->part[SL_DIRECT_DIFFUSE]);
+    assert_null(r.s->part[SL_INDIRECT]);
+    assert_null(r.s->coarse);
+    assert_null(r.s->materials->emission[0]);
+    assert_true(r.s->counters.value[SL_COUNT_LIGHT_SAMPLES] > 0);
+    assert_int_equal(r.s->counters.value[SL_COUNT_COARSE_SAMPLES], 0);
+    assert_int_equal(r.s->counters.value[SL_COUNT_INDIRECT_SAMPLES], 0);
+    discard(&r);
+    r = run_of_floor("\"diffuse\": 0", point); /* nothing reflects: all is black */
+    for (int k = 0; k < SL_COMPONENTS; k++) assert_null(r.s->part[k]);
+    assert_int_equal(r.s->counters.value[SL_COUNT_LIGHT_SAMPLES], 0);
+    discard(&r);
+    r = run_of_floor("\"diffuse\": 0.5", point); /* nothing is glossy, no lamp is to be seen */
+    assert_null(r.s->part[SL_DIRECT_SPECULAR]);
+    assert_null(r.s->materials->specular[0]);
+    assert_null(r.s->materials->emission[0]);
+    assert_non_null(r.s->part[SL_INDIRECT]);
+    discard(&r);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(materials_are_those_of_each_pixels_triangle),
+        cmocka_unit_test(the_merge_is_the_sum_of_planes_times_reflectances),
+        cmocka_unit_test(meshes_are_served_so_that_their_largest_priorities_fall_together),
+        cmocka_unit_test(after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays),
+        cmocka_unit_test(back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again),
+        cmocka_unit_test(what_a_scene_has_no_use_for_is_not_done),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
