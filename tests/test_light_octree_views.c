@@ -1,0 +1,279 @@
+/* Pictures by the light octree: figure 2's ball, the paper's holes and their cures, edits of lights and objects, and what is said beside a picture. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rendering.h"
+
+static sl_settings octree_settings(int size) {
+    sl_settings s = small_settings("light-octree", size, size);
+    s.threads = 2;
+    s.quality = SL_QUALITY_DRAFT;
+    s.light_octree.photons = 30000;
+    s.light_octree.neighbours = 60;
+    s.light_octree.indirect_only = true;
+    return s;
+}
+
+static double mean_of(const sl_image *image, const char *channel) {
+    size_t count = (size_t)image->width * (size_t)image->height;
+    double sum = 0.0;
+    for (size_t i = 0; i < count; i++) sum += (double)sl_image_channel(image, channel)[i] / (double)count;
+    return sum;
+}
+
+static double mean_indirect(const sl_scene *scene, const sl_settings *settings) {
+    sl_image *image = render(scene, settings, NULL);
+    double mean = mean_of(image, "indirect.G");
+    sl_image_destroy(image);
+    return mean;
+}
+
+/* ---- figure 2 ---- */
+
+/* Rings of quads around the unit sphere, faces outwards, normals of the sphere. */
+static char *ball_obj(void) {
+    enum { RINGS = 16, COLUMNS = 32 };
+    size_t room = 1 << 18, at = 0;
+    char *text = malloc(room);
+    assert_non_null(text);
+    for (int j = 0; j <= RINGS; j++) {
+        for (int i = 0; i < COLUMNS; i++) {
+            double theta = 3.14159265358979 * (j + 0.01 * (j == 0) - 0.01 * (j == RINGS)) / RINGS, phi = 6.28318530717959 * i / COLUMNS;
+            double x = sin(theta) * cos(phi), y = cos(theta), z = sin(theta) * sin(phi);
+            at += (size_t)snprintf(text + at, room - at, "v %.6f %.6f %.6f\nvn %.6f %.6f %.6f\n", x, y, z, x, y, z);
+        }
+    }
+    for (int j = 0; j < RINGS; j++) {
+        for (int i = 0; i < COLUMNS; i++) {
+            int a = j * COLUMNS + i + 1, b = j * COLUMNS + (i + 1) % COLUMNS + 1, c = a + COLUMNS, d = b + COLUMNS;
+            at += (size_t)snprintf(text + at, room - at, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n", a, a, b, b, d, d, a, a, d, d, c, c);
+        }
+    }
+    return text;
+}
+
+/* Root mean square difference of R and G from those of the reference. */
+static double rms_from(const sl_image *image, const sl_image *truth) {
+    size_t count = (size_t)truth->width * (size_t)truth->height;
+    const char *const ours[] = {"indirect.R", "indirect.G"}, *const theirs[] = {"direct.R", "direct.G"};
+    double sum = 0.0;
+    for (int k = 0; k < 2; k++) {
+        for (size_t i = 0; i < count; i++) {
+            double d = (double)sl_image_channel(image, ours[k])[i] - (double)sl_image_channel(truth, theirs[k])[i];
+            sum += d * d;
+        }
+    }
+    return sqrt(sum / (2.0 * (double)count));
+}
+
+/* A ball under a red light and a green one, photons of direct light stored (figure 2): one colour a voxel makes blocks, lights with directions follow
+ * the ball's own normals. */
+static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **state) {
+    (void)state;
+    char *obj = ball_obj();
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], \"materials\": {\"grey\": {\"diffuse\": 0.7}}, "
+                                      "\"lights\": [{\"type\": \"spot\", \"position\": [-4, 3, 4], \"direction\": [4, -3, -4], \"intensity\": [40, 0, 0], \"outer_deg\": 14},"
+                                      " {\"type\": \"spot\", \"position\": [5, 2, 3], \"direction\": [-5, -2, -3], \"intensity\": [0, 40, 0], \"outer_deg\": 14}], "
+                                      "\"camera\": {\"eye\": [0, 0.5, 4], \"target\": [0, 0, 0], \"fov_deg\": 40}}", obj);
+    sl_settings settings = octree_settings(48), direct = octree_settings(48);
+    direct.light_octree.indirect_only = false; /* direct light of pixels is exact where lights have no extent */
+    sl_image *truth = render(scene, &direct, NULL);
+    double rms[2];
+    for (int colour = 0; colour < 2; colour++) {
+        settings.light_octree.store = SL_STORE_ALL;
+        settings.light_octree.depth = 2;
+        settings.light_octree.photons = 60000;
+        settings.light_octree.neighbours = 200;
+        settings.light_octree.whole_voxels = settings.light_octree.fixed_neighbours = true;
+        settings.light_octree.lobes = colour ? SL_LOBES_NONE : SL_LOBES_PERPENDICULAR;
+        sl_image *image = render(scene, &settings, NULL);
+        rms[colour] = rms_from(image, truth);
+        sl_image_destroy(image);
+    }
+    print_message("rms %.4f with directions, %.4f without, of a mean of %.4f\n", rms[0], rms[1], mean_of(truth, "direct.G"));
+    assert_true(rms[0] < 0.75 * rms[1]);
+    sl_image_destroy(truth);
+    sl_scene_destroy(scene);
+    free(obj);
+}
+
+/* ---- holes ---- */
+
+/* Figure 16c: empty voxels that count as black darken; larger voxels leave fewer of them empty, and renormalizing needs none of that. */
+static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/sphere.json");
+    sl_settings settings = octree_settings(32);
+    double plain = mean_indirect(scene, &settings);
+    settings.light_octree.keep_void_dark = true;
+    double holes = mean_indirect(scene, &settings);
+    settings.light_octree.dilation = 0.5;
+    double larger = mean_indirect(scene, &settings);
+    settings.light_octree.keep_void_dark = false;
+    double both = mean_indirect(scene, &settings);
+    print_message("%.4f; with holes %.4f, with larger voxels %.4f; these without holes %.4f\n", plain, holes, larger, both);
+    assert_true(holes < 0.97 * plain && larger > holes + 0.7 * (plain - holes) && larger < 1.02 * plain);
+    assert_true(fabs(both / plain - 1.0) < 0.03);
+    sl_scene_destroy(scene);
+}
+
+/* ---- normals ---- */
+
+/* A floor whose shading normals lie almost flat, lit from where they turn away: no light by them, all of it by the geometric ones. */
+static void geometric_normals_take_what_shading_normals_turn_away_from(void **state) {
+    (void)state;
+    static const char obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nvn 0.985 0.174 0\nf 1//1 4//1 3//1 2//1\n";
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], \"materials\": {\"grey\": {\"diffuse\": 0.5}}, "
+                                      "\"lights\": [{\"type\": \"directional\", \"direction\": [0.866, -0.5, 0], \"irradiance\": 2}], "
+                                      "\"camera\": {\"eye\": [0, 3, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}", obj);
+    sl_settings settings = octree_settings(24);
+    settings.light_octree.store = SL_STORE_ALL;
+    assert_true(mean_indirect(scene, &settings) == 0.0);
+    settings.light_octree.geometric_normals = true;
+    double mean = mean_indirect(scene, &settings), truth = 0.5 / 3.14159265 * 2.0 * 0.5;
+    print_message("%.4f, by hand %.4f\n", mean, truth);
+    assert_true(fabs(mean / truth - 1.0) < 0.05);
+    settings.light_octree.atlas = true;
+    settings.light_octree.atlas_size = 64;
+    assert_true(fabs(mean_indirect(scene, &settings) / mean - 1.0) < 0.02);
+    sl_scene_destroy(scene);
+}
+
+/* ---- edits ---- */
+
+static sl_image *next_frame(sl_method *method, unsigned changes) {
+    sl_progress progress = {0};
+    sl_image *image;
+    if (changes) assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    return image;
+}
+
+/* What moves, and what shines anew, leaves nothing behind: not in photons, not in voxels, not in the atlas. */
+static void a_frame_of_a_series_is_that_frame_alone(void **state) {
+    (void)state;
+    const char *const scenes[] = {"scenes/moving-light.json", "scenes/moving-ball.json"};
+    for (int k = 0; k < 4; k++) {
+        sl_scene *scene = load_scene(scenes[k & 1]);
+        sl_settings settings = octree_settings(24);
+        sl_method *method;
+        settings.light_octree.photons = 5000;
+        settings.light_octree.depth = 4;
+        settings.light_octree.atlas = k & 2;
+        settings.light_octree.atlas_size = 128;
+        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+        sl_image *first = next_frame(method, 0), *second;
+        unsigned changes;
+        assert_int_equal(sl_scene_set_time(scene, 0.9, &changes, NULL), SL_OK);
+        assert_true(changes & (k & 1 ? SL_CHANGED_OBJECTS : SL_CHANGED_LIGHTS));
+        second = next_frame(method, changes);
+        sl_image *alone = render(scene, &settings, NULL);
+        assert_true(same_picture(second, alone) && !same_picture(first, second));
+        sl_image_destroy(first);
+        sl_image_destroy(second);
+        sl_image_destroy(alone);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* ---- what is said ---- */
+
+static double number(const sl_image *image, const char *name) {
+    char key[64];
+    snprintf(key, sizeof key, "softlux.octree.%s", name);
+    const char *text = sl_image_metadata(image, key);
+    if (!text) fail_msg("no %s", key);
+    return atof(text);
+}
+
+static void pictures_say_what_they_were_made_from(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(16);
+    sl_counters counters;
+    sl_image *image = render(scene, &settings, &counters);
+    assert_true(number(image, "depth") == 5.0 && number(image, "leaves") == 6320.0 && number(image, "sets") > 6320.0);
+    assert_true(number(image, "photons_emitted") == (double)counters.value[SL_COUNT_PHOTONS_EMITTED]);
+    assert_true(number(image, "photons_stored") == (double)counters.value[SL_COUNT_PHOTONS_STORED]);
+    assert_true(number(image, "photons_a_voxel") > 40.0 && number(image, "photons_a_voxel") <= 60.0);
+    assert_true(number(image, "spread_deg") > 15.0 && number(image, "spread_deg") < 40.0);
+    assert_true(number(image, "flux") > 0.0 && number(image, "power_ratio") >= 1.0);
+    assert_true(fabs(number(image, "radius_in_voxels") / number(image, "radius") * 555.0 / 32.0 - 1.0) < 0.02);
+    assert_true(number(image, "texture_bytes") > 6320.0 * 64.0 && number(image, "texture_bytes") < 8.0e5);
+    assert_true(number(image, "coincident") == 0.0 && number(image, "small_objects") == 0.0);
+    assert_null(sl_image_metadata(image, "softlux.warning"));
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* Section 7: few photons for voxels that count their own, and gathers far wider than voxels. */
+static void few_photons_and_wide_gathers_are_warned_of(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    for (int own = 0; own < 2; own++) {
+        sl_settings settings = octree_settings(8);
+        settings.light_octree.photons = 3000;
+        settings.light_octree.depth = 6;
+        settings.light_octree.own_photons = own;
+        sl_image *image = render(scene, &settings, NULL);
+        const char *warning = sl_image_metadata(image, "softlux.warning");
+        assert_non_null(warning);
+        assert_non_null(strstr(warning, own ? "photons a voxel are few" : "voxels around"));
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+static char *plan_of(const sl_scene *scene, uint64_t photons) {
+    sl_settings settings = octree_settings(8);
+    char *plan;
+    settings.light_octree.photons = photons;
+    assert_int_equal(sl_method_plan(scene, &settings, &plan, NULL), SL_OK);
+    return plan;
+}
+
+/* A speck of a thousandth of the floor's edge; a floor of 16 at depth 5 meets 1,024 to 1,536 voxels. */
+static void the_plan_tells_of_few_photons_and_of_specks(void **state) {
+    (void)state;
+    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}%s], \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
+                               "\"camera\": {\"eye\": [0, 3, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}";
+    static const char obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n";
+    char text[2][512];
+    snprintf(text[0], sizeof text[0], json, "");
+    snprintf(text[1], sizeof text[1], json, ", {\"file\": \"mesh.obj\", \"name\": \"speck\", \"transform\": {\"scale\": 1e-3}}");
+    sl_scene *plain = scene_from_text(text[0], obj), *speck = scene_from_text(text[1], obj);
+    char *enough = plan_of(plain, 30000), *few = plan_of(plain, 3000), *specks = plan_of(speck, 30000);
+    assert_non_null(strstr(enough, "about 1.5e+03 voxels, 20 photons each\n"));
+    assert_non_null(strstr(few, "less than a tenth of 60"));
+    assert_null(strstr(few, "smaller than two voxels"));
+    assert_non_null(strstr(specks, "1 object is smaller than two voxels"));
+    free(enough);
+    free(few);
+    free(specks);
+    sl_scene_destroy(plain);
+    sl_scene_destroy(speck);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lights_with_directions_shade_a_ball_that_colours_leave_flat),
+        cmocka_unit_test(larger_voxels_close_the_holes_that_empty_ones_tear),
+        cmocka_unit_test(geometric_normals_take_what_shading_normals_turn_away_from),
+        cmocka_unit_test(a_frame_of_a_series_is_that_frame_alone),
+        cmocka_unit_test(pictures_say_what_they_were_made_from),
+        cmocka_unit_test(few_photons_and_wide_gathers_are_warned_of),
+        cmocka_unit_test(the_plan_tells_of_few_photons_and_of_specks),
+    };
+    return cmocka_run_group_tests_name("light octree: views", tests, NULL, NULL);
+}
