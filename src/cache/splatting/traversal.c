@@ -62,14 +62,15 @@ static bool next_pixel(sl_traversal *t, size_t *pixel) {
     return false;
 }
 
-static bool is_covered(const sl_record_pass *pass, size_t pixel) {
-    return pass->owned[pixel] || pass->coverage[pixel] >= pass->covered_weight;
+/* Coverage first: most pixels have it when they are visited, and each plane that is looked into is a miss in the cache. */
+static bool wants_record(const sl_record_pass *pass, size_t pixel) {
+    return !(pass->coverage[pixel] >= pass->covered_weight) && pass->receivers.receives[pixel] && !pass->owned[pixel];
 }
 
 static size_t next_candidates(sl_traversal *t, const sl_record_pass *pass, size_t *pixels) {
     size_t count = 0, pixel;
     while (count < t->batch && next_pixel(t, &pixel)) {
-        if (pass->receivers.receives[pixel] && !is_covered(pass, pixel)) pixels[count++] = pixel;
+        if (wants_record(pass, pixel)) pixels[count++] = pixel;
     }
     return count;
 }
