@@ -13,7 +13,6 @@
 
 enum {
     DIRECT_ROWS = 64,  /* an update's */
-    PHOTON_CHUNKS = 16,
     LEAVES = 4096,
     HARMONICS_ORDER = 2
 };
@@ -92,7 +91,7 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
     sl_photon_options options = {.stored = s->settings.light_octree.photons, .store = s->settings.light_octree.store,
                                  .sky = s->sky.present ? &s->sky : NULL, .seed = s->settings.seed, .threads = s->settings.threads};
     bool done = false;
-    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, PHOTON_CHUNKS, &s->photons, &done, &s->counters, error);
+    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings), &s->photons, &done, &s->counters, error);
     return status == SL_OK && done ? finish_photons(s, error) : status;
 }
 

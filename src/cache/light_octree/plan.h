@@ -28,6 +28,8 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 /* memory.c */
+/* How many chunks of photon paths one update traces. */
+size_t sl_octree_photon_chunks(const sl_settings *settings);
 sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_concession sl_octree_concessions[];
 

@@ -1,0 +1,235 @@
+/* Memory within bounds: what a picture takes, as the system counts it, against what was allowed. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "rendering.h"
+#include "trace_scenes.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+enum { SANITIZED = 1 }; /* which takes several times the memory */
+#else
+enum { SANITIZED = 0 };
+#endif
+
+static const double mega = 0x1p20;
+
+/* ---- a picture in a process of its own ---- */
+
+typedef struct outcome {
+    int status;
+    double peak; /* bytes, of the whole process */
+    bool sound, conceded;
+    char message[1024]; /* the error, or the concession */
+} outcome;
+
+static sl_scene *cornell(void) { return load_scene("scenes/cornell.json"); }
+
+/* 26,000 triangles with bumps, and a lamp. */
+static sl_scene *bumpy_ball(void) {
+    trace_mesh m = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0), lamp = trace_mesh_material(&m, 0, 0, 0, 0, 20.0f);
+    trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
+    trace_mesh_sphere(&m, sl_v3(0, -1, 0), 1.5f, 80, 0.1f, false, grey);
+    trace_mesh_quad(&m, sl_v3(-0.5f, 2.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    assert_true(sl_camera_look_at(&m.camera, sl_v3(0, 1, 2.9f), sl_v3(0, -0.5f, 0), sl_v3(0, 1, 0), 1.1f));
+    m.has_camera = true;
+    return trace_mesh_build(&m);
+}
+
+static void run(sl_scene *scene, const sl_settings *settings, outcome *o) {
+    sl_error error = {SL_OK, ""};
+    sl_method *method = NULL;
+    sl_image *image = NULL;
+    sl_progress progress = {0};
+    o->status = sl_method_create(scene, settings, &method, &error);
+    while (o->status == SL_OK && !progress.done && progress.batches < 2000) o->status = sl_method_update(method, &progress, &error);
+    if (o->status == SL_OK) o->status = sl_method_resolve(method, &image, &error);
+    snprintf(o->message, sizeof o->message, "%s", error.message);
+    if (o->status != SL_OK) return;
+    size_t values = 3 * (size_t)image->width * (size_t)image->height;
+    o->sound = true;
+    for (size_t i = 0; i < values; i++) o->sound &= isfinite(image->planes[i]) && image->planes[i] >= 0.0f;
+    const char *conceded = sl_method_concession(method);
+    o->conceded = conceded != NULL;
+    snprintf(o->message, sizeof o->message, "%s", conceded ? conceded : "");
+    const char path[] = "/tmp/softlux-budget.exr";
+    o->status = sl_image_write(image, path, &error);
+    unlink(path);
+}
+
+static outcome in_a_process(sl_scene *(*make)(void), const sl_settings *settings) {
+    int ends[2];
+    outcome o = {.status = -1};
+    assert_int_equal(pipe(ends), 0);
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct rusage usage;
+        run(make(), settings, &o);
+        getrusage(RUSAGE_SELF, &usage);
+        o.peak = 1024.0 * (double)usage.ru_maxrss;
+        _exit(write(ends[1], &o, sizeof o) == sizeof o ? 0 : 1);
+    }
+    close(ends[1]);
+    bool whole = read(ends[0], &o, sizeof o) == sizeof o;
+    close(ends[0]);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    assert_true(whole);
+    return o;
+}
+
+/* ---- what may be taken ---- */
+
+static sl_settings settings_of(const char *method, int size) {
+    sl_settings s = small_settings(method, size, size);
+    s.spp = 1;
+    s.light_octree.photons = 20000;
+    s.shading_cache.updates = 4;
+    s.shading_cache.indirect_samples = 4;
+    return s;
+}
+
+static double need_of(sl_scene *(*make)(void), const sl_settings *settings) {
+    sl_error error;
+    uint64_t bytes = 0;
+    sl_scene *scene = make();
+    if (sl_method_memory_need(scene, settings, &bytes, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_scene_destroy(scene);
+    return (double)bytes;
+}
+
+/* "needs at least 64M" */
+static double least_of(const char *message) {
+    const char *at = strstr(message, "at least ");
+    if (!at) fail_msg("'%s' tells no least need", message);
+    return atof(at + strlen("at least ")) * mega;
+}
+
+static void assert_within(const char *method, const outcome *o, double budget) {
+    if (o->status != SL_OK) fail_msg("%s with %.0fM: %s", method, budget / mega, o->message);
+    assert_true(o->sound);
+    if (!SANITIZED && o->peak > budget) fail_msg("%s takes %.1fM of %.1fM (%s)", method, o->peak / mega, budget / mega, o->message);
+}
+
+static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double most_above) {
+    for (size_t i = 0; sl_method_name(i); i++) {
+        sl_settings s = settings_of(sl_method_name(i), size);
+        const double need = need_of(make, &s);
+        outcome o = in_a_process(make, &s);
+        assert_within(s.method, &o, need); /* what it says, it takes, and no more */
+        if (!SANITIZED && need - 32.0 * mega > most_above * o.peak) fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
+        assert_false(o.conceded);
+        s.memory_bytes = (uint64_t)(1 << 24);
+        o = in_a_process(make, &s);
+        assert_int_equal(o.status, SL_ERROR_RESOURCES);
+        const double least = least_of(o.message);
+        assert_true(least <= need + 2.0 * mega);
+        for (int k = 0; k < budgets; k++) { /* the least, and between it and enough */
+            s.memory_bytes = (uint64_t)(least + mega + 0.4 * k * (need > least ? need - least : 0.0));
+            o = in_a_process(make, &s);
+            assert_within(s.method, &o, (double)s.memory_bytes);
+        }
+    }
+}
+
+static void pictures_of_a_small_scene_stay_within_every_budget(void **state) {
+    (void)state;
+    check_budgets(cornell, 64, 2, 3.0);
+}
+
+static void pictures_of_many_triangles_stay_within_every_budget(void **state) {
+    (void)state;
+    check_budgets(bumpy_ball, 32, 1, 2.5);
+}
+
+static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **state) {
+    (void)state;
+    sl_scene *scene = cornell();
+    static const struct {
+        const char *method, *told;
+        double share; /* of the need */
+    } cases[] = {{"light-octree", "stored photons", 0.55}, {"direct-radiance", "sample photons", 0.7}, {"splatting", "records end at", 0.0}, {"multi-mesh", "meshes end at", 0.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        sl_error error;
+        sl_settings s = settings_of(cases[i].method, 48);
+        if (i == 0) s.light_octree.photons = 100000;
+        if (i > 1) s.quality = SL_QUALITY_NORMAL;
+        if (i == 1) s.radiance_map.samples = 128;
+        uint64_t need;
+        s.threads = 1;
+        assert_int_equal(sl_method_memory_need(scene, &s, &need, &error), SL_OK);
+        s.memory_bytes = cases[i].share > 0.0 ? (uint64_t)(cases[i].share * (double)need) : need + 200000;
+        sl_image *one = render(scene, &s, NULL);
+        s.threads = 3;
+        sl_image *three = render(scene, &s, NULL);
+        const char *told = sl_image_metadata(three, "softlux.concession");
+        assert_non_null(told);
+        if (!strstr(told, cases[i].told)) fail_msg("%s: '%s' does not tell of %s", cases[i].method, told, cases[i].told);
+        assert_non_null(sl_image_metadata(three, "softlux.memory"));
+        assert_true(same_picture(one, three));
+        sl_image_destroy(one);
+        sl_image_destroy(three);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Asked for so many photons that gigabytes would be taken. */
+static void hundreds_of_lights_with_many_photons_do_less_or_say_no(void **state) {
+    (void)state;
+    trace_mesh m = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0), lamp = trace_mesh_material(&m, 0, 0, 0, 0, 5.0f);
+    trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
+    for (int i = 0; i < 300; i++) trace_mesh_quad(&m, sl_v3(-2.9f + 0.3f * (float)(i % 20), 2.9f, -2.9f + 0.35f * (float)(i / 20)), sl_v3(0.1f, 0, 0), sl_v3(0, 0, 0.1f), lamp);
+    sl_scene *scene = trace_mesh_build(&m);
+    sl_settings s = settings_of("direct-radiance", 32);
+    s.radiance_map.samples = 256;
+    uint64_t need;
+    sl_error error;
+    assert_int_equal(sl_method_memory_need(scene, &s, &need, &error), SL_OK);
+    assert_true((double)need > 4e9);
+    s.memory_bytes = (uint64_t)(256.0 * mega);
+    sl_image *image = render(scene, &s, NULL);
+    assert_non_null(strstr(sl_image_metadata(image, "softlux.concession"), "instead of 256"));
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void enough_memory_changes_no_bit(void **state) {
+    (void)state;
+    sl_scene *scene = cornell();
+    for (size_t i = 0; sl_method_name(i); i++) {
+        sl_settings s = settings_of(sl_method_name(i), 16);
+        sl_image *free_one = render(scene, &s, NULL);
+        s.memory_bytes = (uint64_t)1 << 34;
+        sl_image *bounded = render(scene, &s, NULL);
+        assert_true(same_picture(free_one, bounded));
+        assert_null(sl_image_metadata(bounded, "softlux.concession"));
+        sl_image_destroy(free_one);
+        sl_image_destroy(bounded);
+    }
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_of_a_small_scene_stay_within_every_budget),
+        cmocka_unit_test(pictures_of_many_triangles_stay_within_every_budget),
+        cmocka_unit_test(what_is_done_less_is_told_and_does_not_depend_on_threads),
+        cmocka_unit_test(hundreds_of_lights_with_many_photons_do_less_or_say_no),
+        cmocka_unit_test(enough_memory_changes_no_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
