@@ -95,7 +95,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check check-all fuzz fuzz-targets test golden scenes bench report bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc lessons clean help setup
+.PHONY: all demo check check-all fuzz fuzz-targets test golden scenes bench report auto-table bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc lessons clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -201,6 +201,12 @@ $(BUILD)/bench/bench_light_sample: $(BUILD)/o/bench/bench_light_sample.o $(COMMO
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
 
+# Makes src/app/auto_table.h (`make auto-table`), so it takes of the program what does not read that.
+AUTO_BENCH := $(patsubst %,$(BUILD)/o/src/app/%.o,auto_choice bench/curves bench/results)
+$(BUILD)/bench/bench_auto: $(BUILD)/o/bench/bench_auto.o $(AUTO_BENCH) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
 $(BUILD)/bench/%: $(BUILD)/o/bench/%.o $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
@@ -267,6 +273,12 @@ bench: all $(BENCHES)
 report: all $(BUILD)/generate
 	@./bench/report.sh $(BUILD)
 
+# What --method auto knows, from the report's measurements; the program is then to be made again.
+auto-table: $(BUILD)/bench/bench_auto
+	@$(BUILD)/bench/bench_auto docs/report >$(BUILD)/auto_table.h && mv $(BUILD)/auto_table.h src/app/auto_table.h
+	@$(BUILD)/bench/bench_auto --judge docs/report >docs/report/auto.md
+	@bench/fill_tables.sh docs/report/auto.md docs/error-estimates.md
+
 bench-raster: $(BUILD)/bench/bench_raster
 	@[ -f scenes/generated/figure.json ] || $(MAKE) --no-print-directory scenes
 	@$(BUILD)/bench/bench_raster
@@ -332,6 +344,7 @@ help:
 	@echo 'make scenes     generate the larger scenes into scenes/generated/'
 	@echo 'make bench      speed against error; make bench-raster: the rasterizer beside OSMesa and rays'
 	@echo 'make report     speed against error of every method on many scenes, into docs/report/'
+	@echo 'make auto-table what --method auto knows, anew from docs/report/'
 	@echo 'make bench-splatting  the experiments on radiance cache splatting; BRIEF=1: a short form'
 	@echo 'make bench-direct-radiance  those on direct radiance mapping'
 	@echo 'make bench-light-octree  those on the light octree'

@@ -412,7 +412,7 @@ typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_f
 
 /** The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
 typedef struct sl_light_octree_settings {
-    int depth;                    /**< of the octree, 1 to 8; by quality 5, 6, 6; shallower ones are shown first */
+    int depth;                    /**< of the octree, 1 to 8; by quality 5, 5, 6; shallower ones are shown first */
     uint64_t photons;             /**< to be stored; by quality 150,000, 600,000, 1,200,000 */
     int neighbours;               /**< k, at most; by quality 150, 300, 500 */
     double radius;                /**< r, in scene units; by density: 2 sqrt(k A / (pi N)), at least one voxel */

@@ -181,7 +181,7 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
 static void what_was_measured_is_not_measured_again(void **state) {
     (void)state;
     char *before = file_of("whole", "journal.jsonl"), *rows_before = file_of("whole", "results.csv");
-    assert_int_equal(lines_of(before), 12); /* two runs, a look and an audit of each of three */
+    assert_int_equal(lines_of(before), 13); /* two runs, a look and an audit of each of three, and where the light comes from */
     assert_int_equal(finish(start("whole", nothing_more)), 0);
     char *after = file_of("whole", "journal.jsonl"), *rows_after = file_of("whole", "results.csv");
     assert_string_equal(before, after);
@@ -210,10 +210,10 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     free(text);
     text = file_of("halves", "journal.jsonl");
     size_t kept = lines_of(text);
-    assert_true(kept >= 2 && kept < 12);
+    assert_true(kept >= 2 && kept < 13);
     assert_int_equal(finish(start("halves", nothing_more)), 0);
     char *more = file_of("halves", "journal.jsonl");
-    assert_int_equal(lines_of(more), 12);
+    assert_int_equal(lines_of(more), 13);
     assert_memory_equal(more, text, strlen(text));
     char *whole_rows = file_of("whole", "results.csv"), *rows = file_of("halves", "results.csv");
     csv a = parse_csv(whole_rows), b = parse_csv(rows);
@@ -235,7 +235,7 @@ static void another_size_is_another_measurement(void **state) {
     static const char *const smaller[] = {"-s", "16x16", "-m", "direct-radiance", NULL};
     assert_int_equal(finish(start("whole", smaller)), 0);
     char *text = file_of("whole", "journal.jsonl");
-    assert_int_equal(lines_of(text), 16);
+    assert_int_equal(lines_of(text), 18);
     free(text);
 }
 
@@ -271,6 +271,56 @@ static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
     free(page);
 }
 
+static bool is_there(const char *folder, const char *name) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s/%s", base, folder, name);
+    return access(path, F_OK) == 0;
+}
+
+/* The cheapest setting takes some tenths of a second. */
+static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **state) {
+    (void)state;
+    static const char *const hurried[] = {"-m", "shading-cache", "-q", "draft,normal,high,curve", "--limit", "0.1", NULL};
+    assert_int_equal(finish(start("hurried", hurried)), 0);
+    char *text = file_of("hurried", "results.csv"), *journal = file_of("hurried", "journal.jsonl");
+    csv c = parse_csv(text);
+    assert_true(c.rows > 3);
+    assert_string_equal(field(&c, 0, "end"), "stopped");
+    for (size_t i = 1; i < c.rows; i++) {
+        assert_string_equal(field(&c, i, "end"), "left out");
+        assert_non_null(strstr(field(&c, i, "why"), "took most of the limit"));
+    }
+    assert_int_equal(lines_of(journal), 2); /* one trial, and where the scene's light comes from */
+    free_csv(&c);
+    free(text);
+    free(journal);
+}
+
+static void two_programs_measure_and_a_third_tells(void **state) {
+    (void)state;
+    static const char *const one[] = {"--trials-only", "-m", "direct-radiance", "-s", "16x16", NULL}, *const other[] = {"--trials-only", "-m", "path", "-s", "16x16", NULL};
+    static const char *const references[] = {"--references-only", "-s", "16x16", NULL}, *const report[] = {"--report-only", "-s", "16x16", NULL};
+    pid_t a = start("shared", one), b = start("shared", other);
+    assert_int_equal(finish(a), 0);
+    assert_int_equal(finish(b), 0);
+    assert_false(is_there("shared", "report.html"));
+    assert_int_equal(finish(start("shared", references)), 0);
+    assert_false(is_there("shared", "report.html"));
+    assert_int_equal(finish(start("shared", report)), 0);
+    char *text = file_of("shared", "results.csv"), *scenes = file_of("shared", "scenes.csv"), *tables = file_of("shared", "tables.md");
+    csv c = parse_csv(text);
+    assert_int_equal(c.rows, 3);
+    for (size_t i = 0; i < c.rows; i++) assert_true(strcmp(field(&c, i, "end"), "ran") == 0 && strtod(field(&c, i, "full_rel_rmse"), NULL) > 0.0);
+    assert_int_equal(lines_of(scenes), 2);
+    assert_non_null(strstr(scenes, "\ncornell,"));
+    assert_non_null(strstr(tables, "<!-- table goal -->"));
+    assert_non_null(strstr(tables, "| cornell | diffuse |"));
+    free_csv(&c);
+    free(text);
+    free(scenes);
+    free(tables);
+}
+
 static int make_folder(void **state) {
     (void)state;
     return mkdtemp(base) ? 0 : -1;
@@ -292,6 +342,8 @@ int main(void) {
         cmocka_unit_test(interrupted_it_goes_on_to_the_same_rows),
         cmocka_unit_test(another_size_is_another_measurement),
         cmocka_unit_test(a_report_alone_runs_no_trial),
+        cmocka_unit_test(finer_settings_are_left_out_once_a_cheaper_one_was_stopped),
+        cmocka_unit_test(two_programs_measure_and_a_third_tells),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

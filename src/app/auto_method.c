@@ -5,47 +5,16 @@
  *     surfaces    and by any number of surfaces that are no mirrors
  *     all         and thrown on surfaces by mirrors (caustics)
  *
- * Their differences in the mean say which light a method may leave out, given the error that the picture may have. Of the methods that hold
- * the rest, a table of measurements names the one that reaches that error first. */
+ * Their differences in the mean say which light a method may leave out, given the error that the picture may have, and which of the scenes of
+ * docs/report this one is like (auto_choice.h). Of the methods that hold the rest that one is taken which reached the error first in those. */
 #include "app/auto_method.h"
 
+#include "app/auto_table.h"
 #include "scene/features.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* ---- what kind of scene -------------------------------------------------------------------------------------------------- */
-
-typedef enum kind { NOTHING_LIT, DIRECT_LIGHT, ONE_BOUNCE, MANY_BOUNCES, HIDDEN_LIGHT, CAUSTICS, MOVING, KINDS } kind;
-typedef enum budget_class { ROUGH, MIDDLE, FINE, BUDGETS } budget_class;
-
-typedef struct light_shares {
-    double direct, second, further, mirrored; /* of the mean radiance; they sum to 1 */
-    bool lit;
-} light_shares;
-
-/* Which method, by kind of scene and budget. Figures: docs/error-estimates.md (relative RMSE against all light, and seconds),
- * docs/splatting-experiments.md and docs/bidirectional.md; `softlux bench` measures the same for any scene. Photons are 5 % off in mirror scenes after
- * 2 s, where bidirectional paths are 12 % off; these go on to get better, photons hardly. */
-static const struct table_row {
-    const char *method[BUDGETS];
-    const char *because;
-} table[KINDS] = {
-    [NOTHING_LIT] = {{"path", "path", "path"}, "nothing in the picture is lit"},
-    [DIRECT_LIGHT] = {{"path", "path", "path"}, "a few light samples a pixel are exact soon"},
-    [ONE_BOUNCE] = {{"splatting", "splatting", "splatting"}, "records reach an error up to 45 times sooner than paths (Cornell box)"},
-    [MANY_BOUNCES] = {{"splatting", "splatting", "splatting"}, "several bounces by records: 2 % off where paths are 5 % off in the same time (Cornell box)"},
-    [HIDDEN_LIGHT] = {{"light-octree", "light-octree", "bidirectional"}, "lamps are hidden from what is seen; what starts at them finds it 3 to 15 times sooner"},
-    [CAUSTICS] = {{"light-octree", "light-octree", "bidirectional"}, "what starts at the lights finds caustics 4 to 200 times sooner than paths from the eye"},
-    [MOVING] = {{"direct-radiance", "direct-radiance", "direct-radiance"}, "every frame anew, whatever moves"},
-};
-
-/* What may be left out of a picture, where no error was asked for. */
-static const double tolerance_of_quality[] = {[SL_QUALITY_DRAFT] = 0.15, [SL_QUALITY_NORMAL] = 0.1, [SL_QUALITY_HIGH] = 0.05};
-/* Light that is missing is not missing evenly: in the Cornell box 9 % of it are 18 % of relative RMSE. */
-static const double error_of_share = 2.0;
-static const double hardly_direct = 0.1; /* less direct light than that: lamps are hidden from most of what is seen */
 
 /* ---- where its light comes from ------------------------------------------------------------------------------------------ */
 
@@ -89,7 +58,9 @@ static sl_status mean_light(const sl_scene *scene, const sl_settings *base, cons
 
 static double at_least(double a, double b) { return a > b ? a : b; }
 
-static sl_status measure_light(const sl_scene *scene, const sl_settings *base, bool mirrors, light_shares *l, sl_error *error) {
+sl_status sl_auto_look(const sl_scene *scene, const sl_settings *base, sl_auto_kind *kind, sl_error *error) {
+    sl_features f = sl_scene_features(scene);
+    bool mirrors = f.mirror_triangles > 0;
     double direct = 0.0, one = 0.0, surfaces = 0.0, all;
     sl_status status = mean_light(scene, base, "path", "direct", &direct, error);
     if (status == SL_OK) status = mean_light(scene, base, "path", "one-bounce", &one, error);
@@ -99,55 +70,80 @@ static sl_status measure_light(const sl_scene *scene, const sl_settings *base, b
     one = at_least(one, direct); /* noise must not make shares negative */
     surfaces = at_least(surfaces, one);
     all = at_least(all, surfaces);
-    *l = (light_shares){.lit = all > 0.0};
-    if (!l->lit) return status;
-    l->direct = direct / all;
-    l->second = (one - direct) / all;
-    l->further = (surfaces - one) / all;
-    l->mirrored = (all - surfaces) / all;
+    *kind = (sl_auto_kind){.lit = all > 0.0, .glossy = f.glossy_triangles > 0, .mirrors = mirrors, .open = f.environment};
+    kind->triangles = (double)(f.diffuse_triangles + f.glossy_triangles + f.mirror_triangles);
+    kind->lights = (double)(f.emitters + f.point_lights + f.spot_lights + f.directional_lights);
+    if (!kind->lit) return status;
+    kind->direct = direct / all;
+    kind->second = (one - direct) / all;
+    kind->further = (surfaces - one) / all;
+    kind->mirrored = (all - surfaces) / all;
     return status;
 }
 
 /* ---- the choice ---------------------------------------------------------------------------------------------------------- */
 
-static budget_class class_of(const sl_auto_budget *b) {
+static sl_auto_class class_of(const sl_auto_budget *b) {
     enum { ROUGH_SECONDS = 1 };
-    if (b->error > 0.0) return b->error >= 0.1 ? ROUGH : b->error >= 0.03 ? MIDDLE : FINE;
-    if (b->time_seconds > 0.0) return b->time_seconds < ROUGH_SECONDS ? ROUGH : MIDDLE;
-    return b->quality == SL_QUALITY_DRAFT ? ROUGH : b->quality == SL_QUALITY_NORMAL ? MIDDLE : FINE;
+    if (b->error > 0.0) return b->error >= 0.1 ? SL_AUTO_ROUGH : b->error >= 0.03 ? SL_AUTO_MIDDLE : SL_AUTO_FINE;
+    if (b->time_seconds > 0.0) return b->time_seconds < ROUGH_SECONDS ? SL_AUTO_ROUGH : SL_AUTO_MIDDLE;
+    return b->quality == SL_QUALITY_DRAFT ? SL_AUTO_ROUGH : b->quality == SL_QUALITY_NORMAL ? SL_AUTO_MIDDLE : SL_AUTO_FINE;
 }
 
-static bool may_be_missing(double share, double tolerance) { return error_of_share * share <= tolerance; }
+/* What may be left out of a picture, where no error was asked for. */
+static double tolerance_of(const sl_auto_budget *b) {
+    static const double of_quality[] = {[SL_QUALITY_DRAFT] = 0.15, [SL_QUALITY_NORMAL] = 0.1, [SL_QUALITY_HIGH] = 0.05};
+    return b->error > 0.0 ? b->error : of_quality[b->quality];
+}
 
-static kind kind_of(const light_shares *l, double tolerance, bool things_move) {
-    if (!l->lit) return NOTHING_LIT;
-    if (things_move) return MOVING;
-    if (!may_be_missing(l->mirrored, tolerance)) return CAUSTICS;
-    if (l->direct < hardly_direct) return HIDDEN_LIGHT;
-    if (may_be_missing(l->second + l->further, tolerance)) return DIRECT_LIGHT;
-    return may_be_missing(l->further, tolerance) ? ONE_BOUNCE : MANY_BOUNCES;
+static const char *const methods[SL_AUTO_CANDIDATES] = {
+    [SL_AUTO_SPLATTING] = "splatting",       [SL_AUTO_SPLATTING_ON] = "splatting",   [SL_AUTO_DIRECT_RADIANCE] = "direct-radiance",
+    [SL_AUTO_LIGHT_OCTREE] = "light-octree", [SL_AUTO_MULTI_MESH] = "multi-mesh",    [SL_AUTO_SHADING_CACHE] = "shading-cache",
+    [SL_AUTO_PATH] = "path",                 [SL_AUTO_BIDIRECTIONAL] = "bidirectional",
+};
+
+/* Why, from the measurements: where the choice is from, and what path tracing would take. */
+static void explain(const sl_auto_verdict *v, sl_auto_class class, char text[160]) {
+    if (!v->like) snprintf(text, 160, "nothing like it was measured");
+    else if (v->best == SL_AUTO_PATH) snprintf(text, 160, "in measured scenes like it (%s) nothing is at %g %% sooner", v->like->name, 100.0 * sl_auto_error_of(class));
+    else snprintf(text, 160, "in measured scenes like it (%s) it is at %g %% first, %.2g times sooner than paths", v->like->name, 100.0 * sl_auto_error_of(class),
+                  v->cost[SL_AUTO_PATH]);
+}
+
+static void tell(const sl_auto_kind *kind, const char *because, sl_auto_choice *choice) {
+    int used = snprintf(choice->why, sizeof choice->why, "%s", choice->method);
+    if (choice->bounces) used += snprintf(choice->why + used, sizeof choice->why - (size_t)used, ", %u bounces", choice->bounces);
+    if (kind->lit)
+        used += snprintf(choice->why + used, sizeof choice->why - (size_t)used, ": of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by more, %.0f %% by mirrors",
+                         100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further, 100.0 * kind->mirrored);
+    snprintf(choice->why + used, sizeof choice->why - (size_t)used, "%s %s", kind->lit ? ";" : ":", because);
 }
 
 sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget, sl_auto_choice *choice,
                          sl_error *error) {
-    enum { BOUNCES = 8 };
-    sl_features f = sl_scene_features(scene);
-    light_shares l;
-    *choice = (sl_auto_choice){0};
-    sl_status status = measure_light(scene, settings, f.mirror_triangles > 0, &l, error);
+    enum { BOUNCES = 6 }; /* as measured */
+    sl_auto_kind kind;
+    char because[160];
+    int width = settings->width, height = settings->height;
+    *choice = (sl_auto_choice){.method = "path"};
+    sl_status status = sl_auto_look(scene, settings, &kind, error);
     if (status != SL_OK) return status;
-    double tolerance = budget->error > 0.0 ? budget->error : tolerance_of_quality[budget->quality];
-    kind k = kind_of(&l, tolerance, budget->things_move);
-    choice->method = table[k].method[class_of(budget)];
-    bool several = k == MANY_BOUNCES && strcmp(choice->method, "splatting") == 0;
-    choice->bounces = several ? BOUNCES : 0;
-    int used = snprintf(choice->why, sizeof choice->why, "%s%s", choice->method, several ? ", 8 bounces" : "");
-    if (l.lit)
-        snprintf(choice->why + used, sizeof choice->why - (size_t)used,
-                 ": of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by more, %.0f %% by mirrors; %s", 100.0 * l.direct,
-                 100.0 * l.second, 100.0 * l.further, 100.0 * l.mirrored, table[k].because);
-    else
-        snprintf(choice->why + used, sizeof choice->why - (size_t)used, ": %s", table[k].because);
+    if (!width || !height) sl_scene_film(scene, &width, &height);
+    sl_auto_class class = class_of(budget);
+    if (!kind.lit) {
+        snprintf(because, sizeof because, "nothing in the picture is lit");
+    } else if (budget->things_move) {
+        choice->method = "direct-radiance";
+        snprintf(because, sizeof because, "every frame anew, whatever moves");
+    } else if (2.0 * (1.0 - kind.direct) <= tolerance_of(budget)) {
+        snprintf(because, sizeof because, "a few light samples a pixel are exact soon");
+    } else {
+        sl_auto_verdict v = sl_auto_judge(measured, sizeof measured / sizeof *measured, NULL, &kind, (double)width * (double)height, class, tolerance_of(budget));
+        choice->method = methods[v.best];
+        choice->bounces = v.best == SL_AUTO_SPLATTING_ON ? BOUNCES : 0;
+        explain(&v, class, because);
+    }
+    tell(&kind, because, choice);
     return SL_OK;
 }
 

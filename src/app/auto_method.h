@@ -2,6 +2,7 @@
 #ifndef SL_APP_AUTO_METHOD_H
 #define SL_APP_AUTO_METHOD_H
 
+#include "app/auto_choice.h"
 #include "softlux.h"
 
 typedef struct sl_auto_budget {
@@ -14,9 +15,11 @@ typedef struct sl_auto_budget {
 typedef struct sl_auto_choice {
     const char *method;
     uint32_t bounces;    /* for the settings; 0: as they are */
-    char why[320];       /* one line */
+    char why[400];       /* one line */
 } sl_auto_choice;
 
+/* Where the scene's light comes from, and what it is made of. */
+sl_status sl_auto_look(const sl_scene *scene, const sl_settings *settings, sl_auto_kind *kind, sl_error *error);
 /* settings: size, seed, threads and what is fixed whatever the method; its method is not looked at. A few thousand paths are traced to see
  * where the scene's light comes from: the same choice in every run and at any number of threads. */
 sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget, sl_auto_choice *choice,

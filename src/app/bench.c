@@ -1,6 +1,7 @@
 /* softlux bench: speed against error of every method, on any scenes, as one report. */
 #include "app/bench/audits.h"
 #include "app/bench/evaluate.h"
+#include "app/bench/kinds.h"
 #include "app/bench/references.h"
 #include "app/bench/report.h"
 #include "app/clock.h"
@@ -190,6 +191,7 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
     if (!o->references_only) status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
     if (status == SL_OK && !o->references_only) status = sl_audits_run(o, s, journal, error);
+    if (status == SL_OK && !o->references_only) status = sl_kinds_look(o, s, journal, error);
     if (status == SL_OK && !o->trials_only && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
         if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
@@ -246,6 +248,7 @@ static sl_status write_reports(const sl_bench_options *o, const sl_bench_results
     if (status == SL_OK) status = sl_report_markdown(r, o->folder, error);
     if (status == SL_OK) status = sl_report_plots(r, o->folder, error);
     if (status == SL_OK) status = sl_report_html(r, o->folder, error);
+    if (status == SL_OK) status = sl_kinds_write(r, o->folder, error);
     if (status == SL_OK) status = sl_report_summary(r, o->folder, error);
     return status;
 }

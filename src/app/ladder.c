@@ -32,7 +32,7 @@ typedef struct octree_rung {
 
 static const octree_rung octree[] = {
     {SL_QUALITY_DRAFT, 5, 150000, 150, 8, 1.0},     {SL_QUALITY_DRAFT, 5, 300000, 200, 12, 2.0},
-    {SL_QUALITY_NORMAL, 6, 600000, 300, 16, 5.0},   {SL_QUALITY_HIGH, 6, 1200000, 500, 64, 11.0},
+    {SL_QUALITY_NORMAL, 5, 600000, 300, 16, 3.0},   {SL_QUALITY_HIGH, 6, 1200000, 500, 64, 11.0},
     {SL_QUALITY_HIGH, 7, 3000000, 700, 128, 30.0},  {SL_QUALITY_HIGH, 7, 8000000, 1000, 256, 80.0},
     {SL_QUALITY_HIGH, 7, 20000000, 1600, 512, 220.0},
 };

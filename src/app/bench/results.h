@@ -2,6 +2,8 @@
 #ifndef SL_APP_BENCH_RESULTS_H
 #define SL_APP_BENCH_RESULTS_H
 
+#include "app/auto_choice.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -104,6 +106,8 @@ typedef struct sl_bench_scene {
     int width, height;
     uint64_t triangles, pixels_compared;
     bool glossy, mirrors; /* there are such surfaces */
+    sl_auto_kind kind;    /* where its light comes from */
+    bool kind_known;
     char trouble[1200]; /* why nothing could be measured; or "" */
     size_t row_count, reference_count;
     sl_bench_row *rows;

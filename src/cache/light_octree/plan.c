@@ -17,7 +17,7 @@ typedef struct {
 
 static const octree_quality by_quality[] = {
     [SL_QUALITY_DRAFT] = {5, 150000, 150, 8},
-    [SL_QUALITY_NORMAL] = {6, 600000, 300, 16},
+    [SL_QUALITY_NORMAL] = {5, 600000, 300, 16},
     [SL_QUALITY_HIGH] = {6, 1200000, 500, 64},
 };
 
