@@ -8,6 +8,7 @@
 
 #include <signal.h>
 #include <sys/resource.h>
+#include <time.h>
 
 #include "softlux.h"
 
@@ -22,7 +23,7 @@ typedef struct fault_case {
     void (*prepare)(const struct fault_case *c); /* once a child, with all memory there is; may be NULL */
     void (*work)(const struct fault_case *c, fault_outcome *o);
     const void *what;
-    bool uneven; /* allocations come in another order each time: threads */
+    bool all_threads; /* what they allocate counts, too, though in another order each time */
 } fault_case;
 
 enum { TRIALS_A_CHILD = 48, MOST_CRASHES = 12 };
@@ -183,6 +184,7 @@ static bool make_board(void) {
  * follow failing as well. */
 static long try_case(const fault_case *c, long most) {
     if (!make_board()) return 1;
+    all_threads = c->all_threads;
     fflush(NULL);
     pid_t child = fork();
     if (child == 0) be_recorder(c);
@@ -196,7 +198,7 @@ static long try_case(const fault_case *c, long most) {
             try_paths(c, step, foreign);
         }
     }
-    printf("%-34s %7ld allocations, %5ld paths from %4ld places (%ld of ours); %ld tried, %ld did without, %ld deaths of foreign code, %ld faults\n",
+    printf("result %-34s %7ld allocations, %5ld paths from %4ld places (%ld of ours); %ld tried, %ld did without, %ld deaths of foreign code, %ld faults\n",
            c->name, board->allocations, count, board->place_count, ours, board->trials, board->absorbed, board->foreign, board->faults);
     return board->faults;
 }

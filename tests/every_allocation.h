@@ -47,10 +47,13 @@ static atomic_bool window_open, recording;
 static atomic_long allocation_number;
 static long failing_number = -1;
 static bool all_from_there_on;
+static bool all_threads; /* or only what the window's own thread allocates: that comes in the same order each time */
+static _Thread_local bool opened_window;
 static _Thread_local int inside; /* of the machinery below, or of an allocator that calls another */
 
 static void open_window(long failing) {
     failing_number = failing;
+    opened_window = true;
     atomic_store(&allocation_number, 0);
     atomic_store(&window_open, true);
 }
@@ -127,7 +130,7 @@ static void note_path(long number, void *caller) {
 
 /* Whether this allocation is to fail. */
 static __attribute__((no_sanitize("address", "undefined"))) bool is_refused(void *caller) {
-    if (inside || !atomic_load(&window_open)) return false;
+    if (inside || !atomic_load(&window_open) || !(all_threads || opened_window)) return false;
     long number = atomic_fetch_add(&allocation_number, 1);
     inside++;
     if (atomic_load(&recording)) note_path(number, caller);

@@ -1,0 +1,281 @@
+/* Memory that ends anywhere while scenes and pictures are read, compared and written, caches kept, shows shown and errors estimated. As
+ * tests/test_every_allocation.c, which does methods. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "allocation_trials.h"
+#include "scene_files.h"
+
+static const char *wanted_name;
+static long most; /* paths tried in each case; 0: all */
+static long faults;
+
+static void try_named(const fault_case *c) {
+    if (!wanted_name || strstr(c->name, wanted_name)) faults += try_case(c, most);
+}
+
+/* ---- scenes ------------------------------------------------------------------------------------------------------------------------ */
+
+static const char gltf[] =
+    "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1, 2]}],\n"
+    " \"nodes\": [{\"mesh\": 0, \"name\": \"tile\"}, {\"camera\": 0, \"translation\": [0, 0, 3]},\n"
+    "  {\"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}, \"translation\": [0, 1, 2]}],\n"
+    " \"cameras\": [{\"type\": \"perspective\", \"perspective\": {\"yfov\": 0.8, \"znear\": 0.1}}],\n"
+    " \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"point\", \"intensity\": 50}]}},\n"
+    " \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.6, 0.7, 1], \"roughnessFactor\": 0.5, \"baseColorTexture\": {\"index\": 0}}}],\n"
+    " \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"bricks.png\"}],\n"
+    " \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}, \"material\": 0}]}],\n"
+    " \"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\", \"min\": [0, 0, 0], \"max\": [0, 0, 0]},\n"
+    "  {\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC2\"}],\n"
+    " \"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}],\n"
+    " \"buffers\": [{\"byteLength\": 36, \"uri\": \"triangle.bin\"}]}\n";
+
+static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                          "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+static void copy_file(const char *from, const char *name) {
+    static char bytes[1 << 20];
+    FILE *in = fopen(from, "rb");
+    assert_non_null(in);
+    size_t size = fread(bytes, 1, sizeof bytes, in);
+    fclose(in);
+    scene_file_write(name, bytes, size);
+}
+
+static void write_sky(const char *name) {
+    static const char *const channels[] = {"R", "G", "B"};
+    sl_image *sky;
+    assert_int_equal(sl_image_create(8, 4, 3, channels, &sky, NULL), SL_OK);
+    for (int i = 0; i < 8 * 4 * 3; i++) sky->planes[i] = i % 7 == 0 ? 9.0f : 0.5f;
+    assert_int_equal(sl_image_set_metadata(sky, "made.by", "a test", NULL), SL_OK);
+    scene_file_write(name, "", 0);
+    assert_int_equal(sl_image_write(sky, scene_file_path(name), NULL), SL_OK);
+    sl_image_destroy(sky);
+}
+
+static void write_files(void) {
+    const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    char folder[512], text[1024];
+    assert_non_null(getcwd(folder, sizeof folder));
+    copy_file("scenes/bricks.png", "bricks.png");
+    copy_file("tests/data/waves.jpg", "waves.jpg");
+    scene_file_write("triangle.bin", corners, sizeof corners);
+    scene_file_text("tile.gltf", gltf);
+    scene_file_text("tile.ply", ply);
+    scene_file_text("tile.obj", "mtllib tile.mtl\nv 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 4/4 3/3 2/2 1/1\n");
+    scene_file_text("tile.mtl", "newmtl m\nKd .5 .5 .5\nmap_Kd waves.jpg\n");
+    for (int i = 0; i < 3; i++) write_sky((const char *const[]){"sky.exr", "sky.pfm", "sky.png"}[i]);
+    snprintf(text, sizeof text, "{\"softlux\": 1, \"meshes\": [{\"file\": \"tile.obj\"}, {\"file\": \"%s/scenes/vase.bpt\", \"material\": \"m\"}],\n"
+             "\"materials\": {\"m\": {\"bump\": \"bricks.png\", \"bump_depth\": 0.1}}, \"environment\": {\"file\": \"sky.exr\"}}", folder);
+    scene_file_text("all.json", text);
+}
+
+static void load_scene(const fault_case *c, fault_outcome *o) {
+    sl_scene *scene = NULL;
+    o->status = sl_scene_load(c->what, &scene, &o->error);
+    if (o->status == SL_OK) {
+        uint64_t hash = sl_scene_hash(scene);
+        o->hash = hash_bytes(0, &hash, sizeof hash);
+        for (size_t i = 0; sl_scene_warning(scene, i); i++) o->hash = hash_bytes(o->hash, sl_scene_warning(scene, i), strlen(sl_scene_warning(scene, i)));
+    } else if (scene) {
+        o->status = SL_OK; /* half a scene: the hash is wrong */
+    }
+    sl_scene_destroy(scene);
+}
+
+static void scenes_where_memory_ends_are_not_half_read(void **state) {
+    (void)state;
+    static const char *const names[] = {"all.json", "tile.obj", "tile.gltf", "tile.ply"};
+    faults = 0;
+    for (size_t i = 0; i < 4; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "loading %s", names[i]);
+        try_named(&(fault_case){.name = name, .work = load_scene, .what = scene_file_path(names[i])});
+    }
+    try_named(&(fault_case){.name = "loading moving-ball.json", .work = load_scene, .what = "scenes/moving-ball.json"});
+    assert_int_equal(faults, 0);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------------------------- */
+
+static void read_picture(const fault_case *c, fault_outcome *o) {
+    sl_image *image = NULL;
+    o->status = sl_image_read(c->what, &image, &o->error);
+    if (image) o->hash = hash_image(0, image); /* NULL if it failed */
+    if (image && o->status != SL_OK) o->status = SL_OK, o->hash = 1;
+    sl_image_destroy(image);
+}
+
+static sl_image *picture, *other; /* of a child */
+
+static void make_pictures(const fault_case *c) {
+    (void)c;
+    if (sl_image_create(24, 16, 3, NULL, &picture, NULL) != SL_OK || sl_image_create(24, 16, 3, NULL, &other, NULL) != SL_OK) _exit(1);
+    for (int i = 0; i < 24 * 16 * 3; i++) picture->planes[i] = 0.01f * (float)(i % 101), other->planes[i] = 0.01f * (float)(i % 97);
+    if (sl_image_set_metadata(picture, "made.by", "a test", NULL) != SL_OK) _exit(1);
+}
+
+/* Writes over a picture that is there: it is the old one or the new one. */
+static void write_picture(const fault_case *c, fault_outcome *o) {
+    char path[256];
+    snprintf(path, sizeof path, "%s-%ld", "/tmp/softlux-every", (long)getppid());
+    strcat(path, c->what);
+    o->status = sl_image_write(picture, path, &o->error);
+    atomic_store(&window_open, false);
+    if (o->status == SL_OK) {
+        FILE *in = fopen(path, "rb");
+        char bytes[8192];
+        size_t size = in ? fread(bytes, 1, sizeof bytes, in) : 0;
+        if (in) fclose(in);
+        o->hash = hash_bytes(0, bytes, size);
+    }
+    if (unlink(path) == 0 && o->status != SL_OK) o->status = SL_OK, o->hash = 1;
+}
+
+static void compare_pictures(const fault_case *c, fault_outcome *o) {
+    sl_comparison result;
+    sl_image *difference = NULL;
+    sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
+    uint8_t bytes[24 * 16 * 3];
+    (void)c;
+    o->status = sl_image_compare(picture, other, NULL, &result, &difference, &o->error);
+    if (o->status == SL_OK) o->hash = hash_image(hash_bytes(0, &result.flip, sizeof result.flip), difference);
+    else if (difference) o->status = SL_OK;
+    if (o->status == SL_OK) o->status = sl_image_srgb(picture, &tone, bytes, &o->error);
+    if (o->status == SL_OK) o->status = sl_image_set_metadata(other, "made.by", "somebody", &o->error);
+    sl_image_destroy(difference);
+}
+
+static void pictures_where_memory_ends_are_whole_or_not_there(void **state) {
+    (void)state;
+    faults = 0;
+    static const char *const read[] = {"sky.exr", "sky.pfm", "sky.png", "bricks.png", "waves.jpg"}, *const written[] = {".exr", ".pfm", ".png"};
+    for (size_t i = 0; i < 5; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "reading %s", read[i]);
+        try_named(&(fault_case){.name = name, .work = read_picture, .what = scene_file_path(read[i])});
+    }
+    for (size_t i = 0; i < 3; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "writing %s", written[i]);
+        try_named(&(fault_case){.name = name, .prepare = make_pictures, .work = write_picture, .what = written[i]});
+    }
+    try_named(&(fault_case){.name = "comparing pictures", .prepare = make_pictures, .work = compare_pictures});
+    assert_int_equal(faults, 0);
+}
+
+/* ---- caches, shows, errors ------------------------------------------------------------------------------------------------------------- */
+
+static sl_scene *scene;
+
+static void load_for_all(const fault_case *c) {
+    sl_error error;
+    make_pictures(c);
+    if (sl_scene_load("scenes/moving-ball.json", &scene, &error) == SL_OK) return;
+    fprintf(stderr, "%s\n", error.message);
+    _exit(1);
+}
+
+static sl_settings tiny(const char *method) {
+    sl_settings s = sl_settings_default();
+    s.method = method;
+    s.width = 8;
+    s.height = 6;
+    s.quality = SL_QUALITY_DRAFT;
+    s.threads = 1;
+    s.spp = 1;
+    s.accuracy = 2.0;
+    s.gather_size = 8;
+    s.shading_cache.indirect_samples = s.shading_cache.area_samples = 4;
+    return s;
+}
+
+static void save_and_load(const fault_case *c, fault_outcome *o) {
+    sl_settings settings = tiny("splatting");
+    sl_method *method = NULL, *next = NULL;
+    sl_progress progress = {0};
+    sl_image *image = NULL;
+    char path[64];
+    (void)c;
+    snprintf(path, sizeof path, "/tmp/softlux-every-%ld.cache", (long)getppid());
+    o->status = sl_method_create(scene, &settings, &method, &o->error);
+    while (o->status == SL_OK && !progress.done) o->status = sl_method_update(method, &progress, &o->error);
+    if (o->status == SL_OK) o->status = sl_method_save(method, path, &o->error);
+    if (o->status == SL_OK) o->status = sl_method_create(scene, &settings, &next, &o->error);
+    if (o->status == SL_OK) o->status = sl_method_load(next, path, &o->error);
+    if (o->status == SL_OK) o->status = sl_method_update(next, &progress, &o->error);
+    if (o->status == SL_OK) o->status = sl_method_resolve(next, &image, &o->error);
+    if (o->status == SL_OK) o->hash = hash_image(0, image);
+    sl_image_destroy(image);
+    sl_method_destroy(next);
+    sl_method_destroy(method);
+    unlink(path);
+}
+
+/* What frames show depends on the clock: only that it works, and ends. */
+static void show(const fault_case *c, fault_outcome *o) {
+    sl_settings settings = tiny(c->what);
+    sl_live *live = NULL;
+    const sl_image *frame;
+    const float eye[3] = {278, 273, -700}, target[3] = {278, 273, 0}, up[3] = {0, 1, 0};
+    o->status = sl_live_start(scene, &settings, &live, &o->error);
+    if (o->status != SL_OK && live) o->hash = 1;
+    for (int i = 0; i < 12 && o->status == SL_OK; i++) {
+        if (i % 4 == 1) o->status = sl_live_move(live, 0.1 * i, &o->error);
+        if (i == 6 && o->status == SL_OK) o->status = sl_live_look(live, eye, target, up, 0.7f, &o->error);
+        if (o->status == SL_OK) o->status = sl_live_frame(live, &frame, NULL, &o->error);
+        nanosleep(&(struct timespec){0, 2000000}, NULL);
+    }
+    sl_live_stop(live, NULL);
+}
+
+static void estimate(const fault_case *c, fault_outcome *o) {
+    sl_settings settings = tiny("path");
+    sl_error_probe *probe = NULL;
+    sl_error_estimate e[2] = {{0}, {0}};
+    sl_image *image = NULL;
+    (void)c;
+    settings.width = 24;
+    settings.height = 16;
+    o->status = sl_image_create(24, 16, 3, NULL, &image, &o->error);
+    if (o->status == SL_OK) o->status = sl_error_probe_create(scene, &settings, &probe, &o->error);
+    if (o->status == SL_OK) o->status = sl_error_probe_estimate(probe, image, 30, 1, &e[0], &o->error);
+    if (o->status == SL_OK) o->status = sl_error_probe_judge(probe, image, 3.0, &e[1], &o->error);
+    if (o->status == SL_OK) o->hash = hash_bytes(hash_bytes(0, &e[0].rel_rmse, sizeof(double)), &e[1].rel_rmse, sizeof(double));
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+}
+
+static void caches_shows_and_estimates_where_memory_ends_say_so(void **state) {
+    (void)state;
+    faults = 0;
+    try_named(&(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load});
+    try_named(&(fault_case){.name = "estimating errors", .prepare = load_for_all, .work = estimate});
+    static const char *const methods[] = {"shading-cache", "splatting", "path"};
+    for (size_t i = 0; i < 3; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "a show of %s", methods[i]);
+        try_named(&(fault_case){.name = name, .prepare = load_for_all, .work = show, .what = methods[i], .all_threads = true});
+    }
+    assert_int_equal(faults, 0);
+}
+
+int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scenes_where_memory_ends_are_not_half_read),
+        cmocka_unit_test(pictures_where_memory_ends_are_whole_or_not_there),
+        cmocka_unit_test(caches_shows_and_estimates_where_memory_ends_say_so),
+    };
+    wanted_name = argc > 1 ? argv[1] : NULL;
+    most = getenv("SOFTLUX_EVERY_ALLOCATION") ? 0 : 10;
+    keep_deaths();
+    write_files();
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    scene_files_remove();
+    return failed;
+}
