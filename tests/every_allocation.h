@@ -39,7 +39,9 @@ typedef struct fault_board {
     uint64_t path_slot[FAULT_SLOTS], place_slot[FAULT_SLOTS]; /* sets of hashes */
     uint64_t expected; /* what comes out where nothing fails */
     atomic_long at;    /* the path under trial */
-    long trials, absorbed, foreign, faults;
+    long trials, absorbed, foreign, misnamed, faults;
+    bool refused_foreign; /* since the window was opened a library's code was refused memory */
+    char refused_owner[27];
 } fault_board;
 
 static fault_board *board;
@@ -54,6 +56,7 @@ static _Thread_local int inside; /* of the machinery below, or of an allocator t
 static void open_window(long failing) {
     failing_number = failing;
     opened_window = true;
+    board->refused_foreign = false;
     atomic_store(&allocation_number, 0);
     atomic_store(&window_open, true);
 }
@@ -91,13 +94,13 @@ static const char *module_of(uintptr_t at) {
     return slash ? slash + 1 : info.dli_fname;
 }
 
-/* The first frame that is not of the languages' own libraries, which allocate for others. */
+/* The first frame that is not of the languages' own libraries, which allocate for others; -1: nobody's, as where sanitizers start threads. */
 static int owner_of(const fault_stack *s) {
     for (int i = 0; i < s->count; i++) {
         const char *module = module_of(s->at[i]);
-        if (strncmp(module, "libc.", 5) && strncmp(module, "libstdc++", 9) && strncmp(module, "libasan", 7)) return i;
+        if (module[0] && strncmp(module, "libc.", 5) && strncmp(module, "libstdc++", 9) && strncmp(module, "libasan", 7)) return i;
     }
-    return 0;
+    return -1;
 }
 
 /* False where the hash is in the set already. */
@@ -109,18 +112,36 @@ static bool is_new(uint64_t *slot, uint64_t hash) {
     return true;
 }
 
-static void note_path(long number, void *caller) {
-    static atomic_flag lock = ATOMIC_FLAG_INIT;
+static fault_stack stack_of(void *caller) {
     fault_stack s = {.caller = (uintptr_t)caller};
     _Unwind_Backtrace(note_frame, &s);
     if (s.count == 0) s.at[s.count++] = s.caller;
+    return s;
+}
+
+static bool is_foreign(const char *module) { return strncmp(module, "lib", 3) == 0; }
+
+static bool note_refusal(void *caller) {
+    fault_stack s = stack_of(caller);
+    int owner = owner_of(&s);
+    if (owner < 0) return false;
+    const char *module = module_of(s.at[owner]);
+    if (board->refused_foreign) return true;
+    board->refused_foreign = is_foreign(module);
+    snprintf(board->refused_owner, sizeof board->refused_owner, "%s", module);
+    return true;
+}
+
+static void note_path(long number, void *caller) {
+    static atomic_flag lock = ATOMIC_FLAG_INIT;
+    fault_stack s = stack_of(caller);
     uint64_t hash = hash_of(s.at, s.count);
     while (atomic_flag_test_and_set(&lock)) {}
-    if (board->path_count < FAULT_PATHS && is_new(board->path_slot, hash)) {
+    int owner;
+    if (board->path_count < FAULT_PATHS && is_new(board->path_slot, hash) && (owner = owner_of(&s)) >= 0) {
         fault_path *path = &board->path[board->path_count++];
-        int owner = owner_of(&s);
         const char *module = module_of(s.at[owner]);
-        *path = (fault_path){.hash = hash, .first = number, .foreign = strncmp(module, "lib", 3) == 0};
+        *path = (fault_path){.hash = hash, .first = number, .foreign = is_foreign(module)};
         snprintf(path->owner, sizeof path->owner, "%s", module);
         /* sl_allocate() and who called it */
         board->place_count += is_new(board->place_slot, hash_of(s.at + owner, owner + 2 < s.count ? 2 : 1));
@@ -134,8 +155,10 @@ static __attribute__((no_sanitize("address", "undefined"))) bool is_refused(void
     long number = atomic_fetch_add(&allocation_number, 1);
     inside++;
     if (atomic_load(&recording)) note_path(number, caller);
+    bool refused = failing_number >= 0 && (number == failing_number || (all_from_there_on && number > failing_number));
+    if (refused) refused = note_refusal(caller);
     inside--;
-    return failing_number >= 0 && (number == failing_number || (all_from_there_on && number > failing_number));
+    return refused;
 }
 
 /* ---- the allocators --------------------------------------------------------------------------------------------------------------- */

@@ -36,6 +36,15 @@ const char *scene_file_write(const char *name, const void *data, size_t size) {
 
 const char *scene_file_text(const char *name, const char *text) { return scene_file_write(name, text, strlen(text)); }
 
+const char *scene_file_copy(const char *from, const char *name) {
+    static char bytes[1 << 20];
+    FILE *in = fopen(from, "rb");
+    if (!in) abort();
+    size_t size = fread(bytes, 1, sizeof bytes, in);
+    fclose(in);
+    return scene_file_write(name, bytes, size);
+}
+
 void scene_files_remove(void) {
     for (int i = 0; i < count; i++) unlink(scene_file_path(names[i]));
     if (folder[0]) rmdir(folder);

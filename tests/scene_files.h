@@ -9,6 +9,7 @@
 /* Makes the folder on first use; every file written is removed by scene_files_remove(). */
 const char *scene_file_write(const char *name, const void *data, size_t size);
 const char *scene_file_text(const char *name, const char *text);
+const char *scene_file_copy(const char *from, const char *name); /* of a file of the repository */
 const char *scene_file_path(const char *name); /* valid until the next call but three */
 void scene_files_remove(void);
 

@@ -21,15 +21,15 @@ static long faults;
 
 static const char everything[] =
     "{\"softlux\": 1,\n"
-    " \"meshes\": [{\"file\": \"%1$s/scenes/cornell-empty.obj\"},\n"
+    " \"meshes\": [{\"file\": \"cornell-empty.obj\"},\n"
     "  {\"file\": \"tile.obj\", \"name\": \"tile\", \"material\": \"bricks\", \"transform\": {\"translate\": [180, 1, 180], \"scale\": 120}},\n"
     "  {\"file\": \"tile.obj\", \"name\": \"mirror\", \"material\": \"mirror\", \"transform\": {\"translate\": [300, 60, 350], \"scale\": 160}},\n"
-    "  {\"file\": \"ball.obj\", \"name\": \"ball\", \"material\": \"%2$s\", \"transform\": {\"scale\": 70}, \"keyframes\":\n"
+    "  {\"file\": \"ball.obj\", \"name\": \"ball\", \"material\": \"%1$s\", \"transform\": {\"scale\": 70}, \"keyframes\":\n"
     "   [{\"time\": 0, \"translate\": [150, 80, 220]}, {\"time\": 1, \"translate\": [400, 120, 220]}]}],\n"
-    " \"materials\": {\"mirror\": {\"mirror\": 0.8}%4$s,\n"
-    "  \"bricks\": {\"diffuse\": 0.6, \"bump\": \"%1$s/scenes/bricks.png\", \"bump_depth\": 0.05}},\n"
+    " \"materials\": {\"mirror\": {\"mirror\": 0.8}%3$s,\n"
+    "  \"bricks\": {\"diffuse\": 0.6, \"bump\": \"bricks.png\", \"bump_depth\": 0.05}},\n"
     " \"lights\": [{\"type\": \"quad\", \"corner\": [213, 540, 227], \"edge1\": [130, 0, 0], \"edge2\": [0, 0, 105], \"radiance\": [17, 12, 4]},\n"
-    "  {\"type\": \"spot\", \"position\": [100, 500, 100], \"direction\": [0.5, -1, 0.4], \"intensity\": [90000, 90000, 90000], \"outer_deg\": 50}%3$s],\n"
+    "  {\"type\": \"spot\", \"position\": [100, 500, 100], \"direction\": [0.5, -1, 0.4], \"intensity\": [90000, 90000, 90000], \"outer_deg\": 50}%2$s],\n"
     " \"environment\": {\"file\": \"sky.pfm\", \"scale\": 1},\n"
     " \"camera\": {\"eye\": [278, 273, -800], \"target\": [278, 273, 0], \"fov_deg\": 39.3}}\n";
 
@@ -41,13 +41,15 @@ static void write_sky(void) {
 }
 
 static const char *write_scene(const char *name, const char *ball, const char *more_materials, const char *more_lights) {
-    char folder[512], text[4096];
-    assert_non_null(getcwd(folder, sizeof folder));
-    snprintf(text, sizeof text, everything, folder, ball, more_lights, more_materials);
+    char text[4096];
+    snprintf(text, sizeof text, everything, ball, more_lights, more_materials);
     return scene_file_text(name, text);
 }
 
 static void write_files(void) {
+    scene_file_copy("scenes/cornell-empty.obj", "cornell-empty.obj");
+    scene_file_copy("scenes/cornell.mtl", "cornell.mtl");
+    scene_file_copy("scenes/bricks.png", "bricks.png");
     scene_file_text("tile.obj", "v 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 4/4 3/3 2/2 1/1\n");
     scene_file_text("ball.obj", "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nvn 1 0 0\nvn -1 0 0\nvn 0 1 0\nvn 0 -1 0\nvn 0 0 1\nvn 0 0 -1\n"
                                 "f 1//1 3//3 5//5\nf 3//3 2//2 5//5\nf 2//2 4//4 5//5\nf 4//4 1//1 5//5\n"

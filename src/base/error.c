@@ -1,5 +1,6 @@
 #include "base/error.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -18,4 +19,8 @@ sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...) {
 
 sl_status sl_fail_memory(sl_error *error, const char *what) {
     return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", what);
+}
+
+sl_status sl_status_of_errno(int reason, sl_status otherwise) {
+    return reason == ENOMEM || reason == EMFILE || reason == ENFILE ? SL_ERROR_RESOURCES : otherwise;
 }

@@ -9,5 +9,7 @@
 __attribute__((format(printf, 3, 4))) sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...);
 /* The one answer to a failed allocation of `what`. */
 sl_status sl_fail_memory(sl_error *error, const char *what);
+/* What a system call that failed with this errno failed for: resources (no memory, no more files), or as its caller says. */
+sl_status sl_status_of_errno(int reason, sl_status otherwise);
 
 #endif

@@ -24,4 +24,11 @@ void *sl_allocate_unset(size_t count, size_t size) {
     return allocate(count, size, &rounded);
 }
 
+bool sl_memory_has_ended(void) {
+    enum { SMALL = 1 << 16 };
+    void *block = sl_allocate_unset(SMALL, 1);
+    sl_free(block);
+    return !block;
+}
+
 void sl_free(void *block) { free(block); }

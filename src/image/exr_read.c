@@ -15,14 +15,14 @@
 typedef struct exr_source {
     const sl_bytes *bytes;
     char reason[256]; /* the first thing that the library complained about */
+    bool starved;     /* ... or anything was want of memory */
 } exr_source;
 
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
     exr_source *source = NULL;
-    (void)code;
-    if (context && exr_get_user_data(context, (void **)&source) == EXR_ERR_SUCCESS && source && !source->reason[0]) {
-        snprintf(source->reason, sizeof source->reason, "%s", message);
-    }
+    if (!context || exr_get_user_data(context, (void **)&source) != EXR_ERR_SUCCESS || !source) return;
+    if (code == EXR_ERR_OUT_OF_MEMORY) source->starved = true;
+    if (!source->reason[0]) snprintf(source->reason, sizeof source->reason, "%s", message);
 }
 
 static int64_t source_size(exr_const_context_t context, void *user) {
@@ -64,6 +64,7 @@ bool sl_exr_recognise(const sl_bytes *bytes) {
 
 static sl_status fail_reading(const exr_reader *reader, sl_error *error) {
     exr_compression_t compression = EXR_COMPRESSION_NONE;
+    if (reader->source.starved || sl_memory_has_ended()) return sl_fail_memory(error, reader->source.bytes->path);
     if (reader->context) exr_get_compression(reader->context, 0, &compression);
     /* The C library learnt these late (OpenEXR 3.1 cannot read them). */
     bool dwa = compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
@@ -333,12 +334,15 @@ sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
     start.size_fn = source_size;
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION; /* a file cut short is an error, not half a picture */
     sl_status status = SL_OK;
-    if (exr_start_read(&reader.context, bytes->path, &start) != EXR_ERR_SUCCESS) status = fail_reading(&reader, error);
+    exr_result_t result = exr_start_read(&reader.context, bytes->path, &start);
+    if (result == EXR_ERR_OUT_OF_MEMORY) reader.source.starved = true;
+    if (result != EXR_ERR_SUCCESS) status = fail_reading(&reader, error);
     if (status == SL_OK) status = read_header(&reader, error);
     if (status == SL_OK) status = create_image(&reader, error);
     if (status == SL_OK) status = copy_metadata(&reader, error);
     if (status == SL_OK) status = read_pixels(&reader, error);
     if (status == SL_OK && reader.gray >= 0) spread_gray(&reader);
+    if (status == SL_OK && reader.source.starved) status = fail_reading(&reader, error); /* it went on, with something left out */
     if (reader.context) exr_finish(&reader.context);
     sl_free(reader.chunk);
     sl_free(reader.plane);

@@ -163,8 +163,9 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
         if (result == EXR_ERR_SUCCESS) result = finished;
     }
     if (result != EXR_ERR_SUCCESS && sink.status == SL_OK) {
-        sink.status = sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
-                              sink.reason[0] ? sink.reason : exr_get_default_error_message(result));
+        sink.status = result == EXR_ERR_OUT_OF_MEMORY ? sl_fail_memory(error, file->name)
+                                                      : sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
+                                                                sink.reason[0] ? sink.reason : exr_get_default_error_message(result));
     }
     return sink.status;
 }

@@ -38,7 +38,7 @@ static sl_status read_descriptor(int descriptor, sl_bytes *bytes, sl_error *erro
 sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error) {
     *bytes = (sl_bytes){path, NULL, 0};
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0) return sl_fail(error, SL_ERROR_INPUT, "cannot read %s: %s", path, strerror(errno));
+    if (descriptor < 0) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "cannot read %s: %s", path, strerror(errno));
     sl_status status = read_descriptor(descriptor, bytes, error);
     close(descriptor);
     if (status != SL_OK) {

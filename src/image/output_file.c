@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 static sl_status fail_writing(const char *name, int reason, sl_error *error) {
-    return sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", name, strerror(reason));
+    return sl_fail(error, sl_status_of_errno(reason, SL_ERROR_OUTPUT), "cannot write %s: %s", name, strerror(reason));
 }
 
 static void release(sl_output_file *file) {

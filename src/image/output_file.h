@@ -13,7 +13,7 @@ typedef struct sl_output_file {
     char *temporary;  /* NULL where the target is a device or a pipe, which is written directly */
 } sl_output_file;
 
-/* All failures are SL_ERROR_OUTPUT, "cannot write PATH: reason". After a failed open nothing is to be undone; after a
+/* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason". After a failed open nothing is to be undone; after a
  * successful one exactly one of commit and discard must follow. */
 sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error);
 sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error);

@@ -8,12 +8,14 @@
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct png_work {
     png_structp png;
     png_infop info;
     char reason[200];
+    bool starved; /* there was not enough memory for something */
     /* reading */
     const sl_bytes *bytes;
     size_t position;
@@ -32,6 +34,19 @@ static void on_error(png_structp png, png_const_charp message) {
     png_work *work = png_get_error_ptr(png);
     snprintf(work->reason, sizeof work->reason, "%s", message);
     png_longjmp(png, 1);
+}
+
+/* libpng goes on, or says that the file is damaged, where it finds no memory. */
+static png_voidp allocate(png_structp png, png_alloc_size_t size) {
+    png_work *work = png_get_mem_ptr(png);
+    void *block = malloc(size);
+    if (!block) work->starved = true;
+    return block;
+}
+
+static void release(png_structp png, png_voidp block) {
+    (void)png;
+    free(block);
 }
 
 static void on_warning(png_structp png, png_const_charp message) {
@@ -92,11 +107,14 @@ static bool decode_rows(png_work *work, sl_error *error) {
 sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error) {
     *rgba = NULL;
     png_work work = {.bytes = bytes, .status = SL_OK};
-    work.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+    work.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate, release);
     work.info = work.png ? png_create_info_struct(work.png) : NULL;
     bool done = false;
-    if (!work.info) work.status = sl_fail_memory(error, bytes->path);
-    else done = decode_rows(&work, error);
+    if (work.info) done = decode_rows(&work, error);
+    if (!work.info || work.starved) {
+        work.status = sl_fail_memory(error, bytes->path);
+        done = false;
+    }
     if (!done && work.status == SL_OK) {
         work.status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged PNG: %s", bytes->path, work.reason);
     }
@@ -142,11 +160,12 @@ sl_status sl_png_write(int width, int height, const uint8_t *rgb, sl_output_file
     png_work work = {.rgb = rgb, .file = file, .status = SL_OK, .error = error};
     work.width = (png_uint_32)width;
     work.height = (png_uint_32)height;
-    work.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+    work.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate, release);
     work.info = work.png ? png_create_info_struct(work.png) : NULL;
-    if (!work.info) {
+    bool done = work.info && encode_rows(&work);
+    if (work.status == SL_OK && (!work.info || work.starved)) {
         work.status = sl_fail_memory(error, file->name);
-    } else if (!encode_rows(&work) && work.status == SL_OK) {
+    } else if (!done && work.status == SL_OK) {
         work.status = sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name, work.reason);
     }
     png_destroy_write_struct(&work.png, &work.info);

@@ -7,8 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#pragma GCC diagnostic ignored "-Wunused-function"
+
 /* What stb_image leaves unset (rows beyond the end of a short file) is to be 0, not what the memory held before. */
-static inline void *zeroed(size_t bytes) { return calloc(1, bytes ? bytes : 1); }
+static _Thread_local bool starved; /* stb_image, which hands no pointer of ours to these, calls a picture damaged for which it has no memory */
+
+static inline void *zeroed(size_t bytes) {
+    void *block = calloc(1, bytes ? bytes : 1);
+    if (!block) starved = true;
+    return block;
+}
+
+static inline void *resized(void *old, size_t bytes) {
+    void *block = realloc(old, bytes);
+    if (!block) starved = true;
+    return block;
+}
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -20,10 +34,9 @@ static inline void *zeroed(size_t bytes) { return calloc(1, bytes ? bytes : 1); 
 #define STBI_ONLY_TGA
 #define STBI_MAX_DIMENSIONS 65536
 #define STBI_MALLOC(size) zeroed(size)
-#define STBI_REALLOC(block, size) realloc(block, size)
+#define STBI_REALLOC(block, size) resized(block, size)
 #define STBI_FREE(block) free(block)
 #define STBI_ASSERT(condition) ((void)(condition))
-#pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
 
 /* stb_image reads zeros beyond the end and calls it a picture; this stream notices that it was asked for more. */
@@ -80,7 +93,9 @@ static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *
     }
     watched_stream stream = {bytes, 0, false};
     int width, height, channels;
-    if (!stbi_info_from_callbacks(&callbacks, &stream, &width, &height, &channels)) {
+    bool known = stbi_info_from_callbacks(&callbacks, &stream, &width, &height, &channels);
+    if (starved) return sl_fail_memory(error, bytes->path);
+    if (!known) {
         return sl_fail(error, SL_ERROR_INPUT, "%s: not a PNG, JPEG, BMP or TGA picture, or a damaged one", bytes->path);
     }
     *has_alpha = channels == 2 || channels == 4;
@@ -90,12 +105,14 @@ static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *
 
 sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error) {
     *rgba = NULL;
+    starved = false;
     sl_status status = check_header(bytes, has_alpha, error);
     if (status != SL_OK) return status;
     watched_stream stream = {bytes, 0, false};
     int channels;
     uint8_t *texels = stbi_load_from_callbacks(&callbacks, &stream, width, height, &channels, 4);
-    if (!texels) status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged picture: %s", bytes->path, stbi_failure_reason());
+    if (starved) status = sl_fail_memory(error, bytes->path);
+    else if (!texels) status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged picture: %s", bytes->path, stbi_failure_reason());
     else if (stream.overrun) status = sl_fail(error, SL_ERROR_INPUT, "%s: the picture is cut short", bytes->path);
     if (status == SL_OK) {
         size_t size = (size_t)*width * (size_t)*height * 4;

@@ -2,6 +2,7 @@
 #include "scene/file.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,10 +34,10 @@ sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *er
     *data = NULL;
     *size = 0;
     struct stat about;
-    if (stat(path, &about) != 0) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+    if (stat(path, &about) != 0) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path, strerror(errno));
     if (!S_ISREG(about.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file", path);
     FILE *file = fopen(path, "rb");
-    if (!file) return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+    if (!file) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path, strerror(errno));
     sl_status status = read_all(file, path, data, size, error);
     fclose(file);
     return status;
@@ -67,12 +68,11 @@ char *sl_file_folder(const char *path) {
 }
 
 bool sl_file_is_below(const char *folder, const char *path) {
-    char *real = folder ? realpath(path, NULL) : NULL;
-    if (!real) return true; /* reading it will say that it does not exist */
+    char real[PATH_MAX];
+    if (!folder) return true;
+    if (!realpath(path, real)) return errno != ENOMEM; /* of another file reading it will say that it does not exist */
     size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
-    bool below = strncmp(real, folder, length) == 0 && real[length] == '/';
-    free(real);
-    return below;
+    return strncmp(real, folder, length) == 0 && real[length] == '/';
 }
 
 static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }

@@ -75,12 +75,17 @@ sl_status sl_gltf_read(const char *path, sl_gltf *gltf, sl_error *error) {
     const char *json;
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
-    cJSON *root = find_json(data, size, &json, &length) ? cJSON_ParseWithLength(json, length) : NULL;
-    if (!cJSON_IsObject(root)) {
+    bool found = find_json(data, size, &json, &length);
+    cJSON *root = found ? cJSON_ParseWithLength(json, length) : NULL;
+    if (found && !root) root = cJSON_ParseWithLength(json, length); /* it does not tell want of memory from bad text: which is bad again */
+    if (!root && sl_memory_has_ended()) {
+        status = sl_fail_memory(error, path);
+    } else if (!cJSON_IsObject(root)) {
         status = sl_fail(error, SL_ERROR_INPUT, "%s: expected a glTF file: its JSON cannot be read", path);
     } else {
         status = check_extensions(path, root, error);
         if (status == SL_OK) status = read_lists(root, gltf, error);
+        if (status != SL_OK) sl_gltf_release(gltf);
     }
     cJSON_Delete(root);
     sl_free(data);

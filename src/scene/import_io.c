@@ -1,8 +1,10 @@
 #include "scene/import_io.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "scene/file.h"
 
@@ -50,7 +52,9 @@ static struct aiFile *open_file(struct aiFileIO *procedures, const char *path, c
     sl_import_io *io = (sl_import_io *)(void *)procedures->UserData;
     if (mode[0] != 'r' || !sl_file_exists(path) || !is_allowed(io, path)) return NULL;
     FILE *stream = fopen(path, "rb");
+    if (!stream) io->starved |= sl_status_of_errno(errno, SL_ERROR_INPUT) == SL_ERROR_RESOURCES;
     struct aiFile *file = stream ? sl_allocate(1, sizeof *file) : NULL;
+    if (stream && !file) io->starved = true;
     if (stream && !file) fclose(stream);
     if (file) *file = (struct aiFile){read_file, write_file, tell, size_of, seek, flush, (aiUserData)(void *)stream};
     return file;

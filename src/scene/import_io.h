@@ -11,6 +11,7 @@ typedef struct sl_import_io {
     const char *path;     /* the file itself, which was asked for and may be opened wherever it is */
     const char *folder;   /* the others must lie below it; NULL: anywhere */
     char refused[512];    /* the first that did not; "": none */
+    bool starved;         /* one could not be opened for want of memory */
 } sl_import_io;
 
 /* It must stay where it is until what was read with it is released. */

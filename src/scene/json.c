@@ -92,7 +92,11 @@ sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
     const char *start = json->text, *end = NULL;
     if (size >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3); /* a byte order mark says nothing */
     json->root = strlen(start) == size ? cJSON_ParseWithOpts(start, &end, 1) : NULL;
-    if (!json->root) {
+    /* It does not tell want of memory from bad text: which is bad again. */
+    if (!json->root && strlen(start) == size) json->root = cJSON_ParseWithOpts(start, &end, 1);
+    if (!json->root && sl_memory_has_ended()) {
+        json->status = sl_fail_memory(error, path);
+    } else if (!json->root) {
         const char *at = end ? end : start + strlen(start);
         while (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r') at++;
         int shown = (int)strcspn(at, "\r\n");

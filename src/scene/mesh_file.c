@@ -226,8 +226,10 @@ static sl_status import(const char *path, sl_import_io *io, const sl_model *mode
         sl_status refused = sl_model_may_read(model, io->refused, &problem);
         if (refused != SL_OK) return sl_fail(error, refused, "%s: names %s", path, problem.message);
     }
+    if (io->starved) return sl_fail_memory(error, path); /* what the importer takes for a file that is not there */
     if (!*file || !(*file)->mRootNode) {
         const char *reason = *file ? "it is empty" : aiGetErrorString();
+        if (!*file && ((reason && strstr(reason, "bad_alloc")) || sl_memory_has_ended())) return sl_fail_memory(error, path);
         return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: %s", path, reason && *reason ? reason : "it is damaged");
     }
     sl_status status = check_faces(path, *file, error);

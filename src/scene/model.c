@@ -1,5 +1,6 @@
 #include "scene/model.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -152,7 +153,7 @@ void sl_model_clear(sl_model *m) {
 
 sl_status sl_model_confine(sl_model *m, const char *path, sl_error *error) {
     m->folder = sl_file_folder(path);
-    return m->folder ? SL_OK : sl_fail(error, SL_ERROR_INPUT, "%s: its folder cannot be read", path);
+    return m->folder ? SL_OK : sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: its folder cannot be read", path);
 }
 
 sl_status sl_model_may_read(const sl_model *m, const char *path, sl_error *error) {
