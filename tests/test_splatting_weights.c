@@ -361,6 +361,21 @@ static void the_guard_keeps_a_record_from_reaching_through_a_wall(void **state) 
     assert_true(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius > 1.0f);
 }
 
+/* The plane's lowest ray, of slope 1 / t, meets the wall so high up that r / cos theta' is (1 + t^2) / t^2 there. */
+static void the_guard_knows_how_low_a_plane_sees(void **state) {
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        float t = 0.5f + (float)i, lowest = (1.0f + t * t) / (t * t);
+        sl_irradiance e = seen(1.0f, 0.0f, 40.0f, lowest);
+        sl_radius_rules rules = rules_with(0.5, 100.0, true);
+        rules.gather = SL_GATHER_PLANE;
+        rules.plane_tangent = (double)t;
+        assert_true(fabsf(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius - 1.0f) < 1e-5f);
+        rules.gather = SL_GATHER_RAYS;
+        assert_true(fabsf(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius - lowest) < 1e-5f);
+    }
+}
+
 static void where_the_minimum_radius_overrides_the_guard_the_record_says_so(void **state) {
     (void)state;
     sl_radius_rules rules = rules_with(0.5, 100.0, true);
@@ -450,6 +465,7 @@ int main(void) {
         cmocka_unit_test(the_radius_is_the_harmonic_mean_where_nothing_limits_it),
         cmocka_unit_test(a_steep_gradient_limits_the_radius_to_where_the_extrapolation_stays_positive),
         cmocka_unit_test(the_guard_keeps_a_record_from_reaching_through_a_wall),
+        cmocka_unit_test(the_guard_knows_how_low_a_plane_sees),
         cmocka_unit_test(where_the_minimum_radius_overrides_the_guard_the_record_says_so),
         cmocka_unit_test(a_footprint_beyond_the_wall_is_told_even_where_the_guard_did_not_limit),
         cmocka_unit_test(seeing_nothing_gives_the_maximum_radius),
