@@ -129,8 +129,10 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
           out);
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
     static const char *const plots[] = {"one-bounce", "full", "matched", "parts"};
+    bool looked = false;
+    for (size_t i = 0; i < s->row_count; i++) looked = looked || (s->rows[i].part_count > 0 && strcmp(s->rows[i].method, "path") != 0 && strcmp(s->rows[i].method, "bidirectional") != 0);
     fputc('\n', out);
-    for (int i = 0; i < 4; i++) fprintf(out, "![%s, %s](%s-%s.svg)\n", s->name, plots[i], s->name, plots[i]);
+    for (int i = 0; i < 3 + looked; i++) fprintf(out, "![%s, %s](%s-%s.svg)\n", s->name, plots[i], s->name, plots[i]);
     put_times(out, s, SL_BENCH_ONE_BOUNCE, "Against one bounce");
     put_times(out, s, SL_BENCH_FULL, "Against full global illumination");
     put_references(out, s);

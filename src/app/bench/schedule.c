@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 static const double most_of_limit = 0.4; /* settings of a curve are some three times as dear as the one before */
-enum { LONG_SECONDS = 1 }; /* a trial that takes longer is not repeated: what disturbs it lasts shorter than it does */
+/* A trial that takes longer is not repeated, since what disturbs it lasts shorter than it does; nor looked at, where it takes yet longer. */
+enum { LONG_SECONDS = 1, LONG_LOOK_SECONDS = 3 };
 
 typedef struct job {
     const sl_trial *trial;
@@ -139,7 +140,7 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
     if (j->repeat == 0) return !stopped_before(o, s, journal, j->trial);
     entry = find_entry(o, s, journal, &first);
     if (!entry || end_of(entry) != SL_BENCH_RAN) return false;
-    return j->repeat < 0 || seconds_of(entry) < (double)LONG_SECONDS;
+    return seconds_of(entry) < (double)(j->repeat < 0 ? LONG_LOOK_SECONDS : LONG_SECONDS);
 }
 
 /* ---- running ---- */

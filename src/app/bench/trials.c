@@ -21,10 +21,10 @@
 /* The reference tracers, on the paths of both truths that all are held against; pixels sampled at their centres as the methods do. */
 #define TRACER(tracer, transport, name, quality, arguments) \
     {tracer, tracer ", " transport, name, "-m " tracer " --transport " transport " --filter centre " arguments, transport, quality}
-#define PATH(transport) \
+#define PATH(transport, most) \
     TRACER("path", transport, "1 sample", SL_BENCH_CURVE, "--spp 1"), TRACER("path", transport, "4 samples", SL_BENCH_CURVE, "--spp 4"), \
         TRACER("path", transport, "draft", SL_BENCH_DRAFT, "-q draft"), TRACER("path", transport, "normal", SL_BENCH_NORMAL, "-q normal"), \
-        TRACER("path", transport, "high", SL_BENCH_HIGH, "-q high"), TRACER("path", transport, "1024 samples", SL_BENCH_CURVE, "--spp 1024")
+        TRACER("path", transport, "high", SL_BENCH_HIGH, "-q high"), TRACER("path", transport, most " samples", SL_BENCH_CURVE, "--spp " most)
 #define BIDIRECTIONAL(transport) \
     TRACER("bidirectional", transport, "4 samples", SL_BENCH_CURVE, "--spp 4"), TRACER("bidirectional", transport, "draft", SL_BENCH_DRAFT, "-q draft"), \
         TRACER("bidirectional", transport, "normal", SL_BENCH_NORMAL, "-q normal"), TRACER("bidirectional", transport, "high", SL_BENCH_HIGH, "-q high")
@@ -42,6 +42,7 @@ static const sl_trial trials[] = {
     SPLATTING_ON("high", SL_BENCH_HIGH, "-q high"),
     DIRECT_RADIANCE("2x2 photons", SL_BENCH_CURVE, "-q draft --photons 2"),
     DIRECT_RADIANCE("draft", SL_BENCH_DRAFT, "-q draft"),
+    DIRECT_RADIANCE("4x4 photons, a point a lamp", SL_BENCH_CURVE, "--photons 4 --emitter-samples 1"),
     DIRECT_RADIANCE("normal", SL_BENCH_NORMAL, "-q normal"),
     DIRECT_RADIANCE("high", SL_BENCH_HIGH, "-q high"),
     DIRECT_RADIANCE_SEEN("high, visibility by blocks", "-q high --visibility blocks"),
@@ -51,8 +52,8 @@ static const sl_trial trials[] = {
     LIGHT_OCTREE("draft", SL_BENCH_DRAFT, "-q draft"),
     LIGHT_OCTREE("300k photons, depth 5", SL_BENCH_CURVE, "--stored-photons 300000 --neighbours 200 --depth 5"),
     LIGHT_OCTREE("normal", SL_BENCH_NORMAL, "-q normal"),
+    LIGHT_OCTREE("1.2M photons, depth 5", SL_BENCH_CURVE, "--stored-photons 1200000 --neighbours 500 --depth 5"),
     LIGHT_OCTREE("high", SL_BENCH_HIGH, "-q high"),
-    LIGHT_OCTREE("2.4M photons, depth 7", SL_BENCH_CURVE, "-q high --stored-photons 2400000 --depth 7"),
     PHOTONS("40k photons, k 60", SL_BENCH_CURVE, "-q draft --stored-photons 40000 --neighbours 60"),
     PHOTONS("draft", SL_BENCH_DRAFT, "-q draft"),
     PHOTONS("normal", SL_BENCH_NORMAL, "-q normal"),
@@ -62,14 +63,12 @@ static const sl_trial trials[] = {
     MULTI_MESH("high", SL_BENCH_HIGH, "-q high"),
     MULTI_MESH("threshold 0.25, leaves of 8", SL_BENCH_CURVE, "-q high --threshold 0.25 --leaf-area 8 --leaf-edge 6"),
     MULTI_MESH("threshold 0.1, leaves of 2", SL_BENCH_CURVE, "-q high --threshold 0.1 --leaf-area 2 --leaf-edge 2"),
-    SHADING_CACHE("20 updates", SL_BENCH_CURVE, "-q draft --updates 20"),
     SHADING_CACHE("draft", SL_BENCH_DRAFT, "-q draft"),
-    SHADING_CACHE("normal, 30 updates", SL_BENCH_CURVE, "-q normal --updates 30"),
-    SHADING_CACHE("normal, 100 updates", SL_BENCH_CURVE, "-q normal --updates 100"),
     SHADING_CACHE("normal", SL_BENCH_NORMAL, "-q normal"),
+    SHADING_CACHE("normal, 100 updates", SL_BENCH_CURVE, "-q normal --updates 100"),
     SHADING_CACHE("high", SL_BENCH_HIGH, "-q high"),
-    PATH("one-bounce"),
-    PATH("full"),
+    PATH("one-bounce", "1024"),
+    PATH("full", "512"),
     BIDIRECTIONAL("full"),
 };
 
