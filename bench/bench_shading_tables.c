@@ -147,11 +147,40 @@ static void memory(bench_report *r, const bench_options *o) {
     for (int i = 0; i < 3; i++) memory_rows(r, o, paths[i]);
 }
 
+/* What a view that rests comes to hold, and an eye that walks: patches that splits have made, and those of them that are seen (paper: 20,000, beyond the geometry). */
+static void walk_rows(bench_report *r, const bench_options *o, const char *path) {
+    shading_world w;
+    shading_run run;
+    int rest = o->brief ? 60 : 300, steps = o->brief ? 16 : 64;
+    if (!shading_open(r, o, path, 512, o->brief ? 0 : 25, &w)) return;
+    shading_run_open(&run, &w, NULL, false);
+    for (int i = 0; i < rest; i++) shading_run_update(&run);
+    for (int i = 0; i <= 3 * steps; i++) {
+        if (i % (steps / 2) == 0) {
+            const char *when = i == 0 ? "rests" : i <= steps ? "walks" : "rests again";
+            bench_row(r, "%s|%s|%llu|%llu|%.0f|%.2f", w.name, when, (unsigned long long)run.updates, (unsigned long long)shading_run_points(&run), patches_of(&run),
+                      (double)sl_method_memory_bytes(run.method) / 1048576.0);
+        }
+        if (i < steps) shading_run_edit(&run, shading_move(&w, 2.0 * (double)(i + 1) / (double)steps));
+        shading_run_update(&run);
+    }
+    shading_run_close(&run);
+    shading_close(&w);
+}
+
+static void walks(bench_report *r, const bench_options *o) {
+    bench_say(r, "\nPatches that splits have made, at rest and while the eye walks (paper: 20,000 as a rule). *MiB*: all that the cache takes, scene and display included.\n");
+    bench_table(r, "walks", "scene|when|updates|points|patches|MiB");
+    walk_rows(r, o, "scenes/generated/study-walk.json");
+    walk_rows(r, o, "scenes/generated/pool-walk.json");
+}
+
 int main(int argc, char **argv) {
     bench_options o = bench_options_parse(argc, argv, "build/shading-cache");
     bench_report r;
     bench_report_open(&r, &o, "shading_tables");
     memory(&r, &o);
+    walks(&r, &o);
     table_1(&r, &o);
     table_2(&r, &o);
     bench_report_close(&r);

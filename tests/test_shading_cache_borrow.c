@@ -260,10 +260,54 @@ static void renderers_that_return_no_number_leave_the_picture_as_it_was(void **s
     c.s.settings.threads = 1;
     sl_shading_sample(&c.s, 4);
     assert_int_equal(sl_shading_commit(&c.s, 4, NULL), SL_OK);
-    for (uint32_t i = 0; i < 4; i++) assert_true(value_of(&c.h, i) == 2.0f);
+    for (uint32_t i = 0; i < 4; i++) assert_true(value_of(&c.h, i) == 2.0f && !c.h.patches->vertex[i].borrowed);
     assert_true(c.s.counters.value[SL_COUNT_NONFINITE] >= 4);
     c.s.renderer[0].destroy(c.s.renderer[0].state);
     end(&c);
+}
+
+/* A renderer for which all is inside something but what lies at least so far from the left side of the square, which is 2 wide. */
+typedef struct shy {
+    float left;
+    size_t asked;
+    float x[8];
+} shy;
+
+static void render_far_from_the_side(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples, sl_counters *counters) {
+    shy *r = (shy *)(uintptr_t)state;
+    (void)threads, (void)counters;
+    for (size_t i = 0; i < count; i++) {
+        float x = requests[i].point.position.x;
+        samples[i] = x >= r->left ? lit : inside;
+        if (r->asked < 8) r->x[r->asked++] = x;
+    }
+}
+
+/* By 1, 5 and 20 % of the patch that a vertex was made for, towards the middle of the root; a root's own corners go by the root. */
+static void a_vertex_inside_something_is_looked_for_beside_it_further_and_further(void **state) {
+    (void)state;
+    for (int deep = 0; deep < 2; deep++) {
+        committing c;
+        begin(&c);
+        split_levels(&c.h, c.h.patches->root_patch[0], 2);
+        const double from = deep ? -0.5 : -1.0, way = deep ? 0.5 : 1.0; /* (1, 2) / 4: on the grid of the second split, a quarter of 2 wide */
+        c.s.vertex[0] = deep ? vertex_at(&c.h, 1, 2) : vertex_at(&c.h, 0, 0);
+        shy r = {.left = (float)(from + 0.19 * way)};
+        c.s.renderer[0] = (sl_sample_renderer){.name = "shy", .state = &r, .render = render_far_from_the_side};
+        c.s.renderer_count = 1;
+        sl_shading_sample(&c.s, 1);
+        assert_int_equal(r.asked, 4);
+        const double share[4] = {deep ? 0.0 : 1.0 / 256.0, 0.01, 0.05, 0.2};
+        for (int i = 0; i < 4; i++) assert_true(fabs((double)r.x[i] - (from + share[i] * way)) < 2e-4);
+        assert_int_equal(sl_shading_commit(&c.s, 1, NULL), SL_OK);
+        assert_true(value_of(&c.h, c.s.vertex[0]) == 4.0f && !c.h.patches->vertex[c.s.vertex[0]].borrowed);
+        r = (shy){.left = 2.0f}; /* and where it is nowhere to be found it borrows */
+        sl_shading_sample(&c.s, 1);
+        assert_int_equal(r.asked, 4);
+        assert_int_equal(sl_shading_commit(&c.s, 1, NULL), SL_OK);
+        assert_true(c.h.patches->vertex[c.s.vertex[0]].borrowed);
+        end(&c);
+    }
 }
 
 static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state) {
@@ -297,6 +341,7 @@ int main(void) {
         cmocka_unit_test(a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again),
         cmocka_unit_test(where_there_is_no_old_value_what_is_no_number_is_borrowed),
         cmocka_unit_test(renderers_that_return_no_number_leave_the_picture_as_it_was),
+        cmocka_unit_test(a_vertex_inside_something_is_looked_for_beside_it_further_and_further),
         cmocka_unit_test(what_comes_out_of_something_or_gets_into_it_is_a_change),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
