@@ -107,8 +107,8 @@ static void depth_rows(bench_report *r, const bench_options *o, const world *w, 
         qsort(once, (size_t)runs, sizeof *once, by_value);
         seconds[LIGHTS] = once[runs / 2];
         double leaves = (double)octree->leaf_count;
-        bench_row(r, "%s|%zu|%d|%zu|%.2f|%.2f|%.3f|%.3f|%.3f|%.1f|%s", w->name, w->triangles, depth, octree->leaf_count, seconds[PHOTONS],
-                  seconds[TREE], seconds[VOXELS], seconds[LIGHTS], seconds[PACK], 1e6 * seconds[LIGHTS] / leaves, depth == 4 ? paper : "");
+        bench_row(r, "%s|%zu|%d|%zu|%.2f|%.0f|%.2f|%.3f|%.3f|%.3f|%.1f|%s", w->name, w->triangles, depth, octree->leaf_count, seconds[PHOTONS],
+                  1e-3 * (double)counters.value[SL_COUNT_PHOTONS_EMITTED] / seconds[PHOTONS], seconds[TREE], seconds[VOXELS], seconds[LIGHTS], seconds[PACK], 1e6 * seconds[LIGHTS] / leaves, depth == 4 ? paper : "");
         own.x[own.count] = all->x[all->count] = leaves;
         own.y[own.count++] = all->y[all->count++] = seconds[LIGHTS];
         sl_octree_destroy(octree);
@@ -123,7 +123,7 @@ static void depths(bench_report *r, const bench_options *o) {
     int first[SCENES + 1] = {0}, scenes = 0;
     bench_say(r, "\nOver depth (Fig. 13): %s photons stored, k = 300, n = 4; processor seconds of one thread. *us / leaf* is gathers and clusters alone.\n",
               o->brief ? "150,000" : "600,000");
-    bench_table(r, "depth", "scene|triangles|depth|leaves|photons s|tree s|octree s|lights s|pack s|us / leaf|paper's (depth 4 / 5 / 6)");
+    bench_table(r, "depth", "scene|triangles|depth|leaves|photons s|1000 paths / s|tree s|octree s|lights s|pack s|us / leaf|paper's (depth 4 / 5 / 6)");
     for (size_t i = 0; i < SCENES; i++) {
         world w;
         if (!open_world(r, o, depth_scenes[i], &w)) continue;

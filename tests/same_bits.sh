@@ -55,7 +55,7 @@ same radiance-glossy scenes/cornell-glossy.json -m direct-radiance -q draft -s 9
 same radiance-balls scenes/mirror-balls.json -m direct-radiance -q normal --steady --visibility blocks -s 96x96
 same radiance-polygons scenes/cornell-lamp.json -m direct-radiance -q high --importance --visibility rays -s 64x64
 same octree-mirror scenes/cornell-mirror.json -m light-octree -q draft --stored-photons 30000 -s 96x96
-same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --facing-voxels --lobes harmonics -s 64x64
+same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 --distance-weights --lobes harmonics -s 64x64
 same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --whole-voxels --fixed-neighbours --atlas --atlas-size 256 -s 96x64
 same octree-bumps scenes/bricks.json -m light-octree -q draft --stored-photons 20000 --own-photons --median-of-subsets -s 64x48
 same mesh-cornell scenes/cornell.json -m multi-mesh -q draft -s 64x64
