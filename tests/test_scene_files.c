@@ -173,7 +173,7 @@ static void files_that_are_no_meshes_are_refused_by_name(void **state) {
     refuse(scene_file_path("nowhere.json"), ": cannot be opened");
     refuse(scene_file_path("nowhere.glb"), ": cannot be opened");
     refuse("/tmp", ": expected a file");
-    refuse(scene_file_text("a.txt", "hello"), ": cannot be read as a mesh");
+    refuse(scene_file_text("a.txt", "hello"), ": expected a scene file (.json) or a mesh file");
     refuse(scene_file_text("empty.obj", ""), ": cannot be read as a mesh");
     refuse(scene_file_text("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), ": no triangles");
     refuse(scene_file_text("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ": no triangles");
@@ -189,7 +189,7 @@ static void headers_that_announce_too_much_are_refused(void **state) {
     assert_int_equal(sl_scene_triangle_count(s), 1);
     sl_scene_destroy(s);
     snprintf(text, sizeof text, "%send_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", head);
-    refuse(scene_file_text("range.ply", text), ": face 0 of mesh '' names vertex 7 of 3");
+    refuse(scene_file_text("range.ply", text), ": expected vertex numbers below 3: face 0 of mesh '' names 7");
     refuse(scene_file_text("cut.ply", head), ":9: expected a PLY header that ends with 'end_header'");
     refuse(scene_file_text("type.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n"), ":4: expected a property type");
     refuse(scene_file_text("long.ply", "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),

@@ -227,12 +227,16 @@ sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *chan
     return SL_OK;
 }
 
-static uint32_t track_of_object(const sl_animation *a, uint32_t object) {
+/* The track of every object, or SL_NO_INDEX; release with sl_free(). */
+static uint32_t *tracks_of_objects(const sl_animation *a, size_t object_count) {
+    uint32_t *tracks = sl_allocate(object_count, sizeof *tracks);
+    if (!tracks) return NULL;
+    memset(tracks, 0xff, object_count * sizeof *tracks); /* SL_NO_INDEX */
     for (size_t i = 0; i < a->object_track_count; i++) {
         const sl_object_track *track = &a->object_tracks[i];
-        if (object >= track->first_object && object - track->first_object < track->object_count) return (uint32_t)i;
+        for (size_t k = track->first_object; k < track->first_object + (size_t)track->object_count && k < object_count; k++) tracks[k] = (uint32_t)i;
     }
-    return SL_NO_INDEX;
+    return tracks;
 }
 
 sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error) {
@@ -241,22 +245,27 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
     a->rest_position = sl_allocate(scene->vertex_count, sizeof *a->rest_position);
     a->rest_normal = sl_allocate(scene->vertex_count, sizeof *a->rest_normal);
     a->rest_control = sl_allocate(16 * scene->bicubic_count, sizeof *a->rest_control);
-    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal || !a->rest_control) return sl_fail_memory(error, "the animation");
+    uint32_t *tracks = tracks_of_objects(a, scene->object_count);
+    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal || !a->rest_control || !tracks) {
+        sl_free(tracks);
+        return sl_fail_memory(error, "the animation");
+    }
     for (size_t v = 0; v < scene->vertex_count; v++) {
         a->track_of_vertex[v] = SL_NO_INDEX;
         a->rest_position[v] = sl_scene_position(scene, (uint32_t)v);
         a->rest_normal[v] = sl_scene_normal(scene, (uint32_t)v);
     }
     for (size_t t = 0; t < scene->triangle_count; t++) {
-        uint32_t track = track_of_object(a, scene->object_index[t]);
+        uint32_t track = tracks[scene->object_index[t]];
         for (int c = 0; c < 3; c++) a->track_of_vertex[scene->vertex[c][t]] = track;
     }
     for (size_t i = 0; i < scene->bicubic_count; i++) { /* all its vertices, also those that no triangle uses */
         const sl_bicubic *b = &scene->bicubics[i];
-        uint32_t side = (uint32_t)b->steps + 1, track = track_of_object(a, scene->object_index[b->first_triangle]);
+        uint32_t side = (uint32_t)b->steps + 1, track = tracks[scene->object_index[b->first_triangle]];
         for (uint32_t v = 0; v < side * side; v++) a->track_of_vertex[b->first_vertex + v] = track;
         for (int k = 0; k < 16; k++) a->rest_control[16 * i + (size_t)k] = b->point[k / 4][k % 4];
     }
+    sl_free(tracks);
     sl_status status = sl_scene_set_time(scene, 0.0, NULL, error);
     scene->version = 0;
     return status;

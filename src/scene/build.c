@@ -108,6 +108,12 @@ static void warn_of_dropped(sl_scene *scene, const dropped *lost) {
     if (lost->without_area) sl_scene_warn(scene, "%zu triangles without area dropped", lost->without_area);
 }
 
+static sl_status fail_without_triangles(size_t given, const dropped *lost, sl_error *error) {
+    if (!given) return sl_fail(error, SL_ERROR_INPUT, "no triangles: expected faces of three corners or more (points and lines are not drawn)");
+    return sl_fail(error, SL_ERROR_INPUT, "no triangles: expected one with an area; of %zu, %zu have NaN or infinite vertices, %zu indices out of range, and %zu no area",
+                   given, lost->nonfinite, lost->out_of_range, lost->without_area);
+}
+
 /* A surface's triangles follow each other, so they do after those without area, which poles are made of, are gone without a word. */
 static sl_status keep_surface(const sl_scene_parts *parts, sl_scene *s, const sl_bicubic *from, sl_bicubic *to, sl_error *error) {
     to->first_triangle = (uint32_t)s->triangle_count;
@@ -150,8 +156,7 @@ static sl_status copy_triangles(const sl_scene_parts *parts, sl_scene *s, sl_err
         }
     }
     warn_of_dropped(s, &lost);
-    if (!s->triangle_count) return sl_fail(error, SL_ERROR_INPUT, "no triangles");
-    return SL_OK;
+    return s->triangle_count ? SL_OK : fail_without_triangles(count, &lost, error);
 }
 
 /* ---- vertices ------------------------------------------------------------------------------------------------------------ */

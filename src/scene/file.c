@@ -30,15 +30,22 @@ static sl_status read_all(FILE *file, const char *path, char **data, size_t *siz
     return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read to its end", path);
 }
 
+sl_status sl_file_check_size(const char *path, size_t size, sl_error *error) {
+    if (size <= SL_FILE_BYTES) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file of at most %zu bytes, got %zu", path, SL_FILE_BYTES, size);
+}
+
 sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error) {
     *data = NULL;
     *size = 0;
     struct stat about;
     if (stat(path, &about) != 0) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path, strerror(errno));
     if (!S_ISREG(about.st_mode)) return sl_fail(error, SL_ERROR_INPUT, "%s: expected a file", path);
+    sl_status status = sl_file_check_size(path, (size_t)about.st_size, error);
+    if (status != SL_OK) return status;
     FILE *file = fopen(path, "rb");
     if (!file) return sl_fail(error, sl_status_of_errno(errno, SL_ERROR_INPUT), "%s: cannot be opened: %s", path, strerror(errno));
-    sl_status status = read_all(file, path, data, size, error);
+    status = read_all(file, path, data, size, error);
     fclose(file);
     return status;
 }

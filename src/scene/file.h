@@ -3,8 +3,13 @@
 #define SL_SCENE_FILE_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "softlux.h"
+
+/* Larger files are refused: the readers count bytes in 31 bits. */
+#define SL_FILE_BYTES ((size_t)INT32_MAX)
+sl_status sl_file_check_size(const char *path, size_t size, sl_error *error);
 
 /* The whole file and a NUL behind it; release with sl_free(). Failing names the file and the reason. */
 sl_status sl_file_read(const char *path, char **data, size_t *size, sl_error *error);

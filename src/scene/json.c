@@ -84,10 +84,34 @@ static unsigned long line_of(const char *text, const char *at) {
     return line;
 }
 
+/* The first bracket that is nested too deep; NULL: none is. What is no JSON is somebody else's affair. */
+static const char *find_too_deep(const char *text) {
+    int depth = 0;
+    for (; *text; text++) {
+        if (*text == '"') {
+            for (text++; *text && *text != '"'; text++) {
+                if (*text == '\\' && text[1]) text++;
+            }
+            if (!*text) return NULL;
+        }
+        if ((*text == '{' || *text == '[') && ++depth > SL_JSON_NESTING) return text;
+        if (*text == '}' || *text == ']') depth--;
+    }
+    return NULL;
+}
+
+static sl_status check_limits(const sl_json *json, size_t size) {
+    if (size > SL_JSON_BYTES) return sl_fail(json->error, SL_ERROR_INPUT, "%s: expected a scene file of at most %d bytes, got %zu", json->path, SL_JSON_BYTES, size);
+    const char *deep = find_too_deep(json->text);
+    if (!deep) return SL_OK;
+    return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected brackets nested at most %d deep", json->path, line_of(json->text, deep), SL_JSON_NESTING);
+}
+
 sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
     *json = (sl_json){.path = path, .error = error};
     size_t size;
     json->status = sl_file_read(path, &json->text, &size, error);
+    if (json->status == SL_OK) json->status = check_limits(json, size);
     if (json->status != SL_OK) return json->status;
     const char *start = json->text, *end = NULL;
     if (size >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3); /* a byte order mark says nothing */
@@ -130,14 +154,17 @@ bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const ch
     }
     for (const cJSON *item = object->child; item; item = item->next) {
         if (!is_one_of(item->string, keys, count)) {
-            sl_json_fail(json, item, "unknown key '%s' in %s; expected '%s'?", item->string, what,
+            sl_json_fail(json, item, "unknown key '%.100s' in %s; expected '%s'?", item->string, what,
                          sl_nearest_name(item->string, keys, count));
+            return false;
         }
         for (const cJSON *other = object->child; other != item; other = other->next) {
-            if (strcmp(other->string, item->string) == 0) sl_json_fail(json, item, "key '%s' is given twice", item->string);
+            if (strcmp(other->string, item->string) != 0) continue;
+            sl_json_fail(json, item, "key '%s' is given twice", item->string);
+            return false;
         }
     }
-    return json->status == SL_OK;
+    return true;
 }
 
 const cJSON *sl_json_get(const cJSON *object, const char *key) { return cJSON_GetObjectItemCaseSensitive(object, key); }
@@ -224,6 +251,10 @@ const char *sl_json_string(sl_json *json, const cJSON *item) {
         sl_json_fail(json, item, "expected '%s' to be a string that is not empty", name_of(item));
         return NULL;
     }
+    if (strlen(item->valuestring) > SL_JSON_STRING) {
+        sl_json_fail(json, item, "expected '%s' to be a string of at most %d bytes, got %zu", name_of(item), SL_JSON_STRING, strlen(item->valuestring));
+        return NULL;
+    }
     return item->valuestring;
 }
 
@@ -233,5 +264,10 @@ size_t sl_json_array(sl_json *json, const cJSON *item) {
         sl_json_fail(json, item, "expected '%s' to be an array [ ... ]", name_of(item));
         return 0;
     }
-    return (size_t)cJSON_GetArraySize(item);
+    size_t count = (size_t)cJSON_GetArraySize(item);
+    if (count > SL_JSON_ENTRIES) {
+        sl_json_fail(json, item, "expected '%s' to have at most %d entries, got %zu", name_of(item), SL_JSON_ENTRIES, count);
+        return 0;
+    }
+    return count;
 }

@@ -8,6 +8,9 @@
 #include "base/vec.h"
 #include "softlux.h"
 
+/* What a file may hold at most (docs/scene-format.md): more is an error. */
+enum { SL_JSON_BYTES = 64 << 20, SL_JSON_NESTING = 64, SL_JSON_ENTRIES = 65536, SL_JSON_STRING = 4095 };
+
 typedef struct sl_json {
     const char *path;
     char *text;
@@ -43,7 +46,7 @@ bool sl_json_vec3(sl_json *json, const cJSON *item, sl_vec3d *value);
 bool sl_json_rgb(sl_json *json, const cJSON *item, sl_rgb *value); /* three numbers >= 0, or one for all */
 bool sl_json_bool(sl_json *json, const cJSON *item, bool *value);
 const char *sl_json_string(sl_json *json, const cJSON *item); /* NULL where it is none */
-/* An array; the number of entries. 0 where it is not given or wrong. */
+/* An array of at most SL_JSON_ENTRIES; the number of entries. 0 where it is not given or wrong. */
 size_t sl_json_array(sl_json *json, const cJSON *item);
 
 #endif

@@ -195,12 +195,12 @@ static sl_status check_faces(const char *path, const struct aiScene *file, sl_er
         for (unsigned f = 0; f < mesh->mNumFaces; f++) {
             const struct aiFace *face = &mesh->mFaces[f];
             if (face->mNumIndices == 0 || !face->mIndices) {
-                return sl_fail(error, SL_ERROR_INPUT, "%s: face %u of mesh '%s' has no corners", path, f, mesh->mName.data);
+                return sl_fail(error, SL_ERROR_INPUT, "%s: expected faces that have corners: face %u of mesh '%s' has none", path, f, mesh->mName.data);
             }
             for (unsigned c = 0; c < face->mNumIndices; c++) {
                 if (face->mIndices[c] < mesh->mNumVertices) continue;
-                return sl_fail(error, SL_ERROR_INPUT, "%s: face %u of mesh '%s' names vertex %u of %u", path, f, mesh->mName.data,
-                               face->mIndices[c], mesh->mNumVertices);
+                return sl_fail(error, SL_ERROR_INPUT, "%s: expected vertex numbers below %u: face %u of mesh '%s' names %u", path, mesh->mNumVertices, f, mesh->mName.data,
+                               face->mIndices[c]);
             }
         }
     }
@@ -230,6 +230,9 @@ static sl_status import(const char *path, sl_import_io *io, const sl_model *mode
     if (!*file || !(*file)->mRootNode) {
         const char *reason = *file ? "it is empty" : aiGetErrorString();
         if (!*file && ((reason && strstr(reason, "bad_alloc")) || sl_memory_has_ended())) return sl_fail_memory(error, path);
+        if (reason && strncmp(reason, "No suitable reader found", 24) == 0) {
+            return sl_fail(error, SL_ERROR_INPUT, "%s: expected a scene file (.json) or a mesh file (.obj, .gltf, .glb, .ply, .stl, .bpt, ...)", path);
+        }
         return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: %s", path, reason && *reason ? reason : "it is damaged");
     }
     sl_status status = check_faces(path, *file, error);

@@ -41,7 +41,7 @@ static bool make_room(const column *columns, size_t column_count, size_t used, s
 
 sl_status sl_model_add_vertices(sl_model *m, size_t count, uint32_t object, size_t *first, sl_error *error) {
     const column columns[] = {COLUMN(m->positions, 3), COLUMN(m->normals, 3), COLUMN(m->uvs, 2), COLUMN(m->vertex_object, 1)};
-    if (m->vertex_count + count >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u vertices", SL_NO_INDEX);
+    if (count >= SL_NO_INDEX || m->vertex_count + count >= SL_NO_INDEX) return sl_fail(error, SL_ERROR_RESOURCES, "more than %u vertices", SL_NO_INDEX);
     if (!make_room(columns, 4, m->vertex_count, &m->vertex_room, count)) return sl_fail_memory(error, "the vertices");
     *first = m->vertex_count;
     m->vertex_count += count;
@@ -51,6 +51,8 @@ sl_status sl_model_add_vertices(sl_model *m, size_t count, uint32_t object, size
 
 sl_status sl_model_add_triangles(sl_model *m, size_t count, size_t *first, sl_error *error) {
     const column columns[] = {COLUMN(m->indices, 3), COLUMN(m->material_index, 1), COLUMN(m->object_index, 1)};
+    const size_t most = (SL_NO_INDEX - 1) / 3; /* corners are counted in 32 bits */
+    if (count > most || m->triangle_count + count > most) return sl_fail(error, SL_ERROR_RESOURCES, "more than %zu triangles", most);
     if (!make_room(columns, 3, m->triangle_count, &m->triangle_room, count)) return sl_fail_memory(error, "the triangles");
     *first = m->triangle_count;
     m->triangle_count += count;

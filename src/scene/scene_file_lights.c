@@ -75,10 +75,23 @@ static void read_directional(sl_scene_file *file, const cJSON *item, sl_light *l
     sl_json_rgb(json, sl_json_need(json, item, "irradiance"), &light->intensity);
 }
 
-static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *light) {
+/* Lights that give no light: the first, and how many. */
+typedef struct dark_lights {
+    const cJSON *first;
+    size_t count;
+} dark_lights;
+
+static void warn_of_dark(sl_scene_file *file, const dark_lights *dark) {
+    if (!dark->count || file->json.status != SL_OK) return;
+    unsigned long line = sl_json_line(&file->json, dark->first);
+    if (dark->count == 1) sl_model_warn(&file->model, "%s:%lu: this light gives no light and is left out", file->json.path, line);
+    else sl_model_warn(&file->model, "%s:%lu: this light and %zu more give no light and are left out", file->json.path, line, dark->count - 1);
+}
+
+static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *light, dark_lights *dark) {
     if (file->json.status != SL_OK) return;
     if (!(sl_rgb_max(light->intensity) > 0.0f)) {
-        sl_model_warn(&file->model, "%s:%lu: this light gives no light and is left out", file->json.path, sl_json_line(&file->json, item));
+        if (!dark->count++) dark->first = item;
         return;
     }
     uint32_t index = (uint32_t)file->model.light_count;
@@ -158,6 +171,7 @@ void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
     static const char *const types[] = {"point", "spot", "directional", "quad"};
     sl_json *json = &file->json;
     size_t count = sl_json_array(json, list), number = 0;
+    dark_lights dark = {0};
     for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK; item = item->next, number++) {
         if (!cJSON_IsObject(item)) {
             sl_json_fail(json, item, "expected a light to be an object { ... }");
@@ -171,8 +185,9 @@ void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
         else if (strcmp(type, "directional") == 0) read_directional(file, item, &light);
         else if (strcmp(type, "quad") == 0) add_quad(file, item, number);
         else sl_json_fail(json, sl_json_get(item, "type"), "unknown light type '%s'; expected '%s'?", type, sl_nearest_name(type, types, 4));
-        if (strcmp(type, "quad") != 0) add_light(file, item, &light);
+        if (strcmp(type, "quad") != 0) add_light(file, item, &light, &dark);
     }
+    warn_of_dark(file, &dark);
 }
 
 /* ---- sky -------------------------------------------------------------------------------------------------------------------------------- */

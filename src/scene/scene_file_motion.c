@@ -86,9 +86,13 @@ static void out_of_memory(sl_json *json) {
     if (json->status == SL_OK) json->status = sl_fail_memory(json->error, "keyframes");
 }
 
-/* One more entry at the end of a short list. */
+/* One more entry at the end of a list, whose room is the next power of two. */
 static void *append(sl_json *json, void *list, size_t *count, size_t size) {
-    char *longer = sl_allocate(*count + 1, size);
+    if (*count & (*count - 1)) {
+        (*count)++;
+        return list;
+    }
+    char *longer = sl_allocate(*count ? 2 * *count : 1, size);
     if (!longer) {
         out_of_memory(json);
         return list;

@@ -21,7 +21,7 @@ static const char obj[] = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 4 3 2\nf 4 
 
 /* What ends a command that renders: last words win. */
 static const char *const least[] = {"--size", "3x2", "--threads", "1", "--spp", "1", "--batches", "2", "--frames", "1", "--gather-size", "8", "--photons", "50",
-                                    "--depth", "2", "--map-samples", "2", "--points", "20", "--time", "0.05", "--quiet"};
+                                    "--depth", "2", "--map-samples", "2", "--points", "20", "--stored-photons", "100", "--indirect-samples", "2", "--area-samples", "4", "--time", "0.05", "--quiet"};
 
 static void make_folder(void) {
     char start[256];
