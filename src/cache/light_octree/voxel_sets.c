@@ -178,5 +178,6 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     bytes += work->parents ? sl_octree_bytes(work->parents) : 0;
     bytes += work->surroundings ? sl_surroundings_bytes(work->surroundings) : 0;
     size_t marks = work->surroundings ? work->scene->triangle_count * sizeof(uint32_t) : 0;
-    return bytes + work->workers * (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * 69);
+    size_t a_photon = work->surroundings && !lights->options.whole_area ? 105 : 69; /* with its place for the hull, or without */
+    return bytes + work->workers * (sizeof *work->worker + marks + sl_voxel_most_neighbours(&lights->options) * a_photon);
 }
