@@ -320,13 +320,14 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
         const double budget = k ? 60.0 : 240.0;
         sl_scene *scene = room();
         sl_settings settings = loop_settings();
+        settings.shading_cache.stop_size = 2.0;
         settings.shading_cache.nominal_rate = 100.0;
         settings.shading_cache.clean_up_seconds = budget / 100.0;
         sl_method *method = method_of(scene, &settings);
         const sl_shading_state *s = inside_of(method);
         to_the_end(method);
         size_t before = visible_leaves(s);
-        assert_true(before > 1000);
+        assert_true(before > 400);
         move_light(scene, -0.6f);
         edit(method, SL_CHANGED_LIGHTS);
         for (int i = 0; i < 50 && !count_of(method, SL_COUNT_CHANGES_DETECTED); i++) update(method);
@@ -344,6 +345,7 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     (void)state;
     sl_scene *scene = room();
     sl_settings settings = loop_settings(), path = small_settings("path", SIZE, SIZE);
+    settings.shading_cache.stop_size = 2.0;
     path.transport = "matched:shading-cache";
     path.shading_cache = settings.shading_cache;
     path.spp = 1;
@@ -378,7 +380,8 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
     for (int late = 0; late < 2; late++) {
         sl_scene *scene = room();
         sl_settings settings = loop_settings();
-        settings.shading_cache.cache_limit = late ? 3.5 : 8.0;
+        settings.shading_cache.cache_limit = late ? 1.9 : 8.0;
+        settings.shading_cache.stop_size = 2.0;
         settings.shading_cache.ageing_window = late ? 5 : 2000;
         sl_method *method = method_of(scene, &settings);
         const sl_shading_state *s = inside_of(method);
