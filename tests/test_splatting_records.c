@@ -1,5 +1,5 @@
-/* The records of whole pictures, looked at one by one: the picture is their sum over all pixels, none lights another step of the stairs, and none
- * made inside of something reaches out of it. */
+/* The records of whole pictures, looked at one by one: the picture is their sum over all pixels, none lights another step of the stairs, none
+ * made inside of something reaches out of it, and none is made twice. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -191,8 +191,8 @@ static uint32_t floor_triangle(const sl_scene *scene, sl_vec3 p) {
     return hit.triangle[0];
 }
 
-/* The record of a picture of one pixel, which shows that point. */
-static sl_record record_on_floor(double half) {
+/* The records of a picture of one pixel, which shows that point: the first, and how many they are after so many visits. */
+static sl_record records_on_floor(double half, float footprint, int visits, size_t *count) {
     const sl_vec3 p = {0.3f, -1.0f, 0.2f}, up = {0, 1, 0};
     sl_scene *scene = room_with_box(half);
     sl_tracer *tracer;
@@ -217,14 +217,18 @@ static sl_record record_on_floor(double half) {
         .gather = gather, .tracer = tracer, .scratch = &scratch, .gbuffer = g,
         .receivers = {1, 1, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, &receives},
         .weights = {0.3f, 1.0f / 0.3f, 1e-5f * scene->diagonal}, .covered_weight = 1.0f / (9.0f * 0.3f),
-        .radii = {0.3, 1.5, 0.1 * (double)scene->diagonal, true, SL_GATHER_RAYS, 2.7},
+        .radii = {.accuracy = 0.3, .minimum_pixels = 1.5, .maximum_radius = 0.1 * (double)scene->diagonal, .guard = true, .gather = SL_GATHER_RAYS,
+                  .plane_tangent = 2.7},
         .kernels = sl_splat_kernels_for(sl_isa_best()), .camera = &scene->camera, .near_distance = 1e-5f * scene->diagonal,
-        .footprint_per_depth = 0.001f, .coverage = &coverage, .owned = &owned, .threads = 1, .diagonal = scene->diagonal};
+        .footprint_per_depth = footprint, .coverage = &coverage, .owned = &owned, .threads = 1, .diagonal = scene->diagonal};
     sl_record_list list = {0};
-    sl_traversal traversal;
-    sl_traversal_start(&traversal, SL_ORDER_LINEAR, 1, 1);
-    while (traversal.stride) assert_int_equal(sl_traversal_advance(&traversal, &pass, &list, &counters, NULL), SL_OK);
-    assert_int_equal(list.count, 1);
+    for (int i = 0; i < visits; i++) {
+        sl_traversal traversal;
+        sl_traversal_start(&traversal, SL_ORDER_LINEAR, 1, 1);
+        while (traversal.stride) assert_int_equal(sl_traversal_advance(&traversal, &pass, &list, &counters, NULL), SL_OK);
+    }
+    assert_true(list.count > 0);
+    *count = list.count;
     sl_record record = list.records[0];
     sl_record_list_free(&list);
     sl_gbuffer_destroy(g);
@@ -239,7 +243,10 @@ static sl_record record_on_floor(double half) {
  * one nothing is known of what is around: the record reaches as little as it may, and only what it sees. */
 static void a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself(void **state) {
     (void)state;
-    sl_record free_one = record_on_floor(0.0), small = record_on_floor(2e-4), larger = record_on_floor(1e-3);
+    const float footprint = 0.001f;
+    size_t count;
+    sl_record free_one = records_on_floor(0.0, footprint, 1, &count), small = records_on_floor(2e-4, footprint, 1, &count);
+    sl_record larger = records_on_floor(1e-3, footprint, 1, &count);
     assert_true(free_one.irradiance.g > 0.01f && free_one.radius > 2.0f * free_one.minimum_radius && !free_one.behind_a_wall);
     print_message("E %.4f; in a small box %.4f, in a larger one %.4f\n", (double)free_one.irradiance.g, (double)small.irradiance.g, (double)larger.irradiance.g);
     assert_true(fabsf(small.irradiance.g / free_one.irradiance.g - 1.0f) < 0.02f);
@@ -248,11 +255,50 @@ static void a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself(void
     assert_true(larger.radius == larger.minimum_radius && larger.behind_a_wall);
 }
 
+/* A record may be refused by its own pixel: of one without any reach D is no number. The pixel counts as covered all the same, or every visit would
+ * make it another record. */
+static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **state) {
+    (void)state;
+    size_t count;
+    sl_record record = records_on_floor(1e-3, 0.0f, 3, &count);
+    assert_true(record.radius == 0.0f);
+    assert_int_equal(count, 1);
+}
+
+/* ---- radiance records ---- */
+
+/* What comes in changes with direction, too: a radiance record reaches no further than the length over which its coefficients change. */
+static void radiance_records_keep_within_the_length_of_their_coefficients(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = small_settings("splatting", 64, 64);
+    settings.gather_size = 16;
+    settings.quality = SL_QUALITY_HIGH; /* or records reach as little as they may */
+    settings.spp = 1;
+    settings.accuracy = 0.5;
+    settings.glossy_accuracy = 0.3;
+    drawn d = draw(scene, settings);
+    const sl_record_cache *cache = &d.state->cache[SL_RECEIVES_RADIANCE];
+    size_t limited = 0;
+    for (size_t k = 0; k < cache->list.count; k++) {
+        const sl_record *r = &cache->list.records[k];
+        float length = (float)sl_glossy_length(cache->glossy, cache->list.coefficients + k * cache->pass.coefficient_count);
+        assert_true(r->own_radius <= fmaxf(length, r->minimum_radius));
+        limited += r->own_radius == length;
+    }
+    print_message("%zu of %zu radiance records reach just so far\n", limited, cache->list.count);
+    assert_true(limited > 5);
+    drawn_free(&d);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_is_the_sum_of_all_records_bit_for_bit),
         cmocka_unit_test(no_record_of_a_tread_counts_on_another),
         cmocka_unit_test(a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself),
+        cmocka_unit_test(a_pixel_gets_one_record_even_where_that_does_not_cover_it),
+        cmocka_unit_test(radiance_records_keep_within_the_length_of_their_coefficients),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
