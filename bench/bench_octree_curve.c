@@ -128,6 +128,7 @@ static void progressive(const octree_world *w, char *text, size_t size) {
     sl_method *method;
     sl_error error;
     settings.method = "light-octree";
+    settings.light_octree.depth = octree_settings().depth;
     settings.width = settings.height = 512;
     settings.observer = &observer;
     if (sl_method_create(w->view.scene, &settings, &method, &error) != SL_OK) bench_fail("light octree", &error);

@@ -9,7 +9,7 @@
 
 /* Of one thread processor time, of more the clock's. */
 double octree_seconds(unsigned threads);
-/* The defaults of normal quality. */
+/* The defaults of normal quality, but for depth 6. */
 sl_light_octree_settings octree_settings(void);
 
 /* ---- passes (octree_run.c) ---- */
