@@ -120,6 +120,15 @@ expect 0 'method [a-z-]+.* by mirrors' render scenes/cornell.json -s 16x16 -q dr
 grep -qE 'splatting|light-octree|direct-radiance|path|bidirectional' "$folder/auto.exr" || { echo 'metadata does not tell the method that auto chose'; bad=1; }
 expect 0 'method direct-radiance' render scenes/moving-light.json -s 16x16 -m auto --frames 2 --fps 1 -o "$folder/m%d.pfm"
 
+# Tables between marks of a page: filled, filled again, and kept where nothing is known of them.
+printf '<!-- table a -->\n| 1 |\n| 2 |\n<!-- end -->\nnot this\n' >"$folder/tables.md"
+printf 'before\n<!-- table a -->\nold\n<!-- end -->\nbetween\n<!-- table b -->\nkept\n<!-- end -->\nafter\n' >"$folder/page.md"
+printf 'before\n<!-- table a -->\n| 1 |\n| 2 |\n<!-- end -->\nbetween\n<!-- table b -->\nkept\n<!-- end -->\nafter\n' >"$folder/wanted.md"
+for again in 1 2; do
+    bench/fill_tables.sh "$folder/tables.md" "$folder/page.md"
+    cmp -s "$folder/page.md" "$folder/wanted.md" || { echo "tables filled in wrongly, time $again:"; cat "$folder/page.md"; bad=1; }
+done
+
 # What a method finds out on its way is told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
 expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"
