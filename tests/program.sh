@@ -41,6 +41,15 @@ for key in method size threads seconds batches memory_bytes counters; do
     grep -q "\"$key\"" "$folder/out" || { echo "render --json lacks $key"; bad=1; }
 done
 expect 0 'triangles' info scenes/cornell.json
+
+# Memory within bounds: less, or nothing.
+expect 2 'expected bytes, as 512M' render scenes/cornell.json --memory 20x -o "$folder/m.exr"
+expect 2 'expected 16M to' render scenes/cornell.json --memory 3M -o "$folder/m.exr"
+expect 5 'cornell.json: 16M of memory are not enough to load it' render scenes/cornell.json --memory 16M -o "$folder/m.exr"
+expect 5 'path needs at least [0-9]+M for this \(program' render scenes/cornell.json -s 2000x2000 -m path --memory 100M -o "$folder/m.exr"
+[ ! -e "$folder/m.exr" ] || { echo 'a refused render left a file'; bad=1; }
+expect 0 'keep within --memory: [0-9]+ stored photons instead of 5000000' render scenes/cornell.json -s 32x32 -q draft -m light-octree --depth 3 --stored-photons 5000000 --memory 0.1G -o "$folder/m.exr"
+expect 0 'with less memory +[0-9]+ stored photons' info scenes/cornell.json -s 32x32 -m light-octree --stored-photons 50000000 --memory 300M
 expect 2 'did you mean splatting' bench scenes/cornell.json --methods path,splating -o "$folder/report"
 expect 2 "unknown 'best'" bench scenes/cornell.json --qualities best -o "$folder/report"
 expect 3 'nowhere.json' bench nowhere.json --quiet -o "$folder/report"

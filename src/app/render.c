@@ -1,6 +1,7 @@
 /* softlux render: a picture of a scene, or a series of an animated one. */
 #include "app/auto_method.h"
 #include "app/commands.h"
+#include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/picture.h"
 #include "app/settings_options.h"
@@ -118,7 +119,7 @@ int sl_command_render(int argc, char **argv) {
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
-    sl_status status = sl_scene_load_with(o.scene_path, &o.load, &scene, &error);
+    sl_status status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
     if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
     if (status == SL_OK) {
         if (!o.quiet) print_warnings(scene);
