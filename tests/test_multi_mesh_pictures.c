@@ -122,8 +122,8 @@ static void two_lamps_together_light_as_one_and_the_other(void **state) {
     static const char *const lights[3] = {
         "{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}",
         "{\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], \"radiance\": [4, 2, 1]}",
-        "{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}, {\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, "
-        "1], \"radiance\": [4, 2, 1]}"};
+        ("{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}, {\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, "
+        "1], \"radiance\": [4, 2, 1]}")};
     sl_image *image[3];
     for (int i = 0; i < 3; i++) {
         char json[1024];
