@@ -2,6 +2,7 @@
 #ifndef SL_TESTS_FAILING_MEMORY_H
 #define SL_TESTS_FAILING_MEMORY_H
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +12,10 @@ static long allocations_left = -1; /* until one fails, then all do; -1: none fai
 static long blocks_held;
 
 void *sl_allocate(size_t count, size_t size) {
-    if (allocations_left == 0) return NULL;
+    if (allocations_left == 0) {
+        errno = ENOMEM;
+        return NULL;
+    }
     if (allocations_left > 0) allocations_left--;
     size_t bytes = (count * size + 64) / 64 * 64;
     void *block = aligned_alloc(64, bytes);
@@ -26,6 +30,8 @@ void sl_free(void *block) {
     if (block != NULL) blocks_held--;
     free(block);
 }
+
+bool sl_memory_has_ended(void) { return allocations_left == 0; }
 
 /* Calls something with room for 0, 1, 2 ... allocations until it succeeds; how often it failed. Each time it says that memory ended, and holds no more
  * than before, unless it is of those that keep what they did until then. after_failure (or NULL) looks at what is left, with all memory there is. */

@@ -84,7 +84,7 @@ static void see(wall *w) {
 
 /* One update of the loop, with samples that are exact. */
 static void update(wall *w, const sl_selection_settings *selection, bool plain) {
-    static uint32_t vertex[4 * CHOICES + 64];
+    static uint32_t vertex[(4 + SL_HANGING_A_PATCH) * CHOICES + 64];
     sl_chosen_place place[CHOICES];
     sl_counters counters = {0};
     sl_work_settings work = {.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 1};

@@ -37,7 +37,7 @@ static bool update(sl_method *method) {
 
 static uint64_t to_the_end(sl_method *method) {
     uint64_t updates = 1;
-    while (!update(method)) assert_true(++updates < 20000);
+    while (!update(method)) assert_true(++updates < 4000);
     return updates;
 }
 

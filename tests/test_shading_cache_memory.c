@@ -113,7 +113,7 @@ typedef struct update {
     sl_choice choice[128];
     size_t choices;
     sl_chosen_place place[64];
-    uint32_t vertex[4 * 64 + 64];
+    uint32_t vertex[(4 + SL_HANGING_A_PATCH) * 64 + 64];
     size_t vertices;
     sl_counters counters;
     sl_changes *changes;

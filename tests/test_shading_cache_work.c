@@ -26,7 +26,7 @@ static sl_work_settings usual(void) {
 }
 
 typedef struct outcome {
-    uint32_t vertex[4 * PLACES_MAX + 64];
+    uint32_t vertex[(4 + SL_HANGING_A_PATCH) * PLACES_MAX + 64];
     size_t count;
     uint64_t splits;
 } outcome;
