@@ -54,7 +54,7 @@ static void put_times_as_soon(FILE *out, const sl_bench_scene *s, double error, 
     sl_seconds_text(lead.seconds, seconds);
     sl_seconds_text(lead.path_seconds, path);
     if (named) fprintf(out, " %s |", lead.method);
-    fprintf(out, " %s | %s%s |", seconds, lead.path_later ? "> " : "", path);
+    fprintf(out, " %s | %s%s |", seconds, lead.path_later && lead.path_seconds > 0.0 ? "> " : "", lead.path_seconds > 0.0 ? path : "");
     if (lead.path_seconds > 0.0) fprintf(out, " %s%.1f |", lead.path_later ? "> " : "", lead.path_seconds / lead.seconds);
     else fputs(" |", out);
 }
