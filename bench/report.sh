@@ -42,10 +42,10 @@ softlux=${SOFTLUX:-$build/softlux}
 for step in ${STEPS:-trials report}; do
     case $step in
     references) # as good as the budget allows, ahead of time: who else works on the machine does not matter to them
-        for scene in $SCENES; do "$softlux" bench "$scene" "$@" --references-only --quiet; done ;;
+        for scene in $SCENES; do "$softlux" bench "$scene" "$@" --references-only --quiet || echo "$scene: no references"; done ;;
     trials) # what a busy machine spoils
         # shellcheck disable=SC2086 # a list
-        printf '%s\n' $SCENES | xargs -P "${JOBS:-1}" -I SCENE "$softlux" bench SCENE "$@" --trials-only --quiet ;;
+        printf '%s\n' $SCENES | xargs -P "${JOBS:-1}" -I SCENE "$softlux" bench SCENE "$@" --trials-only --quiet || echo "a scene could not be measured" ;;
     report) # errors, with better references where they need them
         # shellcheck disable=SC2086 # a list
         "$softlux" bench $SCENES "$@" --report-only
