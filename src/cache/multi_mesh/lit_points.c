@@ -38,11 +38,12 @@ double sl_dyadic_reach(uint32_t p, uint32_t q) {
     return 1.0 / (double)(1u << level);
 }
 
-bool sl_is_walled_in(const sl_tracer *tracer, const sl_mesh_point *vertex, const sl_mesh_point *inside, float lift, sl_counters *counters) {
-    static const float stub = 0.25f;
+float sl_share_before_wall(const sl_tracer *tracer, const sl_mesh_point *vertex, const sl_mesh_point *inside, float lift, sl_counters *counters) {
     sl_vec3 from = sl_mad(vertex->position, lift, vertex->normal), way = sl_sub(sl_mad(inside->position, lift, inside->normal), from);
-    if (!sl_is_finite(way) || !(sl_length(way) > 0.0f)) return false;
+    if (!sl_is_finite(way) || !(sl_length(way) > 0.0f)) return 1.0f;
     sl_ray16 ray = {.origin_x = {from.x}, .origin_y = {from.y}, .origin_z = {from.z}, .direction_x = {way.x}, .direction_y = {way.y},
-                    .direction_z = {way.z}, .far = {stub}, .skip = {vertex->triangle}};
-    return sl_trace_occluded(tracer, &ray, 1, false, counters) != 0;
+                    .direction_z = {way.z}, .far = {1.0f}, .skip = {vertex->triangle}};
+    sl_hit16 hit;
+    sl_trace(tracer, &ray, 1, false, &hit, counters);
+    return hit.triangle[0] != SL_NO_INDEX ? hit.t[0] : 1.0f;
 }

@@ -15,10 +15,12 @@ void sl_step_inside(const sl_topology *topology, double inwards, sl_mesh_point *
 /* How far from where a vertex lies to its face's middle a leaf that has it as a corner may reach, by its weights in 1/SL_MESH_DYADIC: all the way from
  * a face's corner, half of it from the middle of an edge, ... */
 double sl_dyadic_reach(uint32_t p, uint32_t q);
-/* Whether a vertex where nothing arrives lies behind a wall, at the end of something that sticks in it, as a beam's in a wall that is but a face: then what
- * is asked for at `inside`, a fifth of the way into its leaf, stands for it. Such an end is short: the wall is met within the first quarter of that way.
- * One that stands further off is a wall beside a dark place, and what is behind it is none of the vertex's. */
-bool sl_is_walled_in(const sl_tracer *tracer, const sl_mesh_point *vertex, const sl_mesh_point *inside, float lift, sl_counters *counters);
+/* Where on the way from a vertex to `inside`, a fifth of the way into its leaf, the first wall stands: a share of that way; 1: there is none. */
+float sl_share_before_wall(const sl_tracer *tracer, const sl_mesh_point *vertex, const sl_mesh_point *inside, float lift, sl_counters *counters);
+/* A vertex where nothing arrives lies behind a wall, at the end of something that sticks in it, as a beam's in a wall that is but a face, if the wall
+ * stands within the first quarter: then what is asked for at `inside` stands for it. A wall that stands further off is one beside a dark place, and what is behind
+ * it is none of the vertex's. */
+#define SL_STUB 0.25f
 
 static inline sl_lit_point sl_lit_point_of(const sl_mesh_point *at) {
     return (sl_lit_point){at->position, at->normal, at->geometric_normal, at->triangle};

@@ -93,16 +93,24 @@ static bool find_gather_point(sl_multi_mesh_state *s, const sl_mesh *mesh, uint3
 
 static double reach_of(const sl_mesh *mesh, uint32_t vertex) { return sl_dyadic_reach(mesh->key[vertex].p, mesh->key[vertex].q); }
 
-/* A vertex where all but nothing arrives may be walled in by what is no solid (lit_points.h). */
-static bool is_walled_in(sl_multi_mesh_state *s, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *inside) {
+/* What to do about a vertex where all but nothing arrives: it may be walled in by what is no solid (lit_points.h). */
+typedef enum dark_vertex { DARK_AS_IT_IS, DARK_AND_INVALID, DARK_BUT_INSIDE } dark_vertex;
+
+/* A face's corner gathers once more, a fifth of the way into the face: a beam that few pixels show has no other vertices. Unless a wall stands in between,
+ * far off: what is beyond that is another room. Any other vertex behind a wall has no light of its own. */
+static dark_vertex look_inside(sl_multi_mesh_state *s, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *inside) {
+    const float diagonal = s->scene->diagonal, far = 0.01f * diagonal;
+    double reach = reach_of(mesh, vertex);
     sl_mesh_point at;
+    if (!s->tracer) return DARK_AS_IT_IS;
     sl_mesh_point_of(mesh, vertex, &at);
-    sl_mesh_point_nudged(mesh, vertex, sl_nudge[SL_NUDGES - 1] * reach_of(mesh, vertex), inside);
-    return s->tracer && sl_is_walled_in(s->tracer, &at, inside, 1e-5f * s->scene->diagonal, &s->counters);
+    sl_mesh_point_nudged(mesh, vertex, sl_nudge[SL_NUDGES - 1] * reach, inside);
+    float share = sl_share_before_wall(s->tracer, &at, inside, 1e-5f * diagonal, &s->counters);
+    if (reach < 1.0) return share < SL_STUB ? DARK_AND_INVALID : DARK_AS_IT_IS;
+    bool another_room = share >= SL_STUB && share < 1.0f && sl_length(sl_sub(inside->position, at.position)) > far;
+    return another_room ? DARK_AS_IT_IS : DARK_BUT_INSIDE;
 }
 
-/* A face's corner behind a wall gathers once more, before the wall: a beam that few pixels show has no other vertices. Any other vertex there has no light
- * of its own. */
 static sl_status gather_before_walls(sl_multi_mesh_state *s, size_t count, const sl_wanted_vertex *wanted, sl_mesh_point *points, sl_rgb *irradiance,
                                      bool *valid, sl_error *error) {
     const sl_mesh *mesh = s->part[SL_INDIRECT]->mesh;
@@ -111,9 +119,10 @@ static sl_status gather_before_walls(sl_multi_mesh_state *s, size_t count, const
     uint32_t *which = sl_allocate(count, sizeof *which);
     sl_rgb *again = sl_allocate(count, sizeof *again);
     for (size_t i = 0; i < count && which && again; i++) {
-        if (!(sl_rgb_mean(irradiance[i]) < little) || !is_walled_in(s, mesh, wanted[i].vertex, &points[dark])) continue;
-        if (reach_of(mesh, wanted[i].vertex) < 1.0) valid[i] = false;
-        else which[dark++] = (uint32_t)i;
+        if (!(sl_rgb_mean(irradiance[i]) < little)) continue;
+        dark_vertex found = look_inside(s, mesh, wanted[i].vertex, &points[dark]);
+        if (found == DARK_AND_INVALID) valid[i] = false;
+        if (found == DARK_BUT_INSIDE) which[dark++] = (uint32_t)i;
     }
     if (dark) sl_multi_mesh_gather(s, dark, points, again);
     for (size_t i = 0; i < dark; i++) irradiance[which[i]] = again[i];
