@@ -235,6 +235,16 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
     end(&c);
 }
 
+static void a_new_value_leaves_no_trace_of_the_old_one(void **state) {
+    (void)state;
+    committing c;
+    begin(&c);
+    evaluate_all(&c.h, 1e12f, 1);
+    commit(&c, (const sl_sample[4]){lit, lit, lit, lit});
+    for (uint32_t i = 0; i < 4; i++) assert_true(value_of(&c.h, i) == 4.0f);
+    end(&c);
+}
+
 static void where_there_is_no_old_value_what_is_no_number_is_borrowed(void **state) {
     (void)state;
     committing c;
@@ -339,6 +349,7 @@ int main(void) {
         cmocka_unit_test(around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere),
         cmocka_unit_test(splits_around_what_is_inside_something_come_to_an_end),
         cmocka_unit_test(a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again),
+        cmocka_unit_test(a_new_value_leaves_no_trace_of_the_old_one),
         cmocka_unit_test(where_there_is_no_old_value_what_is_no_number_is_borrowed),
         cmocka_unit_test(renderers_that_return_no_number_leave_the_picture_as_it_was),
         cmocka_unit_test(a_vertex_inside_something_is_looked_for_beside_it_further_and_further),
