@@ -28,32 +28,39 @@ static const double mega = 0x1p20;
 /* ---- a picture in a process of its own ---- */
 
 typedef struct outcome {
-    int status;
-    double peak; /* bytes, of the whole process */
+    sl_status status;
+    double peak, need; /* bytes: of the whole process; and what was said before */
     bool sound, conceded;
     char message[1024]; /* the error, or the concession */
 } outcome;
 
 static sl_scene *cornell(void) { return load_scene("scenes/cornell.json"); }
 
-/* 26,000 triangles with bumps, and a lamp. */
-static sl_scene *bumpy_ball(void) {
+/* A ball of 4 rings^2 triangles with bumps, and a lamp. */
+static sl_scene *ball_of(unsigned rings) {
     trace_mesh m = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0), lamp = trace_mesh_material(&m, 0, 0, 0, 0, 20.0f);
     trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
-    trace_mesh_sphere(&m, sl_v3(0, -1, 0), 1.5f, 80, 0.1f, false, grey);
+    trace_mesh_sphere(&m, sl_v3(0, -1, 0), 1.5f, rings, 0.1f, false, grey);
     trace_mesh_quad(&m, sl_v3(-0.5f, 2.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     assert_true(sl_camera_look_at(&m.camera, sl_v3(0, 1, 2.9f), sl_v3(0, -0.5f, 0), sl_v3(0, 1, 0), 1.1f));
     m.has_camera = true;
     return trace_mesh_build(&m);
 }
 
+static sl_scene *bumpy_ball(void) { return ball_of(80); } /* 26,000 triangles */
+static sl_scene *smooth_ball(void) { return ball_of(20); }
+static sl_scene *fine_ball(void) { return ball_of(170); } /* 116,000 triangles */
+
 static void run(sl_scene *scene, const sl_settings *settings, outcome *o) {
     sl_error error = {SL_OK, ""};
     sl_method *method = NULL;
     sl_image *image = NULL;
     sl_progress progress = {0};
-    o->status = sl_method_create(scene, settings, &method, &error);
+    uint64_t need = 0;
+    o->status = sl_method_memory_need(scene, settings, &need, &error);
+    o->need = (double)need;
+    if (o->status == SL_OK) o->status = sl_method_create(scene, settings, &method, &error);
     while (o->status == SL_OK && !progress.done && progress.batches < 2000) o->status = sl_method_update(method, &progress, &error);
     if (o->status == SL_OK) o->status = sl_method_resolve(method, &image, &error);
     snprintf(o->message, sizeof o->message, "%s", error.message);
@@ -71,7 +78,7 @@ static void run(sl_scene *scene, const sl_settings *settings, outcome *o) {
 
 static outcome in_a_process(sl_scene *(*make)(void), const sl_settings *settings) {
     int ends[2];
-    outcome o = {.status = -1};
+    outcome o = {.status = SL_ERROR_RESOURCES};
     assert_int_equal(pipe(ends), 0);
     fflush(NULL);
     pid_t child = fork();
@@ -102,15 +109,6 @@ static sl_settings settings_of(const char *method, int size) {
     return s;
 }
 
-static double need_of(sl_scene *(*make)(void), const sl_settings *settings) {
-    sl_error error;
-    uint64_t bytes = 0;
-    sl_scene *scene = make();
-    if (sl_method_memory_need(scene, settings, &bytes, &error) != SL_OK) fail_msg("%s", error.message);
-    sl_scene_destroy(scene);
-    return (double)bytes;
-}
-
 /* "needs at least 64M" */
 static double least_of(const char *message) {
     const char *at = strstr(message, "at least ");
@@ -127,8 +125,8 @@ static void assert_within(const char *method, const outcome *o, double budget) {
 static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double most_above) {
     for (size_t i = 0; sl_method_name(i); i++) {
         sl_settings s = settings_of(sl_method_name(i), size);
-        const double need = need_of(make, &s);
         outcome o = in_a_process(make, &s);
+        const double need = o.need;
         assert_within(s.method, &o, need); /* what it says, it takes, and no more */
         if (!SANITIZED && need - 32.0 * mega > most_above * o.peak) fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
         assert_false(o.conceded);
@@ -153,6 +151,31 @@ static void pictures_of_a_small_scene_stay_within_every_budget(void **state) {
 static void pictures_of_many_triangles_stay_within_every_budget(void **state) {
     (void)state;
     check_budgets(bumpy_ball, 32, 1, 2.5);
+}
+
+/* What the program takes for itself hides no mistake here: by how much more is taken for more pixels or triangles. */
+static void check_growth(const char *method, sl_scene *(*few)(void), int small, sl_scene *(*many)(void), int large) {
+    const double slack = 2.0 * mega;
+    sl_settings s = settings_of(method, small), l = settings_of(method, large);
+    const outcome of_few = in_a_process(few, &s), of_many = in_a_process(many, &l);
+    const double need = of_many.need - of_few.need;
+    assert_int_equal(of_few.status, SL_OK);
+    assert_int_equal(of_many.status, SL_OK);
+    if (SANITIZED) return;
+    const double taken = of_many.peak - of_few.peak;
+    if (taken > need + slack || need > 2.0 * taken + slack) fail_msg("%s says %.1fM more, and takes %.1fM more", method, need / mega, taken / mega);
+}
+
+static void more_pixels_take_what_is_said_of_them(void **state) {
+    (void)state;
+    static const char *const methods[] = {"path", "bidirectional", "direct-radiance", "splatting", "light-octree", "multi-mesh"};
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) check_growth(methods[i], smooth_ball, 32, smooth_ball, 448);
+}
+
+static void more_triangles_take_what_is_said_of_them(void **state) {
+    (void)state;
+    static const char *const methods[] = {"path", "direct-radiance", "splatting", "shading-cache"};
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) check_growth(methods[i], smooth_ball, 16, fine_ball, 16);
 }
 
 static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **state) {
@@ -225,6 +248,9 @@ static void enough_memory_changes_no_bit(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        /* Processes begin as large as this one is: what renders in it comes last. */
+        cmocka_unit_test(more_pixels_take_what_is_said_of_them),
+        cmocka_unit_test(more_triangles_take_what_is_said_of_them),
         cmocka_unit_test(pictures_of_a_small_scene_stay_within_every_budget),
         cmocka_unit_test(pictures_of_many_triangles_stay_within_every_budget),
         cmocka_unit_test(what_is_done_less_is_told_and_does_not_depend_on_threads),

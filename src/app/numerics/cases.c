@@ -86,11 +86,13 @@ static void tiny_among_large(sl_room *r) {
     }
 }
 
-static void huge_among_small(sl_room *r) {
+static void plain_below(sl_room *r, double half) {
     begin(r);
-    const double far[4][3] = {{-4e6, -5, 4e6}, {4e6, -5, 4e6}, {4e6, -5, -4e6}, {-4e6, -5, -4e6}};
+    const double far[4][3] = {{-half, -5, half}, {half, -5, half}, {half, -5, -half}, {-half, -5, -half}};
     sl_room_quad(r, far, SL_ROOM_WHITE, &plain_cut);
 }
+static void large_among_small(sl_room *r) { plain_below(r, 4e3); }
+static void huge_among_small(sl_room *r) { plain_below(r, 4e6); }
 
 /* ---- lights ---- */
 
@@ -165,42 +167,73 @@ static void one_row(sl_room *r) { size(r, 40, 1); }
 static void one_column(sl_room *r) { size(r, 1, 40); }
 
 const sl_hard_case sl_hard_cases[] = {
-    {"scaled by 1e-4", scaled_down, SL_EXPECT_SAME, 2.0, 1.0},
-    {"scaled by 1e4", scaled_up, SL_EXPECT_SAME, 2.0, 1.0},
-    {"a million units away", far_away, SL_EXPECT_SAME, 4.0, 1.0},
-    {"mirrored", mirrored, SL_EXPECT_MIRRORED, 2.0, 1.0},
-    {"triangles reordered", reordered, SL_EXPECT_SAME, 2.0, 1.0},
-    {"finely cut", finely_cut, SL_EXPECT_SAME, 3.0, 1.0},
-    {"slivers of aspect 1e6", slivers, SL_EXPECT_SAME, 3.0, 1.0},
-    {"everything twice", twice, SL_EXPECT_SAME, 3.0, 1.0},
-    {"T-junctions", t_junctions, SL_EXPECT_SAME, 3.0, 1.0},
-    {"turned inside out", inverted, SL_EXPECT_SAME, 2.0, 1.0},
-    {"not manifold", not_manifold, SL_EXPECT_SAME, 2.0, 1.0},
-    {"triangles of 1e-6", tiny_among_large, SL_EXPECT_SAME, 2.0, 1.0},
-    {"triangles of 1e6", huge_among_small, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"light on the floor", light_on_the_floor, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"scaled by 1e-4", scaled_down, SL_EXPECT_SAME, 0.01, 0, 0, 1},
+    {"scaled by 1e4", scaled_up, SL_EXPECT_SAME, 0.01, 0, 0, 1},
+    {"a million units away", far_away, SL_EXPECT_SAME, 0.03, 0, 1.5, 1},
+    {"mirrored", mirrored, SL_EXPECT_MIRRORED, 0.02, 2, 0, 1},
+    {"triangles reordered", reordered, SL_EXPECT_RESAMPLED, 0.02, 2, 0, 1},
+    /* Meshes have these triangles for roots. */
+    {"finely cut", finely_cut, SL_EXPECT_SAME, 0.02, 0, 1.5, 1},
+    {"slivers of aspect 1e6", slivers, SL_EXPECT_SAME, 0.02, 0, 1.5, 1},
+    {"everything twice", twice, SL_EXPECT_SAME, 0.02, 0, 1.5, 1},
+    {"T-junctions", t_junctions, SL_EXPECT_SAME, 0.02, 0, 1.5, 1},
+    {"turned inside out", inverted, SL_EXPECT_RESAMPLED, 0.02, 2, 0, 1},
+    {"not manifold", not_manifold, SL_EXPECT_SAME, 0.02, 0, 1.5, 1},
+    {"triangles of 1e-6", tiny_among_large, SL_EXPECT_SAME, 0.005, 0, 0, 1},
+    {"triangles of 1e3", large_among_small, SL_EXPECT_SAME, 0.05, 2, 2, 1},
+    {"triangles of 1e6", huge_among_small, SL_EXPECT_SAME, 0.05, 2, 2, 1},
+    {"light on the floor", light_on_the_floor, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
     /* A light that nobody sees takes its share of light samples all the same, and of the light that exposures are reckoned by. */
-    {"light inside the box", light_in_the_box, SL_EXPECT_SAME, 4.0, 1.0},
-    {"light behind the wall", light_behind_the_wall, SL_EXPECT_SAME, 4.0, 1.0},
-    {"lamp in the floor", lamp_in_the_floor, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"tiny lamp", tiny_lamp, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"huge lamp", huge_lamp, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"a thousand lamps", a_thousand_lamps, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"radiance times 1e-20", faint, SL_EXPECT_SCALED, 2.0, 1e-20},
-    {"radiance times 1e20", blinding, SL_EXPECT_SCALED, 2.0, 1e20},
-    {"reflectance 0", black, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"reflectance 1", white, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"reflectance above 1", more_than_white, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"exponent 1", dull_gloss, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"exponent 1e5", sharp_gloss, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"mirrors", mirrors, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"eye in the wall", eye_in_the_wall, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"eye in a corner", eye_in_a_corner, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"nothing to see", nothing_to_see, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"seen from 1e7", far_view, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"a telescope", telescope, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"one pixel", one_pixel, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"one row", one_row, SL_EXPECT_SOUND, 0.0, 1.0},
-    {"one column", one_column, SL_EXPECT_SOUND, 0.0, 1.0},
+    {"light inside the box", light_in_the_box, SL_EXPECT_RESAMPLED, 0.02, 4, 4, 1},
+    {"light behind the wall", light_behind_the_wall, SL_EXPECT_RESAMPLED, 0.02, 4, 4, 1},
+    /* Two surfaces in one place: which of them is seen, rounding decides. */
+    {"lamp in the floor", lamp_in_the_floor, SL_EXPECT_SOUND, 0, 0, 0, 1},
+    {"tiny lamp", tiny_lamp, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
+    /* Its light reaches a strip of the floor alone, an edge of light a pixel or two wide. */
+    {"huge lamp", huge_lamp, SL_EXPECT_TRUE, 0.12, 0, 12, 1},
+    {"a thousand lamps", a_thousand_lamps, SL_EXPECT_TRUE, 0.06, 0, 3, 1},
+    {"radiance times 1e-20", faint, SL_EXPECT_SCALED, 0.0001, 0, 0, 1e-20},
+    {"radiance times 1e20", blinding, SL_EXPECT_SCALED, 0.0001, 0, 0, 1e20},
+    {"reflectance 0", black, SL_EXPECT_TRUE, 0.01, 0, 0, 1},
+    {"reflectance 1", white, SL_EXPECT_TRUE, 0.06, 0, 4, 1},
+    {"reflectance above 1", more_than_white, SL_EXPECT_TRUE, 0.06, 0, 4, 1},
+    {"exponent 1", dull_gloss, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
+    {"exponent 1e5", sharp_gloss, SL_EXPECT_TRUE, 0.05, 0, 5, 1},
+    {"mirrors", mirrors, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
+    {"eye in the wall", eye_in_the_wall, SL_EXPECT_TRUE, 0.05, 0, 5, 1},
+    {"eye in a corner", eye_in_a_corner, SL_EXPECT_TRUE, 0.08, 0, 12, 1},
+    {"nothing to see", nothing_to_see, SL_EXPECT_TRUE, 0.01, 0, 0, 1},
+    {"seen from 1e7", far_view, SL_EXPECT_TRUE, 0.01, 0, 0, 1},
+    {"a telescope", telescope, SL_EXPECT_TRUE, 0.05, 0, 4, 1},
+    {"one pixel", one_pixel, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
+    {"one row", one_row, SL_EXPECT_TRUE, 0.05, 0, 4, 1},
+    {"one column", one_column, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
 };
 const size_t sl_hard_case_count = sizeof sl_hard_cases / sizeof sl_hard_cases[0];
+
+static const char near_plane[] = "nothing nearer to the eye than 1e-5 of the scene's diagonal is drawn";
+static const char few_pixels[] = "meshes are as fine as pixels ask for, and here there are hardly any";
+
+const sl_known_limit sl_known_limits[] = {
+    {"splatting", "triangles of 1e6", 0, near_plane},
+    {"direct-radiance", "triangles of 1e6", 0, near_plane},
+    {"light-octree", "triangles of 1e6", 0, near_plane},
+    {"multi-mesh", "triangles of 1e6", 0, near_plane},
+    {"shading-cache", "triangles of 1e6", 0, near_plane},
+    {"multi-mesh", "one pixel", 1.0, few_pixels},
+    {"multi-mesh", "one row", 6.0, few_pixels},
+    {"shading-cache", "one pixel", 1.0, few_pixels},
+    {"shading-cache", "one row", 6.0, few_pixels},
+    {"shading-cache", "one column", 0.2, few_pixels},
+    {"light-octree", "triangles of 1e3", 0.4, "voxels are parts of the whole scene's box"},
+    {"light-octree", "huge lamp", 0.35, "voxels blur the strip of light"},
+    {"shading-cache", "huge lamp", 0.25, "an edge of light between vertices"},
+    {"multi-mesh", "triangles of 1e3", 0.4, "the coarse mesh is as fine as the whole scene's diagonal asks for"},
+    {"bidirectional", "one row", 0.9, "noise of the two pixels in which all of the room is"},
+    {"path", "one row", 0.9, "noise of the two pixels in which all of the room is"},
+    {"path", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
+    {"bidirectional", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
+    {"light-octree", "one row", 0.5, "voxels blur the two pixels in which all of the room is"},
+    {"shading-cache", "exponent 1e5", 1.3, "lobes sharper than vertices are dense"},
+    {"shading-cache", "mirrors", 0.2, "what mirrors show is cached at vertices"},
+    {NULL, NULL, 0, NULL}};

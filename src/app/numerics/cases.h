@@ -5,21 +5,34 @@
 #include "app/numerics/room.h"
 
 typedef enum sl_expectation {
-    SL_EXPECT_SAME,     /* the picture of the plain room, within `bound` */
-    SL_EXPECT_MIRRORED, /* the same, left and right exchanged */
+    SL_EXPECT_SAME,     /* the picture of the plain room, made by the same samples */
+    SL_EXPECT_RESAMPLED, /* the same by other samples: what another seed changes counts */
+    SL_EXPECT_MIRRORED, /* likewise, left and right exchanged */
     SL_EXPECT_SCALED,   /* the same, times `factor` */
-    SL_EXPECT_SOUND     /* finite, nowhere negative, the same bits with other threads: what every picture must be */
+    SL_EXPECT_TRUE,     /* another picture, as near to the truth as that of the plain room */
+    SL_EXPECT_SOUND     /* finite, nowhere negative, the same bits with other threads: what every picture must be, and here no more */
 } sl_expectation;
 
+/* Differences are relative RMSE. A method's error is that against the same light paths, path traced, in the plain room; what is noise is taken off where a
+ * picture tells its own (the tracers, by the halves of their samples). */
 typedef struct sl_hard_case {
     const char *name;
     void (*make)(sl_room *room); /* begins the room */
     sl_expectation expectation;
-    double bound;                /* how many times the greater of the method's noise and of its error in the plain room; at least 2 % of the picture's mean */
-    double factor;
+    double most;                 /* may differ by that */
+    double noises, errors;       /* or by so many times the method's noise, or its error */
+    double factor;               /* SCALED */
 } sl_hard_case;
+
+/* What a method is known not to do: another bound, or none, and why. */
+typedef struct sl_known_limit {
+    const char *method, *name;
+    double bound; /* 0: none */
+    const char *why;
+} sl_known_limit;
 
 extern const sl_hard_case sl_hard_cases[];
 extern const size_t sl_hard_case_count;
+extern const sl_known_limit sl_known_limits[]; /* ends with a NULL method */
 
 #endif
