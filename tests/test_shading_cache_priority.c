@@ -161,6 +161,25 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
     hierarchy_discard(&h);
 }
 
+/* A fan shows it, though it belongs to finer leaves; if it was never evaluated it shows what is around it. */
+static void what_hangs_on_an_edge_ages_the_leaf_that_shows_it(void **state) {
+    (void)state;
+    hierarchy h = hierarchy_of(square_scene(), 0);
+    uint32_t root = want_root(&h, 0), hanging;
+    split(&h, root);
+    uint32_t leaf = h.patches->patch[root].child;
+    split(&h, leaf + 1);
+    sl_patch_place place = sl_patch_place_of(h.patches, leaf);
+    assert_int_equal(sl_patch_hanging(h.patches, &place, 1, &hanging, 1), 1);
+    evaluate_all(&h, 1.0f, 9);
+    assert_true(sl_patch_age(h.patches, leaf, 20, 8, 2.0f) == 0.0f);
+    evaluate(&h, hanging, 1.0f, 3);
+    assert_true(sl_patch_age(h.patches, leaf, 20, 8, 2.0f) == 34.0f && sl_leaf_oldest(h.patches, leaf) == 3);
+    evaluate(&h, hanging, 1.0f, SL_VERTEX_NEVER);
+    assert_true(sl_patch_age(h.patches, leaf, 20, 8, 2.0f) == 0.0f && sl_leaf_oldest(h.patches, leaf) == 9);
+    hierarchy_discard(&h);
+}
+
 static void when_the_eye_moves_only_what_has_a_lobe_ages(void **state) {
     (void)state;
     for (int glossy = 0; glossy < 2; glossy++) {
@@ -379,6 +398,7 @@ int main(void) {
         cmocka_unit_test(a_patch_with_a_corner_never_evaluated_has_no_error),
         cmocka_unit_test(a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others),
         cmocka_unit_test(only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner),
+        cmocka_unit_test(what_hangs_on_an_edge_ages_the_leaf_that_shows_it),
         cmocka_unit_test(when_the_eye_moves_only_what_has_a_lobe_ages),
         cmocka_unit_test(of_two_ages_the_larger_counts_and_no_more_than_255_levels),
         cmocka_unit_test(the_glossier_a_material_the_faster_it_ages),
