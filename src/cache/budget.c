@@ -90,7 +90,7 @@ static void tell(const sl_method_class *method, const sl_settings *before, const
         if (written > 0) used += (size_t)written;
     }
     if (after->threads != before->threads && used < room)
-        snprintf(text + used, room - used, "%s%u threads instead of %u", used ? ", " : "", after->threads, before->threads);
+        snprintf(text + used, room - used, "%s%u thread%s instead of %u", used ? ", " : "", after->threads, after->threads > 1 ? "s" : "", before->threads);
 }
 
 static sl_status refuse(const sl_method_class *method, const sl_scene *scene, const sl_settings *least, const sl_settings *asked, sl_error *error) {
