@@ -29,11 +29,11 @@ step() { # step NAME COMMAND...
 }
 
 fuzz() {
-    tests/fuzz/fuzz.sh "${FUZZ_SECONDS:-60}" "$1" | sed 's/^/result /' >build/fuzz-step.out 2>&1
-    status=$(grep -q 'nothing found' build/fuzz-step.out && echo 0 || echo 1)
-    cat build/fuzz-step.out
-    clang -fsanitize=fuzzer -x c -c -o /dev/null /dev/null 2>/dev/null || { echo 'no clang with libFuzzer'; return 77; }
-    return "$status"
+    tests/fuzz/fuzz.sh "${FUZZ_SECONDS:-60}" "$1" >build/fuzz-step.out
+    status=$?
+    sed 's/^/result /' build/fuzz-step.out
+    [ $status -ne 2 ] || status=77 # no clang with libFuzzer, which it has said
+    return $status
 }
 
 mkdir -p build
