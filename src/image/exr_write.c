@@ -6,7 +6,6 @@
 #include "base/memory.h"
 
 #include <openexr.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,24 +13,23 @@ typedef struct exr_sink {
     sl_output_file *file;
     sl_status status; /* of the file itself */
     sl_error *error;
-    char reason[256]; /* the first thing that the library complained about */
 } exr_sink;
 
+/* It may hold its own lock while it complains, and a handler that asked it for anything would wait for ever: so its result codes
+ * have to do, and it must not print. */
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
-    exr_sink *sink = NULL;
+    (void)context;
     (void)code;
-    if (context && exr_get_user_data(context, (void **)&sink) == EXR_ERR_SUCCESS && sink && !sink->reason[0]) {
-        snprintf(sink->reason, sizeof sink->reason, "%s", message);
-    }
+    (void)message;
 }
 
 static int64_t sink_write(exr_const_context_t context, void *user, const void *from, uint64_t count, uint64_t offset,
                           exr_stream_error_func_ptr_t report) {
     exr_sink *sink = user;
     if (sink->status == SL_OK) sink->status = sl_output_write_at(sink->file, from, count, offset, sink->error);
-    if (sink->status == SL_OK) return (int64_t)count;
-    report(context, EXR_ERR_WRITE_IO, "the file cannot be written");
-    return -1;
+    (void)context;
+    (void)report; /* it would wait for the lock that is held while this is called */
+    return sink->status == SL_OK ? (int64_t)count : -1;
 }
 
 /* ---- the header -------------------------------------------------------------------------------------------------- */
@@ -165,7 +163,7 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
     if (result != EXR_ERR_SUCCESS && sink.status == SL_OK) {
         sink.status = result == EXR_ERR_OUT_OF_MEMORY ? sl_fail_memory(error, file->name)
                                                       : sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
-                                                                sink.reason[0] ? sink.reason : exr_get_default_error_message(result));
+                                                                exr_get_default_error_message(result));
     }
     return sink.status;
 }
