@@ -36,6 +36,25 @@ expect 3 'bad.json:3: .*camera' render "$folder/bad.json" -o "$folder/a.exr"
 expect 4 'no-such-folder' render scenes/cornell.json -s 8x8 -q draft --quiet -o "$folder/no-such-folder/a.exr"
 [ -z "$(ls "$folder" | grep '^a\.')" ] || { echo 'a failed render left a file'; bad=1; }
 
+# A disk that is full (a file may have 512 bytes): one line, and nothing is left, neither half a file nor a temporary one.
+full() { # full FILE ARGUMENTS...
+    rm -rf "$folder/full"; mkdir "$folder/full"
+    out=$folder/full/$1; shift
+    timeout 120 sh -c 'trap "" XFSZ; ulimit -f 1; exec "$@"' sh "$program" "$@" "$out" 2>&1 >/dev/null | cat >"$folder/err"
+    grep -q 'cannot write .*: File too large' "$folder/err" && [ "$(wc -l <"$folder/err")" -eq 1 ] || { echo "full disk: $*:"; cat "$folder/err"; bad=1; }
+    [ -z "$(find "$folder/full" -type f)" ] || { echo "full disk: $* left $(ls "$folder/full")"; bad=1; }
+}
+for end in exr png pfm; do full a.$end render scenes/cornell.json -s 64x64 -q draft --quiet -t 1 -o; done
+full a.y4m live scenes/cornell.json -s 64x48 -q draft --quiet -t 1 --frames 3 -o
+full steps steps scenes/cornell.json -s 16x16 -q draft --quiet -t 1 --reference-spp 1 -o
+for arguments in --version --help 'render --help'; do
+    # shellcheck disable=SC2086
+    "$program" $arguments >/dev/full 2>"$folder/err"
+    [ $? -eq 4 ] && grep -q 'cannot write standard output' "$folder/err" || { echo "softlux $arguments to a full disk goes unnoticed"; bad=1; }
+done
+"$program" render scenes/cornell.json -s 8x8 -q draft --quiet -t 1 -o "$folder/a.pfm" >&- 2>&- || { echo 'render with closed streams fails'; bad=1; }
+rm -f "$folder/a.pfm"
+
 expect 0 '"records"' render scenes/cornell.json -s 32x32 -q draft --json --quiet -o "$folder/a.exr"
 for key in method size threads seconds batches memory_bytes counters; do
     grep -q "\"$key\"" "$folder/out" || { echo "render --json lacks $key"; bad=1; }

@@ -1,4 +1,5 @@
 /* softlux compare: how far a picture is from a reference, and whether that is near enough. */
+#include "app/clock.h"
 #include "app/commands.h"
 #include "app/options.h"
 #include "softlux.h"
@@ -184,6 +185,7 @@ static int compare(const compare_request *q, compare_pictures *p) {
     sl_compare_options options = {.mask = p->mask, .exposure_stops = (float)q->exposure};
     sl_status status = sl_image_compare(p->image, p->reference, &options, &result, q->difference ? &p->difference : NULL,
                                         &error);
+    sl_watch_for_interrupt(); /* a picture that is being written is written to its end */
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
     if (status != SL_OK) return complain(error.message, status);
     int printed = print_comparison(&result, q->json);

@@ -1,8 +1,9 @@
 #include "app/html.h"
 
+#include "image/formats.h"
+
 #include <stdint.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 void sl_put_escaped(FILE *out, const char *text) {
     for (; *text; text++) {
@@ -31,16 +32,15 @@ char *sl_base_64(const void *data, size_t count) {
     return text;
 }
 
-char *sl_picture_text(const sl_image *image, bool tone, const char *scratch) {
-    const sl_tone curve = {tone ? SL_TONE_REINHARD : SL_TONE_CLIP, 0.0f, tone};
+char *sl_picture_text(const sl_image *image, bool tone) {
+    sl_tone curve = {tone ? SL_TONE_REINHARD : SL_TONE_CLIP, 0.0f, tone};
+    uint8_t *rgb = malloc(3 * (size_t)image->width * (size_t)image->height);
+    sl_output_file png;
+    sl_output_open_memory(&png);
     char *text = NULL;
-    if (sl_image_write_png(image, scratch, curve, NULL) != SL_OK) return NULL;
-    FILE *in = fopen(scratch, "rb");
-    long size = in && fseek(in, 0, SEEK_END) == 0 ? ftell(in) : -1;
-    unsigned char *bytes = size > 0 ? malloc((size_t)size) : NULL;
-    if (bytes && fseek(in, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, in) == (size_t)size) text = sl_base_64(bytes, (size_t)size);
-    free(bytes);
-    if (in) fclose(in);
-    unlink(scratch);
+    if (rgb && sl_image_srgb(image, &curve, rgb, NULL) == SL_OK && sl_png_write(image->width, image->height, rgb, &png, NULL) == SL_OK)
+        text = sl_base_64(png.memory, png.size);
+    sl_output_discard(&png);
+    free(rgb);
     return text;
 }

@@ -11,7 +11,7 @@
 void sl_put_escaped(FILE *out, const char *text);
 /* Bytes in base 64, which the caller frees; NULL: no memory. */
 char *sl_base_64(const void *bytes, size_t count);
-/* As PNG in base 64; NULL: it could not be made. tone: of radiance; else values as they are. scratch: a file that may be written. The caller frees it. */
-char *sl_picture_text(const sl_image *image, bool tone, const char *scratch);
+/* As PNG in base 64, which the caller frees; NULL: no memory. tone: of radiance; else values as they are. */
+char *sl_picture_text(const sl_image *image, bool tone);
 
 #endif

@@ -4,8 +4,11 @@
 #include "app/options.h"
 #include "softlux.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct {
     const char *name;
@@ -37,7 +40,22 @@ static void print_manual(void) {
     sl_print_program_manual(names, summaries, COMMANDS);
 }
 
-int main(int argc, char **argv) {
+/* A stream that was closed leaves its number to the first file that is opened, and what is printed would go there. */
+static void hold_standard_streams(void) {
+    for (int stream = 0; stream < 3; stream++) {
+        if (fcntl(stream, F_GETFD) < 0) (void)!open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+    }
+}
+
+/* What was printed has to have arrived: a disk may be full. */
+static int conclude(int status) {
+    bool arrived = !ferror(stdout);
+    if (fflush(stdout) == 0 && arrived) return status;
+    fprintf(stderr, "softlux: cannot write standard output: %s\n", strerror(errno));
+    return status == 0 ? SL_ERROR_OUTPUT : status;
+}
+
+static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
         return SL_ERROR_USAGE;
@@ -63,4 +81,9 @@ int main(int argc, char **argv) {
     fprintf(stderr, "softlux: unknown command '%s'%s%s; see softlux --help\n", argv[1], near ? "; did you mean " : "",
             near ? near : "");
     return SL_ERROR_USAGE;
+}
+
+int main(int argc, char **argv) {
+    hold_standard_streams();
+    return conclude(run(argc, argv));
 }

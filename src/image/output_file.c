@@ -19,6 +19,7 @@ static void release(sl_output_file *file) {
     free(file->name);
     free(file->target);
     free(file->temporary);
+    free(file->memory);
     memset(file, 0, sizeof *file);
     file->descriptor = -1;
 }
@@ -64,8 +65,28 @@ sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error
     return status;
 }
 
+void sl_output_open_memory(sl_output_file *file) {
+    memset(file, 0, sizeof *file);
+    file->descriptor = -1;
+    file->in_memory = true;
+}
+
+static sl_status keep(sl_output_file *file, const void *data, size_t bytes, sl_error *error) {
+    if (file->room - file->size < bytes) {
+        uint64_t room = 2 * file->room + bytes + 4096;
+        uint8_t *more = realloc(file->memory, room);
+        if (!more) return sl_fail_memory(error, "a file's bytes");
+        file->memory = more;
+        file->room = room;
+    }
+    memcpy(file->memory + file->size, data, bytes);
+    file->size += bytes;
+    return SL_OK;
+}
+
 sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error) {
     const char *from = data;
+    if (file->in_memory) return keep(file, data, bytes, error);
     while (bytes > 0) {
         ssize_t written = write(file->descriptor, from, bytes);
         if (written < 0 && errno == EINTR) continue;

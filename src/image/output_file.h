@@ -11,11 +11,16 @@ typedef struct sl_output_file {
     char *name;       /* as the caller wrote it, for messages */
     char *target;     /* with symbolic links resolved */
     char *temporary;  /* NULL where the target is a device or a pipe, which is written directly */
+    bool in_memory;   /* no file at all: the bytes stay here */
+    uint8_t *memory;  /* size of them */
+    uint64_t room;
 } sl_output_file;
 
 /* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason". After a failed open nothing is to be undone; after a
  * successful one exactly one of commit and discard must follow. */
 sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error);
+/* What is written in sequence is kept in memory; sl_output_discard() ends that. */
+void sl_output_open_memory(sl_output_file *file);
 sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error);
 /* For formats whose writer goes back; independent of the sequence. */
 sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset, sl_error *error);

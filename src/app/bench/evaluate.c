@@ -131,10 +131,8 @@ static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_i
     sl_image_destroy(all);
 }
 
-static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
-    char scratch[SL_BENCH_PATH + 16];
+static void judge_row(sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {
     sl_image *picture = NULL;
-    snprintf(scratch, sizeof scratch, "%s/scratch.png", o->folder);
     if (!is_used_by(row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
         if (!is_judged_by(row, r->transport, (sl_bench_truth)t)) continue;
@@ -144,45 +142,41 @@ static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_ben
         bool wanted = t == SL_BENCH_MATCHED && row->quality != SL_BENCH_CURVE && !row->difference;
         if (sl_judge(picture, reference, mask, &row->error[t], wanted ? &difference : NULL, &error) != SL_OK)
             snprintf(row->why, sizeof row->why, "%.200s", error.message);
-        if (difference) row->difference = sl_picture_text(difference, false, scratch);
+        if (difference) row->difference = sl_picture_text(difference, false);
         sl_image_destroy(difference);
     }
     sl_image_destroy(picture);
 }
 
 /* What the paths of a reference leave out of full global illumination. */
-static void compare_with_full(const sl_bench_options *o, sl_bench_reference *r, const sl_image *reference, const sl_image *full, const sl_image *mask) {
-    char scratch[SL_BENCH_PATH + 16];
+static void compare_with_full(sl_bench_reference *r, const sl_image *reference, const sl_image *full, const sl_image *mask) {
     const sl_compare_options options = {.mask = mask};
     sl_bench_error e;
     sl_comparison c;
     sl_error error;
     sl_image *difference = NULL;
     double noise, mean, all;
-    snprintf(scratch, sizeof scratch, "%s/scratch.png", o->folder);
     if (!full || sl_judge_quickly(reference, full, mask, &e, &error) != SL_OK || !e.known) return;
     if (sl_judge_noise(reference, mask, &noise, &mean, &error) != SL_OK || sl_judge_noise(full, mask, &noise, &all, &error) != SL_OK) return;
     r->energy = all > 0.0 ? mean / all : 0.0;
     r->missing = e.rel_rmse;
     r->missing_known = true;
-    if (sl_image_compare(reference, full, &options, &c, &difference, NULL) == SL_OK) r->difference = sl_picture_text(difference, false, scratch);
+    if (sl_image_compare(reference, full, &options, &c, &difference, NULL) == SL_OK) r->difference = sl_picture_text(difference, false);
     sl_image_destroy(difference);
 }
 
-static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_image *mask) {
-    char scratch[SL_BENCH_PATH + 16];
+static void judge_all(sl_bench_scene *s, const sl_image *mask) {
     sl_image *full = NULL;
-    snprintf(scratch, sizeof scratch, "%s/scratch.png", o->folder);
     for (size_t i = 0; i < s->reference_count; i++) {
         sl_bench_reference *r = &s->references[i];
         sl_image *reference = NULL;
         if (!r->samples || sl_image_read(r->file, &reference, NULL) != SL_OK) continue;
-        for (size_t k = 0; k < s->row_count; k++) judge_row(o, &s->rows[k], r, reference, mask);
+        for (size_t k = 0; k < s->row_count; k++) judge_row(&s->rows[k], r, reference, mask);
         if (i == 0) full = reference;
-        else compare_with_full(o, r, reference, full, mask);
+        else compare_with_full(r, reference, full, mask);
         if (i > 0) sl_image_destroy(reference);
     }
-    if (full) s->picture = sl_picture_text(full, true, scratch);
+    if (full) s->picture = sl_picture_text(full, true);
     sl_image_destroy(full);
 }
 
@@ -194,7 +188,7 @@ sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *er
     s->pixels_compared = 0;
     for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++) s->pixels_compared += mask->planes[i] > 0.5f;
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++) status = refine(o, s, &s->references[i], mask, error);
-    if (status == SL_OK && !o->references_only) judge_all(o, s, mask);
+    if (status == SL_OK && !o->references_only) judge_all(s, mask);
     if (!o->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     sl_image_destroy(mask);
     return status;

@@ -1,5 +1,7 @@
 #include "app/bench/journal.h"
 
+#include "base/error.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -16,7 +18,7 @@ struct sl_journal {
 };
 
 static sl_status fail(sl_error *error, const char *path, const char *what) {
-    error->status = SL_ERROR_OUTPUT;
+    error->status = sl_status_of_errno(errno, SL_ERROR_OUTPUT);
     snprintf(error->message, sizeof error->message, "cannot %s %s: %s", what, path, strerror(errno));
     return error->status;
 }
@@ -80,21 +82,39 @@ const cJSON *sl_journal_find(const sl_journal *j, const char *key) {
 
 const cJSON *sl_journal_at(const sl_journal *j, size_t index) { return index < j->count ? j->entries[index] : NULL; }
 
-/* A line in one write, so that two programs cannot mix theirs. */
+/* All of it: a disk that fills up takes a part, and says why at the next try. */
+static bool write_all(int file, const char *from, size_t bytes) {
+    while (bytes > 0) {
+        ssize_t written = write(file, from, bytes);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return false;
+        from += written;
+        bytes -= (size_t)written;
+    }
+    return true;
+}
+
+/* A line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and the next begins anew. */
 static bool append(sl_journal *j, const char *text) {
     size_t length = strlen(text), at = 0;
     char *line = malloc(length + 3);
     int file = open(j->path, O_WRONLY | O_APPEND | O_CREAT, 0666);
     bool well = line && file >= 0;
+    int reason = errno;
     if (well) {
         if (j->torn) line[at++] = '\n';
         memcpy(line + at, text, length);
         line[at + length] = '\n';
-        well = write(file, line, at + length + 1) == (ssize_t)(at + length + 1);
+        well = write_all(file, line, at + length + 1);
+        reason = errno;
+        j->torn = !well;
     }
-    if (file >= 0 && close(file) != 0) well = false;
+    if (file >= 0 && close(file) != 0 && well) {
+        well = false;
+        reason = errno;
+    }
     free(line);
-    j->torn = false;
+    errno = reason;
     return well;
 }
 

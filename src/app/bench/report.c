@@ -1,24 +1,22 @@
 #include "app/bench/report.h"
 
 #include "app/bench/curves.h"
+#include "image/output_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error) {
-    char path[SL_BENCH_PATH], temporary[SL_BENCH_PATH + 16];
+    char path[SL_BENCH_PATH];
+    sl_output_file file;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
-    FILE *out = fopen(temporary, "w");
-    bool well = out && fputs(text, out) >= 0;
-    if (out && fclose(out) != 0) well = false;
-    if (well && rename(temporary, path) == 0) return SL_OK;
-    snprintf(error->message, sizeof error->message, "cannot write %.900s: %s", path, strerror(errno));
-    unlink(temporary);
-    return error->status = SL_ERROR_OUTPUT;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    status = sl_output_write(&file, text, strlen(text), error);
+    if (status == SL_OK) return sl_output_commit(&file, error);
+    sl_output_discard(&file);
+    return status;
 }
 
 /* What is in doubt by less than this share of an error goes without saying. */

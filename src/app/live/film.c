@@ -3,6 +3,7 @@
 #include "app/frame_name.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,6 +35,11 @@ static sl_status cannot_write(const sl_film *film, sl_error *error) {
     return fail(error, SL_ERROR_OUTPUT, "cannot write %s", why);
 }
 
+static sl_status put(sl_film *film, const void *bytes, size_t count, sl_error *error) {
+    if (!film->to_stdout) return sl_output_write(&film->file, bytes, count, error);
+    return fwrite(bytes, 1, count, stdout) == count ? SL_OK : cannot_write(film, error);
+}
+
 sl_status sl_film_open(sl_film *film, const char *output, int width, int height, double frames_per_second, sl_error *error) {
     *film = (sl_film){.output = output, .width = width, .height = height};
     size_t bytes = 3 * (size_t)width * (size_t)height;
@@ -41,16 +47,17 @@ sl_status sl_film_open(sl_film *film, const char *output, int width, int height,
     film->yuv = malloc(bytes);
     if (!film->rgb || !film->yuv) return fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", "a frame");
     if (!output || !is_stream(output)) return SL_OK;
-    if (strcmp(output, "-") == 0) {
-        film->stream = stdout;
-    } else {
-        snprintf(film->part, sizeof film->part, "%.4000s.part", output);
-        film->stream = fopen(film->part, "wb");
-    }
-    if (!film->stream) return cannot_write(film, error);
+    char header[80];
     long rate = (long)(1000.0 * frames_per_second + 0.5);
-    fprintf(film->stream, "YUV4MPEG2 W%d H%d F%ld:1000 Ip A1:1 C444\n", width, height, rate > 0 ? rate : 1);
-    return SL_OK;
+    film->streams = true;
+    film->to_stdout = strcmp(output, "-") == 0;
+    if (!film->to_stdout) {
+        sl_status status = sl_output_open(&film->file, output, error);
+        if (status != SL_OK) return status;
+        film->opened = true;
+    }
+    snprintf(header, sizeof header, "YUV4MPEG2 W%d H%d F%ld:1000 Ip A1:1 C444\n", width, height, rate > 0 ? rate : 1);
+    return put(film, header, strlen(header), error);
 }
 
 /* Rec. 601 in 16 to 235, which players take such streams for; a plane each, nothing left out. */
@@ -69,34 +76,34 @@ static sl_status write_picture(const sl_film *film, const sl_image *frame, sl_to
     return sl_image_write_png(frame, name, tone, error);
 }
 
-static sl_status write_stream(const sl_film *film, uint64_t times, sl_error *error) {
+static sl_status write_stream(sl_film *film, uint64_t times, sl_error *error) {
     size_t pixels = (size_t)film->width * (size_t)film->height;
     to_yuv(film->rgb, pixels, film->yuv);
-    bool ok = true;
-    for (uint64_t k = 0; ok && k < times; k++) ok = fputs("FRAME\n", film->stream) >= 0 && fwrite(film->yuv, 3, pixels, film->stream) == pixels;
-    return ok && fflush(film->stream) == 0 ? SL_OK : cannot_write(film, error);
+    sl_status status = SL_OK;
+    for (uint64_t k = 0; status == SL_OK && k < times; k++) {
+        status = put(film, "FRAME\n", 6, error);
+        if (status == SL_OK) status = put(film, film->yuv, 3 * pixels, error);
+    }
+    return status == SL_OK && film->to_stdout && fflush(stdout) != 0 ? cannot_write(film, error) : status;
 }
 
 sl_status sl_film_write(sl_film *film, const sl_image *frame, sl_tone *tone, bool keep, uint64_t times, sl_error *error) {
     if (!film->output) return SL_OK;
     sl_tone used = *tone;
     sl_status status = SL_OK;
-    if (film->stream || used.automatic) status = sl_image_srgb(frame, &used, film->rgb, error);
-    if (status == SL_OK) status = film->stream ? write_stream(film, times, error) : write_picture(film, frame, used, error);
+    if (film->streams || used.automatic) status = sl_image_srgb(frame, &used, film->rgb, error);
+    if (status == SL_OK) status = film->streams ? write_stream(film, times, error) : write_picture(film, frame, used, error);
     if (status != SL_OK) return status;
     if (keep) *tone = used;
-    film->written += film->stream ? times : 1;
+    film->written += film->streams ? times : 1;
     return SL_OK;
 }
 
 sl_status sl_film_close(sl_film *film, bool well, sl_error *error) {
-    sl_status status = SL_OK;
     free(film->rgb);
     free(film->yuv);
-    if (!film->stream || film->stream == stdout) return SL_OK;
-    if (fclose(film->stream) != 0 && well) status = cannot_write(film, error);
-    well = well && status == SL_OK;
-    if (well && rename(film->part, film->output) != 0) status = cannot_write(film, error);
-    if (!well || status != SL_OK) remove(film->part);
-    return status;
+    if (!film->opened) return SL_OK;
+    if (well) return sl_output_commit(&film->file, error);
+    sl_output_discard(&film->file);
+    return SL_OK;
 }

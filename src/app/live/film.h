@@ -2,16 +2,16 @@
 #ifndef SL_APP_LIVE_FILM_H
 #define SL_APP_LIVE_FILM_H
 
-#include "softlux.h"
-
-#include <stdio.h>
+#include "image/output_file.h"
 
 typedef struct sl_film {
     const char *output;   /* frame-%04d.png, show.y4m, or - for a stream to standard output; NULL: nothing is written */
     int width, height;
     uint64_t written;
-    FILE *stream;         /* NULL: pictures */
-    char part[4096];      /* a file's name until it is whole */
+    bool streams;         /* else pictures */
+    bool to_stdout;
+    bool opened;          /* file is: of a stream that goes elsewhere */
+    sl_output_file file;
     uint8_t *rgb, *yuv;
 } sl_film;
 

@@ -90,7 +90,7 @@ void sl_recording_snapshot(sl_recording *r, size_t index) {
         sl_show show = way_to_show(step);
         sl_image *picture = NULL;
         if (sl_show_buffer(step->latest, show, &picture, NULL) == SL_OK)
-            frame->picture = sl_picture_text(picture, show == SL_SHOW_LIGHT, r->scratch);
+            frame->picture = sl_picture_text(picture, show == SL_SHOW_LIGHT);
         r->failed = r->failed || !frame->picture;
         sl_image_destroy(picture);
         sl_image_destroy(step->latest);

@@ -28,7 +28,6 @@ typedef struct sl_step {
 typedef struct sl_recording {
     const sl_narrative *narrative;
     sl_mark_view view;
-    const char *scratch; /* a file that may be written */
     sl_step steps[SL_STEPS_MAX]; /* in the order of their first announcement */
     size_t count;
     sl_counters told;     /* all costs that passes have announced */

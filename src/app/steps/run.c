@@ -69,9 +69,9 @@ static void keep_reference(sl_steps_run *run, const sl_steps_options *o, const s
     sl_bench_error e;
     sl_error ignored;
     if (!t->mask || sl_judge(picture, t->reference, t->mask, &e, &difference, &ignored) != SL_OK) return;
-    run->difference = sl_picture_text(difference, false, o->scratch);
+    run->difference = sl_picture_text(difference, false);
     run->reference_noise = e.noise;
-    run->reference = sl_picture_text(t->reference, true, o->scratch);
+    run->reference = sl_picture_text(t->reference, true);
     run->reference_samples = o->reference_samples;
     sl_image_destroy(difference);
 }
@@ -112,7 +112,7 @@ static void weigh_layers(sl_steps_run *run, sl_image *picture, const truth *t) {
 
 /* ---- the method ---- */
 
-static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *method, const sl_progress *progress, const truth *t, sl_image **picture, sl_error *error) {
+static sl_status snap(sl_steps_run *run, sl_method *method, const sl_progress *progress, const truth *t, sl_image **picture, sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
     sl_recording_interrupt(&run->recording, sl_method_counters(method));
@@ -122,7 +122,7 @@ static sl_status snap(sl_steps_run *run, const sl_steps_options *o, sl_method *m
     sl_recording_snapshot(&run->recording, index);
     sl_snapshot *s = &run->snapshots[index];
     *s = (sl_snapshot){.batches = progress->batches, .rel_rmse = error_of(*picture, t), .counters = *sl_method_counters(method)};
-    s->picture = sl_picture_text(*picture, true, o->scratch);
+    s->picture = sl_picture_text(*picture, true);
     return s->picture && !run->recording.failed ? SL_OK : fail(error, SL_ERROR_RESOURCES, "not enough memory for the page's pictures");
 }
 
@@ -137,7 +137,7 @@ static sl_status refine(sl_steps_run *run, const sl_steps_options *o, sl_method 
         tell(o, o->settings.method, progress.fraction);
         bool room = run->snapshot_count + 1 < SL_SNAPSHOTS_MAX;
         if (status != SL_OK || !(progress.done || (room && progress.batches >= next))) continue;
-        status = snap(run, o, method, &progress, t, picture, error);
+        status = snap(run, method, &progress, t, picture, error);
         next = progress.batches + 1 + progress.batches / 3;
     }
     return status;
@@ -170,8 +170,7 @@ sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, 
     sl_tracer *tracer = NULL;
     truth t = {NULL, NULL};
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
-    run->recording = (sl_recording){.narrative = run->narrative, .scratch = o->scratch,
-                                    .view = {scene->camera, run->width, run->height, tracer, scene->diagonal}};
+    run->recording = (sl_recording){.narrative = run->narrative, .view = {scene->camera, run->width, run->height, tracer, scene->diagonal}};
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &run->plan, error);
     if (status == SL_OK) status = find_truth(scene, o, &t, error);
     if (status == SL_OK) status = watch(scene, o, run, &t, error);

@@ -38,7 +38,6 @@ typedef struct sl_steps_run {
 typedef struct sl_steps_options {
     sl_settings settings;       /* of the method; its observer is set by the run */
     uint32_t reference_samples; /* of the path tracer, a pixel; 0: no reference */
-    const char *scratch;        /* a file that may be written */
     void (*progress)(const char *what, double fraction); /* or NULL */
 } sl_steps_options;
 

@@ -1,4 +1,5 @@
 /* softlux steps: a method pass by pass, as one page. */
+#include "app/clock.h"
 #include "app/commands.h"
 #include "app/load.h"
 #include "app/settings_options.h"
@@ -74,10 +75,8 @@ static sl_status make_folder(const char *folder, sl_error *error) {
 }
 
 static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_error *error) {
-    char scratch[4096];
-    snprintf(scratch, sizeof scratch, "%s/.scratch-%ld.png", s->folder, (long)getpid());
     bool bar = !s->quiet && isatty(STDERR_FILENO);
-    sl_steps_options o = {.settings = s->settings, .reference_samples = (uint32_t)s->reference_samples, .scratch = scratch,
+    sl_steps_options o = {.settings = s->settings, .reference_samples = (uint32_t)s->reference_samples,
                           .progress = bar ? draw_progress : NULL};
     choose_size(scene, &o.settings);
     static sl_steps_run runs[2]; /* large */
@@ -88,6 +87,7 @@ static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_err
         status = sl_steps_run_method(scene, &o, &runs[i], error);
     }
     if (bar) fputs("\r\033[K", stderr);
+    sl_watch_for_interrupt(); /* a page that is being written is written to its end */
     if (status == SL_OK) status = sl_page_write(s->folder, s->scene, runs, count, error);
     for (size_t i = 0; i < count; i++) sl_steps_run_clear(&runs[i]);
     return status;
