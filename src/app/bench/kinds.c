@@ -74,22 +74,17 @@ sl_status sl_kinds_look(const sl_bench_options *o, sl_bench_scene *s, sl_journal
     return status;
 }
 
-sl_status sl_kinds_write(const sl_bench_results *r, const char *folder, sl_error *error) {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) {
-        fputs("scene,hash,pixels,direct,second,further,mirrored,lit,glossy,mirrors,open,triangles,lights\n", out);
-        for (size_t i = 0; i < r->scene_count; i++) {
-            const sl_bench_scene *s = &r->scenes[i];
-            const sl_auto_kind *k = &s->kind;
-            if (!s->kind_known) continue;
-            fprintf(out, "%s,%s,%d,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%d,%.0f,%.0f\n", s->name, s->hash, s->width * s->height, k->direct, k->second, k->further, k->mirrored,
-                    k->lit, k->glossy, k->mirrors, k->open, k->triangles, k->lights);
-        }
-        fclose(out);
+static void put_kinds(FILE *out, const sl_bench_results *r) {
+    fputs("scene,hash,pixels,direct,second,further,mirrored,lit,glossy,mirrors,open,triangles,lights\n", out);
+    for (size_t i = 0; i < r->scene_count; i++) {
+        const sl_bench_scene *s = &r->scenes[i];
+        const sl_auto_kind *k = &s->kind;
+        if (!s->kind_known) continue;
+        fprintf(out, "%s,%s,%d,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%d,%.0f,%.0f\n", s->name, s->hash, s->width * s->height, k->direct, k->second, k->further, k->mirrored,
+                k->lit, k->glossy, k->mirrors, k->open, k->triangles, k->lights);
     }
-    sl_status status = text ? sl_report_write(folder, "scenes.csv", text, error) : SL_ERROR_RESOURCES;
-    free(text);
-    return status;
+}
+
+sl_status sl_kinds_write(const sl_bench_results *r, const char *folder, sl_error *error) {
+    return sl_report_compose(r, folder, "scenes.csv", put_kinds, error);
 }

@@ -1,6 +1,7 @@
 #include "app/bench/report.h"
 
 #include "app/bench/curves.h"
+#include "base/error.h"
 #include "image/output_file.h"
 
 #include <math.h>
@@ -16,6 +17,19 @@ sl_status sl_report_write(const char *folder, const char *name, const char *text
     status = sl_output_write(&file, text, strlen(text), error);
     if (status == SL_OK) return sl_output_commit(&file, error);
     sl_output_discard(&file);
+    return status;
+}
+
+sl_status sl_report_compose(const sl_bench_results *results, const char *folder, const char *name,
+                            void (*put)(FILE *out, const sl_bench_results *results), sl_error *error) {
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (out) put(out, results);
+    bool whole = out && !ferror(out);
+    if (out && fclose(out) != 0) whole = false;
+    sl_status status = whole ? sl_report_write(folder, name, text, error) : sl_fail_memory(error, name);
+    free(text);
     return status;
 }
 

@@ -23,6 +23,9 @@ void sl_report_json(const sl_bench_results *results, FILE *out);
 
 /* Writes text as folder/name. */
 sl_status sl_report_write(const char *folder, const char *name, const char *text, sl_error *error);
+/* Writes what put prints of the results as folder/name. */
+sl_status sl_report_compose(const sl_bench_results *results, const char *folder, const char *name,
+                            void (*put)(FILE *out, const sl_bench_results *results), sl_error *error);
 /* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing; "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
 /* How often errors told without a reference hold, as a table. */

@@ -47,25 +47,20 @@ static void put_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *r) {
     fputc('\n', out);
 }
 
-sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_error *error) {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) {
-        fputs(head, out);
-        for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-            const char *n = sl_bench_truth_name((sl_bench_truth)t);
-            fprintf(out, ",%s_rel_rmse,%s_is_bound,%s_doubt,%s_reference_noise,%s_rel_mse,%s_bias,%s_flip,%s_nonfinite", n, n, n, n, n, n, n, n);
-        }
-        fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds,whole_picture_rel_rmse\n", out);
-        for (size_t s = 0; s < results->scene_count; s++) {
-            for (size_t i = 0; i < results->scenes[s].row_count; i++) put_row(out, &results->scenes[s], &results->scenes[s].rows[i]);
-        }
-        fclose(out);
+static void put_csv(FILE *out, const sl_bench_results *results) {
+    fputs(head, out);
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        const char *n = sl_bench_truth_name((sl_bench_truth)t);
+        fprintf(out, ",%s_rel_rmse,%s_is_bound,%s_doubt,%s_reference_noise,%s_rel_mse,%s_bias,%s_flip,%s_nonfinite", n, n, n, n, n, n, n, n);
     }
-    sl_status status = text ? sl_report_write(folder, "results.csv", text, error) : SL_ERROR_RESOURCES;
-    free(text);
-    return status;
+    fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds,whole_picture_rel_rmse\n", out);
+    for (size_t s = 0; s < results->scene_count; s++) {
+        for (size_t i = 0; i < results->scenes[s].row_count; i++) put_row(out, &results->scenes[s], &results->scenes[s].rows[i]);
+    }
+}
+
+sl_status sl_report_csv(const sl_bench_results *results, const char *folder, sl_error *error) {
+    return sl_report_compose(results, folder, "results.csv", put_csv, error);
 }
 
 /* ---- JSON ---- */

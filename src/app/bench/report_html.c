@@ -260,21 +260,16 @@ static void put_head(FILE *out, const sl_bench_results *r) {
           "small ones other settings, hollow ones what another setting of the same method beats.</p>\n", out);
 }
 
+static void put_page(FILE *out, const sl_bench_results *results) {
+    put_head(out, results);
+    put_overview(out, results);
+    for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
+    put_promises(out, results);
+    fputs("</body></html>\n", out);
+}
+
 sl_status sl_report_html(const sl_bench_results *results, const char *folder, sl_error *error) {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) {
-        put_head(out, results);
-        put_overview(out, results);
-        for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
-        put_promises(out, results);
-        fputs("</body></html>\n", out);
-        fclose(out);
-    }
-    sl_status status = text ? sl_report_write(folder, "report.html", text, error) : SL_ERROR_RESOURCES;
-    free(text);
-    return status;
+    return sl_report_compose(results, folder, "report.html", put_page, error);
 }
 
 /* ---- the same plots as files ---- */

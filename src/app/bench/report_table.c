@@ -138,25 +138,20 @@ static void put_scene(FILE *out, const sl_bench_scene *s) {
     put_references(out, s);
 }
 
+static void put_report(FILE *out, const sl_bench_results *results) {
+    fputs("# Speed against error\n\n", out);
+    put_head(out, results);
+    put_leads(out, results, 0.05);
+    put_leads(out, results, 0.02);
+    put_leads(out, results, 0.01);
+    fputs("\nErrors told without a reference (`softlux render --error`), of the whole picture: how often the measured one is within the bound, which is to hold in "
+          "95 %.\n\n", out);
+    sl_report_promises(out, results);
+    for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
+}
+
 sl_status sl_report_markdown(const sl_bench_results *results, const char *folder, sl_error *error) {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) {
-        fputs("# Speed against error\n\n", out);
-        put_head(out, results);
-        put_leads(out, results, 0.05);
-        put_leads(out, results, 0.02);
-        put_leads(out, results, 0.01);
-        fputs("\nErrors told without a reference (`softlux render --error`), of the whole picture: how often the measured one is within the bound, which is to hold in "
-              "95 %.\n\n", out);
-        sl_report_promises(out, results);
-        for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);
-        fclose(out);
-    }
-    sl_status status = text ? sl_report_write(folder, "report.md", text, error) : SL_ERROR_RESOURCES;
-    free(text);
-    return status;
+    return sl_report_compose(results, folder, "report.md", put_report, error);
 }
 
 /* ---- the terminal ---- */

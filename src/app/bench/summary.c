@@ -262,23 +262,18 @@ static void put_left_out(FILE *out, const sl_bench_results *r) {
     end(out);
 }
 
+static void put_tables(FILE *out, const sl_bench_results *results) {
+    put_machine(out, results);
+    put_goal(out, results);
+    put_best(out, results);
+    put_failures(out, results);
+    put_qualities(out, results);
+    put_left_out(out, results);
+    begin(out, "promises");
+    sl_report_promises(out, results);
+    end(out);
+}
+
 sl_status sl_report_summary(const sl_bench_results *results, const char *folder, sl_error *error) {
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) {
-        put_machine(out, results);
-        put_goal(out, results);
-        put_best(out, results);
-        put_failures(out, results);
-        put_qualities(out, results);
-        put_left_out(out, results);
-        begin(out, "promises");
-        sl_report_promises(out, results);
-        end(out);
-        fclose(out);
-    }
-    sl_status status = text ? sl_report_write(folder, "tables.md", text, error) : SL_ERROR_RESOURCES;
-    free(text);
-    return status;
+    return sl_report_compose(results, folder, "tables.md", put_tables, error);
 }
