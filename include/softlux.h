@@ -520,7 +520,7 @@ typedef struct sl_shading_cache_settings {
     bool plain_normalisation;    /**< mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
     bool no_ageing;              /**< samples do not grow old */
     bool no_resolution_drop;     /**< what changes keeps its fine patches */
-    double stop_size;            /**< pixels: patches smaller than that are not split; 1 */
+    double stop_size;            /**< pixels: patches smaller than that are not split; 1; with fewer than 24 rows or columns the square of their 24th part */
     int ageing_window;           /**< updates: what was not seen for so long may be evicted; 60 */
     double cache_limit;          /**< patches a pixel; 1.5 */
     double clean_up_seconds;     /**< T_c: how fast what changes is to look right again; 5 */

@@ -162,6 +162,7 @@ static void splits_around_what_is_inside_something_come_to_an_end(void **state) 
     sl_settings settings = small_settings("shading-cache", 24, 24);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     settings.shading_cache.updates = 100000;
+    settings.shading_cache.stop_size = 1.0;
     sl_method *method;
     sl_progress progress = {0};
     assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);

@@ -10,7 +10,7 @@
 #include "matched.h"
 #include "rendering.h"
 
-enum { SIZE = 32, PIXELS = SIZE * SIZE };
+enum { SIZE = 32, PIXELS = SIZE * SIZE, ROOM_FOR = 64 * 64 }; /* patches are kept as if of a picture of 64 x 64 at least */
 
 static sl_settings loop_settings(void) {
     sl_settings s = small_settings("shading-cache", SIZE, SIZE);
@@ -381,12 +381,12 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
     for (int late = 0; late < 2; late++) {
         sl_scene *scene = room();
         sl_settings settings = loop_settings();
-        settings.shading_cache.cache_limit = late ? 1.9 : 8.0;
+        settings.shading_cache.cache_limit = late ? 0.475 : 8.0;
         settings.shading_cache.stop_size = 2.0;
         settings.shading_cache.ageing_window = late ? 5 : 2000;
         sl_method *method = method_of(scene, &settings);
         const sl_shading_state *s = inside_of(method);
-        const double limit = settings.shading_cache.cache_limit * PIXELS + 2.0 * (double)s->primitives->count;
+        const double limit = settings.shading_cache.cache_limit * ROOM_FOR + 2.0 * (double)s->primitives->count;
         to_the_end(method);
         sl_image *before, *after;
         assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
@@ -408,6 +408,52 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
         sl_method_destroy(method);
         sl_scene_destroy(scene);
     }
+}
+
+/* They are more to a pixel than the limit has. */
+static void of_a_small_picture_all_patches_are_kept(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    to_the_end(method);
+    assert_true((double)s->patches->patches_alive > 1.5 * PIXELS + 2.0 * (double)s->primitives->count);
+    look(scene, sl_v3(0, 0, 0.9f), sl_v3(0.3f, 0.9f, 1));
+    edit(method, SL_CHANGED_CAMERA);
+    for (int i = 0; i < 100; i++) update(method);
+    uint64_t points = count_of(method, SL_COUNT_POINTS_SHADED);
+    look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
+    edit(method, SL_CHANGED_CAMERA);
+    assert_int_equal(to_the_end(method), 1);
+    assert_int_equal(count_of(method, SL_COUNT_POINTS_SHADED), points);
+    assert_int_equal(count_of(method, SL_COUNT_PATCHES_EVICTED), 0);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- a handful of pixels ------------------------------------------------------------------------------------------------------------ */
+
+/* A pixel sees all of the room, but shows what is in its middle. */
+static void pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels(void **state) {
+    (void)state;
+    static const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {9, 9}};
+    sl_scene *scene = room();
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        sl_settings settings = small_settings("shading-cache", sizes[i][0], sizes[i][1]), path = small_settings("path", sizes[i][0], sizes[i][1]);
+        settings.shading_cache.indirect = SL_INDIRECT_NONE;
+        path.transport = "matched:shading-cache";
+        path.shading_cache = settings.shading_cache;
+        path.spp = 1;
+        sl_image *image = render(scene, &settings, NULL), *truth = render(scene, &path, NULL);
+        sl_comparison c;
+        assert_int_equal(sl_image_compare(image, truth, NULL, &c, NULL, NULL), SL_OK);
+        print_message("%d x %d: %.2f %%\n", sizes[i][0], sizes[i][1], 100.0 * c.rel_rmse);
+        assert_true(c.rel_rmse < 0.05);
+        sl_image_destroy(image);
+        sl_image_destroy(truth);
+    }
+    sl_scene_destroy(scene);
 }
 
 /* ---- stages ------------------------------------------------------------------------------------------------------------------------- */
@@ -451,6 +497,8 @@ int main(void) {
         cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
+        cmocka_unit_test(of_a_small_picture_all_patches_are_kept),
+        cmocka_unit_test(pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels),
         cmocka_unit_test(every_update_tells_its_stages_in_their_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -192,7 +192,7 @@ static void add_shading_cache(sl_raw_settings *r, table *t) {
         {"plain-normalisation", 0, SL_OPTION_FLAG, &c->plain_normalisation, NULL, NULL, "priorities by mean and 4 sigma, as printed", 0, 0, NULL},
         {"no-ageing", 0, SL_OPTION_FLAG, &c->no_ageing, NULL, NULL, "samples do not grow old", 0, 0, NULL},
         {"no-resolution-drop", 0, SL_OPTION_FLAG, &c->no_resolution_drop, NULL, NULL, "what changes keeps its fine patches", 0, 0, NULL},
-        {"stop-size", 0, SL_OPTION_REAL, &c->stop_size, NULL, "PIXELS", "smaller patches are not split [1]", 0.1, 1e6, NULL},
+        {"stop-size", 0, SL_OPTION_REAL, &c->stop_size, NULL, "PIXELS", "smaller patches are not split [1; of pictures below 24x24 less]", 1e-4, 1e6, NULL},
         {"ageing-window", 0, SL_OPTION_COUNT, &r->ageing_window, NULL, "N", "updates for which the unseen is kept [60]", 1, 1e6, NULL},
         {"cache-limit", 0, SL_OPTION_REAL, &c->cache_limit, NULL, "X", "patches a pixel [1.5]", 0.01, 100.0, NULL},
         {"clean-up", 0, SL_OPTION_REAL, &c->clean_up_seconds, NULL, "SECONDS", "in which what changes is to look right again [5]", 0.01, 1e6, NULL},

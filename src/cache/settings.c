@@ -121,7 +121,7 @@ static sl_status check_shading_cache(const sl_shading_cache_settings *c, sl_erro
         {"a random share", c->random_share, 1e-6, 1.0, true},
         {"a pixel selection", c->selection, SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SORTED, false},
         {"a flood threshold", c->flood_threshold, 1e-6, 1.0, true},
-        {"a stop size", c->stop_size, 0.1, 1e6, true},
+        {"a stop size", c->stop_size, 1e-4, 1e6, true},
         {"an ageing window", c->ageing_window, 1, 1e6, true},
         {"a cache limit", c->cache_limit, 0.01, 100.0, true},
         {"seconds to clean up", c->clean_up_seconds, 0.01, 1e6, true},

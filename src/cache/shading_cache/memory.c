@@ -1,4 +1,4 @@
-/* What the shading cache takes. It has a limit of its own, patches to a pixel, beyond which patches go that were not used for long. */
+/* What the shading cache takes. It has a limit of its own, patches to a pixel (of small pictures as if they were larger), beyond which patches go that were not used for long. */
 #include "cache/budget.h"
 #include "cache/shading_cache/plan.h"
 #include "scene/features.h"
@@ -10,7 +10,7 @@ enum { A_PIXEL = 60, A_TRIANGLE = 460, A_PATCH = 180, OF_LOBES = 160, A_CURVED =
 sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *settings) {
     const sl_shading_plan plan = sl_shading_plan_make(scene, settings);
     const double triangles = (double)scene->triangle_count, patch = A_PATCH + (plan.radiance ? OF_LOBES : 0);
-    const double patches = sl_need_of_pixels(settings, settings->shading_cache.cache_limit);
+    const double patches = sl_shading_patch_limit(settings);
     double caches = triangles * A_TRIANGLE + patches * patch + (double)scene->bicubic_count * A_CURVED + (plan.caustics ? 4e5 * A_PHOTON : 0.0);
     caches += (double)settings->shading_cache.points * 4000.0 + (double)(scene->light_count + scene->emitter_count) * 400.0;
     return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count),

@@ -4,10 +4,10 @@
 
 #include "scene/features.h"
 
-enum { POINTS = 64, AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, AGEING_WINDOW = 60, CHANGE_WINDOW = 3, FRAMES_AN_UPDATE = 20, FEW = 1024 };
+enum { POINTS = 64, AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, AGEING_WINDOW = 60, CHANGE_WINDOW = 3, FRAMES_AN_UPDATE = 20, FEW = 1024, SMALL_SIDE = 24, SMALL = 64 * 64 };
 
 /* A picture of a still scene is done after so many points a pixel: the paper's cache has its quality at 0.03. But every primitive wants its corners and every shadow its
- * edge, however few pixels there are: a small picture has as many points as pixels, up to FEW. */
+ * edge, however few pixels there are: there are FEW points at least. */
 static const double points_a_pixel[] = {[SL_QUALITY_DRAFT] = 0.03, [SL_QUALITY_NORMAL] = 0.12, [SL_QUALITY_HIGH] = 0.5};
 static const int indirect_samples[] = {[SL_QUALITY_DRAFT] = 100, [SL_QUALITY_NORMAL] = 400, [SL_QUALITY_HIGH] = 1200};
 
@@ -15,8 +15,20 @@ static int or_default(int value, int otherwise) { return value ? value : otherwi
 static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
 
 static uint32_t updates_for(const sl_settings *settings) {
-    double pixels = (double)settings->width * (double)settings->height, points = fmax(points_a_pixel[settings->quality] * pixels, fmin(pixels, FEW));
+    double pixels = (double)settings->width * (double)settings->height, points = fmax(points_a_pixel[settings->quality] * pixels, FEW);
     return 1u + (uint32_t)(points / (double)settings->shading_cache.points);
+}
+
+/* A patch as small as a pixel shows what is in its middle as long as light changes little over a pixel. Where a room is two pixels wide each of them spans all of its shadows:
+ * patches of small pictures are as small as if the shorter side had SMALL_SIDE pixels. */
+static double stop_size_for(const sl_settings *settings) {
+    double side = fmin(settings->width, settings->height) / (double)SMALL_SIDE;
+    return fmin(side * side, 1.0);
+}
+
+/* Of small pictures all patches are kept: outlines and what lies beside the picture make them more to a pixel there, and memory is no matter. */
+double sl_shading_patch_limit(const sl_settings *settings) {
+    return settings->shading_cache.cache_limit * fmax((double)settings->width * (double)settings->height, SMALL);
 }
 
 void sl_shading_complete(sl_settings *settings) {
@@ -28,7 +40,7 @@ void sl_shading_complete(sl_settings *settings) {
     c->path_depth = or_default(c->path_depth, PATH_DEPTH);
     c->random_share = or_default_real(c->random_share, 0.03);
     c->flood_threshold = or_default_real(c->flood_threshold, 0.5);
-    c->stop_size = or_default_real(c->stop_size, 1.0);
+    c->stop_size = or_default_real(c->stop_size, stop_size_for(settings));
     c->ageing_window = or_default(c->ageing_window, AGEING_WINDOW);
     c->cache_limit = or_default_real(c->cache_limit, 1.5);
     c->clean_up_seconds = or_default_real(c->clean_up_seconds, 5.0);

@@ -15,6 +15,8 @@ typedef struct sl_shading_plan {
 
 /* Replaces what is 0 in settings->shading_cache, or left to quality. */
 void sl_shading_complete(sl_settings *settings);
+/* Patches beyond which those go that were not used for long, roots not counted; of complete settings. */
+double sl_shading_patch_limit(const sl_settings *settings);
 sl_shading_plan sl_shading_plan_make(const sl_scene *scene, const sl_settings *settings);
 void sl_shading_transport(const sl_settings *settings, sl_transport *transport);
 void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);

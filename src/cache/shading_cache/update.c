@@ -142,7 +142,7 @@ static sl_status work_out(sl_shading_state *s, size_t choices, size_t *vertices,
 
 static sl_status age(sl_shading_state *s, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    size_t limit = (size_t)(c->cache_limit * (double)sl_shading_pixels(s)) + 2 * s->primitives->count;
+    size_t limit = (size_t)sl_shading_patch_limit(&s->settings) + 2 * s->primitives->count;
     uint32_t window = (uint32_t)c->ageing_window, since = s->now > window ? s->now - window : 0;
     return sl_patches_evict(s->patches, limit, since, (double)drop_slack * c->stop_size, &s->counters, error);
 }
