@@ -170,7 +170,8 @@ $(BUILD)/bench/bench_drm_table1: $(BUILD)/o/bench/bench_drm_table1.o $(DRM_BENCH
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS) $(OSMESA_LIBS)
 
 # Tests of the program from inside.
-$(BUILD)/tests/test_bench_%: $(BUILD)/o/tests/test_bench_%.o $(filter-out %/main.o,$(APP_OBJECTS)) $(HELPERS) $(BUILD)/libsoftlux.a
+PROGRAM_TESTS := $(filter $(BUILD)/tests/test_bench_% $(BUILD)/tests/test_program_%,$(TESTS))
+$(PROGRAM_TESTS): $(BUILD)/tests/%: $(BUILD)/o/tests/%.o $(filter-out %/main.o,$(APP_OBJECTS)) $(HELPERS) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
 

@@ -1,5 +1,7 @@
-/* Files that appear whole or not at all: the bytes go to a temporary file beside the target, which takes the target's name
- * only when everything is on the disk. A failure, at any point, leaves what was there before. */
+/* Files that appear whole or not at all: the bytes go to a file without a name in the target's folder, which takes the target's name only when
+ * everything is on the disk. A failure, at any point, leaves what was there before, and so does the end of the process, however it is killed.
+ * Where the file system knows no such files it is one beside the target, NAME.PROCESS-NUMBER.part: that one a killed process leaves, and it is in
+ * nobody's way. */
 #ifndef SL_IMAGE_OUTPUT_FILE_H
 #define SL_IMAGE_OUTPUT_FILE_H
 
@@ -10,7 +12,8 @@ typedef struct sl_output_file {
     uint64_t size;    /* bytes written in sequence */
     char *name;       /* as the caller wrote it, for messages */
     char *target;     /* with symbolic links resolved */
-    char *temporary;  /* NULL where the target is a device or a pipe, which is written directly */
+    bool unnamed;     /* it has no name yet */
+    char *temporary;  /* the name it has until it takes the target's, or NULL; devices and pipes are written directly */
     bool in_memory;   /* no file at all: the bytes stay here */
     uint8_t *memory;  /* size of them */
     uint64_t room;

@@ -1,0 +1,489 @@
+/* Killed at any moment: before whichever call that changes files a command ends, or half way through a write, each of its files is there whole, or is
+ * as it was, or is not there, and the next run gives what one gives that was never killed. The short form tries some of these moments; with
+ * SOFTLUX_EVERY_MOMENT=1 every one (tests/hard/killed.sh). */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <cjson/cJSON.h>
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/commands.h"
+#include "softlux.h"
+
+/* ---- moments ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef enum end { RUNS_TO_ITS_END, KILLED, KILLED_HALF_WAY, INTERRUPTED_TWICE, ENDS } end;
+
+/* Parent and child share it. */
+enum { MOMENTS = 4096 };
+static struct {
+    atomic_long moments;
+    bool tears[MOMENTS]; /* writes */
+    long appended;       /* the last of them that was to the end of a file with a name, which a journal is; -1: none */
+    atomic_bool came; /* the moment that was to be the last */
+    char call[16];    /* what was to be called then */
+} *board;
+
+static struct {
+    pid_t program; /* whose calls count: not those of what it starts */
+    end how;
+    long last;     /* moment */
+    bool without_unnamed_files; /* as on file systems that know none */
+} plan;
+
+static void end_here(void) {
+    if (plan.how != INTERRUPTED_TWICE) kill(getpid(), SIGKILL);
+    for (int i = 0; i < 2; i++) kill(getpid(), SIGINT); /* both come to this thread or, in another, soon */
+    while (plan.how != INTERRUPTED_TWICE) pause();
+}
+
+/* Whether this call is the last; it does not return then, unless it is to be torn. */
+static bool is_last(const char *call, bool tears) {
+    if (getpid() != plan.program) return false;
+    long moment = atomic_fetch_add(&board->moments, 1);
+    if (plan.how == RUNS_TO_ITS_END && moment < MOMENTS) board->tears[moment] = tears;
+    if (plan.how == RUNS_TO_ITS_END || moment != plan.last) return false;
+    snprintf(board->call, sizeof board->call, "%s", call);
+    atomic_store(&board->came, true);
+    if (plan.how == KILLED_HALF_WAY && tears) return true;
+    end_here();
+    return false;
+}
+
+#define REAL(type, name)                                     \
+    static type *real;                                       \
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, name)
+
+typedef int opener(const char *path, int flags, ...);
+typedef ssize_t writer(int descriptor, const void *data, size_t bytes);
+typedef ssize_t writer_at(int descriptor, const void *data, size_t bytes, off_t offset);
+typedef int of_descriptor(int descriptor);
+typedef int linker(int from_folder, const char *from, int to_folder, const char *to, int flags);
+typedef int renamer(const char *from, const char *to);
+typedef int folder_maker(const char *path, mode_t mode);
+
+static bool is_file(int descriptor) {
+    struct stat s;
+    return descriptor > 2 && fstat(descriptor, &s) == 0 && S_ISREG(s.st_mode);
+}
+
+int open(const char *path, int flags, ...) {
+    REAL(opener, "open");
+    mode_t mode = 0;
+    if (flags & (O_CREAT | O_TMPFILE)) {
+        va_list rest;
+        va_start(rest, flags);
+        mode = va_arg(rest, mode_t);
+        va_end(rest);
+    }
+    if ((flags & O_TMPFILE) == O_TMPFILE && plan.without_unnamed_files) return errno = EOPNOTSUPP, -1;
+    if ((flags & O_ACCMODE) != O_RDONLY) is_last("open", false);
+    return real(path, flags, mode);
+}
+
+ssize_t write(int descriptor, const void *data, size_t bytes) {
+    REAL(writer, "write");
+    if (is_file(descriptor) && getpid() == plan.program && plan.how == RUNS_TO_ITS_END && (fcntl(descriptor, F_GETFL) & O_APPEND))
+        board->appended = atomic_load(&board->moments);
+    if (!is_file(descriptor) || !is_last("write", true)) return real(descriptor, data, bytes);
+    if (real(descriptor, data, bytes / 2) >= 0) kill(getpid(), SIGKILL);
+    return -1;
+}
+
+ssize_t pwrite(int descriptor, const void *data, size_t bytes, off_t offset) {
+    REAL(writer_at, "pwrite");
+    if (!is_last("pwrite", true)) return real(descriptor, data, bytes, offset);
+    if (real(descriptor, data, bytes / 2, offset) >= 0) kill(getpid(), SIGKILL);
+    return -1;
+}
+
+int fsync(int descriptor) {
+    REAL(of_descriptor, "fsync");
+    is_last("fsync", false);
+    return real(descriptor);
+}
+
+int linkat(int from_folder, const char *from, int to_folder, const char *to, int flags) {
+    REAL(linker, "linkat");
+    is_last("linkat", false);
+    return real(from_folder, from, to_folder, to, flags);
+}
+
+int rename(const char *from, const char *to) {
+    REAL(renamer, "rename");
+    is_last("rename", false);
+    return real(from, to);
+}
+
+int mkdir(const char *path, mode_t mode) {
+    REAL(folder_maker, "mkdir");
+    is_last("mkdir", false);
+    return real(path, mode);
+}
+
+/* ---- commands --------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct work {
+    const char *name;
+    int (*command)(int argc, char **argv);
+    const char *arguments[24]; /* a % stands for the folder */
+    bool over_old_files;       /* files of the same names may be there before it */
+    bool by_the_clock;         /* what comes out is not the same each time */
+} work;
+
+static const work works[] = {
+    {"render, EXR", sl_command_render, {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.exr"}, .over_old_files = true},
+    {"render, PNG", sl_command_render, {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.png"}, .over_old_files = true},
+    {"render, PFM", sl_command_render, {"scenes/cornell.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--quiet", "-o", "%/a.pfm"}, .over_old_files = true},
+    {"render, frames", sl_command_render, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "1", "--quiet", "-o", "%/a%d.pfm"},
+     .over_old_files = true},
+    {"render, a cache", sl_command_render, {"scenes/cornell.json", "-q", "draft", "-s", "8x8", "-t", "1", "--save-cache", "%/a.cache", "--quiet", "-o", "%/a.pfm"}, .over_old_files = true},
+    {"steps", sl_command_steps, {"scenes/cornell.json", "-m", "direct-radiance", "-q", "draft", "-s", "8x8", "-t", "1", "--reference-spp", "1", "--quiet", "-o", "%/page"}, .over_old_files = true},
+    {"live, a stream", sl_command_live, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "100", "--quiet", "-o", "%/a.y4m"},
+     .over_old_files = true, .by_the_clock = true},
+    {"live, pictures", sl_command_live, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "100", "--quiet", "-o", "%/a%d.png"},
+     .over_old_files = true, .by_the_clock = true},
+    {"bench", sl_command_bench, {"scenes/cornell-point.json", "-m", "path", "-q", "draft", "-s", "8x8", "--repeats", "1", "--reference-budget", "0.1", "--references", "%/references",
+     "--reference-threads", "1", "--quiet", "-o", "%/report"}, .by_the_clock = true},
+};
+enum { WORKS = sizeof works / sizeof works[0] };
+
+static char base[] = "/tmp/softlux-killed-XXXXXX";
+
+static _Noreturn void be_the_program(const work *w, const char *folder) {
+    char words[24][256], *argv[25];
+    int argc = 0, nowhere = open("/dev/null", O_WRONLY);
+    for (; w->arguments[argc]; argc++) {
+        const char *word = w->arguments[argc];
+        bool is_path = word[0] == '%' && word[1] == '/';
+        snprintf(words[argc], sizeof words[argc], "%s%s", is_path ? folder : "", word + is_path);
+        argv[argc] = words[argc];
+    }
+    argv[argc] = NULL;
+    if (nowhere >= 0) dup2(nowhere, 1);
+    signal(SIGINT, SIG_DFL);
+    plan.program = getpid();
+    _exit(w->command(argc, argv));
+}
+
+/* Runs a command in a process of its own; returns how that ended. */
+static int run(const work *w, const char *folder, end how, long last, bool without_unnamed_files) {
+    int ended = 0;
+    atomic_store(&board->moments, 0);
+    atomic_store(&board->came, false);
+    if (how == RUNS_TO_ITS_END) board->appended = -1;
+    plan.how = how;
+    plan.last = last;
+    plan.without_unnamed_files = without_unnamed_files;
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) be_the_program(w, folder);
+    assert_true(child > 0 && waitpid(child, &ended, 0) == child);
+    return ended;
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------------------------ */
+
+enum { FILES = 32, NAME = 200 };
+typedef struct listing {
+    char name[FILES][NAME]; /* below the folder */
+    size_t count;
+} listing;
+
+static void list_below(const char *folder, const char *below, listing *l) {
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, below);
+    DIR *d = opendir(path);
+    if (!d) return;
+    for (struct dirent *e; (e = readdir(d));) {
+        char name[NAME];
+        struct stat s;
+        if (e->d_name[0] == '.') continue;
+        assert_true((size_t)snprintf(name, sizeof name, "%s%s%s", below, *below ? "/" : "", e->d_name) < sizeof name);
+        snprintf(path, sizeof path, "%s/%s", folder, name);
+        assert_int_equal(stat(path, &s), 0);
+        if (S_ISDIR(s.st_mode)) {
+            list_below(folder, name, l);
+        } else {
+            assert_true(l->count < FILES);
+            strcpy(l->name[l->count++], name);
+        }
+    }
+    closedir(d);
+}
+
+static listing files_of(const char *folder) {
+    listing l = {.count = 0};
+    list_below(folder, "", &l);
+    return l;
+}
+
+static bool is_listed(const listing *l, const char *name) {
+    for (size_t i = 0; i < l->count; i++) {
+        if (strcmp(l->name[i], name) == 0) return true;
+    }
+    return false;
+}
+
+static void remove_folder(const char *folder) {
+    char command[300];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    assert_int_equal(system(command), 0);
+}
+
+typedef struct bytes {
+    char *at; /* a zero behind them; NULL: no file */
+    size_t size;
+} bytes;
+
+static bytes read_all(const char *folder, const char *name) {
+    char path[512];
+    bytes b = {0};
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *in = fopen(path, "rb");
+    if (!in) return b;
+    const size_t room = 1 << 20;
+    b.at = malloc(room + 1);
+    assert_non_null(b.at);
+    b.size = fread(b.at, 1, room, in);
+    assert_true(b.size < room);
+    b.at[b.size] = '\0';
+    fclose(in);
+    return b;
+}
+
+/* ---- whether they are whole ---------------------------------------------------------------------------------------------------------- */
+
+static const char old_text[] = "what was there before";
+
+static bool ends_with(const char *text, const char *ending) {
+    size_t n = strlen(text), m = strlen(ending);
+    return n >= m && strcmp(text + n - m, ending) == 0;
+}
+
+static bool is_same_picture(const char *folder, const char *model, const char *name, bool same_pixels) {
+    char path[2][512];
+    sl_image *image[2] = {NULL, NULL};
+    const char *const folders[2] = {folder, model};
+    bool same = true;
+    for (int i = 0; i < 2; i++) {
+        snprintf(path[i], sizeof path[i], "%s/%s", folders[i], name);
+        same &= sl_image_read(path[i], &image[i], NULL) == SL_OK;
+    }
+    same = same && image[0]->width == image[1]->width && image[0]->height == image[1]->height && image[0]->channels == image[1]->channels;
+    size_t values = same ? (size_t)image[0]->channels * (size_t)image[0]->width * (size_t)image[0]->height : 0;
+    same = same && (!same_pixels || memcmp(image[0]->planes, image[1]->planes, values * sizeof(float)) == 0);
+    sl_image_destroy(image[0]);
+    sl_image_destroy(image[1]);
+    return same;
+}
+
+static bool is_whole_stream(const bytes *b) {
+    const char *line = memchr(b->at, '\n', b->size);
+    return line && strncmp(b->at, "YUV4MPEG2 W8 H8 ", 16) == 0 && (b->size - (size_t)(line + 1 - b->at)) % (6 + 3 * 8 * 8) == 0;
+}
+
+static size_t whole_lines(const bytes *b, bool of_objects) {
+    size_t lines = 0;
+    for (const char *at = b->at, *after; (after = strchr(at, '\n')); at = after + 1) {
+        const char *behind = NULL;
+        cJSON *object = of_objects ? cJSON_ParseWithLengthOpts(at, (size_t)(after - at), &behind, 0) : NULL;
+        lines += !of_objects || (object && behind == after);
+        cJSON_Delete(object);
+    }
+    return lines;
+}
+
+/* Of what depends on the clock at least its length in lines, and how it ends. */
+static bool is_whole_text(const char *name, const bytes *b, const bytes *model) {
+    if (ends_with(name, ".html") && (b->size < 10 || strcmp(b->at + b->size - 8, "</html>\n") != 0)) return false;
+    return b->size > 0 && b->at[b->size - 1] == '\n' && whole_lines(b, false) == whole_lines(model, false);
+}
+
+static bool is_whole(const work *w, const char *folder, const char *model, const char *name) {
+    bytes b = read_all(folder, name), whole = read_all(model, name);
+    bool same = b.at && whole.at && b.size == whole.size && memcmp(b.at, whole.at, b.size) == 0;
+    if (!same && b.at && whole.at) {
+        bool picture = ends_with(name, ".exr") || ends_with(name, ".png") || ends_with(name, ".pfm");
+        if (picture) same = is_same_picture(folder, model, name, !w->by_the_clock);
+        else if (ends_with(name, ".y4m")) same = is_whole_stream(&b);
+        else if (ends_with(name, ".jsonl")) same = whole_lines(&b, true) == whole_lines(&whole, true);
+        else same = w->by_the_clock && is_whole_text(name, &b, &whole);
+    }
+    free(b.at);
+    free(whole.at);
+    return same;
+}
+
+static bool is_old(const char *folder, const char *name) {
+    bytes b = read_all(folder, name);
+    bool old = b.at && strcmp(b.at, old_text) == 0;
+    free(b.at);
+    return old;
+}
+
+/* A journal grows by lines; of the last one a part may be there. */
+static bool is_sound_journal(const char *folder, const char *name) {
+    bytes b = read_all(folder, name);
+    size_t lines = whole_lines(&b, false);
+    bool sound = whole_lines(&b, true) == lines;
+    free(b.at);
+    return sound;
+}
+
+static void put_old_files(const char *folder, const listing *whole) {
+    for (size_t i = 0; i < whole->count; i++) {
+        char path[512];
+        const char *name = whole->name[i], *slash = strchr(name, '/');
+        if (slash) snprintf(path, sizeof path, "%s/%.*s", folder, (int)(slash - name), name), mkdir(path, 0777);
+        snprintf(path, sizeof path, "%s/%s", folder, name);
+        FILE *out = fopen(path, "w");
+        assert_non_null(out);
+        assert_true(fputs(old_text, out) >= 0 && fclose(out) == 0);
+    }
+}
+
+/* ---- a trial ----------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct trial {
+    const work *w;
+    const char *model; /* the folder of a run that was never killed */
+    listing whole;     /* its files */
+    end how;
+    long last;
+    bool over_old, without_unnamed;
+} trial;
+
+static void explain(const trial *t, const char *what, const char *name) {
+    fail_msg("%s, ended before its file call %ld (%s)%s%s%s: %s%s", t->w->name, t->last, board->call, t->how == KILLED_HALF_WAY ? ", half way" : "",
+             t->how == INTERRUPTED_TWICE ? ", by Ctrl-C twice" : "", t->over_old ? ", over old files" : "", name, what);
+}
+
+/* Where files without a name are known, one has its second name for as long as renaming takes, and is whole. */
+static void look_after_the_end(const trial *t, const char *folder) {
+    listing found = files_of(folder);
+    for (size_t i = 0; i < found.count; i++) {
+        const char *name = found.name[i];
+        if (ends_with(name, ".part")) {
+            if (!t->without_unnamed && strcmp(board->call, "rename") != 0) explain(t, " is left", name);
+        } else if (!is_listed(&t->whole, name)) {
+            explain(t, " is no file of this command", name);
+        } else if (ends_with(name, ".jsonl")) {
+            if (!is_sound_journal(folder, name)) explain(t, " is torn in the middle", name);
+        } else if (!is_whole(t->w, folder, t->model, name) && !(t->over_old && is_old(folder, name))) {
+            explain(t, " is neither whole nor as it was", name);
+        }
+    }
+    for (size_t i = 0; t->over_old && i < t->whole.count; i++) {
+        if (!is_listed(&found, t->whole.name[i])) explain(t, " was there before and is not now", t->whole.name[i]);
+    }
+}
+
+static void look_after_the_next_run(const trial *t, const char *folder) {
+    listing found = files_of(folder);
+    for (size_t i = 0; i < t->whole.count; i++) {
+        if (!is_whole(t->w, folder, t->model, t->whole.name[i])) explain(t, " is not what it should be after the next run", t->whole.name[i]);
+    }
+    for (size_t i = 0; i < found.count; i++) {
+        if (!ends_with(found.name[i], ".part") && !is_listed(&t->whole, found.name[i])) explain(t, " is no file of this command, after the next run", found.name[i]);
+    }
+}
+
+static void try_it(const trial *t) {
+    char folder[64];
+    snprintf(folder, sizeof folder, "%s/trial", base);
+    assert_int_equal(mkdir(folder, 0777), 0);
+    if (t->over_old) put_old_files(folder, &t->whole);
+    int ended = run(t->w, folder, t->how, t->last, t->without_unnamed);
+    if (atomic_load(&board->came)) {
+        bool killed = WIFSIGNALED(ended) && WTERMSIG(ended) == (t->how == INTERRUPTED_TWICE ? SIGINT : SIGKILL);
+        if (!killed) explain(t, "it did not end there", "");
+    } else if (!t->w->by_the_clock) {
+        explain(t, "it never came there", "");
+    }
+    look_after_the_end(t, folder);
+    ended = run(t->w, folder, RUNS_TO_ITS_END, -1, t->without_unnamed);
+    if (ended != 0) explain(t, "the next run fails", "");
+    look_after_the_next_run(t, folder);
+    remove_folder(folder);
+}
+
+static long most; /* moments tried of a command; 0: all */
+
+/* All ways to end at all moments; or some moments, each in one way. */
+static long try_moments(trial *t, long moments, const bool *writes) {
+    long tried = 0, step = most && moments > most ? (moments + most - 1) / most : 1;
+    for (long k = 0; k < moments * (most ? 1 : 12); k++) {
+        unsigned variant = most ? (unsigned)(k / step + (long)(t->w - works)) : (unsigned)(k / moments);
+        if (most && k % step) continue;
+        t->last = k % moments;
+        t->how = (end)(KILLED + variant % 3);
+        if (!most && t->how == KILLED_HALF_WAY && !writes[t->last]) continue;
+        t->over_old = variant / 3 % 2 == 0;
+        if (t->over_old && !t->w->over_old_files) {
+            if (!most) continue;
+            t->over_old = false;
+        }
+        t->without_unnamed = variant / 6 % 2 == 1;
+        try_it(t);
+        tried++;
+    }
+    return tried;
+}
+
+static void try_work(const work *w) {
+    char model[64];
+    trial t = {.w = w, .model = model};
+    snprintf(model, sizeof model, "%s/model", base);
+    assert_int_equal(mkdir(model, 0777), 0);
+    assert_int_equal(run(w, model, RUNS_TO_ITS_END, -1, false), 0);
+    long moments = atomic_load(&board->moments);
+    bool writes[MOMENTS];
+    long appended = board->appended;
+    t.whole = files_of(model);
+    assert_true(moments >= 4 && moments <= MOMENTS && t.whole.count >= 1);
+    memcpy(writes, board->tears, sizeof writes); /* every run notes its own */
+    long tried = try_moments(&t, moments, writes);
+    if (appended >= 0) {
+        t.how = KILLED_HALF_WAY, t.last = appended, t.over_old = t.without_unnamed = false;
+        try_it(&t);
+    }
+    if (!most) printf("result %-16s %4ld file calls, %4ld ends tried\n", w->name, moments, tried), fflush(stdout);
+    remove_folder(model);
+}
+
+static void killed_programs_leave_whole_files_or_none_and_run_again(void **state) {
+    (void)state;
+    for (int i = 0; i < WORKS; i++) try_work(&works[i]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(killed_programs_leave_whole_files_or_none_and_run_again),
+    };
+    most = getenv("SOFTLUX_EVERY_MOMENT") ? 0 : 5;
+    board = mmap(NULL, sizeof *board, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (board == MAP_FAILED || !mkdtemp(base)) return 1;
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    char command[64];
+    snprintf(command, sizeof command, "rm -rf %s", base);
+    return system(command) == 0 ? failed : 1;
+}
