@@ -32,53 +32,76 @@ static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
     return sl_addd(q, sl_scaled(e->normal, (1.0 / flatness_of(e) - 1.0) * sl_dotd(q, e->normal)));
 }
 
-/* A disc about the origin of the plane with that unit normal. */
-typedef struct flat_disc {
-    sl_vec3d normal;
-    double radius_squared;
-} flat_disc;
+static sl_stretched_edge edge_of(sl_vec3d a, sl_vec3d b, sl_vec3d normal) {
+    sl_stretched_edge e = {.from = a, .along = sl_subd(b, a)};
+    e.length_squared = sl_dotd(e.along, e.along);
+    if (!(e.length_squared > 0.0)) return e;
+    e.nearest = -sl_dotd(a, e.along) / e.length_squared;
+    sl_vec3d foot = sl_addd(a, sl_scaled(e.along, e.nearest));
+    e.foot_squared = sl_dotd(foot, foot);
+    e.turn = sl_dotd(sl_crossd(foot, e.along), normal);
+    return e;
+}
 
-static double sector(const flat_disc *disc, sl_vec3d p, sl_vec3d q) {
-    return 0.5 * disc->radius_squared * sl_atan2(sl_dotd(sl_crossd(p, q), disc->normal), sl_dotd(p, q));
+sl_stretched_triangle sl_stretch_triangle(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    sl_stretched_triangle t = {.corner = {stretched(e, a), stretched(e, b), stretched(e, c)},
+                               .area = 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a)))};
+    if (!(t.area > 0.0) || !(t.area <= DBL_MAX)) t.area = 0.0;
+    t.farthest_squared = fmax(sl_dotd(t.corner[0], t.corner[0]), fmax(sl_dotd(t.corner[1], t.corner[1]), sl_dotd(t.corner[2], t.corner[2])));
+    return t;
+}
+
+/* The plane cuts the sphere in a disc: what is the same for all radii. */
+static void look_at_plane(sl_stretched_triangle *t) {
+    sl_vec3d across = sl_crossd(sl_subd(t->corner[1], t->corner[0]), sl_subd(t->corner[2], t->corner[0]));
+    t->twice = sl_lengthd(across);
+    t->planar = true;
+    if (!(t->twice > 0.0) || !(t->twice <= DBL_MAX)) {
+        t->area = 0.0;
+        return;
+    }
+    t->normal = sl_scaled(across, 1.0 / t->twice);
+    double height = sl_dotd(t->corner[0], t->normal);
+    t->height_squared = height * height;
+    sl_vec3d p[3];
+    for (int k = 0; k < 3; k++) p[k] = sl_subd(t->corner[k], sl_scaled(t->normal, height));
+    for (int k = 0; k < 3; k++) t->edge[k] = edge_of(p[k], p[k < 2 ? k + 1 : 0], t->normal);
+}
+
+static double sector(const sl_stretched_triangle *t, double radius_squared, sl_vec3d p, sl_vec3d q) {
+    return 0.5 * radius_squared * sl_atan2(sl_dotd(sl_crossd(p, q), t->normal), sl_dotd(p, q));
 }
 
 static double within_edge(double t) { return t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0; }
 
 /* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece of the edge inside,
  * sectors over those outside. */
-static double under_edge(const flat_disc *disc, sl_vec3d a, sl_vec3d b) {
-    sl_vec3d edge = sl_subd(b, a);
-    double length_squared = sl_dotd(edge, edge);
-    if (!(length_squared > 0.0)) return 0.0;
-    double nearest = -sl_dotd(a, edge) / length_squared;
-    sl_vec3d foot = sl_addd(a, sl_scaled(edge, nearest));
-    double left = disc->radius_squared - sl_dotd(foot, foot);
-    if (!(left > 0.0)) return sector(disc, a, b);
-    double half = sqrt(left / length_squared), enter = within_edge(nearest - half), leave = within_edge(nearest + half);
-    if (!(enter < leave)) return sector(disc, a, b);
-    double area = 0.5 * (leave - enter) * sl_dotd(sl_crossd(foot, edge), disc->normal);
-    if (enter > 0.0) area += sector(disc, a, sl_addd(a, sl_scaled(edge, enter)));
-    if (leave < 1.0) area += sector(disc, sl_addd(a, sl_scaled(edge, leave)), b);
+static double under_edge(const sl_stretched_triangle *t, const sl_stretched_edge *e, double radius_squared) {
+    if (!(e->length_squared > 0.0)) return 0.0;
+    sl_vec3d a = e->from, b = sl_addd(a, e->along);
+    double left = radius_squared - e->foot_squared;
+    if (!(left > 0.0)) return sector(t, radius_squared, a, b);
+    double half = sqrt(left / e->length_squared), enter = within_edge(e->nearest - half), leave = within_edge(e->nearest + half);
+    if (!(enter < leave)) return sector(t, radius_squared, a, b);
+    double area = 0.5 * (leave - enter) * e->turn;
+    if (enter > 0.0) area += sector(t, radius_squared, a, sl_addd(a, sl_scaled(e->along, enter)));
+    if (leave < 1.0) area += sector(t, radius_squared, sl_addd(a, sl_scaled(e->along, leave)), b);
     return area;
 }
 
-/* The plane cuts the sphere in a disc; the share of the triangle inside it is the same before and after stretching. */
-double sl_triangle_in_ellipsoid(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
-    double area = 0.5 * sl_lengthd(sl_crossd(sl_subd(b, a), sl_subd(c, a))), radius_squared = e->radius * e->radius;
-    sl_vec3d p[3] = {stretched(e, a), stretched(e, b), stretched(e, c)};
-    if (!(area > 0.0) || !(area <= DBL_MAX)) return 0.0;
-    double farthest = fmax(sl_dotd(p[0], p[0]), fmax(sl_dotd(p[1], p[1]), sl_dotd(p[2], p[2])));
-    if (farthest <= radius_squared) return area;
+/* The share of the triangle inside the disc is the same before and after stretching. */
+double sl_stretched_inside(sl_stretched_triangle *t, double radius) {
+    double squared = radius * radius;
+    if (t->farthest_squared <= squared) return t->area;
+    if (!t->planar) look_at_plane(t);
+    double disc = squared - t->height_squared;
+    if (!(t->area > 0.0) || !(disc > 0.0)) return 0.0;
+    double inside = under_edge(t, &t->edge[0], disc) + under_edge(t, &t->edge[1], disc) + under_edge(t, &t->edge[2], disc);
+    double share = inside / (0.5 * t->twice);
+    return share > 0.0 ? t->area * (share < 1.0 ? share : 1.0) : 0.0;
+}
 
-    sl_vec3d across = sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0]));
-    double twice = sl_lengthd(across);
-    if (!(twice > 0.0) || !(twice <= DBL_MAX)) return 0.0;
-    flat_disc disc = {.normal = sl_scaled(across, 1.0 / twice)};
-    double height = sl_dotd(p[0], disc.normal);
-    disc.radius_squared = radius_squared - height * height;
-    if (!(disc.radius_squared > 0.0)) return 0.0;
-    for (int k = 0; k < 3; k++) p[k] = sl_subd(p[k], sl_scaled(disc.normal, height));
-    double inside = under_edge(&disc, p[0], p[1]) + under_edge(&disc, p[1], p[2]) + under_edge(&disc, p[2], p[0]);
-    double share = inside / (0.5 * twice);
-    return share > 0.0 ? area * (share < 1.0 ? share : 1.0) : 0.0;
+double sl_triangle_in_ellipsoid(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    sl_stretched_triangle t = sl_stretch_triangle(e, a, b, c);
+    return sl_stretched_inside(&t, e->radius);
 }

@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-enum { SL_SURFEL_LANES = 8 };
+enum { SL_SURFEL_LANES = 8, SL_ELLIPSOIDS_MAX = 3 };
 
 /* Whole groups of SL_SURFEL_LANES; fill-ups have area 0. */
 typedef struct sl_surfels {
@@ -16,7 +16,8 @@ typedef struct sl_surfels {
 
 typedef struct sl_surfel_query {
     sl_vec3 centre, normal;      /* zero normal: all count as front */
-    float stretch, limit;        /* 1 / f^2 - 1; R^2 */
+    float stretch;               /* 1 / f^2 - 1 */
+    float limit[SL_ELLIPSOIDS_MAX]; /* R^2, the largest first */
     float least_cosine;          /* of the normals' angle, whatever its sign */
 } sl_surfel_query;
 
@@ -25,7 +26,9 @@ typedef struct sl_surfel_sums {
     double front, back, front_flat, back_flat, front_height, back_height;
 } sl_surfel_sums;
 
-typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end, const sl_surfel_query *query, sl_surfel_sums *sums);
+/* For the first `count` limits, each into its own sums. */
+typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end, const sl_surfel_query *query, int count,
+                              sl_surfel_sums *sums);
 sl_surfel_kernel sl_surfel_area_baseline, sl_surfel_area_avx2, sl_surfel_area_avx512;
 
 static inline sl_surfel_kernel *sl_surfel_kernel_for(sl_isa isa) {

@@ -6,17 +6,22 @@
 #include "cache/light_octree/photon_area.h"
 #include "cache/light_octree/surfel_kernels.h"
 
+enum { SL_TRIANGLE_SIZES = 4 };
+
 /* The octree's inner nodes, which leaves in Morton order alone do not have. Immutable.
  *
  * A fine mesh has thousands of triangles in an ellipsoid: those that are small against it count as points, whole or not at all, in
- * the leaf that their centroid lies in. Where the ellipsoid is small against them they are cut exactly like all others. */
+ * the leaf that their centroid lies in; all others are cut exactly. So that the smallest ellipsoids, too, are spared most cuts, triangles are sorted
+ * by size: 0 has the large ones, 1 has edges up to small_edge, 2 up to half of that, 3 up to a quarter. */
 typedef struct sl_surroundings {
     const sl_scene *scene;
     const sl_octree *octree;                            /* with triangles */
-    double small_edge;                                  /* small triangles have no longer edge */
-    sl_surfels surfels;
-    uint32_t *first_surfel;                             /* of each leaf: leaf_count + 1 */
-    uint32_t *first_large, *large;                      /* each leaf's triangles that are not small */
+    double small_edge;
+    uint32_t *triangle;                                 /* the octree's list, each leaf's in order of sizes */
+    uint32_t *end_of_size;                              /* where each size ends there: leaf_count * SL_TRIANGLE_SIZES */
+    sl_surfels surfels;                                 /* size by size, and in each leaf by leaf */
+    size_t surfel_count;
+    uint32_t *first_surfel[SL_TRIANGLE_SIZES];          /* of each leaf: leaf_count + 1; of size 0 there are none */
     sl_surfel_kernel *kernel;
     size_t count[SL_OCTREE_DEPTH_MAX + 1];              /* nodes of each level; level 0: the root */
     uint32_t *code[SL_OCTREE_DEPTH_MAX + 1];            /* their Morton codes, ascending */
@@ -47,5 +52,8 @@ typedef struct sl_strewn_area {
 /* A zero normal: all triangles, as front. */
 sl_strewn_area sl_surroundings_area(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid, double least_cosine,
                                     sl_surroundings_marks *marks);
+/* The same for up to SL_ELLIPSOIDS_MAX ellipsoids that differ in radius alone, the largest first, with one visit to the triangles. */
+void sl_surroundings_areas(const sl_surroundings *surroundings, const sl_ellipsoid *ellipsoid, int count, double least_cosine,
+                           sl_surroundings_marks *marks, sl_strewn_area *area);
 
 #endif

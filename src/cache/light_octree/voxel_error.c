@@ -6,21 +6,21 @@
  * the surface under the voxel's centre alone, and their area is the least certain of all. */
 #include "cache/light_octree/voxel_work.h"
 
-enum { CANDIDATES = 3, LEAST = 20 }; /* k / 4, k / 2, k */
+enum { CANDIDATES = SL_ELLIPSOIDS_MAX, LEAST = 20 }; /* k / 4, k / 2, k */
 
 /* Intervals of so many standard deviations. */
 static const double confidence = 2.0;
 
 typedef struct ranked_photon {
     double distance;
-    uint32_t place;
+    uint32_t at;                  /* among the gathered: in order of ids */
     float luminance;
 } ranked_photon;
 
 size_t sl_voxel_ranking_bytes(void) { return sizeof(ranked_photon); }
 
 static bool is_nearer(const ranked_photon *a, const ranked_photon *b) {
-    return a->distance != b->distance ? a->distance < b->distance : a->place < b->place;
+    return a->distance != b->distance ? a->distance < b->distance : a->at < b->at;
 }
 
 /* Moves the nearest `wanted` to the front, the farthest of them last (Hoare 1961, "Find"). */
@@ -51,47 +51,87 @@ static void rank_photons(const sl_voxel_work *work, const sl_gathered_photons *g
     for (size_t i = 0; i < gathered->count; i++) {
         const sl_photon *p = &list->photon[gathered->place[i]];
         sl_rgb flux = {p->flux[0], p->flux[1], p->flux[2]};
-        ranked[i] = (ranked_photon){gathered->distance[i], gathered->place[i], sl_luminance(flux)};
+        ranked[i] = (ranked_photon){gathered->distance[i], (uint32_t)i, sl_luminance(flux)};
     }
 }
 
-/* Density of the nearest `count` photons, and what it scatters by. */
-static double density_of(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, size_t count, double sum,
-                         double squares, double radius, sl_voxel_worker *w, double *scatter) {
+/* The nearest `count` photons. */
+typedef struct candidate {
+    size_t count;
+    ranked_photon farthest;
+    double radius, sum, squares;  /* of luminance */
+} candidate;
+
+/* Largest first, as what lies around them is looked at. Returns how many there are. */
+static int find_candidates(const sl_photon_query *query, size_t found, ranked_photon *ranked, candidate *candidates) {
+    size_t quarter = query->neighbours / 4, count = quarter > LEAST ? quarter : LEAST;
+    int candidate_count = 0;
+    for (; candidate_count < CANDIDATES && count <= found && count <= query->neighbours; count *= 2) {
+        select_nearest(ranked, found, count);
+        candidate c = {.count = count, .farthest = ranked[0]};
+        for (size_t i = 0; i < count; i++) {
+            double luminance = (double)ranked[i].luminance;
+            c.sum += luminance;
+            c.squares += luminance * luminance;
+            if (is_nearer(&c.farthest, &ranked[i])) c.farthest = ranked[i];
+        }
+        c.radius = fmax(sqrt(c.farthest.distance), query->minimum);
+        candidates[CANDIDATES - ++candidate_count] = c;
+    }
+    return candidate_count;
+}
+
+static void look_around(const sl_voxel_work *work, const sl_voxel_gather *gather, const candidate *candidates, int count, sl_voxel_worker *w) {
+    sl_ellipsoid ellipsoid[CANDIDATES];
+    for (int k = 0; k < count; k++) {
+        ellipsoid[k] = gather->ellipsoid;
+        ellipsoid[k].radius = candidates[k].radius;
+    }
+    sl_voxel_look_around(work, ellipsoid, count, w);
+}
+
+/* A candidate's density, and what it scatters by. */
+static double density_of(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, const candidate *c,
+                         sl_voxel_worker *w, double *scatter) {
     double sides[2];
     sl_voxel_gather nearer = *gather;
-    nearer.ellipsoid.radius = radius;
+    nearer.ellipsoid.radius = c->radius;
     double area = sl_voxel_areas(work, o, &nearer, w, sides);
-    double kappa = count > 1 ? (double)(count - 1) / (double)count : 1.0, density = kappa * sum / area;
-    *scatter = sum > 0.0 ? density * sqrt(squares) / sum : 0.0;
+    double kappa = c->count > 1 ? (double)(c->count - 1) / (double)c->count : 1.0, density = kappa * c->sum / area;
+    *scatter = c->sum > 0.0 ? density * sqrt(c->squares) / c->sum : 0.0;
     return density;
+}
+
+/* As if no more had been asked for. */
+static sl_voxel_gather keep_nearest(const sl_voxel_work *work, const sl_photon_query *query, const candidate *c, sl_voxel_worker *w) {
+    sl_gathered_photons *g = &w->gathered;
+    size_t kept = 0;
+    for (uint32_t i = 0; i < g->count; i++) {
+        ranked_photon p = {g->distance[i], i, 0.0f};
+        if (is_nearer(&c->farthest, &p)) continue;
+        g->place[kept] = g->place[i];
+        g->distance[kept++] = g->distance[i];
+    }
+    g->count = kept;
+    g->radius = c->radius;
+    g->full = true;
+    return sl_voxel_of_gathered(work, query, w);
 }
 
 sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_photon_query *query,
                                           sl_voxel_worker *w) {
     sl_voxel_gather widest = sl_voxel_gather_photons(work, query, w);
+    candidate candidates[CANDIDATES];
     double low = 0.0, high = INFINITY;
-    size_t most = query->neighbours, quarter = most / 4, count = quarter > LEAST ? quarter : LEAST, chosen = count;
     rank_photons(work, &w->gathered, w->ranked);
-    for (int k = 0; k < CANDIDATES && count <= widest.found && count <= most; k++, count *= 2) {
-        double sum = 0.0, squares = 0.0, scatter, radius = 0.0;
-        select_nearest(w->ranked, widest.found, count);
-        for (size_t i = 0; i < count; i++) {
-            double luminance = (double)w->ranked[i].luminance;
-            sum += luminance;
-            squares += luminance * luminance;
-            radius = w->ranked[i].distance > radius ? w->ranked[i].distance : radius;
-        }
-        radius = sqrt(radius) > query->minimum ? sqrt(radius) : query->minimum;
-        double density = density_of(work, o, &widest, count, sum, squares, radius, w, &scatter);
+    int count = find_candidates(query, widest.found, w->ranked, candidates);
+    look_around(work, &widest, &candidates[CANDIDATES - count], count, w);
+    for (int k = 1; k <= count; k++) {
+        const candidate *c = &candidates[CANDIDATES - k];
+        double scatter, density = density_of(work, o, &widest, c, w, &scatter);
         low = density - confidence * scatter > low ? density - confidence * scatter : low;
         high = density + confidence * scatter < high ? density + confidence * scatter : high;
-        if (low > high) {
-            sl_photon_query nearer = *query;
-            nearer.neighbours = chosen;
-            return sl_voxel_gather_photons(work, &nearer, w);
-        }
-        chosen = count;
+        if (k > 1 && low > high) return keep_nearest(work, query, c + 1, w); /* the one before */
     }
     return widest; /* no two disagree */
 }

@@ -71,6 +71,10 @@ sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_s
 
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w) {
     sl_photon_tree_gather(work->tree, query, &w->gathered);
+    return sl_voxel_of_gathered(work, query, w);
+}
+
+sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w) {
     size_t found = w->gathered.count;
     sl_voxel_gather gather = {.found = found,
                            .kappa = w->gathered.full && found > 0 ? (double)(found - 1) / (double)found : 1.0,
@@ -109,11 +113,28 @@ static void leave_out_hidden(const sl_strewn_area *strewn, bool together, sl_pho
     a->all = front * strewn->front + back * strewn->back;
 }
 
+static double least_cosine_of(const sl_voxel_work *work) { return work->by_side ? work->cos_acceptance : -1.0; }
+
+void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *e, int count, sl_voxel_worker *w) {
+    w->seen.count = 0;
+    if (!work->surroundings || count < 1) return;
+    for (int k = 0; k < count; k++) w->seen.ellipsoid[k] = e[k];
+    w->seen.count = count;
+    sl_surroundings_areas(work->surroundings, e, count, least_cosine_of(work), &w->marks, w->seen.area);
+}
+
+static sl_strewn_area strewn_over(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
+    for (int k = 0; k < w->seen.count; k++) {
+        if (is_same(&w->seen.ellipsoid[k], e)) return w->seen.area[k];
+    }
+    return sl_surroundings_area(work->surroundings, e, least_cosine_of(work), &w->marks);
+}
+
 static sl_remembered_area clipped_area(const sl_voxel_work *work, const sl_ellipsoid *e, sl_voxel_worker *w) {
     for (int i = 0; i < SL_AREAS_REMEMBERED; i++) {
         if (is_same(&w->remembered[i].ellipsoid, e)) return w->remembered[i];
     }
-    sl_strewn_area strewn = sl_surroundings_area(work->surroundings, e, work->by_side ? work->cos_acceptance : -1.0, &w->marks);
+    sl_strewn_area strewn = strewn_over(work, e, w);
     bool together = strewn.sheet || !work->by_side, has_normal = sl_dotd(e->normal, e->normal) > 0.0;
     sl_remembered_area area = {*e, {strewn.front, strewn.back}, strewn.front + strewn.back};
     if (together) area.side[0] = area.side[1] = area.all;

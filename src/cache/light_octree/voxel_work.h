@@ -18,6 +18,13 @@ typedef struct sl_remembered_area {
     double side[2], all;      /* A for the photons in front and behind; of all surfaces together */
 } sl_remembered_area;
 
+/* What lies in ellipsoids that will be asked for, from one visit. */
+typedef struct sl_seen_around {
+    int count;
+    sl_ellipsoid ellipsoid[SL_ELLIPSOIDS_MAX];
+    sl_strewn_area area[SL_ELLIPSOIDS_MAX];
+} sl_seen_around;
+
 /* Where gathered photons lie on the ellipsoid's disc, those of the front first; for their hull. */
 typedef struct sl_photon_places {
     float *x, *y;             /* NULL: not asked for */
@@ -33,6 +40,7 @@ typedef struct sl_voxel_worker {
     sl_lobe_photons photons;      /* both sides: room for twice k */
     sl_photon_places places;
     sl_surroundings_marks marks;
+    sl_seen_around seen;
     sl_remembered_area remembered[SL_AREAS_REMEMBERED];
     unsigned next_remembered;
     sl_voxel_piece *pieces;
@@ -71,10 +79,14 @@ typedef struct sl_voxel_gather {
 
 sl_photon_query sl_voxel_query(const sl_voxel_work *work, const sl_voxel_light_options *o, sl_vec3 centre, sl_vec3 normal, double radius);
 sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w);
+/* Of those that the worker has gathered. */
+sl_voxel_gather sl_voxel_of_gathered(const sl_voxel_work *work, const sl_photon_query *query, sl_voxel_worker *w);
 /* own_photons.c: the photons of every leaf; and those of one. */
 sl_status sl_own_photons_find(const sl_octree *octree, const sl_photon_tree *tree, sl_own_photons *own, sl_error *error);
 void sl_own_photons_release(sl_own_photons *own);
 sl_voxel_gather sl_voxel_own_photons(const sl_voxel_work *work, const sl_voxel_set *set, const sl_photon_query *query, sl_voxel_worker *w);
+/* Before areas of several ellipsoids are asked for that differ in radius alone, the largest first. */
+void sl_voxel_look_around(const sl_voxel_work *work, const sl_ellipsoid *ellipsoid, int count, sl_voxel_worker *w);
 /* A for the photons in front and behind; returns that of all surfaces together. What is next to nothing (photons beside the geometry) is
  * taken for the disc. */
 double sl_voxel_areas(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
