@@ -518,6 +518,7 @@ typedef struct sl_shading_cache_settings {
     bool no_flood;               /**< without flood fill: to see what it is worth */
     bool no_random;              /**< without the random share: likewise */
     bool plain_normalisation;    /**< mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
+    bool by_channel;             /**< errors and changes are those of R, G and B, too: edges between colours that are equally bright */
     bool no_ageing;              /**< samples do not grow old */
     bool no_resolution_drop;     /**< what changes keeps its fine patches */
     double stop_size;            /**< pixels: patches smaller than that are not split; 1; with fewer than 24 rows or columns the square of their 24th part */

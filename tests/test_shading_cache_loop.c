@@ -342,6 +342,26 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
     assert_true(left[1] < left[0]);
 }
 
+/* 5 R = 9 G. */
+static void a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone(void **state) {
+    (void)state;
+    for (int by_channel = 0; by_channel < 2; by_channel++) {
+        sl_scene *scene = room();
+        sl_settings settings = loop_settings();
+        settings.shading_cache.by_channel = by_channel;
+        scene->lights[0].intensity = (sl_rgb){9, 0, 0};
+        sl_method *method = method_of(scene, &settings);
+        for (int i = 0; i < 10; i++) update(method);
+        scene->lights[0].intensity = (sl_rgb){0, 5, 0};
+        scene->version++;
+        edit(method, SL_CHANGED_LIGHTS);
+        for (int i = 0; i < 10; i++) update(method);
+        assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED) > 0, by_channel);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
 /* Both are refined until nothing is left to refine. */
 static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state) {
     (void)state;
@@ -495,6 +515,7 @@ int main(void) {
         cmocka_unit_test(the_glossier_of_two_walls_is_shaded_again_more_often),
         cmocka_unit_test(an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
         cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
+        cmocka_unit_test(a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
         cmocka_unit_test(of_a_small_picture_all_patches_are_kept),

@@ -190,6 +190,7 @@ static void add_shading_cache(sl_raw_settings *r, table *t) {
         {"no-flood", 0, SL_OPTION_FLAG, &c->no_flood, NULL, NULL, "no flood fill", 0, 0, NULL},
         {"no-random", 0, SL_OPTION_FLAG, &c->no_random, NULL, NULL, "no pixels at random", 0, 0, NULL},
         {"plain-normalisation", 0, SL_OPTION_FLAG, &c->plain_normalisation, NULL, NULL, "priorities by mean and 4 sigma, as printed", 0, 0, NULL},
+        {"by-channel", 0, SL_OPTION_FLAG, &c->by_channel, NULL, NULL, "errors of red, green and blue count, not their luminance's alone", 0, 0, NULL},
         {"no-ageing", 0, SL_OPTION_FLAG, &c->no_ageing, NULL, NULL, "samples do not grow old", 0, 0, NULL},
         {"no-resolution-drop", 0, SL_OPTION_FLAG, &c->no_resolution_drop, NULL, NULL, "what changes keeps its fine patches", 0, 0, NULL},
         {"stop-size", 0, SL_OPTION_REAL, &c->stop_size, NULL, "PIXELS", "smaller patches are not split [1; of pictures below 24x24 less]", 1e-4, 1e6, NULL},

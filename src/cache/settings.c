@@ -304,6 +304,7 @@ static void stamp_shading_cache(stamping *st, const sl_shading_cache_settings *c
     stamp_flag(st, "no_random", c->no_random);
     stamp_flag(st, "plain_normalisation", c->plain_normalisation);
     stamp_flag(st, "no_ageing", c->no_ageing);
+    stamp_flag(st, "by_channel", c->by_channel);
     stamp_flag(st, "no_resolution_drop", c->no_resolution_drop);
     stamp_real(st, "stop_size", c->stop_size);
     stamp_count(st, "ageing_window", (uint64_t)c->ageing_window);

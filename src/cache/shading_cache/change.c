@@ -50,8 +50,8 @@ void sl_changes_edit(sl_changes *changes, unsigned what, const bool *moved, uint
     }
 }
 
-bool sl_changes_compare(sl_changes *changes, uint32_t object, float before, float after, uint32_t now) {
-    if (!(fabsf(after - before) > changes->threshold)) return false; /* NaN, too: no value came */
+bool sl_changes_compare(sl_changes *changes, uint32_t object, float levels, uint32_t now) {
+    if (!(levels > changes->threshold)) return false; /* NaN, too: no value came */
     sl_changes_begin(changes, object, now);
     return true;
 }

@@ -28,8 +28,8 @@ void sl_changes_destroy(sl_changes *changes);
 void sl_changes_edit(sl_changes *changes, unsigned what, const bool *moved, uint32_t now);
 /* An object's shading is known to have changed. */
 void sl_changes_begin(sl_changes *changes, uint32_t object, uint32_t now);
-/* A vertex was shaded again and its display level went from `before` to `after`. True: that is a change, and its object is changing. */
-bool sl_changes_compare(sl_changes *changes, uint32_t object, float before, float after, uint32_t now);
+/* A vertex was shaded again and is now so many display levels apart from what it was. True: that is a change, and its object is changing. */
+bool sl_changes_compare(sl_changes *changes, uint32_t object, float levels, uint32_t now);
 /* Since when patches of an object age: `changed` of sl_patch_age(). What was evaluated after the edit that its change is due to is as good as new, however
  * late the change was found. 0: it does not. */
 static inline uint32_t sl_changes_since(const sl_changes *changes, uint32_t object) {

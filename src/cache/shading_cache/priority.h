@@ -9,17 +9,20 @@
  * D = 255 ((S - S(0)) / (1 - S(0)))^(1/2.2). */
 typedef struct sl_display_curve {
     float reference;           /* Y_ref */
+    bool by_channel;           /* the largest of the differences of Y, R, G and B counts: Y alone does not see edges between colours that are equally bright */
 } sl_display_curve;
 /* Y; negative, NaN: 0; infinite: the largest float. */
 float sl_curve_luminance(sl_rgb radiance);
 float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance);
 float sl_curve_level_of(const sl_display_curve *curve, float luminance);
+/* How many levels two radiances differ by. */
+float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b);
 
 /* Y of what leaves a vertex towards the eye, evaluated or not: E mean(kd) / pi, the lobe's radiance, and the surface's own; and its level. */
 float sl_vertex_luminance(const sl_patches *patches, uint32_t vertex);
 float sl_vertex_level(const sl_patches *patches, const sl_display_curve *curve, uint32_t vertex);
 
-/* Largest minus smallest level of the exitant radiance at a patch's corners. Corners never evaluated: -1. Corners without light of their own may be black, so that
+/* Largest minus smallest level of the exitant radiance at a patch's corners, or of one of its channels. Corners never evaluated: -1. Corners without light of their own may be black, so that
  * what holds them is split as long as it can be seen. */
 float sl_patch_error(const sl_patches *patches, const sl_display_curve *curve, uint32_t patch);
 /* Age in grey levels: c (now - evaluated) of its oldest corner, or what hangs on its edges, if that was evaluated before the last relevant change; else 0. */

@@ -97,22 +97,22 @@ void sl_shading_sample(sl_shading_state *s, size_t count) {
 /* A value may tell of change if it replaces one that was made with the same samples. Radiance towards an eye that has moved tells nothing. */
 typedef struct compared {
     bool comparable, radiance;
-    float before;
+    sl_rgb before;
 } compared;
 
-static float level_of(const sl_shading_state *s, uint32_t vertex, bool with_radiance) {
+static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_radiance) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     sl_rgb exitant = sl_rgb_mul(sl_rgb_scale((sl_rgb){v->value[0], v->value[1], v->value[2]}, (float)(1.0 / SL_PI)), sl_root_mean_diffuse(s->primitives, v->root));
     const float *lobe = with_radiance ? sl_vertex_lobe(s->patches, vertex) : NULL;
     if (lobe) exitant = sl_rgb_add(exitant, (sl_rgb){lobe[0], lobe[1], lobe[2]});
-    return sl_curve_level(&s->curve, exitant);
+    return exitant;
 }
 
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1),
                   .radiance = v->evaluated >= s->changes->eye_moved};
-    c.before = c.comparable ? level_of(s, vertex, c.radiance) : 0.0f;
+    if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
     return c;
 }
 
@@ -181,7 +181,7 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
     sl_vertex_mark(v, s->now);
     if (fades) sl_fade_begin(&s->fades, s->patches, vertex, from, from_lobe, (float)s->settings.shading_cache.blending);
     sl_patches_touch(s->patches, vertex);
-    if (c.comparable && sl_changes_compare(s->changes, object, c.before, level_of(s, vertex, c.radiance), s->now))
+    if (c.comparable && sl_changes_compare(s->changes, object, sl_levels_apart(&s->curve, c.before, exitant_of(s, vertex, c.radiance)), s->now))
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 

@@ -97,7 +97,7 @@ static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
     return 0.5 * ((double)sl_curve_level_of(w->curve, luminance + off) - (double)sl_curve_level_of(w->curve, luminance - off));
 }
 
-/* p_err < 2 s, s of the two corners that p_err is the difference of. */
+/* p_err < 2 s, s of the darkest and of the brightest corner. */
 static bool is_noise(const worker *w, uint32_t patch) {
     uint32_t root = sl_patch_root(w->patches, patch), low = 0, high = 0;
     float least = HUGE_VALF, most = -1.0f;
@@ -109,7 +109,7 @@ static bool is_noise(const worker *w, uint32_t patch) {
         if (level > most) most = level, high = vertex;
     }
     double a = level_noise(w, root, low), b = level_noise(w, root, high);
-    return (double)(most - least) < 2.0 * sqrt(a * a + b * b);
+    return (double)sl_patch_error(w->patches, w->curve, patch) < 2.0 * sqrt(a * a + b * b);
 }
 
 /* ---- splits ---- */
