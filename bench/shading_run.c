@@ -44,7 +44,7 @@ bool shading_open(bench_report *r, const bench_options *o, const char *path, int
     bench_scene_name(path, w->name);
     if (!bench_wants(o, w->name) || !bench_open_scene(r, path, &w->scene)) return false;
     w->settings = settings_for(size, indirect);
-    w->display = (sl_display_curve){sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) * (float)(1.0 / SL_PI)};
+    w->display = (sl_display_curve){.reference = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) * (float)(1.0 / SL_PI)};
     make_tracer(w);
     make_renderers(w);
     return true;

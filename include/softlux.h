@@ -107,6 +107,8 @@ typedef enum sl_counter {
     SL_COUNT_POINTS_SHADED,        /**< vertices whose shading a sample renderer computed */
     SL_COUNT_PATCHES_EVICTED,
     SL_COUNT_CHANGES_DETECTED,     /**< vertices that were found to look otherwise than before */
+    SL_COUNT_CHANGES_SHOWN,        /**< edits of objects or lights that were found to change shading; several before the first is found are one */
+    SL_COUNT_UPDATES_TO_SHOW,      /**< ... updates from them to the pictures that show it first, the last one included: latency */
     SL_COUNT_FRAMES_DISPLAYED,
     SL_COUNT_SAMPLES,              /**< path-tracer samples: pixels times samples a pixel */
     SL_COUNT_NONFINITE,            /**< samples or pixels that were NaN or infinite and were set aside */
@@ -670,6 +672,9 @@ typedef struct sl_live_state {
     uint64_t updates;     /**< done so far */
     double time_seconds;  /**< the scene's time that the frame shows */
     double error_levels;  /**< how wrong what is seen seems to be, in displayed levels of 255, as the last update found it; negative: unknown */
+    uint64_t changes_shown; /**< moves whose change of shading frames have shown; several before the first of them shows are one */
+    double change_seconds;  /**< the scene's time of the last of those moves, and of its first where it was several: what shading lags behind by, to a frame that shows one more */
+    uint64_t change_frames; /**< ... and how many frames after the first that could have shown it that was; 0: in that one */
     bool held;            /**< a move waits for shading_cache.hold_levels */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
 } sl_live_state;

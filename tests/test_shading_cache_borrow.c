@@ -119,7 +119,7 @@ static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_i
 static void a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows(void **state) {
     (void)state;
     hierarchy h = square_of(0, 6.0f);
-    const sl_display_curve curve = {1.0f};
+    const sl_display_curve curve = {.reference = 1.0f};
     uint32_t leaf = sl_patch_locate(h.patches, 0, 0.4, 0.4).patch, other = sl_patch_locate(h.patches, 0, 0.9, 0.9).patch;
     assert_true(sl_patch_error(h.patches, &curve, leaf) == 0.0f);
     sl_patches_borrow(h.patches, vertex_at(&h, 2, 2));

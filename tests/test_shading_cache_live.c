@@ -27,7 +27,7 @@ static sl_monitor gate;
 static bool gate_is_open, edit_fails;
 static int waiting;
 static atomic_int batches;
-static const float irradiance = 2.0f * (float)SL_PI;
+static float irradiance = 2.0f * (float)SL_PI; /* behind the gate */
 
 static void open_gate(bool open) {
     sl_monitor_enter(&gate);
@@ -50,8 +50,9 @@ static void render_behind_the_gate(const void *state, size_t count, const sl_sam
     sl_monitor_signal(&gate);
     while (!gate_is_open) sl_monitor_wait(&gate);
     waiting--;
+    float now = irradiance;
     sl_monitor_leave(&gate);
-    for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.irradiance = {irradiance, irradiance, irradiance}, .valid = true};
+    for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.irradiance = {now, now, now}, .valid = true};
     atomic_fetch_add(&batches, 1);
 }
 
@@ -214,6 +215,69 @@ static void samples_catch_up_where_things_are_now_and_then_rest(void **state) {
             for (int m = 0; m < 4; m++) lit += fabsf(picture[i] - 2.0f * kd[m][0]) < 2e-3f && fabsf(picture[PIXELS + i] - 2.0f * kd[m][1]) < 2e-3f;
         }
         assert_true(covered > PIXELS / 2 && lit > covered * 95 / 100);
+    }
+    sl_live_stop(live, NULL);
+    sl_scene_destroy(scene);
+}
+
+static void light_becomes(float value) {
+    sl_monitor_enter(&gate);
+    irradiance = value;
+    sl_monitor_leave(&gate);
+}
+
+static sl_live_state frames_until_a_change_shows(sl_live *live, uint64_t changes) {
+    sl_live_state state = frame_of(live, NULL);
+    while (state.changes_shown < changes) {
+        pause_a_millisecond();
+        state = frame_of(live, NULL);
+    }
+    return state;
+}
+
+/* The move shows at once; what it does to the light is late by the frames that are drawn while samples are held up, and is the first of the moves' that wait. */
+static void frames_tell_how_late_the_light_is_that_a_move_has_changed(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(ball);
+    sl_settings settings = show_settings();
+    settings.shading_cache.updates = 500;
+    open_gate(true);
+    sl_live *live = start(scene, &settings);
+    assert_int_equal(frames_until_done(live, NULL).changes_shown, 0);
+    assert_int_equal(sl_live_move(live, 0.5, NULL), SL_OK); /* nothing but where the ball is */
+    assert_int_equal(frames_until_done(live, NULL).changes_shown, 0);
+    open_gate(false);
+    light_becomes(4.0f * (float)SL_PI);
+    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
+    wait_until_samples_are_held_up();
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(sl_live_move(live, 1.0 + 0.1 * i, NULL), SL_OK);
+        assert_int_equal(frame_of(live, NULL).changes_shown, 0);
+    }
+    open_gate(true);
+    sl_live_state shown = frames_until_a_change_shows(live, 1);
+    assert_true(shown.change_seconds == 1.0 && shown.change_frames >= 5);
+    shown = frames_until_done(live, NULL);
+    sl_counters counters;
+    sl_live_stop(live, &counters);
+    light_becomes(2.0f * (float)SL_PI);
+    assert_int_equal(counters.value[SL_COUNT_CHANGES_SHOWN], shown.changes_shown);
+    assert_true(counters.value[SL_COUNT_UPDATES_TO_SHOW] >= shown.changes_shown && shown.changes_shown <= 2);
+    sl_scene_destroy(scene);
+}
+
+/* Methods that make whole pictures show a change in the next one. */
+static void of_methods_without_a_display_every_move_is_a_change_that_shows_in_their_next_picture(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(walk);
+    sl_settings settings = small_settings("path", W, H);
+    settings.spp = 1;
+    sl_live *live = start(scene, &settings);
+    assert_int_equal(frames_until_done(live, NULL).changes_shown, 0);
+    for (uint64_t i = 1; i <= 3; i++) {
+        assert_int_equal(sl_live_move(live, 0.3 * (double)i, NULL), SL_OK);
+        sl_live_state shown = frames_until_a_change_shows(live, i);
+        assert_true(shown.changes_shown == i && shown.change_seconds == 0.3 * (double)i && shown.time_seconds == shown.change_seconds);
     }
     sl_live_stop(live, NULL);
     sl_scene_destroy(scene);
@@ -417,6 +481,8 @@ int main(void) {
         cmocka_unit_test(frames_keep_coming_while_samples_are_held_up),
         cmocka_unit_test(what_moves_is_shown_there_at_once_though_no_sample_comes),
         cmocka_unit_test(samples_catch_up_where_things_are_now_and_then_rest),
+        cmocka_unit_test(frames_tell_how_late_the_light_is_that_a_move_has_changed),
+        cmocka_unit_test(of_methods_without_a_display_every_move_is_a_change_that_shows_in_their_next_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
         cmocka_unit_test(frames_of_a_series_wait_for_the_quality_that_they_are_held_for),

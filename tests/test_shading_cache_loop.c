@@ -342,6 +342,37 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
     assert_true(left[1] < left[0]);
 }
 
+/* Found by whatever update shades the first vertex that the light has left; an edit that changes nothing is not waited for longer than there is anything to do. */
+static void a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    settings.shading_cache.points = 8;
+    settings.shading_cache.stop_size = 8.0;
+    sl_method *method = method_of(scene, &settings);
+    to_the_end(method);
+    edit(method, SL_CHANGED_LIGHTS);
+    to_the_end(method);
+    assert_int_equal(count_of(method, SL_COUNT_CHANGES_SHOWN), 0);
+    edit(method, SL_CHANGED_LIGHTS);
+    update(method);
+    update(method);
+    move_light(scene, -0.6f);
+    edit(method, SL_CHANGED_LIGHTS); /* the first of two that wait counts */
+    edit(method, SL_CHANGED_CAMERA);
+    uint64_t late = 2;
+    for (; !count_of(method, SL_COUNT_CHANGES_DETECTED); late++) {
+        assert_int_equal(count_of(method, SL_COUNT_UPDATES_TO_SHOW), 0);
+        update(method);
+    }
+    assert_true(late >= 3);
+    to_the_end(method);
+    assert_int_equal(count_of(method, SL_COUNT_CHANGES_SHOWN), 1);
+    assert_int_equal(count_of(method, SL_COUNT_UPDATES_TO_SHOW), late);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 /* 5 R = 9 G. */
 static void a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone(void **state) {
     (void)state;
@@ -515,6 +546,7 @@ int main(void) {
         cmocka_unit_test(the_glossier_of_two_walls_is_shaded_again_more_often),
         cmocka_unit_test(an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
         cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
+        cmocka_unit_test(a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it),
         cmocka_unit_test(a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),

@@ -131,7 +131,7 @@ static sl_status choose(void *context) {
 
 static sl_status work_out(void *context) {
     update *u = context;
-    const sl_display_curve curve = {1.0f};
+    const sl_display_curve curve = {.reference = 1.0f};
     const sl_work_settings settings = {.split_above = 1.2f, .levels = 3, .crowd = 4, .now = 2};
     sl_camera camera = {sl_v3(0, 0, 2), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};
     return sl_work_out(u->h.patches, &curve, &settings, &camera, 512, 512, 64, u->place, u->vertex, &u->vertices, &u->counters, NULL);

@@ -42,7 +42,7 @@ static void luminance_is_five_nine_and_two_sixteenths(void **state) {
 static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
     (void)state;
     for (float y = 1e-4f; y < 1e4f; y *= 3.0f) {
-        sl_display_curve other = {64.0f * curve.reference}, third = {1e-3f * curve.reference};
+        sl_display_curve other = {.reference = 64.0f * curve.reference}, third = {.reference = 1e-3f * curve.reference};
         assert_true(sl_curve_level_of(&curve, y) == sl_curve_level_of(&other, 64.0f * y));
         assert_true(fabsf(sl_curve_level_of(&curve, y) - sl_curve_level_of(&third, 1e-3f * y)) < 1e-3f);
     }
@@ -54,7 +54,7 @@ static void light_that_is_no_number_has_a_level_nevertheless(void **state) {
     assert_true(sl_curve_level(&curve, sl_grey(HUGE_VALF)) == 255.0f && sl_curve_level(&curve, sl_grey(FLT_MAX)) == 255.0f);
     assert_true(sl_curve_level(&curve, sl_grey(0.0f)) == 0.0f);
     for (int i = 0; i < 3; i++) { /* references that are none */
-        sl_display_curve none = {(float[]){0.0f, -1.0f, NAN}[i]};
+        sl_display_curve none = {.reference = (float[]){0.0f, -1.0f, NAN}[i]};
         assert_true(sl_curve_level_of(&none, 0.0f) == 0.0f && sl_curve_level_of(&none, 1.0f) == 255.0f);
     }
 }

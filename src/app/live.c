@@ -88,13 +88,24 @@ static bool goes_on(const show *s) {
     return s->o->frames ? s->report.frames < s->o->frames : sl_seconds_now() - s->begin < s->o->seconds;
 }
 
+/* How long a change of light took from its move to the frame that shows it, which is drawn by now. Moves are made at the scene's time that the clock says. */
+static void note_lag(show *s, uint64_t shown_before) {
+    uint64_t more = s->report.last.changes_shown - shown_before;
+    double lag = sl_seconds_now() - s->begin - (s->report.last.change_seconds - s->o->at);
+    if (!more || !(lag > 0.0)) return;
+    s->report.lag += lag * (double)more;
+    s->report.longest_lag = lag > s->report.longest_lag ? lag : s->report.longest_lag;
+}
+
 static sl_status draw(show *s, const sl_image **frame, sl_error *error) {
     double start = sl_seconds_now(), cpu = sl_thread_seconds();
+    uint64_t changes = s->report.last.changes_shown;
     sl_status status = sl_live_frame(s->live, frame, &s->report.last, error);
     double took = sl_seconds_now() - start;
     s->report.drawing += sl_thread_seconds() - cpu;
     s->report.longest = took > s->report.longest ? took : s->report.longest;
     s->report.frames += status == SL_OK;
+    if (status == SL_OK) note_lag(s, changes);
     return status;
 }
 

@@ -25,6 +25,13 @@ typedef struct pose {
     sl_camera camera;
 } pose;
 
+/* A move that waits for its change to show: the first of those that do. */
+typedef struct change {
+    bool waits;
+    double time;               /* the scene's */
+    uint64_t frames;           /* that were drawn before it */
+} change;
+
 struct sl_live {
     sl_scene *scene;           /* the thread's, while it runs; the caller's is the twin */
     sl_method *method;         /* likewise */
@@ -42,6 +49,8 @@ struct sl_live {
     sl_monitor meeting;        /* guards what follows */
     bool stop;
     pose asked;
+    change moved, found;       /* by moves that the thread has not taken yet; by what updates have made of those that it took */
+    uint64_t changes_found;
     uint64_t followed;         /* number of the pose that updates are at */
     sl_progress progress;
     double error_levels;
@@ -72,11 +81,13 @@ static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl
 /* ---- the thread ------------------------------------------------------------------------------------------------------------------ */
 
 /* Waits while there is nothing to do; false: it is to end. */
-static bool next_turn(sl_live *l, pose *turn) {
+static bool next_turn(sl_live *l, pose *turn, change *moved) {
     sl_monitor_enter(&l->meeting);
     while (!l->stop && l->status == SL_OK && l->progress.done && l->asked.number == l->followed) sl_monitor_wait(&l->meeting);
     bool goes_on = !l->stop && l->status == SL_OK;
     *turn = l->asked;
+    if (!moved->waits) *moved = l->moved;
+    l->moved.waits = false;
     sl_monitor_leave(&l->meeting);
     return goes_on;
 }
@@ -87,19 +98,27 @@ static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
     return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
 }
 
+/* Whether an update has brought what a move had changed: a method that redraws all does it at once, the Shading Cache must find it first. */
+static bool brings_change(const sl_live *l, uint64_t shown_before) {
+    return !l->window || sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN] > shown_before;
+}
+
 /* Pictures take the place of the display where the method has none. */
 static sl_status resolve(sl_live *l, sl_image **picture, sl_error *error) {
     *picture = NULL;
     return l->window ? SL_OK : sl_method_resolve(l->method, picture, error);
 }
 
-static void tell(sl_live *l, const pose *p, const sl_progress *progress, sl_image *picture, sl_status status, const sl_error *error) {
+/* moved: what the update has brought; NULL: nothing of the kind. */
+static void tell(sl_live *l, const pose *p, const change *moved, const sl_progress *progress, sl_image *picture, sl_status status, const sl_error *error) {
     double levels = l->method->class->error_levels ? l->method->class->error_levels(l->method->state) : -1.0;
     sl_image *old = NULL;
     sl_monitor_enter(&l->meeting);
     l->followed = p->number;
     l->progress = *progress;
     l->error_levels = levels;
+    if (moved && !l->found.waits) l->found = *moved;
+    if (moved) l->changes_found++;
     if (picture) {
         old = l->picture;
         l->picture = picture;
@@ -117,17 +136,21 @@ static void tell(sl_live *l, const pose *p, const sl_progress *progress, sl_imag
 static void update_on_and_on(void *context) {
     sl_live *l = context;
     pose turn;
+    change moved = {.waits = false};
     uint64_t at = 0;
     sl_progress progress = {0};
-    while (next_turn(l, &turn)) {
+    while (next_turn(l, &turn, &moved)) {
         sl_error error = {0};
         sl_image *picture = NULL;
+        uint64_t shown = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
         sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
         at = turn.number;
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
         if (status == SL_OK) status = resolve(l, &picture, &error);
-        tell(l, &turn, &progress, picture, status, &error);
+        bool brought = status == SL_OK && moved.waits && brings_change(l, shown);
+        tell(l, &turn, brought ? &moved : NULL, &progress, picture, status, &error);
         if (status != SL_OK) return;
+        if (brought || progress.done) moved.waits = false; /* or it has changed nothing that is seen */
     }
 }
 
@@ -200,9 +223,11 @@ static bool may_move(sl_live *l) {
 }
 
 /* The thread is told; or why there is no use in going on. */
-static void ask(sl_live *l, sl_status status, const sl_error *error) {
+static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *error) {
+    const unsigned shades = l->window ? SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS : SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA; /* a display follows the eye itself */
     sl_monitor_enter(&l->meeting);
     l->asked = l->shown;
+    if ((changes & shades) && !l->moved.waits) l->moved = (change){true, l->shown.time, l->state.frames};
     if (l->status == SL_OK && status != SL_OK) {
         l->status = status;
         l->error = *error;
@@ -219,7 +244,7 @@ static sl_status go(sl_live *l, sl_error *error) {
     if (status == SL_OK) {
         l->shown = l->wanted;
         if (l->window && (changes & SL_CHANGED_OBJECTS)) status = l->method->class->window->move(l->window, &why);
-        ask(l, status, &why);
+        ask(l, changes, status, &why);
     }
     l->wanted = l->shown;
     if (status != SL_OK && error) *error = why;
@@ -262,6 +287,12 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     *picture_time = l->picture_time;
     l->picture = NULL;
     if (*picture) l->state.versions = l->pictures;
+    l->state.changes_shown = l->changes_found;
+    if (l->found.waits) {
+        l->state.change_seconds = l->found.time;
+        l->state.change_frames = l->state.frames - l->found.frames;
+    }
+    l->found.waits = false;
     sl_status status = l->status;
     if (status != SL_OK && error) *error = l->error;
     sl_monitor_leave(&l->meeting);

@@ -23,6 +23,13 @@ void sl_show_report_print(const sl_show_report *r) {
     if (points) fprintf(stderr, "; %llu points, %.1f a second", (unsigned long long)points, a_second(points, r->seconds));
     if (r->last.error_levels >= 0.0) fprintf(stderr, "; what is seen last seems off by %.2f levels", r->last.error_levels);
     fprintf(stderr, "\n");
+    if (r->last.changes_shown) {
+        fprintf(stderr, "changes   %llu of light were shown, %.2f s after the moves on the average, %.2f at most", (unsigned long long)r->last.changes_shown,
+                r->lag / (double)r->last.changes_shown, r->longest_lag);
+        uint64_t found = r->counters.value[SL_COUNT_CHANGES_SHOWN];
+        if (found) fprintf(stderr, "; found in %.1f updates", (double)r->counters.value[SL_COUNT_UPDATES_TO_SHOW] / (double)found);
+        fprintf(stderr, "\n");
+    }
     print_stages(r);
 }
 
@@ -42,6 +49,9 @@ void sl_show_report_json(const sl_show_report *r) {
     cJSON_AddNumberToObject(root, "updates", (double)r->last.updates);
     cJSON_AddNumberToObject(root, "versions", (double)r->last.versions);
     cJSON_AddNumberToObject(root, "error_levels", r->last.error_levels);
+    cJSON_AddNumberToObject(root, "changes_shown", (double)r->last.changes_shown);
+    cJSON_AddNumberToObject(root, "lag_ms", each(r->lag, r->last.changes_shown));
+    cJSON_AddNumberToObject(root, "longest_lag_ms", 1e3 * r->longest_lag);
     cJSON *stages = cJSON_AddObjectToObject(root, "stages_ms");
     for (int i = 0; i < r->stages->count; i++) {
         const sl_stage *s = &r->stages->stage[i];

@@ -230,11 +230,21 @@ static sl_status drop_resolution(sl_shading_state *s, sl_error *error) {
     return SL_OK;
 }
 
+/* Latency: how many updates it took to find that an edit has changed what is seen. */
+static void tell_latency(sl_shading_state *s, bool found) {
+    if (!found || !s->edited) return;
+    sl_count(&s->counters, SL_COUNT_CHANGES_SHOWN, 1);
+    sl_count(&s->counters, SL_COUNT_UPDATES_TO_SHOW, s->now - s->edited + 1);
+    s->edited = 0;
+}
+
 sl_status sl_shading_commit(sl_shading_state *s, size_t count, sl_error *error) {
     uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
     sl_fades_go_on(&s->fades, s->patches, (float)s->settings.shading_cache.blending);
     for (size_t i = 0; i < count; i++) commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
     find_stale(s);
     sl_changes_settle(s->changes, s->stale, s->now);
-    return s->counters.value[SL_COUNT_CHANGES_DETECTED] > before ? drop_resolution(s, error) : SL_OK;
+    bool found = s->counters.value[SL_COUNT_CHANGES_DETECTED] > before;
+    tell_latency(s, found);
+    return found ? drop_resolution(s, error) : SL_OK;
 }

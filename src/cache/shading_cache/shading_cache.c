@@ -206,6 +206,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_shading_state *s = state;
     sl_status status = note_motion(s, changes, error);
     s->done = false;
+    if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
     sl_fades_finish(&s->fades, s->patches);
     s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
     s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0 && !(s->settings.shading_cache.hold_levels > 0.0);

@@ -181,5 +181,6 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
     sl_announce_pass(&s->announcer, "display arrays", "section 3");
     s->done = s->now >= s->last_update || nothing_is_left(s);
+    if (s->done) s->edited = 0; /* nothing that is seen has changed */
     return status;
 }
