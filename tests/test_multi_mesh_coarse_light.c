@@ -51,7 +51,7 @@ static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
 
 /* pi U_dd without occluders, of the lights up to `count`. */
 static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t count) {
-    sl_face_point x = {v->face, v->p, v->q, 0};
+    sl_face_point x = {.face = v->face, .p = v->p, .q = v->q};
     sl_mesh_point at = sl_face_point_in_world(h->topology, &x);
     sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
     double sum = 0.0;

@@ -151,8 +151,8 @@ static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(voi
     assert_int_equal(r.samples, corners);
     assert_int_equal(r.mesh->mesh->leaf_count, roots_in_view(r.mesh));
     assert_int_equal(r.counters.value[SL_COUNT_SPLITS], 0);
-    uint32_t vertex;
-    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, 1), 0);
+    uint32_t vertex, face;
+    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, &face, 1), 0);
     rig_discard(&r);
 }
 
@@ -239,8 +239,8 @@ static void what_no_component_wants_is_left_alone(void **state) {
     assert_int_equal(r.mesh->mesh->vertex_count, 0);
     assert_true(sl_displayed_priority(r.mesh) <= 0.0f);
     assert_int_equal(sl_displayed_see(r.mesh, r.pixels, want_none, NULL, NULL), SL_OK);
-    uint32_t vertex;
-    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, 1), 0);
+    uint32_t vertex, face;
+    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, &face, 1), 0);
     assert_int_equal(sl_displayed_take(r.mesh).node, SL_NO_INDEX);
     rig_draw(&r, 1);
     for (size_t i = 0; i < 64 * 48; i++) assert_true(r.plane[1][i] < 0.0f);

@@ -189,6 +189,35 @@ static void a_leg_on_a_floors_vertex_has_no_dark_halo(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A slab on a floor whose shadow is narrower than a pixel is long: the floor's vertices lie under the slab, where no light is, or beyond the shadow.
+ * Leaves with such corners are cut until it is known where the light begins: what is dark is dark, but for what a leaf of a pixel blurs. */
+static void the_shadow_of_a_rug_is_a_pixel_wide_and_dark(void **state) {
+    (void)state;
+    char obj[1024];
+    int n = snprintf(obj, sizeof obj, "usemtl floor\nv -6 0 -5\nv -5 0 6\nv 6 0 5\nv 5 0 -6\nf 1 2 3 4\nusemtl rug\n"), dark = 0;
+    for (int i = 0; i < 8; i++) n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g %g %g\n", i & 1 ? 2.0 : -2.0, i & 2 ? 0.03 : 0.0, (i & 4 ? 0.5 : -1.5) + (i & 1 ? 0.3 : 0.0));
+    snprintf(obj + n, sizeof obj - (size_t)n, "f 5 6 8 7\nf 9 11 12 10\nf 5 9 10 6\nf 7 8 12 11\nf 5 7 11 9\nf 6 10 12 8\n");
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", \"position\": [0, 2, -2.5], \"intensity\": "
+                                      "20}], \"camera\": {\"eye\": [0, 1.2, 3.2], \"target\": [0, 0, 0.6], \"fov_deg\": 40}}", obj);
+    sl_settings settings = mesh_settings(SIDE, SIDE);
+    settings.quality = SL_QUALITY_NORMAL;
+    sl_image *ours = render(scene, &settings, NULL), *theirs = exact_direct_light(scene, SIDE, SIDE);
+    const float *mine = sl_image_channel(ours, "direct.G"), *exact = sl_image_channel(theirs, "G");
+    double there = 0.0, around = 0.0;
+    for (int i = SIDE; i < PIXELS - SIDE; i++) {
+        if (!(exact[i] < 1e-3f && exact[i + SIDE] > 0.01f)) continue; /* before it, the floor is lit */
+        dark++;
+        there += (double)mine[i];
+        around += (double)exact[i + SIDE];
+    }
+    print_message("%d dark pixels, %.1f %% as bright as those below\n", dark, 100.0 * there / around);
+    assert_true(dark > 15);
+    assert_true(there < 0.1 * around);
+    sl_image_destroy(ours);
+    sl_image_destroy(theirs);
+    sl_scene_destroy(scene);
+}
+
 /* How many pixels have more of a layer's green than that. */
 static int count_above(const sl_image *image, const char *channel, double level) {
     const float *plane = sl_image_channel(image, channel);
@@ -394,6 +423,7 @@ int main(void) {
         cmocka_unit_test(a_lamp_edge_on_or_below_gives_nothing_and_a_tiny_one_what_a_point_gives),
         cmocka_unit_test(a_point_lights_shadow_is_sharp_within_a_leaf),
         cmocka_unit_test(a_leg_on_a_floors_vertex_has_no_dark_halo),
+        cmocka_unit_test(the_shadow_of_a_rug_is_a_pixel_wide_and_dark),
         cmocka_unit_test(no_light_leaks_through_a_thin_wall),
         cmocka_unit_test(a_beam_whose_ends_are_in_walls_is_not_black),
         cmocka_unit_test(the_picture_is_the_sum_of_its_layers_and_a_lamp_shows_its_radiance),

@@ -45,7 +45,7 @@ static void ask(lit_floor *f, int depth) {
     for (uint32_t face = 0; face <= 2; face += 2) {
         for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += step) {
             for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += step) {
-                sl_face_point x = {face, (uint16_t)p, (uint16_t)q, depth < 3 ? depth : 3};
+                sl_face_point x = {.face = face, .p = (uint16_t)p, .q = (uint16_t)q, .wanted_depth = depth < 3 ? depth : 3, .leaf = sl_mesh_face_middle(face)};
                 float share[2];
                 bool valid;
                 assert_int_equal(sl_irradiance_at(f->meshes, 1, &x, share, &valid, &f->counters, NULL), SL_OK);
@@ -127,7 +127,7 @@ static uint64_t ask_one(bool few_rays, float ambient, uint16_t q, float share[2]
     lit_floor f;
     bool valid;
     make_with(&f, true, few_rays, ambient);
-    sl_face_point x = {0, 0, q, 0};
+    sl_face_point x = {.q = q, .leaf = sl_mesh_face_middle(0)};
     for (int round = 0; round < 2; round++) assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, share, &valid, &f.counters, NULL), SL_OK);
     assert_true(valid);
     discard(&f);
@@ -171,7 +171,7 @@ static void at_a_walls_foot_no_light_comes_from_behind_it(void **state) {
     for (uint32_t face = 0; face <= 2; face += 2) {
         for (uint32_t q = 0; q <= SL_MESH_DYADIC; q += SL_MESH_DYADIC / 8) {
             for (uint32_t p = 0; p + q <= SL_MESH_DYADIC; p += SL_MESH_DYADIC / 8) {
-                sl_face_point x = {face, (uint16_t)p, (uint16_t)q, 0};
+                sl_face_point x = {.face = face, .p = (uint16_t)p, .q = (uint16_t)q, .leaf = sl_mesh_face_middle(face)};
                 float share;
                 bool valid;
                 assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, &share, &valid, &f.counters, NULL), SL_OK);

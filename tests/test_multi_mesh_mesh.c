@@ -221,22 +221,28 @@ static void front_and_back_share_positions_and_nothing_else(void **state) {
     discard(&w);
 }
 
-static void nudged_points_move_towards_the_middle_of_their_lowest_face(void **state) {
+/* Of whichever leaf has them: of one in a face around as well as of one in the lowest. */
+static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **state) {
     (void)state;
     trace_mesh parts = field(2, 2);
     world w = world_of(&parts, 1, 12);
     refine_randomly(&w, 100, 4, 3);
-    for (uint32_t v = 0; v < w.mesh->vertex_count; v++) {
-        sl_mesh_point point, moved, centre;
-        sl_mesh_point_of(w.mesh, v, &point);
-        sl_mesh_point_nudged(w.mesh, v, 0.2, &moved);
-        sl_mesh_point_nudged(w.mesh, v, 1.0, &centre);
-        sl_vec3d wanted = position_in_face(w.topology, point.face, 1.0 / 3, 1.0 / 3);
-        assert_true(sl_lengthd(sl_subd(sl_to_double(centre.position), wanted)) < 1e-6);
-        sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position));
-        sl_vec3d whole = sl_subd(wanted, sl_to_double(point.position));
-        assert_true(sl_lengthd(sl_subd(step, sl_scaled(whole, 0.2))) < 1e-6);
-        assert_int_equal(moved.triangle, point.face / 2);
+    for (uint32_t n = 0; n < w.mesh->node_count; n++) {
+        if (!sl_mesh_is_used(w.mesh, n)) continue;
+        sl_mesh_place place = sl_mesh_place_of(w.mesh, n);
+        double p = (double)(place.p[0] + place.p[1] + place.p[2]) / 3.0 / SL_MESH_DYADIC, q = (double)(place.q[0] + place.q[1] + place.q[2]) / 3.0 / SL_MESH_DYADIC;
+        sl_vec3d middle = position_in_face(w.topology, place.face, p, q);
+        for (int c = 0; c < 3; c++) {
+            sl_mesh_point point, moved, centre;
+            uint32_t v = w.mesh->node[n].vertex[c];
+            sl_mesh_point_of(w.mesh, v, &point);
+            sl_mesh_point_nudged(w.mesh, v, sl_mesh_leaf_middle(&place), 0.2, &moved);
+            sl_mesh_point_nudged(w.mesh, v, sl_mesh_leaf_middle(&place), 1.0, &centre);
+            sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position)), whole = sl_subd(middle, sl_to_double(point.position));
+            assert_true(sl_lengthd(sl_subd(sl_to_double(centre.position), middle)) < 1e-6);
+            assert_true(sl_lengthd(sl_subd(step, sl_scaled(whole, 0.2))) < 1e-6);
+            assert_int_equal(moved.triangle, place.face / 2);
+        }
     }
     discard(&w);
 }
@@ -880,7 +886,7 @@ int main(void) {
         cmocka_unit_test(faces_share_the_vertices_of_a_common_edge),
         cmocka_unit_test(a_crease_has_vertices_of_its_own_on_either_side_at_the_same_positions),
         cmocka_unit_test(front_and_back_share_positions_and_nothing_else),
-        cmocka_unit_test(nudged_points_move_towards_the_middle_of_their_lowest_face),
+        cmocka_unit_test(nudged_points_move_towards_the_middle_of_the_leaf_that_asks),
         cmocka_unit_test(ten_thousand_random_splits_and_collapses_leave_the_trees_sound),
         cmocka_unit_test(nodes_that_collapse_leave_are_used_again),
         cmocka_unit_test(a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many),

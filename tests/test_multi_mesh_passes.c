@@ -225,6 +225,57 @@ static void what_a_scene_has_no_use_for_is_not_done(void **state) {
     discard(&r);
 }
 
+static run run_of_text(const char *obj, const char *materials, const char *lights, const char *target) {
+    char json[768];
+    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {%s}, \"lights\": [%s], \"camera\": {\"eye\": [0, 3, 5], "
+             "\"target\": [%s], \"fov_deg\": 40}}", materials, lights, target);
+    run r = run_of(scene_from_text(json, obj), 24);
+    finish(&r);
+    return r;
+}
+
+/* No coarse mesh where light falls on nothing: by where lamps look, or because something black stands before them; nor where nothing diffuse is seen. */
+static void where_no_light_falls_no_coarse_mesh_is_made_and_nothing_is_gathered(void **state) {
+    (void)state;
+    static const char grey[] = "\"floor\": {\"diffuse\": 0.5}, \"black\": {\"diffuse\": 0}", lamp[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
+        "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}", turned[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], \"edge1\": [0, 0, 2], "
+        "\"edge2\": [2, 0, 0], \"radiance\": 1}", open_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl black\nv -9 -1 -9\nv -9 -1 9\nv 9 -1 9\nv 9 -1 -9\nf 5 6 7 8\n",
+        covered_obj[] = "usemtl floor\nv -7 0 -7\nv -7 0 7\nv 7 0 7\nv 7 0 -7\nf 1 2 3 4\nusemtl black\nv -5 1.9 -5\nv -5 1.9 5\nv 5 1.9 5\nv 5 1.9 -5\nf 5 6 7 8\n";
+    struct {
+        const char *obj, *light, *target;
+        bool coarse, gathers;
+    } cases[] = {{open_obj, lamp, "0, 0, 0", true, true},          /* the lamp lights the floor */
+                 {open_obj, turned, "0, 0, 0", false, false},      /* it shines away from it */
+                 {covered_obj, lamp, "0, 2.5, 0", false, false},     /* nothing diffuse is seen */
+                 {covered_obj, lamp, "0, 0, 5.8", true, false}};      /* all of its light falls on what is black */
+    for (int k = 0; k < 4; k++) {
+        run r = run_of_text(cases[k].obj, grey, cases[k].light, cases[k].target);
+        const uint64_t *count = r.s->counters.value;
+        print_message("%d: %llu coarse samples, %llu gathers\n", k, (unsigned long long)count[SL_COUNT_COARSE_SAMPLES], (unsigned long long)count[SL_COUNT_INDIRECT_SAMPLES]);
+        assert_true((count[SL_COUNT_COARSE_SAMPLES] > 0) == cases[k].coarse);
+        assert_true((count[SL_COUNT_INDIRECT_SAMPLES] > 0) == cases[k].gathers);
+        sl_image *image;
+        assert_int_equal(sl_multi_mesh_method.resolve(r.s, &image, NULL), SL_OK);
+        const float *indirect = sl_image_channel(image, "indirect.G");
+        for (int i = 0; i < 24 * 24 && !cases[k].gathers; i++) assert_true(indirect[i] == 0.0f);
+        sl_image_destroy(image);
+        discard(&r);
+    }
+}
+
+/* Of what a scene has but the view does not show there is no picture: no k_s, no emission, no specular mesh of leaves. */
+static void what_a_view_does_not_show_has_no_picture(void **state) {
+    (void)state;
+    static const char two_obj[] = "usemtl floor\nv -4 0 -4\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nf 1 2 3 4\nusemtl shiny\nv -40 0 40\nv -40 0 44\nv -36 0 44\nv -36 0 40\nf 5 6 7 8\n";
+    run r = run_of_text(two_obj, "\"floor\": {\"diffuse\": 0.5}, \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.5, \"exponent\": 20}",
+                        "{\"type\": \"quad\", \"corner\": [-1, 9, -1], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}", "0, 0, 0");
+    assert_non_null(r.s->part[SL_DIRECT_SPECULAR]);
+    assert_null(r.s->materials->specular[0]);
+    assert_null(r.s->materials->emission[0]);
+    assert_int_equal(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count, 0);
+    discard(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_those_of_each_pixels_triangle),
@@ -233,6 +284,8 @@ int main(void) {
         cmocka_unit_test(after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays),
         cmocka_unit_test(back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again),
         cmocka_unit_test(what_a_scene_has_no_use_for_is_not_done),
+        cmocka_unit_test(where_no_light_falls_no_coarse_mesh_is_made_and_nothing_is_gathered),
+        cmocka_unit_test(what_a_view_does_not_show_has_no_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -71,7 +71,7 @@ static bool light_point(const sl_coarse_light *c, const sl_lit_point *point, lig
 
 static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *v, double nudge) {
     double third = SL_MESH_DYADIC / 3.0;
-    sl_face_point x = {v->face, (uint16_t)(v->lit_p + nudge * (third - v->lit_p)), (uint16_t)(v->lit_q + nudge * (third - v->lit_q)), v->depth};
+    sl_face_point x = {.face = v->face, .p = (uint16_t)(v->lit_p + nudge * (third - v->lit_p)), .q = (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
     sl_mesh_point at = sl_face_point_in_world(c->settings.topology, &x);
     if (at.triangle == SL_NO_INDEX) sl_step_inside(c->settings.topology, 5.0 * sl_light_sampling_step(c->settings.sampling), &at);
     return at;

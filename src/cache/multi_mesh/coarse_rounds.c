@@ -32,10 +32,26 @@ static void light_coarse(sl_multi_mesh_state *s, size_t count) {
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
 }
 
+/* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
+static bool is_dark(const sl_multi_mesh_state *s) {
+    sl_rgb brightest = sl_coarse_brightest(s->coarse);
+    return !s->scene->environment.present && !(brightest.r > 0.0f || brightest.g > 0.0f || brightest.b > 0.0f);
+}
+
+static void leave_out_indirect(sl_multi_mesh_state *s) {
+    sl_displayed_destroy(s->part[SL_INDIRECT]);
+    s->part[SL_INDIRECT] = NULL;
+    s->plan.indirect = s->plan.coarse = false;
+}
+
 /* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it (section 2.5). */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_finish(s->coarse, s->settings.threads);
     sl_announce_pass(&s->announcer, "coarse mesh", "section 5");
+    if (is_dark(s)) {
+        leave_out_indirect(s);
+        return SL_OK;
+    }
     sl_status status = ready_gather(s, error);
     if (status != SL_OK || s->settings.bounces < 2) {
         s->coarse_whole = status == SL_OK;
@@ -50,7 +66,7 @@ static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
     const sl_coarse_vertex *vertex = sl_coarse_vertices(s->coarse) + s->coarse_done;
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) {
-        sl_face_point x = {vertex[i].face, vertex[i].lit_p, vertex[i].lit_q, vertex[i].depth};
+        sl_face_point x = {.face = vertex[i].face, .p = vertex[i].lit_p, .q = vertex[i].lit_q};
         points[i] = sl_face_point_in_world(s->topology, &x);
     }
     sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);

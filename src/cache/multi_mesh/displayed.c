@@ -175,7 +175,7 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels, boo
     return SL_OK;
 }
 
-size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
+size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, size_t room) {
     /* Corners of roots alone: no leaf is cut before the middles of its edges are known. */
     size_t count = 0;
     for (size_t e = 0; d->pixels && e < d->pixels->face_count && count < room; e++) {
@@ -185,6 +185,7 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
             uint32_t v = root->vertex[c];
             if (d->mesh->state[v] != SL_VERTEX_UNKNOWN) continue;
             d->mesh->state[v] = SL_VERTEX_REQUESTED;
+            face[count] = d->pixels->face[e].face;
             vertex[count++] = v;
         }
     }

@@ -37,6 +37,7 @@ typedef struct sl_displayed_settings {
     uint32_t few_pixels;          /* leaves that show no more pixels than that meet the size criterion however large they are */
     uint32_t specks;              /* leaves that show fewer pixels than that are not looked into unless these, times the contrast between the */
     float specks_contrast;        /* ... leaf's corners in thresholds, come to so much */
+    bool sharp;                   /* light can end where other geometry begins: leaves with corners in it are cut until it is known where, to a pixel's size */
     int max_depth;
     sl_mesh_selection selection;
     uint64_t seed;                /* of the chain */
@@ -88,8 +89,9 @@ size_t sl_displayed_memory_bytes(const sl_displayed *displayed);
  * sl_displayed_missing(). */
 sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pixels, bool (*want)(const void *context, uint32_t face),
                            const void *context, sl_error *error);
-/* Vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED; at most `room`. Returns how many. */
-size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t room);
+/* Vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED, and the faces whose corners they are; at most `room`.
+ * Returns how many. */
+size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, uint32_t *face, size_t room);
 /* Priorities of visible leaves from what is known now: after values of missing vertices were filled in. */
 void sl_displayed_prioritise(sl_displayed *displayed);
 /* Nothing is left to do in the view as it stands: what was not worth a look need not be judged again when it is seen again, no larger. */

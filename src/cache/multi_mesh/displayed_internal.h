@@ -44,9 +44,20 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
 /* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels, and what an eye can tell of a
  * few pixels is less the fewer they are (Ricco's law: threshold times area is constant). Without known corners there is nothing to be told. */
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf);
-/* May the leaf be cut at all? Patches of a pixel or less are not. */
+/* Is a corner inside other geometry? Then direct light ends somewhere in the leaf, and its other corners do not say where. */
+static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_place *leaf) {
+    const uint32_t *vertex = d->mesh->node[leaf->node].vertex;
+    const uint8_t *state = d->mesh->state;
+    if (!d->settings.sharp) return false;
+    return state[vertex[0]] == SL_VERTEX_INVALID || state[vertex[1]] == SL_VERTEX_INVALID || state[vertex[2]] == SL_VERTEX_INVALID;
+}
+/* More than a pixel long on the screen. */
+bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf);
+/* May the leaf be cut at all? Patches of a pixel or less are not; one that shows in a single pixel is only to find where light ends. */
 static inline bool sl_may_split_but_for_specks(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return d->mesh->node[leaf->node].pixels > 1 && leaf->depth < d->settings.max_depth;
+    uint32_t pixels = d->mesh->node[leaf->node].pixels;
+    if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
+    return pixels > 1 || (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
 }
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return sl_may_split_but_for_specks(d, leaf) && !sl_displayed_is_speck(d, leaf);

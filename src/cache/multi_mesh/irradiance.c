@@ -19,6 +19,7 @@ static const float TOLERANCE = 0.25f;
 /* A sample that a round wants: a vertex of a light's mesh. */
 typedef struct wanted_sample {
     uint32_t light, vertex;
+    sl_leaf_middle leaf;       /* of whoever asked first */
 } wanted_sample;
 
 typedef struct sample_result {
@@ -45,8 +46,8 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_FAIL
 
 /* ---- where vertices are ---- */
 
-sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth) {
-    sl_face_point point = {.wanted_depth = wanted_depth};
+sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth, sl_leaf_middle leaf) {
+    sl_face_point point = {.wanted_depth = wanted_depth, .leaf = leaf};
     point.face = sl_mesh_lowest_face(mesh, vertex, &point.p, &point.q);
     return point;
 }
@@ -70,7 +71,7 @@ sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_
 
 /* ---- fetch ---- */
 
-static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex) {
+static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_leaf_middle leaf) {
     uint8_t *state = &m->mesh[light]->state[vertex];
     if (*state != SL_VERTEX_UNKNOWN) return true;
     if (m->wanted_count == m->wanted_capacity) {
@@ -89,7 +90,7 @@ static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex) {
         m->result = result;
         m->wanted_capacity = capacity;
     }
-    m->wanted[m->wanted_count++] = (wanted_sample){light, vertex};
+    m->wanted[m->wanted_count++] = (wanted_sample){light, vertex, leaf};
     *state = SL_VERTEX_REQUESTED;
     return true;
 }
@@ -136,11 +137,12 @@ static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, co
 /* Tests a leaf's edges as far as their samples are there; wants those that are not. */
 static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, sl_error *error) {
     sl_mesh *mesh = m->mesh[light];
+    sl_leaf_middle leaf = sl_mesh_leaf_middle(place);
     bool complete = true;
     for (int i = 0; i < 3; i++) {
         uint32_t corner = mesh->node[place->node].vertex[i];
         if (is_there(mesh, corner)) continue;
-        if (!want(m, light, corner)) return FETCH_FAILED;
+        if (!want(m, light, corner, leaf)) return FETCH_FAILED;
         complete = false;
     }
     for (int i = 0; i < 3; i++) {
@@ -150,7 +152,7 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
         if (middle == SL_NO_INDEX && status != SL_OK) return FETCH_FAILED;
         if (middle == SL_NO_INDEX) set_edge_state(mesh, place->node, i, SL_EDGE_CLOSED); /* as short as edges get */
         if (middle == SL_NO_INDEX || is_there(mesh, middle)) continue;
-        if (!want(m, light, middle)) return FETCH_FAILED;
+        if (!want(m, light, middle, leaf)) return FETCH_FAILED;
         complete = false;
     }
     if (!complete) return FETCH_PENDING;
@@ -161,14 +163,14 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_m
     return FETCH_READY;
 }
 
-static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, float *share) {
+static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_leaf_middle leaf, float *share) {
     const sl_mesh *mesh = m->mesh[light];
     if (mesh->state[vertex] == SL_VERTEX_INVALID) return FETCH_INVALID;
     if (mesh->state[vertex] == SL_VERTEX_KNOWN) {
         *share = mesh->value[vertex];
         return FETCH_READY;
     }
-    return want(m, light, vertex) ? FETCH_PENDING : FETCH_FAILED;
+    return want(m, light, vertex, leaf) ? FETCH_PENDING : FETCH_FAILED;
 }
 
 static int corner_at(const sl_mesh_place *place, const sl_face_point *x) {
@@ -198,7 +200,7 @@ static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *
 }
 
 static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl_face_point *x, float *share) {
-    double whole = (double)side_of(leaf, 0, 1, &(sl_face_point){leaf->face, leaf->p[2], leaf->q[2], 0});
+    double whole = (double)side_of(leaf, 0, 1, &(sl_face_point){.face = leaf->face, .p = leaf->p[2], .q = leaf->q[2]});
     double w1 = (double)side_of(leaf, 2, 0, x) / whole, w2 = (double)side_of(leaf, 0, 1, x) / whole;
     return sl_mesh_interpolate(mesh, leaf, (float)w1, (float)w2, true, share);
 }
@@ -219,13 +221,13 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
     sl_mesh_place place = sl_mesh_root_place(mesh, x->face);
     for (;;) {
         int corner = corner_at(&place, x);
-        if (corner >= 0) return fetch_corner(m, light, mesh->node[place.node].vertex[corner], share);
+        if (corner >= 0) return fetch_corner(m, light, mesh->node[place.node].vertex[corner], x->leaf, share);
         if (sl_mesh_is_leaf(mesh, place.node)) {
             if (place.depth >= x->wanted_depth) {
                 int edge = edge_halved_by(&place, x);
                 uint32_t middle = edge >= 0 ? sl_mesh_middle(mesh, &place, edge, &status, error) : SL_NO_INDEX;
                 if (status != SL_OK) return FETCH_FAILED;
-                if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, share);
+                if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, x->leaf, share);
                 fetch_state state = test_leaf(m, light, &place, error);
                 if (state != FETCH_READY) return state;
                 if (is_confident(mesh, place.node)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
@@ -266,8 +268,9 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_p
 }
 
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry: then it is asked for a little
- * further inside its face. */
-static sample_result sample_vertex(const sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sample_worker *w) {
+ * further inside the leaf that wants it. (Inside its face would be too far: what stands on a floor would get the light of what is beyond its shadow.) */
+static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_sample *wanted, sample_worker *w) {
+    uint32_t light = wanted->light, vertex = wanted->vertex;
     const sl_mesh *mesh = m->mesh[light];
     sl_mesh_point at;
     sl_mesh_point_of(mesh, vertex, &at);
@@ -280,7 +283,7 @@ static sample_result sample_vertex(const sl_irradiance_meshes *m, uint32_t light
         !sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
         return (sample_result){0.0f, true};
     for (int i = 0; i < SL_NUDGES; i++) {
-        sl_mesh_point_nudged(mesh, vertex, sl_nudge[i], &at);
+        sl_mesh_point_nudged(mesh, vertex, wanted->leaf, sl_nudge[i], &at);
         if (!sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
             return (sample_result){take(m, light, &at, w), true};
     }
@@ -291,7 +294,7 @@ static void sample_some(void *context, size_t task, unsigned worker) {
     sl_irradiance_meshes *m = context;
     size_t end = (task + 1) * SAMPLES_A_TASK < m->wanted_count ? (task + 1) * SAMPLES_A_TASK : m->wanted_count;
     for (size_t i = task * SAMPLES_A_TASK; i < end; i++)
-        m->result[i] = sample_vertex(m, m->wanted[i].light, m->wanted[i].vertex, &m->worker[worker]);
+        m->result[i] = sample_vertex(m, &m->wanted[i], &m->worker[worker]);
 }
 
 /* In the order in which they were asked for. */

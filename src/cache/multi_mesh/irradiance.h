@@ -21,9 +21,10 @@ typedef struct sl_face_point {
     uint32_t face;
     uint16_t p, q;
     int wanted_depth;          /* leaves above this are cut whatever their edges say */
+    sl_leaf_middle leaf;       /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
 } sl_face_point;
 /* That of a mesh's vertex. */
-sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth);
+sl_face_point sl_vertex_face_point(const sl_mesh *mesh, uint32_t vertex, int wanted_depth, sl_leaf_middle leaf);
 /* Where it lies in the world. */
 sl_mesh_point sl_face_point_in_world(const sl_topology *topology, const sl_face_point *x);
 

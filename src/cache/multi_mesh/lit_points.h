@@ -5,7 +5,7 @@
 #include "cache/light_sample/light_sample.h"
 #include "cache/multi_mesh/mesh.h"
 
-/* How much of the way to its face's middle a point is moved that lies inside other geometry: these one after another. */
+/* How much of the way to its leaf's middle a point is moved that lies inside other geometry: these one after another. */
 enum { SL_NUDGES = 3 };
 extern const double sl_nudge[SL_NUDGES];
 

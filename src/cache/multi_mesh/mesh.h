@@ -174,9 +174,20 @@ typedef struct sl_mesh_point {
 void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
 /* The lowest face that has a vertex, and the vertex's weights of that face's corners 1 and 2 in 1/SL_MESH_DYADIC. */
 uint32_t sl_mesh_lowest_face(const sl_mesh *mesh, uint32_t vertex, uint16_t *p, uint16_t *q);
-/* The same point, moved along its lowest face towards that face's middle by a share of the way (0.01, 0.05, 0.2): where it is asked for when it lies
- * inside other geometry. */
-void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, double share, sl_mesh_point *point);
+/* The middle of a leaf; weights of its face's corners 1 and 2 in 1/SL_MESH_DYADIC. */
+typedef struct sl_leaf_middle {
+    uint32_t face;
+    float p, q;
+} sl_leaf_middle;
+static inline sl_leaf_middle sl_mesh_leaf_middle(const sl_mesh_place *leaf) {
+    return (sl_leaf_middle){leaf->face, (float)(leaf->p[0] + leaf->p[1] + leaf->p[2]) / 3.0f, (float)(leaf->q[0] + leaf->q[1] + leaf->q[2]) / 3.0f};
+}
+static inline sl_leaf_middle sl_mesh_face_middle(uint32_t face) {
+    return (sl_leaf_middle){face, (float)SL_MESH_DYADIC / 3.0f, (float)SL_MESH_DYADIC / 3.0f};
+}
+/* A vertex, moved towards the middle of a leaf that has it by a share of the way (0.01, 0.05, 0.2): where it is asked for when it lies inside other
+ * geometry. */
+void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, sl_leaf_middle leaf, double share, sl_mesh_point *point);
 
 /* The value at a point of a leaf (weights of its corners 1 and 2), `channels` floats. Linear between corners where no edge has a known middle;
  * else a fan around the leaf's centre: with b the smallest of the three weights, the point lies s = 1 - 3 b of the way from the centre to a

@@ -191,14 +191,17 @@ void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point
     point->geometric_normal = inside ? sl_face_normal(topology->scene, point->face) : point->normal;
 }
 
-void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, double share, sl_mesh_point *point) {
+static sl_vec3d between(sl_vec3d a, sl_vec3d b, double share) { return sl_addd(a, sl_scaled(sl_subd(b, a), share)); }
+
+void sl_mesh_point_nudged(const sl_mesh *mesh, uint32_t vertex, sl_leaf_middle leaf, double share, sl_mesh_point *point) {
     const sl_topology *topology = mesh->topology;
-    double w[3];
-    bool several;
-    point->face = lowest_face(topology, &mesh->key[vertex], &several, w);
-    for (int c = 0; c < 3; c++) w[c] += share * (SL_MESH_DYADIC / 3.0 - w[c]);
-    point->triangle = point->face / 2;
-    point->position = sl_to_float(weigh(topology, topology->site_position, point->face, w));
-    point->normal = normal_at(topology, point->face, w);
-    point->geometric_normal = sl_face_normal(topology->scene, point->face);
+    const double w[3] = {(double)SL_MESH_DYADIC - (double)leaf.p - (double)leaf.q, (double)leaf.p, (double)leaf.q};
+    sl_mesh_point_of(mesh, vertex, point);
+    sl_vec3 geometric = sl_face_normal(topology->scene, leaf.face);
+    sl_vec3d middle = weigh(topology, topology->site_position, leaf.face, w), normal = sl_to_double(normal_at(topology, leaf.face, w));
+    point->face = leaf.face;
+    point->triangle = leaf.face / 2;
+    point->position = sl_to_float(between(sl_to_double(point->position), middle, share));
+    point->normal = sl_normalize_or(sl_to_float(between(sl_to_double(point->normal), normal, share)), geometric);
+    point->geometric_normal = geometric;
 }

@@ -75,6 +75,27 @@ static sl_status see(sl_multi_mesh_state *s, sl_error *error) {
     return status;
 }
 
+/* Whether any face in view has what a pass is for (section 1.3: what nothing in view has is not drawn). */
+static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32_t)) {
+    for (size_t f = 0; f < s->visible->face_count; f++)
+        if (has(s->scene, s->visible->face[f].face)) return true;
+    return false;
+}
+
+static bool shines(const void *context, uint32_t face) { return sl_material_is_emitter(sl_face_material(context, face)); }
+
+static sl_materials_wanted materials_in_view(const sl_multi_mesh_state *s) {
+    bool sky = s->scene->environment.present && s->visible->count < sl_multi_mesh_pixels(s);
+    return (sl_materials_wanted){.specular = s->plan.specular_seen && shows(s, wants_specular), .emission = s->plan.emission && (sky || shows(s, shines))};
+}
+
+static bool in_view(const sl_displayed *part) { return part && part->heap_count > 0; }
+
+static void clear_planes(sl_multi_mesh_state *s) {
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (in_view(s->part[i])) memset(s->planes[i][0], 0, 3 * sl_multi_mesh_pixels(s) * sizeof *s->planes[i][0]);
+}
+
 static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
@@ -84,16 +105,17 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     s->visible = NULL;
     if (status == SL_OK) status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters, error);
     sl_multi_mesh_announce_ids(s);
-    memset(s->plane_memory, 0, 3 * SL_COMPONENTS * sl_multi_mesh_pixels(s) * sizeof *s->plane_memory);
     sl_materials_destroy(s->materials);
     s->materials = NULL;
-    sl_materials_wanted wanted = {s->plan.specular_seen, s->plan.emission};
+    sl_materials_wanted wanted = {false, false};
+    if (status == SL_OK) wanted = materials_in_view(s);
     if (status == SL_OK)
         status = sl_materials_resolve(s->scene, s->raster, &view, s->id, wanted, threads, &s->materials, &s->counters, error);
     if (status == SL_OK) sl_announce(&s->announcer, "material: k_d", "section 3, pass 2", s->settings.width, s->settings.height, 3, s->materials->diffuse[0], true);
-    if (status == SL_OK && s->plan.specular_seen)
+    if (status == SL_OK && wanted.specular)
         sl_announce(&s->announcer, "material: k_s", "section 3, pass 2", s->settings.width, s->settings.height, 3, s->materials->specular[0], true);
     if (status == SL_OK) status = see(s, error);
+    if (status == SL_OK) clear_planes(s);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
     if (status == SL_OK) s->phase = SL_PHASE_FIRST;
@@ -104,12 +126,12 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
 
 /* Some of the vertices that visible leaves lack; *none: there are no more. */
 static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *none, sl_error *error) {
-    uint32_t vertex[FIRST_VERTICES];
+    uint32_t vertex[FIRST_VERTICES], face[FIRST_VERTICES];
     sl_wanted_vertex wanted[FIRST_VERTICES];
-    size_t count = sl_displayed_missing(s->part[part], vertex, FIRST_VERTICES);
+    size_t count = sl_displayed_missing(s->part[part], vertex, face, FIRST_VERTICES);
     *none = count < FIRST_VERTICES;
     s->priorities_stale |= count > 0;
-    for (size_t i = 0; i < count; i++) wanted[i] = (sl_wanted_vertex){vertex[i], 0};
+    for (size_t i = 0; i < count; i++) wanted[i] = (sl_wanted_vertex){vertex[i], 0, sl_mesh_face_middle(face[i])};
     return sl_multi_mesh_sample(s, part, count, wanted, error);
 }
 
@@ -177,7 +199,8 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_status status = sl_displayed_request(mesh, &place, vertex, &count, error);
         if (status != SL_OK) return status;
         int depth = sl_displayed_wanted_depth(mesh, &place);
-        for (size_t i = 0; i < count; i++) r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth};
+        sl_leaf_middle leaf = sl_mesh_leaf_middle(&place);
+        for (size_t i = 0; i < count; i++) r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth, leaf};
     }
     return SL_OK;
 }
@@ -228,7 +251,7 @@ static bool look_again(sl_multi_mesh_state *s) {
 
 static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
     size_t served = 0;
-    bool coarse = s->plan.indirect && !indirect_is_ready(s);
+    bool coarse = s->plan.indirect && !indirect_is_ready(s) && in_view(s->part[SL_INDIRECT]);
     bool full = sl_multi_mesh_is_full(s);
     sl_status status = full ? SL_OK : refine(s, &served, error);
     if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
@@ -274,7 +297,7 @@ static sl_status multi_mesh_update(void *state, sl_progress *progress, sl_error 
 static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
     static const char *const names[SL_COMPONENTS] = {"direct diffuse radiance", "direct specular radiance", "indirect irradiance"};
     for (int i = 0; i < SL_COMPONENTS; i++) {
-        if (!s->part[i]) continue;
+        if (!in_view(s->part[i])) continue;
         sl_rgb fallback = i == SL_INDIRECT ? s->ambient : sl_grey(0.0f);
         sl_displayed_draw(s->part[i], s->settings.threads, fallback, s->planes[i], &s->counters);
         sl_announce(&s->announcer, names[i], "section 3, pass 3", s->settings.width, s->settings.height, 3, s->planes[i][0], true);

@@ -82,6 +82,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
 typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
+    sl_leaf_middle leaf;       /* of the leaf that wants it */
 } sl_wanted_vertex;
 /* Values of vertices of one displayed mesh: from then on they are KNOWN or INVALID. */
 sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error);

@@ -27,6 +27,11 @@ void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl
     node->flags = (node->flags & ~(uint32_t)SL_NODE_SMALL) | (small || known ? SL_NODE_SMALL : 0u);
 }
 
+bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf) {
+    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    return sl_displayed_size(d, &clip, leaf).edge > 1.0f;
+}
+
 int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) {
     if (!d->pixels) return leaf->depth;
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
@@ -72,16 +77,19 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
     return most;
 }
 
-static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) {
-    return pixels < d->settings.specks && (float)pixels * contrast < d->settings.specks_contrast;
-}
+static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) { return (float)pixels * contrast < d->settings.specks_contrast; }
 
 /* What was one when a picture was done still is, with no more pixels. */
 static bool was_speck(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_speck(node); }
 
+/* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known. */
+static bool may_be_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
+    return d->mesh->node[leaf->node].pixels < d->settings.specks && !sl_has_hidden_corner(d, leaf);
+}
+
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    return node->pixels < d->settings.specks && (was_speck(node) || is_speck(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
+    return may_be_speck(d, leaf) && (was_speck(node) || is_speck(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
 }
 
 void sl_displayed_settle(sl_displayed *d) {
@@ -96,9 +104,11 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *lea
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
     if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f; /* most often so, and quicker to tell than what follows */
-    if (!sl_may_split_but_for_specks(d, leaf) || was_speck(node)) return 0.0f;
+    if (!sl_may_split_but_for_specks(d, leaf)) return 0.0f;
+    bool speck = may_be_speck(d, leaf);
+    if (speck && was_speck(node)) return 0.0f;
     float contrast = sl_displayed_corner_contrast(d, leaf);
-    return is_speck(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
+    return speck && is_speck(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }
 
 /* ---- up to the roots ---- */

@@ -45,7 +45,7 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
     bool *valid = sl_allocate(count, sizeof *valid);
     sl_status status = points && share && valid ? SL_OK : sl_fail_memory(error, "samples");
     for (size_t i = 0; i < count && status == SL_OK; i++) {
-        points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex, irradiance_depth(s, wanted[i].wanted_depth));
+        points[i] = sl_vertex_face_point(s->part[part]->mesh, wanted[i].vertex, irradiance_depth(s, wanted[i].wanted_depth), wanted[i].leaf);
     }
     if (status == SL_OK) status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
@@ -80,12 +80,12 @@ void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_po
     }
 }
 
-/* Where the vertex gathers: a little inside its face if it lies within a solid, as direct light does (irradiance.c); false: there, too. */
-static bool find_gather_point(sl_multi_mesh_state *s, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point) {
-    sl_mesh_point_of(mesh, vertex, point);
+/* Where the vertex gathers: a little inside its leaf if it lies within a solid, as direct light does (irradiance.c); false: there, too. */
+static bool find_gather_point(sl_multi_mesh_state *s, const sl_mesh *mesh, const sl_wanted_vertex *wanted, sl_mesh_point *point) {
+    sl_mesh_point_of(mesh, wanted->vertex, point);
     bool inside = s->tracer && sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
     for (size_t i = 0; i < SL_NUDGES && inside; i++) {
-        sl_mesh_point_nudged(mesh, vertex, sl_nudge[i], point);
+        sl_mesh_point_nudged(mesh, wanted->vertex, wanted->leaf, sl_nudge[i], point);
         inside = sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
     }
     return !inside;
@@ -98,13 +98,13 @@ typedef enum dark_vertex { DARK_AS_IT_IS, DARK_AND_INVALID, DARK_BUT_INSIDE } da
 
 /* A face's corner gathers once more, a fifth of the way into the face: a beam that few pixels show has no other vertices. Unless a wall stands in between,
  * far off: what is beyond that is another room. Any other vertex behind a wall has no light of its own. */
-static dark_vertex look_inside(sl_multi_mesh_state *s, const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *inside) {
+static dark_vertex look_inside(sl_multi_mesh_state *s, const sl_mesh *mesh, const sl_wanted_vertex *wanted, sl_mesh_point *inside) {
     const float diagonal = s->scene->diagonal, far = 0.01f * diagonal;
-    double reach = reach_of(mesh, vertex);
+    double reach = reach_of(mesh, wanted->vertex);
     sl_mesh_point at;
     if (!s->tracer) return DARK_AS_IT_IS;
-    sl_mesh_point_of(mesh, vertex, &at);
-    sl_mesh_point_nudged(mesh, vertex, sl_nudge[SL_NUDGES - 1] * reach, inside);
+    sl_mesh_point_of(mesh, wanted->vertex, &at);
+    sl_mesh_point_nudged(mesh, wanted->vertex, wanted->leaf, sl_nudge[SL_NUDGES - 1], inside);
     float share = sl_share_before_wall(s->tracer, &at, inside, 1e-5f * diagonal, &s->counters);
     if (reach < 1.0) return share < SL_STUB ? DARK_AND_INVALID : DARK_AS_IT_IS;
     bool another_room = share >= SL_STUB && share < 1.0f && sl_length(sl_sub(inside->position, at.position)) > far;
@@ -120,7 +120,7 @@ static sl_status gather_before_walls(sl_multi_mesh_state *s, size_t count, const
     sl_rgb *again = sl_allocate(count, sizeof *again);
     for (size_t i = 0; i < count && which && again; i++) {
         if (!(sl_rgb_mean(irradiance[i]) < little)) continue;
-        dark_vertex found = look_inside(s, mesh, wanted[i].vertex, &points[dark]);
+        dark_vertex found = look_inside(s, mesh, &wanted[i], &points[dark]);
         if (found == DARK_AND_INVALID) valid[i] = false;
         if (found == DARK_BUT_INSIDE) which[dark++] = (uint32_t)i;
     }
@@ -138,7 +138,7 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     sl_rgb *irradiance = sl_allocate(count, sizeof *irradiance);
     bool *valid = sl_allocate(count, sizeof *valid);
     sl_status status = points && irradiance && valid ? SL_OK : sl_fail_memory(error, "gathers");
-    for (size_t i = 0; i < count && status == SL_OK; i++) valid[i] = find_gather_point(s, part->mesh, wanted[i].vertex, &points[i]);
+    for (size_t i = 0; i < count && status == SL_OK; i++) valid[i] = find_gather_point(s, part->mesh, &wanted[i], &points[i]);
     if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance);
     if (status == SL_OK) status = gather_before_walls(s, count, wanted, points, irradiance, valid, error);
     for (size_t i = 0; i < count && status == SL_OK; i++) put_value(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);

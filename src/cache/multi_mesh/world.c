@@ -3,15 +3,20 @@
  * taken along (changes.c); what gathers and eyes see starts again. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
+#include <math.h>
+
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "scene/ambient.h"
 
 enum { FEW_PIXELS = 8, SPECKS = 4, INDIRECT_SPECKS = 32, MANY_LIGHTS = 16 };
-/* In the room (640 x 480, normal) these take half of the displayed meshes' samples of direct light and a third of the gathers, for 3 % more squared
- * error of direct light; of indirect light for less, since most of the leaves that are left out were cut for what gathers' pixels make. */
-static const float SPECKS_CONTRAST = 16.0f, INDIRECT_SPECKS_CONTRAST = 48.0f;
+/* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is hidden), and are a speck. In the room (640 x 480,
+ * normal) the one takes an eighth of the samples of direct light away and leaves its error as it is, the other a tenth for a tenth more squared error. */
+static const float FEW = 1.0f / 4.0f, SPECK = 1.0f / 9.0f;
+/* What specks' pixels times contrast must come to to be looked into. Of indirect light most of what is left out by it was cut for what gathers' pixels
+ * make: 96 instead of 48 takes three tenths of the gathers away, for a tenth more squared error of indirect light. */
+static const float SPECKS_CONTRAST = 16.0f, INDIRECT_SPECKS_CONTRAST = 96.0f;
 
 /* ---- what a face shows: how parts are judged (section 2.7) ---- */
 
@@ -98,13 +103,19 @@ static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
     return sl_irradiance_meshes_create(&irradiance, &s->irradiance, error);
 }
 
+static uint32_t part_of(float area, float share, uint32_t least) {
+    float pixels = fminf(share * area, 1e6f);
+    return pixels > (float)least ? (uint32_t)pixels : least;
+}
+
 static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
-    sl_displayed_settings settings = {.component = part, .leaf_area = coarser * coarser * (float)m->leaf_area, .leaf_edge = coarser * (float)m->leaf_edge,
-                                      .few_pixels = part == SL_INDIRECT ? 2 * FEW_PIXELS : FEW_PIXELS,
-                                      .specks = part == SL_INDIRECT ? INDIRECT_SPECKS : SPECKS,
+    float area = coarser * coarser * (float)m->leaf_area;
+    sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = coarser * (float)m->leaf_edge,
+                                      .few_pixels = part_of(area, FEW, FEW_PIXELS), .specks = part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
+                                      .sharp = part != SL_INDIRECT,
                                       .specks_contrast = (part == SL_INDIRECT ? INDIRECT_SPECKS_CONTRAST : SPECKS_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
                                       .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},
@@ -208,6 +219,7 @@ static sl_status keep_samples(sl_multi_mesh_state *s, const old_world *old, sl_e
 sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error) {
     old_world old;
     forget_pictures(s);
+    s->plan = sl_multi_mesh_plan_make(s->scene, &s->settings); /* light may fall where none fell */
     if (!s->irradiance) { /* there was no light, or an earlier edit failed */
         sl_multi_mesh_forget_world(s);
         return sl_multi_mesh_make_world(s, error);
