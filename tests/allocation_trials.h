@@ -183,8 +183,16 @@ static bool make_board(void) {
     return true;
 }
 
-/* Returns how many faults there are. most: how many of our own paths are tried; 0: all, foreign ones too, and with all that
- * follow failing as well. */
+/* SOFTLUX_EVERY_ALLOCATION=1: all paths are tried, foreign ones too, and with all that follow failing as well. SOFTLUX_EVERY_ALLOCATION=N, above 1: every
+ * N-th call of ours, alone. Unset: `some` paths of ours. */
+static long how_many_to_try(long some) {
+    const char *text = getenv("SOFTLUX_EVERY_ALLOCATION");
+    long n = text ? atol(text) : 0;
+    if (n > 1) every_nth = n;
+    return n > 0 ? 0 : some;
+}
+
+/* Returns how many faults there are. most: how many of our own paths are tried; 0: see above. */
 static long try_case(const fault_case *c, long most) {
     if (!make_board()) return 1;
     all_threads = c->all_threads;
@@ -194,15 +202,16 @@ static long try_case(const fault_case *c, long most) {
     if (wait_for(child) != 0) return fprintf(stderr, "%s: does not work at all\n", c->name), 1;
     long ours = 0, count = board->path_count;
     for (long i = 0; i < count; i++) ours += !board->path[i].foreign;
-    for (int all = 0; all < (most ? 1 : 2); all++) {
+    const int ways = most || every_nth ? 1 : 2;
+    for (int all = 0; all < ways; all++) {
         all_from_there_on = all;
-        for (int foreign = 0; foreign < (most ? 1 : 2); foreign++) {
+        for (int foreign = 0; foreign < ways; foreign++) {
             long of_kind = foreign ? count - ours : ours, step = most && of_kind > most ? (of_kind + most - 1) / most : 1;
             try_paths(c, step, foreign);
         }
     }
-    printf("result %-34s %7ld allocations, %5ld paths from %4ld places (%ld of ours); %ld tried, %ld did without, %ld deaths of foreign code and %ld times another reason from it, %ld faults\n",
-           c->name, board->allocations, count, board->place_count, ours, board->trials, board->absorbed, board->foreign, board->misnamed, board->faults);
+    printf("result %-34s %7ld allocations, %5ld %s from %4ld places (%ld of ours); %ld tried, %ld did without, %ld deaths of foreign code and %ld times another reason from it, %ld faults\n",
+           c->name, board->allocations, count, every_nth ? "calls chosen" : "paths", board->place_count, ours, board->trials, board->absorbed, board->foreign, board->misnamed, board->faults);
     return board->faults;
 }
 

@@ -1,5 +1,5 @@
 /* Memory that ends anywhere, in any of the library's functions. The short form tries some of the call paths that allocate; with
- * SOFTLUX_EVERY_ALLOCATION=1 every one (tests/hard/allocations.sh). With a name only the cases that hold it are tried. */
+ * SOFTLUX_EVERY_ALLOCATION=1 every one, with N every N-th call (tests/hard/allocations.sh). With a name only the cases that hold it are tried. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -168,7 +168,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(methods_where_memory_ends_say_so_and_lose_nothing),
     };
     wanted_name = argc > 1 ? argv[1] : NULL;
-    most = getenv("SOFTLUX_EVERY_ALLOCATION") ? 0 : 5;
+    most = how_many_to_try(5);
     keep_deaths();
     write_files();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -260,7 +260,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(caches_shows_and_estimates_where_memory_ends_say_so),
     };
     wanted_name = argc > 1 ? argv[1] : NULL;
-    most = getenv("SOFTLUX_EVERY_ALLOCATION") ? 0 : 10;
+    most = how_many_to_try(10);
     keep_deaths();
     write_files();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,7 +3,7 @@
 #include "app/commands.h"
 #include "app/live/film.h"
 #include "app/live/report.h"
-#include "app/load.h"
+#include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/settings_options.h"
 
@@ -160,7 +160,7 @@ int sl_command_live(int argc, char **argv) {
         snprintf(error.message, sizeof error.message, "--json and --output -: both would go to standard output");
         status = SL_ERROR_USAGE;
     }
-    if (status == SL_OK) status = sl_load_scene(o.scene_path, &o.load, &scene, &error);
+    if (status == SL_OK) status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
     for (size_t i = 0; status == SL_OK && !o.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
     if (status == SL_OK) {
