@@ -421,7 +421,7 @@ typedef struct sl_light_octree_settings {
     double flatness;              /**< f in (0,1]; 0.25 */
     int lights;                   /**< n: virtual directional lights a voxel, 1 to 8; 4 */
     double spread_tolerance;      /**< radians: fewer lights where that is met; 0: off */
-    double acceptance;            /**< radians between a photon's normal and the voxel's; 35 degrees, of whole voxels 60; pi: all */
+    double acceptance;            /**< radians between a photon's normal and the voxel's; 60 degrees; pi: all */
     sl_photon_store store;        /**< INDIRECT */
     sl_photon_area area;          /**< CLIP */
     sl_voxel_lobes lobes;         /**< PERPENDICULAR */

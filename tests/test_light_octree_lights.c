@@ -3,6 +3,7 @@
 #include "light_octree_photons.h"
 
 #include "cache/light_octree/voxel_lobes.h"
+#include "trace_scenes.h"
 
 /* ---- lobes alone ---- */
 
@@ -563,6 +564,55 @@ static void shallow_octrees_find_the_geometry_in_the_deepest(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A matt wall has one shading normal: a light along it makes the irradiance that four would. Gloss and bent normals want directions. */
+static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
+    (void)state;
+    enum { MATT, GLOSSY, BENT, KINDS };
+    for (int kind = 0; kind < KINDS; kind++) {
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t material = trace_mesh_material(&mesh, 0.5f, kind == GLOSSY ? 0.3f : 0.0f, 20, 0, 0), corner[4];
+        for (int k = 0; k < 4; k++) corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 4.0f : 0.0f, 0.0f, k & 2 ? 4.0f : 0.0f);
+        trace_mesh_triangle(&mesh, corner[0], corner[2], corner[1], material);
+        trace_mesh_triangle(&mesh, corner[1], corner[2], corner[3], material);
+        sl_scene *scene = trace_mesh_build(&mesh);
+        for (int k = 0; k < 4 && kind == BENT; k++) {
+            scene->normal_x[k] = k & 1 ? 0.6f : -0.6f;
+            scene->normal_y[k] = 0.8f;
+        }
+        sl_octree *octree = octree_of(scene, 4, 1);
+        sl_photon_list *list = new_list(20000);
+        strew_evenly(list, 20000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 1.0f, 3);
+        sl_photon_tree *tree = NULL;
+        assert_int_equal(sl_photon_tree_create(list, 1, &tree, NULL), SL_OK);
+        double irradiance[2][4096];
+        for (int split = 0; split < 2; split++) {
+            sl_voxel_light_options o = plain_options(4);
+            o.split_by_normal = split;
+            sl_voxel_lights *lights = NULL;
+            sl_counters counters = {{0}};
+            assert_int_equal(sl_voxel_lights_create(scene, octree, octree, tree, &o, 1, &lights, NULL), SL_OK);
+            sl_voxel_lights_compute(lights, 0, SIZE_MAX, 1, &counters);
+            assert_true(lights->set_count == octree->leaf_count && lights->set_count < 4096);
+            for (size_t s = 0; s < lights->set_count; s++) {
+                irradiance[split][s] = irradiance_on(lights, s, sl_v3(0, 1, 0));
+                assert_int_equal(lights->set[s].lights, split && kind == MATT ? 1 : 4);
+                if (split && kind == MATT) assert_true(sl_direction_unpack(lights->light[s * 4].packed, false).y == 1.0f);
+            }
+            double sum[2] = {0.0};
+            for (size_t s = 0; split && s < lights->set_count; s++) { /* of four lights grazing photons lose some */
+                assert_true(irradiance[0][s] > 0.5 && fabs(irradiance[1][s] / irradiance[0][s] - 1.0) < 0.1);
+                sum[0] += irradiance[0][s];
+                sum[1] += irradiance[1][s];
+            }
+            assert_true(!split || fabs(sum[1] / sum[0] - 1.0) < 0.005);
+            sl_voxel_lights_destroy(lights);
+        }
+        sl_photon_tree_destroy(tree);
+        sl_octree_destroy(octree);
+        sl_scene_destroy(scene);
+    }
+}
+
 static void options_out_of_range_are_refused(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
@@ -605,6 +655,7 @@ int main(void) {
         cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),
         cmocka_unit_test(what_lies_under_a_surface_takes_none_of_its_light),
         cmocka_unit_test(shallow_octrees_find_the_geometry_in_the_deepest),
+        cmocka_unit_test(flat_matt_surfaces_have_one_light_along_their_normal),
         cmocka_unit_test(options_out_of_range_are_refused),
     };
     return cmocka_run_group_tests_name("light octree: lights of voxels", tests, NULL, NULL);

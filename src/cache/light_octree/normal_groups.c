@@ -1,6 +1,19 @@
 #include "cache/light_octree/normal_groups.h"
 
+#include "scene/bump.h"
+
 static const double COS_45 = 0.70710678118654752;
+/* 0.8 degrees, which directions of 8 + 8 bits are off by, too. */
+static const double COS_FLAT = 0.9999;
+
+/* Is light to be seen by this one normal alone? Gloss and bumps want its directions. */
+static bool is_flat(const sl_scene *scene, uint32_t triangle) {
+    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    sl_vec3 n = sl_scene_geometric_normal(scene, triangle);
+    bool flat = !sl_material_is_glossy(m) && !sl_material_is_bumpy(m);
+    for (int k = 0; flat && k < 3; k++) flat = fabs((double)sl_dot(n, sl_scene_normal(scene, scene->vertex[k][triangle]))) >= COS_FLAT;
+    return flat;
+}
 
 typedef struct leaf_range {
     size_t first, end;
@@ -36,7 +49,7 @@ static size_t collect(const sl_cell_space *space, const sl_octree *geometry, lea
             double area = sl_clip_to_cell(space, &t, cell, 0.0, &part), length = sl_lengthd(t.normal);
             area *= geometry->share ? part.area * (double)geometry->share[number] : part.area;
             if (!(area > 0.0 && length > 0.0)) continue;
-            pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length), sl_scaled(sl_subd(part.centroid, base), area), area, -1};
+            pieces[count++] = (sl_voxel_piece){sl_scaled(t.normal, 1.0 / length), sl_scaled(sl_subd(part.centroid, base), area), area, -1, is_flat(space->scene, number)};
         }
     }
     return count;
@@ -45,10 +58,12 @@ static size_t collect(const sl_cell_space *space, const sl_octree *geometry, lea
 typedef struct group_sum {
     sl_vec3d seed, vector, moment;
     double area;
+    bool flat;
 } group_sum;
 
 static void join_group(group_sum *sums, int group, sl_voxel_piece *piece) {
     piece->group = group;
+    sums[group].flat = sums[group].flat && piece->flat && sl_dotd(piece->normal, sums[group].seed) >= COS_FLAT;
     sums[group].area += piece->area;
     sums[group].vector = sl_addd(sums[group].vector, sl_scaled(piece->normal, piece->area));
     sums[group].moment = sl_addd(sums[group].moment, piece->moment);
@@ -69,7 +84,7 @@ static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, siz
         if (pieces[i].group < 0 && (seed == count || pieces[i].area > pieces[seed].area)) seed = i;
     }
     if (seed == count) return false;
-    sums[groups] = (group_sum){.seed = pieces[seed].normal};
+    sums[groups] = (group_sum){.seed = pieces[seed].normal, .flat = true};
     double area = 0.0;
     for (size_t i = 0; i < count; i++) {
         if (pieces[i].group < 0 && sl_dotd(pieces[i].normal, sums[groups].seed) >= COS_45) area += pieces[i].area;
@@ -100,6 +115,7 @@ int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const 
         sl_vec3d centre = sl_addd(base, sl_scaled(sums[g].moment, 1.0 / sums[g].area));
         groups[g].normal = sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
         groups[g].centroid = sl_to_float(sl_addd(sl_scaled(centre, 1.0 / space->scale), space->origin));
+        groups[g].flat = sums[g].flat;
         groups[g].area = (float)(sums[g].area / (space->scale * space->scale));
     }
     return count;

@@ -8,6 +8,7 @@
 typedef struct sl_normal_group {
     sl_vec3 normal, centroid; /* by area, of what lies in the voxel */
     float area;
+    bool flat;                /* one shading normal, and it reflects light of all directions alike */
 } sl_normal_group;
 
 /* What lies in a voxel, triangle by triangle; a worker's scratch. */
@@ -15,6 +16,7 @@ typedef struct sl_voxel_piece {
     sl_vec3d normal, moment; /* unit; area times position, in cells about the voxel's first corner */
     double area;
     int group;
+    bool flat;               /* as of groups */
 } sl_voxel_piece;
 
 /* Greedy: the largest piece not yet in a group starts one, and all within 45 degrees of it join; what is left after SL_VOXEL_SETS_MAX, and

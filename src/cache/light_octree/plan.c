@@ -22,8 +22,7 @@ static const octree_quality by_quality[] = {
 };
 
 enum { SHALLOWEST_SHOWN = 4, LIGHTS = 4, ATLAS_SIZE = 1024 };
-/* 35 degrees: not an angle at which the sides of regular columns meet. A whole voxel's normal is the mean of what is in it. */
-static const double flatness = 0.25, acceptance = 35.0 / 180.0 * SL_PI, acceptance_of_whole_voxels = SL_PI / 3.0;
+static const double flatness = 0.25, acceptance = SL_PI / 3.0;
 
 void sl_octree_complete(sl_settings *settings) {
     const octree_quality *q = &by_quality[settings->quality];
@@ -33,7 +32,7 @@ void sl_octree_complete(sl_settings *settings) {
     if (!o->neighbours) o->neighbours = q->neighbours;
     if (!o->lights) o->lights = LIGHTS;
     if (o->flatness == 0.0) o->flatness = flatness;
-    if (o->acceptance == 0.0) o->acceptance = o->whole_voxels ? acceptance_of_whole_voxels : acceptance;
+    if (o->acceptance == 0.0) o->acceptance = acceptance;
     if (!o->atlas_size) o->atlas_size = ATLAS_SIZE;
     if (!settings->spp) settings->spp = q->light_samples;
 }

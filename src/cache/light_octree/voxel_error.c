@@ -10,6 +10,9 @@ enum { CANDIDATES = SL_ELLIPSOIDS_MAX, LEAST = 20 }; /* k / 4, k / 2, k */
 
 /* Intervals of so many standard deviations. */
 static const double confidence = 2.0;
+/* Of the disc: in a corner the smallest ellipsoid holds a quarter of it. One that holds less cuts surfaces that lie off its centre, and what few photons
+ * tell by so little area makes bright specks. It is believed unless it tells of more than so many times the density of all k. */
+static const double area_least = 0.25, believed_most = 2.0;
 
 typedef struct ranked_photon {
     double distance;
@@ -60,6 +63,8 @@ typedef struct candidate {
     size_t count;
     ranked_photon farthest;
     double radius, sum, squares;  /* of luminance */
+    double density, scatter;
+    bool little_area;
 } candidate;
 
 /* Largest first, as what lies around them is looked at. Returns how many there are. */
@@ -91,14 +96,15 @@ static void look_around(const sl_voxel_work *work, const sl_voxel_gather *gather
 }
 
 /* A candidate's density, and what it scatters by. */
-static double density_of(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, const candidate *c,
-                         sl_voxel_worker *w, double *scatter) {
+static double density_of(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, candidate *c,
+                         sl_voxel_worker *w) {
     double sides[2];
     sl_voxel_gather nearer = *gather;
     nearer.ellipsoid.radius = c->radius;
     double area = sl_voxel_areas(work, o, &nearer, w, sides);
     double kappa = c->count > 1 ? (double)(c->count - 1) / (double)c->count : 1.0, density = kappa * c->sum / area;
-    *scatter = c->sum > 0.0 ? density * sqrt(c->squares) / c->sum : 0.0;
+    c->scatter = c->sum > 0.0 ? density * sqrt(c->squares) / c->sum : 0.0;
+    c->little_area = area < area_least * sl_disc_area(&nearer.ellipsoid);
     return density;
 }
 
@@ -126,12 +132,16 @@ sl_voxel_gather sl_voxel_gather_estimated(const sl_voxel_work *work, const sl_vo
     rank_photons(work, &w->gathered, w->ranked);
     int count = find_candidates(query, widest.found, w->ranked, candidates);
     look_around(work, &widest, &candidates[CANDIDATES - count], count, w);
-    for (int k = 1; k <= count; k++) {
-        const candidate *c = &candidates[CANDIDATES - k];
-        double scatter, density = density_of(work, o, &widest, c, w, &scatter);
-        low = density - confidence * scatter > low ? density - confidence * scatter : low;
-        high = density + confidence * scatter < high ? density + confidence * scatter : high;
-        if (k > 1 && low > high) return keep_nearest(work, query, c + 1, w); /* the one before */
+    int largest = CANDIDATES - count;
+    for (int k = CANDIDATES - 1; k >= largest; k--) candidates[k].density = density_of(work, o, &widest, &candidates[k], w);
+    const candidate *chosen = NULL;
+    for (int k = CANDIDATES - 1; k >= largest; k--) {
+        const candidate *c = &candidates[k];
+        if (c->little_area && c->density > believed_most * candidates[largest].density) continue;
+        low = fmax(low, c->density - confidence * c->scatter);
+        high = fmin(high, c->density + confidence * c->scatter);
+        if (chosen && low > high) return keep_nearest(work, query, chosen, w);
+        chosen = c;
     }
     return widest; /* no two disagree */
 }

@@ -43,8 +43,16 @@ static int front_share(const double irradiance[2], int lights) {
     return share < 1 ? 1 : share > lights - 1 ? lights - 1 : share;
 }
 
+/* At most `room` lights of the photons on one side. */
+static int lights_of_side(const sl_lobe_photons *photons, const sl_voxel_light_options *o, double scale, sl_vec3 normal, bool flat, int room,
+                          sl_directional_light *light, sl_lobe_spread *spread) {
+    if (flat && room > 0) return sl_lobe_along_normal(photons, o, scale, normal, light);
+    return sl_lobes_of_photons(photons, o, scale, normal, room, light, spread);
+}
+
 static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_gather *gather, sl_voxel_worker *w,
-                                sl_vec3 normal, sl_directional_light *light) {
+                                const sl_voxel_set *set, sl_directional_light *light) {
+    sl_vec3 normal = set->normal;
     double area[2], scale[2];
     voxel_result result = {0};
     result.surface = sl_voxel_areas(work, o, gather, w, area);
@@ -59,10 +67,11 @@ static voxel_result make_lights(const sl_voxel_work *work, const sl_voxel_light_
         sl_lobes_of_photons(photons[1], o, scale[1], normal, 1, light, &result.spread);
         result.lights = result.irradiance[0] + result.irradiance[1] > 0.0 ? sl_lobe_texels(o) : 0;
     } else {
+        bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
         int room = sl_lobe_texels(o), front = front_share(result.irradiance, room);
-        result.lights = sl_lobes_of_photons(photons[0], o, scale[0], normal, front, light, &result.spread);
-        int back = front_share(result.irradiance, room) < room ? room - result.lights : 0;
-        result.lights += sl_lobes_of_photons(photons[1], o, scale[1], sl_neg(normal), back, light + result.lights, &result.spread);
+        result.lights = lights_of_side(photons[0], o, scale[0], normal, flat, front, light, &result.spread);
+        int back = front < room ? room - result.lights : 0;
+        result.lights += lights_of_side(photons[1], o, scale[1], sl_neg(normal), flat, back, light + result.lights, &result.spread);
     }
     return result;
 }
@@ -103,7 +112,7 @@ static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
     if (gather.found <= set->photons) return;
     sl_directional_light wider[SL_LOBE_HARMONICS_MAX] = {{{0}, 0}};
-    voxel_result result = make_lights(work, o, &gather, w, set->normal, wider);
+    voxel_result result = make_lights(work, o, &gather, w, set, wider);
     double from = result.irradiance[0] + result.irradiance[1], to = own->irradiance[0] + own->irradiance[1];
     if (!(from > 0.0 && to > 0.0)) return;
     scale_lights(wider, result.lights, to / from);
@@ -151,7 +160,7 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
     if (gather.front.count + gather.back.count == 0) return; /* dark: nothing to cluster */
     bool few = gather.found < SL_VOXEL_FEW && !o->own_photons, borrowed = false;
-    voxel_result result = make_lights(work, o, &gather, w, set->normal, light);
+    voxel_result result = make_lights(work, o, &gather, w, set, light);
     if (o->median_of_subsets) {
         double share = median_share(&gather);
         scale_lights(light, lights->texels, share);

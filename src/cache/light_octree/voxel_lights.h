@@ -48,6 +48,7 @@ typedef struct sl_voxel_set {
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
     bool both_sides;       /* photons on both sides */
+    bool flat;             /* light is seen by that normal alone: a light along it says all (section 1.2) */
     bool from_parent;      /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
     bool done;
 } sl_voxel_set;

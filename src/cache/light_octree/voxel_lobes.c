@@ -156,6 +156,13 @@ static int one_irradiance(const sl_lobe_photons *p, double scale, sl_directional
     return 1;
 }
 
+int sl_lobe_along_normal(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, sl_directional_light *light) {
+    sl_vec3d d = sl_to_double(normal);
+    if (p->count == 0 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;
+    light->packed = sl_direction_pack(d, o->wide_directions);
+    return one_irradiance(p, scale * packing_gain(d, light->packed, o->wide_directions, normal), light);
+}
+
 /* The perpendicular irradiances' projection: linear in the photons, so no clusters. Added to what is there. */
 static int harmonics(const sl_lobe_photons *p, int order, double scale, sl_directional_light *light) {
     double sum[SL_LOBE_HARMONICS_MAX][3] = {{0}};

@@ -32,6 +32,9 @@ typedef struct sl_lobe_spread {
  * many texels are used. spread (clusters alone) is added to. */
 int sl_lobes_of_photons(const sl_lobe_photons *photons, const sl_voxel_light_options *options, double scale, sl_vec3 normal, int room,
                         sl_directional_light *light, sl_lobe_spread *spread);
+/* Of a flat surface that reflects light of all directions alike: one light along its normal, which makes the same irradiance there. */
+int sl_lobe_along_normal(const sl_lobe_photons *photons, const sl_voxel_light_options *options, double scale, sl_vec3 normal,
+                         sl_directional_light *light);
 int sl_lobe_texels(const sl_voxel_light_options *options);
 
 /* Real spherical harmonics of bands 0 to order (2 or 3): 9 or 16 values. */

@@ -119,6 +119,7 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
             sl_voxel_set *set = &lights->set[first + g];
             set->leaf = (uint32_t)i;
             set->normal = count > 1 ? groups->groups[i][g].normal : octree->leaf[i].normal;
+            set->flat = groups && groups->count[i] > 0 && groups->groups[i][g].flat;
             set->centroid = count > 1 ? groups->groups[i][g].centroid : octree->leaf[i].centroid;
         }
     }

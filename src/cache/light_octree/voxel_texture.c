@@ -1,5 +1,6 @@
 #include "cache/light_octree/voxel_texture.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -57,9 +58,9 @@ static void put_node(sl_voxel_texture *t, size_t brick, unsigned cell, size_t ch
 }
 
 /* x and y in the texture of lights: 12 bits each. */
-static void put_leaf(sl_voxel_texture *t, size_t brick, unsigned cell, size_t array) {
+static void put_leaf(sl_voxel_texture *t, size_t brick, unsigned cell, size_t at) {
     uint8_t *texel = brick_texel(t->bricks, brick, cell);
-    size_t at = array * (size_t)(t->header + t->lights), x = at % (size_t)t->width, y = at / (size_t)t->width;
+    size_t x = at % (size_t)t->width, y = at / (size_t)t->width;
     texel[0] = (uint8_t)(x >> 4);
     texel[1] = (uint8_t)((x & 15) << 4 | y >> 8);
     texel[2] = (uint8_t)(y & 255);
@@ -67,7 +68,7 @@ static void put_leaf(sl_voxel_texture *t, size_t brick, unsigned cell, size_t ar
 }
 
 /* A level's nodes are the codes' prefixes; their bricks hold the next level's. */
-static void fill_bricks(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *array_of_leaf) {
+static void fill_bricks(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *place_of_leaf) {
     size_t first = 0;
     for (int level = 0; level < octree->depth; level++) {
         int shift = 3 * (octree->depth - level);
@@ -77,7 +78,7 @@ static void fill_bricks(sl_voxel_texture *t, const sl_octree *octree, const uint
             node += code >> shift != before >> shift;
             child += code >> (shift - 3) != before >> (shift - 3);
             unsigned cell = (unsigned)(code >> (shift - 3) & 7);
-            if (level + 1 == octree->depth) put_leaf(t, first + node, cell, array_of_leaf[i]);
+            if (level + 1 == octree->depth) put_leaf(t, first + node, cell, place_of_leaf[i]);
             else put_node(t, first + node, cell, first + nodes + child);
         }
         first += nodes;
@@ -93,32 +94,64 @@ static bool is_dark(const sl_voxel_lights *lights, size_t leaf) {
     return true;
 }
 
-/* Arrays in order of leaves; those without light share the first. Returns how many there are. */
-static size_t number_arrays(const sl_voxel_lights *lights, uint32_t *array_of_leaf) {
-    size_t arrays = 0;
-    for (size_t i = 0; i < lights->leaf_count && arrays == 0; i++) arrays = is_dark(lights, i);
-    for (size_t i = 0; i < lights->leaf_count; i++) {
-        bool dark = is_dark(lights, i);
-        array_of_leaf[i] = dark ? 0 : (uint32_t)arrays;
-        arrays += dark ? 0 : lights->first_set[i + 1] - lights->first_set[i];
-    }
-    return arrays;
+static bool stands_alone(const sl_voxel_texture *t, const sl_voxel_set *set) {
+    return set->flat && set->lights == 1 && t->lobes == SL_LOBES_PERPENDICULAR && !t->wide_directions;
 }
 
-static sl_status create_lights(sl_voxel_texture *t, size_t arrays, sl_error *error) {
-    size_t texels = (size_t)(t->header + t->lights), most = SL_LIGHT_TEXTURE_SIZE / texels;
-    if (arrays > most * SL_LIGHT_TEXTURE_SIZE) {
-        return sl_fail(error, SL_ERROR_RESOURCES,
-                       "%zu arrays of lights, 24 bits address %zu of %zu texels: fewer lights or a smaller depth are needed", arrays, most * SL_LIGHT_TEXTURE_SIZE, texels);
+static size_t lights_of_set(const sl_voxel_texture *t, const sl_voxel_set *set) {
+    return t->lobes == SL_LOBES_HARMONICS && set->lights > 0 ? (size_t)t->lights : set->lights;
+}
+
+static size_t texels_of_leaf(const sl_voxel_texture *t, const sl_voxel_lights *lights, size_t leaf) {
+    size_t texels = 0;
+    if (is_dark(lights, leaf)) return 0;
+    if (!t->split) return (size_t)t->lights;
+    for (uint32_t s = lights->first_set[leaf]; s < lights->first_set[leaf + 1]; s++) {
+        texels += stands_alone(t, &lights->set[s]) ? 1 : 1 + lights_of_set(t, &lights->set[s]);
     }
-    size_t rows = arrays > 0 ? (arrays + most - 1) / most : 1, a_row = arrays > 0 ? (arrays + rows - 1) / rows : 1;
-    t->array_count = arrays;
-    t->width = (int)(a_row * texels);
-    t->height = (int)rows;
-    t->light = sl_allocate(a_row * rows * texels, sizeof *t->light);
-    t->unpacked = sl_allocate(a_row * rows * texels, sizeof *t->unpacked);
-    t->facing = sl_allocate(a_row * rows, sizeof *t->facing);
-    return t->light && t->unpacked && t->facing ? SL_OK : sl_fail_memory(error, "the texture of lights");
+    return texels;
+}
+
+/* So wide that the texels take few rows and these are full; one leaf's never wrap. */
+static void choose_width(sl_voxel_texture *t, size_t texels, size_t longest) {
+    size_t step = t->split ? 1 : (size_t)t->lights, widest = SL_LIGHT_TEXTURE_SIZE / step * step, rows = (texels + widest - 1) / widest;
+    size_t width = rows > 0 ? (texels / step + rows - 1) / rows * step : step;
+    if (t->split && rows > 1) width += longest;
+    t->width = (int)(width < longest ? longest : width < widest ? width : widest);
+}
+
+/* In order of leaves; those without light share the first texel, or array. */
+static sl_status place_leaves(sl_voxel_texture *t, const sl_voxel_lights *lights, uint32_t *place_of_leaf, sl_error *error) {
+    size_t dark = 0, texels = 0, longest = t->split ? 1 : (size_t)t->lights, most = (size_t)SL_LIGHT_TEXTURE_SIZE * SL_LIGHT_TEXTURE_SIZE;
+    for (size_t i = 0; i < lights->leaf_count; i++) {
+        size_t here = texels_of_leaf(t, lights, i);
+        if (here == 0) dark = 1;
+        else t->array_count += lights->first_set[i + 1] - lights->first_set[i];
+        texels += here;
+        longest = here > longest ? here : longest;
+    }
+    size_t shared = dark * (t->split ? 1 : (size_t)t->lights), at = shared;
+    t->array_count += dark;
+    choose_width(t, texels + shared, longest);
+    for (size_t i = 0; i < lights->leaf_count && at <= most; i++) {
+        size_t here = texels_of_leaf(t, lights, i), width = (size_t)t->width;
+        if (at % width + here > width) at += width - at % width;
+        place_of_leaf[i] = here > 0 ? (uint32_t)at : 0;
+        at += here;
+    }
+    t->texel_count = at;
+    t->height = at > 0 ? (int)((at - 1) / (size_t)t->width) + 1 : 1;
+    if (at <= most && t->height <= SL_LIGHT_TEXTURE_SIZE) return SL_OK;
+    return sl_fail(error, SL_ERROR_RESOURCES, "%zu arrays of lights take %zu texels, 24 bits address %zu: fewer lights or a smaller depth are needed",
+                   t->array_count, texels + shared, most);
+}
+
+static sl_status create_lights(sl_voxel_texture *t, sl_error *error) {
+    size_t texels = (size_t)t->width * (size_t)t->height;
+    t->light = sl_allocate(texels, sizeof *t->light);
+    t->unpacked = sl_allocate(texels, sizeof *t->unpacked);
+    if (!t->split) t->facing = sl_allocate(texels / (size_t)t->lights, sizeof *t->facing);
+    return t->light && t->unpacked && (t->facing || t->split) ? SL_OK : sl_fail_memory(error, "the texture of lights");
 }
 
 /* A normal may be turned to the viewer's side, unless another of the voxel's groups is there. */
@@ -129,39 +162,63 @@ static bool may_turn(const sl_voxel_lights *lights, const sl_voxel_set *set) {
     return true;
 }
 
-static void put_array(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t array, uint32_t set_number, float sets) {
-    const sl_voxel_set *set = &lights->set[set_number];
-    sl_directional_light *light = t->light + array * (size_t)(t->header + t->lights);
-    bool turn = t->header ? may_turn(lights, set) : set->both_sides;
-    if (t->header) {
-        *light++ = (sl_directional_light){{sets, turn ? 1.0f : 0.0f, 0.0f}, sl_direction_pack(sl_to_double(set->normal), t->wide_directions)};
+/* Returns how many texels the set took. */
+static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t at, uint32_t number, bool more) {
+    const sl_voxel_set *set = &lights->set[number];
+    const sl_directional_light *light = lights->light + (size_t)number * (size_t)lights->texels;
+    int flags = (may_turn(lights, set) ? SL_SET_TURNS : 0) | (more ? SL_SET_MORE : 0);
+    size_t count = lights_of_set(t, set);
+    if (stands_alone(t, set)) {
+        t->light[at] = *light;
+        t->light[at].packed += (float)(65536 * flags);
+        return 1;
     }
-    memcpy(light, lights->light + (size_t)set_number * (size_t)lights->texels, (size_t)t->lights * sizeof *light);
-    t->facing[array] = (sl_array_facing){set->normal, turn};
+    if (sl_dot(set->normal, set->normal) == 0.0f) flags |= SL_SET_NO_NORMAL;
+    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, 0.0f}, sl_direction_pack(sl_to_double(set->normal), t->wide_directions)};
+    memcpy(t->light + at + 1, light, count * sizeof *light);
+    return 1 + count;
 }
 
-static void fill_lights(sl_voxel_texture *t, const sl_voxel_lights *lights, const uint32_t *array_of_leaf) {
-    if (t->header && t->light) t->light[0].color[0] = 1.0f; /* the dark array, where there is one */
+static void fill_lights(sl_voxel_texture *t, const sl_voxel_lights *lights, const uint32_t *place_of_leaf) {
+    if (t->split) t->light[0] = (sl_directional_light){{-1.0f, SL_SET_NO_NORMAL, 0.0f}, 0.0f}; /* dark, where there is such a leaf */
     for (size_t i = 0; i < lights->leaf_count; i++) {
         if (is_dark(lights, i)) continue;
-        uint32_t first = lights->first_set[i], count = lights->first_set[i + 1] - first;
-        for (uint32_t s = 0; s < count; s++) put_array(t, lights, array_of_leaf[i] + s, first + s, s == 0 ? (float)count : 0.0f);
+        uint32_t first = lights->first_set[i], end = lights->first_set[i + 1];
+        size_t at = place_of_leaf[i];
+        if (t->split) {
+            for (uint32_t s = first; s < end; s++) at += put_set(t, lights, at, s, s + 1 < end);
+            continue;
+        }
+        memcpy(t->light + at, lights->light + (size_t)first * (size_t)lights->texels, (size_t)t->lights * sizeof *t->light);
+        t->facing[at / (size_t)t->lights] = (sl_array_facing){lights->set[first].normal, lights->set[first].both_sides};
     }
+}
+
+sl_set_head sl_voxel_texture_head(const sl_voxel_texture *t, size_t texel) {
+    const sl_directional_light *first = &t->light[texel];
+    bool head = first->color[0] < 0.0f;
+    uint32_t flags = (uint32_t)(head ? first->color[1] : first->packed / 65536.0f);
+    return (sl_set_head){.texels = head,
+                         .lights = head ? (int)(-1.0f - first->color[0]) : 1,
+                         .has_normal = !(flags & SL_SET_NO_NORMAL),
+                         .turn = (flags & SL_SET_TURNS) != 0,
+                         .more = (flags & SL_SET_MORE) != 0};
 }
 
 static sl_status unpack_lights(sl_voxel_texture *t, sl_error *error) {
     sl_direction_table *table;
     sl_status status = sl_direction_table_create(t->wide_directions, &table, error);
     if (status != SL_OK) return status;
-    for (size_t i = 0; i < t->array_count * (size_t)(t->header + t->lights); i++) {
-        sl_vec3 d = sl_direction_table_unpack(table, t->light[i].packed);
+    for (size_t i = 0; i < t->texel_count; i++) {
+        float flags = t->split && !t->wide_directions ? floorf(t->light[i].packed / 65536.0f) : 0.0f;
+        sl_vec3 d = sl_direction_table_unpack(table, t->light[i].packed - 65536.0f * flags);
         t->unpacked[i] = (sl_unpacked_light){{d.x, d.y, d.z}, {t->light[i].color[0], t->light[i].color[1], t->light[i].color[2]}};
     }
     sl_direction_table_destroy(table);
     return SL_OK;
 }
 
-static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *array_of_leaf, sl_error *error) {
+static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const uint32_t *place_of_leaf, sl_error *error) {
     size_t cells = (size_t)1 << octree->depth;
     t->index = sl_allocate(cells * cells * cells, sizeof *t->index);
     if (!t->index) return sl_fail_memory(error, "the octree's index");
@@ -169,43 +226,43 @@ static sl_status fill_index(sl_voxel_texture *t, const sl_octree *octree, const 
     for (size_t i = 0; i < octree->leaf_count; i++) {
         uint32_t c[3];
         sl_morton_decode(octree->leaf[i].morton, c);
-        t->index[(c[2] * cells + c[1]) * cells + c[0]] = array_of_leaf[i];
+        t->index[(c[2] * cells + c[1]) * cells + c[0]] = place_of_leaf[i];
     }
     return SL_OK;
 }
 
 /* ---- the whole ---- */
 
-static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_voxel_lights *lights, uint32_t *array_of_leaf, bool dense_index,
+static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_voxel_lights *lights, uint32_t *place_of_leaf, bool dense_index,
                       sl_error *error) {
-    size_t arrays = number_arrays(lights, array_of_leaf);
-    sl_status status = create_bricks(t, octree, error);
-    if (status == SL_OK) status = create_lights(t, arrays, error);
+    sl_status status = place_leaves(t, lights, place_of_leaf, error);
+    if (status == SL_OK) status = create_bricks(t, octree, error);
+    if (status == SL_OK) status = create_lights(t, error);
     if (status != SL_OK) return status;
-    fill_bricks(t, octree, array_of_leaf);
-    fill_lights(t, lights, array_of_leaf);
+    fill_bricks(t, octree, place_of_leaf);
+    fill_lights(t, lights, place_of_leaf);
     status = unpack_lights(t, error);
-    return status == SL_OK && dense_index ? fill_index(t, octree, array_of_leaf, error) : status;
+    return status == SL_OK && dense_index ? fill_index(t, octree, place_of_leaf, error) : status;
 }
 
 sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index, sl_voxel_texture **result,
                                   sl_error *error) {
     *result = NULL;
     sl_voxel_texture *t = sl_allocate(1, sizeof *t);
-    uint32_t *array_of_leaf = sl_allocate(octree->leaf_count, sizeof *array_of_leaf);
-    sl_status status = t && array_of_leaf ? SL_OK : sl_fail_memory(error, "the octree's texture");
+    uint32_t *place_of_leaf = sl_allocate(octree->leaf_count, sizeof *place_of_leaf);
+    sl_status status = t && place_of_leaf ? SL_OK : sl_fail_memory(error, "the octree's texture");
     if (status == SL_OK) {
         *t = (sl_voxel_texture){.depth = octree->depth,
                                 .origin = octree->origin,
                                 .edge = octree->edge,
                                 .lobes = lights->options.lobes,
                                 .harmonics_order = lights->options.harmonics_order,
-                                .header = lights->options.split_by_normal,
+                                .split = lights->options.split_by_normal,
                                 .lights = lights->texels,
                                 .wide_directions = lights->options.wide_directions};
-        status = fill(t, octree, lights, array_of_leaf, dense_index, error);
+        status = fill(t, octree, lights, place_of_leaf, dense_index, error);
     }
-    sl_free(array_of_leaf);
+    sl_free(place_of_leaf);
     if (status != SL_OK) sl_voxel_texture_destroy(t);
     else *result = t;
     return status;
@@ -258,12 +315,12 @@ uint32_t sl_voxel_texture_find(const sl_voxel_texture *t, sl_vec3 p, uint32_t *a
     return texel;
 }
 
-size_t sl_voxel_texture_array(const sl_voxel_texture *t, uint32_t address) {
+size_t sl_voxel_texture_place(const sl_voxel_texture *t, uint32_t address) {
     uint32_t r = address & 255, g = address >> 8 & 255, b = address >> 16 & 255;
     size_t x = r << 4 | g >> 4, y = (g & 15) << 8 | b;
-    return (y * (size_t)t->width + x) / (size_t)(t->header + t->lights);
+    return y * (size_t)t->width + x;
 }
 
 const sl_directional_light *sl_voxel_texture_lights(const sl_voxel_texture *t, uint32_t address) {
-    return t->light + sl_voxel_texture_array(t, address) * (size_t)(t->header + t->lights);
+    return t->light + sl_voxel_texture_place(t, address);
 }
