@@ -47,18 +47,21 @@ static void edit(sl_method *method, unsigned changes) { assert_int_equal(sl_meth
 
 static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) { assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f)); }
 
-/* A room of six quadrilaterals with a floor of tiles, a light in it, and the eye in its front. */
-static sl_scene *room(void) {
+/* A room of six quadrilaterals with a floor of tiles, a light or a lamp in it, and the eye in its front. */
+static sl_scene *room_with(bool lamp) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
     for (int i = 0; i < 4; i++) trace_mesh_quad(&mesh, sl_v3(-0.8f + 0.8f * (float)(i % 2), -0.9f, -0.8f + 0.8f * (float)(i / 2)), sl_v3(0, 0, 0.8f), sl_v3(0.8f, 0, 0), wall);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.5f, -0.2f}, .intensity = sl_grey(1.0f)};
-    mesh.light_count = 1;
+    mesh.light_count = lamp ? 0 : 1;
+    if (lamp) trace_mesh_quad(&mesh, sl_v3(0.1f, 0.8f, -0.4f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), trace_mesh_material(&mesh, 0, 0, 0, 0, 4));
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
     return scene;
 }
+
+static sl_scene *room(void) { return room_with(false); }
 
 /* ---- what is asked for -------------------------------------------------------------------------------------------------------------- */
 
@@ -373,6 +376,46 @@ static void a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_
     sl_scene_destroy(scene);
 }
 
+static bool is_full_size(const sl_shading_state *s, uint32_t patch, float share) {
+    sl_patch_place place = sl_patch_place_of(s->patches, patch);
+    float area = share * sl_patch_projected(s->patches, &place, &s->scene->camera, SIZE, SIZE).area;
+    return area > 0.0f && area <= s->work.split_above;
+}
+
+/* Their corners were shaded anew before the split where they were not; that is no change, nor is the same again after an edit that changes nothing. */
+static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not(void **state) {
+    (void)state;
+    sl_scene *scene = room_with(true);
+    sl_settings settings = loop_settings();
+    settings.shading_cache.area_samples = 16;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    for (int pass = 0; pass < 2; pass++) {
+        size_t dense = 0, few = 0, full_size = 0;
+        to_the_end(method);
+        for (uint32_t i = 0; i < s->patches->patch_count; i++) {
+            if (!sl_patch_is_alive(s->patches, i)) continue;
+            sl_patch_place place = sl_patch_place_of(s->patches, i);
+            uint32_t parent = sl_patch_parent(s->patches, i);
+            bool full = sl_patch_is_leaf(s->patches, i) && is_full_size(s, i, 1.0f) && parent != SL_NO_INDEX && is_full_size(s, parent, 0.25f);
+            for (int c = 0; c < place.corners; c++) {
+                const sl_patch_vertex *v = &s->patches->vertex[sl_patch_corner(s->patches, i, c)];
+                bool here = v->evaluated != SL_VERTEX_NEVER && !v->borrowed;
+                assert_true(!here || v->dense == v->is_dense);
+                few += here && !v->dense;
+                full_size += full && here;
+                dense += full && here && v->is_dense;
+            }
+        }
+        print_message("%zu corners of full-size leaves, %zu with dense points; %zu with few\n", full_size, dense, few);
+        assert_true(full_size > 1000 && dense == full_size && few > 0);
+        assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0);
+        edit(method, SL_CHANGED_LIGHTS);
+    }
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 /* 5 R = 9 G. */
 static void a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone(void **state) {
     (void)state;
@@ -546,6 +589,7 @@ int main(void) {
         cmocka_unit_test(the_glossier_of_two_walls_is_shaded_again_more_often),
         cmocka_unit_test(an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change),
         cmocka_unit_test(after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time),
+        cmocka_unit_test(leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not),
         cmocka_unit_test(a_change_is_late_by_the_updates_from_its_edit_to_the_one_that_finds_it),
         cmocka_unit_test(a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),

@@ -168,6 +168,49 @@ static void penumbras_have_their_width(void **state) {
     }
 }
 
+/* All points see the lamp's same 64: its shadow's edge has as many steps. Dense points are asked for by leaves of one pixel, and change nothing where there is no edge. */
+static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_else_as_it_was(void **state) {
+    (void)state;
+    enum { POINTS = 240 };
+    trace_mesh mesh = lamp_over_floor(0.8f, 5.0f, 1.0f);
+    trace_mesh_quad(&mesh, sl_v3(0, 2.5f, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0); /* the edge is 0.8 wide */
+    shop s;
+    shop_open(&s, trace_mesh_build(&mesh));
+    s.settings.cache.area_samples = 20000;
+    sl_sample_renderer exact = shop_renderer(&s, sl_area_renderer);
+    s.settings.cache.area_samples = 64;
+    sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
+    double error[2] = {0.0, 0.0};
+    int steps[2] = {0, 0}, same = 0;
+    float last[2] = {-1.0f, -1.0f};
+    for (int k = 0; k < POINTS; k++) {
+        sl_sample_request q = request_at(sl_v3(-0.6f + 1.2f * (float)k / POINTS, 0, 0), up);
+        double truth = (double)shop_sample(&s, &exact, &q).irradiance.r;
+        float e[2];
+        for (int dense = 0; dense < 2; dense++) {
+            q.dense = dense;
+            e[dense] = shop_sample(&s, &r, &q).irradiance.r;
+            error[dense] += ((double)e[dense] - truth) * ((double)e[dense] - truth);
+            steps[dense] += fabsf(e[dense] - last[dense]) > 1e-3f * e[dense];
+            last[dense] = e[dense];
+        }
+        same += e[0] == e[1];
+    }
+    printf("    error %.3g, dense %.3g; steps %d, %d; %d of %d the same\n", sqrt(error[0] / POINTS), sqrt(error[1] / POINTS), steps[0], steps[1], same, POINTS);
+    assert_true(error[1] < 0.1 * error[0] && steps[1] > steps[0]);
+    assert_true(same >= POINTS / 4 && same < POINTS / 2); /* a third lies beside the edge */
+    s.settings.cache.area = SL_AREA_SAMPLED;
+    sl_sample_renderer sampled = shop_renderer(&s, sl_area_renderer);
+    sl_sample_request q = request_at(sl_v3(0, 0, 0), up);
+    double truth = (double)shop_sample(&s, &exact, &q).irradiance.r;
+    q.dense = true;
+    assert_true(fabs((double)shop_sample(&s, &sampled, &q).irradiance.r - truth) < 0.03 * truth);
+    sampled.destroy(sampled.state);
+    exact.destroy(exact.state);
+    r.destroy(r.state);
+    shop_close(&s);
+}
+
 /* ---- lights without extent ------------------------------------------------------------------------------------------------ */
 
 static void lights_without_extent_follow_their_formulas(void **state) {
@@ -712,6 +755,7 @@ int main(void) {
         cmocka_unit_test(points_alone_err_more_the_nearer_the_lamp),
         cmocka_unit_test(half_hidden_squares_have_the_stated_accuracy),
         cmocka_unit_test(penumbras_have_their_width),
+        cmocka_unit_test(dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_else_as_it_was),
         cmocka_unit_test(lights_without_extent_follow_their_formulas),
         cmocka_unit_test(lobes_reflect_a_lamps_points),
         cmocka_unit_test(narrow_lobes_show_the_lamp),

@@ -155,19 +155,35 @@ static double mean_variance(const sums *s, double n) {
     return n > 1.0 ? fmax(s->seen_squares - s->seen * s->seen / n, 0.0) / (n * (n - 1.0)) : 0.0;
 }
 
+static void add_points(const lit *at, const sl_area_light *area, uint32_t first, uint32_t end, sums *s) {
+    packet p = {.count = 0};
+    for (uint32_t i = first; i < end; i++) add_point(at, area, i, &p, s);
+    trace(at, &p, s);
+}
+
+/* The first set goes on until its points are dense, where there is an edge of a shadow, or where the closed form does not smooth what is lit all over. Lobes
+ * have their part from the points before, with which their densities reckon. Returns how many points there are. */
+static uint32_t add_dense_points(const lit *at, const sl_area_light *area, uint32_t points, sums *s) {
+    bool edge = (s->seen > 0.0 && s->seen < s->all) || at->renderer->settings.cache.area == SL_AREA_SAMPLED;
+    if (!at->request->dense || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
+    lit diffuse = *at;
+    diffuse.has_lobe = false;
+    add_points(&diffuse, area, points + 1, SL_DENSE_POINTS + 1, s);
+    return SL_DENSE_POINTS;
+}
+
 static void add_area_light(const lit *at, const sl_area_light *area, sl_sample *sample) {
     const sl_shading_cache_settings *settings = &at->renderer->settings.cache;
-    double share = sl_light_unoccluded(area->light, &at->point), n = (double)settings->area_samples;
+    double share = sl_light_unoccluded(area->light, &at->point);
     sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES, 1);
     if (!(share > 0.0)) {
         sl_count(at->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
         return;
     }
-    packet p = {.count = 0};
     sums s = {.all = 0.0};
-    uint32_t first = at->request->set * (uint32_t)settings->area_samples + 1;
-    for (uint32_t i = 0; i < (uint32_t)settings->area_samples; i++) add_point(at, area, first + i, &p, &s);
-    trace(at, &p, &s);
+    uint32_t points = (uint32_t)settings->area_samples, first = at->request->set * points + 1;
+    add_points(at, area, first, first + points, &s);
+    double n = (double)add_dense_points(at, area, points, &s);
     double scale = area->area / n, variance = mean_variance(&s, n) * area->area * area->area; /* of E / L */
     if (settings->area == SL_AREA_RATIO) {
         if (!(s.all > 0.0)) add_middle(at, area, &s);

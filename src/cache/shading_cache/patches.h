@@ -45,9 +45,11 @@ typedef struct sl_patch_vertex {
     uint32_t root;               /* of those that share it the lowest */
     uint32_t u : SL_PATCH_DEPTH_MAX + 1, v : SL_PATCH_DEPTH_MAX + 1; /* in 1/SL_PATCH_DYADIC of that root */
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
-    uint32_t evaluated : 30;     /* update; SL_VERTEX_NEVER */
+    uint32_t evaluated : 28;     /* update; SL_VERTEX_NEVER */
     uint32_t waiting : 1;        /* in the list of those around which nobody had light to lend */
     uint32_t borrowed : 1;       /* it was, but has no light of its own (it lies inside other geometry, or no number came): its value is that of those around it */
+    uint32_t dense : 1;          /* it is shaded with many points on each light, as leaves of one pixel want it */
+    uint32_t is_dense : 1;       /* ... its value was */
     float value[3];              /* E, W/m^2 */
 } sl_patch_vertex;
 
@@ -126,7 +128,7 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
     return block->middle[p->flags[patch] & SL_PATCH_TRIANGLE ? triangle[patch % 4][corner] : quad[patch % 4][corner]];
 }
 
-static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) { v->evaluated = update & (UINT32_MAX >> 2); }
+static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) { v->evaluated = update & (UINT32_MAX >> 4); }
 static inline sl_root_place sl_vertex_place(const sl_patch_vertex *v) { return (sl_root_place){v->root, (uint16_t)v->u, (uint16_t)v->v}; }
 /* L_s of a vertex, towards the eye; NULL: its material has no lobe. */
 static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {

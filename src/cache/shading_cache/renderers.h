@@ -17,6 +17,7 @@ typedef struct sl_sample_request {
     sl_root_point point;
     const sl_material *material;
     sl_vec3 eye;               /* for radiance */
+    bool dense;                /* shadows' edges want SL_DENSE_POINTS on area lights */
     bool radiance;             /* exitant radiance of the lobe is wanted too */
     uint32_t set;              /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
 } sl_sample_request;
@@ -47,6 +48,10 @@ typedef struct sl_renderer_settings {
     uint64_t seed;
     unsigned threads;
 } sl_renderer_settings;
+
+/* All vertices share their points on a light, so light is the same all over where the same of these are seen: 64 points leave bands of 1/64 of it in
+ * a shadow's edge. They do not show between vertices some pixels apart; the vertices of leaves as small as pixels have so many points there. */
+#define SL_DENSE_POINTS 400
 
 /* Glossy surfaces without a diffuse part count as mirrors for caustics from this exponent on: half of the lobe's peak is then within 7 degrees. */
 #define SL_POLISHED 100.0f

@@ -45,7 +45,7 @@ static void make_request(const sl_shading_state *s, uint32_t vertex, int nudge, 
     const sl_material *material = sl_root_material(s->primitives, v->root);
     const sl_vertex_sets *sets = s->patches->sets ? &s->patches->sets[vertex] : NULL;
     bool more = sets && v->evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(s->patches, &s->work, vertex);
-    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .radiance = sl_material_has_lobe(material), .set = more ? sets->count : 0};
+    *request = (sl_sample_request){.material = material, .eye = s->scene->camera.eye, .dense = v->dense, .radiance = sl_material_has_lobe(material), .set = more ? sets->count : 0};
     place_request(s, vertex, nudge, &request->point);
 }
 
@@ -110,7 +110,7 @@ static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_r
 
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1),
+    compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->borrowed && request->set == 0 && v->dense == v->is_dense && (!s->patches->sets || s->patches->sets[vertex].count == 1),
                   .radiance = v->evaluated >= s->changes->eye_moved};
     if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
     return c;
@@ -168,6 +168,7 @@ static void commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_
     }
     compared c = compare_before(s, vertex, request);
     v->borrowed = 0;
+    v->is_dense = v->dense;
     float share = share_of(request), from[3], from_lobe[3] = {0};
     bool fades = is_to_fade(s, vertex, object) && sl_fade_from(s->patches, vertex, from, from_lobe);
     blend(v->value, sample->irradiance, share);

@@ -45,6 +45,13 @@ bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, u
     return v->evaluated != SL_VERTEX_NEVER && v->evaluated < stale_before(p, settings, v->root);
 }
 
+/* Leaves that will not be split any more: bands of light would show in them. */
+static bool is_full_size(const worker *w, float area) { return w->settings->dense && area > 0.0f && area <= w->settings->split_above; }
+
+static bool place_is_full_size(const worker *w, const sl_patch_place *place) {
+    return is_full_size(w, sl_patch_projected(w->patches, place, w->camera, w->width, w->height).area);
+}
+
 static void ask_for(worker *w, uint32_t vertex) {
     size_t at = (size_t)sl_hash64(vertex) & (w->slot_count - 1);
     for (; w->slot[at]; at = (at + 1) & (w->slot_count - 1)) {
@@ -71,16 +78,34 @@ static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
 }
 
 /* Those corners that were never evaluated, or before something moved; true: there were some. Of a leaf also what hangs on its edges, if that is old. */
-static bool ask_for_missing(worker *w, uint32_t patch) {
-    bool any = false;
-    for (int c = 0; c < sl_patch_corners(w->patches, patch); c++) {
+static bool ask_for_missing(worker *w, const sl_patch_place *place) {
+    bool any = false, full = false;
+    uint32_t patch = place->patch;
+    for (int c = 0; c < place->corners; c++) {
         uint32_t vertex = sl_patch_corner(w->patches, patch, c);
-        if (w->patches->vertex[vertex].evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        sl_patch_vertex *v = &w->patches->vertex[vertex];
+        if (v->evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        if (!any) full = place_is_full_size(w, place);
+        if (full && v->evaluated == SL_VERTEX_NEVER) v->dense = 1;
         ask_for(w, vertex);
         any = true;
     }
     bool old = stale_before(w->patches, w->settings, sl_patch_root(w->patches, patch)) > 0 && sl_patch_is_leaf(w->patches, patch);
     return (old && ask_for_stale_hanging(w, patch) > 0) || any;
+}
+
+/* Corners that were shaded with few points on lights; true: there were some. */
+static bool ask_for_dense(worker *w, const sl_patch_place *place) {
+    bool any = false;
+    for (int c = 0; c < place->corners; c++) {
+        uint32_t vertex = sl_patch_corner(w->patches, place->patch, c);
+        sl_patch_vertex *v = &w->patches->vertex[vertex];
+        if (v->evaluated == SL_VERTEX_NEVER || v->borrowed || v->dense || sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        v->dense = 1;
+        ask_for(w, vertex);
+        any = true;
+    }
+    return any;
 }
 
 static void ask_for_all(worker *w, uint32_t patch) {
@@ -114,8 +139,7 @@ static bool is_noise(const worker *w, uint32_t patch) {
 
 /* ---- splits ---- */
 
-static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, const sl_camera *camera, int width, int height) {
-    sl_patch_size size = sl_patch_projected(p, place, camera, width, height);
+static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, sl_patch_size size) {
     float area = s->split_above;
     if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(p->primitives, place->root)]) {
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
@@ -127,7 +151,7 @@ bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings,
     uint32_t oldest = sl_leaf_oldest(p, patch);
     if (oldest == SL_VERTEX_NEVER || oldest < stale_before(p, settings, sl_patch_root(p, patch))) return false;
     sl_patch_place place = sl_patch_place_of(p, patch);
-    return place.depth == SL_PATCH_DEPTH_MAX || !is_large(p, settings, &place, camera, width, height);
+    return place.depth == SL_PATCH_DEPTH_MAX || !is_large(p, settings, &place, sl_patch_projected(p, &place, camera, width, height));
 }
 
 /* Sorts the places of a patch by the child in which they lie, in their order otherwise. */
@@ -157,7 +181,7 @@ static sl_status process_children(worker *w, const sl_patch_place *place, uint32
         sl_patch_place child = sl_patch_child_place(w->patches, place, c);
         bool crowd = here >= (size_t)w->settings->crowd && level < w->settings->levels;
         if (always || crowd) status = process(w, &child, index + begin[c], here, level);
-        else ask_for_missing(w, child.patch);
+        else ask_for_missing(w, &child);
     }
     return status;
 }
@@ -166,9 +190,11 @@ static sl_status process_children(worker *w, const sl_patch_place *place, uint32
 static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index, size_t count, int level) {
     uint32_t patch = place->patch;
     if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
-    if (level == 0 && ask_for_missing(w, patch)) return SL_OK;
+    if (level == 0 && ask_for_missing(w, place)) return SL_OK;
+    sl_patch_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
     bool noise = level == 0 && w->settings->variance_aware && w->patches->sets && is_noise(w, patch);
-    if (!noise && is_large(w->patches, w->settings, place, w->camera, w->width, w->height)) {
+    if (!noise && is_large(w->patches, w->settings, place, size)) {
+        if (is_full_size(w, 0.25f * size.area) && ask_for_dense(w, place)) return SL_OK;
         sl_status status = sl_patch_split(w->patches, patch, w->error);
         if (status != SL_OK) return status;
         if (!sl_patch_is_leaf(w->patches, patch)) {
@@ -176,7 +202,7 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
             return process_children(w, place, index, count, level + 1, false);
         }
     }
-    if (level > 0) ask_for_missing(w, patch);
+    if (level > 0) ask_for_missing(w, place);
     else if (w->settings->variance_aware) ask_for_all(w, patch); /* one more set of samples */
     return SL_OK;
 }

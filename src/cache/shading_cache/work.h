@@ -19,6 +19,7 @@ typedef struct sl_work_settings {
     const uint32_t *stale_before; /* by object: vertices evaluated before that update are stale; NULL: none is */
     uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
     const bool *changing;      /* by object; NULL: none */
+    bool dense;                /* leaves of one pixel want dense points on lights: no split makes such leaves before their parent's corners have them */
     float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
 } sl_work_settings;
 
