@@ -44,7 +44,7 @@ static void draw_gbuffer(bench *b, int size, sl_error *error) {
     const sl_camera *camera = &b->scene->camera;
     sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
     float top = (float)sl_tan(0.5 * (double)camera->vertical_fov);
-    sl_view view = sl_view_pyramid(&frame, camera->eye, -top, top, -top, top, size, size, 1e-5f * b->scene->diagonal);
+    sl_view view = sl_view_pyramid(&frame, camera->eye, -top, top, -top, top, size, size, 1e-5f * b->scene->scale);
     check(sl_gbuffer_create(size, size, &b->gbuffer, error), error);
     check(sl_raster_gbuffer(b->raster, &view, 1, b->gbuffer, &b->counters, error), error);
 }

@@ -45,7 +45,7 @@ static sl_gbuffer *draw(const sl_scene *scene, int width, int height) {
     const sl_camera *c = &scene->camera;
     sl_frame frame = {c->right, c->up, sl_neg(c->back)};
     float top = (float)sl_tan(0.5 * (double)c->vertical_fov), right = top * (float)width / (float)height;
-    sl_view view = sl_view_pyramid(&frame, c->eye, -right, right, -top, top, width, height, 1e-5f * scene->diagonal);
+    sl_view view = sl_view_pyramid(&frame, c->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
     sl_raster *raster;
     sl_gbuffer *gbuffer = NULL;
     sl_counters counters = {{0}};

@@ -82,19 +82,19 @@ static void make_gbuffer(splat_pass *p) {
 
 static void make_splats(splat_pass *p) {
     const sl_camera *camera = &p->scene->scene->camera;
-    const float accuracy = 0.3f, diagonal = p->scene->scene->diagonal;
+    const float accuracy = 0.3f, scale = p->scene->scene->scale;
     make_gbuffer(p);
     const sl_gbuffer *g = p->gbuffer;
     p->rules = (sl_record_pass){
         .gbuffer = g,
         .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y, g->normal_z, p->receives},
-        .weights = {accuracy, 1.0f / accuracy, 1e-5f * diagonal},
+        .weights = {accuracy, 1.0f / accuracy, 1e-5f * scale},
         .radii = {.accuracy = (double)accuracy},
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,
-        .near_distance = 1e-5f * diagonal,
+        .near_distance = 1e-5f * scale,
         .footprint_per_depth = 2.0f * (float)sl_tan(0.5 * (double)camera->vertical_fov) / SIDE,
-        .diagonal = diagonal,
+        .scale = scale,
     };
     for (size_t i = 0; i < SPLATS; i++) make_record(p, i, sl_random_key(3, 1));
     for (int k = 0; k < SUMS; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));

@@ -151,6 +151,7 @@ static void directional_light_is_the_same_in_a_scene_of_any_size(void **state) {
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         sl_scene scene = *(sl_scene *)*state;
         scene.diagonal *= sizes[i];
+        scene.scale = scene.diagonal;
         assert_near(irradiance(&scene, sun, origin, up), 3.0);
     }
 }
@@ -256,6 +257,7 @@ static void scale_of_the_scene_does_not_matter(void **state) {
         float s = e < 0 ? 1e-4f : 1e4f;
         sl_scene scene = *(sl_scene *)*state;
         scene.diagonal *= s;
+        scene.scale = scene.diagonal;
         double got = irradiance(&scene, point_light(sl_v3(0.3f * s, 0.2f * s, 0.7f * s)), origin, up) * (double)s * (double)s;
         assert_near(got, unit);
     }

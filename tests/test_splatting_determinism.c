@@ -73,7 +73,7 @@ static void stage_open(stage *s) {
         .near_distance = 1e-5f * s->scene->diagonal,
         .footprint_per_depth = 2.0f * t / SIDE,
         .neighbour_clamp = true,
-        .coverage = s->coverage, .owned = s->owned, .threads = 1, .diagonal = s->scene->diagonal,
+        .coverage = s->coverage, .owned = s->owned, .threads = 1, .scene = s->scene, .scale = s->scene->scale,
     };
 }
 

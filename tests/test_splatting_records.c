@@ -220,7 +220,7 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
         .radii = {.accuracy = 0.3, .minimum_pixels = 1.5, .maximum_radius = 0.1 * (double)scene->diagonal, .guard = true, .gather = SL_GATHER_RAYS,
                   .plane_tangent = 2.7},
         .kernels = sl_splat_kernels_for(sl_isa_best()), .camera = &scene->camera, .near_distance = 1e-5f * scene->diagonal,
-        .footprint_per_depth = footprint, .coverage = &coverage, .owned = &owned, .threads = 1, .diagonal = scene->diagonal};
+        .footprint_per_depth = footprint, .coverage = &coverage, .owned = &owned, .threads = 1, .scale = scene->scale};
     sl_record_list list = {0};
     for (int i = 0; i < visits; i++) {
         sl_traversal traversal;

@@ -91,7 +91,7 @@ sl_view sl_view_scene(const sl_scene *scene, int width, int height) {
     const sl_camera *camera = &scene->camera;
     sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
     float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * (float)width / (float)height;
-    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->diagonal);
+    return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
 }
 
 static sl_vec3d row_of(const sl_view *view, int row) {

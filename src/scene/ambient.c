@@ -21,12 +21,33 @@ static double area_of(const sl_scene *s, size_t triangle) {
     return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
 }
 
+/* In a scattered scene the mean is that of the core: a plain without end would leave nothing of what lights a room on it. */
+static bool in_core(const sl_scene *s, sl_vec3 p) {
+    return p.x >= s->core_min.x && p.x <= s->core_max.x && p.y >= s->core_min.y && p.y <= s->core_max.y && p.z >= s->core_min.z && p.z <= s->core_max.z;
+}
+
+static bool counts(const sl_scene *s, size_t triangle) {
+    bool inside = true;
+    for (int k = 0; k < 3 && sl_scene_is_scattered(s); k++) inside &= in_core(s, sl_scene_position(s, s->vertex[k][triangle]));
+    return inside;
+}
+
+/* Of what leaves a place evenly, the share that meets the sphere around the core. */
+static double share_for_core(const sl_scene *s, sl_vec3 from) {
+    if (!sl_scene_is_scattered(s) || in_core(s, from)) return 1.0;
+    sl_vec3d low = sl_to_double(s->core_min), high = sl_to_double(s->core_max);
+    double radius = 0.5 * sl_lengthd(sl_subd(high, low));
+    double distance = sl_lengthd(sl_subd(sl_to_double(from), sl_scaled(sl_addd(low, high), 0.5))), ratio = distance > 0.0 ? radius / distance : 1.0;
+    return fmin(1.0, 0.25 * ratio * ratio);
+}
+
 /* The integral of k_d over all surfaces; texture at the middles of four equal parts of each triangle. */
 static rgbd reflecting_area(const sl_scene *scene, double *area) {
     static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f}, {1.0f / 6.0f, 1.0f / 6.0f}, {2.0f / 3.0f, 1.0f / 6.0f}, {1.0f / 6.0f, 2.0f / 3.0f}};
     rgbd sum = {0.0, 0.0, 0.0};
     *area = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
+        if (!counts(scene, t)) continue;
         double a = area_of(scene, t);
         *area += a;
         for (int k = 0; k < 4; k++) add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
@@ -34,13 +55,13 @@ static rgbd reflecting_area(const sl_scene *scene, double *area) {
     return sum;
 }
 
-/* What a light sends into the scene: of sunlight, what falls on the scene's box. */
+/* What a light sends into the scene: of sunlight, what falls on the core's box. */
 static double solid_angle_or_area(const sl_scene *scene, const sl_light *light) {
     if (light->type == SL_LIGHT_POINT) return 4.0 * SL_PI;
     if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */
         return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
     }
-    sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min)), d = sl_to_double(light->direction);
+    sl_vec3d size = sl_subd(sl_to_double(scene->core_max), sl_to_double(scene->core_min)), d = sl_to_double(light->direction);
     return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
 }
 
@@ -48,9 +69,14 @@ static rgbd power_of_lights(const sl_scene *scene) {
     rgbd power = {0.0, 0.0, 0.0};
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
-        add(&power, e->radiance, SL_PI * (double)e->area * (e->two_sided ? 2.0 : 1.0));
+        double share = share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
+        add(&power, e->radiance, share * SL_PI * (double)e->area * (e->two_sided ? 2.0 : 1.0));
     }
-    for (size_t i = 0; i < scene->light_count; i++) add(&power, scene->lights[i].intensity, solid_angle_or_area(scene, &scene->lights[i]));
+    for (size_t i = 0; i < scene->light_count; i++) {
+        const sl_light *light = &scene->lights[i];
+        double share = light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : share_for_core(scene, light->position);
+        add(&power, light->intensity, share * solid_angle_or_area(scene, light));
+    }
     return power;
 }
 

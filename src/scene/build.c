@@ -329,7 +329,9 @@ static sl_status fill_scene(const sl_scene_parts *parts, sl_scene *s, sl_error *
     sl_status status = sl_scene_make_emitters(s, error);
     if (status != SL_OK) return status;
     light_if_dark(parts, s);
-    return place_camera(parts, s, error);
+    status = place_camera(parts, s, error);
+    sl_scene_measure_from(s, s->camera.eye);
+    return status;
 }
 
 sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error) {

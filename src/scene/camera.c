@@ -45,6 +45,7 @@ sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float t
         return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view "
                                               "and a vertical field of view between 0 and 180 degrees");
     }
+    sl_scene_measure_from(scene, scene->camera.eye);
     scene->version++;
     return SL_OK;
 }

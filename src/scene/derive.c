@@ -24,6 +24,7 @@ static void derive_bounds(sl_scene *scene) {
     scene->box_max = high;
     double diagonal = sl_lengthd(sl_subd(sl_to_double(high), sl_to_double(low)));
     scene->diagonal = (float)fmin(fmax(diagonal, (double)FLT_MIN), (double)FLT_MAX);
+    sl_scene_measure(scene);
 }
 
 size_t sl_scene_derive(sl_scene *scene) {

@@ -3,6 +3,8 @@
 #ifndef SL_SCENE_SCENE_H
 #define SL_SCENE_SCENE_H
 
+#include <math.h>
+
 #include "base/vec.h"
 #include "scene/transport.h"
 #include "softlux.h"
@@ -123,7 +125,15 @@ struct sl_scene {
     sl_animation *animation;    /* NULL: nothing moves */
 
     sl_vec3 box_min, box_max;
-    float diagonal;             /* > 0 */
+    float diagonal;             /* of the box, > 0 */
+    /* Where most of the scene lies, if a little of it lies far apart (scale.c); else the diagonal and the box. Tolerances are shares of the scale, > 0;
+     * it is a good deal larger than the core, which is where detail is. */
+    float scale;
+    sl_vec3 core_min, core_max;
+    /* What they follow from: the middle, the radius that holds half of the vertices, the eye with which the scene was made or that was set since. */
+    sl_vec3d middle;
+    double radius;
+    sl_vec3 vantage;
 
     size_t warning_count;
     char **warnings;
@@ -137,6 +147,23 @@ static inline sl_vec3 sl_scene_normal(const sl_scene *s, uint32_t vertex) {
 }
 static inline sl_vec3 sl_scene_geometric_normal(const sl_scene *s, uint32_t triangle) {
     return sl_v3(s->geometric_normal_x[triangle], s->geometric_normal_y[triangle], s->geometric_normal_z[triangle]);
+}
+/* Has the scene a part so far from the rest that what is right for one is wrong for the other? Then rounding is reckoned by where a point is. */
+static inline bool sl_scene_is_scattered(const sl_scene *s) { return s->scale < s->diagonal; }
+static inline float sl_greatest_coordinate(sl_vec3 p) { return fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))); }
+/* The greatest coordinate by which a point there, and what is near to it, may have been rounded: of all the scene, unless it is scattered. */
+static inline float sl_scene_coordinate_near(const sl_scene *s, sl_vec3 p) {
+    float all = fmaxf(sl_greatest_coordinate(s->box_min), sl_greatest_coordinate(s->box_max));
+    return sl_scene_is_scattered(s) ? fminf(all, sl_greatest_coordinate(p) + s->scale) : all;
+}
+/* A share of the scale by which points leave their surface, in a scattered scene no less than what rounding takes away there. */
+static inline float sl_scene_rounding(const sl_scene *s) { return sl_scene_is_scattered(s) ? 0x1p-20f : 0.0f; }
+static inline float sl_scene_offset_at(const sl_scene *s, float offset, sl_vec3 p) {
+    float least = sl_scene_rounding(s) * sl_greatest_coordinate(p);
+    return least > offset ? least : offset;
+}
+static inline float sl_scene_core_diagonal(const sl_scene *s) {
+    return sl_scene_is_scattered(s) ? sl_length(sl_sub(s->core_max, s->core_min)) : s->diagonal;
 }
 /* What a surface point is made of, for one triangle and barycentric weights (w1, w2) of corners 1 and 2. */
 typedef struct sl_surface {

@@ -18,9 +18,7 @@ sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surfa
 }
 
 sl_vec3 sl_surface_lift_anywhere(const sl_scene *scene, sl_vec3 position, sl_vec3 geometric_normal) {
-    sl_vec3 low = scene->box_min, high = scene->box_max;
-    float size = fmaxf(fmaxf(fabsf(low.x), fabsf(high.x)), fmaxf(fmaxf(fabsf(low.y), fabsf(high.y)), fmaxf(fabsf(low.z), fabsf(high.z))));
-    return sl_mad(position, 6e-7f * size, geometric_normal);
+    return sl_mad(position, 6e-7f * sl_scene_coordinate_near(scene, position), geometric_normal);
 }
 
 void sl_bsdf_turn(sl_bsdf *b, sl_vec3 to_viewer, unsigned sampled_lobes) {

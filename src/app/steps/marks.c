@@ -10,7 +10,7 @@ static sl_vec3 vector(const float v[3]) { return (sl_vec3){v[0], v[1], v[2]}; }
 bool sl_mark_project(const sl_mark_view *view, const float at[3], double *column, double *row) {
     sl_vec3 d = sl_sub(vector(at), view->camera.eye);
     double ahead = -(double)sl_dot(d, view->camera.back), half = tan(0.5 * (double)view->camera.vertical_fov);
-    if (!(ahead > 1e-5 * (double)view->diagonal)) return false;
+    if (!(ahead > 1e-5 * (double)view->scale)) return false;
     double scale = 0.5 * view->height / (half * ahead);
     *column = 0.5 * view->width + scale * (double)sl_dot(d, view->camera.right);
     *row = 0.5 * view->height - scale * (double)sl_dot(d, view->camera.up);
@@ -27,7 +27,7 @@ static bool is_hidden(const sl_mark_view *view, const float at[3]) {
     sl_vec3 eye = view->camera.eye, d = sl_sub(vector(at), eye);
     float distance = sqrtf(sl_dot(d, d));
     sl_ray16 ray = {.origin_x = {eye.x}, .origin_y = {eye.y}, .origin_z = {eye.z}, .direction_x = {d.x}, .direction_y = {d.y},
-                    .direction_z = {d.z}, .far = {1.0f - 5e-3f * view->diagonal / fmaxf(distance, 1e-6f * view->diagonal)},
+                    .direction_z = {d.z}, .far = {1.0f - 5e-3f * view->scale / fmaxf(distance, 1e-6f * view->scale)},
                     .skip = {SL_NO_INDEX}};
     sl_counters unused = {0};
     return ray.far[0] > 0.0f && sl_trace_occluded(view->tracer, &ray, 1, false, &unused) != 0;

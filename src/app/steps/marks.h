@@ -13,7 +13,7 @@ typedef struct sl_mark_view {
     sl_camera camera;
     int width, height;
     const sl_tracer *tracer;
-    float diagonal; /* of the scene */
+    float scale; /* of the scene */
 } sl_mark_view;
 
 /* Column and row, from the top, of a point; false: behind the eye. */

@@ -170,7 +170,7 @@ sl_status sl_steps_run_method(const sl_scene *scene, const sl_steps_options *o, 
     sl_tracer *tracer = NULL;
     truth t = {NULL, NULL};
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
-    run->recording = (sl_recording){.narrative = run->narrative, .view = {scene->camera, run->width, run->height, tracer, scene->diagonal}};
+    run->recording = (sl_recording){.narrative = run->narrative, .view = {scene->camera, run->width, run->height, tracer, scene->scale}};
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &run->plan, error);
     if (status == SL_OK) status = find_truth(scene, o, &t, error);
     if (status == SL_OK) status = watch(scene, o, run, &t, error);

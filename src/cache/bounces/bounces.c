@@ -45,16 +45,16 @@ static void add_irradiance(const void *context, const sl_hidden_points *points, 
 
 static sl_cover_pass cover_pass(const sl_hidden_cache *cache) {
     const sl_hidden_settings *s = &cache->settings;
-    float a = (float)s->accuracy, diagonal = cache->scene->diagonal;
+    float a = (float)s->accuracy;
     return (sl_cover_pass){
         .scene = cache->scene,
         .tracer = cache->tracer,
         .gather = cache->gather,
         .scratch = cache->scratch,
         .kernel = cache->kernel,
-        .rules = {a, 1.0f / a, 1e-5f * diagonal},
-        .radii = {.accuracy = s->accuracy, .minimum_reach = s->minimum_radius * (double)diagonal,
-                  .maximum_radius = 0.1 * (double)diagonal, .guard = true, .gather = SL_GATHER_RAYS,
+        .rules = {a, 1.0f / a, 1e-5f * cache->scene->scale},
+        .radii = {.accuracy = s->accuracy, .minimum_reach = s->minimum_radius * (double)sl_scene_core_diagonal(cache->scene),
+                  .maximum_radius = 0.1 * (double)cache->scene->diagonal, .guard = true, .gather = SL_GATHER_RAYS,
                   .metric = SL_METRIC_HARMONIC},
         .covered_weight = 1.0f / (9.0f * a),
         .threads = s->threads,
@@ -150,9 +150,8 @@ sl_status sl_hidden_cache_shine(sl_hidden_cache *cache, sl_error *error) {
     sl_status status = sl_record_tree_build(cache->scene, &cache->list, 1.0f, SL_TREE_LANES, &cache->near, error);
     if (status == SL_OK) status = sl_record_tree_build(cache->scene, &cache->list, 4.0f, WIDE_LEAF, &cache->wide, error);
     if (status != SL_OK) return status;
-    float diagonal = cache->scene->diagonal, a = (float)cache->settings.accuracy;
-    cache->field = (sl_hidden_field){&cache->list, &cache->near, &cache->wide, {a, 1.0f / a, 1e-5f * diagonal}, cache->tracer,
-                                     1e-5f * diagonal};
+    float offset = 1e-5f * cache->scene->scale, a = (float)cache->settings.accuracy;
+    cache->field = (sl_hidden_field){&cache->list, &cache->near, &cache->wide, {a, 1.0f / a, offset}, cache->tracer, offset};
     cache->shines = true;
     cache->report.records = cache->list.count;
     return SL_OK;

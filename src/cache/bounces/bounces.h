@@ -25,7 +25,7 @@
 typedef struct sl_hidden_settings {
     uint32_t bounces;          /* of the whole picture, at least 2 */
     double accuracy;           /* a of the hidden records */
-    double minimum_radius;     /* aR_min, as a share of the scene's diagonal */
+    double minimum_radius;     /* aR_min, as a share of the diagonal of the scene's core */
     sl_gather_settings gather; /* of the hidden records: by rays, and smaller than the visible ones */
     float aspect;              /* width / height of the picture */
     uint64_t seed;

@@ -122,7 +122,7 @@ static void gather_one(void *context, size_t index, unsigned worker) {
     const sl_cover_pass *pass = b->pass;
     sl_irradiance irradiance;
     sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, &b->counters[index]);
-    if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * pass->scene->diagonal)
+    if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * sl_scene_core_diagonal(pass->scene))
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
     sl_record *record = &b->records[index];
     *record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);

@@ -51,7 +51,7 @@ static bool is_sane(const sl_record *r, const sl_gather_point *p) {
 static sl_status read_records(sl_cache_reader *r, sl_hidden_cache *cache, sl_error *error) {
     sl_hidden_list *list = &cache->list;
     const float a = (float)cache->settings.accuracy;
-    const sl_weight_rules rules = {a, 1.0f / a, 1e-5f * cache->scene->diagonal};
+    const sl_weight_rules rules = {a, 1.0f / a, 1e-5f * cache->scene->scale};
     size_t count = sl_cache_read_count(r, BYTES_EACH);
     sl_status status = sl_hidden_list_reserve(list, count, error);
     for (size_t i = 0; status == SL_OK && i < count; i++) {

@@ -70,7 +70,7 @@ static void scout_one(void *context, size_t index, unsigned worker) {
     if (origin->triangle == SL_NO_INDEX) return;
     uint64_t key = sl_random_key(c->key, index);
     sl_frame frame = sl_frame_from_normal(origin->normal);
-    float offset = 1e-5f * c->scene->diagonal;
+    float offset = sl_scene_offset_at(c->scene, 1e-5f * c->scene->scale, origin->position);
     sl_vec3 eye = sl_mad(origin->position, offset, origin->geometric_normal);
     for (unsigned first = 0; first < RAYS; first += SL_PACKET) {
         sl_ray16 rays;
@@ -122,7 +122,7 @@ sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const 
             float x = right * (2.0f * ((float)((first + i) % columns) + 0.5f) / (float)columns - 1.0f);
             float y = top * (2.0f * ((float)((first + i) / columns) + 0.5f) / (float)rows - 1.0f);
             sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), x, camera->right), y, camera->up);
-            set_ray(&rays, i, camera->eye, direction, 1e-5f * scene->diagonal, SL_NO_INDEX);
+            set_ray(&rays, i, camera->eye, direction, 1e-5f * scene->scale, SL_NO_INDEX);
         }
         look(scene, tracer, &rays, count, true, sl_random_key(settings->seed, first), seen->points + first, counters);
     }

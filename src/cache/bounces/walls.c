@@ -26,7 +26,7 @@ static bool is_wall(const sl_scene *scene, const sl_ray16 *rays, const sl_hit16 
 
 void sl_hidden_walls_find(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, float accuracy,
                           sl_record *record, sl_hidden_walls *walls, sl_counters *counters) {
-    const float offset = 1e-5f * scene->diagonal, reach = accuracy * record->radius;
+    const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, record->position), reach = accuracy * record->radius;
     const bool within_guard = !record->behind_a_wall;
     sl_frame frame = sl_frame_from_normal(sl_normalize_or(point->geometric_normal, record->normal));
     float height = 0.01f * reach > 2.0f * offset ? 0.01f * reach : 2.0f * offset;

@@ -138,7 +138,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->settings = *settings;
     d->light = sl_light_kernels_for(sl_isa_best());
     d->kernels = sl_direct_kernels_for(sl_isa_best());
-    d->offset = 1e-5f * scene->diagonal;
+    d->offset = 1e-5f * scene->scale;
     for (size_t i = 0; i < scene->material_count; i++) d->glossy |= sl_material_is_glossy(&scene->materials[i]);
     sl_status status = settings->maps ? SL_OK : make_sides(d, error);
     if (status == SL_OK && settings->sun && !settings->maps) status = make_sun(d, error);

@@ -21,9 +21,11 @@ typedef struct {
     sl_rgb sum;
 } queue;
 
+static float offset_at(const queue *q) { return sl_scene_offset_at(q->direct->scene, q->direct->offset, q->at.position); }
+
 static void push(queue *q, sl_vec3 direction, float far) {
     unsigned i = q->count++;
-    sl_vec3 o = sl_mad(q->at.position, q->direct->offset, q->at.geometric_normal);
+    sl_vec3 o = sl_mad(q->at.position, offset_at(q), q->at.geometric_normal);
     q->rays.origin_x[i] = o.x, q->rays.origin_y[i] = o.y, q->rays.origin_z[i] = o.z;
     q->rays.direction_x[i] = direction.x, q->rays.direction_y[i] = direction.y, q->rays.direction_z[i] = direction.z;
     q->rays.near[i] = 0.0f;
@@ -58,7 +60,7 @@ static void add_light_sample(queue *q, const float u[2], sl_counters *counters) 
     q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight);
     bool far_away = isinf(s.distance);
     sl_vec3 aim = far_away ? s.to_light
-                           : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, q->direct->offset));
+                           : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, offset_at(q)));
     push(q, aim, far_away ? INFINITY : 0.9999f);
     if (q->count == SL_PACKET) end_light_samples(q, counters);
 }

@@ -106,7 +106,7 @@ void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size
 static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims, unsigned k,
                     sl_ray16 *rays) {
     uint32_t i = lane % SL_LIGHT_BLOCK;
-    float offset = direct->offset, back = aims.far_away ? 0.0f : offset;
+    float offset = sl_scene_offset_at(direct->scene, direct->offset, sl_v3(block->x[i], block->y[i], block->z[i])), back = aims.far_away ? 0.0f : offset;
     rays->origin_x[k] = block->x[i] + offset * block->geometric_x[i];
     rays->origin_y[k] = block->y[i] + offset * block->geometric_y[i];
     rays->origin_z[k] = block->z[i] + offset * block->geometric_z[i];

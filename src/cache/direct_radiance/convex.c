@@ -20,7 +20,7 @@ static unsigned sides_of(const sl_scene *scene, size_t triangle, double toleranc
  * lamp and wall fails the test, and rightly so: a lamp has a back. */
 bool sl_scene_is_convex(const sl_scene *scene) {
     enum { TESTS_AT_MOST = 1 << 24 };
-    double tolerance = 1e-6 * (double)scene->diagonal;
+    double tolerance = 1e-6 * (double)scene->scale;
     if (scene->triangle_count * scene->vertex_count > TESTS_AT_MOST) return false;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         if (sides_of(scene, t, tolerance) == (IN_FRONT | BEHIND)) return false;

@@ -55,7 +55,7 @@ static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *ti
 /* ---- a tile, a picture ---- */
 
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass) {
-    double nearest = 1e-6 * (double)pass->scene->diagonal;
+    double nearest = 1e-6 * (double)pass->scene->scale;
     return (sl_direct_light){pass, (float)fmin(1.0 / (nearest * nearest), 1e30), sl_receiver_kernels_for(sl_isa_best())};
 }
 

@@ -37,7 +37,7 @@ static bool one_light(const sl_scene *s, uint32_t a, uint32_t b) {
     sl_vec3 n = sl_scene_geometric_normal(s, t), m = sl_scene_geometric_normal(s, u);
     float height = sl_dot(m, sl_sub(first_corner(s, a), first_corner(s, b)));
     return s->object_index[t] == s->object_index[u] && s->material_index[t] == s->material_index[u] && sl_dot(n, m) > 1.0f - 1e-6f &&
-           height < 1e-5f * s->diagonal && height > -1e-5f * s->diagonal;
+           height < 1e-5f * s->scale && height > -1e-5f * s->scale;
 }
 
 static uint32_t root_of(uint32_t *parent, uint32_t i) {
@@ -116,7 +116,7 @@ typedef struct {
 
 typedef struct {
     const sl_light_seed *seed;
-    double over_diagonal;
+    double over_size;
     uint32_t *order, *aside;
     size_t count;
     cluster_of_seeds *cluster;
@@ -126,7 +126,7 @@ typedef struct {
 static double feature(const merging *m, uint32_t i, int k) {
     const sl_light_seed *s = &m->seed[i];
     const float value[FEATURES] = {s->position.x, s->position.y, s->position.z, s->normal.x, s->normal.y, s->normal.z};
-    return (double)value[k] * (k < 3 ? m->over_diagonal : 0.35);
+    return (double)value[k] * (k < 3 ? m->over_size : 0.35);
 }
 
 /* Weighted by power; weak seeds alone still have places, so each weighs a little. */
@@ -211,12 +211,12 @@ static size_t number(const merging *m, size_t seeds, uint32_t *cluster, uint32_t
     return count;
 }
 
-sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float diagonal, uint32_t *cluster, size_t *clusters,
+sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float size, uint32_t *cluster, size_t *clusters,
                                sl_error *error) {
     *clusters = count;
     for (size_t i = 0; i < count; i++) cluster[i] = (uint32_t)i;
     if (count <= most) return SL_OK;
-    merging m = {.seed = seed, .over_diagonal = 1.0 / (double)diagonal, .order = sl_allocate(count, sizeof *m.order),
+    merging m = {.seed = seed, .over_size = 1.0 / (double)size, .order = sl_allocate(count, sizeof *m.order),
                  .aside = sl_allocate(count, sizeof *m.aside), .cluster = sl_allocate(most, sizeof *m.cluster)};
     uint32_t *renumbered = sl_allocate(most, sizeof *renumbered);
     bool ok = m.order && m.aside && m.cluster && renumbered;

@@ -19,7 +19,7 @@ typedef struct sl_light_seed {
 /* Which of at most `most` clusters each of `count` seeds belongs to, numbered by their first seed: the seeds themselves where they are few
  * enough; else the cluster that has most power spread widest, in position and normal, is split again and again: strong lights end up
  * alone, the weakest together. */
-sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float diagonal, uint32_t *cluster, size_t *clusters,
+sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float size, uint32_t *cluster, size_t *clusters,
                                sl_error *error);
 
 #endif

@@ -29,7 +29,7 @@ bool sl_light_shines_on(const sl_map_light *light, int side) {
 
 sl_view sl_light_picture_view(const sl_scene *scene, const sl_map_light *light, const sl_light_picture *p) {
     sl_view view = sl_view_pyramid(&p->frame, p->eye, (float)p->left, (float)p->right, (float)p->bottom, (float)p->top, p->width,
-                                   p->height, 1e-5f * scene->diagonal);
+                                   p->height, 1e-5f * scene->scale);
     if (light->kind != SL_MAP_LIGHT_AREA) return view;
     /* An oblique near plane: 1/w depth has no use for the row (mirror.h), and the sides keep w positive. */
     sl_vec3 n = p->back ? sl_neg(light->direction) : light->direction;
@@ -37,7 +37,7 @@ sl_view sl_light_picture_view(const sl_scene *scene, const sl_map_light *light, 
     near[0] = n.x;
     near[1] = n.y;
     near[2] = n.z;
-    near[3] = -(p->clearance + 4e-6f * scene->diagonal);
+    near[3] = -(p->clearance + 4e-6f * scene->scale);
     return view;
 }
 

@@ -180,7 +180,7 @@ float sl_map_light_clearance(const sl_scene *scene, const sl_map_lights *lights,
 static void bring_forward(const finding *f, size_t light) {
     sl_map_light *l = &f->out->light[light];
     float height = l->two_sided ? 0.0f : sl_map_light_clearance(f->scene, f->out, light, l->position, false);
-    if (height > 1e-5f * f->scene->diagonal) l->position = sl_mad(l->position, height, l->direction);
+    if (height > 1e-5f * f->scene->scale) l->position = sl_mad(l->position, height, l->direction);
 }
 
 static void gather_emitters(finding *f) {
@@ -236,7 +236,7 @@ static sl_status merge(finding *f, sl_error *error) {
     f->normal = sl_allocate(f->seeds, sizeof *f->normal);
     if (!f->seed || !f->cluster || !f->centre || !f->normal) return sl_fail_memory(error, "the lights");
     sow(f);
-    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, f->scene->diagonal, f->cluster, &f->clusters, error);
+    return sl_light_seeds_merge(f->seed, f->seeds, SL_MAP_LIGHTS_MAX, sl_scene_core_diagonal(f->scene), f->cluster, &f->clusters, error);
 }
 
 static sl_status make(finding *f, int subdivision, sl_error *error) {

@@ -64,7 +64,7 @@ static projected project(const sl_map_face *f, bool parallel, sl_vec3 p) {
 static void include_triangle(const sl_scene *s, uint32_t t, const sl_map_face *f, bool parallel, rectangle *r) {
     projected a[CORNERS_MAX], b[CORNERS_MAX];
     for (int k = 0; k < 3; k++) a[k] = project(f, parallel, sl_scene_position(s, s->vertex[k][t]));
-    int count = cut(a, 3, 0, 0, 1, 1e-6 * (double)s->diagonal, b);
+    int count = cut(a, 3, 0, 0, 1, 1e-6 * (double)s->scale, b);
     count = cut(b, count, 1, 0, -f->left, 0, a);
     count = cut(a, count, -1, 0, f->right, 0, b);
     count = cut(b, count, 0, 1, -f->bottom, 0, a);

@@ -25,7 +25,7 @@ typedef struct sl_map_texel {
 #define SL_TEXEL_COS_MIN 1e-6
 /* The caps of section 2.7: a group's footprint is not larger than its texels' would be at that angle. */
 #define SL_GROUP_COS_MIN 0.02
-/* Photons nearer to their light than that share of the scene's diagonal are dropped (section 2.4). */
+/* Photons nearer to their light than that share of the diagonal of the scene's core are dropped (section 2.4). */
 #define SL_PHOTON_NEAREST_LIGHT 1e-4
 
 /* False where there is nothing to reflect light (coverage 0), no light, or the light is too near; then *texel is not written whole.

@@ -77,7 +77,7 @@ static void follow(const sl_map_drawing *d, leg way[RAYS], sl_counters *counters
             rays.direction_x[count] = way[k].direction.x;
             rays.direction_y[count] = way[k].direction.y;
             rays.direction_z[count] = way[k].direction.z;
-            rays.near[count] = (leg_number ? 1e-6f : 1e-5f) * d->scene->diagonal;
+            rays.near[count] = (leg_number ? 1e-6f : 1e-5f) * d->scene->scale;
             rays.far[count] = INFINITY;
             rays.skip[count] = way[k].from;
             which[count++] = k;

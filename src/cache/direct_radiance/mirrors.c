@@ -107,7 +107,7 @@ static void keep_face(sl_environment_cube *cube, int face, int size, const face_
 static sl_status make_face(const generation_pass *g, size_t number, int face, sl_counters *counters, sl_error *error) {
     const sl_mirror_pass *pass = g->pass;
     const int size = pass->cube_size;
-    sl_view view = sl_view_cube_face(g->objects->object[number].centre, face, size, 1e-5f * pass->scene->diagonal);
+    sl_view view = sl_view_cube_face(g->objects->object[number].centre, face, size, 1e-5f * pass->scene->scale);
     sl_receivers *r = NULL;
     face_planes planes;
     view.left_out = g->left_out[number - g->first];

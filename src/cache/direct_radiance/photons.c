@@ -86,7 +86,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
     sl_status status = create(map, quads, SL_PHOTON_GROUPS * (count_blocks(map->face, map->face_count) + map->face_count), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
-    p->nearest = (float)(NEAREST_RECEIVER * (double)scene->diagonal);
+    p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
     p->box_diagonal = scene->diagonal;
 
     sl_photon_list list = {.scene = scene, .map = map, .photons = p, .grouped = settings->filter == SL_MAP_FILTER_FLUX,

@@ -41,8 +41,8 @@ typedef struct sl_map_photons {
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
     size_t first_of_light[SL_MAP_POINTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
     size_t samples_of_light[SL_MAP_POINTS_MAX];   /* M: a sample may have no photon, or a few groups of them */
-    size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the scene's diagonal, or without light */
-    float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's diagonal */
+    size_t dropped;          /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's core, or without light */
+    float nearest;           /* r below which a photon gives nothing: 1e-6 of the scene's scale */
     float box_diagonal;      /* ||B_max - B_min|| of (15) */
 } sl_map_photons;
 

@@ -156,12 +156,7 @@ static float tangent_of(const sl_map_light *light) {
     return tangent < 0.001 ? 0.001f : tangent < 1.0 ? (float)tangent : 1.0f;
 }
 
-static float rounding_of(const sl_scene *s) {
-    const float coordinate[6] = {s->box_min.x, s->box_min.y, s->box_min.z, s->box_max.x, s->box_max.y, s->box_max.z};
-    float most = 0.0f;
-    for (int k = 0; k < 6; k++) most = fabsf(coordinate[k]) > most ? fabsf(coordinate[k]) : most;
-    return 4e-7f * most;
-}
+static float rounding_of(const sl_scene *s) { return 4e-7f * sl_scene_coordinate_near(s, s->core_min); }
 
 static sl_status draw_all(sl_shadow_cubes *cubes, const drawing *d, int size, sl_error *error) {
     float rounding = rounding_of(d->scene);

@@ -41,7 +41,8 @@ static sl_vec3 ray_end(const sl_map_photon *p, float offset) {
 }
 
 static void set_ray(const sl_sight *s, const sl_receiver_tile *t, size_t i, sl_vec3 end, unsigned k, sl_ray16 *rays) {
-    sl_vec3 origin = sl_mad(sl_v3(t->x[i], t->y[i], t->z[i]), s->offset, sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]));
+    sl_vec3 p = sl_v3(t->x[i], t->y[i], t->z[i]);
+    sl_vec3 origin = sl_mad(p, sl_scene_offset_at(s->pass->scene, s->offset, p), sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]));
     rays->origin_x[k] = origin.x, rays->origin_y[k] = origin.y, rays->origin_z[k] = origin.z;
     rays->direction_x[k] = end.x - origin.x, rays->direction_y[k] = end.y - origin.y, rays->direction_z[k] = end.z - origin.z;
     rays->near[k] = 0.0f;
@@ -206,7 +207,7 @@ sl_status sl_sight_create(const sl_light_pass *pass, const sl_receivers *receive
                           sl_weigh_photon *weigh, const void *context, sl_sight **sight, sl_counters *counters, sl_error *error) {
     sl_sight *s = *sight = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "visibility of photons");
-    *s = (sl_sight){.pass = pass, .receivers = receivers, .offset = 1e-5f * pass->scene->diagonal,
+    *s = (sl_sight){.pass = pass, .receivers = receivers, .offset = 1e-5f * pass->scene->scale,
                     .kernels = sl_sight_kernels_for(sl_isa_best()), .weigh = weigh, .context = context,
                     .end = sl_allocate(pass->photons->count, sizeof *s->end)};
     if (!s->end) return sl_fail_memory(error, "visibility of photons");

@@ -96,7 +96,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
     if (!(gather->settings.more_rays >= 0.0f)) gather->settings.more_rays = 0.0f;
     if (gather->settings.more_rays > 4.0f) gather->settings.more_rays = 4.0f;
-    gather->offset = 1e-5f * scene->diagonal;
+    gather->offset = 1e-5f * scene->scale;
     gather->isa = sl_isa_best();
     gather->kernels = sl_gather_kernels_for(gather->isa);
     gather->light_kernels = sl_hit_light_kernels_for(sl_isa_best());
@@ -236,8 +236,9 @@ sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *s) {
 /* The picture's plane stands on the shading normal; the eye lies off the surface along the geometric one. */
 static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch) {
     sl_vec3 normal = sl_normalize_or(point->normal, sl_normalize_or(point->geometric_normal, sl_v3(0.0f, 0.0f, 1.0f)));
+    float offset = sl_scene_offset_at(gather->scene, gather->offset, point->position);
     return (sl_gather_view){.gather = gather, .point = point, .scratch = scratch, .frame = sl_frame_from_normal(normal),
-                            .eye = sl_mad(point->position, gather->offset, point->geometric_normal)};
+                            .eye = sl_mad(point->position, offset, point->geometric_normal)};
 }
 
 sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,

@@ -47,7 +47,7 @@ void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 dir
 void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance, uint32_t tag) {
     const sl_gather_hits *h = &q->view->scratch->hits;
     bool far_away = isinf(distance);
-    float offset = q->view->gather->offset;
+    float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
     sl_vec3 shift = sl_v3(offset * h->geometric_x[k], offset * h->geometric_y[k], offset * h->geometric_z[k]);
     /* From the shifted origin to the same point of the light: beside it, the ray could end behind the light. */
     sl_vec3 direction = far_away ? to_light : sl_sub(sl_scale(to_light, distance), shift);

@@ -204,7 +204,7 @@ void SL_KERNEL(sl_hit_light_points)(const sl_light_sources *s, const sl_point_sa
     float *restrict ox = c->origin_x, *restrict oy = c->origin_y, *restrict oz = c->origin_z;
     float *restrict dx = c->direction_x, *restrict dy = c->direction_y, *restrict dz = c->direction_z;
     float *restrict arriving = c->arriving, *restrict near = c->near;
-    float offset = c->offset, unit = s->unit;
+    float offset = c->offset, rounding = c->rounding, unit = s->unit;
     const float hemisphere = (float)(2.0 * SL_PI);
 #pragma omp simd
     for (size_t m = 0; m < c->count; m++) {
@@ -224,7 +224,11 @@ void SL_KERNEL(sl_hit_light_points)(const sl_light_sources *s, const sl_point_sa
         float solid = area[i] * (front * per_length) * over;
         solid = solid < hemisphere ? solid : hemisphere;
         arriving[m] = lit ? solid * (above * per_length) * share[m] : 0.0f;
-        float shift_x = offset * gx[k], shift_y = offset * gy[k], shift_z = offset * gz[k];
+        float across = fabsf(px[k]), up = fabsf(py[k]), along = fabsf(pz[k]);
+        float furthest = across > up ? across : up;
+        furthest = rounding * (furthest > along ? furthest : along);
+        float off = furthest > offset ? furthest : offset;
+        float shift_x = off * gx[k], shift_y = off * gy[k], shift_z = off * gz[k];
         ox[m] = px[k] + shift_x, oy[m] = py[k] + shift_y, oz[m] = pz[k] + shift_z;
         dx[m] = x - shift_x, dy[m] = y - shift_y, dz[m] = z - shift_z;
     }

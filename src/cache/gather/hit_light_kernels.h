@@ -31,7 +31,7 @@ typedef struct sl_point_samples {
     const float *u1, *u2;
     const float *position_x, *position_y, *position_z, *normal_x, *normal_y, *normal_z; /* of slots */
     const float *geometric_x, *geometric_y, *geometric_z;
-    float offset;
+    float offset, rounding; /* a share of its greatest coordinate that a point leaves its surface at least (sl_scene_rounding()) */
     float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *arriving;
     float *near;              /* 1: so near to its emitter that it must be sampled by solid angle */
 } sl_point_samples;

@@ -192,7 +192,7 @@ static void choose_points(const sl_gather_view *view) {
         .position_x = h->position_x, .position_y = h->position_y, .position_z = h->position_z,
         .normal_x = h->normal_x, .normal_y = h->normal_y, .normal_z = h->normal_z,
         .geometric_x = h->geometric_x, .geometric_y = h->geometric_y, .geometric_z = h->geometric_z,
-        .offset = view->gather->offset, .origin_x = s->origin_x, .origin_y = s->origin_y, .origin_z = s->origin_z,
+        .offset = view->gather->offset, .rounding = sl_scene_rounding(view->gather->scene), .origin_x = s->origin_x, .origin_y = s->origin_y, .origin_z = s->origin_z,
         .direction_x = s->direction_x, .direction_y = s->direction_y, .direction_z = s->direction_z,
         .arriving = s->arriving, .near = s->near};
     view->gather->light_kernels.points(view->gather->sources, &samples);

@@ -164,7 +164,7 @@ static size_t sides_of(const sl_scene *scene) {
 
 static void make_planes(sl_shadow_maps *maps) {
     const sl_scene *s = maps->scene;
-    sl_vec3 centre = sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min));
+    sl_vec3 centre = sl_mad(s->core_min, 0.5f, sl_sub(s->core_max, s->core_min));
     for (uint32_t t = 0; t < s->triangle_count; t++) {
         sl_vec3 n = sl_scene_geometric_normal(s, t);
         sl_vec3d v = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[0][t])), sl_to_double(centre));
@@ -222,7 +222,7 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster, 
     sl_shadow_maps *maps = sl_allocate(1, sizeof *maps);
     if (!maps) return sl_fail_memory(error, "shadow maps");
     *maps = (sl_shadow_maps){.scene = scene, .settings = *settings, .kernels = sl_light_kernels_for(sl_isa_best()),
-                             .offset = 1e-5f * scene->diagonal};
+                             .offset = 1e-5f * scene->scale};
     sl_status status = create_all(maps, raster, counters, error);
     if (status != SL_OK) {
         sl_shadow_maps_destroy(maps);

@@ -210,7 +210,7 @@ static void cover_chunk(void *context, size_t index, unsigned worker) {
 sl_status sl_coplanar_shares(const sl_scene *scene, unsigned threads, float **share, sl_error *error) {
     *share = NULL;
     size_t count = scene->triangle_count, chunks = (count + CHUNK - 1) / CHUNK;
-    shares_pass pass = {.scene = scene, .size = (double)scene->diagonal,
+    shares_pass pass = {.scene = scene, .size = (double)scene->scale,
                         .middle = sl_scaled(sl_addd(sl_to_double(scene->box_min), sl_to_double(scene->box_max)), 0.5),
                         .entry = sl_allocate(count, sizeof *pass.entry), .share = sl_allocate(count, sizeof *pass.share),
                         .covered = sl_allocate(chunks, sizeof *pass.covered)};

@@ -11,6 +11,9 @@
 #include "cache/light_octree/coplanar.h"
 #include "cache/light_octree/octree_leaves.h"
 
+/* What lies around a core takes light from it, too. */
+static const double AROUND_CORE = 1.5;
+
 enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
 
 /* ---- the space of cells ---- */
@@ -18,9 +21,7 @@ enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS 
 static double largest(double a, double b) { return a > b ? a : b; }
 
 sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth) {
-    double scale = (double)(1u << depth) / edge, far = 0.0;
-    const float ends[6] = {scene->box_min.x, scene->box_min.y, scene->box_min.z, scene->box_max.x, scene->box_max.y, scene->box_max.z};
-    for (int k = 0; k < 6; k++) far = largest(far, fabs((double)ends[k]));
+    double scale = (double)(1u << depth) / edge, far = (double)sl_scene_coordinate_near(scene, scene->core_min);
     return (sl_cell_space){scene, origin, scale, 0x1p-22 * far * scale}; /* four half units in the last place */
 }
 
@@ -274,13 +275,19 @@ static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_err
     return status;
 }
 
-/* The scene's box made cubic about its middle, and a little larger. */
-static void set_root(sl_octree *octree, const sl_scene *scene) {
-    sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max), size = sl_subd(high, low);
-    double edge = largest(size.x, largest(size.y, size.z));
+/* The box made cubic about its middle, and a little larger. */
+static sl_octree_root root_around(sl_vec3 box_min, sl_vec3 box_max, double larger) {
+    sl_vec3d low = sl_to_double(box_min), high = sl_to_double(box_max), size = sl_subd(high, low);
+    double edge = larger * largest(size.x, largest(size.y, size.z));
     if (!(edge > 0.0 && edge < 1e300)) edge = 1.0; /* no triangles */
-    octree->edge = edge * (1.0 + 1e-4);
-    octree->origin = sl_subd(sl_scaled(sl_addd(low, high), 0.5), sl_scaled(sl_v3d(1.0, 1.0, 1.0), 0.5 * octree->edge));
+    edge *= 1.0 + 1e-4;
+    return (sl_octree_root){sl_subd(sl_scaled(sl_addd(low, high), 0.5), sl_scaled(sl_v3d(1.0, 1.0, 1.0), 0.5 * edge)), edge};
+}
+
+sl_octree_root sl_octree_root_of_all(const sl_scene *scene) { return root_around(scene->box_min, scene->box_max, 1.0); }
+
+sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
+    return root_around(scene->core_min, scene->core_max, sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
 }
 
 static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_error *error) {
@@ -297,7 +304,12 @@ static sl_status drop_dark_shares(sl_octree *octree, const sl_scene *scene, sl_e
     return SL_OK;
 }
 
-sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **result, sl_error *error) {
+sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **octree, sl_error *error) {
+    sl_octree_root all = sl_octree_root_of_all(scene);
+    return sl_octree_create_in(scene, &all, depth, dilate, threads, octree, error);
+}
+
+sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate, unsigned threads, sl_octree **result, sl_error *error) {
     *result = NULL;
     if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilate >= 0.0 && dilate <= 1.0)) {
         return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1", depth, dilate,
@@ -306,7 +318,8 @@ sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsi
     sl_octree *octree = sl_allocate(1, sizeof *octree);
     if (!octree) return sl_fail_memory(error, "the octree");
     octree->depth = depth;
-    set_root(octree, scene);
+    octree->origin = root->origin;
+    octree->edge = root->edge;
     size_t chunks = (scene->triangle_count + CHUNK - 1) / CHUNK;
     builder b = {.space = sl_cell_space_of(scene, octree->origin, octree->edge, depth), .dilate = dilate, .cells = 1u << depth, .octree = octree,
                  .chunk = sl_allocate(chunks, sizeof *b.chunk)};

@@ -30,7 +30,7 @@ static inline bool sl_takes_photons(const sl_material *m) {
 
 typedef struct sl_octree {
     int depth;
-    sl_vec3d origin;        /* lower corner of the root cube: the scene's box made cubic and enlarged by 1e-4 */
+    sl_vec3d origin;        /* lower corner of the root cube */
     double edge;            /* of the root cube */
     size_t leaf_count;
     sl_octree_leaf *leaf;
@@ -40,8 +40,24 @@ typedef struct sl_octree {
     uint32_t *triangle;     /* leaf by leaf, ascending in each; empty (counts 0) in cuts */
 } sl_octree;
 
+/* The root cube: a box made cubic and enlarged by 1e-4. Beyond it surfaces have no indirect light. */
+typedef struct sl_octree_root {
+    sl_vec3d origin; /* its lower corner */
+    double edge;
+} sl_octree_root;
+
+sl_octree_root sl_octree_root_of_all(const sl_scene *scene);
+/* The core of a scattered scene and half as much again: voxels of all of it would be larger than the core is. Else of all. */
+sl_octree_root sl_octree_root_of_core(const sl_scene *scene);
+static inline bool sl_octree_root_holds(const sl_octree_root *root, sl_vec3 p) {
+    sl_vec3d u = sl_subd(sl_to_double(p), root->origin);
+    return u.x >= 0.0 && u.y >= 0.0 && u.z >= 0.0 && u.x <= root->edge && u.y <= root->edge && u.z <= root->edge;
+}
+
 /* dilate: voxels are grown by that fraction of their edge in the test (0: the paper's remedy is off). */
 sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads, sl_octree **octree, sl_error *error);
+/* The same in another root cube than that of all the scene. */
+sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate, unsigned threads, sl_octree **octree, sl_error *error);
 sl_status sl_octree_cut(const sl_octree *octree, int depth, sl_octree **cut, sl_error *error);
 void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);

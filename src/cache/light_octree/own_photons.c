@@ -5,7 +5,9 @@
 #include "cache/light_octree/voxel_work.h"
 
 static uint32_t leaf_of(const sl_octree *octree, const sl_photon *p) {
-    return sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(p->position[0], p->position[1], p->position[2])));
+    sl_vec3 at = sl_v3(p->position[0], p->position[1], p->position[2]);
+    const sl_octree_root root = {octree->origin, octree->edge};
+    return sl_octree_root_holds(&root, at) ? sl_octree_find(octree, sl_octree_morton_at(octree, at)) : SL_NO_INDEX;
 }
 
 void sl_own_photons_release(sl_own_photons *own) {

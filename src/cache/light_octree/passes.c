@@ -116,10 +116,23 @@ sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o
                                     .estimated_radius = !o->fixed_neighbours};
 }
 
+/* Of a scattered scene the core, unless most photons lie elsewhere: where there is light, it is to be seen. */
+static sl_octree_root root_of(const sl_octree_state *s) {
+    const sl_photon_list *photons = sl_photon_tree_list(s->tree);
+    const sl_octree_root core = sl_octree_root_of_core(s->scene);
+    size_t inside = 0;
+    for (size_t i = 0; i < photons->count; i++) {
+        const float *p = photons->photon[i].position;
+        inside += sl_octree_root_holds(&core, sl_v3(p[0], p[1], p[2]));
+    }
+    return 2 * inside >= photons->count ? core : sl_octree_root_of_all(s->scene);
+}
+
 static sl_status start_level(sl_octree_state *s, sl_error *error) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     unsigned threads = s->settings.threads;
-    sl_status status = sl_octree_create(s->scene, s->depth, o->dilation, threads, &s->next.octree, error);
+    const sl_octree_root root = root_of(s);
+    sl_status status = sl_octree_create_in(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "octree", "section 3.2");
     s->leaf = 0;

@@ -70,13 +70,8 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
 
 /* ---- what can be said before anything has run (section 7) ---- */
 
-static double root_edge(const sl_scene *scene) {
-    sl_vec3 size = sl_sub(scene->box_max, scene->box_min);
-    return (double)fmaxf(size.x, fmaxf(size.y, size.z));
-}
-
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
-    double area = 0.0, cells = ceil(root_edge(scene) / voxel);
+    double area = 0.0, cells = ceil(sl_octree_root_of_core(scene).edge / ((1.0 + 1e-4) * voxel));
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) continue;
         sl_vec3 p[3];
@@ -112,7 +107,7 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
 }
 
 static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p, sl_plan_writer *writer) {
-    double voxel = root_edge(scene) / (double)(1u << o->depth), voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
+    double voxel = sl_octree_root_of_core(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth), voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
     double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
     size_t small = voxel > 0.0 ? sl_octree_small_objects(scene, voxel) : 0;
     char few[160] = "", tiny[96] = "";
@@ -120,8 +115,8 @@ static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o
         snprintf(few, sizeof few, ", less than a tenth of %d: %s", o->neighbours,
                  o->own_photons ? "too few to count by voxels" : "they come from far beyond the voxel");
     if (small > 0) snprintf(tiny, sizeof tiny, "; %zu object%s smaller than two voxels", small, small > 1 ? "s are" : " is");
-    sl_plan_pass(writer, p->photons, "octree", "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s", o->depth, p->first_depth, voxels,
-                 a_voxel, few, tiny);
+    sl_plan_pass(writer, p->photons, "octree", "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s%s", o->depth, p->first_depth, voxels,
+                 a_voxel, few, tiny, sl_scene_is_scattered(scene) ? "; around the scene's core alone if most photons lie there, since parts of it are far apart" : "");
 }
 
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {

@@ -132,11 +132,6 @@ static sl_status make_shape(sl_light_sampling *s, size_t index, sl_error *error)
     return status;
 }
 
-static float largest_coordinate(const sl_scene *scene) {
-    sl_vec3 a = scene->box_min, b = scene->box_max;
-    return fmaxf(fmaxf(fmaxf(fabsf(a.x), fabsf(b.x)), fmaxf(fabsf(a.y), fabsf(b.y))), fmaxf(fabsf(a.z), fabsf(b.z)));
-}
-
 sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, const sl_sampled_lights *lights,
                                    const sl_light_sample_settings *settings, sl_light_sampling **sampling, sl_error *error) {
     *sampling = NULL;
@@ -145,9 +140,9 @@ sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raste
     sl_light_sampling *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "sampling of lights");
     *s = (sl_light_sampling){.scene = scene, .raster = raster, .tracer = tracer, .lights = lights, .settings = *settings,
-                             .kernels = sl_light_pixel_kernels_for(sl_isa_best()), .near = 1e-5f * scene->diagonal,
-                             .lift = 6e-7f * largest_coordinate(scene)};
-    s->step = fmaxf(2e-6f * scene->diagonal, s->lift);
+                             .kernels = sl_light_pixel_kernels_for(sl_isa_best()), .near = 1e-5f * scene->scale,
+                             .lift = SL_LIGHT_LIFT * sl_scene_coordinate_near(scene, scene->core_min)};
+    s->step = fmaxf(2e-6f * scene->scale, s->lift);
     s->shape = sl_allocate(lights->count, sizeof *s->shape);
     if (!s->shape) status = sl_fail_memory(error, "sampling of lights");
     for (size_t i = 0; i < lights->count && status == SL_OK; i++) status = make_shape(s, i, error);

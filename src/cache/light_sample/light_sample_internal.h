@@ -41,6 +41,9 @@ typedef struct sl_light_shape_info {
     uint32_t *mesh_corner;
 } sl_light_shape_info;
 
+/* By how much of its coordinates a point may be rounded, and how much more is safe. */
+#define SL_LIGHT_LIFT 6e-7f
+
 struct sl_light_sampling {
     const sl_scene *scene;
     const sl_raster *raster;
@@ -49,9 +52,9 @@ struct sl_light_sampling {
     sl_light_sample_settings settings;
     sl_light_shape_info *shape; /* by light */
     sl_light_pixel_kernels kernels;
-    float near;                /* nearer than 1e-5 of the scene's diagonal nothing is drawn of what the paper's frustum sees */
+    float near;                /* nearer than 1e-5 of the scene's scale nothing is drawn of what the paper's frustum sees */
     float step;                /* how far on its way to the light the eye of other pictures is: it moves shadows, so a fifth of that */
-    float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding */
+    float lift;                /* how far above its surface a point must be, so that it lies above it in spite of rounding; in a scattered scene, in its core */
     size_t most_triangles;     /* of those lights */
     const sl_raster *widest;   /* of the lights' own rasters the one that needs the largest scratch; or NULL */
 };

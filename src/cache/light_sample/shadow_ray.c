@@ -74,7 +74,9 @@ static void add_ray(packet *p, sl_vec3 d, float far, double weight) {
 }
 
 sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point) {
-    return sl_mad(point->position, sampling->lift, point->geometric_normal);
+    bool scattered = sl_scene_is_scattered(sampling->scene);
+    float lift = scattered ? SL_LIGHT_LIFT * sl_scene_coordinate_near(sampling->scene, point->position) : sampling->lift;
+    return sl_mad(point->position, lift, point->geometric_normal);
 }
 
 sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light) {
@@ -104,7 +106,7 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
         return 0.0;
     }
     bool sun = light->kind == SL_SAMPLED_DIRECTIONAL;
-    sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point), sl_scaled(to, sun ? (double)sampling->scene->diagonal : distance));
+    sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point), sl_scaled(to, sun ? (double)sampling->scene->scale : distance));
     sl_vec3d d = sun ? to : sl_subd(sl_to_double(light->position), sl_to_double(eye));
     return is_hidden(sampling, point, eye, d, sun ? INFINITY : 1.0 - SL_LIGHT_MARGIN, counters) ? 0.0 : value;
 }

@@ -80,7 +80,7 @@ static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *
 /* A vertex behind a wall that is but a face (lit_points.h): a face's corner has the light before the wall, another vertex none of its own. */
 static bool is_walled_in(const sl_coarse_light *c, const sl_coarse_vertex *v, const sl_mesh_point *at, sl_mesh_point *inside, light_worker *w) {
     *inside = point_of(c, v, sl_nudge[SL_NUDGES - 1] * sl_dyadic_reach(v->p, v->q));
-    return sl_share_before_wall(c->settings.tracer, at, inside, 1e-5f * c->settings.scene->diagonal, &w->counters) < SL_STUB;
+    return sl_share_before_wall(c->settings.tracer, at, inside, 1e-5f * c->settings.scene->scale, &w->counters) < SL_STUB;
 }
 
 static sl_rgb light_before_wall(const sl_coarse_light *c, const sl_coarse_vertex *v, const sl_mesh_point *inside, light_worker *w) {

@@ -120,7 +120,7 @@ sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster, 
     if (status != SL_OK) return status;
     sl_mesh_gather *g = sl_allocate(1, sizeof *g);
     if (!g) return sl_fail_memory(error, "the gather");
-    *g = (sl_mesh_gather){.scene = scene, .raster = raster, .coarse = coarse, .settings = *settings, .near = 1e-5f * scene->diagonal};
+    *g = (sl_mesh_gather){.scene = scene, .raster = raster, .coarse = coarse, .settings = *settings, .near = 1e-5f * scene->scale};
     g->shade = sl_mesh_gather_kernel_for(sl_isa_best());
     g->tangent = (float)sl_tan(0.5 * (double)settings->fov);
     g->over_coverage = 1.0 / sl_gather_coverage(0.5 * (double)settings->fov);
@@ -215,7 +215,7 @@ static void look_from(shot *s, const sl_mesh_point *point) {
     sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position), n = sl_to_double(s->horizon);
     for (int k = 0; k < 3; k++) middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
     sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
-    double length = sl_lengthd(way), step = 4e-4 * (double)scene->diagonal;
+    double length = sl_lengthd(way), step = 4e-4 * (double)sl_scene_core_diagonal(scene);
     if (!(length > 0.0)) return;
     step = step < 0.25 * length ? step : 0.25 * length;
     way = sl_scaled(way, step / length);

@@ -48,7 +48,7 @@ static int crossing(const sl_topology *topology, uint32_t triangle, sl_vec3 p, s
 static int count_crossings(const sl_topology *topology, const sl_tracer *tracer, const box *around, sl_vec3 p, sl_vec3 d, sl_counters *counters) {
     enum { CROSSINGS_MAX = 4096 };
     sl_ray16 ray = {.origin_x = {p.x}, .origin_y = {p.y}, .origin_z = {p.z}, .direction_x = {d.x}, .direction_y = {d.y}, .direction_z = {d.z},
-                    .far = {way_out(around, p, d, 1e-6f * topology->scene->diagonal)}, .skip = {SL_NO_INDEX}};
+                    .far = {way_out(around, p, d, 1e-6f * topology->scene->scale)}, .skip = {SL_NO_INDEX}};
     float last = -1.0f;
     int sum = 0;
     for (int i = 0; i < CROSSINGS_MAX; i++) {
@@ -66,7 +66,7 @@ static int count_crossings(const sl_topology *topology, const sl_tracer *tracer,
 /* Three directions, none of them along what people build, vote: a ray may meet an edge, which counts for two triangles or none. */
 bool sl_topology_inside_solid(const sl_topology *topology, const sl_tracer *tracer, sl_vec3 p, sl_vec3 normal, sl_counters *counters) {
     static const sl_vec3 direction[3] = {{0.3713907f, 0.8155417f, 0.4438516f}, {-0.6838219f, 0.4172873f, -0.5985511f}, {0.5264831f, -0.6610997f, -0.5346203f}};
-    sl_vec3 start = sl_mad(p, 1e-5f * topology->scene->diagonal, normal);
+    sl_vec3 start = sl_mad(p, 1e-5f * topology->scene->scale, normal);
     box around;
     if (!solids_around(topology, start, &around)) return false;
     int inside = 0, outside = 0;

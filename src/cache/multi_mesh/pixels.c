@@ -52,7 +52,7 @@ static side_seen side_of(const sort_job *j, uint32_t triangle, float w1, float w
                       sl_interpolate(a.z, b.z - a.z, c.z - a.z, w1, w2));
     sl_vec3 to_eye = sl_sub(j->view->origin, p);
     float reach = sl_length(to_eye) + sl_length(sl_sub(b, a)) + sl_length(sl_sub(c, a)) + sl_length(p);
-    return (side_seen){triangle, sl_side_seen(n, to_eye) < 0.0f, fabsf(sl_dot(n, to_eye)) > 1e-4f * (reach + s->diagonal)};
+    return (side_seen){triangle, sl_side_seen(n, to_eye) < 0.0f, fabsf(sl_dot(n, to_eye)) > 1e-4f * (reach + s->scale)};
 }
 
 /* A band's pixels: weights, face, path. */

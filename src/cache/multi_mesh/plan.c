@@ -9,7 +9,7 @@ enum { LIGHT_SIZE = 64, LIGHT_RAYS = 16, BATCH = 32 };
 typedef struct by_quality {
     double threshold_scale, leaf_area, leaf_edge;
     int gather_size, coarse_depth;
-    double coarse_edges; /* to the scene's diagonal */
+    double coarse_edges; /* to the diagonal of the scene's core */
 } by_quality;
 
 /* A leaf's edges are tested in their middles, so its samples are half as far apart as its size. In the Cornell box (256 x 256, normal) leaves of 16,
@@ -26,7 +26,7 @@ static const by_quality qualities[] = {
 
 double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings) {
     double chosen = settings->multi_mesh.coarse_edge;
-    return chosen > 0.0 ? chosen : (double)scene->diagonal / qualities[settings->quality].coarse_edges;
+    return chosen > 0.0 ? chosen : (double)sl_scene_core_diagonal(scene) / qualities[settings->quality].coarse_edges;
 }
 
 static int or_default(int value, int otherwise) { return value ? value : otherwise; }

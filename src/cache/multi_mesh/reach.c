@@ -16,7 +16,7 @@ typedef struct plane {
 static sl_vec3d corner_of(const sl_scene *scene, uint32_t triangle, int c) { return sl_to_double(sl_scene_position(scene, scene->vertex[c][triangle])); }
 
 static plane plane_of(const sl_scene *scene, uint32_t triangle) {
-    return (plane){corner_of(scene, triangle, 0), sl_to_double(sl_scene_geometric_normal(scene, triangle)), 1e-6 * (double)scene->diagonal};
+    return (plane){corner_of(scene, triangle, 0), sl_to_double(sl_scene_geometric_normal(scene, triangle)), 1e-6 * (double)scene->scale};
 }
 
 static double height_of(const plane *p, sl_vec3d x) { return sl_dotd(sl_subd(x, p->at), p->normal); }

@@ -99,13 +99,13 @@ typedef enum dark_vertex { DARK_AS_IT_IS, DARK_AND_INVALID, DARK_BUT_INSIDE } da
 /* A face's corner gathers once more, a fifth of the way into the face: a beam that few pixels show has no other vertices. Unless a wall stands in between,
  * far off: what is beyond that is another room. Any other vertex behind a wall has no light of its own. */
 static dark_vertex look_inside(sl_multi_mesh_state *s, const sl_mesh *mesh, const sl_wanted_vertex *wanted, sl_mesh_point *inside) {
-    const float diagonal = s->scene->diagonal, far = 0.01f * diagonal;
+    const float scale = s->scene->scale, far = 0.01f * sl_scene_core_diagonal(s->scene);
     double reach = reach_of(mesh, wanted->vertex);
     sl_mesh_point at;
     if (!s->tracer) return DARK_AS_IT_IS;
     sl_mesh_point_of(mesh, wanted->vertex, &at);
     sl_mesh_point_nudged(mesh, wanted->vertex, wanted->leaf, sl_nudge[SL_NUDGES - 1], inside);
-    float share = sl_share_before_wall(s->tracer, &at, inside, 1e-5f * diagonal, &s->counters);
+    float share = sl_share_before_wall(s->tracer, &at, inside, 1e-5f * scale, &s->counters);
     if (reach < 1.0) return share < SL_STUB ? DARK_AND_INVALID : DARK_AS_IT_IS;
     bool another_room = share >= SL_STUB && share < 1.0f && sl_length(sl_sub(inside->position, at.position)) > far;
     return another_room ? DARK_AS_IT_IS : DARK_BUT_INSIDE;

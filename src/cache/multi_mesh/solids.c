@@ -125,7 +125,7 @@ static void measure(const solids *s, component *c) {
         c->shines_back |= scene->emitters[emitter].two_sided;
     }
     /* Two sheets back to back are closed as well, but have no inside. */
-    c->open |= !(fabs(c->volume) > 1e-6 * (double)scene->diagonal * c->area);
+    c->open |= !(fabs(c->volume) > 1e-6 * (double)scene->scale * c->area);
 }
 
 static bool in_box(sl_vec3 low, sl_vec3 high, sl_vec3d p) {

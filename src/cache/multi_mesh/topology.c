@@ -8,7 +8,7 @@
 /* Triangles of no area to speak of; NaN has none. */
 static void find_degenerate(sl_topology *topology) {
     const sl_scene *scene = topology->scene;
-    double least = 1e-12 * (double)scene->diagonal * (double)scene->diagonal;
+    double least = 1e-12 * (double)scene->scale * (double)scene->scale;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         sl_vec3d a = sl_to_double(sl_scene_position(scene, scene->vertex[0][t]));
         sl_vec3d b = sl_to_double(sl_scene_position(scene, scene->vertex[1][t]));

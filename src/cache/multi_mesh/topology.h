@@ -24,7 +24,7 @@ typedef struct sl_topology {
     sl_vec3 *site_position, *site_normal; /* normals unit, on the face's side */
     uint32_t *site_face;         /* the lowest face that has it */
     uint8_t *site_shared;        /* whether others have it too */
-    uint8_t *degenerate;         /* by triangle: of no area (below 1e-12 of the scene's diagonal squared): receives nothing, hides light all the same */
+    uint8_t *degenerate;         /* by triangle: of no area (below 1e-12 of the scene's scale squared): receives nothing, hides light all the same */
     uint8_t *solid;              /* by triangle: 0; or part of a closed, consistently wound surface that has no light inside, and its inner side is the
                                     front (1) or the back (2). Nobody sees that side unless from inside */
     /* Faces along an edge, whose two ends are sites: those of edge e are edge_face[edge_start[e] .. edge_start[e + 1]). */

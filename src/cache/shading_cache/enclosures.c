@@ -226,7 +226,7 @@ static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
 
 bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_counters *counters) {
     const sl_scene *s = solids->scene;
-    sl_vec3 p = sl_mad(point->position, 1e-5f * s->diagonal, point->geometric_normal);
+    sl_vec3 p = sl_mad(point->position, 1e-5f * s->scale, point->geometric_normal);
     uint32_t own = point->triangle != SL_NO_INDEX ? solids->body_of[point->triangle] : SL_NO_INDEX;
     bool near = false;
     for (size_t i = 0; i < solids->solid_count && !near; i++) near = solids->solid[i] != own && box_holds(&solids->bodies[solids->solid[i]], p);

@@ -26,7 +26,7 @@ static seen_view view_of(const sl_scene *scene, const sl_camera *camera, int wid
                        .forward = sl_scaled(sl_to_double(camera->back), -1.0),
                        .half_width = 0.5 * (double)width,
                        .half_height = 0.5 * (double)height,
-                       .near = 1e-5 * (double)scene->diagonal};
+                       .near = 1e-5 * (double)scene->scale};
 }
 
 static double inside(const seen_point *p, int side) {

@@ -70,14 +70,14 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
 /* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what it would be a quarter of the
  * scene away from the eye, and at least a thousandth of the scene. */
 static double minimum_reach(const sl_splat_state *s, double footprint_per_depth) {
-    double diagonal = (double)s->scene->diagonal;
-    double reach = s->plan.quality.minimum_pixels * footprint_per_depth * 0.25 * diagonal;
-    return reach > 1e-3 * diagonal ? reach : 1e-3 * diagonal;
+    double size = (double)sl_scene_core_diagonal(s->scene);
+    double reach = s->plan.quality.minimum_pixels * footprint_per_depth * 0.25 * size;
+    return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
 
 void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
-    float a = (float)accuracy_of(s, cache), diagonal = s->scene->diagonal;
+    float a = (float)accuracy_of(s, cache), scale = s->scene->scale;
     const sl_camera *camera = &s->scene->camera;
     /* Pictures of more than 400 rows show more, but not in proportion: there what is told in pixels goes with the root of the rows. */
     const double rows = s->settings.height < 400 ? (double)s->settings.height : 400.0;
@@ -91,12 +91,12 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
                       g->normal_z, cache->receives},
         /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing weight. */
-        .weights = {a, 1.0f / a, 1e-5f * diagonal},
+        .weights = {a, 1.0f / a, 1e-5f * scale},
         .covered_weight = 1.0f / (9.0f * a),
         .radii = {.accuracy = (double)a,
                   .minimum_pixels = s->settings.records_per_frame ? 0.0 : s->plan.quality.minimum_pixels,
                   .minimum_reach = minimum_reach(s, footprint_per_depth),
-                  .maximum_radius = 0.1 * (double)diagonal,
+                  .maximum_radius = 0.1 * (double)s->scene->diagonal,
                   .guard = true,
                   .gather = cache->gather ? sl_gather_kind_used(cache->gather) : SL_GATHER_RAYS,
                   .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
@@ -105,14 +105,14 @@ void sl_splat_prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,
         .mirrors = &s->mirrors,
-        .near_distance = 1e-5f * diagonal,
+        .near_distance = 1e-5f * scale,
         .footprint_per_depth = (float)footprint_per_depth,
         .neighbour_clamp = true,
         .coverage = s->coverage,
         .owned = s->owned,
         .seed = s->settings.seed,
         .threads = s->settings.threads,
-        .diagonal = diagonal,
+        .scale = scale,
     };
     cache->pass.glossy = (sl_glossy_view){cache->glossy, &cache->pass.receivers, g->material, camera->eye, g};
 }

@@ -79,7 +79,7 @@ typedef struct sl_splat_receivers {
 typedef struct sl_weight_rules {
     float accuracy;           /* a: contributes iff D <= a, (3) with the threshold 1/a */
     float offset;             /* 1/a for smooth weights, 0 for Ward's own */
-    float front_tolerance;    /* 1e-5 of the scene's diagonal */
+    float front_tolerance;    /* 1e-5 of the scene's scale */
 } sl_weight_rules;
 
 typedef struct sl_splat_buffer {

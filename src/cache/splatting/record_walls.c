@@ -60,7 +60,7 @@ static int nearest_of(const hit hits[DIRECTIONS]) {
 
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, double accuracy, double guard,
                           sl_record *record, sl_counters *counters) {
-    const float offset = 1e-5f * scene->diagonal, reach = (float)accuracy * record->radius;
+    const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position), reach = (float)accuracy * record->radius;
     hit hits[DIRECTIONS];
     if (!((double)record->radius > guard)) return;
     look_around(scene, tracer, point, reach, offset, hits, counters);

@@ -77,7 +77,7 @@ typedef struct sl_record_pass {
     uint8_t *owned;           /* pixels that have a record of their own count as covered */
     uint64_t seed;
     unsigned threads;
-    float diagonal;
+    float scale;             /* of the scene */
 } sl_record_pass;
 
 enum { SL_BATCH_MAX = 128 };

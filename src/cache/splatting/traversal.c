@@ -131,11 +131,11 @@ static void gather_one(void *context, size_t index, unsigned worker) {
     sl_gather_point point = point_at(pass, b->pixels[index]);
     sl_irradiance irradiance;
     gather_at(b, index, worker, &point, &irradiance);
-    float close = 1e-3f * pass->diagonal;
+    float close = 1e-3f * pass->scale;
     bool inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     if (inside) {
         sl_gather_point outer = point;
-        outer.position = sl_mad(point.position, 1e-4f * pass->diagonal, point.geometric_normal);
+        outer.position = sl_mad(point.position, 1e-4f * pass->scale, point.geometric_normal);
         gather_at(b, index, worker, &outer, &irradiance);
         inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     }
@@ -157,7 +157,7 @@ static bool sees(const sl_record_pass *pass, const sl_record *record, size_t pix
         return true; /* its own pixel */
     sl_ray16 ray;
     memset(&ray, 0, sizeof ray);
-    float offset = 1e-5f * pass->diagonal;
+    float offset = sl_scene_offset_at(pass->scene, 1e-5f * pass->scale, at.position);
     sl_vec3 from = sl_mad(at.position, offset, at.geometric_normal);
     sl_vec3 to = sl_sub(sl_mad(record->position, offset, record->normal), from);
     if (!(sl_dot(to, to) > 0.0f)) return true;

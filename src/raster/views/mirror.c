@@ -94,7 +94,7 @@ static bool plane_of(const sl_scene *s, uint32_t t, sl_plane *plane) {
 }
 
 static bool lies_in(const sl_scene *s, uint32_t t, const sl_plane *plane) {
-    double tolerance = 2e-6 * (double)s->diagonal;
+    double tolerance = 2e-6 * (double)s->scale;
     for (int k = 0; k < 3; k++) {
         sl_vec3d p = sl_to_double(sl_scene_position(s, s->vertex[k][t]));
         if (!(fabs(sl_dotd(plane->normal, p) - plane->distance) <= tolerance)) return false;
@@ -156,7 +156,7 @@ sl_status sl_mirrors_find(const sl_scene *scene, size_t limit, sl_mirrors **mirr
         m->low = sl_allocate(limit, sizeof *m->low);
         m->high = sl_allocate(limit, sizeof *m->high);
         m->of_triangle = sl_allocate_unset(scene->triangle_count, sizeof *m->of_triangle);
-        m->offset = 4e-6 * (double)scene->diagonal;
+        m->offset = 4e-6 * (double)scene->scale;
     }
     bool ok = m && list && m->plane && m->material && m->low && m->high && m->of_triangle;
     if (ok) assign(scene, limit, mirror_triangles, list, m);

@@ -31,7 +31,7 @@ sl_vec3d sl_plane_reflect(const sl_plane *plane, sl_vec3d p);
 
 /* A perspective view of the scene in a mirror, on the same pixels; 1/w depth, w being the way along the unfolded line of sight. Of
  * the scene, only what lies more than `offset` in front of the mirror (on the eye's side) is drawn: enough to clear the
- * mirror's own triangles of rounding, too little to be seen (a few millionths of the scene's diagonal). A mirrored view
+ * mirror's own triangles of rounding, too little to be seen (a few millionths of the scene's scale). A mirrored view
  * may be mirrored again. False where nothing can be seen: the eye is in the plane, or the plane is none. */
 bool sl_view_mirrored(const sl_view *view, const sl_plane *mirror, double offset, sl_view *mirrored);
 

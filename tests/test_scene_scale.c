@@ -1,0 +1,197 @@
+/* The size in which most of a scene lies: for most scenes the diagonal, for a room on a plain without end the room's. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/random.h"
+#include "scene/ambient.h"
+#include "scene/derive.h"
+#include "scene/scene.h"
+#include "trace_scenes.h"
+
+/* A closed room of 4 x 3 x 5 with a lamp, seen from within. */
+static void add_room(trace_mesh *mesh) {
+    uint32_t white = trace_mesh_material(mesh, 0.7f, 0, 1, 0, 0), lamp = trace_mesh_material(mesh, 0, 0, 1, 0, 10);
+    trace_mesh_box(mesh, sl_v3(-2, 0, -2.5f), sl_v3(2, 3, 2.5f), true, white);
+    trace_mesh_quad(mesh, sl_v3(-0.5f, 2.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    sl_camera_look_at(&mesh->camera, sl_v3(0, 1.5f, 2), sl_v3(0, 1, 0), sl_v3(0, 1, 0), 1.0f);
+    mesh->has_camera = true;
+}
+
+static void add_plain(trace_mesh *mesh, float half) {
+    trace_mesh_quad(mesh, sl_v3(-half, -5, half), sl_v3(2 * half, 0, 0), sl_v3(0, 0, -2 * half), 0);
+}
+
+static sl_scene *room_on_plain(float half) {
+    trace_mesh mesh = trace_mesh_begin();
+    add_room(&mesh);
+    if (half > 0.0f) add_plain(&mesh, half);
+    return trace_mesh_build(&mesh);
+}
+
+static void assert_same(sl_vec3 a, sl_vec3 b) { assert_true(a.x == b.x && a.y == b.y && a.z == b.z); }
+
+static void scale_of_a_room_is_its_diagonal_and_its_core_the_box(void **state) {
+    (void)state;
+    sl_scene *s = room_on_plain(0.0f);
+    assert_true(s->scale == s->diagonal && !sl_scene_is_scattered(s));
+    assert_same(s->core_min, s->box_min);
+    assert_same(s->core_max, s->box_max);
+    assert_true(sl_scene_core_diagonal(s) == s->diagonal);
+    sl_scene_destroy(s);
+}
+
+static void a_plain_of_any_size_leaves_a_room_its_scale_and_core(void **state) {
+    (void)state;
+    sl_scene *alone = room_on_plain(0.0f), *large = room_on_plain(4e3f), *huge = room_on_plain(4e6f);
+    assert_true(sl_scene_is_scattered(large) && sl_scene_is_scattered(huge));
+    assert_true(huge->diagonal > 1e7f && huge->scale < 100.0f * alone->diagonal);
+    assert_true(fabs((double)(huge->scale / large->scale) - 1.0) < 1e-6);
+    for (int i = 0; i < 2; i++) {
+        const sl_scene *s = i ? huge : large;
+        assert_same(s->core_min, alone->box_min);
+        assert_same(s->core_max, alone->box_max);
+        sl_rgb ambient = sl_ambient_irradiance(s), plain = sl_ambient_irradiance(alone);
+        assert_true(ambient.r == plain.r && plain.r > 0.0f);
+    }
+    sl_scene_destroy(alone);
+    sl_scene_destroy(large);
+    sl_scene_destroy(huge);
+}
+
+/* From the size where the scale begins to part from the diagonal neither it nor the core jumps. */
+static void scale_and_core_shrink_without_a_jump_as_a_plain_grows(void **state) {
+    (void)state;
+    double last = 0.0;
+    bool parted = false;
+    for (float half = 50.0f; half < 1e4f; half *= 1.02f) {
+        sl_scene *s = room_on_plain(half);
+        if (sl_scene_is_scattered(s) && !parted) assert_same(s->core_max, s->box_max); /* as yet */
+        parted |= sl_scene_is_scattered(s);
+        assert_true(last == 0.0 || (fabs((double)s->scale / last - 1.0) < 0.03));
+        assert_true(s->scale <= s->diagonal);
+        last = (double)s->scale;
+        sl_scene_destroy(s);
+    }
+    assert_true(parted);
+}
+
+static void a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the_room(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    add_room(&mesh);
+    trace_mesh_sphere(&mesh, sl_v3(0.7f, 0.5f, -1), 1e-4f, 12, 0.0f, false, 0);
+    sl_scene *s = trace_mesh_build(&mesh);
+    assert_true(s->radius < 1e-3);
+    assert_true(s->scale == s->diagonal);
+    sl_error error;
+    const float near[3] = {0.7f, 0.5f, -0.9995f}, grain[3] = {0.7f, 0.5f, -1}, up[3] = {0, 1, 0}, back[3] = {0, 1.5f, 2};
+    assert_int_equal(sl_scene_set_camera(s, near, grain, up, 1.0f, &error), SL_OK);
+    assert_true(sl_scene_is_scattered(s) && s->scale < 0.1f);
+    assert_int_equal(sl_scene_set_camera(s, back, grain, up, 1.0f, &error), SL_OK);
+    assert_true(s->scale == s->diagonal);
+    assert_same(s->core_max, s->box_max);
+    sl_scene_destroy(s);
+}
+
+/* Vertices in another order, the scene scaled by a power of two, mirrored: the same measure. */
+static sl_scene *scattered_points(float size, bool turned, bool mirrored) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 1, 0, 0);
+    for (size_t k = 0; k < 101; k++) {
+        size_t i = turned ? 100 - k : k;
+        float p[9];
+        for (size_t c = 0; c < 9; c++) p[c] = size * (sl_random_unit(sl_random_key(5, 0), 9 * i + c) + (i % 10 == 0 ? 1000.0f * (float)i : 0.0f)) * (mirrored && c % 3 == 0 ? -1.0f : 1.0f);
+        uint32_t a = trace_mesh_vertex(&mesh, p[0], p[1], p[2]), b = trace_mesh_vertex(&mesh, p[3], p[4], p[5]), c = trace_mesh_vertex(&mesh, p[6], p[7], p[8]);
+        trace_mesh_triangle(&mesh, a, b, c, white);
+    }
+    float x = mirrored ? -size : size;
+    sl_camera_look_at(&mesh.camera, sl_v3(x, size, 2 * size), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 1.0f);
+    mesh.has_camera = true;
+    return trace_mesh_build(&mesh);
+}
+
+static void scale_knows_neither_order_nor_side_and_grows_with_the_scene(void **state) {
+    (void)state;
+    sl_scene *s = scattered_points(1.0f, false, false), *turned = scattered_points(1.0f, true, false), *mirrored = scattered_points(1.0f, false, true),
+             *larger = scattered_points(1024.0f, false, false);
+    assert_true(sl_scene_is_scattered(s) && s->diagonal > 1e5f && s->scale < 200.0f);
+    assert_true(turned->scale == s->scale && mirrored->scale == s->scale && larger->scale == 1024.0f * s->scale);
+    assert_same(turned->core_min, s->core_min);
+    assert_true(mirrored->core_max.x == -s->core_min.x && mirrored->core_min.y == s->core_min.y);
+    assert_true(larger->core_max.z == 1024.0f * s->core_max.z);
+    sl_scene_destroy(s);
+    sl_scene_destroy(turned);
+    sl_scene_destroy(mirrored);
+    sl_scene_destroy(larger);
+}
+
+/* The radius by its definition: half of the vertices lie no further from the coordinates' medians. */
+static void half_of_the_vertices_lie_within_the_radius(void **state) {
+    (void)state;
+    sl_scene *s = scattered_points(1.0f, false, false);
+    size_t within = 0, on = 0;
+    for (uint32_t v = 0; v < s->vertex_count; v++) {
+        double d = sl_lengthd(sl_subd(sl_to_double(sl_scene_position(s, v)), s->middle));
+        within += d < s->radius * (1.0 - 1e-6);
+        on += fabs(d - s->radius) <= s->radius * 1e-6;
+        assert_true(isfinite(d));
+    }
+    assert_true(on >= 1 && within <= s->vertex_count / 2 && within + on > s->vertex_count / 2);
+    for (int axis = 0; axis < 3; axis++) {
+        const float *x = axis == 0 ? s->position_x : axis == 1 ? s->position_y : s->position_z;
+        double middle = axis == 0 ? s->middle.x : axis == 1 ? s->middle.y : s->middle.z;
+        size_t below = 0, above = 0;
+        for (size_t v = 0; v < s->vertex_count; v++) below += (double)x[v] < middle, above += (double)x[v] > middle;
+        assert_true(below <= s->vertex_count / 2 && above <= s->vertex_count / 2);
+    }
+    sl_scene_destroy(s);
+}
+
+static void what_half_of_the_vertices_share_is_no_scale(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 1, 0, 0);
+    uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0);
+    for (int i = 0; i < 8; i++) { /* a fan, each with a tip of its own in the same place */
+        uint32_t tip = trace_mesh_vertex(&mesh, 1, 1, 1), b = trace_mesh_vertex(&mesh, (float)i, 5, 0);
+        trace_mesh_triangle(&mesh, a, b, tip, white);
+    }
+    sl_scene *s = trace_mesh_build(&mesh);
+    assert_true(s->scale > 0.0f && s->scale <= s->diagonal && isfinite(s->scale));
+    sl_scene_destroy(s);
+}
+
+/* Tolerances are never below what floats tell apart. */
+static void points_far_out_leave_their_surface_by_more_than_rounding(void **state) {
+    (void)state;
+    sl_scene *alone = room_on_plain(0.0f), *huge = room_on_plain(4e6f);
+    const sl_vec3 inside = sl_v3(1, 1, 1), outside = sl_v3(3e6f, -5, 1e6f);
+    float offset = 1e-5f * huge->scale;
+    assert_true(sl_scene_offset_at(huge, offset, inside) == offset);
+    float far = sl_scene_offset_at(huge, offset, outside);
+    assert_true(outside.x + far > outside.x && outside.x - far < outside.x && far < 1e-5f * huge->diagonal);
+    assert_true(sl_scene_offset_at(alone, 1e-5f * alone->scale, outside) == 1e-5f * alone->scale);
+    assert_true(sl_scene_coordinate_near(huge, outside) >= 3e6f && sl_scene_coordinate_near(huge, inside) < 2.0f * huge->scale);
+    assert_true(sl_scene_coordinate_near(alone, inside) == 3.0f);
+    sl_scene_destroy(alone);
+    sl_scene_destroy(huge);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scale_of_a_room_is_its_diagonal_and_its_core_the_box),
+        cmocka_unit_test(a_plain_of_any_size_leaves_a_room_its_scale_and_core),
+        cmocka_unit_test(scale_and_core_shrink_without_a_jump_as_a_plain_grows),
+        cmocka_unit_test(a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the_room),
+        cmocka_unit_test(scale_knows_neither_order_nor_side_and_grows_with_the_scene),
+        cmocka_unit_test(half_of_the_vertices_lie_within_the_radius),
+        cmocka_unit_test(what_half_of_the_vertices_share_is_no_scale),
+        cmocka_unit_test(points_far_out_leave_their_surface_by_more_than_rounding),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
