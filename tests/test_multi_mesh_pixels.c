@@ -2,6 +2,7 @@
 #include "multi_mesh_field.h"
 
 #include "cache/multi_mesh/path_kernels.h"
+#include "trace_scenes.h"
 
 static void look(const sl_scene *scene, const sl_raster *raster, unsigned threads, int width, int height, uint32_t *id, sl_visible_pixels **pixels) {
     sl_view view = sl_view_scene(scene, width, height);
@@ -102,6 +103,31 @@ static void the_order_is_the_same_with_any_threads(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A face so near that a path ends in hundreds of pixels: threads deal them in any order. */
+static void pixels_of_one_path_are_in_the_order_of_the_screen(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_quad(&mesh, sl_v3(-4000, -3000, 0), sl_v3(9000, 0, 0), sl_v3(0, 9000, 0), trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f));
+    sl_scene *scene = trace_mesh_build(&mesh);
+    scene->camera = room_camera(sl_v3(0.3f, 0.2f, 2), sl_v3(0.3f, 0.2f, 0));
+    sl_raster *raster = raster_of(scene);
+    uint32_t id[PIXELS];
+    for (unsigned trial = 0; trial < 60; trial++) {
+        sl_visible_pixels *v;
+        look(scene, raster, 1 + trial % 4, WIDTH, HEIGHT, id, &v);
+        size_t alike = 0;
+        for (size_t i = 1; i < v->count; i++) {
+            if (v->path[i] != v->path[i - 1]) continue;
+            assert_true(v->pixel[i] > v->pixel[i - 1]);
+            alike++;
+        }
+        assert_true(alike > PIXELS / 2);
+        sl_visible_pixels_destroy(v);
+    }
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
 static void a_picture_of_nothing_has_no_pixels(void **state) {
     (void)state;
     sl_scene *scene = square_scene();
@@ -194,6 +220,7 @@ int main(void) {
         cmocka_unit_test(every_pixel_that_shows_something_is_listed_once_under_its_face),
         cmocka_unit_test(weights_lead_back_to_the_pixel_and_sides_are_those_of_surfaces),
         cmocka_unit_test(the_order_is_the_same_with_any_threads),
+        cmocka_unit_test(pixels_of_one_path_are_in_the_order_of_the_screen),
         cmocka_unit_test(a_picture_of_nothing_has_no_pixels),
         cmocka_unit_test(a_path_leads_to_its_point_with_every_instruction_set),
         cmocka_unit_test(a_patch_measures_what_of_it_is_in_the_picture),

@@ -5,6 +5,7 @@
 #include "base/math.h"
 #include "base/parallel.h"
 #include "cache/picture_value.h"
+#include "image/unset.h"
 
 #include <string.h>
 
@@ -56,6 +57,14 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
     }
 }
 
+/* What shows nothing is black. */
+static void clear_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const resolving *r = context;
+    size_t width = (size_t)r->out->width;
+    for (int k = 0; k < 3; k++) memset(r->out->diffuse[k] + row * width, 0, width * sizeof(float));
+}
+
 static void give_planes(sl_materials_seen *m, float *planes[3], size_t *next) {
     for (int k = 0; k < 3; k++) planes[k] = m->planes + (*next)++ * (size_t)m->width * (size_t)m->height;
 }
@@ -67,7 +76,7 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
     size_t pixels = (size_t)view->width * (size_t)view->height, next = 0;
     size_t planes = 3u + (wanted.specular ? 3u : 0u) + (wanted.emission ? 3u : 0u);
     sl_materials_seen *m = sl_allocate(1, sizeof *m);
-    if (m) m->planes = sl_allocate(planes * pixels, sizeof *m->planes);
+    if (m) m->planes = sl_allocate_unset(planes * pixels, sizeof *m->planes);
     if (!m || !m->planes) {
         sl_materials_destroy(m);
         return sl_fail_memory(error, "the material pass");
@@ -77,6 +86,8 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
     give_planes(m, m->diffuse, &next);
     if (wanted.specular) give_planes(m, m->specular, &next);
     if (wanted.emission) give_planes(m, m->emission, &next);
+    resolving r = {scene, view, id, m};
+    sl_parallel_for(threads, (size_t)view->height, clear_row, &r);
     sl_gbuffer targets = {.width = view->width, .height = view->height, .id = (uint32_t *)(uintptr_t)id,
                           .diffuse_r = m->diffuse[0], .diffuse_g = m->diffuse[1], .diffuse_b = m->diffuse[2]};
     sl_status status = sl_raster_resolve(raster, 1, view, NULL, threads, &targets, counters, error);
@@ -84,7 +95,6 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
         sl_materials_destroy(m);
         return status;
     }
-    resolving r = {scene, view, id, m};
     if (wanted.specular || wanted.emission) sl_parallel_for(threads, (size_t)view->height, resolve_row, &r);
     *materials = m;
     return SL_OK;
@@ -150,7 +160,7 @@ static void merge_row(void *context, size_t row, unsigned worker) {
 }
 
 sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *error) {
-    sl_status status = sl_image_create(merge->materials->width, merge->materials->height, CHANNELS, channel_names, image, error);
+    sl_status status = sl_image_create_unset(merge->materials->width, merge->materials->height, CHANNELS, channel_names, image, error);
     if (status != SL_OK) return status;
     merging c = {merge, (*image)->planes};
     sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_row, &c);

@@ -12,6 +12,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 
 #include <string.h>
 
@@ -91,9 +92,13 @@ static sl_materials_wanted materials_in_view(const sl_multi_mesh_state *s) {
 
 static bool in_view(const sl_displayed *part) { return part && part->heap_count > 0; }
 
-static void clear_planes(sl_multi_mesh_state *s) {
+/* A row of all planes that will be drawn. */
+static void clear_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const sl_multi_mesh_state *s = context;
+    size_t width = (size_t)s->settings.width;
     for (int i = 0; i < SL_COMPONENTS; i++)
-        if (in_view(s->part[i])) memset(s->planes[i][0], 0, 3 * sl_multi_mesh_pixels(s) * sizeof *s->planes[i][0]);
+        for (int k = 0; k < 3 && in_view(s->part[i]); k++) memset(s->planes[i][k] + row * width, 0, width * sizeof(float));
 }
 
 static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
@@ -115,7 +120,7 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK && wanted.specular)
         sl_announce(&s->announcer, "material: k_s", "section 3, pass 2", s->settings.width, s->settings.height, 3, s->materials->specular[0], true);
     if (status == SL_OK) status = see(s, error);
-    if (status == SL_OK) clear_planes(s);
+    if (status == SL_OK) sl_parallel_for(threads, (size_t)s->settings.height, clear_row, s);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
     if (status == SL_OK) s->phase = SL_PHASE_FIRST;

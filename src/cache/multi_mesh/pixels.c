@@ -2,6 +2,7 @@
  * its quadtree. */
 #include "cache/multi_mesh/pixels.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -24,6 +25,7 @@ typedef struct sort_job {
     float *w1, *w2;
     uint32_t *path;                /* out's, until all have gone into keys */
     uint64_t *key, *spare;         /* path above index into those arrays; by face */
+    atomic_uint *of_face;          /* by face: how many pixels show it; then where its next key goes */
     sl_path_kernel *paths;
     sl_visible_pixels *out;
 } sort_job;
@@ -55,7 +57,14 @@ static side_seen side_of(const sort_job *j, uint32_t triangle, float w1, float w
     return (side_seen){triangle, sl_side_seen(n, to_eye) < 0.0f, fabsf(sl_dot(n, to_eye)) > 1e-4f * (reach + s->scale)};
 }
 
-/* A band's pixels: weights, face, path. */
+/* From i on, pixels beside each other that show one face: where they end. */
+static size_t end_of_run(const sort_job *j, size_t i, size_t end) {
+    uint32_t face = j->face[i];
+    while (++i < end && j->face[i] == face) continue;
+    return i;
+}
+
+/* A band's pixels: weights, face, path; counts those of each face. */
 static void resolve_band(void *context, size_t band, unsigned worker) {
     (void)worker;
     sort_job *j = context;
@@ -73,33 +82,39 @@ static void resolve_band(void *context, size_t band, unsigned worker) {
         if (!side.clear || triangle != side.triangle) side = side_of(j, triangle, j->w1[i], j->w2[i]);
         j->face[i] = 2 * triangle + side.back;
     }
+    for (size_t i = first, next; i < end; i = next) {
+        next = end_of_run(j, i, end);
+        atomic_fetch_add_explicit(&j->of_face[j->face[i]], (unsigned)(next - i), memory_order_relaxed);
+    }
 }
 
-/* Faces in view with their counts; entry_of_face holds the counts first. */
+/* Faces in view with their counts. */
 static sl_status list_faces(sort_job *j, sl_error *error) {
     sl_visible_pixels *out = j->out;
     size_t faces = 2 * j->scene->triangle_count, visible = 0;
-    out->entry_of_face = sl_allocate(faces, sizeof *out->entry_of_face);
-    if (!out->entry_of_face) return sl_fail_memory(error, "visible sizes");
-    for (size_t i = 0; i < out->count; i++) visible += out->entry_of_face[j->face[i]]++ == 0;
+    for (size_t f = 0; f < faces; f++) visible += atomic_load_explicit(&j->of_face[f], memory_order_relaxed) != 0;
     out->face = sl_allocate(visible, sizeof *out->face);
     if (!out->face) return sl_fail_memory(error, "visible sizes");
     uint32_t first = 0;
     for (size_t f = 0; f < faces; f++) {
-        uint32_t count = out->entry_of_face[f];
+        uint32_t count = atomic_load_explicit(&j->of_face[f], memory_order_relaxed);
         out->entry_of_face[f] = count ? (uint32_t)out->face_count : SL_NO_INDEX;
         if (count) out->face[out->face_count++] = (sl_visible_face){(uint32_t)f, first, count};
+        atomic_store_explicit(&j->of_face[f], first, memory_order_relaxed);
         first += count;
     }
     return SL_OK;
 }
 
-static void deal_keys(sort_job *j) {
-    sl_visible_pixels *out = j->out;
-    for (size_t e = 0; e < out->face_count; e++) out->face[e].count = 0;
-    for (size_t i = 0; i < out->count; i++) {
-        sl_visible_face *f = &out->face[out->entry_of_face[j->face[i]]];
-        j->key[f->first + f->count++] = (uint64_t)j->path[i] << PATH_SHIFT | i;
+/* Keys of a face in any order, which depends on the threads: they are sorted. */
+static void deal_band(void *context, size_t band, unsigned worker) {
+    (void)worker;
+    sort_job *j = context;
+    size_t end = j->band_start[band + 1];
+    for (size_t i = j->band_start[band], next; i < end;) {
+        next = end_of_run(j, i, end);
+        unsigned at = atomic_fetch_add_explicit(&j->of_face[j->face[i]], (unsigned)(next - i), memory_order_relaxed);
+        for (; i < next; i++) j->key[at++] = (uint64_t)j->path[i] << PATH_SHIFT | i;
     }
 }
 
@@ -112,13 +127,13 @@ static void insert_in_order(uint64_t *key, size_t count) {
     }
 }
 
-/* Two levels of the quadtree at a time. */
+/* Two levels of the quadtree at a time; of one path by index. No two keys are equal. */
 static void sort_by_path(uint64_t *key, uint64_t *spare, size_t count, int shift) {
     if (count <= SHORT_LIST) {
         insert_in_order(key, count);
         return;
     }
-    if (shift < PATH_SHIFT) return; /* of one path; in order already, as all passes keep the order of equals */
+    if (shift < 0) return;
     size_t start[17] = {0}, next[16];
     for (size_t i = 0; i < count; i++) start[(key[i] >> shift & 15) + 1]++;
     for (int b = 0; b < 16; b++) start[b + 1] += start[b];
@@ -156,11 +171,13 @@ static bool allocate(sort_job *j) {
     j->w2 = sl_allocate_unset(n, sizeof *j->w2);
     j->key = sl_allocate_unset(n, sizeof *j->key);
     j->spare = sl_allocate_unset(n, sizeof *j->spare);
+    j->of_face = sl_allocate(2 * j->scene->triangle_count, sizeof *j->of_face);
+    out->entry_of_face = sl_allocate_unset(2 * j->scene->triangle_count, sizeof *out->entry_of_face);
     out->pixel = sl_allocate_unset(n, sizeof *out->pixel);
     out->path = j->path = sl_allocate_unset(n, sizeof *out->path);
     out->w1 = sl_allocate_unset(n, sizeof *out->w1);
     out->w2 = sl_allocate_unset(n, sizeof *out->w2);
-    return j->pixel && j->face && j->w1 && j->w2 && j->key && j->spare && out->pixel && out->path && out->w1 && out->w2;
+    return j->pixel && j->face && j->w1 && j->w2 && j->key && j->spare && j->of_face && out->entry_of_face && out->pixel && out->path && out->w1 && out->w2;
 }
 
 static void release(sort_job *j) {
@@ -170,6 +187,7 @@ static void release(sort_job *j) {
     sl_free(j->w2);
     sl_free(j->key);
     sl_free(j->spare);
+    sl_free(j->of_face);
 }
 
 static sl_status sort(sort_job *j, unsigned threads, sl_error *error) {
@@ -181,7 +199,7 @@ static sl_status sort(sort_job *j, unsigned threads, sl_error *error) {
     sl_parallel_for(threads, BANDS, resolve_band, j);
     sl_status status = list_faces(j, error);
     if (status != SL_OK) return status;
-    deal_keys(j);
+    sl_parallel_for(threads, BANDS, deal_band, j);
     sl_parallel_for(threads, SL_VISIBLE_SHARES, sort_share, j);
     return SL_OK;
 }
