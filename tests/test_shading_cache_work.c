@@ -254,6 +254,34 @@ static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void
     hierarchy_discard(&h);
 }
 
+/* A corner that meets a lamp in a mirror would colour all of its pixel. */
+static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of_a_pixel(void **state) {
+    (void)state;
+    static const struct {
+        float specular, exponent, mirror, bright, pixels_a_unit;
+        bool split, wanted;
+    } cases[] = {{0.5f, 200, 0, 4, 0.5f, true, true},  {0, 0, 0.5f, 4, 0.5f, true, true},    {0.5f, 20, 0, 4, 0.5f, false, true},  {0.5f, 200, 0, 1e-3f, 0.5f, false, true},
+                 {0.5f, 200, 0, 4, 0.12f, false, true}, {0.5f, 200, 0, 4, 0.16f, true, true}, {0.5f, 200, 0, 4, 0.5f, false, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_material(&mesh, cases[i].mirror > 0.0f ? 0.0f : 0.3f, cases[i].specular, cases[i].exponent, cases[i].mirror, 0);
+        trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
+        hierarchy h = hierarchy_of(trace_mesh_build(&mesh), SL_PATCHES_LOBES);
+        uint32_t patch = want_root(&h, 0);
+        evaluate_all(&h, 0.0f, 1);
+        float *lobe = sl_vertex_lobe(h.patches, sl_patch_corner(h.patches, patch, 2));
+        lobe[0] = lobe[1] = lobe[2] = cases[i].bright;
+        sl_work_settings settings = usual();
+        settings.sharp = cases[i].wanted ? &curve : NULL;
+        sl_camera camera = camera_above(cases[i].pixels_a_unit);
+        sl_chosen_place place = {patch, 0.4f, 0.4f};
+        assert_int_equal(sl_patch_is_finished(h.patches, &settings, &camera, WIDTH, HEIGHT, patch), !cases[i].split);
+        work(&h, &settings, &camera, 1, &place);
+        assert_int_equal(out.splits, cases[i].split);
+        hierarchy_discard(&h);
+    }
+}
+
 static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **state) {
     (void)state;
     hierarchy h = hierarchy_of(square_scene(), SL_PATCHES_SETS);
@@ -460,6 +488,7 @@ int main(void) {
         cmocka_unit_test(places_in_patches_that_are_gone_or_split_already_do_no_harm),
         cmocka_unit_test(nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixels),
         cmocka_unit_test(patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down),
+        cmocka_unit_test(of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of_a_pixel),
         cmocka_unit_test(noise_is_answered_by_more_samples_and_contrast_by_splits),
         cmocka_unit_test(black_corners_with_noise_are_noise),
         cmocka_unit_test(what_changes_is_not_split_below_what_there_is_time_for),

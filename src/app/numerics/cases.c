@@ -234,6 +234,6 @@ const sl_known_limit sl_known_limits[] = {
     {"path", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
     {"bidirectional", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
     {"light-octree", "one row", 0.5, "voxels blur the two pixels in which all of the room is"},
-    {"shading-cache", "exponent 1e5", 1.3, "lobes sharper than vertices are dense"},
+    {"shading-cache", "exponent 1e5", 0.25, "what sharp lobes show is cached at vertices"},
     {"shading-cache", "mirrors", 0.2, "what mirrors show is cached at vertices"},
     {NULL, NULL, 0, NULL}};

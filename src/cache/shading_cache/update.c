@@ -132,7 +132,7 @@ static sl_status work_out(sl_shading_state *s, size_t choices, size_t *vertices,
         s->changing[i] = s->changes->object[i].changing;
     }
     s->work = (sl_work_settings){.split_above = split_slack * (float)c->stop_size, .levels = LEVELS_AN_UPDATE, .crowd = CROWD,
-                                 .variance_aware = c->variance_aware, .dense = s->scene->emitter_count > 0 && !c->variance_aware, .now = s->now, .stale_before = c->no_ageing ? NULL : s->stale_before,
+                                 .variance_aware = c->variance_aware, .sharp = s->plan.radiance ? &s->curve : NULL, .dense = s->scene->emitter_count > 0 && !c->variance_aware, .now = s->now, .stale_before = c->no_ageing ? NULL : s->stale_before,
                                  .eye_moved = c->no_ageing ? 0 : s->changes->eye_moved, .changing = s->changing, .coarsest = sl_shading_coarsest(s, false)};
     return sl_work_out(s->patches, &s->curve, &s->work, &s->scene->camera, s->settings.width, s->settings.height, choices, s->place, s->vertex,
                        vertices, &s->counters, error);

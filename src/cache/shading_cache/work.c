@@ -10,6 +10,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "cache/shading_cache/renderers.h"
 
 /* A patch with the places chosen in it: part of an array of indices of places. */
 typedef struct group {
@@ -139,12 +140,19 @@ static bool is_noise(const worker *w, uint32_t patch) {
 
 /* ---- splits ---- */
 
+static bool is_sharp(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place) {
+    const sl_material *material = sl_root_material(p->primitives, place->root);
+    bool polished = sl_material_is_mirror(material) || (sl_material_has_lobe(material) && material->exponent >= SL_POLISHED);
+    return s->sharp && polished && sl_patch_error(p, s->sharp, place->patch) >= (float)SL_SHARP_LEVELS;
+}
+
 static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, sl_patch_size size) {
     float area = s->split_above;
     if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(p->primitives, place->root)]) {
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
     }
-    return size.area > area && size.edge > sqrtf(fmaxf(s->split_above, 0.0f));
+    if (area == s->split_above && is_sharp(p, s, place)) area /= (float)SL_SHARP_PARTS;
+    return size.area > area && size.edge > sqrtf(fmaxf(fminf(s->split_above, area), 0.0f));
 }
 
 bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, const sl_camera *camera, int width, int height, uint32_t patch) {

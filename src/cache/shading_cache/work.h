@@ -20,11 +20,16 @@ typedef struct sl_work_settings {
     uint32_t eye_moved;        /* update: those evaluated before it are stale, too, where the material is not only diffuse; 0: never */
     const bool *changing;      /* by object; NULL: none */
     bool dense;                /* leaves of one pixel want dense points on lights: no split makes such leaves before their parent's corners have them */
+    const sl_display_curve *sharp; /* leaves of polished surfaces are split below a pixel while their corners differ by SL_SHARP_LEVELS; NULL: they are not */
     float coarsest;            /* > 0: children of patches of changing objects need more than so many pixels^2, triangles half of it */
 } sl_work_settings;
 
 /* Of old vertices on the edges of one leaf no more are asked for at once. */
 enum { SL_HANGING_A_PATCH = 4 };
+
+/* What a mirror or a narrow lobe shows may be smaller than a pixel: a corner that meets a lamp would colour all of its leaf, whose pixel shows something else.
+ * Such leaves are split down to this share of what is split elsewhere. */
+enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
 
 /* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first set of samples. Others in the list that
  * were evaluated want one more set. */
