@@ -613,6 +613,34 @@ static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
     }
 }
 
+/* A ball on a floor: where it stands, what bends away from the floor takes the floor's light, too, and wants its directions. */
+static void a_voxel_with_a_bent_surface_has_no_flat_set(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t material = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), corner[4];
+    for (int k = 0; k < 4; k++) corner[k] = trace_mesh_vertex(&mesh, k & 1 ? 2.0f : -2.0f, -1.0f, k & 2 ? 2.0f : -2.0f);
+    trace_mesh_triangle(&mesh, corner[0], corner[2], corner[1], material);
+    trace_mesh_triangle(&mesh, corner[1], corner[2], corner[3], material);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 20, 0.0f, false, material);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_octree *octree = octree_of(scene, 4, 1);
+    sl_voxel_light_options o = plain_options(4);
+    o.split_by_normal = true;
+    sl_voxel_lights *lights = lights_of(scene, octree, &o);
+    size_t flat = 0, floors_below_the_ball = 0;
+    for (size_t s = 0; s < lights->set_count; s++) {
+        const sl_voxel_set *set = &lights->set[s];
+        bool alone = lights->first_set[set->leaf + 1] - lights->first_set[set->leaf] == 1;
+        flat += set->flat;
+        assert_true(alone || !set->flat);
+        floors_below_the_ball += !alone && set->normal.y > 0.999f;
+    }
+    assert_true(flat > 100 && floors_below_the_ball > 0);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
 static void options_out_of_range_are_refused(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
@@ -656,6 +684,7 @@ int main(void) {
         cmocka_unit_test(what_lies_under_a_surface_takes_none_of_its_light),
         cmocka_unit_test(shallow_octrees_find_the_geometry_in_the_deepest),
         cmocka_unit_test(flat_matt_surfaces_have_one_light_along_their_normal),
+        cmocka_unit_test(a_voxel_with_a_bent_surface_has_no_flat_set),
         cmocka_unit_test(options_out_of_range_are_refused),
     };
     return cmocka_run_group_tests_name("light octree: lights of voxels", tests, NULL, NULL);

@@ -272,6 +272,36 @@ static void facing_voxels_alone_count_where_asked(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* The underside of a sofa, lit from below alone, has nothing to say of the floor below it, near as it is. */
+static void what_faces_the_other_way_gives_no_weight(void **state) {
+    (void)state;
+    const float xyz[9 * 4] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,                    /* up */
+                              0, 0.6f, 0, 4, 0.6f, 0, 4, 0.6f, 4, 0, 0.6f, 0, 4, 0.6f, 4, 0, 0.6f, 4}; /* down */
+    sl_scene *scene = scene_of_triangles(xyz, 4);
+    sl_octree *octree = octree_of(scene, 3, 1);
+    sl_voxel_light_options options = plain_options(1);
+    options.split_by_normal = true;
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i < lights->set_count; i++) set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
+    sl_voxel_texture *texture = texture_of(octree, lights, false);
+    sl_octree_scratch *scratch = NULL;
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    sl_octree_shading shading = {.texture = texture, .facing = true};
+    uint64_t key = sl_random_key(6, 6);
+    for (uint64_t i = 0; i < 400; i++) {
+        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), y = i & 1 ? 0.6f : 0.0f, n[3] = {0, i & 1 ? -1.0f : 1.0f, 0}, out[3];
+        sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
+        sl_counters counters = {{0}};
+        sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
+        if (fabsf(out[0] - 1.0f) > 1e-5f) fail_msg("%g", (double)out[0]);
+    }
+    sl_octree_scratch_destroy(scratch);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
 /* A box's edge: each wall takes the light of its own group, right up to the edge. */
 static void split_voxels_give_each_normal_its_own_lights(void **state) {
     (void)state;
@@ -458,6 +488,7 @@ int main(void) {
         cmocka_unit_test(fetches_are_those_of_the_hardware),
         cmocka_unit_test(what_is_no_surface_point_is_black),
         cmocka_unit_test(facing_voxels_alone_count_where_asked),
+        cmocka_unit_test(what_faces_the_other_way_gives_no_weight),
         cmocka_unit_test(split_voxels_give_each_normal_its_own_lights),
         cmocka_unit_test(harmonics_give_the_irradiance_of_their_bands),
         cmocka_unit_test(a_glossy_surface_under_an_even_sky_reflects_its_share),

@@ -103,8 +103,12 @@ static inline light_sum of_set(const point_lanes *p, const sl_shade_set *set) {
     return directional(p, set);
 }
 
+static inline lanes signed_cosine(const point_lanes *p, const sl_shade_set *set) {
+    return p->nx * set->normal.x + p->ny * set->normal.y + p->nz * set->normal.z;
+}
+
 static inline lanes cosine_to(const point_lanes *p, const sl_shade_set *set) {
-    lanes c = p->nx * set->normal.x + p->ny * set->normal.y + p->nz * set->normal.z;
+    lanes c = signed_cosine(p, set);
     return set->turn ? (lanes)((masks)c & 0x7fffffff) : c;
 }
 
@@ -137,12 +141,14 @@ static inline lanes trilinear(const point_lanes *p, int corner) {
 static inline lanes facing_factor(const point_lanes *p, const sl_shade_corner *corner) {
     const sl_vec3 n = corner->set[0].normal;
     if (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f) return p->tx * 0.0f + 1.0f;
-    lanes nearest = cosine_to(p, &corner->set[0]);
+    lanes nearest = cosine_to(p, &corner->set[0]), factor = corner->set[0].one_sided ? signed_cosine(p, &corner->set[0]) : nearest;
     for (int k = 1; k < corner->sets; k++) {
         lanes cosine = cosine_to(p, &corner->set[k]);
-        nearest = choose(cosine > nearest, cosine, nearest);
+        masks closer = cosine > nearest;
+        nearest = choose(closer, cosine, nearest);
+        factor = choose(closer, corner->set[k].one_sided ? signed_cosine(p, &corner->set[k]) : cosine, factor);
     }
-    return positive(nearest);
+    return positive(factor);
 }
 
 /* The voxel that the point itself lies in. */

@@ -12,6 +12,7 @@ typedef struct sl_shade_set {
     int lights;            /* to be summed: used ones, or coefficients */
     sl_vec3 normal;
     bool turn;             /* its normal turns to the viewer */
+    bool one_sided;        /* but what faces the other way gives it no weight */
 } sl_shade_set;
 
 typedef struct sl_shade_corner {

@@ -98,6 +98,13 @@ static void group_leaves(void *context, size_t index, unsigned worker) {
     }
 }
 
+/* Only where no group of the voxel is bent: what bends away from a flat piece takes that piece's light, too. */
+static bool is_flat(const group_task *groups, size_t leaf) {
+    bool flat = groups && groups->count[leaf] > 0;
+    for (int g = 0; flat && g < groups->count[leaf]; g++) flat = groups->groups[leaf][g].flat;
+    return flat;
+}
+
 /* One set for a leaf of one group: then its own normal and centroid are as good. */
 static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl_error *error) {
     const sl_octree *octree = lights->work->octree;
@@ -119,7 +126,7 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
             sl_voxel_set *set = &lights->set[first + g];
             set->leaf = (uint32_t)i;
             set->normal = count > 1 ? groups->groups[i][g].normal : octree->leaf[i].normal;
-            set->flat = groups && groups->count[i] > 0 && groups->groups[i][g].flat;
+            set->flat = is_flat(groups, i);
             set->centroid = count > 1 ? groups->groups[i][g].centroid : octree->leaf[i].centroid;
         }
     }

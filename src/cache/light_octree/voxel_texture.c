@@ -166,7 +166,8 @@ static bool may_turn(const sl_voxel_lights *lights, const sl_voxel_set *set) {
 static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t at, uint32_t number, bool more) {
     const sl_voxel_set *set = &lights->set[number];
     const sl_directional_light *light = lights->light + (size_t)number * (size_t)lights->texels;
-    int flags = (may_turn(lights, set) ? SL_SET_TURNS : 0) | (more ? SL_SET_MORE : 0);
+    bool one_sided = set->lights > 0 && !set->both_sides;
+    int flags = (may_turn(lights, set) ? SL_SET_TURNS : 0) | (more ? SL_SET_MORE : 0) | (one_sided ? SL_SET_ONE_SIDED : 0);
     size_t count = lights_of_set(t, set);
     if (stands_alone(t, set)) {
         t->light[at] = *light;
@@ -202,6 +203,7 @@ sl_set_head sl_voxel_texture_head(const sl_voxel_texture *t, size_t texel) {
                          .lights = head ? (int)(-1.0f - first->color[0]) : 1,
                          .has_normal = !(flags & SL_SET_NO_NORMAL),
                          .turn = (flags & SL_SET_TURNS) != 0,
+                         .one_sided = (flags & SL_SET_ONE_SIDED) != 0,
                          .more = (flags & SL_SET_MORE) != 0};
 }
 
