@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "allocation_trials.h"
+#include "least_settings.h"
 #include "scene_files.h"
 
 static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional"};
@@ -72,28 +73,6 @@ static void load(const fault_case *c) {
     _exit(1);
 }
 
-static sl_settings tiny(const char *method) {
-    sl_settings s = sl_settings_default();
-    s.method = method;
-    s.width = 8;
-    s.height = 6;
-    s.quality = SL_QUALITY_DRAFT;
-    s.threads = 1;
-    s.spp = 1;
-    s.accuracy = s.glossy_accuracy = 2.0;
-    s.hit_samples = 1;
-    s.gather_size = 8;
-    s.light_octree.photons = 400;
-    s.light_octree.depth = 3;
-    s.light_octree.neighbours = 20;
-    s.multi_mesh.coarse_depth = 1;
-    s.multi_mesh.max_depth = 3;
-    s.shading_cache.updates = 4;
-    s.shading_cache.indirect_samples = 4;
-    s.shading_cache.area_samples = 4;
-    return s;
-}
-
 static sl_status refine(sl_method *method, uint64_t *hash, sl_error *error) {
     enum { ENOUGH = 8 };
     sl_progress progress = {0};
@@ -118,7 +97,7 @@ static sl_status refine(sl_method *method, uint64_t *hash, sl_error *error) {
 
 static void render_twice(const fault_case *c, fault_outcome *o) {
     const char *const *names = c->what;
-    sl_settings settings = tiny(names[0]);
+    sl_settings settings = least_settings(names[0], 8, 6);
     sl_method *method = NULL;
     unsigned changes = 0;
     char *plan = NULL;

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "allocation_trials.h"
+#include "least_settings.h"
 #include "scene_files.h"
 
 static const char *wanted_name;
@@ -169,22 +170,8 @@ static void load_for_all(const fault_case *c) {
     _exit(1);
 }
 
-static sl_settings tiny(const char *method) {
-    sl_settings s = sl_settings_default();
-    s.method = method;
-    s.width = 8;
-    s.height = 6;
-    s.quality = SL_QUALITY_DRAFT;
-    s.threads = 1;
-    s.spp = 1;
-    s.accuracy = 2.0;
-    s.gather_size = 8;
-    s.shading_cache.indirect_samples = s.shading_cache.area_samples = 4;
-    return s;
-}
-
 static void save_and_load(const fault_case *c, fault_outcome *o) {
-    sl_settings settings = tiny("splatting");
+    sl_settings settings = least_settings("splatting", 8, 6);
     sl_method *method = NULL, *next = NULL;
     sl_progress progress = {0};
     sl_image *image = NULL;
@@ -207,7 +194,7 @@ static void save_and_load(const fault_case *c, fault_outcome *o) {
 
 /* What frames show depends on the clock: only that it works, and ends. */
 static void show(const fault_case *c, fault_outcome *o) {
-    sl_settings settings = tiny(c->what);
+    sl_settings settings = least_settings(c->what, 8, 6);
     sl_live *live = NULL;
     const sl_image *frame;
     const float eye[3] = {278, 273, -700}, target[3] = {278, 273, 0}, up[3] = {0, 1, 0};
@@ -223,13 +210,11 @@ static void show(const fault_case *c, fault_outcome *o) {
 }
 
 static void estimate(const fault_case *c, fault_outcome *o) {
-    sl_settings settings = tiny("path");
+    sl_settings settings = least_settings("path", 24, 16);
     sl_error_probe *probe = NULL;
     sl_error_estimate e[2];
     sl_image *image = NULL;
     (void)c;
-    settings.width = 24;
-    settings.height = 16;
     o->status = sl_image_create(24, 16, 3, NULL, &image, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_create(scene, &settings, &probe, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_estimate(probe, image, 30, 1, &e[0], &o->error);

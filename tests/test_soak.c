@@ -16,6 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "least_settings.h"
 #include "rendering.h"
 
 /* A room of two materials with a box that turns, a lamp and a point light that move, and a camera on a way. */
@@ -75,17 +76,9 @@ static double seconds(void) {
 enum { SIDE = 16, PLACES = 4 };
 
 static sl_settings quick(const char *method) {
-    sl_settings s = small_settings(method, SIDE, SIDE);
-    s.spp = 1;
-    s.gather_size = 8;
-    s.light_octree.photons = 2000;
-    s.light_octree.depth = 4;
-    s.light_octree.neighbours = 20;
-    s.shading_cache.updates = 3;
+    sl_settings s = least_settings(method, SIDE, SIDE);
+    s.threads = 2;
     s.shading_cache.cache_limit = 0.1; /* full after a round */
-    s.shading_cache.indirect_samples = 2;
-    s.shading_cache.area_samples = 2;
-    s.multi_mesh.coarse_depth = 1;
     return s;
 }
 

@@ -1,5 +1,7 @@
 #include "support.h"
 
+#include "../least_settings.h"
+
 #include "scene/animation.h"
 
 #include <math.h>
@@ -35,7 +37,7 @@ const char *fuzz_path(const char *name) {
         atexit(remove_folder);
     }
     char *path = paths[next++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    snprintf(path, sizeof paths[0], "%s/%.100s", folder, name);
     return path;
 }
 
@@ -128,31 +130,11 @@ static bool within_reason(const sl_scene *s) {
     return brightest < 1e12f && s->diagonal > 1e-3f && s->diagonal < 1e6f && farthest < 1e3f * s->diagonal;
 }
 
-/* As little work as every method can be asked for. */
-static sl_settings least_settings(uint32_t choice) {
+static sl_settings settings_of(uint32_t choice) {
     size_t count = 0;
     while (sl_method_name(count)) count++;
-    sl_settings s = sl_settings_default();
-    s.method = sl_method_name(choice % count);
-    s.width = s.height = 4;
-    s.quality = SL_QUALITY_DRAFT;
-    s.threads = 1;
-    s.spp = 1;
-    s.gather_size = 8;
-    s.radiance_map.samples = 2;
-    s.radiance_map.map_size = 4;
-    s.radiance_map.cube_size = 8;
-    s.radiance_map.shadow_size = 16;
-    s.light_octree.depth = 2;
-    s.light_octree.photons = 100;
-    s.light_octree.neighbours = 8;
-    s.multi_mesh.light_size = 8;
-    s.multi_mesh.max_depth = 2;
-    s.multi_mesh.coarse_depth = 1;
-    s.multi_mesh.coarse_edge = 1e30;
-    s.shading_cache.points = 30;
-    s.shading_cache.area_samples = 4;
-    s.shading_cache.indirect_samples = 2;
+    sl_settings s = least_settings(sl_method_name(choice % count), 4, 4);
+    s.multi_mesh.coarse_edge = 1e12; /* scenes may be of any size */
     return s;
 }
 
@@ -174,6 +156,7 @@ static void draw(const sl_scene *scene, const sl_settings *settings) {
     if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
     if (status == SL_OK) check_pixels(image, within_reason(scene));
     else fuzz_check_error(&error);
+    if (status == SL_ERROR_USAGE) fuzz_fail(error.message);
     sl_image_destroy(image);
     sl_method_destroy(method);
 }
@@ -182,7 +165,7 @@ void fuzz_check_scene(sl_scene *scene, uint32_t choice) {
     check_promises(scene);
     sl_scene_hash(scene);
     if (scene->triangle_count > DRAWN_TRIANGLES) return;
-    sl_settings settings = least_settings(choice);
+    sl_settings settings = settings_of(choice);
     sl_error error = {0};
     char *plan = NULL;
     if (sl_method_plan(scene, &settings, &plan, &error) != SL_OK) fuzz_check_error(&error);
