@@ -276,7 +276,7 @@ static void facing_voxels_alone_count_where_asked(void **state) {
 static void what_faces_the_other_way_gives_no_weight(void **state) {
     (void)state;
     const float xyz[9 * 4] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,                    /* up */
-                              0, 0.6f, 0, 4, 0.6f, 0, 4, 0.6f, 4, 0, 0.6f, 0, 4, 0.6f, 4, 0, 0.6f, 4}; /* down */
+                              0, 0.4f, 0, 4, 0.4f, 0, 4, 0.4f, 4, 0, 0.4f, 0, 4, 0.4f, 4, 0, 0.4f, 4}; /* down */
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_octree *octree = octree_of(scene, 3, 1);
     sl_voxel_light_options options = plain_options(1);
@@ -289,7 +289,7 @@ static void what_faces_the_other_way_gives_no_weight(void **state) {
     sl_octree_shading shading = {.texture = texture, .facing = true};
     uint64_t key = sl_random_key(6, 6);
     for (uint64_t i = 0; i < 400; i++) {
-        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), y = i & 1 ? 0.6f : 0.0f, n[3] = {0, i & 1 ? -1.0f : 1.0f, 0}, out[3];
+        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), y = i & 1 ? 0.4f : 0.0f, n[3] = {0, i & 1 ? -1.0f : 1.0f, 0}, out[3];
         sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
         sl_counters counters = {{0}};
         sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
