@@ -63,7 +63,8 @@ sl_auto_verdict sl_auto_judge(const sl_auto_scene *measured, size_t count, const
     for (size_t i = 0; i < count; i++) {
         const sl_auto_scene *s = &measured[i];
         if (s == left_out) continue;
-        double d = sl_auto_distance(kind, &s->kind), weight = 1.0 / (0.01 + square(square(d)));
+        /* Inverse squares: more local weights followed single scenes too closely when each was left out in turn. */
+        double d = sl_auto_distance(kind, &s->kind), weight = 1.0 / (0.1 + square(d));
         add_scene(s, class, weight, sum);
         weights += weight;
         if (d < nearest) nearest = d, v.like = s, size = pixels / s->pixels;
