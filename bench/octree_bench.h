@@ -29,6 +29,11 @@ void octree_light_voxels(const sl_scene *scene, const sl_octree *octree, const s
                          const sl_light_octree_settings *settings, unsigned threads, octree_light *light);
 void octree_light_free(octree_light *light);
 
+/* ---- triangles (octree_cut.c) ---- */
+
+/* A scene whose triangles, but for lamps, are cut into four so many times: the same surfaces. */
+sl_scene *octree_cut_scene(const sl_scene *scene, int times);
+
 /* ---- views ---- */
 
 typedef struct octree_view {
