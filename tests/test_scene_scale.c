@@ -102,8 +102,8 @@ static void a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the
 static sl_scene *scattered_points(float size, bool turned, bool mirrored) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 1, 0, 0);
-    for (size_t k = 0; k < 101; k++) {
-        size_t i = turned ? 100 - k : k;
+    for (size_t k = 0; k < 100; k++) {
+        size_t i = turned ? 99 - k : k;
         float p[9];
         for (size_t c = 0; c < 9; c++) p[c] = size * (sl_random_unit(sl_random_key(5, 0), 9 * i + c) + (i % 10 == 0 ? 1000.0f * (float)i : 0.0f)) * (mirrored && c % 3 == 0 ? -1.0f : 1.0f);
         uint32_t a = trace_mesh_vertex(&mesh, p[0], p[1], p[2]), b = trace_mesh_vertex(&mesh, p[3], p[4], p[5]), c = trace_mesh_vertex(&mesh, p[6], p[7], p[8]);

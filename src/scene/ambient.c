@@ -21,20 +21,19 @@ static double area_of(const sl_scene *s, size_t triangle) {
     return 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
 }
 
-/* In a scattered scene the mean is that of the core: a plain without end would leave nothing of what lights a room on it. */
 static bool in_core(const sl_scene *s, sl_vec3 p) {
     return p.x >= s->core_min.x && p.x <= s->core_max.x && p.y >= s->core_min.y && p.y <= s->core_max.y && p.z >= s->core_min.z && p.z <= s->core_max.z;
 }
 
-static bool counts(const sl_scene *s, size_t triangle) {
+static bool is_in_core(const sl_scene *s, size_t triangle) {
     bool inside = true;
-    for (int k = 0; k < 3 && sl_scene_is_scattered(s); k++) inside &= in_core(s, sl_scene_position(s, s->vertex[k][triangle]));
+    for (int k = 0; k < 3; k++) inside &= in_core(s, sl_scene_position(s, s->vertex[k][triangle]));
     return inside;
 }
 
 /* Of what leaves a place evenly, the share that meets the sphere around the core. */
 static double share_for_core(const sl_scene *s, sl_vec3 from) {
-    if (!sl_scene_is_scattered(s) || in_core(s, from)) return 1.0;
+    if (in_core(s, from)) return 1.0;
     sl_vec3d low = sl_to_double(s->core_min), high = sl_to_double(s->core_max);
     double radius = 0.5 * sl_lengthd(sl_subd(high, low));
     double distance = sl_lengthd(sl_subd(sl_to_double(from), sl_scaled(sl_addd(low, high), 0.5))), ratio = distance > 0.0 ? radius / distance : 1.0;
@@ -42,12 +41,12 @@ static double share_for_core(const sl_scene *s, sl_vec3 from) {
 }
 
 /* The integral of k_d over all surfaces; texture at the middles of four equal parts of each triangle. */
-static rgbd reflecting_area(const sl_scene *scene, double *area) {
+static rgbd reflecting_area(const sl_scene *scene, bool core, double *area) {
     static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f}, {1.0f / 6.0f, 1.0f / 6.0f}, {2.0f / 3.0f, 1.0f / 6.0f}, {1.0f / 6.0f, 2.0f / 3.0f}};
     rgbd sum = {0.0, 0.0, 0.0};
     *area = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
-        if (!counts(scene, t)) continue;
+        if (core && !is_in_core(scene, t)) continue;
         double a = area_of(scene, t);
         *area += a;
         for (int k = 0; k < 4; k++) add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
@@ -55,27 +54,28 @@ static rgbd reflecting_area(const sl_scene *scene, double *area) {
     return sum;
 }
 
-/* What a light sends into the scene: of sunlight, what falls on the core's box. */
-static double solid_angle_or_area(const sl_scene *scene, const sl_light *light) {
+/* What a light sends into the scene: of sunlight, what falls on its box. */
+static double solid_angle_or_area(const sl_scene *scene, bool core, const sl_light *light) {
     if (light->type == SL_LIGHT_POINT) return 4.0 * SL_PI;
     if (light->type == SL_LIGHT_SPOT) { /* smoothstep between the cosines: the half of what lies there */
         return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
     }
-    sl_vec3d size = sl_subd(sl_to_double(scene->core_max), sl_to_double(scene->core_min)), d = sl_to_double(light->direction);
+    sl_vec3 low = core ? scene->core_min : scene->box_min, high = core ? scene->core_max : scene->box_max;
+    sl_vec3d size = sl_subd(sl_to_double(high), sl_to_double(low)), d = sl_to_double(light->direction);
     return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
 }
 
-static rgbd power_of_lights(const sl_scene *scene) {
+static rgbd power_of_lights(const sl_scene *scene, bool core) {
     rgbd power = {0.0, 0.0, 0.0};
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
-        double share = share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
+        double share = !core ? 1.0 : share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
         add(&power, e->radiance, share * SL_PI * (double)e->area * (e->two_sided ? 2.0 : 1.0));
     }
     for (size_t i = 0; i < scene->light_count; i++) {
         const sl_light *light = &scene->lights[i];
-        double share = light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : share_for_core(scene, light->position);
-        add(&power, light->intensity, share * solid_angle_or_area(scene, light));
+        double share = !core || light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : share_for_core(scene, light->position);
+        add(&power, light->intensity, share * solid_angle_or_area(scene, core, light));
     }
     return power;
 }
@@ -95,9 +95,9 @@ static rgbd environment_irradiance(const sl_environment *e) {
     return sum;
 }
 
-static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
+static sl_rgb ambient_of(const sl_scene *scene, bool core, bool all_bounces) {
     double area;
-    rgbd reflecting = reflecting_area(scene, &area), power = power_of_lights(scene), sky = environment_irradiance(&scene->environment);
+    rgbd reflecting = reflecting_area(scene, core, &area), power = power_of_lights(scene, core), sky = environment_irradiance(&scene->environment);
     double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
     const double reflectance[3] = {reflecting.r * over, reflecting.g * over, reflecting.b * over};
     const double direct[3] = {power.r * over, power.g * over, power.b * over}, from_sky[3] = {sky.r, sky.g, sky.b};
@@ -108,6 +108,15 @@ static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
         e[k] = e[k] > 0.0 && e[k] < 1e37 ? e[k] : 0.0;
     }
     return (sl_rgb){(float)e[0], (float)e[1], (float)e[2]};
+}
+
+/* A plain without end would leave nothing of what lights a room on it, and the walls around a grain light it as they light all else: in a scattered scene
+ * the mean of the core counts, if it is more than that of all. */
+static sl_rgb ambient(const sl_scene *scene, bool all_bounces) {
+    sl_rgb all = ambient_of(scene, false, all_bounces);
+    if (!sl_scene_is_scattered(scene)) return all;
+    sl_rgb core = ambient_of(scene, true, all_bounces);
+    return (sl_rgb){fmaxf(all.r, core.r), fmaxf(all.g, core.g), fmaxf(all.b, core.b)};
 }
 
 sl_rgb sl_ambient_irradiance(const sl_scene *scene) { return ambient(scene, false); }

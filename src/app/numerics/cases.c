@@ -167,6 +167,11 @@ static void look(sl_room *r, const double eye[3], const double target[3]) {
 }
 static void eye_in_the_wall(sl_room *r) { look(r, (const double[3]){0, 1, -2.5}, (const double[3]){0, 1, 2}); }
 static void eye_in_a_corner(sl_room *r) { look(r, (const double[3]){-2, 0, -2.5}, (const double[3]){1, 1, 1}); }
+static void eye_at_a_grain(sl_room *r) {
+    grain(r);
+    r->eye[0] = 0.80005, r->eye[1] = 0.50005, r->eye[2] = -0.995;
+    memcpy(r->target, (const double[3]){0.80005, 0.50005, -1.0}, sizeof r->target);
+}
 static void nothing_to_see(sl_room *r) { look(r, (const double[3]){0, 1, 6}, (const double[3]){0, 1, 60}); }
 static void far_view(sl_room *r) { look(r, (const double[3]){0, 1, 1e7}, (const double[3]){0, 1, 0}); }
 static void telescope(sl_room *r) { begin(r), r->eye[2] = 1e4, r->fov_deg = 0.02; }
@@ -213,6 +218,7 @@ const sl_hard_case sl_hard_cases[] = {
     {"mirrors", mirrors, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
     {"eye in the wall", eye_in_the_wall, SL_EXPECT_TRUE, 0.05, 0, 5, 1},
     {"eye in a corner", eye_in_a_corner, SL_EXPECT_TRUE, 0.08, 0, 12, 1},
+    {"eye at a grain", eye_at_a_grain, SL_EXPECT_TRUE, 0.05, 0, 5, 1},
     {"nothing to see", nothing_to_see, SL_EXPECT_TRUE, 0.01, 0, 0, 1},
     {"seen from 1e7", far_view, SL_EXPECT_TRUE, 0.01, 0, 0, 1},
     {"a telescope", telescope, SL_EXPECT_TRUE, 0.05, 0, 4, 1},

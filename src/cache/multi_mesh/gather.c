@@ -215,7 +215,7 @@ static void look_from(shot *s, const sl_mesh_point *point) {
     sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position), n = sl_to_double(s->horizon);
     for (int k = 0; k < 3; k++) middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
     sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
-    double length = sl_lengthd(way), step = 4e-4 * (double)sl_scene_core_diagonal(scene);
+    double length = sl_lengthd(way), step = 4e-4 * (double)scene->scale;
     if (!(length > 0.0)) return;
     step = step < 0.25 * length ? step : 0.25 * length;
     way = sl_scaled(way, step / length);

@@ -99,7 +99,7 @@ typedef enum dark_vertex { DARK_AS_IT_IS, DARK_AND_INVALID, DARK_BUT_INSIDE } da
 /* A face's corner gathers once more, a fifth of the way into the face: a beam that few pixels show has no other vertices. Unless a wall stands in between,
  * far off: what is beyond that is another room. Any other vertex behind a wall has no light of its own. */
 static dark_vertex look_inside(sl_multi_mesh_state *s, const sl_mesh *mesh, const sl_wanted_vertex *wanted, sl_mesh_point *inside) {
-    const float scale = s->scene->scale, far = 0.01f * sl_scene_core_diagonal(s->scene);
+    const float scale = s->scene->scale, far = 0.01f * scale;
     double reach = reach_of(mesh, wanted->vertex);
     sl_mesh_point at;
     if (!s->tracer) return DARK_AS_IT_IS;
