@@ -32,6 +32,8 @@ static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
     return sl_addd(q, sl_scaled(e->normal, (1.0 / flatness_of(e) - 1.0) * sl_dotd(q, e->normal)));
 }
 
+static double within_edge(double t) { return t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0; }
+
 static sl_stretched_edge edge_of(sl_vec3d a, sl_vec3d b, sl_vec3d normal) {
     sl_stretched_edge e = {.from = a, .along = sl_subd(b, a)};
     e.length_squared = sl_dotd(e.along, e.along);
@@ -65,14 +67,20 @@ static void look_at_plane(sl_stretched_triangle *t) {
     t->height_squared = height * height;
     sl_vec3d p[3];
     for (int k = 0; k < 3; k++) p[k] = sl_subd(t->corner[k], sl_scaled(t->normal, height));
-    for (int k = 0; k < 3; k++) t->edge[k] = edge_of(p[k], p[k < 2 ? k + 1 : 0], t->normal);
+    t->border_squared = INFINITY;
+    t->around = true;
+    for (int k = 0; k < 3; k++) {
+        sl_stretched_edge e = edge_of(p[k], p[k < 2 ? k + 1 : 0], t->normal);
+        double off = within_edge(e.nearest) - e.nearest;
+        t->border_squared = fmin(t->border_squared, e.foot_squared + off * off * e.length_squared);
+        t->around = t->around && e.turn > 0.0;
+        t->edge[k] = e;
+    }
 }
 
 static double sector(const sl_stretched_triangle *t, double radius_squared, sl_vec3d p, sl_vec3d q) {
     return 0.5 * radius_squared * sl_atan2(sl_dotd(sl_crossd(p, q), t->normal), sl_dotd(p, q));
 }
-
-static double within_edge(double t) { return t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0; }
 
 /* The disc's part of the triangle (origin, a, b), negative where they go clockwise: a triangle over the piece of the edge inside,
  * sectors over those outside. */
@@ -95,7 +103,7 @@ double sl_stretched_inside(sl_stretched_triangle *t, double radius) {
     if (t->farthest_squared <= squared) return t->area;
     if (!t->planar) look_at_plane(t);
     double disc = squared - t->height_squared;
-    if (!(t->area > 0.0) || !(disc > 0.0)) return 0.0;
+    if (!(t->area > 0.0) || !(disc > 0.0) || (!t->around && t->border_squared >= disc)) return 0.0;
     double inside = under_edge(t, &t->edge[0], disc) + under_edge(t, &t->edge[1], disc) + under_edge(t, &t->edge[2], disc);
     double share = inside / (0.5 * t->twice);
     return share > 0.0 ? t->area * (share < 1.0 ? share : 1.0) : 0.0;

@@ -32,6 +32,8 @@ typedef struct sl_stretched_triangle {
     sl_vec3d normal;
     double twice, height_squared;                 /* twice the area; the plane's distance */
     sl_stretched_edge edge[3];                    /* in the plane, about the foot of its normal */
+    double border_squared;                        /* from there to the nearest point of an edge */
+    bool around;                                  /* the foot is inside */
 } sl_stretched_triangle;
 sl_stretched_triangle sl_stretch_triangle(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3d c);
 double sl_stretched_inside(sl_stretched_triangle *triangle, double radius);
