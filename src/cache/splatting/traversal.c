@@ -177,9 +177,9 @@ float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size
 /* ---- committing it ---- */
 
 /* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the coverage buffer will. */
-static bool covered_by_batch(const sl_record_pass *pass, const sl_record *committed, size_t count, size_t pixel) {
+static bool covered_by_batch(const sl_record_pass *pass, const sl_record_list *list, size_t first, size_t pixel) {
     float sum = pass->coverage[pixel];
-    for (size_t i = 0; i < count; i++) sum += sl_record_weight(pass, &committed[i], pixel);
+    for (size_t i = first; i < list->count; i++) sum += sl_record_weight(pass, &list->records[i], pixel);
     return sum >= pass->covered_weight;
 }
 
@@ -189,7 +189,7 @@ static sl_status commit(const gather_batch *batch, size_t count, sl_record_list 
     sl_record *candidates = batch->records;
     size_t first = list->count, floats = pass->coefficient_count;
     for (size_t i = 0; i < count; i++) {
-        if (covered_by_batch(pass, list->records + first, list->count - first, pixels[i])) {
+        if (covered_by_batch(pass, list, first, pixels[i])) {
             sl_count(counters, SL_COUNT_RECORDS_DISCARDED, 1);
             continue;
         }
