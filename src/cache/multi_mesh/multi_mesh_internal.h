@@ -54,6 +54,8 @@ typedef struct sl_multi_mesh_state {
     size_t bytes_of_roots;          /* of the meshes before refinement */
     char filled[48];
     bool priorities_stale;          /* values have come since the view was seen */
+    uint64_t updates;               /* of refinement, */
+    double fraction;                /* ... and how much seemed to be done when that was last looked at */
     sl_counters counters;
     sl_announcer announcer;
 } sl_multi_mesh_state;

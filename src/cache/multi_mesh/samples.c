@@ -9,8 +9,6 @@
 #include "cache/multi_mesh/direct.h"
 #include "cache/multi_mesh/lit_points.h"
 
-enum { GATHERS_A_TASK = 2 };
-
 static void put_value(sl_displayed *part, uint32_t vertex, sl_rgb value, bool valid, sl_counters *counters) {
     sl_mesh *mesh = part->mesh;
     bool finite = sl_rgb_is_finite(value);
@@ -58,22 +56,19 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
 
 typedef struct gathering {
     const sl_multi_mesh_state *s;
-    size_t count;
     const sl_mesh_point *point;
     sl_rgb *irradiance;
 } gathering;
 
-static void gather_some(void *context, size_t task, unsigned worker) {
+static void gather_one(void *context, size_t task, unsigned worker) {
     const gathering *g = context;
     sl_gather_worker *w = &g->s->gatherer[worker];
-    size_t end = (task + 1) * GATHERS_A_TASK < g->count ? (task + 1) * GATHERS_A_TASK : g->count;
-    for (size_t i = task * GATHERS_A_TASK; i < end; i++)
-        g->irradiance[i] = sl_mesh_gather_take(g->s->gather, &g->point[i], w->scratch, &w->counters);
+    g->irradiance[task] = sl_mesh_gather_take(g->s->gather, &g->point[task], w->scratch, &w->counters);
 }
 
 void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance) {
-    gathering g = {s, count, points, irradiance};
-    sl_parallel_for(s->settings.threads, (count + GATHERS_A_TASK - 1) / GATHERS_A_TASK, gather_some, &g);
+    gathering g = {s, points, irradiance};
+    sl_parallel_for(s->settings.threads, count, gather_one, &g);
     for (unsigned t = 0; t < s->settings.threads; t++) {
         sl_counters_add(&s->counters, &s->gatherer[t].counters);
         s->gatherer[t].counters = (sl_counters){{0}};
