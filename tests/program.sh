@@ -66,6 +66,7 @@ expect 2 'expected bytes, as 512M' render scenes/cornell.json --memory 20x -o "$
 expect 2 'expected 16M to' render scenes/cornell.json --memory 3M -o "$folder/m.exr"
 expect 5 'cornell.json: 16M of memory are not enough to load it' render scenes/cornell.json --memory 16M -o "$folder/m.exr"
 expect 5 'moving-ball.json: 16M of memory are not enough to load it' live scenes/moving-ball.json -s 8x8 --frames 1 --memory 16M
+expect 5 '100M of memory are not enough: shading-cache needs' live scenes/moving-ball.json -s 2000x2000 -t 1 --frames 1 --memory 100M
 expect 5 'path needs at least [0-9]+M for this \(program' render scenes/cornell.json -s 2000x2000 -m path --memory 100M -o "$folder/m.exr"
 [ ! -e "$folder/m.exr" ] || { echo 'a refused render left a file'; bad=1; }
 expect 0 'keep within --memory: [0-9]+ stored photons instead of 5000000' render scenes/cornell.json -s 32x32 -q draft -m light-octree --depth 3 --stored-photons 5000000 --memory 0.1G -o "$folder/m.exr"

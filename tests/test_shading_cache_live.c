@@ -24,8 +24,8 @@ enum { W = 48, H = 40, PIXELS = W * H };
 /* ---- a renderer that waits --------------------------------------------------------------------------------------------------------- */
 
 static sl_monitor gate;
-static bool gate_is_open, edit_fails;
-static int waiting;
+static bool gate_is_open, edit_fails, edits_brighten;
+static int waiting, arrived, passes, edits; /* passes: of batches that a closed gate lets through */
 static atomic_int batches;
 static float irradiance = 2.0f * (float)SL_PI; /* behind the gate */
 
@@ -42,13 +42,25 @@ static void wait_until_samples_are_held_up(void) {
     sl_monitor_leave(&gate);
 }
 
+/* And the next one waits. */
+static void let_one_batch_pass(void) {
+    sl_monitor_enter(&gate);
+    int before = arrived;
+    passes = 1;
+    sl_monitor_signal(&gate);
+    while (arrived == before) sl_monitor_wait(&gate);
+    sl_monitor_leave(&gate);
+}
+
 static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests, unsigned threads, sl_sample *samples,
                                    sl_counters *counters) {
     (void)state, (void)requests, (void)threads, (void)counters;
     sl_monitor_enter(&gate);
     waiting++;
+    arrived++;
     sl_monitor_signal(&gate);
-    while (!gate_is_open) sl_monitor_wait(&gate);
+    while (!gate_is_open && passes == 0) sl_monitor_wait(&gate);
+    if (!gate_is_open) passes--;
     waiting--;
     float now = irradiance;
     sl_monitor_leave(&gate);
@@ -58,6 +70,10 @@ static void render_behind_the_gate(const void *state, size_t count, const sl_sam
 
 static sl_status edit_or_fail(void *state, unsigned changes, sl_error *error) {
     (void)state, (void)changes;
+    sl_monitor_enter(&gate);
+    edits++;
+    if (edits_brighten) irradiance *= 2.0f;
+    sl_monitor_leave(&gate);
     return edit_fails ? sl_fail(error, SL_ERROR_RESOURCES, "no light today") : SL_OK;
 }
 
@@ -266,6 +282,112 @@ static void frames_tell_how_late_the_light_is_that_a_move_has_changed(void **sta
     sl_scene_destroy(scene);
 }
 
+/* ---- moves that wait ---------------------------------------------------------------------------------------------------------------- */
+
+/* Two boards on a wall; one moves in the first second, the other in the next. */
+static sl_scene *two_boards(void) {
+    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 3}}, "
+        "{\"file\": \"mesh.obj\", \"name\": \"left\", \"keyframes\": [{\"time\": 0, \"translate\": [-1, 0, 0.5]}, {\"time\": 1, \"translate\": [-1, 1, 0.5]}]}, "
+        "{\"file\": \"mesh.obj\", \"name\": \"right\", \"keyframes\": [{\"time\": 1, \"translate\": [1, 0, 0.5]}, {\"time\": 2, \"translate\": [1, -1, 0.5]}]}], "
+        "\"lights\": [{\"type\": \"point\", \"position\": [0, 0, 4], \"intensity\": 1}], "
+        "\"camera\": {\"eye\": [0, 0, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 40}}";
+    return scene_from_text(json, "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\nf 1 2 3 4\n");
+}
+
+static sl_live *start_held_up(sl_scene *scene) {
+    sl_settings settings = show_settings();
+    settings.shading_cache.updates = 500;
+    open_gate(false);
+    sl_live *live = start(scene, &settings);
+    wait_until_samples_are_held_up();
+    edits = 0;
+    edits_brighten = true;
+    return live;
+}
+
+static void stop_brightened(sl_live *live) {
+    open_gate(true);
+    sl_live_stop(live, NULL);
+    edits_brighten = false;
+    light_becomes(2.0f * (float)SL_PI);
+}
+
+/* By the default material's reflectance all pixels are either the background or of one brightness. */
+static void all_shading_is_of_after_the_edit(const float picture[3 * PIXELS], float expected) {
+    int lit = 0, covered = 0;
+    for (int i = 0; i < PIXELS; i++) covered += picture[i] > 0.0f, lit += fabsf(picture[i] - expected) < 1e-3f * expected;
+    assert_true(covered > PIXELS / 3 && lit == covered);
+}
+
+/* Updates need not go where things were in between, but what has moved in between has moved, and its light began to change with the first of the moves. */
+static void of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is(void **state) {
+    (void)state;
+    static float before[3 * PIXELS], picture[3 * PIXELS];
+    sl_scene *scene = two_boards(), *there = two_boards();
+    sl_live *live = start_held_up(scene);
+    frame_of(live, before);
+    const double moves[3] = {0.5, 1.0, 2.0};
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(sl_live_move(live, moves[i], NULL), SL_OK);
+        for (int k = 0; k < 2; k++) assert_int_equal(frame_of(live, NULL).updates, 0);
+    }
+    assert_int_equal(edits, 0);
+    open_gate(true);
+    sl_live_state shown = frames_until_a_change_shows(live, 1);
+    assert_true(shown.change_seconds == 0.5 && shown.change_frames >= 6 && shown.time_seconds == 2.0);
+    shown = frames_until_done(live, picture);
+    assert_int_equal(edits, 1);
+    assert_int_equal(shown.changes_shown, 1);
+    float kd = scene->materials[scene->material_index[0]].diffuse.r;
+    all_shading_is_of_after_the_edit(picture, 4.0f * kd);
+    assert_true(pixels_apart(picture, before) > 20);
+    assert_int_equal(sl_live_move(live, 1.5, NULL), SL_OK); /* nothing of the earlier ones is left over */
+    shown = frames_until_done(live, picture);
+    assert_true(shown.changes_shown == 2 && shown.change_seconds == 1.5);
+    all_shading_is_of_after_the_edit(picture, 8.0f * kd);
+    assert_int_equal(sl_live_move(live, 2.0, NULL), SL_OK);
+    frames_until_done(live, picture);
+    stop_brightened(live);
+    assert_int_equal(sl_scene_set_time(there, 2.0, NULL, NULL), SL_OK);
+    assert_int_equal(sl_scene_hash(scene), sl_scene_hash(there));
+    sl_scene_destroy(scene);
+    sl_scene_destroy(there);
+}
+
+/* Updates have taken the first move, and have not found its change yet. */
+static void a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time(void **state) {
+    (void)state;
+    sl_scene *scene = two_boards();
+    sl_live *live = start_held_up(scene);
+    edits_brighten = false;
+    assert_int_equal(sl_live_move(live, 0.5, NULL), SL_OK);
+    let_one_batch_pass();
+    assert_int_equal(edits, 1);
+    edits_brighten = true;
+    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
+    open_gate(true);
+    sl_live_state shown = frames_until_a_change_shows(live, 1);
+    assert_true(shown.change_seconds == 0.5);
+    stop_brightened(live);
+    sl_scene_destroy(scene);
+}
+
+static void of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted(void **state) {
+    (void)state;
+    sl_scene *scene = two_boards();
+    sl_live *live = start_held_up(scene);
+    assert_int_equal(sl_live_move(live, 0.5, NULL), SL_OK);
+    let_one_batch_pass(); /* of before the move */
+    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
+    let_one_batch_pass(); /* of the first */
+    let_one_batch_pass(); /* of the second */
+    assert_int_equal(edits, 2);
+    sl_live_state shown = frame_of(live, NULL);
+    assert_true(shown.changes_shown == 2 && shown.change_seconds == 0.5);
+    stop_brightened(live);
+    sl_scene_destroy(scene);
+}
+
 /* Methods that make whole pictures show a change in the next one. */
 static void of_methods_without_a_display_every_move_is_a_change_that_shows_in_their_next_picture(void **state) {
     (void)state;
@@ -342,6 +464,35 @@ static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
     assert_true(pixels_apart(picture, first) > 20);
     sl_live_stop(live, NULL);
     sl_scene_destroy(scene);
+}
+
+static void what_is_held_back_is_all_that_was_asked_for(void **state) {
+    (void)state;
+    const float eye[3] = {1, 0.5f, 7}, target[3] = {0.2f, 0, 0}, up[3] = {0, 1, 0};
+    for (int look_first = 0; look_first < 2; look_first++) {
+        sl_scene *scene = two_boards(), *there = two_boards();
+        sl_settings settings = show_settings();
+        settings.shading_cache.hold_levels = 3.0;
+        open_gate(false);
+        sl_live *live = start(scene, &settings);
+        wait_until_samples_are_held_up();
+        for (int i = 0; i < 2; i++) {
+            bool look = (i == 0) == look_first;
+            assert_int_equal(look ? sl_live_look(live, eye, target, up, 0.8f, NULL) : sl_live_move(live, 2.0, NULL), SL_OK);
+            assert_true(frame_of(live, NULL).held);
+        }
+        open_gate(true);
+        sl_live_state shown = frames_until_done(live, NULL);
+        while (shown.held) shown = frames_until_done(live, NULL);
+        assert_true(shown.time_seconds == 2.0);
+        sl_live_stop(live, NULL);
+        assert_int_equal(sl_scene_set_time(there, 2.0, NULL, NULL), SL_OK);
+        assert_true(sl_camera_look_at(&there->camera, sl_v3(1, 0.5f, 7), sl_v3(0.2f, 0, 0), sl_v3(0, 1, 0), 0.8f));
+        assert_memory_equal(&scene->camera, &there->camera, sizeof there->camera);
+        assert_memory_equal(scene->position_y, there->position_y, scene->vertex_count * sizeof *scene->position_y);
+        sl_scene_destroy(scene);
+        sl_scene_destroy(there);
+    }
 }
 
 /* The same without a clock: a frame of a series is done when it is as good as that. */
@@ -482,9 +633,13 @@ int main(void) {
         cmocka_unit_test(what_moves_is_shown_there_at_once_though_no_sample_comes),
         cmocka_unit_test(samples_catch_up_where_things_are_now_and_then_rest),
         cmocka_unit_test(frames_tell_how_late_the_light_is_that_a_move_has_changed),
+        cmocka_unit_test(of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is),
+        cmocka_unit_test(a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time),
+        cmocka_unit_test(of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted),
         cmocka_unit_test(of_methods_without_a_display_every_move_is_a_change_that_shows_in_their_next_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
+        cmocka_unit_test(what_is_held_back_is_all_that_was_asked_for),
         cmocka_unit_test(frames_of_a_series_wait_for_the_quality_that_they_are_held_for),
         cmocka_unit_test(a_show_can_be_stopped_at_any_time_and_leaves_nothing_running),
         cmocka_unit_test(an_update_that_fails_is_told_by_the_next_frame),

@@ -211,6 +211,37 @@ static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_el
     shop_close(&s);
 }
 
+static uint64_t shadow_rays(shop *s, const sl_sample_renderer *r, const sl_sample_request *q) {
+    uint64_t before = s->counters.value[SL_COUNT_SHADOW_RAYS];
+    shop_sample(s, r, q);
+    return s->counters.value[SL_COUNT_SHADOW_RAYS] - before;
+}
+
+/* A screen hides the lamp from the right of the floor. Where 64 points see all of it, or nothing, the others would say the same: they are spared, but where points alone
+ * are to say how bright it is. Further sets have as many points as the first of those that are not dense. */
+static void more_points_are_traced_where_a_shadow_has_an_edge_and_nowhere_else(void **state) {
+    (void)state;
+    trace_mesh mesh = lamp_over_floor(0.8f, 5.0f, 1.0f);
+    trace_mesh_quad(&mesh, sl_v3(0, 2.5f, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0);
+    shop s;
+    shop_open(&s, trace_mesh_build(&mesh));
+    for (int sampled = 0; sampled < 2; sampled++) {
+        s.settings.cache.area = sampled ? SL_AREA_SAMPLED : SL_AREA_RATIO;
+        sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
+        const float x[3] = {-3.0f, 0.0f, 3.0f}; /* all of the lamp, half of it, nothing */
+        for (int i = 0; i < 3; i++) {
+            sl_sample_request q = request_at(sl_v3(x[i], 0, 0), up);
+            assert_int_equal(shadow_rays(&s, &r, &q), 64);
+            q.dense = true;
+            assert_int_equal(shadow_rays(&s, &r, &q), sampled || i == 1 ? SL_DENSE_POINTS : 64);
+            q.set = 1;
+            assert_int_equal(shadow_rays(&s, &r, &q), 64);
+        }
+        r.destroy(r.state);
+    }
+    shop_close(&s);
+}
+
 /* ---- lights without extent ------------------------------------------------------------------------------------------------ */
 
 static void lights_without_extent_follow_their_formulas(void **state) {
@@ -756,6 +787,7 @@ int main(void) {
         cmocka_unit_test(half_hidden_squares_have_the_stated_accuracy),
         cmocka_unit_test(penumbras_have_their_width),
         cmocka_unit_test(dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_else_as_it_was),
+        cmocka_unit_test(more_points_are_traced_where_a_shadow_has_an_edge_and_nowhere_else),
         cmocka_unit_test(lights_without_extent_follow_their_formulas),
         cmocka_unit_test(lobes_reflect_a_lamps_points),
         cmocka_unit_test(narrow_lobes_show_the_lamp),
