@@ -505,6 +505,53 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
 }
 
 /* They are more to a pixel than the limit has. */
+/* At the edges of shadows leaves of a pixel differ at their corners for good. As long as they were chosen all the same the rest waited for a random pixel: 577 updates where
+ * the points fill 22. */
+static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(void **state) {
+    (void)state;
+    static const sl_pixel_selection how[] = {SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SYSTEMATIC, SL_PIXELS_SORTED};
+    for (int lamp = 0; lamp < 2; lamp++) {
+        for (int h = 0; h < 3; h++) {
+            sl_scene *scene = room_with(lamp);
+            sl_settings settings = loop_settings();
+            settings.shading_cache.area_samples = 16;
+            settings.shading_cache.selection = how[h];
+            sl_method *method = method_of(scene, &settings);
+            for (int pass = 0; pass < 2; pass++) {
+                uint64_t before = count_of(method, SL_COUNT_POINTS_SHADED), updates = to_the_end(method), points = count_of(method, SL_COUNT_POINTS_SHADED) - before;
+                print_message("%d, %d, %d: %d updates, %d points\n", lamp, h, pass, (int)updates, (int)points);
+                assert_true(points > 1000 && updates <= 2 * points / 64 + 8);
+                edit(method, SL_CHANGED_LIGHTS); /* nothing has moved: all is shaded again */
+            }
+            sl_changes_begin(inside_of(method)->changes, 0, 1000); /* of what is seen of it nothing is left to do, but it is seen */
+            assert_true(fabsf(sl_shading_coarsest(inside_of(method), false) * 10000.0f - PIXELS) < 0.01f);
+            sl_method_destroy(method);
+            sl_scene_destroy(scene);
+        }
+    }
+}
+
+/* Sets of samples are never enough. */
+static void where_more_samples_are_wanted_against_noise_no_leaf_is_left_out(void **state) {
+    (void)state;
+    sl_scene *scene = room_with(true);
+    sl_settings settings = loop_settings();
+    settings.shading_cache.area_samples = 16;
+    settings.shading_cache.variance_aware = true;
+    settings.shading_cache.updates = 120;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    for (bool done = false; !done;) {
+        done = update(method);
+        size_t sum = 0;
+        for (size_t k = 0; k < s->leaf_count; k++) sum += s->leaf[k].pixels;
+        assert_int_equal(sum, PIXELS);
+    }
+    assert_true(s->late && s->now > 30);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 static void of_a_small_picture_all_patches_are_kept(void **state) {
     (void)state;
     sl_scene *scene = room();
@@ -594,6 +641,8 @@ int main(void) {
         cmocka_unit_test(a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
+        cmocka_unit_test(refinement_to_the_end_takes_few_more_updates_than_its_points_fill),
+        cmocka_unit_test(where_more_samples_are_wanted_against_noise_no_leaf_is_left_out),
         cmocka_unit_test(of_a_small_picture_all_patches_are_kept),
         cmocka_unit_test(pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels),
         cmocka_unit_test(every_update_tells_its_stages_in_their_order),

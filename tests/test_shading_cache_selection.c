@@ -303,6 +303,30 @@ static void a_thousand_draws_miss_a_patch_of_one_pixel(void **state) {
     picture_discard(&p);
 }
 
+/* Whatever its priority: all is done in it. The steps of equal_steps do not go by it either, so that none is in vain. */
+static void a_leaf_none_of_whose_pixels_count_is_never_chosen(void **state) {
+    (void)state;
+    static const sl_pixel_selection how[] = {SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SYSTEMATIC, SL_PIXELS_SORTED};
+    for (int h = 0; h < 3; h++) {
+        picture p = picture_of(40, 40, 2);
+        for (int i = 0; i < 1600; i++) paint(&p, i % 40, i / 40, i % 40 == 7 ? 1 : 0, i % 40 == 7 ? 0.6f : 1.0f);
+        p.leaves[0].pixels = 0;
+        sl_selection_settings s = usual(20);
+        s.how = how[h];
+        s.flood_threshold = 0.5f;
+        for (s.update = 0; s.update < 20; s.update++) {
+            choose(&p, &s);
+            assert_true(p.count >= 20);
+            for (size_t i = 0; i < p.count; i++) assert_int_equal(p.choice[i].leaf, 1);
+        }
+        p.leaves[1].pixels = 0;
+        choose(&p, &s);
+        assert_int_equal(p.count, 0);
+        assert_int_equal(p.counters.value[SL_COUNT_PIXEL_TESTS], 0);
+        picture_discard(&p);
+    }
+}
+
 static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) {
     (void)state;
     static const float normal[] = {0.3f, 0.6f, 0.9f, 0.8f, 0.45f};
@@ -451,6 +475,7 @@ int main(void) {
         cmocka_unit_test(every_patch_never_evaluated_is_chosen_within_a_bounded_number_of_updates),
         cmocka_unit_test(one_hit_on_a_shadow_line_spreads_along_it),
         cmocka_unit_test(a_thousand_draws_miss_a_patch_of_one_pixel),
+        cmocka_unit_test(a_leaf_none_of_whose_pixels_count_is_never_chosen),
         cmocka_unit_test(floods_take_nothing_below_their_seed_or_the_threshold),
         cmocka_unit_test(floods_run_through_patches_that_have_their_share),
         cmocka_unit_test(a_curve_passes_each_pixel_of_any_picture_once_and_goes_from_neighbour_to_neighbour),

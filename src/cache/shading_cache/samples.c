@@ -193,7 +193,7 @@ float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
     if (c->no_resolution_drop) return 0.0f;
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, s->leaf[i].patch));
-        if (s->changes->object[object].changing) visible += s->leaf[i].pixels;
+        if (s->changes->object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
     return visible > 0.0 ? sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles) : 0.0f;
 }

@@ -25,7 +25,7 @@ typedef struct sl_selection_settings {
     uint64_t seed, update;     /* what draws are a function of */
 } sl_selection_settings;
 
-/* leaf: by pixel, index into leaves, or SL_NO_INDEX. Each pixel is chosen at most once. At most 8 points / epsilon tests (epsilon 0: as if it were
+/* leaf: by pixel, index into leaves, or SL_NO_INDEX. Each pixel is chosen at most once, and of leaves whose `pixels` are 0 none. At most 8 points / epsilon tests (epsilon 0: as if it were
  * 0.03). choice has room for 2 * points. */
 sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf, size_t leaf_count,
                            const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count, sl_counters *counters, sl_error *error);

@@ -26,6 +26,7 @@ static inline void sl_selection_visit(sl_selection *s, uint32_t pixel) { s->visi
 /* p_total = epsilon + (1 - epsilon) p_norm */
 static inline float sl_selection_chance(const sl_selection *s, uint32_t leaf) {
     float e = s->settings->random_share;
+    if (s->leaves[leaf].pixels == 0) return 0.0f;
     return e + (1.0f - e) * s->leaves[leaf].normal;
 }
 

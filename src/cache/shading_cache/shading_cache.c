@@ -205,7 +205,7 @@ static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error
 static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_shading_state *s = state;
     sl_status status = note_motion(s, changes, error);
-    s->done = false;
+    s->done = s->late = false;
     if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
     sl_fades_finish(&s->fades, s->patches);
     s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;

@@ -52,6 +52,7 @@ typedef struct sl_shading_state {
     uint32_t edited;               /* the first update after an edit whose change no update has found yet; 0: there is none */
     bool shows_only;               /* the next frame of a series waits for no update */
     double error_levels;           /* of what was seen when the last update began */
+    bool late;                     /* half of an update's choices had nothing left to do: leaves that are finished are left out, until the next edit */
     bool drawn;                    /* the display knows the view */
     bool done;
     sl_counters counters;

@@ -76,6 +76,44 @@ static void prioritise_some(void *context, size_t task, unsigned worker) {
     }
 }
 
+static void settle_work(sl_shading_state *s) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    for (size_t i = 0; i < s->scene->object_count; i++) {
+        s->stale_before[i] = s->changes->object[i].stale_before;
+        s->changing[i] = s->changes->object[i].changing;
+    }
+    s->work = (sl_work_settings){.split_above = split_slack * (float)c->stop_size, .levels = LEVELS_AN_UPDATE, .crowd = CROWD,
+                                 .variance_aware = c->variance_aware, .sharp = s->plan.radiance ? &s->curve : NULL, .dense = s->scene->emitter_count > 0 && !c->variance_aware, .now = s->now, .stale_before = c->no_ageing ? NULL : s->stale_before,
+                                 .eye_moved = c->no_ageing ? 0 : s->changes->eye_moved, .changing = s->changing, .coarsest = sl_shading_coarsest(s, false)};
+}
+
+static bool is_finished(const sl_shading_state *s, uint32_t patch) {
+    return sl_patch_is_finished(s->patches, &s->work, &s->scene->camera, s->settings.width, s->settings.height, patch);
+}
+
+/* Where a shadow's edge has come down to pixels its leaves' corners go on differing, and nothing is left to do about it. */
+static void leave_out_some(void *context, size_t task, unsigned worker) {
+    (void)worker;
+    sl_shading_state *s = context;
+    size_t end = (task + 1) * LEAVES_A_TASK < s->leaf_count ? (task + 1) * LEAVES_A_TASK : s->leaf_count;
+    for (size_t i = task * LEAVES_A_TASK; i < end; i++) {
+        if (is_finished(s, s->leaf[i].patch)) s->leaf[i].pixels = 0; /* that may be chosen, or count for the mean */
+    }
+}
+
+/* To look at all leaves takes time, and as long as most are larger than a pixel most choices are good: that begins when half of them come to nothing. Sets of samples are
+ * never enough: where they are asked for no leaf is finished. */
+static void leave_out_finished(sl_shading_state *s) {
+    if (!s->late || s->settings.shading_cache.variance_aware) return;
+    sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, leave_out_some, s);
+}
+
+static void note_idle_choices(sl_shading_state *s, size_t choices) {
+    size_t idle = 0;
+    for (size_t i = 0; i < choices && !s->late; i++) idle += is_finished(s, s->leaf[s->choice[i].leaf].patch);
+    s->late = s->late || 2 * idle > choices;
+}
+
 /* What holds motion back: the mean over the pixels of what shows. */
 static double mean_error_levels(const sl_shading_state *s) {
     double sum = 0.0, pixels = 0.0;
@@ -104,6 +142,8 @@ static sl_status see_priorities(sl_shading_state *s, sl_error *error) {
     count_pixels(s);
     sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, prioritise_some, s);
     s->error_levels = mean_error_levels(s);
+    settle_work(s);
+    leave_out_finished(s);
     sl_priorities_raise(s->leaf_count, s->leaf, sl_shading_pixels(s));
     sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
     announce_priorities(s);
@@ -122,18 +162,11 @@ static sl_status select_pixels(sl_shading_state *s, size_t *choices, sl_error *e
 }
 
 static sl_status work_out(sl_shading_state *s, size_t choices, size_t *vertices, sl_error *error) {
-    const sl_shading_cache_settings *c = &s->settings.shading_cache;
     for (size_t i = 0; i < choices; i++) {
         uint32_t pixel = s->choice[i].pixel;
         s->place[i] = (sl_chosen_place){s->ids.patch[pixel], s->ids.u[pixel], s->ids.v[pixel]};
     }
-    for (size_t i = 0; i < s->scene->object_count; i++) {
-        s->stale_before[i] = s->changes->object[i].stale_before;
-        s->changing[i] = s->changes->object[i].changing;
-    }
-    s->work = (sl_work_settings){.split_above = split_slack * (float)c->stop_size, .levels = LEVELS_AN_UPDATE, .crowd = CROWD,
-                                 .variance_aware = c->variance_aware, .sharp = s->plan.radiance ? &s->curve : NULL, .dense = s->scene->emitter_count > 0 && !c->variance_aware, .now = s->now, .stale_before = c->no_ageing ? NULL : s->stale_before,
-                                 .eye_moved = c->no_ageing ? 0 : s->changes->eye_moved, .changing = s->changing, .coarsest = sl_shading_coarsest(s, false)};
+    note_idle_choices(s, choices);
     return sl_work_out(s->patches, &s->curve, &s->work, &s->scene->camera, s->settings.width, s->settings.height, choices, s->place, s->vertex,
                        vertices, &s->counters, error);
 }
@@ -156,7 +189,7 @@ static bool nothing_is_left(const sl_shading_state *s) {
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t patch = s->leaf[i].patch;
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) return false;
-        if (!sl_patch_is_finished(s->patches, &s->work, &s->scene->camera, s->settings.width, s->settings.height, patch)) return false;
+        if (!is_finished(s, patch)) return false;
     }
     return true;
 }
