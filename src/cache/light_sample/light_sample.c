@@ -240,6 +240,7 @@ typedef struct {
     const sl_sampled_light *light;
     const sl_light_shape_info *shape;
     double unoccluded;
+    bool one_ray;
 } sample;
 
 static double value_of(const sample *s, sl_light_sums sums, bool ratio) {
@@ -301,29 +302,47 @@ static double area_light(sample *s) {
     q->middle = sl_light_middle(s->light, q->point);
     q->lifted = sl_light_lifted(q->sampling, q->point);
     q->eye = sl_light_eye(q->sampling, q->lifted, q->middle);
-    if (s->shape->size < SL_TINY_LIGHT * distance) return by_one_ray(s);
+    if (s->one_ray || s->shape->size < SL_TINY_LIGHT * distance) return by_one_ray(s);
     return s->settings->estimator == SL_LIGHT_RAYS || !q->scratch ? by_rays(s) : by_pictures(s);
 }
 
-static float take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_light_sample_scratch *scratch,
-                  sl_counters *counters) {
-    sample s = {.query = {.sampling = sampling, .light = light, .point = point, .rays = rays, .scratch = scratch, .counters = counters},
-                .settings = &sampling->settings, .light = &sampling->lights->light[light], .shape = &sampling->shape[light]};
-    sl_count(counters, SL_COUNT_LIGHT_SAMPLES, 1);
-    if (!sl_is_finite(point->position) || !sl_is_finite(point->normal) || !sl_is_finite(point->geometric_normal)) {
-        sl_count(counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
-        return 0.0f;
-    }
-    double value = has_extent(s.light) ? area_light(&s) : sl_light_without_extent(sampling, s.light, point, counters);
+static float value_or_nothing(double value) {
     float f = (float)value;
     return f > 0.0f && isfinite(f) ? f : 0.0f;
 }
 
+static sample sample_of(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_light_sample_scratch *scratch,
+                        sl_counters *counters) {
+    return (sample){.query = {.sampling = sampling, .light = light, .point = point, .rays = rays, .scratch = scratch, .counters = counters},
+                    .settings = &sampling->settings, .light = &sampling->lights->light[light], .shape = &sampling->shape[light]};
+}
+
+static float take(sample *s) {
+    const sl_light_query *q = &s->query;
+    sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES, 1);
+    if (!sl_is_finite(q->point->position) || !sl_is_finite(q->point->normal) || !sl_is_finite(q->point->geometric_normal)) {
+        sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        return 0.0f;
+    }
+    return value_or_nothing(has_extent(s->light) ? area_light(s) : sl_light_without_extent(q->sampling, s->light, q->point, q->counters));
+}
+
 float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
                            sl_counters *counters) {
-    return take(sampling, light, point, sampling->settings.rays, scratch, counters);
+    sample s = sample_of(sampling, light, point, sampling->settings.rays, scratch, counters);
+    return take(&s);
 }
 
 float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
-    return take(sampling, light, point, rays, NULL, counters);
+    sample s = sample_of(sampling, light, point, rays, NULL, counters);
+    return take(&s);
+}
+
+float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
+    sl_counters own = {{0}};
+    sample s = sample_of(sampling, light, point, rays, NULL, &own);
+    s.one_ray = rays == 1;
+    float value = take(&s);
+    sl_count(counters, SL_COUNT_SHADOW_RAYS, own.value[SL_COUNT_SHADOW_RAYS]);
+    return value;
 }

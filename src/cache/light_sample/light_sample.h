@@ -56,6 +56,9 @@ float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, cons
                            sl_counters *counters);
 /* The same by n x n rays whatever the settings say: where less will do. */
 float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters);
+/* All of F or nothing, by a single ray to the middle of what is above the horizon (rays 1), or F by n x n rays. Whoever only wants to know whether it pays to
+ * take a sample asks so: nothing is counted but the rays. */
+float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters);
 /* F without occluders, in closed form. */
 double sl_light_unoccluded(const sl_sampled_light *light, const sl_lit_point *point);
 /* The unit direction in which the light lies, for lobes: of area lights the centroid of what is above the horizon; (0,0,0): nothing is. */

@@ -85,8 +85,8 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
  * nearer: it shows, but nothing more is asked of it, so that an old view, seen again, asks for nothing. */
 static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *place, bool settled) {
     sl_mesh_node *node = &d->mesh->node[place->node];
-    bool is_leaf = node->child == SL_NO_INDEX;
-    if (node->pixels > 1 && !settled && (is_leaf || sl_all_edges_closed(node))) sl_displayed_judge_size(d, clip, place);
+    bool is_leaf = node->child == SL_NO_INDEX, judged = is_leaf || sl_all_edges_closed(node) || d->settings.probed_area > 0.0f;
+    if (node->pixels > 1 && !settled && judged) sl_displayed_judge_size(d, clip, place);
     if (settled) node->flags |= SL_NODE_SETTLED;
     node->priority = 0.0f;
     if (is_leaf) {

@@ -7,6 +7,7 @@
  *   selection.c      the heap over the roots; the paper's random chain
  *   edge_tests.c     what a leaf's edges say
  *   refine.c         the test of a leaf, split, undo
+ *   probed.c         leaves whose edges agree, and yet something lies between them
  *   draw.c           Gouraud: a leaf's pixels from its vertices                                     (P3)
  *
  * One step of refinement:
@@ -14,6 +15,9 @@
  *   sl_displayed_request(mesh, leaf, ...)    vertices whose values its test wants: corners, then the middles of untested edges
  *   (the caller samples them, in any order, into mesh->mesh->value and marks them KNOWN or INVALID)
  *   sl_displayed_commit(mesh, leaf)          tests edges; splits, closes or collapses
+ * A leaf that is closed then, and larger than the finest that the size criterion knows, is taken once more:
+ *   sl_displayed_wants_probes(mesh, leaf)    it is to be probed instead: the caller looks at pixels of it
+ *   sl_displayed_probed(mesh, leaf, ...)     it stays closed, or is cut after all
  */
 #ifndef SL_MULTI_MESH_DISPLAYED_H
 #define SL_MULTI_MESH_DISPLAYED_H
@@ -37,6 +41,7 @@ typedef struct sl_displayed_settings {
     uint32_t few_pixels;          /* leaves that show no more pixels than that meet the size criterion however large they are */
     uint32_t specks;              /* leaves that show fewer pixels than that are not looked into unless these, times the contrast between the */
     float specks_contrast;        /* ... leaf's corners in thresholds, come to so much */
+    float probed_area, probed_edge; /* pixels^2, pixels: leaves larger than that are probed before they stay closed; 0: none are */
     bool sharp;                   /* light can end where other geometry begins: leaves with corners in it are cut until it is known where, to a pixel's size */
     int max_depth;
     sl_mesh_selection selection;
@@ -113,7 +118,14 @@ sl_mesh_place sl_displayed_take(sl_displayed *displayed);
 sl_status sl_displayed_request(sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t *vertex, size_t *count, sl_error *error);
 /* All that it asked for is KNOWN or INVALID. */
 sl_status sl_displayed_commit(sl_displayed *displayed, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error);
-/* Levels from the root at which the size criterion is met here: as deep as irradiance meshes must be, whatever their edges say. */
+/* Are the leaf's edges all closed, and it is to be probed? Then nothing is requested. */
+bool sl_displayed_wants_probes(const sl_displayed *displayed, const sl_mesh_place *leaf);
+/* The i-th of a leaf's node.pixels pixels: an index into the arrays of the view. */
+uint32_t sl_displayed_pixel(const sl_displayed *displayed, const sl_mesh_place *leaf, uint32_t i);
+/* It has been: does any probe say that its corners do not tell what lies between them? */
+sl_status sl_displayed_probed(sl_displayed *displayed, const sl_mesh_place *leaf, bool contradicted, sl_counters *counters, sl_error *error);
+/* Levels from the root at which the size criterion is met here: as deep as irradiance meshes must be, whatever their edges say. Where a
+ * probe has told of something between corners, a level deeper than the leaf: its vertices are not to be interpolated. */
 int sl_displayed_wanted_depth(const sl_displayed *displayed, const sl_mesh_place *leaf);
 
 /* Draws the pixels of all leaves that are marked into three planes (bottom row first); parallel over leaves. Where corners are not known the

@@ -62,7 +62,13 @@ static inline bool sl_may_split_but_for_specks(const sl_displayed *d, const sl_m
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return sl_may_split_but_for_specks(d, leaf) && !sl_displayed_is_speck(d, leaf);
 }
+/* Closed, small enough, and yet to be probed. */
+static inline bool sl_is_unprobed(const sl_displayed *d, const sl_mesh_node *node) {
+    return d->settings.probed_area > 0.0f && (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) && !(node->flags >> SL_NODE_TESTED_SHIFT);
+}
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
+/* Does it meet the size criterion, whatever else is known of it? */
+bool sl_displayed_meets_size(const sl_displayed *d, const sl_mesh_node *node, sl_screen_size size);
 /* Sets or clears SL_NODE_SMALL. */
 void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf);
 /* Largest contrast between any two corners of a leaf, as shown; those that are not known do not count. */
@@ -72,6 +78,20 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *lea
 float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place);
 /* The largest of the children's priorities from a node's parent up to the root, and the root's place in the heap. */
 void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
+
+/* ---- refine.c ---- */
+
+/* A leaf stays as it is: parents whose children are all closed by now go, and priorities are raised. */
+sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error);
+
+/* ---- probed.c ---- */
+
+/* A leaf whose edges have just been closed, or that is seen anew, of that size: what need not be probed says so. */
+void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_screen_size size);
+/* Is the leaf to be cut because a probe told so? */
+bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_mesh_place *leaf);
+/* Or has any node above it been? */
+bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_mesh_place *leaf);
 
 /* ---- selection.c ---- */
 

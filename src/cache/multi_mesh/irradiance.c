@@ -107,12 +107,6 @@ static void set_edge_state(sl_mesh *mesh, uint32_t node, int edge, sl_edge_state
     mesh->node[node].flags = (mesh->node[node].flags & ~(3u << (2 * edge))) | (uint32_t)state << (2 * edge);
 }
 
-static bool is_confident(const sl_mesh *mesh, uint32_t node) {
-    for (int i = 0; i < 3; i++)
-        if (edge_state(mesh, node, i) != SL_EDGE_CLOSED) return false;
-    return true;
-}
-
 /* What an irradiance F of the light shows on a face: diffuse and, as bright as it can be, its highlight; beside the ambient light. */
 static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face, float share) {
     const sl_scene *scene = m->settings.scene;
@@ -132,6 +126,32 @@ static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, co
     float mean = 0.5f * (mesh->value[a] + mesh->value[b]);
     sl_rgb interpolated = shown(m, light, place->face, mean), computed = shown(m, light, place->face, mesh->value[middle]);
     return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
+}
+
+/* Whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that it is half of, or has been tested by its middle;
+ * since then someone may have asked for more of it. */
+static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place, int edge) {
+    const sl_mesh *mesh = m->mesh[light];
+    uint32_t a = mesh->node[place->node].vertex[(edge + 1) % 3], b = mesh->node[place->node].vertex[(edge + 2) % 3];
+    sl_edge_vertices on;
+    sl_mesh_edge_vertices(mesh, place, edge, &on);
+    for (int i = 0; i < on.count; i++) {
+        float along = (float)on.at[i] / (float)(1 << SL_FAN_LEVELS), linear = mesh->value[a] + along * (mesh->value[b] - mesh->value[a]);
+        float value = mesh->value[on.vertex[i]];
+        if (value == linear) continue;
+        if (sl_display_contrast(&m->settings.perception, shown(m, light, place->face, linear), shown(m, light, place->face, value)) > TOLERANCE) return false;
+    }
+    return true;
+}
+
+/* Three closed edges, and nothing has been found on them since. */
+static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_place *place) {
+    const sl_mesh *mesh = m->mesh[light];
+    for (int i = 0; i < 3; i++)
+        if (edge_state(mesh, place->node, i) != SL_EDGE_CLOSED) return false;
+    for (int i = 0; i < 3; i++)
+        if (!still_agrees(m, light, place, i)) return false;
+    return true;
 }
 
 /* Tests a leaf's edges as far as their samples are there; wants those that are not. */
@@ -230,7 +250,7 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
                 if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, x->leaf, share);
                 fetch_state state = test_leaf(m, light, &place, error);
                 if (state != FETCH_READY) return state;
-                if (is_confident(mesh, place.node)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
+                if (is_confident(m, light, &place)) return interpolate(mesh, &place, x, share) ? FETCH_READY : FETCH_INVALID;
             }
             status = sl_mesh_split(mesh, &place, error);
             if (status != SL_OK) return FETCH_FAILED;

@@ -52,7 +52,7 @@ enum {
     SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
     SL_NODE_LISTED = 0x4000,   /* what is on its edges is in sl_displayed.hanging */
     SL_NODE_SLIVERS = 0x8000,  /* a root with cuts in two below it (displayed meshes) */
-    SL_NODE_TESTED_SHIFT = 16  /* the upper half: of leaves with closed edges sl_mesh_tested_size(), of others sl_mesh_speck() */
+    SL_NODE_TESTED_SHIFT = 16  /* the upper half: of leaves with closed edges sl_mesh_tested_size() or sl_mesh_probed_size(), of others sl_mesh_speck() */
 };
 
 typedef struct sl_mesh_node {
@@ -67,6 +67,10 @@ typedef struct sl_mesh_node {
 /* A node's size in pixels when it collapsed: it is not opened again before it is twice that; 0: it never did. The upper half of a float's bits. */
 float sl_mesh_tested_size(const sl_mesh_node *node);
 void sl_mesh_set_tested_size(sl_mesh_node *node, float size);
+/* How large a leaf with closed edges may be and need not be probed again (displayed.h): as it was when it was probed, or twice what it was when it
+ * collapsed; 0: it is yet to be probed. */
+float sl_mesh_probed_size(const sl_mesh_node *node);
+void sl_mesh_set_probed_size(sl_mesh_node *node, float size);
 /* Of a leaf whose edges are not all closed: how many pixels it had when a picture was done without a look into it; 0: it never was. */
 static inline uint32_t sl_mesh_speck(const sl_mesh_node *node) { return node->flags >> SL_NODE_TESTED_SHIFT; }
 static inline void sl_mesh_set_speck(sl_mesh_node *node, uint32_t pixels) { node->flags = (node->flags & 0xffffu) | pixels << SL_NODE_TESTED_SHIFT; }
@@ -155,6 +159,8 @@ uint32_t sl_mesh_middle(sl_mesh *mesh, const sl_mesh_place *place, int edge, sl_
 uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, int edge);
 /* A vertex by a place within a face (weights in 1/SL_MESH_DYADIC), made if there is none. */
 uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q, sl_status *status, sl_error *error);
+/* The same, if there is one. */
+uint32_t sl_mesh_find_vertex(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q);
 
 /* Cuts a leaf in four (a sliver, longer than SL_MESH_SLIVER times its height, in two); children are leaves with all edges untested, but for what is
  * left of closed edges, which are not tested again: state CLOSED. At max_depth, and where a child would have no area (coordinates end, the triangle

@@ -148,16 +148,31 @@ uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error 
 
 /* ---- a number in a node's flags ------------------------------------------------------------------------------------ */
 
-float sl_mesh_tested_size(const sl_mesh_node *node) {
+/* The upper half of a float's bits; what has been probed alone has the sign of a negative one. */
+static float upper_half(const sl_mesh_node *node) {
     uint32_t bits = node->flags >> SL_NODE_TESTED_SHIFT << SL_NODE_TESTED_SHIFT;
     float size;
     memcpy(&size, &bits, sizeof size);
     return size;
 }
 
-void sl_mesh_set_tested_size(sl_mesh_node *node, float size) {
+static void set_upper_half(sl_mesh_node *node, float size) {
     uint32_t bits;
-    size = size > 0.0f ? size : 0.0f; /* NaN, too */
     memcpy(&bits, &size, sizeof bits);
     node->flags = (node->flags & 0xffffu) | bits >> SL_NODE_TESTED_SHIFT << SL_NODE_TESTED_SHIFT;
 }
+
+float sl_mesh_tested_size(const sl_mesh_node *node) {
+    float size = upper_half(node);
+    return size > 0.0f ? size : 0.0f;
+}
+
+void sl_mesh_set_tested_size(sl_mesh_node *node, float size) { set_upper_half(node, size > 0.0f ? size : 0.0f); /* NaN, too */ }
+
+float sl_mesh_probed_size(const sl_mesh_node *node) {
+    float size = upper_half(node);
+    return size < 0.0f ? -size : 2.0f * size;
+}
+
+/* A hundredth more, for what the lower half loses. */
+void sl_mesh_set_probed_size(sl_mesh_node *node, float size) { set_upper_half(node, size > 0.0f && size < 1e30f ? -1.01f * size : -1e30f); }

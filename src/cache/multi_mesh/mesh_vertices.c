@@ -123,6 +123,8 @@ uint32_t sl_mesh_find_middle(const sl_mesh *mesh, const sl_mesh_place *place, in
     return middle_of(place, edge, &p, &q) ? find(mesh, place->face, p, q) : SL_NO_INDEX;
 }
 
+uint32_t sl_mesh_find_vertex(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q) { return find(mesh, face, p, q); }
+
 /* ---- where vertices lie ------------------------------------------------------------------------------------------------ */
 
 /* The sum of a face's three site values in double. On an edge one weight is 0, a product of a float and a 13-bit weight is exact, and the sum of two

@@ -187,7 +187,8 @@ static int most_urgent(const sl_multi_mesh_state *s) {
 
 typedef struct refinement {
     taken_leaf *leaf;
-    size_t leaf_count;
+    sl_probed_leaf *probed;
+    size_t leaf_count, probed_count;
     sl_wanted_vertex *wanted[SL_COMPONENTS];
     size_t wanted_count[SL_COMPONENTS];
 } refinement;
@@ -199,6 +200,10 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_displayed *mesh = s->part[part];
         sl_mesh_place place = sl_displayed_take(mesh);
         if (place.node == SL_NO_INDEX) break;
+        if (sl_displayed_wants_probes(mesh, &place)) {
+            r->probed[r->probed_count++] = (sl_probed_leaf){.part = (sl_component)part, .place = place};
+            continue;
+        }
         r->leaf[r->leaf_count++] = (taken_leaf){(sl_component)part, place};
         uint32_t vertex[LEAF_VERTICES];
         size_t count = 0;
@@ -214,22 +219,26 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
 static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *error) {
     sl_status status = take_leaves(s, r, error);
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++) status = sl_multi_mesh_sample(s, (sl_component)i, r->wanted_count[i], r->wanted[i], error);
+    if (status == SL_OK) sl_multi_mesh_probe(s, r->probed_count, r->probed);
     for (size_t i = 0; i < r->leaf_count && status == SL_OK; i++)
         status = sl_displayed_commit(s->part[r->leaf[i].part], &r->leaf[i].place, &s->counters, error);
+    for (size_t i = 0; i < r->probed_count && status == SL_OK; i++)
+        status = sl_displayed_probed(s->part[r->probed[i].part], &r->probed[i].place, r->probed[i].contradicted, &s->counters, error);
     return status;
 }
 
 static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error) {
     size_t batch = (size_t)s->settings.multi_mesh.batch;
-    refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf)};
-    sl_status status = r.leaf ? SL_OK : sl_fail_memory(error, "a batch");
+    refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf), .probed = sl_allocate(batch, sizeof *r.probed)};
+    sl_status status = r.leaf && r.probed ? SL_OK : sl_fail_memory(error, "a batch");
     for (int i = 0; i < SL_COMPONENTS; i++) {
         r.wanted[i] = sl_allocate(batch * LEAF_VERTICES, sizeof *r.wanted[i]);
         if (!r.wanted[i]) status = sl_fail_memory(error, "a batch");
     }
     if (status == SL_OK) status = serve_leaves(s, &r, error);
-    *served = r.leaf_count;
+    *served = r.leaf_count + r.probed_count;
     for (int i = 0; i < SL_COMPONENTS; i++) sl_free(r.wanted[i]);
+    sl_free(r.probed);
     sl_free(r.leaf);
     return status;
 }

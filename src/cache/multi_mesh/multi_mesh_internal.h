@@ -91,6 +91,17 @@ sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t
 /* Irradiance that points gather from the coarse mesh. */
 void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance);
 
+/* ---- probes.c ---- */
+
+/* A leaf of direct light that is to be probed (displayed.h). */
+typedef struct sl_probed_leaf {
+    sl_component part;
+    sl_mesh_place place;
+    bool contradicted;
+    sl_counters counters;
+} sl_probed_leaf;
+void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *leaves);
+
 /* ---- coarse_rounds.c ---- */
 
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins. */

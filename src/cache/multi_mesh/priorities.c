@@ -17,14 +17,19 @@ sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip
     return sl_screen_size_of(&d->pixels->view, clip, leaf->p, leaf->q, (float)SL_MESH_DYADIC);
 }
 
+bool sl_displayed_meets_size(const sl_displayed *d, const sl_mesh_node *node, sl_screen_size size) {
+    bool small = !(size.area > d->settings.leaf_area) && !(size.edge > d->settings.leaf_edge);
+    return small || node->pixels <= d->settings.few_pixels; /* most of it is hidden */
+}
+
 /* A leaf that was cut for its size alone and put together again stays so until it is twice as large. */
 void sl_displayed_judge_size(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf) {
     sl_mesh_node *node = &d->mesh->node[leaf->node];
     sl_screen_size size = sl_displayed_size(d, clip, leaf);
-    bool small = !(size.area > d->settings.leaf_area) && !(size.edge > d->settings.leaf_edge);
-    small |= node->pixels <= d->settings.few_pixels; /* most of it is hidden */
+    bool small = sl_displayed_meets_size(d, node, size);
     bool known = sl_all_edges_closed(node) && size.edge < 2.0f * sl_mesh_tested_size(node);
     node->flags = (node->flags & ~(uint32_t)SL_NODE_SMALL) | (small || known ? SL_NODE_SMALL : 0u);
+    if (small) sl_displayed_judge_probes(d, node, size);
 }
 
 bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf) {
@@ -34,6 +39,7 @@ bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf
 
 int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) {
     if (!d->pixels) return leaf->depth;
+    if (sl_displayed_is_contradicted(d, leaf) || sl_displayed_below_contradicted(d, leaf)) return leaf->depth + 1;
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
     sl_screen_size size = sl_displayed_size(d, &clip, leaf);
     float area = size.area / d->settings.leaf_area, edge = size.edge / d->settings.leaf_edge;
@@ -82,9 +88,11 @@ static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) { r
 /* What was one when a picture was done still is, with no more pixels. */
 static bool was_speck(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_speck(node); }
 
-/* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known. */
+/* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is what a
+ * probe has told of. */
 static bool may_be_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
-    return d->mesh->node[leaf->node].pixels < d->settings.specks && !sl_has_hidden_corner(d, leaf);
+    bool few = d->mesh->node[leaf->node].pixels < d->settings.specks && !sl_has_hidden_corner(d, leaf);
+    return few && !sl_displayed_is_contradicted(d, leaf) && !sl_displayed_below_contradicted(d, leaf);
 }
 
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
@@ -102,9 +110,10 @@ void sl_displayed_settle(sl_displayed *d) {
 
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node);
-    if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed)) return 0.0f; /* most often so, and quicker to tell than what follows */
+    bool small = node->flags & SL_NODE_SMALL, closed = sl_all_edges_closed(node), unprobed = sl_is_unprobed(d, node);
+    if ((node->flags & (SL_NODE_TAKEN | SL_NODE_SETTLED)) || (small && closed && !unprobed)) return 0.0f; /* most often so, and quick to tell */
     if (!sl_may_split_but_for_specks(d, leaf)) return 0.0f;
+    if (unprobed) return (float)node->pixels * UNTESTED;
     bool speck = may_be_speck(d, leaf);
     if (speck && was_speck(node)) return 0.0f;
     float contrast = sl_displayed_corner_contrast(d, leaf);

@@ -13,8 +13,10 @@ static bool will_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return sl_needs_cut(&d->mesh->node[leaf->node]) && sl_may_split(d, leaf);
 }
 
-static void ask(sl_displayed *d, uint32_t v, uint32_t *vertex, size_t *count) {
-    if (d->mesh->state[v] != SL_VERTEX_UNKNOWN) return;
+/* again: what is known, too. */
+static void ask(sl_displayed *d, uint32_t v, bool again, uint32_t *vertex, size_t *count) {
+    uint8_t state = d->mesh->state[v];
+    if (state != SL_VERTEX_UNKNOWN && !(again && state == SL_VERTEX_KNOWN)) return;
     d->mesh->state[v] = SL_VERTEX_REQUESTED;
     vertex[(*count)++] = v;
 }
@@ -22,14 +24,15 @@ static void ask(sl_displayed *d, uint32_t v, uint32_t *vertex, size_t *count) {
 sl_status sl_displayed_request(sl_displayed *d, const sl_mesh_place *leaf, uint32_t *vertex, size_t *count, sl_error *error) {
     sl_status status = SL_OK;
     *count = 0;
-    for (int c = 0; c < 3; c++) ask(d, d->mesh->node[leaf->node].vertex[c], vertex, count);
+    bool again = sl_displayed_is_contradicted(d, leaf); /* some may have been interpolated where something lies in between */
+    for (int c = 0; c < 3; c++) ask(d, d->mesh->node[leaf->node].vertex[c], again, vertex, count);
     d->corners_asked |= *count > 0;
     bool all = will_split(d, leaf);
     for (int e = 0; e < 3; e++) {
         if (sl_edge_of(&d->mesh->node[leaf->node], e) == SL_EDGE_CLOSED && !all) continue;
         uint32_t middle = sl_mesh_middle(d->mesh, leaf, e, &status, error);
         if (status != SL_OK) return status;
-        if (middle != SL_NO_INDEX) ask(d, middle, vertex, count);
+        if (middle != SL_NO_INDEX) ask(d, middle, again, vertex, count);
     }
     return SL_OK;
 }
@@ -82,7 +85,7 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
 static bool is_closed(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
     if (node->child != SL_NO_INDEX || (node->flags & SL_NODE_TAKEN)) return false;
-    if (sl_may_split(d, leaf)) return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node);
+    if (sl_may_split(d, leaf)) return (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) && !sl_is_unprobed(d, node);
     return sl_all_edges_closed(node) || sl_displayed_corner_contrast(d, leaf) <= 1.0f;
 }
 
@@ -121,28 +124,40 @@ static sl_status undo_upwards(sl_displayed *d, sl_mesh_place place, uint32_t *hi
     return SL_OK;
 }
 
+/* Parents that are closed by now go; what is above is brought up to date. */
+static sl_status settle_above(sl_displayed *d, const sl_mesh_place *leaf, sl_mesh_place parent, uint32_t highest, sl_counters *counters, sl_error *error) {
+    sl_status status = undo_upwards(d, parent, &highest, counters, error);
+    sl_displayed_raise(d, leaf->face, highest);
+    return status;
+}
+
+sl_status sl_displayed_close(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error) {
+    sl_mesh_place parent = leaf->depth > 0 ? sl_mesh_place_of(d->mesh, sl_mesh_parent(d->mesh, leaf->node)) : *leaf;
+    d->mesh->node[leaf->node].priority = sl_displayed_leaf_priority(d, leaf);
+    return settle_above(d, leaf, parent, leaf->node, counters, error);
+}
+
+/* Edges that have just been closed: whether the leaf is to be probed. */
+static void judge_closed(sl_displayed *d, const sl_mesh_place *leaf) {
+    sl_mesh_node *node = &d->mesh->node[leaf->node];
+    sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
+    sl_mesh_set_speck(node, 0);
+    sl_displayed_judge_probes(d, node, sl_displayed_size(d, &clip, leaf));
+}
+
 sl_status sl_displayed_commit(sl_displayed *d, const sl_mesh_place *leaf, sl_counters *counters, sl_error *error) {
     sl_mesh *mesh = d->mesh;
     if (!d->pixels || !sl_mesh_is_leaf(mesh, leaf->node)) return SL_OK;
     mesh->node[leaf->node].flags &= ~(uint32_t)SL_NODE_TAKEN;
     d->dirty_all |= d->corners_asked;
     d->corners_asked = false;
-    bool complete;
+    bool complete, was_closed = sl_all_edges_closed(&mesh->node[leaf->node]);
     sl_status status = test_edges(d, leaf, &complete, error);
     if (status == SL_OK) status = sl_displayed_mark(d, leaf->node, error);
+    if (!was_closed && sl_all_edges_closed(&mesh->node[leaf->node])) judge_closed(d, leaf);
     if (status == SL_OK && complete && will_split(d, leaf)) status = split(d, leaf, error);
     if (status != SL_OK) return status;
-
-    uint32_t highest = leaf->node; /* what above it is to be brought up to date */
-    sl_mesh_place parent = *leaf;
-    if (sl_mesh_is_leaf(mesh, leaf->node)) {
-        mesh->node[leaf->node].priority = sl_displayed_leaf_priority(d, leaf);
-        if (leaf->depth > 0) parent = sl_mesh_place_of(mesh, sl_mesh_parent(mesh, leaf->node));
-    } else {
-        sl_count(counters, SL_COUNT_SPLITS, 1);
-        highest = mesh->node[leaf->node].child;
-    }
-    status = undo_upwards(d, parent, &highest, counters, error);
-    sl_displayed_raise(d, leaf->face, highest);
-    return status;
+    if (sl_mesh_is_leaf(mesh, leaf->node)) return sl_displayed_close(d, leaf, counters, error);
+    sl_count(counters, SL_COUNT_SPLITS, 1);
+    return settle_above(d, leaf, *leaf, mesh->node[leaf->node].child, counters, error);
 }

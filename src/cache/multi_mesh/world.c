@@ -10,6 +10,9 @@
 #include "base/memory.h"
 #include "scene/ambient.h"
 
+/* The finest of size criteria: leaves of direct light that are larger are probed for what lies between their corners (probes.c). */
+static const float FINE_AREA = 16.0f, FINE_EDGE = 8.0f;
+
 enum { FEW_PIXELS = 8, SPECKS = 4, INDIRECT_SPECKS = 32, MANY_LIGHTS = 16 };
 /* Of the pixels that a leaf may have: so many are too few to be cut for size alone (most of the leaf is hidden), and are a speck. In the room (640 x 480,
  * normal) the one takes an eighth of the samples of direct light away and leaves its error as it is, the other a tenth for a tenth more squared error. */
@@ -113,9 +116,10 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
     float area = coarser * coarser * (float)m->leaf_area;
+    bool probed = part != SL_INDIRECT && (m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE);
     sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = coarser * (float)m->leaf_edge,
                                       .few_pixels = part_of(area, FEW, FEW_PIXELS), .specks = part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
-                                      .sharp = part != SL_INDIRECT,
+                                      .probed_area = probed ? FINE_AREA : 0.0f, .probed_edge = FINE_EDGE, .sharp = part != SL_INDIRECT,
                                       .specks_contrast = (part == SL_INDIRECT ? INDIRECT_SPECKS_CONTRAST : SPECKS_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
                                       .hanging = !m->keep_hanging, .perception = s->perception, .shown = {s, shown_radiance},

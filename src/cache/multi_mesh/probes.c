@@ -1,0 +1,184 @@
+/* Probes of visibility (section 5, F11: a round shadow of six pixels is found whatever its position). Leaves of direct light may be larger than such a
+ * shadow, and their edges pass it by. So every fourth pixel of every fourth row of a leaf that is closed is asked whether it sees what the leaf's corners say it
+ * does: where all of them see all of a light, or all of them nothing of it, a shadow ray towards its middle must say the same. No disc of six pixels lies between
+ * four such pixels. Where it says something else, n x n rays tell by how much, and whether an eye could tell.
+ *
+ * Nothing is asked of lights that could not be missed there, nor where corners are in the penumbra: that their edges know. What is
+ * asked depends on the view and on what the meshes know, and is forgotten at once. */
+#include "cache/multi_mesh/direct.h"
+#include "cache/multi_mesh/lit_points.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+#include <math.h>
+
+#include "base/counters.h"
+#include "base/math.h"
+#include "base/parallel.h"
+
+enum { SPACING = 4, CLOSER_RAYS = 4 };
+/* Of what a light could give at a corner: all of it, or nothing, but for what interpolation makes of them. */
+static const float ALL = 0.9f, NOTHING = 0.05f;
+/* Less than that, to what arrives there altogether, no eye can tell (a grey level of 255 is a fortieth of the light). */
+static const float UNSEEN = 0.01f;
+
+typedef struct probed_leaf {
+    const sl_multi_mesh_state *s;
+    sl_component part;
+    const sl_displayed *d;
+    const sl_mesh_place *place;
+    sl_mesh_point corner[3];
+    sl_counters *counters;
+} probed_leaf;
+
+static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
+    float whole = (float)SL_MESH_DYADIC;
+    uint16_t at_p = (uint16_t)fminf(fmaxf(p + 0.5f, 0.0f), whole), at_q = (uint16_t)fminf(fmaxf(q + 0.5f, 0.0f), whole - (float)at_p);
+    sl_face_point x = {.face = leaf->place->face, .p = at_p, .q = at_q};
+    return sl_face_point_in_world(leaf->s->topology, &x);
+}
+
+/* What so much of one light alone makes of the mesh's values. */
+static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share, const sl_mesh_point *point) {
+    const sl_sampled_lights one = {.count = 1, .light = &leaf->s->lights->light[light]};
+    if (leaf->part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(&one, &share);
+    return sl_direct_specular(&one, &share, point, sl_face_material(leaf->s->scene, point->face)->exponent, leaf->s->scene->camera.eye,
+                              leaf->s->settings.multi_mesh.plain_highlights);
+}
+
+/* Could an eye tell the mesh's value at a point from that? */
+static bool shows(const probed_leaf *leaf, float w1, float w2, sl_rgb value, sl_rgb other) {
+    const sl_shown_radiance *shown = &leaf->d->settings.shown;
+    sl_rgb a = shown->radiance(shown->context, leaf->part, leaf->place->face, w1, w2, value);
+    sl_rgb b = shown->radiance(shown->context, leaf->part, leaf->place->face, w1, w2, other);
+    return sl_display_contrast(&leaf->d->settings.perception, a, b) > 1.0f;
+}
+
+static sl_rgb changed_by(sl_rgb value, sl_rgb more, sl_rgb less) {
+    return (sl_rgb){fmaxf(value.r + more.r - less.r, 0.0f), fmaxf(value.g + more.g - less.g, 0.0f), fmaxf(value.b + more.b - less.b, 0.0f)};
+}
+
+static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value) {
+    float of[3], own_w1, own_w2;
+    sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
+    if (!sl_mesh_interpolate(leaf->d->mesh, leaf->place, own_w1, own_w2, true, of)) return false;
+    *value = (sl_rgb){of[0], of[1], of[2]};
+    return true;
+}
+
+/* ---- one light ---- */
+
+/* Would it be missed in the leaf, or noticed? Judged in the middle of it. */
+static bool matters(const probed_leaf *leaf, size_t light) {
+    sl_leaf_middle middle = sl_mesh_leaf_middle(leaf->place);
+    sl_mesh_point point = point_at(leaf, middle.p, middle.q);
+    sl_lit_point lit = sl_lit_point_of(&point);
+    float w1 = middle.p / (float)SL_MESH_DYADIC, w2 = middle.q / (float)SL_MESH_DYADIC;
+    float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
+    sl_rgb value, none = sl_grey(0.0f), own;
+    if (!(most > 0.0f) || !value_at(leaf, w1, w2, &value)) return false;
+    own = value_of_light(leaf, light, most, &point);
+    if (own.r < UNSEEN * value.r && own.g < UNSEEN * value.g && own.b < UNSEEN * value.b) return false;
+    return shows(leaf, w1, w2, value, changed_by(value, none, own)) || shows(leaf, w1, w2, value, changed_by(value, own, none));
+}
+
+typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTHING } seen_by_corners;
+
+/* What is known of the light at a mesh's vertex. */
+static bool share_at(const sl_mesh *irradiance, uint32_t face, uint16_t p, uint16_t q, float *share) {
+    uint32_t sample = sl_mesh_find_vertex(irradiance, face, p, q);
+    float unit = 1.0f / (float)SL_MESH_DYADIC;
+    if (sample == SL_NO_INDEX || irradiance->state[sample] == SL_VERTEX_UNKNOWN) return sl_mesh_value(irradiance, face, (float)p * unit, (float)q * unit, share);
+    *share = irradiance->value[sample];
+    return irradiance->state[sample] == SL_VERTEX_KNOWN;
+}
+
+static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, float share[3]) {
+    const sl_mesh *mesh = leaf->d->mesh, *irradiance = sl_irradiance_mesh(leaf->s->irradiance, light);
+    bool all = true, nothing = true;
+    for (int i = 0; i < 3; i++) {
+        uint16_t p, q;
+        uint32_t face = sl_mesh_lowest_face(mesh, mesh->node[leaf->place->node].vertex[i], &p, &q);
+        sl_lit_point lit = sl_lit_point_of(&leaf->corner[i]);
+        float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
+        if (!share_at(irradiance, face, p, q, &share[i])) return CORNERS_DIFFER;
+        all = all && most > 0.0f && share[i] >= ALL * most;
+        nothing = nothing && share[i] <= NOTHING * most;
+    }
+    return all ? CORNERS_SEE_ALL : nothing ? CORNERS_SEE_NOTHING : CORNERS_DIFFER;
+}
+
+/* Is what a pixel sees of the light something that an eye can tell from what corners make of it? */
+static bool differs(const probed_leaf *leaf, size_t light, const float share[3], bool lit_corners, uint32_t pixel) {
+    const sl_visible_pixels *pixels = leaf->d->pixels;
+    float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2;
+    sl_mesh_point point = point_at(leaf, w1 * (float)SL_MESH_DYADIC, w2 * (float)SL_MESH_DYADIC);
+    sl_lit_point lit = sl_lit_point_of(&point);
+    if ((sl_light_probe(leaf->s->sampling, light, &lit, 1, leaf->counters) > 0.0f) == lit_corners) return false;
+    sl_rgb value;
+    if (!value_at(leaf, w1, w2, &value)) return false;
+    sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
+    float interpolated = share[0] + own_w1 * (share[1] - share[0]) + own_w2 * (share[2] - share[0]);
+    float seen = sl_light_probe(leaf->s->sampling, light, &lit, CLOSER_RAYS, leaf->counters);
+    return shows(leaf, w1, w2, value, changed_by(value, value_of_light(leaf, light, seen, &point), value_of_light(leaf, light, interpolated, &point)));
+}
+
+/* ---- a leaf ---- */
+
+static bool is_probe(const sl_visible_pixels *pixels, uint32_t pixel) {
+    uint32_t at = pixels->pixel[pixel], width = (uint32_t)pixels->width;
+    return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
+}
+
+static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
+    float share[3];
+    if (!matters(leaf, light)) return false;
+    seen_by_corners corners = what_corners_see(leaf, light, share);
+    if (corners == CORNERS_DIFFER) return false;
+    uint32_t count = leaf->d->mesh->node[leaf->place->node].pixels;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t pixel = sl_displayed_pixel(leaf->d, leaf->place, i);
+        if (is_probe(leaf->d->pixels, pixel) && differs(leaf, light, share, corners == CORNERS_SEE_ALL, pixel)) return true;
+    }
+    return false;
+}
+
+static bool has_probes(const probed_leaf *leaf) {
+    uint32_t count = leaf->d->mesh->node[leaf->place->node].pixels;
+    for (uint32_t i = 0; i < count; i++)
+        if (is_probe(leaf->d->pixels, sl_displayed_pixel(leaf->d, leaf->place, i))) return true;
+    return false;
+}
+
+static bool is_contradicted(probed_leaf *leaf) {
+    const sl_mesh *mesh = leaf->d->mesh;
+    if (!has_probes(leaf)) return false;
+    for (int i = 0; i < 3; i++) {
+        uint32_t vertex = mesh->node[leaf->place->node].vertex[i];
+        if (mesh->state[vertex] != SL_VERTEX_KNOWN) return false;
+        sl_mesh_point_of(mesh, vertex, &leaf->corner[i]);
+    }
+    for (size_t l = 0; l < leaf->s->lights->count; l++)
+        if (is_contradicted_by(leaf, l)) return true;
+    return false;
+}
+
+/* ---- many ---- */
+
+typedef struct probing {
+    const sl_multi_mesh_state *s;
+    sl_probed_leaf *leaf;
+} probing;
+
+static void probe_one(void *context, size_t i, unsigned worker) {
+    (void)worker;
+    const probing *p = context;
+    sl_probed_leaf *of = &p->leaf[i];
+    probed_leaf leaf = {.s = p->s, .part = of->part, .d = p->s->part[of->part], .place = &of->place, .counters = &of->counters};
+    of->contradicted = is_contradicted(&leaf);
+}
+
+void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *leaves) {
+    probing p = {s, leaves};
+    if (count) sl_parallel_for(s->settings.threads, count, probe_one, &p);
+    for (size_t i = 0; i < count; i++) sl_counters_add(&s->counters, &leaves[i].counters);
+}
