@@ -20,18 +20,20 @@ typedef struct run {
 } run;
 
 /* Takes the scene. */
-static run run_of(sl_scene *scene, int size) {
+static run run_in_quality(sl_scene *scene, int size, sl_quality quality) {
     run r = {.scene = scene};
     sl_settings settings = small_settings("multi-mesh", size, size);
     sl_transport transport;
     void *state;
-    settings.quality = SL_QUALITY_DRAFT;
+    settings.quality = quality;
     sl_multi_mesh_complete(&settings);
     sl_multi_mesh_transport(&settings, &transport);
     assert_int_equal(sl_multi_mesh_method.create(scene, &settings, &transport, &state, NULL), SL_OK);
     r.s = state;
     return r;
 }
+
+static run run_of(sl_scene *scene, int size) { return run_in_quality(scene, size, SL_QUALITY_DRAFT); }
 
 static void step(run *r) {
     sl_progress progress = {0};
@@ -169,7 +171,28 @@ static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_
     discard(&r);
 }
 
-/* Without lobes: there and back again. */
+static uint64_t grown(const sl_counters *before, const run *r, sl_counter counter) { return r->s->counters.value[counter] - before->value[counter]; }
+
+/* Leaves are judged by all components together, and these were known one after another. The meshes themselves have come to rest, whether or not it is
+ * remembered that the picture is done. */
+static void told_to_look_again_it_has_nothing_to_ask(void **state) {
+    (void)state;
+    for (int quality = SL_QUALITY_DRAFT; quality <= SL_QUALITY_NORMAL; quality++) {
+        run r = run_in_quality(load_scene("scenes/cornell.json"), 160, (sl_quality)quality);
+        finish(&r);
+        sl_counters before = r.s->counters;
+        assert_int_equal(r.s->done_count, 1);
+        r.s->done_count = 0;
+        assert_int_equal(sl_multi_mesh_method.edit(r.s, SL_CHANGED_CAMERA, NULL), SL_OK);
+        finish(&r);
+        assert_int_equal(grown(&before, &r, SL_COUNT_LIGHT_SAMPLES), 0);
+        assert_int_equal(grown(&before, &r, SL_COUNT_INDIRECT_SAMPLES), 0);
+        assert_int_equal(grown(&before, &r, SL_COUNT_SPLITS), 0);
+        discard(&r);
+    }
+}
+
+/* Without lobes: there and back again, but that nobody remembers to have been there. */
 static void back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again(void **state) {
     (void)state;
     run r = run_of(load_scene("scenes/cornell.json"), 64);
@@ -177,10 +200,10 @@ static void back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_ag
     look_from(&r, 60.0f);
     finish(&r);
     sl_counters before = r.s->counters;
+    r.s->done_count = 0;
     look_from(&r, 0.0f);
     finish(&r);
-    uint64_t light = r.s->counters.value[SL_COUNT_LIGHT_SAMPLES] - before.value[SL_COUNT_LIGHT_SAMPLES];
-    uint64_t gathers = r.s->counters.value[SL_COUNT_INDIRECT_SAMPLES] - before.value[SL_COUNT_INDIRECT_SAMPLES];
+    uint64_t light = grown(&before, &r, SL_COUNT_LIGHT_SAMPLES), gathers = grown(&before, &r, SL_COUNT_INDIRECT_SAMPLES);
     print_message("%llu of %llu samples of light, %llu of %llu gathers\n", (unsigned long long)light, (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES],
                   (unsigned long long)gathers, (unsigned long long)before.value[SL_COUNT_INDIRECT_SAMPLES]);
     assert_true(500 * light <= before.value[SL_COUNT_LIGHT_SAMPLES]);
@@ -282,6 +305,7 @@ int main(void) {
         cmocka_unit_test(the_merge_is_the_sum_of_planes_times_reflectances),
         cmocka_unit_test(meshes_are_served_so_that_their_largest_priorities_fall_together),
         cmocka_unit_test(after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays),
+        cmocka_unit_test(told_to_look_again_it_has_nothing_to_ask),
         cmocka_unit_test(back_in_an_old_view_of_a_diffuse_scene_hardly_anything_is_sampled_again),
         cmocka_unit_test(what_a_scene_has_no_use_for_is_not_done),
         cmocka_unit_test(where_no_light_falls_no_coarse_mesh_is_made_and_nothing_is_gathered),

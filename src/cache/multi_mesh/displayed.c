@@ -81,8 +81,9 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
     else sl_displayed_partition(d, place);
 }
 
-/* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here was cut for the sake of another view, from
- * nearer: it shows, but nothing more is asked of it, so that an old view, seen again, asks for nothing. */
+/* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here, or was not worth a look when a picture like this was
+ * done, was cut for the sake of another view, from nearer: it shows, but nothing more is asked of it, so that an old view, seen again, asks for hardly
+ * anything. */
 static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *place, bool settled) {
     sl_mesh_node *node = &d->mesh->node[place->node];
     bool is_leaf = node->child == SL_NO_INDEX, judged = is_leaf || sl_all_edges_closed(node) || d->settings.probed_area > 0.0f;
@@ -93,7 +94,7 @@ static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_p
         node->priority = sl_displayed_leaf_priority(d, place);
         return;
     }
-    settled |= (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node);
+    settled |= sl_all_edges_closed(node) ? (node->flags & SL_NODE_SMALL) != 0 : sl_was_speck(node);
     sl_displayed_hand_down(d, place);
     for (int c = 0; c < sl_mesh_children(d->mesh, place->node); c++) {
         const sl_mesh_node *child = &d->mesh->node[node->child + (uint32_t)c];

@@ -44,6 +44,8 @@ static inline bool sl_needs_cut(const sl_mesh_node *node) {
 /* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels, and what an eye can tell of a
  * few pixels is less the fewer they are (Ricco's law: threshold times area is constant). Without known corners there is nothing to be told. */
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf);
+/* What was one when a picture was done still is, with no more pixels. */
+static inline bool sl_was_speck(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_speck(node); }
 /* Is a corner inside other geometry? Then direct light ends somewhere in the leaf, and its other corners do not say where. */
 static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_mesh_place *leaf) {
     const uint32_t *vertex = d->mesh->node[leaf->node].vertex;

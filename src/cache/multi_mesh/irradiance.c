@@ -39,6 +39,7 @@ struct sl_irradiance_meshes {
     sample_result *result;
     size_t wanted_count, wanted_capacity;
     sample_worker *worker;
+    bool sparing;              /* what is known will do */
     double inwards;            /* how far vertices on edges are moved into their faces */
 };
 
@@ -234,9 +235,21 @@ static int edge_halved_by(const sl_mesh_place *place, const sl_face_point *x) {
     return -1;
 }
 
+/* The sample at a point, or what is interpolated there, however coarsely. */
+static fetch_state fetch_known(const sl_mesh *mesh, const sl_face_point *x, float *share) {
+    const float unit = 1.0f / (float)SL_MESH_DYADIC;
+    uint32_t sample = sl_mesh_find_vertex(mesh, x->face, x->p, x->q);
+    if (sample == SL_NO_INDEX || !is_there(mesh, sample))
+        return sl_mesh_value(mesh, x->face, (float)x->p * unit, (float)x->q * unit, share) ? FETCH_READY : FETCH_PENDING;
+    *share = mesh->value[sample];
+    return mesh->state[sample] == SL_VERTEX_KNOWN ? FETCH_READY : FETCH_INVALID;
+}
+
 static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_point *x, float *share, sl_error *error) {
     sl_mesh *mesh = m->mesh[light];
     sl_status status = SL_OK;
+    fetch_state known = m->sparing ? fetch_known(mesh, x, share) : FETCH_PENDING;
+    if (known != FETCH_PENDING) return known;
     if (sl_mesh_root(mesh, x->face, &status, error) == SL_NO_INDEX) return FETCH_FAILED;
     sl_mesh_place place = sl_mesh_root_place(mesh, x->face);
     for (;;) {
@@ -449,6 +462,8 @@ sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradian
     for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, changes);
     return make_scratch(m, error);
 }
+
+void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->sparing = sparing; }
 
 /* ---- memory ---- */
 

@@ -52,6 +52,9 @@ const sl_mesh *sl_irradiance_mesh(const sl_irradiance_meshes *meshes, size_t lig
 sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_face_point *points, float *share, bool *valid,
                            sl_counters *counters, sl_error *error);
 
+/* From now on what is known will do, whatever depth is wanted: samples are taken only where there is nothing to interpolate. (Or no longer.) */
+void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);
+
 /* As little memory as it takes, when nothing is asked of them for the time being. */
 void sl_irradiance_meshes_tidy(sl_irradiance_meshes *meshes);
 

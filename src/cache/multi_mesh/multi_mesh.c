@@ -93,6 +93,17 @@ static sl_materials_wanted materials_in_view(const sl_multi_mesh_state *s) {
 
 static bool in_view(const sl_displayed *part) { return part && part->heap_count > 0; }
 
+/* A picture that was done once is done: what other views have found since shows in it, and would be looked into further without end. */
+static bool was_done(const sl_multi_mesh_state *s) {
+    for (size_t i = 0; i < s->done_count && i < SL_DONE_VIEWS; i++)
+        if (memcmp(&s->done[i], &s->scene->camera, sizeof s->done[i]) == 0) return true;
+    return false;
+}
+
+static void remember_done(sl_multi_mesh_state *s) {
+    if (!s->full && !s->seen_before) s->done[s->done_count++ % SL_DONE_VIEWS] = s->scene->camera;
+}
+
 /* A row of all planes that will be drawn. */
 static void clear_row(void *context, size_t row, unsigned worker) {
     (void)worker;
@@ -124,6 +135,8 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK) sl_parallel_for(threads, (size_t)s->settings.height, clear_row, s);
     sl_visible_pixels_destroy(before);
     s->priorities_stale = false;
+    s->seen_before = was_done(s);
+    if (s->irradiance) sl_irradiance_meshes_spare(s->irradiance, s->seen_before);
     if (status == SL_OK) s->phase = SL_PHASE_FIRST;
     return status;
 }
@@ -144,7 +157,8 @@ static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *n
 static bool indirect_is_ready(const sl_multi_mesh_state *s) { return s->coarse_whole; }
 
 static bool takes_part(const sl_multi_mesh_state *s, int part) {
-    return s->part[part] && (part != SL_INDIRECT || indirect_is_ready(s));
+    bool done = s->seen_before && part != SL_DIRECT_SPECULAR;
+    return s->part[part] && !done && (part != SL_INDIRECT || indirect_is_ready(s));
 }
 
 static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
@@ -247,6 +261,7 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
  * gathered again, and stay. */
 static void tidy(sl_multi_mesh_state *s) {
     sl_multi_mesh_announce_light_sample(s);
+    remember_done(s);
     for (int i = 0; i < SL_COMPONENTS; i++) {
         if (!s->part[i]) continue;
         sl_displayed_settle(s->part[i]);
@@ -348,6 +363,7 @@ static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error)
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
         forget_view(s);
         s->full = false;
+        s->done_count = 0;
         status = sl_multi_mesh_follow_world(s, error);
         if (status != SL_OK) sl_multi_mesh_forget_world(s);
     } else if (s->part[SL_DIRECT_SPECULAR]) {

@@ -13,6 +13,8 @@
 
 typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_PHASE_DONE } sl_mesh_phase;
 
+enum { SL_DONE_VIEWS = 32 };
+
 typedef struct sl_gather_worker {
     sl_mesh_gather_scratch *scratch;
     sl_counters counters;
@@ -48,6 +50,11 @@ typedef struct sl_multi_mesh_state {
     sl_materials_seen *materials;
     float *planes[SL_COMPONENTS][3];
     float *plane_memory;
+
+    sl_camera done[SL_DONE_VIEWS];  /* the last views that were refined to their end since lights and objects have been where they are: */
+    size_t done_count;              /* ... in turn, at done_count % SL_DONE_VIEWS */
+    bool seen_before;               /* the view is one of them: only specular radiance, which starts again, is refined, from
+                                       what is known of irradiance */
 
     sl_mesh_phase phase;
     bool full;                      /* settings.memory_bytes is taken: no more splits */

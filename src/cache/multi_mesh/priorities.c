@@ -85,9 +85,6 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
 
 static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) { return (float)pixels * contrast < d->settings.specks_contrast; }
 
-/* What was one when a picture was done still is, with no more pixels. */
-static bool was_speck(const sl_mesh_node *node) { return !sl_all_edges_closed(node) && node->pixels <= sl_mesh_speck(node); }
-
 /* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is what a
  * probe has told of. */
 static bool may_be_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
@@ -97,7 +94,7 @@ static bool may_be_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
 
 bool sl_displayed_is_speck(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh_node *node = &d->mesh->node[leaf->node];
-    return may_be_speck(d, leaf) && (was_speck(node) || is_speck(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
+    return may_be_speck(d, leaf) && (sl_was_speck(node) || is_speck(d, node->pixels, sl_displayed_corner_contrast(d, leaf)));
 }
 
 void sl_displayed_settle(sl_displayed *d) {
@@ -115,7 +112,7 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *lea
     if (!sl_may_split_but_for_specks(d, leaf)) return 0.0f;
     if (unprobed) return (float)node->pixels * UNTESTED;
     bool speck = may_be_speck(d, leaf);
-    if (speck && was_speck(node)) return 0.0f;
+    if (speck && sl_was_speck(node)) return 0.0f;
     float contrast = sl_displayed_corner_contrast(d, leaf);
     return speck && is_speck(d, node->pixels, contrast) ? 0.0f : (float)node->pixels * (contrast + (sl_needs_cut(node) ? TOO_LARGE : UNTESTED));
 }

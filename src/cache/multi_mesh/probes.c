@@ -1,7 +1,7 @@
-/* Probes of visibility (section 5, F11: a round shadow of six pixels is found whatever its position). Leaves of direct light may be larger than such a
- * shadow, and their edges pass it by. So every fourth pixel of every fourth row of a leaf that is closed is asked whether it sees what the leaf's corners say it
- * does: where all of them see all of a light, or all of them nothing of it, a shadow ray towards its middle must say the same. No disc of six pixels lies between
- * four such pixels. Where it says something else, n x n rays tell by how much, and whether an eye could tell.
+/* Probes of visibility (section 5, F11: a round shadow of six pixels is found whatever its position). Leaves of direct light may be larger than
+ * such a shadow, and their edges pass it by. So every fourth pixel of every fourth row of a leaf that is closed is asked whether it sees what the
+ * leaf's corners say it does: where all of them see all of a light, or all of them nothing of it, a shadow ray towards its middle must say the same.
+ * No disc of six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and whether an eye could tell.
  *
  * Nothing is asked of lights that could not be missed there, nor where corners are in the penumbra: that their edges know. What is
  * asked depends on the view and on what the meshes know, and is forgotten at once. */
@@ -32,7 +32,8 @@ typedef struct probed_leaf {
 
 static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
     float whole = (float)SL_MESH_DYADIC;
-    uint16_t at_p = (uint16_t)fminf(fmaxf(p + 0.5f, 0.0f), whole), at_q = (uint16_t)fminf(fmaxf(q + 0.5f, 0.0f), whole - (float)at_p);
+    uint16_t at_p = (uint16_t)fminf(fmaxf(p + 0.5f, 0.0f), whole);
+    uint16_t at_q = (uint16_t)fminf(fmaxf(q + 0.5f, 0.0f), whole - (float)at_p);
     sl_face_point x = {.face = leaf->place->face, .p = at_p, .q = at_q};
     return sl_face_point_in_world(leaf->s->topology, &x);
 }
@@ -87,7 +88,8 @@ typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTH
 static bool share_at(const sl_mesh *irradiance, uint32_t face, uint16_t p, uint16_t q, float *share) {
     uint32_t sample = sl_mesh_find_vertex(irradiance, face, p, q);
     float unit = 1.0f / (float)SL_MESH_DYADIC;
-    if (sample == SL_NO_INDEX || irradiance->state[sample] == SL_VERTEX_UNKNOWN) return sl_mesh_value(irradiance, face, (float)p * unit, (float)q * unit, share);
+    if (sample == SL_NO_INDEX || irradiance->state[sample] == SL_VERTEX_UNKNOWN)
+        return sl_mesh_value(irradiance, face, (float)p * unit, (float)q * unit, share);
     *share = irradiance->value[sample];
     return irradiance->state[sample] == SL_VERTEX_KNOWN;
 }

@@ -118,7 +118,8 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     float area = coarser * coarser * (float)m->leaf_area;
     bool probed = part != SL_INDIRECT && (m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE);
     sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = coarser * (float)m->leaf_edge,
-                                      .few_pixels = part_of(area, FEW, FEW_PIXELS), .specks = part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
+                                      .few_pixels = part_of(area, FEW, FEW_PIXELS),
+                                      .specks = part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
                                       .probed_area = probed ? FINE_AREA : 0.0f, .probed_edge = FINE_EDGE, .sharp = part != SL_INDIRECT,
                                       .specks_contrast = (part == SL_INDIRECT ? INDIRECT_SPECKS_CONTRAST : SPECKS_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
