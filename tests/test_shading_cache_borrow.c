@@ -2,6 +2,7 @@
 #include "shading_cache_support.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/counters.h"
 #include "cache/shading_cache/state.h"
@@ -152,6 +153,56 @@ static void around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere(void **st
         assert_true(cost.value[SL_COUNT_POINTS_SHADED] > 40);
         sl_image_destroy(image);
     }
+    sl_scene_destroy(scene);
+}
+
+static const char light_in_box[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\"}],"
+                                   "\"lights\": [{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 3},"
+                                   "{\"type\": \"point\", \"position\": [0, 0.15, 0], \"intensity\": 1}],"
+                                   "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
+
+static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(light_in_box, box_in_floor);
+    sl_settings settings = small_settings("shading-cache", 64, 64);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 10;
+    sl_image *image = render(scene, &settings, NULL);
+    for (int i = 0; i < 3 * 64 * 64; i++) assert_true(fabsf(image->planes[i] - image->planes[0]) < 0.004f * image->planes[0]);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static sl_image *picture_at_the_end(sl_method *method) {
+    sl_progress progress = {0};
+    sl_image *image;
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    return image;
+}
+
+/* What was nobody's light until then is what it sees. */
+static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(light_in_box, box_in_floor);
+    sl_settings settings = small_settings("shading-cache", 32, 32);
+    settings.shading_cache.indirect = SL_INDIRECT_NONE;
+    settings.shading_cache.updates = 1u << 30;
+    sl_method *method, *cold;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_image_destroy(picture_at_the_end(method));
+    assert_true(sl_camera_look_at(&scene->camera, sl_v3(0, 0.28f, 0), sl_v3(0.3f, 0, 0.3f), sl_v3(0, 1, 0), 1.5f));
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    assert_int_equal(sl_method_create(scene, &settings, &cold, NULL), SL_OK);
+    sl_image *image = picture_at_the_end(method), *expected = picture_at_the_end(cold);
+    sl_comparison result;
+    assert_int_equal(sl_image_compare(image, expected, NULL, &result, NULL, NULL), SL_OK);
+    printf("    %.3f %% from a cold start\n", 100.0 * result.rel_rmse);
+    assert_true(result.rel_rmse < 0.02 && result.mean_reference > 1.0);
+    sl_image_destroy(image);
+    sl_image_destroy(expected);
+    sl_method_destroy(method);
+    sl_method_destroy(cold);
     sl_scene_destroy(scene);
 }
 
@@ -348,6 +399,8 @@ int main(void) {
         cmocka_unit_test(what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_it),
         cmocka_unit_test(a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows),
         cmocka_unit_test(around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere),
+        cmocka_unit_test(light_that_is_shut_in_does_not_leak_out_at_the_foot),
+        cmocka_unit_test(an_eye_that_goes_into_the_box_sees_what_is_lit_there),
         cmocka_unit_test(splits_around_what_is_inside_something_come_to_an_end),
         cmocka_unit_test(a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again),
         cmocka_unit_test(a_new_value_leaves_no_trace_of_the_old_one),

@@ -780,6 +780,71 @@ static void points_below_boxes_are_invalid(void **state) {
     }
 }
 
+static void are_valid(trace_mesh *mesh, sl_vec3 eye, int count, const sl_vec3 *floor_points, bool *valid) {
+    shop s;
+    shop_open(&s, trace_mesh_build(mesh));
+    sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
+    for (int i = 0; i < count; i++) {
+        sl_sample_request q = request_at(floor_points[i], up);
+        q.eye = eye;
+        valid[i] = shop_sample(&s, &r, &q).valid;
+    }
+    r.destroy(r.state);
+    shop_close(&s);
+}
+
+static trace_mesh floor_and_light(float x, float y, float z) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_quad(&mesh, sl_v3(-5, 0, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0), trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {x, y, z}, .intensity = sl_grey(1.0f)};
+    mesh.light_count = 1;
+    return mesh;
+}
+
+/* An eye within, or a hole that one could look through, makes a room of it. */
+static void to_an_eye_outside_what_is_sealed_is_solid_though_light_is_in_it(void **state) {
+    (void)state;
+    enum { SEALED, HOLE, MASK, BULB, CASES };
+    for (int what = 0; what < CASES; what++) {
+        for (int within = 0; within < 2; within++) {
+            trace_mesh mesh = floor_and_light(1.5f, 1, 1.5f);
+            uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, what == BULB ? 1.0f : 0.0f);
+            static uint8_t texels[4] = {255, 255, 255, 255}; /* it might have holes */
+            if (what == MASK) {
+                mesh.textures[0] = (sl_texture){.file = (char *)"hole", .width = 1, .height = 1, .texels = texels, .has_alpha = true};
+                mesh.texture_count = 1;
+                mesh.materials[wall].alpha_texture = 0;
+            }
+            trace_mesh_box(&mesh, sl_v3(1, 0, 1), sl_v3(2, 2, 2), false, wall);
+            if (what == HOLE) mesh.triangle_count--;
+            bool valid[2];
+            are_valid(&mesh, within ? sl_v3(1.5f, 1.5f, 1.5f) : sl_v3(0, 3, 0), 2, (sl_vec3[2]){{1.4f, 0, 1.6f}, {0.9f, 0, 1.6f}}, valid);
+            assert_int_equal(valid[0], what != SEALED || within);
+            assert_true(valid[1]);
+        }
+    }
+}
+
+/* Some rays meet backs there; within a solid most of them do, and within one that has a side less all. */
+static void lawns_within_fences_and_floors_of_sheds_are_not_inside_anything(void **state) {
+    (void)state;
+    trace_mesh mesh = floor_and_light(0, 4, 0);
+    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), v[8];
+    static const uint8_t faces[5][4] = {{0, 2, 3, 1}, {0, 4, 6, 2}, {1, 3, 7, 5}, {4, 5, 7, 6}, {2, 6, 7, 3}}; /* back, left, right, front, top; they look outwards */
+    for (int shed = 0; shed < 2; shed++) {
+        float side = shed ? 0.5f : 1.0f, high = shed ? 1.0f : 0.42f, x = shed ? 3.0f : -2.0f;
+        for (uint32_t i = 0; i < 8; i++) v[i] = trace_mesh_vertex(&mesh, x + (i & 1 ? side : -side), i & 2 ? high : 0.0f, i & 4 ? side : -side);
+        for (int f = 0; f < 5; f++) {
+            if (f == (shed ? 3 : 4)) continue;
+            trace_mesh_triangle(&mesh, v[faces[f][0]], v[faces[f][1]], v[faces[f][2]], wall);
+            trace_mesh_triangle(&mesh, v[faces[f][0]], v[faces[f][2]], v[faces[f][3]], wall);
+        }
+    }
+    bool valid[2];
+    are_valid(&mesh, sl_v3(0, 3, 0), 2, (sl_vec3[2]){{-2, 0, 0}, {3, 0, 0.2f}}, valid);
+    assert_true(valid[0] && valid[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unoccluded_square_lamps_have_lamberts_irradiance),
@@ -805,6 +870,8 @@ int main(void) {
         cmocka_unit_test(scenes_without_light_are_black),
         cmocka_unit_test(unsound_requests_are_refused),
         cmocka_unit_test(points_below_boxes_are_invalid),
+        cmocka_unit_test(to_an_eye_outside_what_is_sealed_is_solid_though_light_is_in_it),
+        cmocka_unit_test(lawns_within_fences_and_floors_of_sheds_are_not_inside_anything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

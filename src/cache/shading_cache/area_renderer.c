@@ -266,7 +266,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
     (void)worker;
     const area_renderer *r = state;
     const sl_root_point *p = &request->point;
-    sample->valid = !sl_enclosures_hold(r->solids, *r->settings.tracer, p, counters);
+    sample->valid = !sl_enclosures_hold(r->solids, *r->settings.tracer, p, request->eye, counters);
     if (!sample->valid) return;
     lit at = {.renderer = r,
               .request = request,
@@ -326,6 +326,11 @@ static sl_status edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
+static bool eye_matters(const void *state, sl_vec3 before, sl_vec3 now) {
+    const area_renderer *r = state;
+    return sl_enclosures_eye_matters(r->solids, before, now);
+}
+
 static void destroy(void *state) {
     area_renderer *r = state;
     if (!r) return;
@@ -335,7 +340,7 @@ static void destroy(void *state) {
 }
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer, sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .destroy = destroy};
+    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .eye_matters = eye_matters, .destroy = destroy};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

@@ -7,11 +7,13 @@
 #include "base/memory.h"
 #include "trace/bsdf.h"
 
-typedef enum solid_kind { NO_SOLID, OPEN_SOLID, CLOSED_SOLID } solid_kind;
+typedef enum solid_kind { NO_SOLID, OPEN_SOLID, CLOSED_SOLID, LIT_SOLID } solid_kind;
 
 /* What hangs together by common edges. */
 typedef struct body {
     solid_kind kind;
+    bool sealed;               /* of one object, without holes: each edge is that of two triangles, one each way */
+    uint32_t object;           /* of its first triangle */
     bool shines;               /* it has emitters itself */
     sl_vec3 low, high;
     double area, volume;       /* signed volume over its box's centre: positive where fronts look outwards */
@@ -36,6 +38,7 @@ typedef struct place {
 
 typedef struct edge {
     uint32_t low, high, triangle;
+    bool upwards;              /* the triangle goes from low to high */
 } edge;
 
 static int compare_places(const void *a, const void *b) {
@@ -79,7 +82,7 @@ static void join_edges(const sl_scene *s, const uint32_t *first, edge *edges, ui
         parent[t] = (uint32_t)t;
         for (size_t c = 0; c < 3; c++) {
             uint32_t a = first[s->vertex[c][t]], b = first[s->vertex[(c + 1) % 3][t]];
-            edges[3 * t + c] = (edge){a < b ? a : b, a < b ? b : a, (uint32_t)t};
+            edges[3 * t + c] = (edge){a < b ? a : b, a < b ? b : a, (uint32_t)t, a < b};
         }
     }
     qsort(edges, 3 * s->triangle_count, sizeof *edges, compare_edges);
@@ -87,6 +90,25 @@ static void join_edges(const sl_scene *s, const uint32_t *first, edge *edges, ui
         if (edges[i].low != edges[i - 1].low || edges[i].high != edges[i - 1].high) continue;
         uint32_t a = root_of(parent, edges[i - 1].triangle), b = root_of(parent, edges[i].triangle);
         parent[a < b ? b : a] = a < b ? a : b;
+    }
+}
+
+static bool same_edge(const edge *a, const edge *b) { return a->low == b->low && a->high == b->high; }
+
+/* Edges are sorted. What stands alone, or three in a place, may be the border of a hole. */
+static bool is_between_two(const edge *edges, size_t count, size_t i) {
+    const edge *e = &edges[i], *other = i > 0 && same_edge(e, e - 1) ? e - 1 : e + 1;
+    size_t first = other < e ? i - 1 : i, end = first + 2;
+    if (end > count || !same_edge(e, other) || e->upwards == other->upwards) return false;
+    return !(first > 0 && same_edge(&edges[first - 1], e)) && !(end < count && same_edge(&edges[end], e));
+}
+
+static void find_sealed(sl_enclosures *solids, const edge *edges) {
+    const sl_scene *s = solids->scene;
+    for (size_t i = 0; i < 3 * s->triangle_count; i++) {
+        uint32_t t = edges[i].triangle, b = solids->body_of[t];
+        bool whole = is_between_two(edges, 3 * s->triangle_count, i) && !sl_scene_has_alpha(s, t);
+        if (!whole || s->object_index[t] != solids->bodies[b].object) solids->bodies[b].sealed = false;
     }
 }
 
@@ -104,6 +126,12 @@ static bool find_bodies(sl_enclosures *solids) {
             uint32_t root = root_of(parent, t); /* root <= t */
             solids->body_of[t] = root == t ? (uint32_t)solids->count++ : solids->body_of[root];
         }
+        solids->bodies = sl_allocate(solids->count, sizeof *solids->bodies);
+        done = solids->bodies;
+    }
+    if (done) {
+        for (uint32_t t = (uint32_t)s->triangle_count; t-- > 0;) solids->bodies[solids->body_of[t]] = (body){.sealed = true, .object = s->object_index[t]};
+        find_sealed(solids, edges);
     }
     sl_free(places);
     sl_free(first);
@@ -117,7 +145,8 @@ static bool find_bodies(sl_enclosures *solids) {
 static void measure_boxes(sl_enclosures *solids) {
     const sl_scene *s = solids->scene;
     for (size_t b = 0; b < solids->count; b++) {
-        solids->bodies[b] = (body){.low = sl_v3(INFINITY, INFINITY, INFINITY), .high = sl_v3(-INFINITY, -INFINITY, -INFINITY)};
+        body *old = &solids->bodies[b];
+        *old = (body){.sealed = old->sealed, .object = old->object, .low = sl_v3(INFINITY, INFINITY, INFINITY), .high = sl_v3(-INFINITY, -INFINITY, -INFINITY)};
     }
     for (size_t t = 0; t < s->triangle_count; t++) {
         body *b = &solids->bodies[solids->body_of[t]];
@@ -168,8 +197,10 @@ void sl_enclosures_edit(sl_enclosures *solids) {
         body *b = &solids->bodies[i];
         sl_vec3 size = sl_sub(b->high, b->low);
         double box = (double)size.x * (double)size.y * (double)size.z;
-        if (b->shines || !(b->volume > 0.01 * box) || light_inside(solids, b)) continue;
-        b->kind = sl_lengthd(b->areas) <= 1e-4 * b->area ? CLOSED_SOLID : OPEN_SOLID;
+        if (b->shines || !(b->volume > 0.01 * box)) continue;
+        if (light_inside(solids, b)) b->kind = b->sealed ? LIT_SOLID : NO_SOLID;
+        else b->kind = sl_lengthd(b->areas) <= 1e-4 * b->area ? CLOSED_SOLID : OPEN_SOLID;
+        if (b->kind == NO_SOLID) continue;
         solids->solid[solids->solid_count++] = (uint32_t)i;
     }
 }
@@ -182,10 +213,9 @@ sl_status sl_enclosures_find(const sl_scene *scene, sl_enclosures **out, sl_erro
     solids->body_of = sl_allocate(scene->triangle_count, sizeof *solids->body_of);
     bool found = solids->body_of && find_bodies(solids);
     if (found) {
-        solids->bodies = sl_allocate(solids->count, sizeof *solids->bodies);
         solids->solid = sl_allocate(solids->count, sizeof *solids->solid);
     }
-    if (!found || !solids->bodies || !solids->solid) {
+    if (!found || !solids->solid) {
         sl_enclosures_destroy(solids);
         return sl_fail_memory(error, "the scene's solids");
     }
@@ -224,7 +254,19 @@ static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
     }
 }
 
-bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_counters *counters) {
+/* To an eye within it a lit one is a room. */
+static bool is_solid_to(const body *b, sl_vec3 eye) { return b->kind != LIT_SOLID || !box_holds(b, eye); }
+
+bool sl_enclosures_eye_matters(const sl_enclosures *solids, sl_vec3 before, sl_vec3 now) {
+    bool other = false;
+    for (size_t i = 0; i < solids->solid_count && !other; i++) {
+        const body *b = &solids->bodies[solids->solid[i]];
+        other = is_solid_to(b, before) != is_solid_to(b, now);
+    }
+    return other;
+}
+
+bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_vec3 eye, sl_counters *counters) {
     const sl_scene *s = solids->scene;
     sl_vec3 p = sl_mad(point->position, 1e-5f * s->scale, point->geometric_normal);
     uint32_t own = point->triangle != SL_NO_INDEX ? solids->body_of[point->triangle] : SL_NO_INDEX;
@@ -241,8 +283,8 @@ bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, co
         uint32_t t = hits.triangle[i];
         sl_vec3 d = sl_v3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
         const body *b = &solids->bodies[solids->body_of[t]];
-        if (!(sl_dot(d, sl_scene_geometric_normal(s, t)) > 0.0f) || !box_holds(b, p)) continue;
-        closed += b->kind == CLOSED_SOLID;
+        if (!(sl_dot(d, sl_scene_geometric_normal(s, t)) > 0.0f) || !box_holds(b, p) || !is_solid_to(b, eye)) continue;
+        closed += b->kind == CLOSED_SOLID || b->kind == LIT_SOLID;
         open += b->kind == OPEN_SOLID;
     }
     return 2 * closed > PROBES || closed + open == PROBES;

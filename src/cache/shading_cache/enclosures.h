@@ -3,7 +3,10 @@
  * points as good as others. So back faces count where they belong to what looks outwards as a whole and has no light inside:
  *
  *   closed     more than half of the probe rays meet such back faces
- *   open       (a box without a bottom) all of them do */
+ *   open       (a box without a bottom) all of them do
+ *
+ * What has light inside is a room, as a rule. But of what is sealed (each edge is that of two triangles, and no mask has holes) an eye outside sees nothing of the inside, and the
+ * light there would only leak out of the leaves at its foot: to such an eye it is closed. */
 #ifndef SL_SHADING_CACHE_ENCLOSURES_H
 #define SL_SHADING_CACHE_ENCLOSURES_H
 
@@ -16,6 +19,8 @@ sl_status sl_enclosures_find(const sl_scene *scene, sl_enclosures **solids, sl_e
 void sl_enclosures_destroy(sl_enclosures *solids);
 /* Objects or lights have moved. */
 void sl_enclosures_edit(sl_enclosures *solids);
-bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_counters *counters);
+bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_vec3 eye, sl_counters *counters);
+/* The eye has gone into a lit solid, or out of one: points within are others now. */
+bool sl_enclosures_eye_matters(const sl_enclosures *solids, sl_vec3 before, sl_vec3 now);
 
 #endif

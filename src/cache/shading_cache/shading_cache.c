@@ -115,6 +115,7 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
     sl_shading_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "the shading cache");
     s->scene = scene;
+    s->eye = scene->camera.eye;
     s->settings = *settings;
     s->plan = sl_shading_plan_make(scene, settings);
     s->announcer = (sl_announcer){.observer = settings->observer, .method = "shading-cache", .counters = &s->counters};
@@ -189,6 +190,17 @@ static sl_status shading_resolve(void *state, sl_image **image, sl_error *error)
     return status;
 }
 
+/* As if a light had been moved: all is shaded again. */
+static unsigned of_the_eye(sl_shading_state *s, unsigned what) {
+    bool matters = false;
+    for (int i = 0; i < s->renderer_count && (what & SL_CHANGED_CAMERA); i++) {
+        const sl_sample_renderer *r = &s->renderer[i];
+        matters = matters || (r->eye_matters && r->eye_matters(r->state, s->eye, s->scene->camera.eye));
+    }
+    s->eye = s->scene->camera.eye;
+    return matters ? what | SL_CHANGED_LIGHTS : what;
+}
+
 static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error) {
     sl_object_places *places;
     sl_status status = sl_object_places_take(s->scene, &places, error);
@@ -204,7 +216,7 @@ static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error
  * update; the others show what there is, from where things are. */
 static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_shading_state *s = state;
-    sl_status status = note_motion(s, changes, error);
+    sl_status status = note_motion(s, of_the_eye(s, changes), error);
     s->done = s->late = false;
     if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
     sl_fades_finish(&s->fades, s->patches);

@@ -48,6 +48,7 @@ typedef struct sl_shading_state {
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
+    sl_vec3 eye;                   /* as the last edit left it */
     uint32_t edits;                /* ... of a series: frames */
     uint32_t edited;               /* the first update after an edit whose change no update has found yet; 0: there is none */
     bool shows_only;               /* the next frame of a series waits for no update */
