@@ -7,7 +7,6 @@
 #include "every_allocation.h"
 
 #include <signal.h>
-#include <sys/resource.h>
 #include <time.h>
 
 #include "softlux.h"
@@ -116,8 +115,6 @@ static bool is_chosen(long index, long step, bool foreign) { return index % step
 
 static _Noreturn void be_trier(const fault_case *c, long from, long step, bool foreign) {
     become_mortal();
-    alarm(600);
-    setrlimit(RLIMIT_CPU, &(struct rlimit){120, 120});
     if (c->prepare) c->prepare(c);
     run_whole(c, from);
     long i = from;
@@ -142,12 +139,45 @@ static int wait_for(pid_t child) {
     return how;
 }
 
+/* Processor seconds so far, of all its threads; negative: it is no more. */
+static double processor_seconds(pid_t child) {
+    clockid_t clock;
+    struct timespec t;
+    if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &t) != 0) return -1.0;
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+typedef enum trial_end { ENDED, TURNS, WAITS } trial_end;
+
+/* However busy a machine is, a child that has something to do gets some of it: one whose processor time stands still waits for what never comes.
+ * One that took a minute of it since its last path turns in a circle. Either is killed. */
+static trial_end watch(pid_t child, int *how) {
+    static const double most_of_a_path = 60.0;
+    enum { TICKS_A_SECOND = 100, MOST_STILL = 60 * TICKS_A_SECOND };
+    double last = 0.0, at_path = 0.0;
+    long path = -1;
+    for (int still = 0;; still++) {
+        if (waitpid(child, how, WNOHANG) == child) return ENDED;
+        const double now = processor_seconds(child);
+        if (now != last) last = now, still = 0;
+        if (atomic_load(&board->at) != path) path = atomic_load(&board->at), at_path = now;
+        const trial_end end = still > MOST_STILL ? WAITS : now - at_path > most_of_a_path ? TURNS : ENDED;
+        if (end != ENDED) {
+            kill(child, SIGKILL);
+            *how = wait_for(child);
+            return end;
+        }
+        nanosleep(&(struct timespec){0, 1000000000 / TICKS_A_SECOND}, NULL);
+    }
+}
+
 /* Foreign code may die of what it is refused after one of our own allocations was. */
-static bool tell_death(const fault_case *c, int how) {
+static bool tell_death(const fault_case *c, trial_end end, int how) {
     long at = atomic_load(&board->at);
     bool foreign = board->refused_foreign;
     char what[80];
-    if (WIFSIGNALED(how)) snprintf(what, sizeof what, WTERMSIG(how) == SIGALRM || WTERMSIG(how) == SIGXCPU || WTERMSIG(how) == SIGKILL ? "does not end" : "crashes with signal %d", WTERMSIG(how));
+    if (end != ENDED) snprintf(what, sizeof what, "does not end: it %s", end == WAITS ? "waits for what does not come" : "takes a minute of processor time");
+    else if (WIFSIGNALED(how)) snprintf(what, sizeof what, "crashes with signal %d", WTERMSIG(how));
     else snprintf(what, sizeof what, "ends the process with status %d", WEXITSTATUS(how));
     if (!foreign) {
         complain(c, at, what, NULL);
@@ -168,10 +198,11 @@ static void try_paths(const fault_case *c, long step, bool foreign) {
         fflush(NULL);
         pid_t child = fork();
         if (child == 0) be_trier(c, from, step, foreign);
-        int how = wait_for(child);
+        int how = 0;
+        const trial_end end = watch(child, &how);
         from = atomic_load(&board->at);
-        if (how == 0) continue;
-        if (!tell_death(c, how)) crashes++;
+        if (end == ENDED && how == 0) continue;
+        if (!tell_death(c, end, how)) crashes++;
         from++;
     }
 }

@@ -36,22 +36,53 @@ expect 3 'bad.json:3: .*camera' render "$folder/bad.json" -o "$folder/a.exr"
 expect 4 'no-such-folder' render scenes/cornell.json -s 8x8 -q draft --quiet -o "$folder/no-such-folder/a.exr"
 [ -z "$(ls "$folder" | grep '^a\.')" ] || { echo 'a failed render left a file'; bad=1; }
 
-# A disk that is full (a file may have 512 bytes): one line, and nothing is left, neither half a file nor a temporary one.
-full() { # full FILE ARGUMENTS...
-    rm -rf "$folder/full"; mkdir "$folder/full"
-    out=$folder/full/$1; shift
-    timeout 120 sh -c 'trap "" XFSZ; ulimit -f 1; exec "$@"' sh "$program" "$@" "$out" 2>&1 >/dev/null | cat >"$folder/err"
-    grep -q 'cannot write .*: File too large' "$folder/err" && [ "$(wc -l <"$folder/err")" -eq 1 ] || { echo "full disk: $*:"; cat "$folder/err"; bad=1; }
-    [ -z "$(find "$folder/full" -type f)" ] || { echo "full disk: $* left $(ls "$folder/full")"; bad=1; }
+# What cannot be written is one line, and leaves nothing: neither half a file nor a temporary one.
+refused() { # refused NAME REASON: what "$folder/err" says, and "$folder/place" holds
+    grep -q "cannot [a-z ]* .*: $2" "$folder/err" && [ "$(wc -l <"$folder/err")" -eq 1 ] || { echo "$1:"; cat "$folder/err"; bad=1; }
+    [ -z "$(find "$folder/place" -type f)" ] || { echo "$1 left $(ls "$folder/place")"; bad=1; }
+    rm -rf "$folder/place"
 }
-for end in exr png pfm; do full a.$end render scenes/cornell.json -s 64x64 -q draft --quiet -t 1 -o; done
-full a.y4m live scenes/cornell.json -s 64x48 -q draft --quiet -t 1 --frames 3 -o
-full steps steps scenes/cornell.json -s 16x16 -q draft --quiet -t 1 --reference-spp 1 -o
-for arguments in --version --help 'render --help'; do
-    # shellcheck disable=SC2086
-    "$program" $arguments >/dev/full 2>"$folder/err"
-    [ $? -eq 4 ] && grep -q 'cannot write standard output' "$folder/err" || { echo "softlux $arguments to a full disk goes unnoticed"; bad=1; }
+full() { # full FILE ARGUMENTS...: on a disk that is full (a file may have 512 bytes)
+    mkdir "$folder/place"
+    out=$folder/place/$1; shift
+    timeout 120 sh -c 'trap "" XFSZ; ulimit -f 1; exec "$@"' sh "$program" "$@" "$out" 2>&1 >/dev/null | cat >"$folder/err"
+    refused "full disk: $*" 'File too large'
+}
+read_only() { # read_only FILE ARGUMENTS...: in a folder that nobody may write to, which does not stop root
+    [ "$(id -u)" -ne 0 ] || command -v setpriv >/dev/null || return 0
+    mkdir -m 555 "$folder/place"; chmod 755 "$folder"
+    out=$folder/place/$1; shift
+    if [ "$(id -u)" -eq 0 ]; then setpriv --reuid=65534 --clear-groups "$program" "$@" "$out"; else "$program" "$@" "$out"; fi 2>"$folder/err" >/dev/null
+    [ $? -eq 4 ] || { echo "read-only folder: $*: not status 4"; bad=1; }
+    refused "read-only folder: $*" 'Permission denied'
+}
+expect 0 '' render scenes/cornell.json -s 64x64 -m path --spp 1 --quiet -t 1 -o "$folder/p.pfm"
+expect 0 '' render scenes/cornell.json -s 64x64 -m path --spp 1 --seed 2 --quiet -t 1 -o "$folder/q.pfm"
+mkdir -m 777 "$folder/open" # to everybody
+for where in full read_only; do
+    for end in exr png pfm; do $where a.$end render scenes/cornell.json -s 64x64 -m path --spp 1 --quiet -t 1 -o; done
+    $where a%d.pfm render scenes/moving-light.json -s 64x64 -m path --spp 1 --quiet -t 1 --frames 2 -o
+    $where a.cache render scenes/cornell.json -s 4x4 -q draft --quiet -t 1 -o "$folder/open/p.pfm" --save-cache
+    $where a.y4m live scenes/cornell.json -s 64x48 -m path --spp 1 --quiet -t 1 --frames 3 -o
+    $where steps steps scenes/cornell.json -s 16x16 -q draft --quiet -t 1 --reference-spp 1 -o
+    $where d.png compare "$folder/p.pfm" "$folder/q.pfm" --difference
 done
+read_only a%d.png live scenes/cornell.json -s 64x48 -m path --spp 1 --quiet -t 1 --frames 3 -o # a black one has less than 512 bytes
+unprinted() { # unprinted ARGUMENTS...: what is printed and does not arrive
+    timeout 60 "$program" "$@" >/dev/full 2>"$folder/err"
+    [ $? -eq 4 ] && grep -q 'cannot write .*: No space left on device' "$folder/err" && [ "$(wc -l <"$folder/err")" -eq 1 ] || {
+        echo "softlux $* to a full disk:"; cat "$folder/err"; bad=1; }
+}
+unprinted --version
+unprinted --help
+unprinted --man
+unprinted render --help
+unprinted render scenes/cornell.json -s 8x8 -m path --spp 1 --quiet --json -o "$folder/p.pfm"
+unprinted info scenes/cornell.json
+unprinted compare "$folder/p.pfm" "$folder/p.pfm"
+unprinted render scenes/moving-light.json -s 8x8 -m path --spp 1 --quiet --json --frames 2 -o "$folder/p%d.pfm"
+unprinted live scenes/cornell.json -s 8x8 -m path --spp 1 --quiet --frames 100000000 -o - # which ends at once
+unprinted live scenes/cornell.json -s 8x8 -m path --spp 1 --quiet --frames 2 --json
 "$program" render scenes/cornell.json -s 8x8 -q draft --quiet -t 1 -o "$folder/a.pfm" >&- 2>&- || { echo 'render with closed streams fails'; bad=1; }
 rm -f "$folder/a.pfm"
 
@@ -67,8 +98,9 @@ expect 2 'expected 16M to' render scenes/cornell.json --memory 3M -o "$folder/m.
 expect 5 'cornell.json: 16M of memory are not enough to load it' render scenes/cornell.json --memory 16M -o "$folder/m.exr"
 expect 5 'moving-ball.json: 16M of memory are not enough to load it' live scenes/moving-ball.json -s 8x8 --frames 1 --memory 16M
 expect 5 '100M of memory are not enough: shading-cache needs' live scenes/moving-ball.json -s 2000x2000 -t 1 --frames 1 --memory 100M
+expect 5 'cornell.json: 16M of memory are not enough to load it' steps scenes/cornell.json -s 8x8 --memory 16M -o "$folder/m"
 expect 5 'path needs at least [0-9]+M for this \(program' render scenes/cornell.json -s 2000x2000 -m path --memory 100M -o "$folder/m.exr"
-[ ! -e "$folder/m.exr" ] || { echo 'a refused render left a file'; bad=1; }
+[ ! -e "$folder/m.exr" ] && [ ! -e "$folder/m" ] || { echo 'a refused render left a file'; bad=1; }
 expect 0 'keep within --memory: [0-9]+ stored photons instead of 5000000' render scenes/cornell.json -s 32x32 -q draft -m light-octree --depth 3 --stored-photons 5000000 --memory 0.1G -o "$folder/m.exr"
 expect 0 'with less memory +[0-9]+ stored photons' info scenes/cornell.json -s 32x32 -m light-octree --stored-photons 50000000 --memory 300M
 expect 2 'did you mean splatting' bench scenes/cornell.json --methods path,splating -o "$folder/report"

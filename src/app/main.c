@@ -47,12 +47,12 @@ static void hold_standard_streams(void) {
     }
 }
 
-/* What was printed has to have arrived: a disk may be full. */
+/* What was printed has to have arrived: a disk may be full. A command that failed has said its line, most likely of that. */
 static int conclude(int status) {
     bool arrived = !ferror(stdout);
-    if (fflush(stdout) == 0 && arrived) return status;
+    if ((fflush(stdout) == 0 && arrived) || status > SL_EXIT_COMPARISON_FAILED) return status;
     fprintf(stderr, "softlux: cannot write standard output: %s\n", strerror(errno));
-    return status == 0 ? SL_ERROR_OUTPUT : status;
+    return SL_ERROR_OUTPUT;
 }
 
 static int run(int argc, char **argv) {

@@ -1,7 +1,7 @@
 /* softlux steps: a method pass by pass, as one page. */
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/load.h"
+#include "app/memory_limit.h"
 #include "app/settings_options.h"
 #include "app/steps/page.h"
 
@@ -99,7 +99,7 @@ int sl_command_steps(int argc, char **argv) {
     if (!parse(argc, argv, &s, &exit_status)) return exit_status;
     sl_error error;
     sl_scene *scene = NULL;
-    sl_status status = sl_load_scene(s.scene, &s.load, &scene, &error);
+    sl_status status = sl_load_within_memory(s.scene, &s.load, &s.settings, &scene, &error);
     if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
     for (size_t i = 0; status == SL_OK && !s.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));

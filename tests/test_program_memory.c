@@ -1,0 +1,141 @@
+/* --memory, from outside: what a command takes, as the system counts it, is not more than that, the scene's loading and what is written included.
+ * What cannot be done with so little is refused, and how much is needed is said. As tests/test_memory_budget.c, which asks the library. */
+#define _GNU_SOURCE /* wait4() */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/commands.h"
+#include "scene_files.h"
+#include "softlux.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+enum { SANITIZED = 1 }; /* which takes several times the memory */
+#else
+enum { SANITIZED = 0 };
+#endif
+
+/* ---- a command in a process of its own ------------------------------------------------------------------------------------------------ */
+
+typedef int command(int argc, char **argv);
+
+typedef struct outcome {
+    int status;
+    double peak; /* megabytes, of the whole process */
+    char said[4096]; /* on standard error */
+} outcome;
+
+static _Noreturn void be_the_program(command *run, char *line, int errors) {
+    enum { WORDS = 64 };
+    char *words[WORDS], *rest = NULL;
+    int count = 0;
+    for (char *w = strtok_r(line, " ", &rest); w && count + 1 < WORDS; w = strtok_r(NULL, " ", &rest)) words[count++] = w;
+    words[count] = NULL;
+    dup2(errors, STDERR_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    _exit(run(count, words));
+}
+
+static outcome run(command *c, const char *format, ...) {
+    outcome o = {0};
+    char line[2048], errors[] = "/tmp/softlux-said-XXXXXX";
+    struct rusage usage;
+    int how = 0, into = mkstemp(errors);
+    va_list values;
+    va_start(values, format);
+    assert_true(vsnprintf(line, sizeof line, format, values) < (int)sizeof line);
+    va_end(values);
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) be_the_program(c, line, into);
+    assert_true(into >= 0 && child > 0 && wait4(child, &how, 0, &usage) == child);
+    ssize_t said = pread(into, o.said, sizeof o.said - 1, 0);
+    assert_true(said >= 0 && WIFEXITED(how));
+    close(into);
+    unlink(errors);
+    o.status = WEXITSTATUS(how);
+    o.peak = (double)usage.ru_maxrss / 1024.0;
+    return o;
+}
+
+/* ---- a scene ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Hills of 20,000 triangles below a lamp, and a tile that moves. */
+static void write_scene(void) {
+    enum { SIDE = 101, ROOM = 1 << 20 };
+    char *text = malloc(ROOM);
+    size_t at = 0;
+    assert_non_null(text);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int x = i % SIDE, z = i / SIDE;
+        at += (size_t)snprintf(text + at, ROOM - at, "v %g %g %g\n", 0.1 * x, 0.02 * ((x * x + 3 * z) % 7), 0.1 * z);
+    }
+    for (int i = 0; i < (SIDE - 1) * (SIDE - 1); i++) {
+        int a = i % (SIDE - 1) + i / (SIDE - 1) * SIDE + 1;
+        at += (size_t)snprintf(text + at, ROOM - at, "f %d %d %d\nf %d %d %d\n", a, a + SIDE, a + 1, a + 1, a + SIDE, a + SIDE + 1);
+    }
+    assert_true(at + 1 < ROOM);
+    scene_file_text("hills.obj", text);
+    scene_file_text("tile.obj", "v 0 0 0\nv 1 0 0\nv 1 0.5 1\nv 0 0.5 1\nf 4 3 2 1\n");
+    scene_file_text("hills.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"hills.obj\", \"material\": \"grey\"},"
+                                  "{\"file\": \"tile.obj\", \"name\": \"tile\", \"material\": \"grey\","
+                                  " \"keyframes\": [{\"time\": 0, \"translate\": [4, 1, 4]}, {\"time\": 1, \"translate\": [6, 1, 4]}]}],\n"
+                                  "\"materials\": {\"grey\": {\"diffuse\": 0.6}},\n\"lights\": [{\"type\": \"quad\", \"corner\": [4, 5, 4], \"edge1\": [2, 0, 0],"
+                                  " \"edge2\": [0, 0, 2], \"radiance\": [9, 9, 9]}],\n"
+                                  "\"camera\": {\"eye\": [5, 6, 14], \"target\": [5, 0, 5], \"fov_deg\": 45}}");
+    free(text);
+}
+
+/* ---- what may be taken ---------------------------------------------------------------------------------------------------------------- */
+
+/* "needs at least 64M"; a refusal is one line, and has no doubt about it. */
+static double least_of(const char *what, const outcome *o) {
+    const char *at = strstr(o->said, "at least ");
+    if (o->status != SL_ERROR_RESOURCES || !at || strchr(o->said, '\n') != o->said + strlen(o->said) - 1)
+        fail_msg("%s: status %d, and no refusal that names the least need: %s", what, o->status, o->said);
+    return atof(at + strlen("at least "));
+}
+
+/* Asks for less than can do, takes the answer for it, and is then held to that. */
+static void check_least(command *c, const char *name, const char *method, const char *more) {
+    const double too_little = 44.0;
+    const char *scene = scene_file_path("hills.json"), *folder = getenv("TMPDIR");
+    char arguments[1024];
+    snprintf(arguments, sizeof arguments, "%s -m %s -q draft -t 2 %s -o %s/softlux-%ld-%s", scene, method, more, folder ? folder : "/tmp",
+             (long)getpid(), name);
+    outcome o = run(c, "%s --memory %.0fM", arguments, too_little);
+    const double least = least_of(arguments, &o);
+    assert_true(least > too_little);
+    o = run(c, "%s --memory %.0fM", arguments, least);
+    unlink(strstr(arguments, " -o ") + 4);
+    if (o.status != 0) fail_msg("%s with %.0fM: status %d, %s", arguments, least, o.status, o.said);
+    if (!SANITIZED && o.peak > least) fail_msg("%s takes %.1f MB of %.0f: %s", arguments, o.peak, least, o.said);
+    const bool has_less = strcmp(method, "path") != 0; /* with one sample there is nothing that could be done less */
+    if (has_less && !strstr(o.said, "to keep within --memory: ")) fail_msg("%s with %.0fM does not say what it does less", arguments, least);
+}
+
+static void pictures_of_every_method_stay_within_what_is_allowed(void **state) {
+    (void)state;
+    for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_render, "a.exr", sl_method_name(i), "-s 256x256 --spp 1");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_of_every_method_stay_within_what_is_allowed),
+    };
+    write_scene();
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    scene_files_remove();
+    return failed;
+}
