@@ -299,6 +299,81 @@ static void what_a_view_does_not_show_has_no_picture(void **state) {
     discard(&r);
 }
 
+/* ---- what was left out is done after an edit that has a use for it ---- */
+
+static run run_of_edit(const char *meshes, const char *materials, const char *lights, int size) {
+    char json[1280];
+    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [%s], \"materials\": {\"floor\": {\"diffuse\": 0.5}%s}, \"lights\": [%s], "
+             "\"camera\": {\"eye\": [0, 3, 5], \"target\": [0, 0, 0], \"fov_deg\": 40}}", meshes, materials, lights);
+    run r = run_in_quality(scene_from_text(json, square_obj), size, SL_QUALITY_NORMAL);
+    finish(&r);
+    return r;
+}
+
+static void go_on_at(run *r, double time) {
+    unsigned changes;
+    assert_int_equal(sl_scene_set_time(r->scene, time, &changes, NULL), SL_OK);
+    assert_int_equal(sl_multi_mesh_method.edit(r->s, changes, NULL), SL_OK);
+    finish(r);
+}
+
+/* How many pixels an eye could tell from those of a picture that begins with the scene as it is now. */
+static int told_from_a_cold_start(const run *r, int size) {
+    sl_settings settings = small_settings("multi-mesh", size, size);
+    settings.quality = SL_QUALITY_NORMAL;
+    sl_image *cold = render(r->scene, &settings, NULL), *edited;
+    assert_int_equal(sl_multi_mesh_method.resolve(r->s, &edited, NULL), SL_OK);
+    int told = 0;
+    for (int i = 0; i < size * size; i++) {
+        const float *a = edited->planes + i, *b = cold->planes + i;
+        sl_rgb ours = {a[0], a[size * size], a[2 * size * size]}, theirs = {b[0], b[size * size], b[2 * size * size]};
+        told += sl_display_contrast(&r->s->perception, ours, theirs) > 1.0f;
+    }
+    sl_image_destroy(edited);
+    sl_image_destroy(cold);
+    return told;
+}
+
+/* A point light rises out of the floor's plane: until then it falls on nothing, and nothing is gathered. And it sinks again. */
+static void a_light_that_begins_to_fall_is_gathered_as_from_a_cold_start(void **state) {
+    (void)state;
+    enum { SIZE = 48 };
+    run r = run_of_edit("{\"file\": \"mesh.obj\"}", "", "{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 5, \"keyframes\": [{\"time\": 0, "
+                        "\"position\": [0, 0, 0]}, {\"time\": 1, \"position\": [0, 2, 0]}, {\"time\": 2, \"position\": [0, 0, 0]}]}", SIZE);
+    assert_false(r.s->plan.coarse);
+    assert_null(r.s->part[SL_INDIRECT]);
+    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
+    go_on_at(&r, 1.0);
+    assert_true(r.s->plan.coarse);
+    assert_non_null(r.s->part[SL_INDIRECT]);
+    assert_true(r.s->counters.value[SL_COUNT_COARSE_SAMPLES] > 0);
+    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
+    go_on_at(&r, 2.0);
+    assert_null(r.s->part[SL_INDIRECT]);
+    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
+    discard(&r);
+}
+
+/* A plate that shines comes into view, and with it k_s and highlights; its shadow falls elsewhere. */
+static void the_first_highlight_in_view_shows_as_from_a_cold_start(void **state) {
+    (void)state;
+    enum { SIZE = 48 };
+    run r = run_of_edit("{\"file\": \"mesh.obj\"}, {\"file\": \"mesh.obj\", \"name\": \"plate\", \"material\": \"shiny\", \"transform\": {\"scale\": 0.2}, "
+                        "\"keyframes\": [{\"time\": 0, \"translate\": [0, 0.5, 30]}, {\"time\": 1, \"translate\": [0.3, 0.5, 0.4]}]}", ", \"shiny\": {\"diffuse\": 0.2, \"specular\": 0.6, \"exponent\": 20}",
+                        "{\"type\": \"quad\", \"corner\": [-1, 4, -3], \"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 3}", SIZE);
+    assert_null(r.s->materials->specular[0]);
+    assert_int_equal(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count, 0);
+    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
+    sl_counters before = r.s->counters;
+    go_on_at(&r, 1.0);
+    assert_non_null(r.s->materials->specular[0]);
+    assert_true(r.s->part[SL_DIRECT_SPECULAR]->mesh->root_count > 0);
+    print_message("%llu samples of light, %llu for the first picture\n", (unsigned long long)grown(&before, &r, SL_COUNT_LIGHT_SAMPLES),
+                  (unsigned long long)before.value[SL_COUNT_LIGHT_SAMPLES]);
+    assert_int_equal(told_from_a_cold_start(&r, SIZE), 0);
+    discard(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_those_of_each_pixels_triangle),
@@ -310,6 +385,8 @@ int main(void) {
         cmocka_unit_test(what_a_scene_has_no_use_for_is_not_done),
         cmocka_unit_test(where_no_light_falls_no_coarse_mesh_is_made_and_nothing_is_gathered),
         cmocka_unit_test(what_a_view_does_not_show_has_no_picture),
+        cmocka_unit_test(a_light_that_begins_to_fall_is_gathered_as_from_a_cold_start),
+        cmocka_unit_test(the_first_highlight_in_view_shows_as_from_a_cold_start),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,9 +17,11 @@ static const double pi = 3.14159265358979323846;
 /* A floor from ten units above, a tenth of a unit a pixel; the light stands beside the view, and so does what is before it. */
 static sl_scene *floor_before(const char *light, const char *occluder) {
     char json[1024], obj[8192];
-    snprintf(obj, sizeof obj, "v -50 0 -40\nv -52 0 38\nv 49 0 41\nv 51 0 -39\nusemtl floor\nf 1 2 3 4\nusemtl black\n%s", *occluder ? occluder : "v 0 -1 0\nv 1 -1 0\nv 1 -1 1\nf 5 6 7\n");
-    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {\"diffuse\": 0.6}, \"black\": {\"diffuse\": 0}}, "
-             "\"lights\": [%s], \"camera\": {\"eye\": [0, 10, 0], \"target\": [0, 0, 0], \"up\": [0, 0, -1], \"fov_deg\": %.9g}}", light, 2.0 * atan(0.6) * 180.0 / pi);
+    snprintf(obj, sizeof obj, "v -50 0 -40\nv -52 0 38\nv 49 0 41\nv 51 0 -39\nusemtl floor\nf 1 2 3 4\nusemtl black\n%s",
+             *occluder ? occluder : "v 0 -1 0\nv 1 -1 0\nv 1 -1 1\nf 5 6 7\n");
+    snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"floor\": {\"diffuse\": 0.6}, "
+             "\"black\": {\"diffuse\": 0}}, \"lights\": [%s], \"camera\": {\"eye\": [0, 10, 0], \"target\": [0, 0, 0], \"up\": [0, 0, -1], \"fov_deg\": %.9g}}",
+             light, 2.0 * atan(0.6) * 180.0 / pi);
     return scene_from_text(json, obj);
 }
 
