@@ -390,6 +390,29 @@ static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state
     end(&c);
 }
 
+/* Of k sets each of variance v it is v / k. */
+static void a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number(void **state) {
+    (void)state;
+    committing c;
+    begin(&c);
+    sl_patches_destroy(c.h.patches);
+    assert_int_equal(sl_patches_create(c.h.primitives, SL_PATCHES_SETS, &c.h.patches, NULL), SL_OK);
+    want_root(&c.h, 0);
+    c.s.patches = c.h.patches;
+    for (uint32_t k = 0; k < 5; k++, c.s.now++) {
+        const sl_sample set = {.irradiance = {(float)k, (float)k, (float)k}, .variance = 6.0f, .valid = true};
+        for (int i = 0; i < 4; i++) c.s.request[i].set = k;
+        commit(&c, (const sl_sample[4]){set, set, set, set});
+        for (uint32_t i = 0; i < 4; i++) {
+            assert_int_equal(c.h.patches->sets[i].count, k + 1);
+            assert_true(fabsf(c.h.patches->sets[i].variance - 6.0f / (float)(k + 1)) < 1e-5f);
+            assert_true(fabsf(value_of(&c.h, i) - 0.5f * (float)k) < 1e-5f);
+        }
+    }
+    assert_int_equal(c.s.counters.value[SL_COUNT_CHANGES_DETECTED], 0);
+    end(&c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more),
@@ -407,6 +430,7 @@ int main(void) {
         cmocka_unit_test(where_there_is_no_old_value_what_is_no_number_is_borrowed),
         cmocka_unit_test(renderers_that_return_no_number_leave_the_picture_as_it_was),
         cmocka_unit_test(a_vertex_inside_something_is_looked_for_beside_it_further_and_further),
+        cmocka_unit_test(a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number),
         cmocka_unit_test(what_comes_out_of_something_or_gets_into_it_is_a_change),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -63,6 +63,82 @@ static sl_scene *room_with(bool lamp) {
 
 static sl_scene *room(void) { return room_with(false); }
 
+/* ---- what settings say ---- */
+
+static int deepest(const sl_patches *p) {
+    int depth = 0;
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        if (sl_patch_is_alive(p, i) && (p->flags[i] & SL_PATCH_LEVEL) > depth) depth = p->flags[i] & SL_PATCH_LEVEL;
+    }
+    return depth;
+}
+
+static void some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once(void **state) {
+    (void)state;
+    for (int without = 0; without < 2; without++) {
+        sl_scene *scene = room();
+        sl_settings settings = loop_settings();
+        settings.shading_cache.no_random = settings.shading_cache.no_flood = without;
+        sl_method *method = method_of(scene, &settings);
+        update(method);
+        assert_int_equal(deepest(inside_of(method)->patches), 0);
+        update(method);
+        int depth = deepest(inside_of(method)->patches);
+        assert_true(depth == 2 || depth == 3);
+        for (int i = 0; i < 6; i++) update(method);
+        assert_int_equal(count_of(method, SL_COUNT_PIXELS_RANDOM) > 0, !without);
+        assert_int_equal(count_of(method, SL_COUNT_PIXELS_FLOODED) > 0, !without);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    settings.shading_cache.stop_size = 2.0;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    to_the_end(method);
+    for (uint32_t i = 0; i < s->patches->patch_count; i++) {
+        if (!sl_patch_is_alive(s->patches, i) || s->patches->patch[i].seen != s->now) continue;
+        sl_patch_place place = sl_patch_place_of(s->patches, i);
+        assert_int_equal(sl_patch_projected(s->patches, &place, &scene->camera, SIZE, SIZE).area > 1.2f * 2.0f, !sl_patch_is_leaf(s->patches, i));
+    }
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* A value that comes in slowly ends with the picture, and does not begin on what is changing: what has changed is to be seen. */
+static void values_come_in_slowly_until_the_picture_is_done_and_not_where_something_changes(void **state) {
+    (void)state;
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    settings.shading_cache.blending = 0.05;
+    settings.shading_cache.updates = 8;
+    settings.shading_cache.no_resolution_drop = true;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    for (int i = 1; i < 8; i++) assert_false(update(method));
+    assert_true(s->fades.count > 0);
+    assert_true(update(method));
+    assert_int_equal(s->fades.count, 0);
+    scene->lights[0].intensity = sl_grey(5.0f);
+    edit(method, SL_CHANGED_LIGHTS);
+    uint32_t found = 0;
+    size_t new = 0;
+    for (int i = 1; i < 8; i++) {
+        update(method);
+        if (!found && s->changes->object[0].changing) found = s->now;
+        for (size_t k = 0; k < s->fades.count; k++) assert_true(!found || s->fades.fade[k].evaluated <= found);
+        new += found && found < s->now && count_of(method, SL_COUNT_SPLITS) > 0;
+    }
+    assert_true(found > 0 && new > 2 && s->changes->object[0].changing);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 /* ---- what is asked for -------------------------------------------------------------------------------------------------------------- */
 
 static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices(void **state) {
@@ -504,7 +580,64 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
     }
 }
 
-/* They are more to a pixel than the limit has. */
+/* More patches than may be, all of them seen lately: those go that no pixel shows, and no others, and what was not seen for longer than the window. */
+static void what_a_pixel_has_shown_within_the_window_stays_whatever_the_limit(void **state) {
+    (void)state;
+    enum { MOST = 20000, WINDOW = 12 };
+    static uint8_t had_children[MOST];
+    sl_scene *scene = room();
+    sl_settings settings = loop_settings();
+    settings.shading_cache.cache_limit = 0.05;
+    settings.shading_cache.ageing_window = WINDOW;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    const sl_patches *p = s->patches;
+    for (int i = 0; i < 70; i++) {
+        if (i == 30) look(scene, sl_v3(0, 0, 0), sl_v3(1, 0.3f, 0.9f)), edit(method, SL_CHANGED_CAMERA);
+        assert_true(p->patch_count < MOST);
+        for (uint32_t k = 0; k < p->patch_count; k++) had_children[k] = sl_patch_is_alive(p, k) && !sl_patch_is_leaf(p, k);
+        size_t count = p->patch_count;
+        update(method);
+        for (uint32_t k = 0; k < count; k++) {
+            bool lost = had_children[k] && sl_patch_is_alive(p, k) && sl_patch_is_leaf(p, k);
+            assert_false(lost && p->patch[k].pixels > 0 && p->patch[k].seen + WINDOW >= s->now);
+        }
+        if (i == 29) assert_true(p->patches_alive > 1000); /* all in view */
+    }
+    assert_true(count_of(method, SL_COUNT_PATCHES_EVICTED) > 100);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* Its shadow, too: rays meet it where it is now. */
+static void after_an_object_has_moved_all_becomes_what_it_is_from_a_cold_start(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/moving-ball.json");
+    sl_settings settings = loop_settings();
+    settings.width = settings.height = 24;
+    settings.shading_cache.area_samples = 16;
+    sl_method *method = method_of(scene, &settings);
+    to_the_end(method);
+    unsigned changes = 0;
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    edit(method, changes);
+    to_the_end(method);
+    sl_method *cold = method_of(scene, &settings);
+    to_the_end(cold);
+    sl_image *image, *expected;
+    sl_comparison result;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(cold, &expected, NULL), SL_OK);
+    assert_int_equal(sl_image_compare(image, expected, NULL, &result, NULL, NULL), SL_OK);
+    print_message("moved: %.3f %% from a cold start\n", 100.0 * result.rel_rmse);
+    assert_true(result.rel_rmse < 0.01);
+    sl_image_destroy(image);
+    sl_image_destroy(expected);
+    sl_method_destroy(method);
+    sl_method_destroy(cold);
+    sl_scene_destroy(scene);
+}
+
 /* At the edges of shadows leaves of a pixel differ at their corners for good. As long as they were chosen all the same the rest waited for a random pixel: 577 updates where
  * the points fill 22. */
 static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(void **state) {
@@ -548,10 +681,12 @@ static void where_more_samples_are_wanted_against_noise_no_leaf_is_left_out(void
         assert_int_equal(sum, PIXELS);
     }
     assert_true(s->late && s->now > 30);
+    assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0); /* another mean of more sets is none */
     sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
 
+/* They are more to a pixel than the limit has. */
 static void of_a_small_picture_all_patches_are_kept(void **state) {
     (void)state;
     sl_scene *scene = room();
@@ -641,6 +776,11 @@ int main(void) {
         cmocka_unit_test(a_light_that_turns_from_red_to_green_of_the_same_luminance_is_a_change_in_channels_alone),
         cmocka_unit_test(after_a_change_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was),
+        cmocka_unit_test(some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once),
+        cmocka_unit_test(in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less),
+        cmocka_unit_test(values_come_in_slowly_until_the_picture_is_done_and_not_where_something_changes),
+        cmocka_unit_test(what_a_pixel_has_shown_within_the_window_stays_whatever_the_limit),
+        cmocka_unit_test(after_an_object_has_moved_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(refinement_to_the_end_takes_few_more_updates_than_its_points_fill),
         cmocka_unit_test(where_more_samples_are_wanted_against_noise_no_leaf_is_left_out),
         cmocka_unit_test(of_a_small_picture_all_patches_are_kept),

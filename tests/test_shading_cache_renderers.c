@@ -211,6 +211,49 @@ static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_el
     shop_close(&s);
 }
 
+/* Points are weighed alike where the lamp is far: of n of them that see it with chance p, E^2 p (1 - p) / (n - 1). */
+static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void **state) {
+    (void)state;
+    trace_mesh mesh = lamp_over_floor(0.4f, 10.0f, 3.0f);
+    trace_mesh_quad(&mesh, sl_v3(0, 5, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0);
+    shop s;
+    shop_open(&s, trace_mesh_build(&mesh));
+    for (int sampled = 0; sampled < 2; sampled++) {
+        s.settings.cache.area = sampled ? SL_AREA_SAMPLED : SL_AREA_RATIO;
+        sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
+        for (int k = -2; k <= 2; k++) {
+            sl_sample_request q = request_at(sl_v3(0.05f * (float)k, 0, 0), up);
+            sl_sample sample = shop_sample(&s, &r, &q);
+            double whole = 3.0 * square_irradiance(0.125 * (double)k, 0.0, 25.0), p = (double)sample.irradiance.r / whole, expected = whole * whole * p * (1.0 - p) / 63.0;
+            assert_true(p > 0.1 && p < 0.9);
+            if (!(fabs((double)sample.variance - expected) < 0.02 * expected)) fail_msg("%g, expected %g", (double)sample.variance, expected);
+        }
+        r.destroy(r.state);
+    }
+    shop_close(&s);
+}
+
+/* A lamp in the floor's edge: of what looks over the horizon none of the points is a part. One ray to its middle says whether it is seen. */
+static void a_sliver_of_a_lamp_above_the_horizon_shines(void **state) {
+    (void)state;
+    double e[3];
+    for (int what = 0; what < 3; what++) { /* all of the lamp, what is above the floor's plane alone, and that behind a screen */
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
+        float low = what == 1 ? 0.0f : -20.0f;
+        trace_mesh_quad(&mesh, sl_v3(-0.5f, low, 0), sl_v3(1, 0, 0), sl_v3(0, 0.01f - low, 0), lamp);
+        if (what == 2) trace_mesh_quad(&mesh, sl_v3(-5, -5, 0.5f), sl_v3(10, 0, 0), sl_v3(0, 10, 0), wall);
+        shop s;
+        shop_open(&s, trace_mesh_build(&mesh));
+        sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
+        sl_sample_request q = request_at(sl_v3(0, 0, 1), up);
+        e[what] = (double)shop_sample(&s, &r, &q).irradiance.r;
+        r.destroy(r.state);
+        shop_close(&s);
+    }
+    assert_true(e[1] > 1e-6 && fabs(e[0] - e[1]) < 0.01 * e[1] && e[2] == 0.0);
+}
+
 static uint64_t shadow_rays(shop *s, const sl_sample_renderer *r, const sl_sample_request *q) {
     uint64_t before = s->counters.value[SL_COUNT_SHADOW_RAYS];
     shop_sample(s, r, q);
@@ -852,6 +895,8 @@ int main(void) {
         cmocka_unit_test(half_hidden_squares_have_the_stated_accuracy),
         cmocka_unit_test(penumbras_have_their_width),
         cmocka_unit_test(dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_else_as_it_was),
+        cmocka_unit_test(the_variance_told_is_that_of_points_which_see_the_lamp_or_not),
+        cmocka_unit_test(a_sliver_of_a_lamp_above_the_horizon_shines),
         cmocka_unit_test(more_points_are_traced_where_a_shadow_has_an_edge_and_nowhere_else),
         cmocka_unit_test(lights_without_extent_follow_their_formulas),
         cmocka_unit_test(lobes_reflect_a_lamps_points),

@@ -160,6 +160,12 @@ static void tests_come_to_an_end_where_nothing_is_to_be_hit(void **state) {
     choose(&p, &s);
     assert_true(p.count <= 1);
     assert_true(p.counters.value[SL_COUNT_PIXEL_TESTS] <= (uint64_t)ceil(8.0 * 64.0 / 0.03));
+    for (int i = 0; i < 20000; i++) paint(&p, i % 200, i / 200, 0, 0.0f);
+    s.random_share = 0.0f; /* nothing is to be had: as many as if it were 0.03 */
+    choose(&p, &s);
+    assert_int_equal(p.count, 0);
+    assert_int_equal(p.counters.value[SL_COUNT_PIXEL_TESTS], (uint64_t)ceil(8.0 * 64.0 / 0.03));
+    s.random_share = 0.03f;
     p.leaf_count = 0;
     choose(&p, &s);
     assert_int_equal(p.count, 0);
