@@ -199,6 +199,13 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     assert_int_equal(sl_image_compare(image, expected, NULL, &result, NULL, NULL), SL_OK);
     printf("    %.3f %% from a cold start\n", 100.0 * result.rel_rmse);
     assert_true(result.rel_rmse < 0.02 && result.mean_reference > 1.0);
+    const sl_shading_state *s = method->state;
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        for (int c = 0; c < sl_patch_corners(s->patches, s->leaf[i].patch); c++) {
+            uint32_t vertex = sl_patch_corner(s->patches, s->leaf[i].patch, c);
+            assert_false(s->patches->vertex[vertex].borrowed);
+        }
+    }
     sl_image_destroy(image);
     sl_image_destroy(expected);
     sl_method_destroy(method);

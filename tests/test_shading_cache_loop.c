@@ -580,6 +580,79 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
     }
 }
 
+static sl_scene *before_the_eye(trace_mesh *mesh) {
+    sl_scene *scene = trace_mesh_build(mesh);
+    look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
+    return scene;
+}
+
+/* Of triangles there is time for twice as many. Half of r T_c is a hundredth of the triangle: its patches of the second level are between what of it and what of quads may go. */
+static void of_triangles_half_as_small_patches_stay_when_something_changes(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_triangle(&mesh, trace_mesh_vertex(&mesh, -1.2f, -1.2f, 0), trace_mesh_vertex(&mesh, 1.2f, -1.2f, 0), trace_mesh_vertex(&mesh, 0, 1.2f, 0), wall);
+    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
+    mesh.light_count = 1;
+    sl_scene *scene = before_the_eye(&mesh);
+    sl_settings settings = loop_settings();
+    settings.shading_cache.nominal_rate = 48.0;
+    settings.shading_cache.clean_up_seconds = 1.0;
+    sl_method *method = method_of(scene, &settings);
+    const sl_patches *p = inside_of(method)->patches;
+    to_the_end(method);
+    scene->lights[0].intensity = sl_grey(3.0f);
+    edit(method, SL_CHANGED_LIGHTS);
+    while (!count_of(method, SL_COUNT_CHANGES_DETECTED)) assert_false(update(method));
+    int inner[4] = {0};
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        int depth = p->flags[i] & SL_PATCH_LEVEL;
+        if (sl_patch_is_alive(p, i) && !sl_patch_is_leaf(p, i)) inner[depth < 3 ? depth : 3]++;
+    }
+    assert_true(inner[0] == 1 && inner[1] == 4 && inner[2] == 16 && inner[3] == 0);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* One lamp of two changes, and only one of two walls shows it; the other has to be shaded again before that is known. */
+static void a_change_does_not_end_while_something_seen_is_from_before_it(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    for (int i = 0; i < 2; i++) {
+        float x = i ? 0.5f : -0.5f;
+        trace_mesh_quad(&mesh, sl_v3(x - 0.5f, -1, 0), sl_v3(1, 0, 0), sl_v3(0, 2, 0), wall);
+        mesh.lights[i] = (sl_light){.type = SL_LIGHT_POINT, .position = {x, 0.2f, 0.3f}, .intensity = sl_grey(1.0f)};
+    }
+    trace_mesh_quad(&mesh, sl_v3(0, -1, 0), sl_v3(0, 0, 0.9f), sl_v3(0, 2, 0), wall); /* between them */
+    mesh.light_count = 2;
+    sl_scene *scene = before_the_eye(&mesh);
+    sl_settings settings = loop_settings();
+    settings.shading_cache.stop_size = 4.0;
+    settings.shading_cache.change_window = 1;
+    settings.shading_cache.no_resolution_drop = settings.shading_cache.no_flood = true;
+    settings.shading_cache.points = 2;
+    sl_method *method = method_of(scene, &settings);
+    const sl_shading_state *s = inside_of(method);
+    to_the_end(method);
+    scene->lights[0].intensity = sl_grey(3.0f);
+    edit(method, SL_CHANGED_LIGHTS);
+    int ends = 0;
+    for (bool done = false, changing = false; !done;) {
+        done = update(method);
+        bool ended = changing && !s->changes->object[0].changing;
+        changing = s->changes->object[0].changing;
+        for (size_t i = 0; i < s->leaf_count && ended; i++) {
+            uint32_t leaf = s->leaf[i].patch;
+            if (sl_patch_is_alive(s->patches, leaf) && sl_patch_is_leaf(s->patches, leaf)) assert_true(sl_leaf_oldest(s->patches, leaf) >= s->changes->object[0].stale_before);
+        }
+        ends += ended;
+    }
+    assert_int_equal(ends, 1);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 /* More patches than may be, all of them seen lately: those go that no pixel shows, and no others, and what was not seen for longer than the window. */
 static void what_a_pixel_has_shown_within_the_window_stays_whatever_the_limit(void **state) {
     (void)state;
@@ -779,6 +852,8 @@ int main(void) {
         cmocka_unit_test(some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once),
         cmocka_unit_test(in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less),
         cmocka_unit_test(values_come_in_slowly_until_the_picture_is_done_and_not_where_something_changes),
+        cmocka_unit_test(of_triangles_half_as_small_patches_stay_when_something_changes),
+        cmocka_unit_test(a_change_does_not_end_while_something_seen_is_from_before_it),
         cmocka_unit_test(what_a_pixel_has_shown_within_the_window_stays_whatever_the_limit),
         cmocka_unit_test(after_an_object_has_moved_all_becomes_what_it_is_from_a_cold_start),
         cmocka_unit_test(refinement_to_the_end_takes_few_more_updates_than_its_points_fill),

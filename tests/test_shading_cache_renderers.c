@@ -847,7 +847,7 @@ static trace_mesh floor_and_light(float x, float y, float z) {
 /* An eye within, or a hole that one could look through, makes a room of it. */
 static void to_an_eye_outside_what_is_sealed_is_solid_though_light_is_in_it(void **state) {
     (void)state;
-    enum { SEALED, HOLE, MASK, BULB, CASES };
+    enum { SEALED, HOLE, TURNED, MASK, BULB, CASES };
     for (int what = 0; what < CASES; what++) {
         for (int within = 0; within < 2; within++) {
             trace_mesh mesh = floor_and_light(1.5f, 1, 1.5f);
@@ -860,6 +860,11 @@ static void to_an_eye_outside_what_is_sealed_is_solid_though_light_is_in_it(void
             }
             trace_mesh_box(&mesh, sl_v3(1, 0, 1), sl_v3(2, 2, 2), false, wall);
             if (what == HOLE) mesh.triangle_count--;
+            if (what == TURNED) { /* who made it did not mean it to be closed */
+                uint32_t *last = &mesh.indices[3 * (mesh.triangle_count - 1)], b = last[1];
+                last[1] = last[2];
+                last[2] = b;
+            }
             bool valid[2];
             are_valid(&mesh, within ? sl_v3(1.5f, 1.5f, 1.5f) : sl_v3(0, 3, 0), 2, (sl_vec3[2]){{1.4f, 0, 1.6f}, {0.9f, 0, 1.6f}}, valid);
             assert_int_equal(valid[0], what != SEALED || within);
