@@ -18,8 +18,10 @@
  *
  * Conventions: right-handed world, y up; radiance in W/(m^2 sr), irradiance in W/m^2, per RGB channel (Rec. 709,
  * linear); angles in radians; images have row 0 at the top. A function that can fail returns an sl_status and
- * describes the failure, one line, in *error (which may be NULL); what it would have made is NULL then. The library never prints,
- * exits or aborts. The same input gives the same bits at any number of threads, with any compiler and instruction set.
+ * describes the failure, one line, in *error (which may be NULL); what it would have made is NULL then, what it would have reckoned 0, and all
+ * else is as it was. A NULL that no comment allows is refused with SL_ERROR_USAGE by functions that return an sl_status, and must not be
+ * given to the others. The library never prints, exits or aborts. The same input gives the same bits at any number of threads, with any compiler
+ * and instruction set.
  *
  * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
  * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
@@ -45,10 +47,10 @@ extern "C" {
 /** The numbers are also the program's exit statuses; 1 is kept for a comparison that failed its bounds. */
 typedef enum sl_status {
     SL_OK = 0,
-    SL_ERROR_USAGE = 2,
-    SL_ERROR_INPUT = 3,
-    SL_ERROR_OUTPUT = 4,
-    SL_ERROR_RESOURCES = 5
+    SL_ERROR_USAGE = 2,    /**< what was asked for cannot be: a NULL, a number out of range, an unknown name, functions in the wrong order */
+    SL_ERROR_INPUT = 3,    /**< a file cannot be read, or it and the pictures and scenes that were given are not what they ought to be */
+    SL_ERROR_OUTPUT = 4,   /**< a file cannot be written */
+    SL_ERROR_RESOURCES = 5 /**< no memory, threads or descriptors; or more than sl_settings.memory_bytes */
 } sl_status;
 
 /** What went wrong. Written by the function that failed, and by it alone. */
@@ -136,32 +138,34 @@ typedef struct sl_metadatum {
 /** Planar float image. Channel c is the width*height floats from planes + c*width*height, row 0 at the top.
  * Channels are named as in EXR: "R", "G", "B" for the picture itself, "direct.R" and so on for its layers. */
 typedef struct sl_image {
-    int width;    /**< pixels, 1 to 32768 */
+    int width;    /**< pixels, at least 1 */
     int height;   /**< likewise */
-    int channels; /**< planes */
+    int channels; /**< planes; width * height * channels is 2^31 at most */
     char (*channel_name)[SL_CHANNEL_NAME_MAX]; /**< channels of them, NUL-terminated; owned by the image, as are the arrays below */
     float *planes;          /**< planes[channel][row][column], without gaps */
     sl_metadatum *metadata; /**< in the order in which it was set; see sl_image_set_metadata() */
     size_t metadata_count;  /**< entries of metadata */
 } sl_image;
 
-/** A black image, which the caller destroys; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). */
+/** A black image, which the caller destroys; channel_names holds `channels` strings, or is NULL for R, G, B (or Y where channels is 1). USAGE: sizes below 1, names
+ * that are missing, empty, too long or there twice. RESOURCES: too large. */
 SL_API sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
                                  sl_image **image, sl_error *error);
 /** Frees a picture and all that it owns. NULL is allowed. */
 SL_API void sl_image_destroy(sl_image *image);
 /** The plane of a named channel, height rows of width values, or NULL where there is none. It belongs to the image. */
 SL_API float *sl_image_channel(const sl_image *image, const char *name);
-/** Adds or replaces a metadata string; both strings are copied. */
+/** Adds or replaces a metadata string; both strings are copied. USAGE: a key that is empty or too long. */
 SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error);
 /** The value of a key, which the image owns, or NULL where it has none. */
 SL_API const char *sl_image_metadata(const sl_image *image, const char *key);
 /** Reads a picture, which the caller destroys: EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
  * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is
- * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. */
+ * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. INPUT: no such file, or none of these, or damaged. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
 /** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (RGB), .png (see sl_tone). The file
- * appears whole or not at all: it is written beside its name and renamed. */
+ * appears whole or not at all: it is written beside its name and renamed. USAGE: another ending, a picture without the channels that the format
+ * needs, a metadata key that EXR has a meaning of its own for. OUTPUT: it cannot be written. */
 SL_API sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error);
 
 /** PNG out: value * 2^exposure_stops, then the curve, then sRGB, then 8 bits rounded to nearest. */
@@ -177,10 +181,11 @@ typedef struct sl_tone {
     bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
 } sl_tone;
 
-/** R, G, B as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. */
+/** R, G, B (or Y) as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. USAGE: neither channels, or
+ * a tone that is none, its exposure not finite. */
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
 /** The same bytes for a screen: R, G, B, 3 * width * height of them, rows from the top. An automatic exposure is left in *tone, as a fixed one, so
- * that the frames that follow look alike. */
+ * that the frames that follow look alike. Fails as sl_image_write_png() does, but for the file. */
 SL_API sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl_error *error);
 
 /* ---- comparison ---------------------------------------------------------------------------------------------------- */
@@ -217,8 +222,8 @@ typedef struct sl_compare_options {
     float exposure_stops;  /**< for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
 } sl_compare_options;
 
-/** Tells how far a picture is from a reference. options may be NULL. Fails if the sizes differ, a picture is missing, or no pixel can be compared. If difference is not
- * NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys: of each pixel's
+/** Tells how far a picture is from a reference. options may be NULL. INPUT: the sizes differ, a picture has neither R, G, B nor Y, or no pixel can be compared.
+ * USAGE: an exposure that is not finite. If difference is not NULL it receives a picture of (x-r)/(|r| + 0.01 |mean r|) in false colour, which the caller destroys: of each pixel's
  * three values the farthest from 0; blue where too dark, red where too bright, full colour at 50 %; grey outside the mask,
  * green where a value is not finite. */
 SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
@@ -230,7 +235,7 @@ SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *referen
 typedef struct sl_scene sl_scene;
 
 /** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller destroys the scene. The files that it
- * names must lie in the folder of `path` or below. */
+ * names must lie in the folder of `path` or below. INPUT: a file is missing, damaged, or beyond the limits (docs/scene-format.md). USAGE: an empty path. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
 /** What loading a scene may do. {0} is what sl_scene_load() does. */
 typedef struct sl_load_options {
@@ -255,9 +260,11 @@ SL_API uint64_t sl_scene_hash(const sl_scene *scene);
 /** What changed between two states of a scene; a method is told so with sl_method_edit(). */
 enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
 /** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the scene are then to be
- * told by sl_method_edit(), before anything else is asked of them; *changes (may be NULL) gets SL_CHANGED_ bits. */
+ * told by sl_method_edit(), before anything else is asked of them; *changes (may be NULL) gets SL_CHANGED_ bits. USAGE: a time that is not finite. INPUT:
+ * one at which keyframes leave no camera, or move things beyond all numbers. */
 SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error);
-/** Looks from eye to target; the up vector need not be perpendicular. Fails if the frame is degenerate. */
+/** Looks from eye to target; the up vector need not be perpendicular. USAGE: the frame is degenerate, a number not finite, or the field of view not between 0
+ * and pi. */
 SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
                                      float vertical_fov_rad, sl_error *error);
 
@@ -558,7 +565,7 @@ typedef struct sl_settings {
     sl_radius_metric metric;  /**< splatting: AUTO */
     double glossy_accuracy; /**< splatting: a of the radiance records; 0: by quality */
     int harmonics_order;   /**< splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
-    uint32_t bounces;      /**< splatting, multi-mesh (1 or 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
+    uint32_t bounces;      /**< splatting, multi-mesh (2 at most, and more are 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
     bool glossy_hits;      /**< splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
     uint32_t hit_samples;  /**< splatting: light samples for each thing that a gather sees; 0: by quality */
     uint32_t records_per_frame; /**< splatting: a frame ends after so many new records (a walk-through); 0: no limit */
@@ -587,27 +594,30 @@ typedef struct sl_progress {
 } sl_progress;
 
 /** Prepares a method for a scene: checks and completes the settings (which are copied), and computes no pixel yet. The scene must
- * outlive the method and must not change but as told to sl_method_edit(); the caller destroys the method. */
+ * outlive the method and must not change but as told to sl_method_edit(); the caller destroys the method. USAGE: an unknown method or transport, or a
+ * setting out of its range. RESOURCES: memory_bytes is less than the least that it needs. */
 SL_API sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                                   sl_error *error);
 /** Frees a method; its scene stays. NULL is allowed. */
 SL_API void sl_method_destroy(sl_method *method);
 /** One more batch: a pure function of the state and the batch's number, never of time. Short: tenths of a second, so that a caller can
- * show progress and stop between batches. After a failure the method can only be destroyed. */
+ * show progress and stop between batches. After a failure, which leaves *progress alone, the method can only be destroyed; all else is refused with
+ * SL_ERROR_USAGE. */
 SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error);
-/** The picture so far: R, G, B and the method's layers, with all that made it as metadata. The caller destroys it. */
+/** The picture so far, also before the first update: R, G, B and the method's layers, with all that made it as metadata. The caller destroys it. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
 /** Tells what of the scene has changed since the method last saw it: SL_CHANGED_ bits, as sl_scene_set_time() gives them. The
- * method keeps what is still right and goes on with updates from there. */
+ * method keeps what is still right and goes on with updates from there. After a failure it wants another edit before anything else, and then does all
+ * anew. USAGE: other bits. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
 /** Whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);
 /** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
  * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
- * other ones, of another version, or one that is damaged is refused, with a line that says so, and nothing changes. With a file
- * saved from the same place nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. */
+ * other ones, of another version, or one that is damaged is refused with SL_ERROR_INPUT, with a line that says so, and nothing changes. With a file
+ * saved from the same place nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. USAGE: the method keeps none. */
 SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error);
-/** Takes over what sl_method_save() wrote, before the first update. */
+/** Takes over what sl_method_save() wrote, in place of what the method has: best before the first update. */
 SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);
 /** All that was counted since the method was created; owned by it, and valid until it is called again. */
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
@@ -615,7 +625,7 @@ SL_API const sl_counters *sl_method_counters(const sl_method *method);
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
 /** An upper estimate, from counts alone and before anything is allocated, of what sl_settings.memory_bytes bounds, for these settings as they
  * stand: 32 MiB for the program itself, the scene, the hierarchies over it, the method at its largest, and its picture as it is given and
- * written. Caches that grow as they are filled count with the least that they can work with. No observer is counted. */
+ * written. Caches that grow as they are filled count with the least that they can work with. No observer is counted. Fails as sl_method_create() does. */
 SL_API sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error);
 /** One line on what the method does less than its settings ask for, so as to keep within sl_settings.memory_bytes: "75000 stored
  * photons instead of 600000". Caches that are full by then are told of once they are. Owned by the method, and valid until it is called
@@ -645,8 +655,8 @@ typedef struct sl_story {
 } sl_story;
 
 /** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve() gave last: the method must
- * not have been updated or edited since. The caller destroys the story. Fails where the method tells none (the tracers) or the pixel
- * lies outside. */
+ * not have been updated or edited since. The caller destroys the story. USAGE: the method tells none (the tracers; direct-radiance without layers), there
+ * is no such picture, or the pixel lies outside. */
 SL_API sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error);
 /** Frees a story. NULL is allowed. */
 SL_API void sl_story_destroy(sl_story *story);
@@ -655,7 +665,7 @@ SL_API void sl_story_destroy(sl_story *story);
 SL_API const char *sl_method_name(size_t index);
 
 /** What a method would do with a scene: one line for each pass that runs or is left out, and why. NUL-terminated
- * text, the caller frees it with free(). */
+ * text, the caller frees it with free(). Fails as sl_method_create() does. */
 SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
 
 /* ---- live: frames beside updates ----------------------------------------------------------------------------------------- */
@@ -680,16 +690,17 @@ typedef struct sl_live_state {
 } sl_live_state;
 
 /** Makes a method and starts to update it, with settings->threads workers. Until sl_live_stop() the scene is the show's own: nobody
- * else may change it. An observer is called in the updating thread. All calls on one show come from one thread at a time. */
+ * else may change it. An observer is called in the updating thread. All calls on one show come from one thread at a time. Fails as
+ * sl_method_create() does. */
 SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error);
 /** Stops after the update under way and releases everything; the scene stays as the updates had it last. *counters (may be NULL) gets the
  * method's, and those of the frames. NULL is allowed. */
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
 /** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is under way (methods without
  * a display of their own, all but the Shading Cache, show it once an update has been done there). With shading_cache.hold_levels the move
- * waits until what is shown is as good as that; the newest one counts. */
+ * waits until what is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
-/** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on. */
+/** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */
 SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad,
                               sl_error *error);
 /** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid until the next call.
@@ -720,22 +731,22 @@ typedef struct sl_error_estimate {
 typedef struct sl_error_probe sl_error_probe;
 
 /** settings: of the pictures to be judged; method, transport, filter, size, seed and threads count, and what the method's light
- * paths depend on. The scene must outlive the probe and must not change. */
+ * paths depend on. The scene must outlive the probe and must not change. USAGE: as sl_method_create(). */
 SL_API sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **probe,
                                        sl_error *error);
 SL_API void sl_error_probe_destroy(sl_error_probe *probe); /**< NULL is allowed */
 /** Judges a picture by about so many probes (every pixel, if there are no more), with so many samples or more for each of p and q:
  * what is there already is used, what is missing is traced. The first time every pixel (of large pictures, one of each block) is traced once besides, to choose the probes by.
- * Fails if the picture's size is another. */
+ * INPUT: the picture's size is another, or it has neither R, G, B nor Y. USAGE: no probes, no samples. */
 SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples,
                                          sl_error_estimate *estimate, sl_error *error);
 /** The same with few probes, and more until it is clear whether the error is within rel_rmse: until bound <= rel_rmse; or least is not far
- * below rel_rmse, and it would take many more to tell; or a number of samples is reached that grows as 1/rel_rmse^2. */
+ * below rel_rmse, and it would take many more to tell; or a number of samples is reached that grows as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
 SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, sl_error_estimate *estimate,
                                       sl_error *error);
 /** What tracing the probes has cost so far; owned by the probe. */
 SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
-/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. */
+/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. INPUT: it has none. */
 SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate *estimate, sl_error *error);
 
 #ifdef __cplusplus

@@ -37,7 +37,7 @@ bool sl_memory_has_ended(void) { return allocations_left == 0; }
  * than before, unless it is of those that keep what they did until then. after_failure (or NULL) looks at what is left, with all memory there is. */
 typedef sl_status attempt(void *context);
 typedef void look(void *context);
-static long until_it_succeeds(attempt *call, void *context, bool keeps, look *after_failure) {
+static inline long until_it_succeeds(attempt *call, void *context, bool keeps, look *after_failure) {
     for (long room = 0;; room++) {
         long held = blocks_held;
         allocations_left = room;

@@ -180,9 +180,11 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
 }
 
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
-    sl_settings own = *settings;
+    sl_settings own;
+    sl_transport ignored;
+    sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
-    sl_status status = sl_method_create(l->scene, &own, &l->method, error);
+    if (status == SL_OK) status = sl_method_create(l->scene, &own, &l->method, error);
     if (status == SL_OK) status = sl_scene_twin(l->scene, &l->twin, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = l->method->class;
@@ -195,6 +197,7 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
 }
 
 sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error) {
+    if (!live) return sl_fail_null(error, "a place for a live show");
     *live = NULL;
     sl_live *l = sl_allocate(1, sizeof *l);
     if (!l) return sl_fail_memory(error, "a live show");
@@ -257,6 +260,7 @@ static sl_status go_if_it_may(sl_live *l, sl_error *error) {
 }
 
 sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
+    if (!l) return sl_fail_null(error, "a live show");
     if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
     l->wanted.timed = true;
     l->wanted.time = time_seconds;
@@ -265,6 +269,7 @@ sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
 }
 
 sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], const float up[3], float vertical_fov_rad, sl_error *error) {
+    if (!l || !eye || !target || !up) return sl_fail_null(error, "a live show and three vectors");
     sl_camera camera = l->twin->camera;
     if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]), sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
         return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view and a vertical field of view "
@@ -300,7 +305,9 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
 }
 
 sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state, sl_error *error) {
+    if (!frame) return sl_fail_null(error, "a place for a frame");
     *frame = NULL;
+    if (!l) return sl_fail_null(error, "a live show");
     sl_image *picture;
     double picture_time;
     sl_status status = go_if_it_may(l, error);

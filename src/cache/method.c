@@ -75,29 +75,35 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
     return SL_OK;
 }
 
-/* Checks what was asked for and fills in what was left to the scene, the machine or the quality. */
+sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen, sl_transport *transport, sl_error *error) {
+    if (!scene || !asked) return sl_fail_null(error, "a scene and settings");
+    *chosen = *asked;
+    if (chosen->width == 0 && chosen->height == 0) sl_scene_film(scene, &chosen->width, &chosen->height);
+    sl_status status = sl_method_transport(chosen, transport, error);
+    return status == SL_OK ? sl_settings_check(chosen, error) : status;
+}
+
+/* Fills in what was left to the machine or the quality, within the memory that there is. */
 static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, char *conceded, size_t room,
                                    sl_error *error) {
-    if (settings->width == 0 && settings->height == 0) sl_scene_film(scene, &settings->width, &settings->height);
-    sl_status status = sl_settings_check(settings, error);
-    if (status != SL_OK) return status;
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
     return sl_budget_keep(class, scene, settings, conceded, room, error);
 }
 
 sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method, sl_error *error) {
+    if (!method) return sl_fail_null(error, "a place for a method");
     *method = NULL;
-    const sl_method_class *class = find_class(settings->method);
-    if (!class) return unknown_method(settings->method, error);
+    sl_settings chosen;
     sl_transport transport;
-    sl_status status = sl_method_transport(settings, &transport, error);
+    sl_status status = sl_method_choose(scene, settings, &chosen, &transport, error);
     if (status != SL_OK) return status;
+    const sl_method_class *class = find_class(chosen.method);
     sl_method *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "a method");
     m->class = class;
     m->scene = scene;
-    m->settings = *settings;
+    m->settings = chosen;
     snprintf(m->name, sizeof m->name, "%s", class->name);
     snprintf(m->transport_name, sizeof m->transport_name, "%s", settings->transport ? settings->transport : "");
     if (!settings->transport) snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
@@ -120,17 +126,28 @@ void sl_method_destroy(sl_method *method) {
     sl_free(method);
 }
 
+/* Whether there is anything that can be updated, shown or saved. */
+static sl_status check_health(const sl_method *m, sl_error *error) {
+    if (m->health == SL_METHOD_FAILED) return sl_fail(error, SL_ERROR_USAGE, "an earlier update failed: %s can only be destroyed", m->class->name);
+    if (m->health == SL_METHOD_WANTS_EDIT) return sl_fail(error, SL_ERROR_USAGE, "an earlier edit of the scene failed; edit it again");
+    return SL_OK;
+}
+
 sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error) {
-    sl_status status = SL_OK;
-    if (!method->done) {
-        progress->done = false;
-        status = method->class->update(method->state, progress, error);
-        if (status == SL_OK) method->batches++;
-        method->done = status == SL_OK && progress->done;
+    if (!method || !progress) return sl_fail_null(error, "a method and a place for its progress");
+    sl_progress now = {.batches = method->progress.batches + 1};
+    sl_status status = check_health(method, error);
+    if (status != SL_OK) return status;
+    if (!method->progress.done) {
+        status = method->class->update(method->state, &now, error);
+        method->resolved = false;
+        if (status != SL_OK) method->health = SL_METHOD_FAILED;
+        if (status != SL_OK) return status;
+        now.frame_done = now.frame_done || now.done;
+        method->progress = now;
     }
-    progress->batches = method->batches;
-    progress->done = method->done;
-    return status;
+    *progress = method->progress;
+    return SL_OK;
 }
 
 /* A scene of a million triangles takes milliseconds to hash, and most edits are of its camera. */
@@ -147,7 +164,7 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.version", SL_VERSION, error);
     snprintf(text, sizeof text, "%016" PRIx64, scene_hash(method));
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.scene_hash", text, error);
-    snprintf(text, sizeof text, "%" PRIu64, method->batches);
+    snprintf(text, sizeof text, "%" PRIu64, method->progress.batches);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.batches", text, error);
     snprintf(text, sizeof text, "%" PRIu64, method->memory_bytes);
     if (status == SL_OK && method->memory_bytes) status = sl_image_set_metadata(image, "softlux.memory", text, error);
@@ -165,35 +182,50 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
 }
 
 sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error) {
+    if (!image) return sl_fail_null(error, "a place for a picture");
     *image = NULL;
+    if (!method) return sl_fail_null(error, "a method");
     sl_image *result = NULL;
-    sl_status status = method->class->resolve(method->state, &result, error);
+    sl_status status = check_health(method, error);
+    if (status == SL_OK) status = method->class->resolve(method->state, &result, error);
     if (status == SL_OK) status = stamp(method, result, error);
     if (status != SL_OK) {
         sl_image_destroy(result);
         return status;
     }
     *image = result;
+    method->resolved = true;
     return SL_OK;
 }
 
 sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
-    method->done = false;
+    const unsigned known = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
+    if (!method) return sl_fail_null(error, "a method");
+    if (changes & ~known) return sl_fail(error, SL_ERROR_USAGE, "changes 0x%x: there are 0x%x at most", changes, known);
+    if (method->health == SL_METHOD_FAILED) return check_health(method, error);
+    if (method->health == SL_METHOD_WANTS_EDIT) changes = known; /* what the one that failed was to say has got lost */
+    method->progress.done = method->progress.frame_done = method->resolved = false;
     if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
-    return method->class->edit(method->state, changes, error);
+    sl_status status = method->class->edit(method->state, changes, error);
+    method->health = status == SL_OK ? SL_METHOD_SOUND : SL_METHOD_WANTS_EDIT;
+    return status;
 }
 
 bool sl_method_keeps_cache(const sl_method *method) { return method->class->save && method->class->load; }
 
 sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error) {
+    if (!method || !path) return sl_fail_null(error, "a method and the name of a file");
     if (!method->class->save) return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be saved", method->class->name);
-    return method->class->save(method->state, path, error);
+    sl_status status = check_health(method, error);
+    return status == SL_OK ? method->class->save(method->state, path, error) : status;
 }
 
 sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
+    if (!method || !path) return sl_fail_null(error, "a method and the name of a file");
     if (!method->class->load) return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be loaded", method->class->name);
-    sl_status status = method->class->load(method->state, path, error);
-    if (status == SL_OK) method->done = false;
+    sl_status status = check_health(method, error);
+    if (status == SL_OK) status = method->class->load(method->state, path, error);
+    if (status == SL_OK) method->progress.done = method->progress.frame_done = method->resolved = false;
     return status;
 }
 
@@ -204,12 +236,15 @@ size_t sl_method_memory_bytes(const sl_method *method) {
 }
 
 sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error) {
+    if (!bytes) return sl_fail_null(error, "a place for a number");
     *bytes = 0;
-    const sl_method_class *class = find_class(settings->method);
-    if (!class) return unknown_method(settings->method, error);
-    sl_settings completed = *settings;
+    sl_settings completed;
+    sl_transport ignored;
+    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, error);
+    if (status != SL_OK) return status;
+    const sl_method_class *class = find_class(completed.method);
     completed.memory_bytes = 0;
-    sl_status status = complete_settings(class, scene, &completed, NULL, 0, error);
+    status = complete_settings(class, scene, &completed, NULL, 0, error);
     if (status == SL_OK) *bytes = sl_budget_need(class, scene, &completed);
     return status;
 }
@@ -221,6 +256,11 @@ const char *sl_method_concession(sl_method *m) {
 }
 
 sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error) {
+    if (!story) return sl_fail_null(error, "a place for a story");
+    *story = NULL;
+    if (!method || !picture) return sl_fail_null(error, "a method and its picture");
+    if (!method->resolved || picture->width != method->settings.width || picture->height != method->settings.height)
+        return sl_fail(error, SL_ERROR_USAGE, "stories want the picture that %s resolved last, and no update or edit since", method->class->name);
     return sl_story_tell(method->class, method->state, picture, x, y, story, error);
 }
 
@@ -259,12 +299,15 @@ void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const cha
 }
 
 sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
+    if (!text) return sl_fail_null(error, "a place for a plan");
     *text = NULL;
-    const sl_method_class *class = find_class(settings->method);
-    if (!class) return unknown_method(settings->method, error);
-    sl_settings completed = *settings;
+    sl_settings completed;
+    sl_transport ignored;
+    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, error);
+    if (status != SL_OK) return status;
+    const sl_method_class *class = find_class(completed.method);
     char conceded[512] = "";
-    sl_status status = complete_settings(class, scene, &completed, conceded, sizeof conceded, error);
+    status = complete_settings(class, scene, &completed, conceded, sizeof conceded, error);
     if (status != SL_OK) return status;
     sl_plan_writer writer = {0};
     plan_append(&writer, "");

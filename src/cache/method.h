@@ -84,10 +84,11 @@ struct sl_method {
     char name[32], transport_name[64];
     uint64_t memory_bytes; /* as asked for */
     char conceded[512], concession[640]; /* before the start; with what was found on the way */
-    uint64_t batches;
     uint64_t light_hash; /* of the scene */
     bool light_hash_known;
-    bool done; /* nothing left to refine since the last edit */
+    sl_progress progress; /* of the last update; not done once there was an edit */
+    enum { SL_METHOD_SOUND, SL_METHOD_WANTS_EDIT, SL_METHOD_FAILED } health; /* an edit failed: another may do better; an update failed: nothing can */
+    bool resolved; /* since the last update or edit */
 };
 
 extern const sl_method_class sl_splatting_method; /* cache/splatting */
@@ -100,6 +101,9 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what was asked for. */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
+/* Checks what was asked for, whatever is to be done with it: a method and light paths that there are, settings in their ranges. chosen has the scene's film
+ * where no size was asked for. */
+sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen, sl_transport *transport, sl_error *error);
 
 /* The story of a pixel of a picture that the state resolved last, rows from the top; see sl_method_story(). */
 sl_status sl_story_tell(const sl_method_class *method, void *state, const sl_image *picture, int x, int y, sl_story **story,

@@ -87,6 +87,7 @@ static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error 
         {"lobes", o->lobes, SL_LOBES_PERPENDICULAR, SL_LOBES_HARMONICS, false},
         {"a voxel filter", o->filter, SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST, false},
         {"an atlas", o->atlas_size, 16, 16384, true},
+        {"a dilation", o->dilation, 0.0, 1.0, false},
     };
     return CHECK(bounds, error);
 }

@@ -241,8 +241,9 @@ static sl_status compare(comparison *c, const sl_compare_options *options, sl_co
 
 sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
                            sl_comparison *result, sl_image **difference, sl_error *error) {
-    memset(result, 0, sizeof *result);
     if (difference) *difference = NULL;
+    if (!image || !reference || !result) return sl_fail_null(error, "an image, a reference and a place for what is found");
+    *result = (sl_comparison){0};
     sl_status status = check_size(image, reference, "reference", error);
     if (status == SL_OK && options && options->mask) status = check_size(image, options->mask, "mask", error);
     comparison c = {.width = image->width, .height = image->height};
@@ -251,6 +252,7 @@ sl_status sl_image_compare(const sl_image *image, const sl_image *reference, con
     if (status == SL_OK) status = sl_image_colour_planes(reference, "reference", c.reference, error);
     if (status == SL_OK) status = compare(&c, options, result, difference, error);
     if (status == SL_OK) noise_of_reference(&c, reference, result);
+    else *result = (sl_comparison){0};
     sl_free(c.state);
     sl_free(c.terms);
     return status;

@@ -30,10 +30,14 @@ static sl_status check_size(int width, int height, int channels, sl_error *error
     return SL_OK;
 }
 
+static sl_status fail_nameless(int channels, sl_error *error) {
+    return sl_fail(error, SL_ERROR_USAGE, "an image of %d channels needs their names", channels);
+}
+
 static sl_status name_channels(sl_image *image, const char *const *names, sl_error *error) {
     for (int c = 0; c < image->channels; c++) {
         const char *name = names ? names[c] : default_channel_name(image->channels, c);
-        if (!name) return sl_fail(error, SL_ERROR_USAGE, "an image of %d channels needs their names", image->channels);
+        if (!name) return fail_nameless(image->channels, error);
         size_t length = strlen(name);
         if (length == 0 || length >= SL_CHANNEL_NAME_MAX) {
             return sl_fail(error, SL_ERROR_USAGE, "a channel name has 1 to %d bytes, '%s' has %zu", SL_CHANNEL_NAME_MAX - 1,
@@ -51,9 +55,11 @@ static sl_status name_channels(sl_image *image, const char *const *names, sl_err
 
 static sl_status create(int width, int height, int channels, const char *const *channel_names, bool clear, sl_image **image,
                         sl_error *error) {
+    if (!image) return sl_fail_null(error, "a place for an image");
     *image = NULL;
     sl_status status = check_size(width, height, channels, error);
     if (status != SL_OK) return status;
+    if (!channel_names && !default_channel_name(channels, 0)) return fail_nameless(channels, error); /* however many: before any memory is taken */
     sl_image *created = sl_allocate(1, sizeof *created);
     if (!created) return sl_fail_memory(error, "an image");
     created->width = width;
@@ -106,6 +112,7 @@ static sl_metadatum *find_metadatum(const sl_image *image, const char *key) {
 }
 
 sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error) {
+    if (!image || !key || !value) return sl_fail_null(error, "an image, a key and its value");
     size_t key_length = strlen(key), value_length = strlen(value);
     if (key_length == 0 || key_length >= SL_METADATA_KEY_MAX) {
         return sl_fail(error, SL_ERROR_USAGE, "a metadata key has 1 to %d bytes, '%s' has %zu", SL_METADATA_KEY_MAX - 1, key,

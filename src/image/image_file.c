@@ -117,7 +117,9 @@ sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *err
 }
 
 sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
+    if (!image) return sl_fail_null(error, "a place for an image");
     *image = NULL;
+    if (!path) return sl_fail_null(error, "the name of a picture's file");
     sl_bytes bytes;
     sl_status status = sl_bytes_read(path, &bytes, error);
     if (status == SL_OK) status = sl_image_decode(&bytes, image, error);
@@ -143,6 +145,7 @@ static bool ends_with(const char *text, const char *ending) {
 }
 
 sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error) {
+    if (!image || !path) return sl_fail_null(error, "an image and the name of a file");
     if (ends_with(path, ".exr")) return write_with(sl_exr_write, image, path, error);
     if (ends_with(path, ".pfm")) return write_with(sl_pfm_write, image, path, error);
     if (ends_with(path, ".png")) return sl_image_write_png(image, path, (sl_tone){SL_TONE_CLIP, 0.0f, false}, error);
@@ -150,6 +153,7 @@ sl_status sl_image_write(const sl_image *image, const char *path, sl_error *erro
 }
 
 sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error) {
+    if (!image || !path) return sl_fail_null(error, "an image and the name of a file");
     uint8_t *rgb;
     sl_status status = sl_tone_map(image, tone, &rgb, error);
     if (status != SL_OK) return status;

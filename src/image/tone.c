@@ -76,8 +76,17 @@ static void map_planes(const float *const planes[3], size_t pixels, double expos
     }
 }
 
+static sl_status check_tone(sl_tone tone, sl_error *error) {
+    if (!isfinite(tone.exposure_stops)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite exposure, got %g", (double)tone.exposure_stops);
+    if (tone.curve == SL_TONE_CLIP || tone.curve == SL_TONE_REINHARD) return SL_OK;
+    return sl_fail(error, SL_ERROR_USAGE, "there is no tone curve %d", (int)tone.curve);
+}
+
 sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl_error *error) {
+    if (!image || !tone || !bytes) return sl_fail_null(error, "an image, a tone and room for bytes");
     const float *planes[3];
+    sl_status status = check_tone(*tone, error);
+    if (status != SL_OK) return status;
     if (!picture_planes(image, planes)) {
         return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
     }

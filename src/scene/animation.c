@@ -213,6 +213,7 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
 sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error) {
     unsigned changed = 0;
     if (changes) *changes = 0;
+    if (!scene) return sl_fail_null(error, "a scene");
     if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
     if (!scene->animation) return SL_OK;
     sl_camera camera;

@@ -40,6 +40,7 @@ sl_camera sl_camera_framed(const sl_scene *scene) {
 
 sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
                               float vertical_fov_rad, sl_error *error) {
+    if (!scene || !eye || !target || !up) return sl_fail_null(error, "a scene and three vectors");
     if (!sl_camera_look_at(&scene->camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
                            sl_v3(up[0], up[1], up[2]), vertical_fov_rad)) {
         return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view "

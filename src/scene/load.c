@@ -34,6 +34,7 @@ static bool is_scene_file(const char *path) {
 }
 
 sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
+    if (!scene || !options) return sl_fail_null(error, "a place for a scene, and options");
     *scene = NULL;
     if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
     if (is_scene_file(path)) return sl_scene_file_load(path, options, scene, error);

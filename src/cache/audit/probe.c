@@ -34,19 +34,17 @@ static bool is_blind(const sl_scene *scene, const sl_transport *transport) {
 }
 
 sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settings, sl_error_probe **out, sl_error *error) {
+    if (!out) return sl_fail_null(error, "a place for error probes");
     *out = NULL;
     sl_transport transport;
-    int width = settings->width, height = settings->height;
-    sl_status status = sl_method_transport(settings, &transport, error);
+    sl_settings asked;
+    sl_status status = sl_method_choose(scene, settings, &asked, &transport, error);
     if (status != SL_OK) return status;
-    if (width == 0 && height == 0) sl_scene_film(scene, &width, &height);
-    if (width < 1 || height < 1 || width > 32768 || height > 32768)
-        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to 32768 pixels each way, got %dx%d", width, height);
     sl_error_probe *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "error probes");
     p->blind = is_blind(scene, &transport);
-    status = sl_probe_tracer_create(&p->tracer, scene, &transport, width, height, settings->threads, sl_hash64(settings->seed ^ probe_salt),
-                                    error);
+    status = sl_probe_tracer_create(&p->tracer, scene, &transport, asked.width, asked.height, asked.threads,
+                                    sl_hash64(asked.seed ^ probe_salt), error);
     if (status != SL_OK) {
         sl_error_probe_destroy(p);
         return status;
@@ -158,6 +156,7 @@ static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_
 sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint64_t probes, uint32_t samples, sl_error_estimate *estimate,
                                   sl_error *error) {
     audit a;
+    if (!p || !image || !estimate) return sl_fail_null(error, "error probes, an image and a place for an estimate");
     *estimate = (sl_error_estimate){0};
     if (!probes || !samples) return sl_fail(error, SL_ERROR_USAGE, "an estimate takes at least one probe and one sample of it");
     sl_status status = audit_begin(&a, p, image, error);
@@ -182,6 +181,7 @@ static bool wants_samples(const audit *a, const sl_error_estimate *e, double rel
 
 sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double rel_rmse, sl_error_estimate *e, sl_error *error) {
     audit a;
+    if (!p || !image || !e) return sl_fail_null(error, "error probes, an image and a place for an estimate");
     *e = (sl_error_estimate){0};
     if (!(rel_rmse > 0.0)) return sl_fail(error, SL_ERROR_USAGE, "expected an error above 0 to judge by, got %g", rel_rmse);
     uint64_t probes = FIRST_PROBES;
@@ -196,5 +196,6 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
         status = audit_estimate(&a, probes, samples, e, error);
     }
     audit_end(&a);
+    if (status != SL_OK) *e = (sl_error_estimate){0}; /* not what fewer probes said */
     return status;
 }

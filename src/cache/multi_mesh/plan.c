@@ -39,6 +39,12 @@ static int power_of_two(int value) {
     return power;
 }
 
+/* The coarse mesh is iterated once at most. */
+static uint32_t bounces_of(const sl_settings *settings) {
+    if (settings->bounces == 0) return 1;
+    return settings->bounces > 2 ? 2 : settings->bounces;
+}
+
 void sl_multi_mesh_complete(sl_settings *settings) {
     const by_quality *q = &qualities[settings->quality];
     sl_multi_mesh_settings *m = &settings->multi_mesh;
@@ -52,8 +58,7 @@ void sl_multi_mesh_complete(sl_settings *settings) {
     m->coarse_depth = or_default(m->coarse_depth, q->coarse_depth);
     m->batch = or_default(m->batch, BATCH);
     settings->gather_size = power_of_two(or_default(settings->gather_size, q->gather_size));
-    if (settings->bounces == 0) settings->bounces = 1;
-    if (settings->bounces > 2) settings->bounces = 2; /* the coarse mesh is iterated once at most */
+    settings->bounces = bounces_of(settings);
 }
 
 static bool several_exponents(const sl_scene *scene) {
@@ -92,7 +97,7 @@ void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transpor
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE,
         .bounce_lobes = SL_LOBE_DIFFUSE,
-        .bounces = settings->bounces ? settings->bounces : 1,
+        .bounces = bounces_of(settings),
         .direct_visibility = true,
         .bounce_visibility = true,
         .filter = SL_FILTER_CENTRE,

@@ -1,0 +1,802 @@
+/* What softlux.h promises of calls that ought not to be made: every function, every NULL, every number out of range, every order but the right one. The
+ * status is the one that its comment names, one line says why (or no one asked), and what was to be made is NULL, 0 or as it was. Run with
+ * sanitizers, too, which tell of what leaks. Files that are damaged and memory that ends are elsewhere: test_image_damage, test_every_allocation. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "least_settings.h"
+#include "rendering.h"
+#include "scene_files.h"
+
+#include "failing_memory.h"
+
+static void assert_one_line(const sl_error *error, sl_status status) {
+    size_t length = strlen(error->message);
+    assert_int_equal(error->status, status);
+    assert_true(length > 10 && length < sizeof error->message - 1);
+    assert_null(strchr(error->message, '\n'));
+}
+
+/* `call` says `error` where it hands on where to complain; it may be nowhere. */
+#define REFUSED(wanted, call)                \
+    do {                                     \
+        sl_error said = {SL_OK, ""}, *error = &said; \
+        assert_int_equal(call, wanted);      \
+        assert_one_line(&said, wanted);      \
+        error = NULL;                        \
+        assert_int_equal(call, wanted);      \
+    } while (0)
+#define USAGE(call) REFUSED(SL_ERROR_USAGE, call)
+#define INPUT(call) REFUSED(SL_ERROR_INPUT, call)
+
+enum { SIDE = 6 };
+static const char box[] = "scenes/cornell.json";
+static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional"};
+enum { METHODS = sizeof methods / sizeof methods[0] };
+
+static sl_image *picture(int width, int height, int channels, const char *const *names) {
+    sl_image *image;
+    assert_int_equal(sl_image_create(width, height, channels, names, &image, NULL), SL_OK);
+    return image;
+}
+
+static sl_method *method_of(const sl_scene *scene, const char *name) {
+    const sl_settings settings = least_settings(name, SIDE, SIDE);
+    sl_method *method;
+    sl_error error;
+    if (sl_method_create(scene, &settings, &method, &error) != SL_OK) fail_msg("%s: %s", name, error.message);
+    return method;
+}
+
+static void update_to_the_end(sl_method *method) {
+    sl_progress progress = {0};
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+}
+
+static bool all_zero(const void *data, size_t bytes) {
+    const unsigned char *at = data;
+    for (size_t i = 0; i < bytes; i++) {
+        if (at[i]) return false;
+    }
+    return true;
+}
+
+/* Memory that no result is made of: what ought to be made NULL or 0 was. */
+static void *const anything = (void *)(uintptr_t)0x5a5a5a5a5a5a5a40u;
+
+/* ---- names and numbers ------------------------------------------------------------------------------------------------------------ */
+
+static void there_is_no_counter_and_no_method_past_the_last(void **state) {
+    (void)state;
+    for (int i = 0; i < SL_COUNTERS; i++) assert_string_not_equal(sl_counter_name((sl_counter)i), "unknown");
+    assert_string_equal(sl_counter_name(SL_COUNTERS), "unknown");
+    assert_string_equal(sl_counter_name((sl_counter)-1), "unknown");
+    for (size_t i = 0; i < METHODS; i++) assert_string_equal(sl_method_name(i), methods[i]);
+    assert_null(sl_method_name(METHODS));
+    assert_null(sl_method_name(SIZE_MAX));
+}
+
+static void nothing_can_be_destroyed(void **state) {
+    (void)state;
+    sl_counters counters;
+    memset(&counters, 1, sizeof counters);
+    sl_image_destroy(NULL);
+    sl_scene_destroy(NULL);
+    sl_method_destroy(NULL);
+    sl_story_destroy(NULL);
+    sl_error_probe_destroy(NULL);
+    sl_live_stop(NULL, NULL);
+    sl_live_stop(NULL, &counters);
+    assert_true(all_zero(&counters, sizeof counters));
+}
+
+/* ---- images ------------------------------------------------------------------------------------------------------------------------ */
+
+static void an_image_wants_a_size_and_names(void **state) {
+    (void)state;
+    static const char *const gap[] = {"R", NULL};
+    sl_image *image = anything;
+    USAGE(sl_image_create(1, 1, 1, NULL, NULL, error));
+    USAGE(sl_image_create(0, 1, 1, NULL, &image, error));
+    assert_null(image);
+    USAGE(sl_image_create(INT_MIN, INT_MIN, INT_MIN, NULL, &image, error));
+    USAGE(sl_image_create(1, 1, 2, gap, &image, error));
+    USAGE(sl_image_create(1, 1, INT_MAX, NULL, &image, error)); /* for the names alone 128 GB would be taken */
+    REFUSED(SL_ERROR_RESOURCES, sl_image_create(INT_MAX, INT_MAX, INT_MAX, NULL, &image, error));
+    assert_null(image);
+}
+
+static void metadata_want_an_image_a_key_and_a_value(void **state) {
+    (void)state;
+    sl_image *image = picture(2, 2, 3, NULL);
+    USAGE(sl_image_set_metadata(NULL, "key", "value", error));
+    USAGE(sl_image_set_metadata(image, NULL, "value", error));
+    USAGE(sl_image_set_metadata(image, "key", NULL, error));
+    USAGE(sl_image_set_metadata(image, "", "value", error));
+    assert_int_equal(image->metadata_count, 0);
+    assert_null(sl_image_metadata(image, ""));
+    sl_image_destroy(image);
+}
+
+static void a_picture_is_read_from_a_file_or_not_at_all(void **state) {
+    (void)state;
+    sl_image *image = anything;
+    USAGE(sl_image_read("a.png", NULL, error));
+    USAGE(sl_image_read(NULL, &image, error));
+    assert_null(image);
+    image = anything;
+    INPUT(sl_image_read("", &image, error));
+    assert_null(image);
+    INPUT(sl_image_read("/nonexistent/a.exr", &image, error));
+    INPUT(sl_image_read("/tmp", &image, error));
+    INPUT(sl_image_read("/dev/null", &image, error));
+    INPUT(sl_image_read(box, &image, error));
+    assert_null(image);
+}
+
+static void a_picture_is_written_by_a_name_that_tells_how(void **state) {
+    (void)state;
+    static const char *const depth[] = {"Z"};
+    const sl_tone clip = {SL_TONE_CLIP, 0.0f, false}, endless = {SL_TONE_CLIP, INFINITY, false}, none = {SL_TONE_CLIP, NAN, false};
+    const sl_tone unknown = {(sl_tone_curve)7, 0.0f, false};
+    sl_image *image = picture(2, 2, 3, NULL), *plain = picture(2, 2, 1, depth);
+    const char *path = scene_file_path("unwritten.png");
+    USAGE(sl_image_write(NULL, path, error));
+    USAGE(sl_image_write(image, NULL, error));
+    USAGE(sl_image_write(image, "", error));
+    USAGE(sl_image_write(image, ".exr", error));
+    USAGE(sl_image_write(image, "picture.jpg", error));
+    USAGE(sl_image_write(plain, path, error));
+    USAGE(sl_image_write(plain, scene_file_path("unwritten.pfm"), error));
+    REFUSED(SL_ERROR_OUTPUT, sl_image_write(image, "/nonexistent/a.exr", error));
+    USAGE(sl_image_write_png(NULL, path, clip, error));
+    USAGE(sl_image_write_png(image, NULL, clip, error));
+    USAGE(sl_image_write_png(plain, path, clip, error));
+    USAGE(sl_image_write_png(image, path, endless, error));
+    USAGE(sl_image_write_png(image, path, none, error));
+    USAGE(sl_image_write_png(image, path, unknown, error));
+    REFUSED(SL_ERROR_OUTPUT, sl_image_write_png(image, "", clip, error));
+    REFUSED(SL_ERROR_OUTPUT, sl_image_write_png(image, "/nonexistent/a.png", clip, error));
+    assert_int_equal(sl_image_set_metadata(image, "channels", "three", NULL), SL_OK);
+    USAGE(sl_image_write(image, scene_file_path("unwritten.exr"), error));
+    INPUT(sl_image_read(path, &(sl_image *){NULL}, error)); /* nothing has been written */
+    sl_image_destroy(image);
+    sl_image_destroy(plain);
+}
+
+static void bytes_for_a_screen_are_left_alone_where_there_are_none(void **state) {
+    (void)state;
+    static const char *const depth[] = {"Z"};
+    sl_image *image = picture(1, 1, 3, NULL), *plain = picture(1, 1, 1, depth);
+    sl_tone tone = {SL_TONE_CLIP, 0.0f, true}, none = {SL_TONE_CLIP, NAN, false}, far = {SL_TONE_CLIP, FLT_MAX, true};
+    uint8_t bytes[3] = {7, 7, 7};
+    USAGE(sl_image_srgb(NULL, &tone, bytes, error));
+    USAGE(sl_image_srgb(image, NULL, bytes, error));
+    USAGE(sl_image_srgb(image, &tone, NULL, error));
+    USAGE(sl_image_srgb(plain, &tone, bytes, error));
+    USAGE(sl_image_srgb(image, &none, bytes, error));
+    assert_true(bytes[0] == 7 && bytes[1] == 7 && bytes[2] == 7 && tone.automatic);
+    assert_int_equal(sl_image_srgb(image, &far, bytes, NULL), SL_OK); /* black stays black, however bright */
+    assert_true(bytes[0] == 0);
+    sl_image_destroy(image);
+    sl_image_destroy(plain);
+}
+
+static void what_cannot_be_compared_is_not(void **state) {
+    (void)state;
+    static const char *const depth[] = {"Z"};
+    sl_image *image = picture(3, 3, 3, NULL), *wide = picture(4, 3, 3, NULL), *plain = picture(3, 3, 1, depth), *difference = anything;
+    sl_image *mask = picture(3, 3, 1, NULL);
+    sl_comparison result;
+    const sl_compare_options masked = {.mask = mask}, other_mask = {.mask = wide}, exposed = {.exposure_stops = NAN};
+    memset(&result, 1, sizeof result);
+    USAGE(sl_image_compare(NULL, image, NULL, &result, &difference, error));
+    assert_null(difference);
+    USAGE(sl_image_compare(image, NULL, NULL, &result, NULL, error));
+    USAGE(sl_image_compare(image, image, NULL, NULL, NULL, error));
+    USAGE(sl_image_compare(image, image, &exposed, &result, NULL, error));
+    memset(&result, 1, sizeof result);
+    INPUT(sl_image_compare(image, wide, NULL, &result, &difference, error));
+    assert_true(all_zero(&result, sizeof result));
+    INPUT(sl_image_compare(image, image, &other_mask, &result, &difference, error));
+    INPUT(sl_image_compare(plain, image, NULL, &result, &difference, error));
+    INPUT(sl_image_compare(image, plain, NULL, &result, &difference, error));
+    INPUT(sl_image_compare(image, image, &masked, &result, &difference, error)); /* nothing under the mask */
+    for (int i = 0; i < 27; i++) image->planes[i] = i % 2 ? NAN : -1.0f;
+    INPUT(sl_image_compare(image, image, NULL, &result, &difference, error));
+    assert_true(all_zero(&result, sizeof result));
+    assert_null(difference);
+    sl_image_destroy(image);
+    sl_image_destroy(wide);
+    sl_image_destroy(plain);
+    sl_image_destroy(mask);
+}
+
+/* ---- scenes ------------------------------------------------------------------------------------------------------------------------ */
+
+static void a_scene_is_loaded_from_a_file_or_not_at_all(void **state) {
+    (void)state;
+    const sl_load_options options = {.allow_outside = false};
+    sl_scene *scene = anything;
+    USAGE(sl_scene_load(box, NULL, error));
+    USAGE(sl_scene_load(NULL, &scene, error));
+    assert_null(scene);
+    USAGE(sl_scene_load("", &scene, error));
+    USAGE(sl_scene_load_with(box, NULL, &scene, error));
+    USAGE(sl_scene_load_with(box, &options, NULL, error));
+    USAGE(sl_scene_load_with(NULL, &options, &scene, error));
+    scene = anything;
+    INPUT(sl_scene_load("/nonexistent/scene.json", &scene, error));
+    assert_null(scene);
+    INPUT(sl_scene_load("/nonexistent/mesh.obj", &scene, error));
+    INPUT(sl_scene_load("/tmp", &scene, error));
+    INPUT(sl_scene_load("/dev/null", &scene, error));
+    INPUT(sl_scene_load("README.md", &scene, error));
+    assert_null(scene);
+}
+
+static const char moving[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"fov_deg\": 50, \"keyframes\": [{\"time\": 0, \"eye\": [0, 0, 5], \"target\": [0, 0, 0], "
+                             "\"fov_deg\": 50}, {\"time\": 2, \"eye\": [0, 0, -5], \"target\": [0, 0, 0], \"fov_deg\": 50}]}}";
+static const char triangle[] = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+
+static void a_scene_moves_to_times_at_which_it_can_be_seen(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(moving, triangle);
+    const uint64_t still = sl_scene_hash(scene);
+    const double no_times[] = {NAN, INFINITY, -INFINITY};
+    unsigned changes = 99;
+    USAGE(sl_scene_set_time(NULL, 0.0, &changes, error));
+    assert_int_equal(changes, 0);
+    for (int i = 0; i < 3; i++) USAGE(sl_scene_set_time(scene, no_times[i], &changes, error));
+    changes = 99;
+    INPUT(sl_scene_set_time(scene, 1.0, &changes, error)); /* half way the eye is at its target */
+    assert_int_equal(changes, 0);
+    assert_true(sl_scene_hash(scene) == still);
+    assert_int_equal(sl_scene_set_time(scene, 1e308, NULL, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(scene, -1e308, &changes, NULL), SL_OK);
+    assert_int_equal(changes, SL_CHANGED_CAMERA);
+    assert_true(sl_scene_hash(scene) == still);
+    sl_scene_destroy(scene);
+}
+
+static const float eye[3] = {0, 0, 4}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+
+static void a_camera_has_a_frame_and_a_field_of_view(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    const uint64_t still = sl_scene_hash(scene);
+    const float zero[3] = {0, 0, 0}, along[3] = {0, 0, -2}, none[3] = {0, NAN, 0}, endless[3] = {0, INFINITY, 0};
+    const float no_angles[] = {0.0f, -1.0f, NAN, INFINITY, 3.1415927f};
+    USAGE(sl_scene_set_camera(NULL, eye, target, up, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, NULL, target, up, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, NULL, up, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, target, NULL, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, eye, up, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, target, zero, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, target, along, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, none, target, up, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, endless, up, 1.0f, error));
+    USAGE(sl_scene_set_camera(scene, eye, target, none, 1.0f, error));
+    for (int i = 0; i < 5; i++) USAGE(sl_scene_set_camera(scene, eye, target, up, no_angles[i], error));
+    assert_true(sl_scene_hash(scene) == still);
+    sl_scene_destroy(scene);
+}
+
+static void a_scene_says_no_more_than_it_has_to_say(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    size_t warnings = sl_scene_warning_count(scene);
+    for (size_t i = 0; i < warnings; i++) assert_null(strchr(sl_scene_warning(scene, i), '\n'));
+    assert_null(sl_scene_warning(scene, warnings));
+    assert_null(sl_scene_warning(scene, SIZE_MAX));
+    sl_scene_destroy(scene);
+}
+
+/* A field of view of next to nothing, and one of next to everything. */
+static void every_camera_that_is_taken_gives_numbers(void **state) {
+    (void)state;
+    const float angles[] = {1e-40f, 1e-6f, 3.1415925f};
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        for (int a = 0; a < 3; a++) {
+            const float here[3] = {278, 273, -800}, there[3] = {278, 273, 0};
+            const sl_settings settings = least_settings(methods[m], SIDE, SIDE);
+            assert_int_equal(sl_scene_set_camera(scene, here, there, up, angles[a], NULL), SL_OK);
+            sl_image *image = render(scene, &settings, NULL);
+            for (int i = 0; i < 3 * SIDE * SIDE; i++) {
+                const float value = image->planes[i];
+                if (!isfinite(value) || value < 0.0f) fail_msg("%s at %g radians: %g", methods[m], (double)angles[a], (double)value);
+            }
+            sl_image_destroy(image);
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+/* ---- settings ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct bad_setting {
+    size_t offset;
+    enum { WHOLE, UNSIGNED, LONG, REAL } kind;
+    double low, high; /* the first ones out of range; low is 0 where 0 is a default and nothing is below it */
+} bad_setting;
+
+#define AT(field) offsetof(sl_settings, field)
+
+static const bad_setting bad_settings[] = {
+    {AT(width), WHOLE, -1, 32769}, {AT(height), WHOLE, -1, 32769}, {AT(quality), WHOLE, -1, SL_QUALITY_HIGH + 1}, {AT(spp), UNSIGNED, 0, 100000001},
+    {AT(accuracy), REAL, 0.0009, 2.001}, {AT(gather_size), WHOLE, 2, 1026}, {AT(gather_size), WHOLE, -2, 5}, {AT(gather), WHOLE, -1, SL_GATHER_RAYS + 1},
+    {AT(direct), WHOLE, -1, SL_DIRECT_SHADOW_MAPS + 1}, {AT(filter), WHOLE, -1, SL_FILTER_CENTRE + 1}, {AT(order), WHOLE, -1, SL_ORDER_LINEAR + 1},
+    {AT(metric), WHOLE, -1, SL_METRIC_ADAPTIVE + 1}, {AT(glossy_accuracy), REAL, 0.0009, 2.001}, {AT(harmonics_order), WHOLE, -1, 13},
+    {AT(bounces), UNSIGNED, 0, 65}, {AT(hit_samples), UNSIGNED, 0, 257},
+
+    {AT(radiance_map.samples), WHOLE, -1, 257}, {AT(radiance_map.map_size), WHOLE, -1, 1025}, {AT(radiance_map.shape), WHOLE, -1, SL_MAP_CUBE + 1},
+    {AT(radiance_map.map_fov), REAL, 0.009, 3.01}, {AT(radiance_map.weight), WHOLE, -1, SL_WEIGHT_BOX + 1},
+    {AT(radiance_map.filter), WHOLE, -1, SL_MAP_FILTER_FLUX + 1}, {AT(radiance_map.visibility), WHOLE, -1, SL_VISIBILITY_BLOCKS + 1},
+    {AT(radiance_map.mirror_light), WHOLE, -1, SL_MIRROR_LIGHT_DIRECT + 1}, {AT(radiance_map.reflections), WHOLE, -1, 9},
+    {AT(radiance_map.cube_size), WHOLE, 3, 4097}, {AT(radiance_map.shadow_size), WHOLE, 15, 8193}, {AT(radiance_map.emitter_samples), WHOLE, -1, 65},
+
+    {AT(light_octree.depth), WHOLE, -1, 9}, {AT(light_octree.photons), LONG, 0, 1e9 + 1}, {AT(light_octree.neighbours), WHOLE, 1, 4097},
+    {AT(light_octree.radius), REAL, 1e-13, 1e13}, {AT(light_octree.flatness), REAL, 0.0009, 1.001}, {AT(light_octree.lights), WHOLE, -1, 9},
+    {AT(light_octree.spread_tolerance), REAL, 0.00009, 1.61}, {AT(light_octree.acceptance), REAL, 0.009, 3.16},
+    {AT(light_octree.store), WHOLE, -1, SL_STORE_CAUSTIC + 1}, {AT(light_octree.area), WHOLE, -1, SL_PHOTON_AREA_DISC + 1},
+    {AT(light_octree.lobes), WHOLE, -1, SL_LOBES_HARMONICS + 1}, {AT(light_octree.filter), WHOLE, -1, SL_VOXEL_NEAREST + 1},
+    {AT(light_octree.dilation), REAL, -0.001, 1.001}, {AT(light_octree.atlas_size), WHOLE, 15, 16385},
+
+    {AT(multi_mesh.estimator), WHOLE, -1, SL_LIGHT_RAYS + 1}, {AT(multi_mesh.light_size), WHOLE, 7, 257}, {AT(multi_mesh.light_rays), WHOLE, -1, 257},
+    {AT(multi_mesh.gather_fov), REAL, 0.99, 3.12}, {AT(multi_mesh.threshold_scale), REAL, 0.0009, 1001}, {AT(multi_mesh.exposure), REAL, 1e-31, 1e31},
+    {AT(multi_mesh.leaf_area), REAL, 0.99, 1.1e9}, {AT(multi_mesh.leaf_edge), REAL, 0.99, 1.1e9}, {AT(multi_mesh.max_depth), WHOLE, -1, 13},
+    {AT(multi_mesh.coarse_depth), WHOLE, -1, 9}, {AT(multi_mesh.coarse_edge), REAL, 1e-13, 1e13},
+    {AT(multi_mesh.selection), WHOLE, -1, SL_SELECT_CHAIN + 1}, {AT(multi_mesh.batch), WHOLE, -1, 65537},
+
+    {AT(shading_cache.points), WHOLE, -1, 1000001}, {AT(shading_cache.area_samples), WHOLE, -1, 1000001},
+    {AT(shading_cache.area), WHOLE, -1, SL_AREA_SAMPLED + 1}, {AT(shading_cache.indirect_samples), WHOLE, -1, 1000001},
+    {AT(shading_cache.path_depth), WHOLE, -1, 65}, {AT(shading_cache.indirect), WHOLE, -1, SL_INDIRECT_NONE + 1},
+    {AT(shading_cache.random_share), REAL, 1e-7, 1.001}, {AT(shading_cache.selection), WHOLE, -1, SL_PIXELS_SORTED + 1},
+    {AT(shading_cache.flood_threshold), REAL, 1e-7, 1.001}, {AT(shading_cache.stop_size), REAL, 0.00009, 1.1e6},
+    {AT(shading_cache.ageing_window), WHOLE, -1, 1000001}, {AT(shading_cache.cache_limit), REAL, 0.009, 100.1},
+    {AT(shading_cache.clean_up_seconds), REAL, 0.009, 1.1e6}, {AT(shading_cache.nominal_rate), REAL, 0.99, 1.1e9},
+    {AT(shading_cache.change_threshold), REAL, 0.009, 255.1}, {AT(shading_cache.change_window), WHOLE, -1, 1000001},
+    {AT(shading_cache.blending), REAL, 0.009, 1.001}, {AT(shading_cache.frames_per_update), WHOLE, -1, 1000001},
+    {AT(shading_cache.hold_levels), REAL, 1e-7, 255.1}, {AT(shading_cache.mean_level_radiance), REAL, 1e-31, 1e31},
+};
+
+static void put(sl_settings *settings, const bad_setting *b, double value) {
+    char *at = (char *)settings + b->offset;
+    switch (b->kind) {
+    case WHOLE: *(int *)(void *)at = (int)value; break;
+    case UNSIGNED: *(uint32_t *)(void *)at = (uint32_t)value; break;
+    case LONG: *(uint64_t *)(void *)at = (uint64_t)value; break;
+    case REAL: *(double *)(void *)at = value; break;
+    }
+}
+
+/* By everything that takes settings. */
+static void assert_refused(sl_scene *scene, const sl_settings *settings, sl_status wanted) {
+    sl_method *method = anything;
+    sl_error_probe *probe = anything;
+    sl_live *live = anything;
+    char *plan = anything;
+    uint64_t bytes = 7;
+    REFUSED(wanted, sl_method_create(scene, settings, &method, error));
+    REFUSED(wanted, sl_method_plan(scene, settings, &plan, error));
+    REFUSED(wanted, sl_live_start(scene, settings, &live, error));
+    if (!settings->memory_bytes) REFUSED(wanted, sl_method_memory_need(scene, settings, &bytes, error));
+    if (!settings->memory_bytes) REFUSED(wanted, sl_error_probe_create(scene, settings, &probe, error));
+    assert_true(!method && !plan && !live && (settings->memory_bytes || (!probe && bytes == 0)));
+}
+
+static void settings_out_of_range_are_refused_by_whatever_takes_them(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t i = 0; i < sizeof bad_settings / sizeof bad_settings[0]; i++) {
+        const bad_setting *b = &bad_settings[i];
+        const double values[] = {b->high, b->low, NAN, INFINITY, -1.0};
+        for (int v = 0; v < (b->kind == REAL ? 5 : 2); v++) {
+            sl_settings settings = least_settings("splatting", SIDE, SIDE);
+            if (v == 1 && b->low == 0.0) continue;
+            put(&settings, b, values[v]);
+            if (sl_method_plan(scene, &settings, &(char *){NULL}, NULL) == SL_OK) fail_msg("setting %zu of the list may be %g", i, values[v]);
+            assert_refused(scene, &settings, SL_ERROR_USAGE);
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+static void methods_and_light_paths_that_do_not_exist_are_refused(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    static const char *const names[] = {NULL, "", "Path", "path ", "splatting, path"};
+    static const char *const transports[] = {"", "matched:", "matched:nothing", "two-bounce", "matched:path matched:path matched:path matched:path matched:path"};
+    for (int i = 0; i < 5; i++) {
+        sl_settings settings = least_settings(names[i], SIDE, SIDE);
+        assert_refused(scene, &settings, SL_ERROR_USAGE);
+        settings = least_settings("path", SIDE, SIDE);
+        settings.transport = transports[i];
+        assert_refused(scene, &settings, SL_ERROR_USAGE);
+    }
+    sl_settings settings = least_settings("splatting", SIDE, SIDE);
+    settings.transport = "full"; /* only the reference tracers take another than their own */
+    assert_refused(scene, &settings, SL_ERROR_USAGE);
+    settings.transport = NULL;
+    settings.filter = SL_FILTER_BOX; /* nor another filter */
+    assert_refused(scene, &settings, SL_ERROR_USAGE);
+    settings = least_settings("splatting", SIDE, SIDE);
+    settings.memory_bytes = 1;
+    assert_refused(scene, &settings, SL_ERROR_RESOURCES);
+    settings = least_settings("path", SIDE, 0);
+    assert_refused(scene, &settings, SL_ERROR_USAGE);
+    sl_scene_destroy(scene);
+}
+
+static void what_takes_settings_takes_no_null(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    const sl_settings settings = least_settings("path", SIDE, SIDE);
+    sl_method *method = anything;
+    sl_error_probe *probe = anything;
+    sl_live *live = anything;
+    char *plan = anything;
+    uint64_t bytes = 7;
+    USAGE(sl_method_create(scene, &settings, NULL, error));
+    USAGE(sl_method_create(NULL, &settings, &method, error));
+    USAGE(sl_method_create(scene, NULL, &method, error));
+    USAGE(sl_method_plan(scene, &settings, NULL, error));
+    USAGE(sl_method_plan(NULL, &settings, &plan, error));
+    USAGE(sl_method_plan(scene, NULL, &plan, error));
+    USAGE(sl_method_memory_need(scene, &settings, NULL, error));
+    USAGE(sl_method_memory_need(NULL, &settings, &bytes, error));
+    USAGE(sl_method_memory_need(scene, NULL, &bytes, error));
+    USAGE(sl_live_start(scene, &settings, NULL, error));
+    USAGE(sl_live_start(NULL, &settings, &live, error));
+    USAGE(sl_live_start(scene, NULL, &live, error));
+    USAGE(sl_error_probe_create(scene, &settings, NULL, error));
+    USAGE(sl_error_probe_create(NULL, &settings, &probe, error));
+    USAGE(sl_error_probe_create(scene, NULL, &probe, error));
+    assert_true(!method && !plan && !bytes && !live && !probe);
+    sl_scene_destroy(scene);
+}
+
+/* More bounces than a method computes are those that it does compute, also to a tracer that is to compute the same. */
+static void a_reference_counts_the_paths_that_the_method_computes(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    sl_settings settings = least_settings("path", SIDE, SIDE);
+    settings.transport = "matched:multi-mesh";
+    settings.bounces = 2;
+    sl_image *two = render(scene, &settings, NULL);
+    settings.bounces = 64;
+    sl_image *more = render(scene, &settings, NULL);
+    assert_memory_equal(two->planes, more->planes, 3 * SIDE * SIDE * sizeof(float));
+    sl_image_destroy(two);
+    sl_image_destroy(more);
+    sl_scene_destroy(scene);
+}
+
+/* ---- methods ------------------------------------------------------------------------------------------------------------------------ */
+
+static void a_method_takes_no_null(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    sl_method *method = method_of(scene, "splatting");
+    sl_progress progress = {.batches = 77};
+    sl_image *image = anything;
+    sl_story *story = anything;
+    USAGE(sl_method_update(NULL, &progress, error));
+    USAGE(sl_method_update(method, NULL, error));
+    assert_true(progress.batches == 77);
+    USAGE(sl_method_resolve(NULL, &image, error));
+    USAGE(sl_method_resolve(method, NULL, error));
+    assert_null(image);
+    USAGE(sl_method_edit(NULL, SL_CHANGED_CAMERA, error));
+    USAGE(sl_method_edit(method, 8, error));
+    USAGE(sl_method_edit(method, UINT_MAX, error));
+    USAGE(sl_method_save(NULL, "a", error));
+    USAGE(sl_method_save(method, NULL, error));
+    USAGE(sl_method_load(NULL, "a", error));
+    USAGE(sl_method_load(method, NULL, error));
+    image = picture(SIDE, SIDE, 3, NULL);
+    USAGE(sl_method_story(NULL, image, 0, 0, &story, error));
+    USAGE(sl_method_story(method, NULL, 0, 0, &story, error));
+    USAGE(sl_method_story(method, image, 0, 0, NULL, error));
+    assert_null(story);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void a_picture_may_be_had_before_the_first_update(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_method *method = method_of(scene, methods[m]);
+        sl_image *image;
+        assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+        for (int i = 0; i < 3 * SIDE * SIDE; i++) assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
+        sl_image_destroy(image);
+        assert_true(sl_method_memory_bytes(method) > 0);
+        assert_null(sl_method_concession(method));
+        assert_int_equal(sl_method_counters(method)->value[SL_COUNT_NONFINITE], 0);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void progress_is_told_whole_and_stays_when_nothing_is_left(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_method *method = method_of(scene, methods[m]);
+        sl_progress last = {0}, again;
+        do {
+            memset(&again, 0xff, sizeof again.batches + sizeof again.fraction); /* whatever was there before */
+            again.frame_done = true;
+            again.done = false;
+            assert_int_equal(sl_method_update(method, &again, NULL), SL_OK);
+            assert_true(again.batches == last.batches + 1 && again.fraction >= 0.0 && again.fraction <= 1.0);
+            last = again;
+        } while (!last.done);
+        assert_true(last.frame_done && last.fraction == 1.0);
+        again = (sl_progress){0};
+        assert_int_equal(sl_method_update(method, &again, NULL), SL_OK);
+        assert_true(again.batches == last.batches && again.fraction == 1.0 && again.frame_done && again.done);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_story_is_of_a_pixel_of_the_last_picture(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_method *method = method_of(scene, methods[m]);
+        sl_story *story = anything;
+        sl_image *image, *other = picture(SIDE + 60, SIDE + 60, 3, NULL), *same = picture(SIDE, SIDE, 3, NULL);
+        USAGE(sl_method_story(method, same, 1, 1, &story, error)); /* nothing has been resolved */
+        assert_null(story);
+        update_to_the_end(method);
+        assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+        USAGE(sl_method_story(method, other, SIDE + 50, SIDE + 50, &story, error)); /* a pixel of that one, and of none that there is */
+        USAGE(sl_method_story(method, image, SIDE, 0, &story, error));
+        USAGE(sl_method_story(method, image, 0, INT_MAX, &story, error));
+        USAGE(sl_method_story(method, image, INT_MIN, 0, &story, error));
+        bool tells = strcmp(methods[m], "path") != 0 && strcmp(methods[m], "bidirectional") != 0;
+        if (tells) assert_int_equal(sl_method_story(method, image, 1, 1, &story, NULL), SL_OK);
+        sl_story_destroy(story);
+        assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+        USAGE(sl_method_story(method, image, 1, 1, &story, error)); /* which is no longer the last */
+        assert_null(story);
+        sl_image_destroy(image);
+        sl_image_destroy(other);
+        sl_image_destroy(same);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void caches_go_to_files_and_come_from_files_of_the_kind(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_method *method = method_of(scene, methods[m]);
+        if (sl_method_keeps_cache(method)) {
+            REFUSED(SL_ERROR_OUTPUT, sl_method_save(method, "", error));
+            REFUSED(SL_ERROR_OUTPUT, sl_method_save(method, "/nonexistent/cache", error));
+            INPUT(sl_method_load(method, "", error));
+            INPUT(sl_method_load(method, "/nonexistent/cache", error));
+            INPUT(sl_method_load(method, box, error));
+        } else {
+            USAGE(sl_method_save(method, "cache", error));
+            USAGE(sl_method_load(method, "cache", error));
+        }
+        update_to_the_end(method);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* What is there by then is given up for it, and no bit of the picture tells. */
+static void a_cache_may_be_loaded_after_updates(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    const char *path = scene_file_write("kept.cache", "", 0);
+    sl_method *method = method_of(scene, "splatting");
+    sl_image *image, *again;
+    update_to_the_end(method);
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    assert_int_equal(sl_method_save(method, path, NULL), SL_OK);
+    assert_int_equal(sl_method_load(method, path, NULL), SL_OK);
+    update_to_the_end(method);
+    assert_int_equal(sl_method_resolve(method, &again, NULL), SL_OK);
+    assert_true(same_picture(image, again));
+    sl_image_destroy(image);
+    sl_image_destroy(again);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* Of all methods: what there is to say about it afterwards is no more than that. */
+static void after_a_failed_update_a_method_can_only_be_destroyed(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    int failed = 0;
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_method *method = method_of(scene, methods[m]);
+        sl_progress progress = {.batches = 77};
+        sl_image *image = anything;
+        long held = blocks_held;
+        allocations_left = 0;
+        sl_status status = sl_method_update(method, &progress, NULL);
+        allocations_left = -1;
+        if (status != SL_OK) {
+            failed++;
+            assert_int_equal(status, SL_ERROR_RESOURCES);
+            assert_true(progress.batches == 77 && blocks_held <= held);
+            USAGE(sl_method_update(method, &progress, error));
+            USAGE(sl_method_resolve(method, &image, error));
+            USAGE(sl_method_edit(method, SL_CHANGED_CAMERA, error));
+            USAGE(sl_method_save(method, "cache", error));
+            USAGE(sl_method_load(method, "cache", error));
+            assert_true(progress.batches == 77 && !image);
+        }
+        sl_method_destroy(method);
+    }
+    assert_true(failed >= 3);
+    sl_scene_destroy(scene);
+}
+
+/* The tracers hold their rays' hierarchy, and the others more than that: nobody follows objects without memory. */
+static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_method *method = method_of(scene, methods[m]);
+        sl_progress progress;
+        sl_image *before, *none = anything, *after;
+        update_to_the_end(method);
+        assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+        allocations_left = 0;
+        sl_status status = sl_method_edit(method, SL_CHANGED_OBJECTS, NULL);
+        if (status == SL_OK) status = sl_method_update(method, &progress, NULL); /* direct radiance mapping puts it off until then */
+        allocations_left = -1;
+        assert_int_equal(status, SL_ERROR_RESOURCES);
+        USAGE(sl_method_update(method, &progress, error));
+        USAGE(sl_method_resolve(method, &none, error));
+        assert_null(none);
+        if (strcmp(methods[m], "direct-radiance") != 0) {
+            assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+            update_to_the_end(method);
+            assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+            if (strcmp(methods[m], "shading-cache") != 0) assert_true(same_picture(before, after)); /* which goes on from where it was */
+            sl_image_destroy(after);
+        }
+        sl_image_destroy(before);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* ---- live ---------------------------------------------------------------------------------------------------------------------------- */
+
+static void a_show_goes_on_after_what_it_refuses(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(moving, triangle);
+    const char *const names[] = {"shading-cache", "path"};
+    for (int m = 0; m < 2; m++) {
+        sl_settings settings = least_settings(names[m], SIDE, SIDE);
+        const float none[3] = {0, NAN, 0};
+        const sl_image *frame = anything;
+        sl_live_state shown;
+        sl_live *live;
+        assert_int_equal(sl_live_start(scene, &settings, &live, NULL), SL_OK);
+        USAGE(sl_live_frame(NULL, &frame, &shown, error));
+        assert_null(frame);
+        USAGE(sl_live_frame(live, NULL, &shown, error));
+        USAGE(sl_live_move(NULL, 0.0, error));
+        USAGE(sl_live_move(live, NAN, error));
+        USAGE(sl_live_move(live, INFINITY, error));
+        INPUT(sl_live_move(live, 1.0, error)); /* the eye at its target */
+        USAGE(sl_live_look(NULL, eye, target, up, 1.0f, error));
+        USAGE(sl_live_look(live, NULL, target, up, 1.0f, error));
+        USAGE(sl_live_look(live, eye, NULL, up, 1.0f, error));
+        USAGE(sl_live_look(live, eye, target, NULL, 1.0f, error));
+        USAGE(sl_live_look(live, eye, eye, up, 1.0f, error));
+        USAGE(sl_live_look(live, none, target, up, 1.0f, error));
+        USAGE(sl_live_look(live, eye, target, up, 0.0f, error));
+        assert_int_equal(sl_live_frame(live, &frame, NULL, NULL), SL_OK);
+        assert_int_equal(sl_live_look(live, eye, target, up, 1.0f, NULL), SL_OK);
+        assert_int_equal(sl_live_frame(live, &frame, &shown, NULL), SL_OK);
+        assert_true(frame && shown.frames == 2);
+        sl_live_stop(live, NULL);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* ---- errors -------------------------------------------------------------------------------------------------------------------------- */
+
+static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
+    (void)state;
+    static const char *const depth[] = {"Z"};
+    sl_scene *scene = load_scene(box);
+    const sl_settings settings = least_settings("path", SIDE, SIDE);
+    sl_image *image = render(scene, &settings, NULL), *wide = picture(SIDE + 1, SIDE, 3, NULL), *plain = picture(SIDE, SIDE, 1, depth);
+    const double no_errors[] = {0.0, -1.0, NAN};
+    sl_error_probe *probe;
+    sl_error_estimate e;
+    assert_int_equal(sl_error_probe_create(scene, &settings, &probe, NULL), SL_OK);
+    USAGE(sl_error_probe_estimate(NULL, image, 4, 1, &e, error));
+    USAGE(sl_error_probe_estimate(probe, NULL, 4, 1, &e, error));
+    USAGE(sl_error_probe_estimate(probe, image, 4, 1, NULL, error));
+    USAGE(sl_error_probe_judge(NULL, image, 0.1, &e, error));
+    USAGE(sl_error_probe_judge(probe, NULL, 0.1, &e, error));
+    USAGE(sl_error_probe_judge(probe, image, 0.1, NULL, error));
+    USAGE(sl_error_estimate_from_halves(NULL, &e, error));
+    USAGE(sl_error_estimate_from_halves(image, NULL, error));
+    USAGE(sl_error_probe_estimate(probe, image, 0, 1, &e, error));
+    USAGE(sl_error_probe_estimate(probe, image, 1, 0, &e, error));
+    for (int i = 0; i < 3; i++) USAGE(sl_error_probe_judge(probe, image, no_errors[i], &e, error));
+    memset(&e, 1, sizeof e);
+    INPUT(sl_error_probe_estimate(probe, wide, 4, 1, &e, error));
+    assert_true(all_zero(&e, sizeof e));
+    INPUT(sl_error_probe_estimate(probe, plain, 4, 1, &e, error));
+    INPUT(sl_error_probe_judge(probe, wide, 0.1, &e, error));
+    INPUT(sl_error_estimate_from_halves(wide, &e, error));
+    INPUT(sl_error_estimate_from_halves(plain, &e, error));
+    assert_int_equal(sl_error_probe_counters(probe)->value[SL_COUNT_SAMPLES], 0);
+    assert_int_equal(sl_error_probe_estimate(probe, image, UINT64_MAX, 1, &e, NULL), SL_OK); /* every pixel */
+    assert_int_equal(e.probes, SIDE * SIDE);
+    sl_image_destroy(image);
+    sl_image_destroy(wide);
+    sl_image_destroy(plain);
+    sl_error_probe_destroy(probe);
+    sl_scene_destroy(scene);
+}
+
+static int clean_up(void **state) {
+    (void)state;
+    scene_files_remove();
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(there_is_no_counter_and_no_method_past_the_last),
+        cmocka_unit_test(nothing_can_be_destroyed),
+        cmocka_unit_test(an_image_wants_a_size_and_names),
+        cmocka_unit_test(metadata_want_an_image_a_key_and_a_value),
+        cmocka_unit_test(a_picture_is_read_from_a_file_or_not_at_all),
+        cmocka_unit_test(a_picture_is_written_by_a_name_that_tells_how),
+        cmocka_unit_test(bytes_for_a_screen_are_left_alone_where_there_are_none),
+        cmocka_unit_test(what_cannot_be_compared_is_not),
+        cmocka_unit_test(a_scene_is_loaded_from_a_file_or_not_at_all),
+        cmocka_unit_test(a_scene_moves_to_times_at_which_it_can_be_seen),
+        cmocka_unit_test(a_camera_has_a_frame_and_a_field_of_view),
+        cmocka_unit_test(a_scene_says_no_more_than_it_has_to_say),
+        cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
+        cmocka_unit_test(settings_out_of_range_are_refused_by_whatever_takes_them),
+        cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
+        cmocka_unit_test(what_takes_settings_takes_no_null),
+        cmocka_unit_test(a_reference_counts_the_paths_that_the_method_computes),
+        cmocka_unit_test(a_method_takes_no_null),
+        cmocka_unit_test(a_picture_may_be_had_before_the_first_update),
+        cmocka_unit_test(progress_is_told_whole_and_stays_when_nothing_is_left),
+        cmocka_unit_test(a_story_is_of_a_pixel_of_the_last_picture),
+        cmocka_unit_test(caches_go_to_files_and_come_from_files_of_the_kind),
+        cmocka_unit_test(a_cache_may_be_loaded_after_updates),
+        cmocka_unit_test(after_a_failed_update_a_method_can_only_be_destroyed),
+        cmocka_unit_test(after_a_failed_edit_another_one_makes_all_anew),
+        cmocka_unit_test(a_show_goes_on_after_what_it_refuses),
+        cmocka_unit_test(an_error_is_of_a_picture_that_the_probes_are_of),
+    };
+    return cmocka_run_group_tests(tests, NULL, clean_up);
+}
