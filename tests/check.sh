@@ -1,26 +1,7 @@
 #!/bin/sh
 # All that `make check` runs, each step on its own line; ends with "N passed, N failed".
-set -u
-cd "$(dirname "$0")/.."
-jobs=$(nproc)
-passed=0 failed=0 failures=
-
-step() { # step NAME COMMAND...
-    name=$1
-    shift
-    start=$(date +%s)
-    log=build/check-$(echo "$name" | tr ' /,' '---').log
-    if "$@" >"$log" 2>&1; then
-        passed=$((passed + 1))
-        echo "ok     $name ($(($(date +%s) - start)) s)"
-        grep -h '^skip\|cases,' "$log" | sed 's/^/         /'
-    else
-        failed=$((failed + 1))
-        failures="$failures, $name"
-        echo "FAILED $name ($(($(date +%s) - start)) s)"
-        tail -n 60 "$log" | sed 's/^/         /'
-    fi
-}
+show='/^skip\|cases,/p' failed_lines=60
+. "$(dirname "$0")/steps.sh"
 
 build_and_test() { # build_and_test BUILD "MAKE ARGUMENTS" [TEST ...]
     build=$1 arguments=$2
@@ -35,7 +16,6 @@ build_and_test() { # build_and_test BUILD "MAKE ARGUMENTS" [TEST ...]
     fi
 }
 
-mkdir -p build
 # Warnings are errors here and only here: a newer compiler's new warning does not keep a user from building.
 step 'release, gcc: all tests' build_and_test build 'CC=gcc CFLAGS=-Werror'
 step 'the program: usage, exit statuses, files' tests/program.sh build/softlux
@@ -53,6 +33,4 @@ step 'lessons: commands, answers, pictures' tests/lessons.sh build
 step 'every command of the README' tests/readme.sh
 step 'dependencies run one way' tests/layers.sh
 
-[ -z "$failures" ] || echo "failed:${failures#,}"
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+conclude
