@@ -98,6 +98,48 @@ static void a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the
     sl_scene_destroy(s);
 }
 
+/* Three things of which the room knows nothing, and which have most of the vertices. */
+static sl_scene *room_below_planets(float distance, float size) {
+    trace_mesh mesh = trace_mesh_begin();
+    const sl_vec3 place[3] = {sl_v3(1, 0.2f, 0), sl_v3(-0.3f, 1, 0.1f), sl_v3(0.1f, 0.3f, -1)};
+    add_room(&mesh);
+    for (int i = 0; i < 3; i++) trace_mesh_sphere(&mesh, sl_scale(place[i], distance), size, 12, 0.0f, false, 0);
+    return trace_mesh_build(&mesh);
+}
+
+static void far_planets_with_most_vertices_leave_a_room_its_scale_and_core(void **state) {
+    (void)state;
+    const float distances[] = {1e4f, 1e6f, 1e7f};
+    sl_scene *alone = room_on_plain(0.0f);
+    for (int i = 0; i < 3; i++) {
+        sl_scene *s = room_below_planets(distances[i], 0.1f * distances[i]);
+        assert_true(s->diagonal > distances[i] && s->scale <= 128.0f * alone->diagonal);
+        assert_same(s->core_min, alone->box_min);
+        assert_same(s->core_max, alone->box_max);
+        sl_scene_destroy(s);
+    }
+    sl_scene_destroy(alone);
+}
+
+/* Who flies out to them sees another scene, and so does who stands in a room that fills less of what there is to see than they do. */
+static void planets_that_the_eye_sees_more_of_are_the_scene(void **state) {
+    (void)state;
+    sl_error error;
+    const float out[3] = {8e5f, 1.6e5f, 0}, there[3] = {1e6f, 2e5f, 0}, up[3] = {0, 1, 0};
+    sl_scene *s = room_below_planets(1e6f, 1e5f);
+    assert_int_equal(sl_scene_set_camera(s, out, there, up, 1.0f, &error), SL_OK);
+    assert_true(s->scale == s->diagonal);
+    sl_scene_destroy(s);
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1e4f, 12, 0.0f, false, 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 5), 0.1f, 4, 0.0f, false, 0); /* a fly before the eye */
+    sl_camera_look_at(&mesh.camera, sl_v3(0, 0, 6), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 1.0f);
+    mesh.has_camera = true;
+    s = trace_mesh_build(&mesh);
+    assert_true(s->scale == s->diagonal);
+    sl_scene_destroy(s);
+}
+
 /* Vertices in another order, the scene scaled by a power of two, mirrored: the same measure. */
 static sl_scene *scattered_points(float size, bool turned, bool mirrored) {
     trace_mesh mesh = trace_mesh_begin();
@@ -188,6 +230,8 @@ int main(void) {
         cmocka_unit_test(a_plain_of_any_size_leaves_a_room_its_scale_and_core),
         cmocka_unit_test(scale_and_core_shrink_without_a_jump_as_a_plain_grows),
         cmocka_unit_test(a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the_room),
+        cmocka_unit_test(far_planets_with_most_vertices_leave_a_room_its_scale_and_core),
+        cmocka_unit_test(planets_that_the_eye_sees_more_of_are_the_scene),
         cmocka_unit_test(scale_knows_neither_order_nor_side_and_grows_with_the_scene),
         cmocka_unit_test(half_of_the_vertices_lie_within_the_radius),
         cmocka_unit_test(what_half_of_the_vertices_share_is_no_scale),

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "scene/derive.h"
 
 /* Scenes that people make have a diagonal of 2 to 30 times that radius. Up to REACH the diagonal is the scale. */
@@ -14,6 +15,9 @@ static const double REACH = 128.0;
 static const double EYE_REACH = 4.0;
 /* Of the diagonal; below that floats as large as the whole scene do not tell the smaller part's vertices apart. */
 static const double LEAST = 0x1p-20;
+/* What lies around the eye counts as a scene of its own where the rest is that many times as far, and nothing at all in between: most vertices may be in
+ * the rest. */
+static const double GAP = 128.0;
 /* How far from the middle the core reaches at least, in radii. */
 static const double CORE = 2.0;
 
@@ -72,14 +76,99 @@ static double median(const sample *s, measure *value) {
     return 0.5 * ((double)ranked(s, value, (s->count - 1) / 2) + (double)ranked(s, value, s->count / 2));
 }
 
+/* ---- what surrounds the eye ---- */
+
+static double squared_distance(const sl_scene *scene, sl_vec3d from, uint32_t vertex) {
+    sl_vec3d d = sl_subd(sl_to_double(sl_scene_position(scene, vertex)), from);
+    return sl_dotd(d, d);
+}
+
+/* By the powers of two between which a squared distance lies. */
+enum { LOWEST = -300, HIGHEST = 300, OCTAVES = HIGHEST - LOWEST };
+typedef struct octaves {
+    double nearest[OCTAVES], farthest[OCTAVES]; /* squared; farthest < 0: there is nothing */
+} octaves;
+
+static void sort_by_distance(const sl_scene *scene, sl_vec3d eye, octaves *o) {
+    for (int k = 0; k < OCTAVES; k++) o->nearest[k] = INFINITY, o->farthest[k] = -1.0;
+    for (size_t v = 0; v < scene->vertex_count; v++) {
+        int exponent;
+        double d = squared_distance(scene, eye, (uint32_t)v);
+        frexp(d, &exponent);
+        int k = d > 0.0 && exponent > LOWEST ? (exponent < HIGHEST ? exponent - LOWEST : OCTAVES - 1) : 0;
+        o->nearest[k] = fmin(o->nearest[k], d);
+        o->farthest[k] = fmax(o->farthest[k], d);
+    }
+}
+
+/* Van Oosterom and Strackee 1983. */
+static double solid_angle(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    double la = sl_lengthd(a), lb = sl_lengthd(b), lc = sl_lengthd(c);
+    double volume = fabs(sl_dotd(a, sl_crossd(b, c))), sum = la * lb * lc + sl_dotd(a, b) * lc + sl_dotd(b, c) * la + sl_dotd(c, a) * lb;
+    return volume > 0.0 ? 2.0 * sl_atan2(volume, sum) : 0.0;
+}
+
+/* Whether the triangles whose corners all lie within the squared distance fill more of the directions from the eye than all others do. */
+static bool fills_most(const sl_scene *scene, sl_vec3d eye, double squared) {
+    double within = 0.0, beyond = 0.0;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        sl_vec3d d[3];
+        bool inside = true;
+        for (int c = 0; c < 3; c++) {
+            d[c] = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[c][t])), eye);
+            inside &= sl_dotd(d[c], d[c]) <= squared;
+        }
+        *(inside ? &within : &beyond) += solid_angle(d[0], d[1], d[2]);
+    }
+    return within > beyond;
+}
+
+/* The squared distance to which what surrounds the eye reaches; infinite where there is no such gap behind it. */
+static double gap_behind(const sl_scene *scene, sl_vec3d eye) {
+    octaves o;
+    double last = -1.0;
+    sort_by_distance(scene, eye, &o);
+    for (int k = 0; k < OCTAVES; k++) {
+        if (o.farthest[k] < 0.0) continue;
+        if (last > 0.0 && o.nearest[k] > GAP * GAP * last && fills_most(scene, eye, last)) return last;
+        last = o.farthest[k];
+    }
+    return INFINITY;
+}
+
 /* ---- scale and core ---- */
 
+/* Where people look: half of the vertices lie within the radius, or all that surround the eye. */
+typedef struct detail {
+    sl_vec3d middle;
+    double radius;
+    bool is_all; /* and not half: what lies beyond is behind the gap */
+} detail;
+
+static detail surroundings(const sl_scene *scene, sl_vec3d eye) {
+    const double squared = gap_behind(scene, eye);
+    sl_vec3d low = sl_v3d(INFINITY, INFINITY, INFINITY), high = sl_v3d(-INFINITY, -INFINITY, -INFINITY);
+    if (isinf(squared)) return (detail){eye, INFINITY, true};
+    for (size_t v = 0; v < scene->vertex_count; v++) {
+        if (squared_distance(scene, eye, (uint32_t)v) > squared) continue;
+        sl_vec3d p = sl_to_double(sl_scene_position(scene, (uint32_t)v));
+        low = sl_v3d(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+        high = sl_v3d(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+    }
+    return (detail){sl_scaled(sl_addd(low, high), 0.5), 0.5 * sl_lengthd(sl_subd(high, low)), true};
+}
+
+static double scale_of(const sl_scene *scene, const detail *d, sl_vec3d eye) {
+    if (!(d->radius > 0.0)) return INFINITY;
+    return fmax(fmax(REACH * d->radius, EYE_REACH * sl_lengthd(sl_subd(eye, d->middle))), fmax(LEAST * (double)scene->diagonal, (double)FLT_MIN));
+}
+
 /* The box of the vertices within `reach` of the middle along each axis. */
-static void bound_core(sl_scene *scene, double reach) {
+static void bound_core(sl_scene *scene, sl_vec3d middle, double reach) {
     sl_vec3 low = sl_v3(FLT_MAX, FLT_MAX, FLT_MAX), high = sl_v3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
     for (size_t v = 0; v < scene->vertex_count; v++) {
         sl_vec3 p = sl_scene_position(scene, (uint32_t)v);
-        sl_vec3d d = sl_subd(sl_to_double(p), scene->middle);
+        sl_vec3d d = sl_subd(sl_to_double(p), middle);
         if (!(fabs(d.x) <= reach) || !(fabs(d.y) <= reach) || !(fabs(d.z) <= reach)) continue;
         low = sl_v3(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
         high = sl_v3(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
@@ -90,16 +179,19 @@ static void bound_core(sl_scene *scene, double reach) {
 }
 
 void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage) {
-    const double diagonal = (double)scene->diagonal, distance = sl_lengthd(sl_subd(sl_to_double(vantage), scene->middle));
-    const double scale = fmax(fmax(REACH * scene->radius, EYE_REACH * distance), fmax(LEAST * diagonal, (double)FLT_MIN));
+    const sl_vec3d eye = sl_to_double(vantage);
+    const detail half = {scene->middle, scene->radius, false}, around = surroundings(scene, eye);
+    const detail *d = scale_of(scene, &around, eye) < scale_of(scene, &half, eye) ? &around : &half;
+    const double diagonal = (double)scene->diagonal, scale = scale_of(scene, d, eye);
     scene->vantage = vantage;
     scene->scale = scene->diagonal;
     scene->core_min = scene->box_min;
     scene->core_max = scene->box_max;
-    if (!(scene->radius > 0.0) || !(scale < diagonal)) return;
+    if (!(scale < diagonal)) return;
     scene->scale = (float)scale;
     /* All of the scene where the scale is all but the diagonal, so that nothing jumps. */
-    bound_core(scene, fmax(fmax(CORE * scene->radius, distance), scale * scale / diagonal));
+    const double wanted = d->is_all ? d->radius : fmax(CORE * d->radius, sl_lengthd(sl_subd(eye, d->middle)));
+    bound_core(scene, d->middle, fmax(wanted, scale * scale / diagonal));
 }
 
 void sl_scene_measure(sl_scene *scene) {

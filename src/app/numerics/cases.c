@@ -94,6 +94,17 @@ static void plain_below(sl_room *r, double half) {
 static void large_among_small(sl_room *r) { plain_below(r, 4e3); }
 static void huge_among_small(sl_room *r) { plain_below(r, 4e6); }
 
+/* Most of the vertices a million units away: no plain on which the room stands, but things of which it knows nothing. */
+static void far_planets(sl_room *r) {
+    static const double place[3][3] = {{1e6, 2e5, 0}, {-3e5, 1e6, 1e5}, {1e5, 3e5, -1e6}};
+    begin(r);
+    for (int i = 0; i < 3; i++) {
+        const double *p = place[i], s = 1e4;
+        const double side[4][3] = {{p[0] - s, p[1] - s, p[2]}, {p[0] + s, p[1] - s, p[2] + s}, {p[0] + s, p[1] + s, p[2]}, {p[0] - s, p[1] + s, p[2] - s}};
+        sl_room_quad(r, side, SL_ROOM_WHITE, &(sl_room_cut){16, 16, 0.0});
+    }
+}
+
 /* Most of the vertices in a ten-thousandth of the room: it must not be mistaken for the scene. */
 static void grain(sl_room *r) {
     begin(r);
@@ -198,6 +209,7 @@ const sl_hard_case sl_hard_cases[] = {
     {"a grain of detail", grain, SL_EXPECT_SAME, 0.005, 0, 0, 1},
     {"triangles of 1e3", large_among_small, SL_EXPECT_SAME, 0.03, 0, 0, 1},
     {"triangles of 1e6", huge_among_small, SL_EXPECT_SAME, 0.03, 0, 0, 1},
+    {"far planets", far_planets, SL_EXPECT_SAME, 0.03, 0, 0, 1},
     {"light on the floor", light_on_the_floor, SL_EXPECT_TRUE, 0.05, 0, 2, 1},
     /* A light that nobody sees takes its share of light samples all the same, and of the light that exposures are reckoned by. */
     {"light inside the box", light_in_the_box, SL_EXPECT_RESAMPLED, 0.02, 4, 4, 1},
