@@ -240,7 +240,7 @@ const sl_hard_case sl_hard_cases[] = {
 };
 const size_t sl_hard_case_count = sizeof sl_hard_cases / sizeof sl_hard_cases[0];
 
-static const char few_pixels[] = "meshes are as fine as pixels ask for, and here there are hardly any";
+static const char few_pixels[] = "leaves that show in one pixel alone are not cut, and here there are hardly others";
 
 const sl_known_limit sl_known_limits[] = {
     {"multi-mesh", "one pixel", 1.0, few_pixels},
