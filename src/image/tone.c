@@ -76,6 +76,12 @@ static void map_planes(const float *const planes[3], size_t pixels, double expos
     }
 }
 
+/* Finite, though the exposure may be 0 or infinite: what is further off is that, too. */
+static float stops_of(double exposure) {
+    const double most = 4096.0, stops = sl_log(exposure) * 1.4426950408889634;
+    return (float)fmin(fmax(stops, -most), most);
+}
+
 static sl_status check_tone(sl_tone tone, sl_error *error) {
     if (!isfinite(tone.exposure_stops)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite exposure, got %g", (double)tone.exposure_stops);
     if (tone.curve == SL_TONE_CLIP || tone.curve == SL_TONE_REINHARD) return SL_OK;
@@ -91,7 +97,7 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
         return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
     }
     double exposure = sl_tone_exposure(image, *tone);
-    if (tone->automatic) *tone = (sl_tone){tone->curve, (float)(sl_log(exposure) * 1.4426950408889634), false};
+    if (tone->automatic) *tone = (sl_tone){tone->curve, stops_of(exposure), false};
     map_planes(planes, (size_t)image->width * (size_t)image->height, exposure, tone->curve, bytes);
     return SL_OK;
 }
