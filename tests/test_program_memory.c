@@ -130,9 +130,28 @@ static void pictures_of_every_method_stay_within_what_is_allowed(void **state) {
     for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_render, "a.exr", sl_method_name(i), "-s 256x256 --spp 1");
 }
 
+/* The twin that moves, the frames, and what is written of them are in it. */
+static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
+    (void)state;
+    for (size_t i = 0; sl_method_name(i); i++) check_least(sl_command_live, "a.y4m", sl_method_name(i), "-s 128x128 --spp 1 --fps 8 --frames 8");
+    check_least(sl_command_live, "a.y4m", "direct-radiance", "-s 1200x1200 --fps 8 --frames 12"); /* so large that what the program has to spare hides nothing */
+}
+
+/* What pages show of passes is not in it; that their scenes are loaded within it, and that there is an answer to too little, is. */
+static void pages_load_their_scene_within_what_is_allowed(void **state) {
+    (void)state;
+    const char *scene = scene_file_path("hills.json");
+    outcome o = run(sl_command_steps, "%s -s 16x16 -q draft -t 1 --quiet --memory 20M -o /nowhere/at/all", scene);
+    assert_int_equal(o.status, SL_ERROR_RESOURCES);
+    assert_non_null(strstr(o.said, "20M of memory are not enough to load it"));
+    if (!SANITIZED) assert_true(o.peak < 20.0 + 16.0); /* code and tables of libraries, which are no data */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_of_every_method_stay_within_what_is_allowed),
+        cmocka_unit_test(shows_of_every_method_stay_within_what_is_allowed),
+        cmocka_unit_test(pages_load_their_scene_within_what_is_allowed),
     };
     write_scene();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

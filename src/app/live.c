@@ -6,6 +6,7 @@
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/settings_options.h"
+#include "cache/method.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -118,10 +119,14 @@ static sl_status one_frame(show *s, sl_error *error) {
     return status == SL_OK ? sl_film_write(&s->film, frame, &s->tone, s->report.last.versions > 0, steps, error) : status;
 }
 
+/* Who looks at passes has their pictures made, and those are not in a method's account of its memory. */
+static bool are_stages_told(const show_options *o) { return !o->settings.memory_bytes && (o->json || !o->quiet); }
+
 static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *error) {
     sl_settings settings = s->o->settings;
-    settings.observer = &stages->observer;
+    if (are_stages_told(s->o)) settings.observer = &stages->observer;
     sl_status status = sl_live_start(scene, &settings, &s->live, error);
+    if (status == SL_OK && !s->o->quiet && *sl_live_concession(s->live)) fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_concession(s->live));
     s->begin = sl_seconds_now();
     while (status == SL_OK && goes_on(s)) status = one_frame(s, error);
     s->report.seconds = sl_seconds_now() - s->begin;

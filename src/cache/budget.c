@@ -93,26 +93,29 @@ static void tell(const sl_method_class *method, const sl_settings *before, const
         snprintf(text + used, room - used, "%s%u thread%s instead of %u", used ? ", " : "", after->threads, after->threads > 1 ? "s" : "", before->threads);
 }
 
-static sl_status refuse(const sl_method_class *method, const sl_scene *scene, const sl_settings *least, const sl_settings *asked, sl_error *error) {
+static sl_status refuse(const sl_method_class *method, const sl_scene *scene, const sl_settings *least, const sl_settings *asked, double beside,
+                        sl_error *error) {
     const double mega = 0x1p20;
     const sl_memory_need n = method->need(scene, least);
+    char besides[32] = "";
+    if (beside > 0.0) snprintf(besides, sizeof besides, ", besides %.0f", beside / mega);
     return sl_fail(error, SL_ERROR_RESOURCES,
                    "%.0fM of memory are not enough: %s needs at least %.0fM for this (program %.0f, scene %.0f, hierarchies %.0f, caches %.0f, picture "
-                   "%.0f); give more memory, a smaller picture or another method", (double)asked->memory_bytes / mega, method->name,
-                   all_of(&n, scene) / mega + 1.0, program / mega, (double)sl_scene_memory_bytes(scene) / mega, n.hierarchies / mega, n.caches / mega,
-                   n.picture / mega);
+                   "%.0f%s); give more memory, a smaller picture or another method", (double)asked->memory_bytes / mega, method->name,
+                   (all_of(&n, scene) + beside) / mega + 1.0, program / mega, (double)sl_scene_memory_bytes(scene) / mega, n.hierarchies / mega, n.caches / mega,
+                   n.picture / mega, besides);
 }
 
-sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, char *conceded, size_t room,
+sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *conceded, size_t room,
                          sl_error *error) {
     if (room) conceded[0] = '\0';
     if (!settings->memory_bytes) return SL_OK;
     const sl_settings asked = *settings;
-    const double budget = (double)asked.memory_bytes;
+    const double budget = (double)asked.memory_bytes - beside;
     settings->threads = 1;
     double need = need_of(method, scene, settings);
     while (need > budget && take_best_step(method, scene, settings, &need)) {}
-    if (need > budget) return refuse(method, scene, settings, &asked, error);
+    if (need > budget) return refuse(method, scene, settings, &asked, beside, error);
     const double left = budget - need;
     settings->memory_bytes = left > 2.0 ? (uint64_t)(of_growth * left) : 1;
     for (sl_settings trial = *settings; trial.threads < asked.threads; settings->threads = trial.threads) {

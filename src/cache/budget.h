@@ -11,8 +11,8 @@
 uint64_t sl_budget_need(const sl_method_class *method, const sl_scene *scene, const sl_settings *settings);
 /* Complete settings with memory_bytes: lowered until the need is within it, by the step that saves most, again and again; the bits depend on the
  * budget therefore, but not on the number of threads, which is lowered last. `conceded` gets what was done in a few words, or "".
- * memory_bytes becomes what is left for caches that grow. SL_ERROR_RESOURCES where nothing more can be lowered. */
-sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, char *conceded, size_t room,
+ * beside: bytes that are taken by whoever uses the method, within the same bound. memory_bytes becomes what is left for caches that grow. SL_ERROR_RESOURCES where nothing more can be lowered. */
+sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *conceded, size_t room,
                          sl_error *error);
 
 /* Three shapes of need that all methods have. */

@@ -103,10 +103,23 @@ static bool brings_change(const sl_live *l, uint64_t shown_before) {
     return !l->window || sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN] > shown_before;
 }
 
+/* R, G, B alone: a picture's layers take several times that, and three pictures are there at a time. */
+static sl_status take_colours(const sl_image *picture, sl_image **frame, sl_error *error) {
+    static const char *const names[3] = {"R", "G", "B"};
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    sl_status status = sl_image_create(picture->width, picture->height, 3, names, frame, error);
+    for (size_t c = 0; status == SL_OK && c < 3; c++) memcpy((*frame)->planes + c * pixels, sl_image_channel(picture, names[c]), pixels * sizeof(float));
+    return status;
+}
+
 /* Pictures take the place of the display where the method has none. */
-static sl_status resolve(sl_live *l, sl_image **picture, sl_error *error) {
-    *picture = NULL;
-    return l->window ? SL_OK : sl_method_resolve(l->method, picture, error);
+static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
+    *frame = NULL;
+    sl_image *picture = NULL;
+    sl_status status = l->window ? SL_OK : sl_method_resolve(l->method, &picture, error);
+    if (status == SL_OK && picture) status = take_colours(picture, frame, error);
+    sl_image_destroy(picture);
+    return status;
 }
 
 /* moved: what the update has brought; NULL: nothing of the kind. */
@@ -179,12 +192,19 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     sl_free(l);
 }
 
+/* Beside the method: the twin; the frame that is shown, the one that waits and the one that is made (a display's is the method's picture); and two of a byte
+ * a value for whoever writes them. */
+static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) {
+    enum { FRAME = 12, WRITTEN = 6 };
+    return (double)sl_scene_twin_bytes(scene) + (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
+}
+
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     sl_settings own;
     sl_transport ignored;
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
-    if (status == SL_OK) status = sl_method_create(l->scene, &own, &l->method, error);
+    if (status == SL_OK) status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
     if (status == SL_OK) status = sl_scene_twin(l->scene, &l->twin, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = l->method->class;
@@ -212,6 +232,8 @@ sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **
     else sl_live_stop(l, NULL);
     return status;
 }
+
+const char *sl_live_concession(const sl_live *l) { return l->method->conceded; }
 
 /* ---- moves ----------------------------------------------------------------------------------------------------------------------- */
 

@@ -84,14 +84,18 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
 }
 
 /* Fills in what was left to the machine or the quality, within the memory that there is. */
-static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, char *conceded, size_t room,
-                                   sl_error *error) {
+static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings, double beside, char *conceded,
+                                   size_t room, sl_error *error) {
     settings->threads = sl_thread_count(settings->threads);
     class->complete(settings);
-    return sl_budget_keep(class, scene, settings, conceded, room, error);
+    return sl_budget_keep(class, scene, settings, beside, conceded, room, error);
 }
 
 sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method, sl_error *error) {
+    return sl_method_create_beside(scene, settings, 0.0, method, error);
+}
+
+sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes, sl_method **method, sl_error *error) {
     if (!method) return sl_fail_null(error, "a place for a method");
     *method = NULL;
     sl_settings chosen;
@@ -110,7 +114,7 @@ sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, s
     m->settings.method = m->name;
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
-    status = complete_settings(class, scene, &m->settings, m->conceded, sizeof m->conceded, error);
+    status = complete_settings(class, scene, &m->settings, bytes, m->conceded, sizeof m->conceded, error);
     if (status == SL_OK) status = class->create(scene, &m->settings, &transport, &m->state, error);
     if (status != SL_OK) {
         sl_free(m);
@@ -244,7 +248,7 @@ sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settin
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(completed.method);
     completed.memory_bytes = 0;
-    status = complete_settings(class, scene, &completed, NULL, 0, error);
+    status = complete_settings(class, scene, &completed, 0.0, NULL, 0, error);
     if (status == SL_OK) *bytes = sl_budget_need(class, scene, &completed);
     return status;
 }
@@ -307,7 +311,7 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(completed.method);
     char conceded[512] = "";
-    status = complete_settings(class, scene, &completed, conceded, sizeof conceded, error);
+    status = complete_settings(class, scene, &completed, 0.0, conceded, sizeof conceded, error);
     if (status != SL_OK) return status;
     sl_plan_writer writer = {0};
     plan_append(&writer, "");

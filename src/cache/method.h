@@ -99,6 +99,12 @@ extern const sl_method_class sl_shading_cache_method;   /* cache/shading_cache *
 extern const sl_method_class sl_path_method;      /* cache/reference */
 extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 
+/* As sl_method_create(), for one that takes so many bytes itself, within settings->memory_bytes. */
+sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes, sl_method **method, sl_error *error);
+
+/* What a show's method does less than was asked for, so as to keep within settings->memory_bytes, as far as that was known before its start; "": nothing. */
+const char *sl_live_concession(const sl_live *live);
+
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what was asked for. */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
 /* Checks what was asked for, whatever is to be done with it: a method and light paths that there are, settings in their ranges. chosen has the scene's film

@@ -31,6 +31,15 @@ static void list_moved(sl_scene *s, moved_array list[MOVED]) {
     list[n++] = (moved_array){&s->bicubics, s->bicubic_count * sizeof *s->bicubics};
 }
 
+size_t sl_scene_twin_bytes(const sl_scene *scene) {
+    sl_scene s = *scene; /* whose pointers are listed, and not followed */
+    moved_array moved[MOVED];
+    size_t bytes = sizeof s;
+    list_moved(&s, moved);
+    for (int k = 0; k < MOVED; k++) bytes += moved[k].bytes;
+    return bytes;
+}
+
 sl_status sl_scene_twin(const sl_scene *scene, sl_scene **twin, sl_error *error) {
     *twin = NULL;
     sl_scene *t = sl_allocate(1, sizeof *t);
