@@ -95,19 +95,22 @@ static void some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a
 
 static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less(void **state) {
     (void)state;
-    sl_scene *scene = room();
-    sl_settings settings = loop_settings();
-    settings.shading_cache.stop_size = 2.0;
-    sl_method *method = method_of(scene, &settings);
-    const sl_shading_state *s = inside_of(method);
-    to_the_end(method);
-    for (uint32_t i = 0; i < s->patches->patch_count; i++) {
-        if (!sl_patch_is_alive(s->patches, i) || s->patches->patch[i].seen != s->now) continue;
-        sl_patch_place place = sl_patch_place_of(s->patches, i);
-        assert_int_equal(sl_patch_projected(s->patches, &place, &scene->camera, SIZE, SIZE).area > 1.2f * 2.0f, !sl_patch_is_leaf(s->patches, i));
+    for (int curved = 0; curved < 2; curved++) {
+        sl_scene *scene = curved ? load_scene("scenes/vase.json") : room();
+        sl_settings settings = loop_settings();
+        settings.shading_cache.stop_size = 2.0;
+        settings.shading_cache.area_samples = 16;
+        sl_method *method = method_of(scene, &settings);
+        const sl_shading_state *s = inside_of(method);
+        to_the_end(method);
+        for (uint32_t i = 0; i < s->patches->patch_count; i++) {
+            if (!sl_patch_is_alive(s->patches, i) || s->patches->patch[i].seen != s->now) continue;
+            sl_patch_place place = sl_patch_place_of(s->patches, i);
+            assert_int_equal(sl_patch_projected(s->patches, &place, &scene->camera, SIZE, SIZE).area > 1.2f * 2.0f, !sl_patch_is_leaf(s->patches, i));
+        }
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
     }
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
 }
 
 /* A value that comes in slowly ends with the picture, and does not begin on what is changing: what has changed is to be seen. */

@@ -101,6 +101,7 @@ static void add_curved(const sl_patches *p, const seen_view *view, const sl_patc
             add_polygon(view, 3, second, size);
         }
     }
+    size->edge *= (float)CELLS; /* the patch's: its cells' sides are a quarter of that */
 }
 
 sl_patch_size sl_patch_projected(const sl_patches *p, const sl_patch_place *place, const sl_camera *camera, int width, int height) {
