@@ -198,6 +198,17 @@ float sl_shading_coarsest(const sl_shading_state *s, bool triangles) {
     return visible > 0.0 ? sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds, triangles) : 0.0f;
 }
 
+/* Corners that were never evaluated are none of that: while an object is refined there always are some. */
+static bool shows_what_was_before(const sl_patches *p, uint32_t leaf, uint32_t change) {
+    uint32_t oldest = sl_leaf_oldest(p, leaf);
+    if (oldest != SL_VERTEX_NEVER) return oldest < change;
+    for (int c = 0; c < sl_patch_corners(p, leaf); c++) {
+        uint32_t evaluated = p->vertex[sl_patch_corner(p, leaf, c)].evaluated;
+        if (evaluated != SL_VERTEX_NEVER && evaluated < change) return true;
+    }
+    return false;
+}
+
 /* Objects of which visible leaves still show what was before. */
 static void find_stale(sl_shading_state *s) {
     memset(s->stale, 0, s->scene->object_count * sizeof *s->stale);
@@ -206,7 +217,7 @@ static void find_stale(sl_shading_state *s) {
         if (!sl_patch_is_alive(s->patches, patch) || !sl_patch_is_leaf(s->patches, patch)) continue;
         uint32_t object = sl_root_object(s->primitives, sl_patch_root(s->patches, patch));
         const sl_object_change *change = &s->changes->object[object];
-        if (change->changing && !s->stale[object]) s->stale[object] = sl_leaf_oldest(s->patches, patch) < change->stale_before;
+        if (change->changing && !s->stale[object]) s->stale[object] = shows_what_was_before(s->patches, patch, change->stale_before);
     }
 }
 
