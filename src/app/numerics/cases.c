@@ -240,11 +240,8 @@ const sl_hard_case sl_hard_cases[] = {
 };
 const size_t sl_hard_case_count = sizeof sl_hard_cases / sizeof sl_hard_cases[0];
 
-static const char few_pixels[] = "leaves that show in one pixel alone are not cut, and here there are hardly others";
-
 const sl_known_limit sl_known_limits[] = {
-    {"multi-mesh", "one pixel", 1.0, few_pixels},
-    {"multi-mesh", "one row", 6.0, few_pixels},
+    {"multi-mesh", "one row", 0.5, "all of the room is in two pixels, and each of them is of one leaf"},
     {"light-octree", "huge lamp", 0.35, "voxels blur the strip of light"},
     {"shading-cache", "huge lamp", 0.25, "an edge of light between vertices"},
     {"bidirectional", "one row", 0.9, "noise of the two pixels in which all of the room is"},

@@ -59,7 +59,7 @@ bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_mesh_place *leaf
 static inline bool sl_may_split_but_for_specks(const sl_displayed *d, const sl_mesh_place *leaf) {
     uint32_t pixels = d->mesh->node[leaf->node].pixels;
     if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
-    return pixels > 1 || (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
+    return pixels > 1 || d->settings.below_pixels || (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
 }
 static inline bool sl_may_split(const sl_displayed *d, const sl_mesh_place *leaf) {
     return sl_may_split_but_for_specks(d, leaf) && !sl_displayed_is_speck(d, leaf);

@@ -111,15 +111,24 @@ static uint32_t part_of(float area, float share, uint32_t least) {
     return pixels > (float)least ? (uint32_t)pixels : least;
 }
 
+/* Pictures of fewer pixels a side than this are refined as if they had so many: all of a wall may show in one of them, and what it shows there is not what its
+ * corners have. */
+static float pixel_scale(const sl_settings *settings) {
+    enum { SIDE = 24 };
+    int side = settings->width < settings->height ? settings->width : settings->height;
+    return side < SIDE ? (float)side / (float)SIDE : 1.0f;
+}
+
 static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     const sl_topology *topology = part == SL_DIRECT_SPECULAR && s->by_exponent ? s->by_exponent : s->topology;
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
-    float area = coarser * coarser * (float)m->leaf_area;
+    float scale = pixel_scale(&s->settings), area = scale * scale * coarser * coarser * (float)m->leaf_area;
+    bool small = scale < 1.0f;
     bool probed = part != SL_INDIRECT && (m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE);
-    sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = coarser * (float)m->leaf_edge,
-                                      .few_pixels = part_of(area, FEW, FEW_PIXELS),
-                                      .specks = part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
+    sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = scale * coarser * (float)m->leaf_edge, .below_pixels = small,
+                                      .few_pixels = small ? 0 : part_of(area, FEW, FEW_PIXELS),
+                                      .specks = small ? 0 : part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
                                       .probed_area = probed ? FINE_AREA : 0.0f, .probed_edge = FINE_EDGE, .sharp = part != SL_INDIRECT,
                                       .specks_contrast = (part == SL_INDIRECT ? INDIRECT_SPECKS_CONTRAST : SPECKS_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
