@@ -195,6 +195,8 @@ static void headers_that_announce_too_much_are_refused(void **state) {
     refuse(scene_file_text("long.ply", "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),
            ": expected at least 6000000000 bytes");
     refuse(scene_file_text("long.off", "OFF\n353535235358 6 0\n0 0 0\n"), ": expected at least ");
+    refuse(scene_file_text("point.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n 0\n3 0 1 2\n"), ":6: expected a face");
+    refuse(scene_file_text("round.off", "OFF\r\n3 2 0\r\n\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n10 0 1 2 0 1 2 0 1 2 0\r\n"), ":8: expected a face");
     s = load(scene_file_text("good.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     assert_int_equal(sl_scene_triangle_count(s), 1);
     sl_scene_destroy(s);

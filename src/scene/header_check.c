@@ -95,13 +95,37 @@ static sl_status check(header *h, const char *data, size_t size) {
 
 /* ---- OFF ------------------------------------------------------------------------------------------------------------------ */
 
+/* Past the line that begins here, and past empty ones. */
+static const char *line_after(const char *at) {
+    at += strcspn(at, "\r\n");
+    return at + strspn(at, "\r\n");
+}
+
+static unsigned long lines_between(const char *from, const char *to) {
+    unsigned long lines = 0;
+    for (; from < to; from++) lines += *from == '\n' || (*from == '\r' && from[1] != '\n');
+    return lines;
+}
+
+/* A line a vertex, a line a face. The importer takes one face off its count for each that does not have one to nine corners, and goes on reading: below none. */
+static sl_status check_off_faces(const char *path, const char *data, const char *counts, double vertices, double faces, sl_error *error) {
+    const char *at = line_after(counts);
+    for (double i = 0.0; i < vertices && *at; i++) at = line_after(at);
+    for (double i = 0.0; i < faces && *at; i++, at = line_after(at)) {
+        unsigned corners = 0;
+        if (sscanf(at, "%u", &corners) == 1 && corners >= 1 && corners <= 9) continue;
+        return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected a face: a number of corners from 1 to 9, and so many vertices", path, lines_between(data, at) + 1);
+    }
+    return SL_OK;
+}
+
 /* "OFF", then how many vertices and faces there are. A vertex takes six bytes ("0 0 0\n"), a face two. */
 static sl_status check_off(const char *path, const char *data, size_t size, sl_error *error) {
     double vertices = 0.0, faces = 0.0;
     const char *at = strpbrk(data, "\r\n");
     if (!at || sscanf(at, " %lf %lf", &vertices, &faces) != 2) return SL_OK; /* comments, say: the importer's business */
     double smallest = 6.0 * vertices + 2.0 * faces;
-    if (smallest <= (double)size) return SL_OK;
+    if (smallest <= (double)size) return check_off_faces(path, data, at + strspn(at, "\r\n"), vertices, faces, error);
     return sl_fail(error, SL_ERROR_INPUT, "%s: expected at least %.0f bytes for %.0f vertices and %.0f faces, got %zu", path, smallest,
                    vertices, faces, size);
 }

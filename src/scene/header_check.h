@@ -4,8 +4,8 @@
 
 #include "softlux.h"
 
-/* A PLY header must be whole, without an element twice; PLY and OFF files must be long enough for what they announce. Files
- * that neither are named so nor begin so pass. */
+/* A PLY header must be whole, without an element twice; PLY and OFF files must be long enough for what they announce, and faces of OFF files have one
+ * to nine corners. Files that neither are named so nor begin so pass. */
 sl_status sl_header_check(const char *path, sl_error *error);
 
 #endif
