@@ -1,4 +1,5 @@
 /* See osmesa.h. SL_HAVE_OSMESA or SL_HAVE_EGL is the Makefile's finding; with neither only osmesa_open() does anything. */
+#define _GNU_SOURCE /* dl_iterate_phdr() */
 #include "osmesa.h"
 
 #include <stdio.h>
@@ -14,6 +15,8 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GL/gl.h>
+#include <dlfcn.h>
+#include <link.h>
 #endif
 #include <GL/glext.h>
 
@@ -71,8 +74,15 @@ static const char *context_open(void) {
     return NULL;
 }
 
+static int keep_loaded(struct dl_phdr_info *module, size_t size, void *data) {
+    (void)size, (void)data;
+    dlopen(module->dlpi_name, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+    return 0;
+}
+
 static void context_close(void) {
     if (display == EGL_NO_DISPLAY) return;
+    dl_iterate_phdr(keep_loaded, NULL); /* eglTerminate() unloads the driver, and lsan.supp knows its blocks by its name */
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglTerminate(display);
     display = EGL_NO_DISPLAY;
