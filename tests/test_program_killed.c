@@ -1,5 +1,6 @@
 /* Killed at any moment: before whichever call that changes files a command ends, or half way through a write, each of its files is there whole, or is
- * as it was, or is not there, and the next run gives what one gives that was never killed. The short form tries some of these moments; with
+ * as it was, or is not there, and the next run gives what one gives that was never killed. The same where the system refuses the call (a disk that is full or breaks),
+ * which the command then says in one line. The short form tries some of these moments; with
  * SOFTLUX_EVERY_MOMENT=1 every one (tests/hard/killed.sh). */
 #define _GNU_SOURCE
 #include <setjmp.h>
@@ -30,7 +31,7 @@
 
 /* ---- moments ---------------------------------------------------------------------------------------------------------------------- */
 
-typedef enum end { RUNS_TO_ITS_END, KILLED, KILLED_HALF_WAY, INTERRUPTED_TWICE, ENDS } end;
+typedef enum end { RUNS_TO_ITS_END, KILLED, KILLED_HALF_WAY, INTERRUPTED_TWICE, REFUSED, ENDS } end;
 
 /* Parent and child share it. */
 enum { MOMENTS = 4096 };
@@ -55,7 +56,7 @@ static void end_here(void) {
     while (plan.how != INTERRUPTED_TWICE) pause();
 }
 
-/* Whether this call is the last; it does not return then, unless it is to be torn. */
+/* Whether this call is the last; it does not return then, unless it is to be torn or refused. */
 static bool is_last(const char *call, bool tears) {
     if (getpid() != plan.program) return false;
     long moment = atomic_fetch_add(&board->moments, 1);
@@ -63,7 +64,7 @@ static bool is_last(const char *call, bool tears) {
     if (plan.how == RUNS_TO_ITS_END || moment != plan.last) return false;
     snprintf(board->call, sizeof board->call, "%s", call);
     atomic_store(&board->came, true);
-    if (plan.how == KILLED_HALF_WAY && tears) return true;
+    if (plan.how == REFUSED || (plan.how == KILLED_HALF_WAY && tears)) return true;
     end_here();
     return false;
 }
@@ -95,7 +96,7 @@ int open(const char *path, int flags, ...) {
         va_end(rest);
     }
     if ((flags & O_TMPFILE) == O_TMPFILE && plan.without_unnamed_files) return errno = EOPNOTSUPP, -1;
-    if ((flags & O_ACCMODE) != O_RDONLY) is_last("open", false);
+    if ((flags & O_ACCMODE) != O_RDONLY && is_last("open", false)) return errno = EIO, -1;
     return real(path, flags, mode);
 }
 
@@ -104,6 +105,7 @@ ssize_t write(int descriptor, const void *data, size_t bytes) {
     if (is_file(descriptor) && getpid() == plan.program && plan.how == RUNS_TO_ITS_END && (fcntl(descriptor, F_GETFL) & O_APPEND))
         board->appended = atomic_load(&board->moments);
     if (!is_file(descriptor) || !is_last("write", true)) return real(descriptor, data, bytes);
+    if (plan.how == REFUSED) return errno = ENOSPC, -1;
     if (real(descriptor, data, bytes / 2) >= 0) kill(getpid(), SIGKILL);
     return -1;
 }
@@ -111,32 +113,38 @@ ssize_t write(int descriptor, const void *data, size_t bytes) {
 ssize_t pwrite(int descriptor, const void *data, size_t bytes, off_t offset) {
     REAL(writer_at, "pwrite");
     if (!is_last("pwrite", true)) return real(descriptor, data, bytes, offset);
+    if (plan.how == REFUSED) return errno = ENOSPC, -1;
     if (real(descriptor, data, bytes / 2, offset) >= 0) kill(getpid(), SIGKILL);
     return -1;
 }
 
 int fsync(int descriptor) {
     REAL(of_descriptor, "fsync");
-    is_last("fsync", false);
-    return real(descriptor);
+    return is_last("fsync", false) ? errno = EIO, -1 : real(descriptor);
+}
+
+/* What is refused has been closed: nobody may try again. */
+int close(int descriptor) {
+    REAL(of_descriptor, "close");
+    bool refused = is_file(descriptor) && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_last("close", false);
+    int result = real(descriptor);
+    return refused ? errno = EDQUOT, -1 : result;
 }
 
 int linkat(int from_folder, const char *from, int to_folder, const char *to, int flags) {
     REAL(linker, "linkat");
-    is_last("linkat", false);
+    if (is_last("linkat", false)) return errno = EIO, -1;
     return real(from_folder, from, to_folder, to, flags);
 }
 
 int rename(const char *from, const char *to) {
     REAL(renamer, "rename");
-    is_last("rename", false);
-    return real(from, to);
+    return is_last("rename", false) ? errno = EIO, -1 : real(from, to);
 }
 
 int mkdir(const char *path, mode_t mode) {
     REAL(folder_maker, "mkdir");
-    is_last("mkdir", false);
-    return real(path, mode);
+    return is_last("mkdir", false) ? errno = EIO, -1 : real(path, mode);
 }
 
 /* ---- commands --------------------------------------------------------------------------------------------------------------------- */
@@ -147,6 +155,7 @@ typedef struct work {
     const char *arguments[24]; /* a % stands for the folder */
     bool over_old_files;       /* files of the same names may be there before it */
     bool by_the_clock;         /* what comes out is not the same each time */
+    bool goes_on;              /* with less: a scene whose reference cannot be kept has no errors */
 } work;
 
 static const work works[] = {
@@ -162,15 +171,15 @@ static const work works[] = {
     {"live, pictures", sl_command_live, {"scenes/moving-light.json", "-m", "path", "--spp", "1", "-s", "8x8", "-t", "1", "--frames", "2", "--fps", "100", "--quiet", "-o", "%/a%d.png"},
      .over_old_files = true, .by_the_clock = true},
     {"bench", sl_command_bench, {"scenes/cornell-point.json", "-m", "path", "-q", "draft", "-s", "8x8", "--repeats", "1", "--reference-budget", "0.1", "--references", "%/references",
-     "--reference-threads", "1", "--quiet", "-o", "%/report"}, .by_the_clock = true},
+     "--reference-threads", "1", "--quiet", "-o", "%/report"}, .by_the_clock = true, .goes_on = true},
 };
 enum { WORKS = sizeof works / sizeof works[0] };
 
-static char base[] = "/tmp/softlux-killed-XXXXXX";
+static char base[] = "/tmp/softlux-killed-XXXXXX", said[64];
 
 static _Noreturn void be_the_program(const work *w, const char *folder) {
     char words[24][256], *argv[25];
-    int argc = 0, nowhere = open("/dev/null", O_WRONLY);
+    int argc = 0, nowhere = open("/dev/null", O_WRONLY), errors = open(said, O_WRONLY | O_CREAT | O_TRUNC, 0666);
     for (; w->arguments[argc]; argc++) {
         const char *word = w->arguments[argc];
         bool is_path = word[0] == '%' && word[1] == '/';
@@ -179,6 +188,7 @@ static _Noreturn void be_the_program(const work *w, const char *folder) {
     }
     argv[argc] = NULL;
     if (nowhere >= 0) dup2(nowhere, 1);
+    if (errors >= 0 && plan.how == REFUSED) dup2(errors, 2);
     signal(SIGINT, SIG_DFL);
     plan.program = getpid();
     _exit(w->command(argc, argv));
@@ -374,16 +384,17 @@ typedef struct trial {
 
 static void explain(const trial *t, const char *what, const char *name) {
     fail_msg("%s, ended before its file call %ld (%s)%s%s%s: %s%s", t->w->name, t->last, board->call, t->how == KILLED_HALF_WAY ? ", half way" : "",
-             t->how == INTERRUPTED_TWICE ? ", by Ctrl-C twice" : "", t->over_old ? ", over old files" : "", name, what);
+             t->how == INTERRUPTED_TWICE ? ", by Ctrl-C twice" : t->how == REFUSED ? ", which was refused" : "", t->over_old ? ", over old files" : "", name, what);
 }
 
-/* Where files without a name are known, one has its second name for as long as renaming takes, and is whole. */
+/* Where files without a name are known, one has its second name for as long as closing and renaming take, and is whole. */
 static void look_after_the_end(const trial *t, const char *folder) {
     listing found = files_of(folder);
     for (size_t i = 0; i < found.count; i++) {
         const char *name = found.name[i];
         if (ends_with(name, ".part")) {
-            if (!t->without_unnamed && strcmp(board->call, "rename") != 0) explain(t, " is left", name);
+            bool is_second_name = strcmp(board->call, "close") == 0 || strcmp(board->call, "rename") == 0;
+            if (t->how == REFUSED || !(t->without_unnamed || is_second_name)) explain(t, " is left", name);
         } else if (!is_listed(&t->whole, name)) {
             explain(t, " is no file of this command", name);
         } else if (ends_with(name, ".jsonl")) {
@@ -407,13 +418,34 @@ static void look_after_the_next_run(const trial *t, const char *folder) {
     }
 }
 
+static bool are_our_lines(const char *text) {
+    for (; *text; text = strchr(text, '\n') + 1) {
+        if (strncmp(text, "softlux: ", 9) != 0 || !strchr(text, '\n')) return false;
+    }
+    return true;
+}
+
+/* A call that was refused fails the command, in one line; but files without a name are done without. */
+static void look_at_what_was_said(const trial *t, int ended) {
+    bytes b = read_all(base, "said");
+    assert_non_null(b.at);
+    size_t lines = whole_lines(&b, false);
+    if (!WIFEXITED(ended)) explain(t, "it crashed", "");
+    bool minds = WEXITSTATUS(ended) != 0 || (t->w->goes_on && lines > 0);
+    if (!minds && strcmp(board->call, "open") != 0) explain(t, "nobody minds", "");
+    if (minds && (lines < 1 || (lines > 1 && !t->w->goes_on) || !are_our_lines(b.at))) explain(t, b.at, "what it says is not one line: ");
+    free(b.at);
+}
+
 static void try_it(const trial *t) {
     char folder[64];
     snprintf(folder, sizeof folder, "%s/trial", base);
     assert_int_equal(mkdir(folder, 0777), 0);
     if (t->over_old) put_old_files(folder, &t->whole);
     int ended = run(t->w, folder, t->how, t->last, t->without_unnamed);
-    if (atomic_load(&board->came)) {
+    if (atomic_load(&board->came) && t->how == REFUSED) {
+        look_at_what_was_said(t, ended);
+    } else if (atomic_load(&board->came)) {
         bool killed = WIFSIGNALED(ended) && WTERMSIG(ended) == (t->how == INTERRUPTED_TWICE ? SIGINT : SIGKILL);
         if (!killed) explain(t, "it did not end there", "");
     } else if (!t->w->by_the_clock) {
@@ -428,21 +460,23 @@ static void try_it(const trial *t) {
 
 static long most; /* moments tried of a command; 0: all */
 
+enum { WAYS = ENDS - KILLED };
+
 /* All ways to end at all moments; or some moments, each in one way. */
 static long try_moments(trial *t, long moments, const bool *writes) {
     long tried = 0, step = most && moments > most ? (moments + most - 1) / most : 1;
-    for (long k = 0; k < moments * (most ? 1 : 12); k++) {
+    for (long k = 0; k < moments * (most ? 1 : 4 * WAYS); k++) {
         unsigned variant = most ? (unsigned)(k / step + (long)(t->w - works)) : (unsigned)(k / moments);
         if (most && k % step) continue;
         t->last = k % moments;
-        t->how = (end)(KILLED + variant % 3);
+        t->how = (end)(KILLED + variant % WAYS);
         if (!most && t->how == KILLED_HALF_WAY && !writes[t->last]) continue;
-        t->over_old = variant / 3 % 2 == 0;
+        t->over_old = variant / WAYS % 2 == 0;
         if (t->over_old && !t->w->over_old_files) {
             if (!most) continue;
             t->over_old = false;
         }
-        t->without_unnamed = variant / 6 % 2 == 1;
+        t->without_unnamed = variant / (2 * WAYS) % 2 == 1;
         try_it(t);
         tried++;
     }
@@ -482,6 +516,7 @@ int main(void) {
     most = getenv("SOFTLUX_EVERY_MOMENT") ? 0 : 5;
     board = mmap(NULL, sizeof *board, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (board == MAP_FAILED || !mkdtemp(base)) return 1;
+    snprintf(said, sizeof said, "%s/said", base);
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     char command[64];
     snprintf(command, sizeof command, "rm -rf %s", base);
