@@ -9,7 +9,7 @@
 #include "shading_bench.h"
 #include "timing.h"
 
-enum { JUDGED = 16 };
+enum { JUDGED = 16, PATHS = 100 };
 
 typedef struct film {
     double duration;        /* of the motion, in the scene's seconds */
@@ -88,7 +88,7 @@ static void motion(bench_report *r, const bench_options *o, const char *path, fi
     rival rivals[2] = {{0}};
     static judgement judged[JUDGED];
     int block = o->brief ? 16 : 8;
-    if (!shading_open(r, o, path, o->brief ? 256 : 512, o->brief ? 25 : 400, &w)) return;
+    if (!shading_open(r, o, path, o->brief ? 256 : 512, o->brief ? 25 : PATHS, &w)) return;
     shading_move(&w, 0.0);
     open_rivals(&w, NULL, &run, 2 * w.settings.shading_cache.points, rivals);
     int count = play(&w, &f, block / (o->brief ? 2 : 1), &rivals[0], 0, judged);
@@ -164,12 +164,12 @@ static const char *jump_variant(int i, sl_shading_cache_settings *c) {
 }
 
 static void jump(bench_report *r, const bench_options *o, const char *path) {
-    int warm = o->brief ? 100 : 300, most = o->brief ? 120 : 1200, block = o->brief ? 8 : 8;
+    int warm = o->brief ? 100 : 300, most = o->brief ? 120 : 600, block = 8;
     double per_update = 64.0;
     for (int i = 0; i <= JUMPS; i++) {
         shading_world w;
         shading_run run;
-        if (!shading_open(r, o, path, o->brief ? 256 : 512, o->brief ? 25 : 400, &w)) return;
+        if (!shading_open(r, o, path, o->brief ? 256 : 512, o->brief ? 25 : PATHS, &w)) return;
         shading_move(&w, 0.0);
         sl_settings s = w.settings;
         const char *name = "RenderCache, wide fill";
@@ -195,7 +195,8 @@ int main(int argc, char **argv) {
     bench_report r;
     bench_report_open(&r, &o, "shading_moving");
     film f = o.brief ? (film){0.0, 100, 16, 64} : (film){0.0, 300, 32, 256};
-    bench_say(&r, "\nError while things move and after they have, by updates. The RenderCache, its gaps filled widely, gets the same points an update.\n");
+    bench_say(&r, "\n%d x %d, %d paths a point. Error while things move and after they have, by updates. The RenderCache, its gaps filled widely, gets the same points an update.\n",
+              o.brief ? 256 : 512, o.brief ? 256 : 512, o.brief ? 25 : PATHS);
     bench_table(&r, "motion", "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
     f.duration = 1.0;
     motion(&r, &o, "scenes/generated/study-walk.json", f);
