@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
+#include "base/sanitized.h"
 
 const char *const soup_names[SOUP_KINDS] = {"big", "medium, 64 px", "small, 8 px", "below a pixel", "slivers", "mesh, 5 px",
                                             "pixel centres", "1/512 ties", "partly outside", "far outside", "perspective", "near-clipped"};
@@ -198,15 +199,4 @@ sl_raster *soup_raster(const soup *s) {
     return raster;
 }
 
-size_t soup_share(size_t count) {
-#ifdef __has_feature
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-    return count / 20 + 1;
-#endif
-#endif
-#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
-    return count / 20 + 1;
-#else
-    return count;
-#endif
-}
+size_t soup_share(size_t count) { return SL_SANITIZED ? count / 20 + 1 : count; }

@@ -14,14 +14,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/sanitized.h"
 #include "rendering.h"
 #include "trace_scenes.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-enum { SANITIZED = 1 }; /* which takes several times the memory */
-#else
-enum { SANITIZED = 0 };
-#endif
 
 static const double mega = 0x1p20;
 
@@ -119,7 +114,7 @@ static double least_of(const char *message) {
 static void assert_within(const char *method, const outcome *o, double budget) {
     if (o->status != SL_OK) fail_msg("%s with %.0fM: %s", method, budget / mega, o->message);
     assert_true(o->sound);
-    if (!SANITIZED && o->peak > budget) fail_msg("%s takes %.1fM of %.1fM (%s)", method, o->peak / mega, budget / mega, o->message);
+    if (!SL_SANITIZED && o->peak > budget) fail_msg("%s takes %.1fM of %.1fM (%s)", method, o->peak / mega, budget / mega, o->message);
 }
 
 static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double most_above) {
@@ -128,7 +123,7 @@ static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double
         outcome o = in_a_process(make, &s);
         const double need = o.need;
         assert_within(s.method, &o, need); /* what it says, it takes, and no more */
-        if (!SANITIZED && need - 32.0 * mega > most_above * o.peak) fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
+        if (!SL_SANITIZED && need - 32.0 * mega > most_above * o.peak) fail_msg("%s says %.1fM, and takes %.1fM", s.method, need / mega, o.peak / mega);
         assert_false(o.conceded);
         s.memory_bytes = (uint64_t)(1 << 24);
         o = in_a_process(make, &s);
@@ -161,7 +156,7 @@ static void check_growth(const char *method, sl_scene *(*few)(void), int small, 
     const double need = of_many.need - of_few.need;
     assert_int_equal(of_few.status, SL_OK);
     assert_int_equal(of_many.status, SL_OK);
-    if (SANITIZED) return;
+    if (SL_SANITIZED) return;
     const double taken = of_many.peak - of_few.peak;
     if (taken > need + slack || need > 2.0 * taken + slack) fail_msg("%s says %.1fM more, and takes %.1fM more", method, need / mega, taken / mega);
 }

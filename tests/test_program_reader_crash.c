@@ -21,15 +21,8 @@
 #include <unistd.h>
 
 #include "app/load.h"
+#include "base/sanitized.h"
 #include "scene_files.h"
-
-#if defined(__has_feature)
-#define SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SANITIZED 1
-#else
-#define SANITIZED 0
-#endif
 
 /* ---- the importer ------------------------------------------------------------------------------------------------------------------- */
 
@@ -124,14 +117,14 @@ static void assert_one_line_of(const char *path, way in_which_way, const char *w
 
 static void however_the_importer_crashes_one_line_says_so(void **state) {
     (void)state;
-    if (SANITIZED) skip();
+    if (SL_SANITIZED) skip();
     const char *path = scene_file_text("a.stl", "solid a\nendsolid a\n");
     for (int i = 0; i < WAYS; i++) assert_one_line_of(path, (way)i, i == FINDS_NOTHING ? "cannot be read as a mesh" : "a.stl: cannot be read: the importer");
 }
 
 static void the_line_is_one_whatever_the_file_is_called(void **state) {
     (void)state;
-    if (SANITIZED) skip();
+    if (SL_SANITIZED) skip();
     assert_one_line_of(scene_file_text("two\nlines.stl", "solid a\nendsolid a\n"), READS_NULL, "two lines.stl: cannot be read");
     assert_one_line_of(scene_file_text("percent %s%n.stl", "solid a\nendsolid a\n"), ABORTS, "percent %s%n.stl: cannot be read");
 }

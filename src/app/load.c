@@ -6,14 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Sanitizers tell of crashes themselves, and more. */
-#if defined(__has_feature)
-#define SL_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SL_SANITIZED 1
-#else
-#define SL_SANITIZED 0
-#endif
+#include "base/sanitized.h"
 
 enum { CRASHES = 5, STACK_BYTES = 1 << 16, LINE_BYTES = 1 << 13 };
 static const int crashes[CRASHES] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};

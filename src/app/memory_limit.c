@@ -1,6 +1,7 @@
 #include "app/memory_limit.h"
 
 #include "app/load.h"
+#include "base/sanitized.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +16,7 @@ static const double reserve = 192.0 * 0x1p20, reserve_of_thread = 24.0 * 0x1p20;
 
 static void limit_data(double most) {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_DATA, &limit) != 0) return;
+    if (SL_SANITIZED || getrlimit(RLIMIT_DATA, &limit) != 0) return;
     limit.rlim_cur = limit.rlim_max == RLIM_INFINITY || most < (double)limit.rlim_max ? (rlim_t)most : limit.rlim_max;
     setrlimit(RLIMIT_DATA, &limit); /* where it fails there is the method's own account */
 }

@@ -2,14 +2,13 @@
  *
  * A command that gets as far as rendering does so with what it was asked for, but for the sizes, which are put at the end as the least there
  * are. Others are stopped short of their work: by a scene that does not exist, or by one option too many. No word may name a folder. Scenes are a sound
- * one, and some that cannot be loaded. --memory is what it is but for the system's limit, which the fuzzer would not survive. */
+ * one, and some that cannot be loaded. --memory is what it is but for the system's limit, which is for programs without sanitizers. */
 #define _XOPEN_SOURCE 700
 #include "support.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "app/commands.h"
@@ -29,17 +28,6 @@ static const struct {
 } scenes[] = {{"c.json", scene}, {"c.obj", obj}, {"empty.json", empty}, {"no-mesh.json", no_mesh}, {"torn.json", torn},
               {"empty.obj", empty}, {"points.obj", no_triangle}, {"stray.obj", stray}, {"huge.ply", huge_header}};
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
-
-static bool commands_run;
-
-/* Instead of the system's: it would stay after the command. The sanitizers call it before they are ready. */
-__attribute__((no_sanitize("address", "undefined"))) int setrlimit(__rlimit_resource_t resource, const struct rlimit *limit) {
-    (void)resource;
-    if (!commands_run) return 0;
-    if (limit->rlim_cur > limit->rlim_max) fuzz_fail("a limit on memory above the most that there may be");
-    if (limit->rlim_cur < 1 << 20) fuzz_fail("a limit on memory that no program can live with");
-    return 0;
-}
 
 /* What ends a command that renders: last words win. Some only go with others. */
 static const char *const least[] = {"--size", "3x2", "--threads", "1", "--spp", "1", "--gather-size", "8", "--photons", "2", "--map-size", "4", "--cube-size", "8", "--shadow-size", "16",
@@ -133,7 +121,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                                                     sl_command_bench, sl_command_steps, sl_command_check_numerics};
     static char words[WORDS_MAX][WORD_MAX];
     static bool ready;
-    commands_run = true;
     if (!ready) make_folder(), try_sound_commands();
     ready = true;
     if (size < 1) return 0;
