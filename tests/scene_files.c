@@ -51,3 +51,9 @@ void scene_files_remove(void) {
     count = 0;
     folder[0] = 0;
 }
+
+int scene_files_teardown(void **state) {
+    (void)state;
+    scene_files_remove();
+    return 0;
+}

@@ -12,5 +12,6 @@ const char *scene_file_text(const char *name, const char *text);
 const char *scene_file_copy(const char *from, const char *name); /* of a file of the repository */
 const char *scene_file_path(const char *name); /* valid until the next call but three */
 void scene_files_remove(void);
+int scene_files_teardown(void **state); /* the same, after a group of tests; 0 */
 
 #endif

@@ -225,12 +225,6 @@ static void every_trial_s_arguments_mean_something_and_are_its_own(void **state)
     assert_true(s.spp == 7 && s.filter == SL_FILTER_CENTRE);
 }
 
-static int remove_files(void **state) {
-    (void)state;
-    scene_files_remove();
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_added_is_there_in_the_next_run),
@@ -244,5 +238,5 @@ int main(void) {
         cmocka_unit_test(spreads_know_their_middle_and_their_ends),
         cmocka_unit_test(every_trial_s_arguments_mean_something_and_are_its_own),
     };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -766,12 +766,6 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
     sl_scene_destroy(scene);
 }
 
-static int clean_up(void **state) {
-    (void)state;
-    scene_files_remove();
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(there_is_no_counter_and_no_method_past_the_last),
@@ -802,5 +796,5 @@ int main(void) {
         cmocka_unit_test(a_show_goes_on_after_what_it_refuses),
         cmocka_unit_test(an_error_is_of_a_picture_that_the_probes_are_of),
     };
-    return cmocka_run_group_tests(tests, NULL, clean_up);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

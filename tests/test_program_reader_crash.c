@@ -152,17 +152,11 @@ static void what_was_to_be_done_about_crashes_before_is_so_again(void **state) {
     assert_true(stack.ss_sp == own_stack);
 }
 
-static int clean_up(void **state) {
-    (void)state;
-    scene_files_remove();
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(however_the_importer_crashes_one_line_says_so),
         cmocka_unit_test(the_line_is_one_whatever_the_file_is_called),
         cmocka_unit_test(what_was_to_be_done_about_crashes_before_is_so_again),
     };
-    return cmocka_run_group_tests(tests, NULL, clean_up);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -171,12 +171,6 @@ static void a_scene_without_keyframes_never_changes(void **state) {
     sl_scene_destroy(s);
 }
 
-static int clean(void **state) {
-    (void)state;
-    scene_files_remove();
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quaternions_turn_about_the_axes_in_order),
@@ -190,5 +184,5 @@ int main(void) {
         cmocka_unit_test(what_cannot_be_shown_is_refused_and_changes_nothing),
         cmocka_unit_test(a_scene_without_keyframes_never_changes),
     };
-    return cmocka_run_group_tests(tests, NULL, clean);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -431,12 +431,6 @@ static void strings_with_brackets_do_not_mislead_the_line_count(void **state) {
                 ":4: expected 'diffuse' to be an array of 3 numbers");
 }
 
-static int clean(void **state) {
-    (void)state;
-    scene_files_remove();
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_obj_file_alone_is_a_scene),
@@ -460,5 +454,5 @@ int main(void) {
         cmocka_unit_test(scene_file_mistakes_are_told_by_line),
         cmocka_unit_test(strings_with_brackets_do_not_mislead_the_line_count),
     };
-    return cmocka_run_group_tests(tests, NULL, clean);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -16,12 +16,6 @@
 #include "scene/model.h"
 #include "scene_files.h"
 
-static int remove_files(void **state) {
-    (void)state;
-    scene_files_remove();
-    return 0;
-}
-
 /* The message of what must fail; valid until the next call. */
 static const char *trouble(const char *text) {
     static sl_error error;
@@ -173,5 +167,5 @@ int main(void) {
         cmocka_unit_test(vertices_and_triangles_are_counted_in_32_bits),
         cmocka_unit_test(films_may_be_only_so_wide),
     };
-    return cmocka_run_group_tests(tests, NULL, remove_files);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }
