@@ -526,6 +526,42 @@ static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* The mean irradiance of the voxels along a strip over a dim floor (1), on which ten times the floor's light lies. */
+static double light_on_a_strip(float width) {
+    const sl_vec3 corner = sl_v3(2.0f - 0.5f * width, 0.2f, 0), along = sl_v3(0, 0, 4), across = sl_v3(width, 0, 0), up = sl_v3(0, 1, 0);
+    float xyz[36];
+    add_quad(xyz, 0, sl_v3(0, 0, 0), along, sl_v3(4, 0, 0));
+    add_quad(xyz, 2, corner, along, across);
+    sl_scene *scene = scene_of_triangles(xyz, 4);
+    sl_photon_list *list = new_list(4400);
+    strew_evenly(list, 4000, sl_v3(0, 0, 0), along, sl_v3(4, 0, 0), up, 1.0f, 7);
+    strew_evenly(list, 400, corner, along, across, up, 10.0f, 8);
+    sl_voxel_light_options o = plain_options(4);
+    o.neighbours = 320;
+    o.flatness = 0.5;
+    o.estimated_radius = true;
+    lit l = light_up(scene, 5, list, &o, 1);
+    double sum = 0.0, count = 0.0;
+    for (size_t i = 0; i < l.octree->leaf_count; i++) {
+        sl_vec3 c = l.octree->leaf[i].centroid;
+        if (c.y < 0.1f || c.z < 0.8f || c.z > 3.2f) continue;
+        sum += irradiance_on(l.lights, i, up);
+        count += 1.0;
+    }
+    assert_true(count > 10.0);
+    end_lit(&l);
+    sl_scene_destroy(scene);
+    return sum / count;
+}
+
+/* k/4 photons on next to no area: where that is noise it is a bright speck, and so it is not believed even where it is none. */
+static void few_photons_are_believed_only_where_there_is_area_for_them(void **state) {
+    (void)state;
+    double thin = light_on_a_strip(0.02f), wide = light_on_a_strip(0.4f);
+    if (!(thin < 3.0)) fail_msg("%.2f on the thin strip", thin);
+    if (!(wide > 7.0)) fail_msg("%.2f on the wide strip, not 10", wide); /* its borders blur */
+}
+
 /* A cut's lights use the deep octree's triangles: the same irradiance at every depth. */
 static void shallow_octrees_find_the_geometry_in_the_deepest(void **state) {
     (void)state;
@@ -682,6 +718,7 @@ int main(void) {
         cmocka_unit_test(batches_and_threads_give_the_same_bits),
         cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),
         cmocka_unit_test(what_lies_under_a_surface_takes_none_of_its_light),
+        cmocka_unit_test(few_photons_are_believed_only_where_there_is_area_for_them),
         cmocka_unit_test(shallow_octrees_find_the_geometry_in_the_deepest),
         cmocka_unit_test(flat_matt_surfaces_have_one_light_along_their_normal),
         cmocka_unit_test(a_voxel_with_a_bent_surface_has_no_flat_set),
