@@ -118,15 +118,17 @@ static _Noreturn void be_trier(const fault_case *c, long from, long step, bool f
     if (c->prepare) c->prepare(c);
     run_whole(c, from);
     long i = from;
+    bool by_foreign = foreign; /* also where everything fails after one of ours did */
     for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD; i++) {
         if (!is_chosen(i, step, foreign)) continue;
         atomic_store(&board->at, i);
         try_path(c, i);
+        by_foreign |= board->refused_foreign;
         done++;
     }
     run_whole(c, i - 1);
     /* What foreign code loses is not ours to mend. */
-    if (!foreign && __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check()) complain(c, i - 1, "leaks, or one of those before it", NULL);
+    if (!by_foreign && __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check()) complain(c, i - 1, "leaks, or one of those before it", NULL);
     atomic_store(&board->at, i);
     _exit(0);
 }
