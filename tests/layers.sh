@@ -34,7 +34,7 @@ allow cache/reference "($below|cache/(reference|method|budget))"
 allow cache/audit "($below|cache/(audit|method))"
 # Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden; what measures methods asks which light paths
 # each declares. Pictures in pages are encoded and pages written as those in files are.
-allow app '(app/|scene/(features|scene)|base/(vec|error)|image/(color|formats|output_file)|trace/trace|cache/method\.h)'
+allow app '(app/|scene/(features|scene)|base/(vec|error|sanitized)|image/(color|formats|output_file)|trace/trace|cache/method\.h)'
 # Every symbol that the library shows begins with sl_.
 library=../build/libsoftlux.so
 [ -f $library ] || { echo "no $library: make it first"; exit 1; }

@@ -192,7 +192,10 @@ static void save_and_load(const fault_case *c, fault_outcome *o) {
     unlink(path);
 }
 
-/* What frames show depends on the clock: only that it works, and ends. */
+static void rest_a_little(void) { nanosleep(&(struct timespec){0, 2000000}, NULL); }
+
+/* What frames show depends on the clock: only that it works, and ends. Nobody looks before the first move, so that a picture waits while something of what
+ * follows it fails, which then comes before the frame; later frames come first. */
 static void show(const fault_case *c, fault_outcome *o) {
     sl_settings settings = least_settings(c->what, 8, 6);
     sl_live *live = NULL;
@@ -203,8 +206,9 @@ static void show(const fault_case *c, fault_outcome *o) {
     for (int i = 0; i < 12 && o->status == SL_OK; i++) {
         if (i % 4 == 1) o->status = sl_live_move(live, 0.1 * i, &o->error);
         if (i == 6 && o->status == SL_OK) o->status = sl_live_look(live, eye, target, up, 0.7f, &o->error);
-        if (o->status == SL_OK) o->status = sl_live_frame(live, &frame, NULL, &o->error);
-        nanosleep(&(struct timespec){0, 2000000}, NULL);
+        if (i < 6) rest_a_little();
+        if (o->status == SL_OK && i > 0) o->status = sl_live_frame(live, &frame, NULL, &o->error);
+        if (i >= 6) rest_a_little();
     }
     sl_live_stop(live, NULL);
 }

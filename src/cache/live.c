@@ -310,10 +310,12 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     l->state.updates = l->progress.batches;
     l->state.error_levels = l->error_levels;
     l->state.done = l->progress.done && l->followed == l->shown.number;
-    *picture = l->picture;
+    *picture = l->status == SL_OK ? l->picture : NULL; /* else nobody would take it */
     *picture_time = l->picture_time;
-    l->picture = NULL;
-    if (*picture) l->state.versions = l->pictures;
+    if (*picture) {
+        l->picture = NULL;
+        l->state.versions = l->pictures;
+    }
     l->state.changes_shown = l->changes_found;
     if (l->found.waits) {
         l->state.change_seconds = l->found.time;

@@ -29,7 +29,7 @@ for t in "$@"; do
     mkdir -p "$learnt"
     dictionary=tests/fuzz/$t.dict leaks=1
     [ "$t" != mesh_file ] || leaks=0 # where the importer gives up it leaks; what we do with its results is the target "import"
-    "$build/fuzz/$t" -max_total_time="$seconds" -timeout=30 -rss_limit_mb=3000 -max_len=4000 -close_fd_mask=3 -detect_leaks=$leaks -print_final_stats=1 \
+    ASAN_OPTIONS=detect_leaks=$leaks "$build/fuzz/$t" -max_total_time="$seconds" -timeout=30 -rss_limit_mb=3000 -max_len=4000 -close_fd_mask=3 -detect_leaks=$leaks -print_final_stats=1 \
         $([ -f "$dictionary" ] && echo "-dict=$dictionary") -artifact_prefix="$found" "$learnt" "$PWD/tests/fuzz/corpus/$t" >"$log" 2>&1
     status=$?
     inputs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | tail -n 1)
