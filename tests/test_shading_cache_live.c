@@ -413,6 +413,7 @@ static void a_camera_of_ones_own_stays_whatever_moves(void **state) {
     sl_settings settings = show_settings();
     open_gate(false);
     sl_live *live = start(scene, &settings);
+    wait_until_samples_are_held_up(); /* and no shading changes from here on */
     frame_of(live, first);
     assert_int_equal(sl_live_look(live, eye, target, up, 0.9f, NULL), SL_OK);
     frame_of(live, looked);
