@@ -827,6 +827,29 @@ static void of_a_small_picture_all_patches_are_kept(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* cache_limit counts what was split; what the primitives are themselves is there in any case. */
+static void nothing_is_evicted_before_there_are_more_patches_than_the_limit_and_two_a_primitive(void **state) {
+    (void)state;
+    size_t most = 0;
+    for (int less = -1; less < 2; less++) { /* without a limit; at it; one patch above it */
+        sl_scene *scene = room();
+        sl_settings settings = loop_settings();
+        settings.shading_cache.ageing_window = 4;
+        sl_method *method = method_of(scene, &settings);
+        sl_shading_state *s = inside_of(method);
+        const double primitives = 2.0 * (double)s->primitives->count;
+        s->settings.shading_cache.cache_limit = less < 0 ? 100.0 : ((double)most - (double)less - primitives + 0.5) / ROOM_FOR;
+        to_the_end(method);
+        look(scene, sl_v3(0, 0, 0.9f), sl_v3(0.3f, 0.9f, 1));
+        edit(method, SL_CHANGED_CAMERA);
+        assert_true(to_the_end(method) > 5);
+        if (less < 0) most = s->patches->patches_alive;
+        assert_int_equal(count_of(method, SL_COUNT_PATCHES_EVICTED) > 0, less == 1);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
 /* ---- a handful of pixels ------------------------------------------------------------------------------------------------------------ */
 
 /* A pixel sees all of the room, but shows what is in its middle. */
@@ -906,6 +929,7 @@ int main(void) {
         cmocka_unit_test(refinement_to_the_end_takes_few_more_updates_than_its_points_fill),
         cmocka_unit_test(where_more_samples_are_wanted_against_noise_no_leaf_is_left_out),
         cmocka_unit_test(of_a_small_picture_all_patches_are_kept),
+        cmocka_unit_test(nothing_is_evicted_before_there_are_more_patches_than_the_limit_and_two_a_primitive),
         cmocka_unit_test(pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels),
         cmocka_unit_test(every_update_tells_its_stages_in_their_order),
     };
