@@ -260,7 +260,7 @@ SL_API uint64_t sl_scene_hash(const sl_scene *scene);
 /** What changed between two states of a scene; a method is told so with sl_method_edit(). */
 enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
 /** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the scene are then to be
- * told by sl_method_edit(), before anything else is asked of them; *changes (may be NULL) gets SL_CHANGED_ bits. USAGE: a time that is not finite. INPUT:
+ * told by sl_method_edit(), before anything else is asked of them (which is refused else); *changes (may be NULL) gets SL_CHANGED_ bits. USAGE: a time that is not finite. INPUT:
  * one at which keyframes leave no camera, or move things beyond all numbers. */
 SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error);
 /** Looks from eye to target; the up vector need not be perpendicular. USAGE: the frame is degenerate, a number not finite, or the field of view not between 0
@@ -474,7 +474,7 @@ typedef enum sl_mesh_selection {
 /** Multi-mesh caching with hardware sampling. 0, wherever it stands, is the default that is named. */
 typedef struct sl_multi_mesh_settings {
     sl_light_estimator estimator; /**< RATIO */
-    int light_size;             /**< N of N x N pixels around a light; 64, doubled up to 256 for points close to it */
+    int light_size;             /**< N of N x N pixels around a light, 16 to 256, up to a power of two; 64, doubled up to 256 for points close to it */
     int light_rays;             /**< n of n x n jittered rays instead; 16 */
     double gather_fov;          /**< radians; 160 degrees */
     bool undivided_gather;      /**< the gather's loss beyond its field of view is not made up for: the paper's */
@@ -557,7 +557,7 @@ typedef struct sl_settings {
     sl_quality quality;    /**< where on the curve of speed against error; NORMAL */
     uint32_t spp;          /**< path, bidirectional: samples a pixel; splatting: light samples a pixel; 0: by quality */
     double accuracy;       /**< splatting: a of the paper; 0: by quality */
-    int gather_size;       /**< splatting, multi-mesh: N of an N x N gather; 0: by quality */
+    int gather_size;       /**< splatting, multi-mesh (8 or more, up to a power of two): N of an N x N gather, even, 4 to 1024; 0: by quality */
     sl_gather_kind gather; /**< splatting: AUTO */
     sl_direct_kind direct; /**< splatting: AUTO */
     sl_pixel_filter filter; /**< path, bidirectional: METHOD */
@@ -656,7 +656,7 @@ typedef struct sl_story {
 
 /** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve() gave last: the method must
  * not have been updated or edited since. The caller destroys the story. USAGE: the method tells none (the tracers; direct-radiance without layers), there
- * is no such picture, or the pixel lies outside. */
+ * is no such picture (known by what is stamped on it), or the pixel lies outside. */
 SL_API sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error);
 /** Frees a story. NULL is allowed. */
 SL_API void sl_story_destroy(sl_story *story);

@@ -206,6 +206,7 @@ static void what_cannot_be_compared_is_not(void **state) {
     memset(&result, 1, sizeof result);
     USAGE(sl_image_compare(NULL, image, NULL, &result, &difference, error));
     assert_null(difference);
+    assert_true(all_zero(&result, sizeof result));
     USAGE(sl_image_compare(image, NULL, NULL, &result, NULL, error));
     USAGE(sl_image_compare(image, image, NULL, NULL, NULL, error));
     USAGE(sl_image_compare(image, image, &exposed, &result, NULL, error));
@@ -357,7 +358,7 @@ static const bad_setting bad_settings[] = {
     {AT(light_octree.lobes), WHOLE, -1, SL_LOBES_HARMONICS + 1}, {AT(light_octree.filter), WHOLE, -1, SL_VOXEL_NEAREST + 1},
     {AT(light_octree.dilation), REAL, -0.001, 1.001}, {AT(light_octree.atlas_size), WHOLE, 15, 16385},
 
-    {AT(multi_mesh.estimator), WHOLE, -1, SL_LIGHT_RAYS + 1}, {AT(multi_mesh.light_size), WHOLE, 7, 257}, {AT(multi_mesh.light_rays), WHOLE, -1, 257},
+    {AT(multi_mesh.estimator), WHOLE, -1, SL_LIGHT_RAYS + 1}, {AT(multi_mesh.light_size), WHOLE, 15, 257}, {AT(multi_mesh.light_rays), WHOLE, -1, 257},
     {AT(multi_mesh.gather_fov), REAL, 0.99, 3.12}, {AT(multi_mesh.threshold_scale), REAL, 0.0009, 1001}, {AT(multi_mesh.exposure), REAL, 1e-31, 1e31},
     {AT(multi_mesh.leaf_area), REAL, 0.99, 1.1e9}, {AT(multi_mesh.leaf_edge), REAL, 0.99, 1.1e9}, {AT(multi_mesh.max_depth), WHOLE, -1, 13},
     {AT(multi_mesh.coarse_depth), WHOLE, -1, 9}, {AT(multi_mesh.coarse_edge), REAL, 1e-13, 1e13},
@@ -414,6 +415,51 @@ static void settings_out_of_range_are_refused_by_whatever_takes_them(void **stat
             assert_refused(scene, &settings, SL_ERROR_USAGE);
         }
     }
+    sl_scene_destroy(scene);
+}
+
+/* Of one method's own settings that one; of those that several share NULL. */
+static const char *owner_of(const bad_setting *b) {
+    static const struct { size_t from; const char *method; } owners[] = {
+        {AT(radiance_map), "direct-radiance"}, {AT(light_octree), "light-octree"}, {AT(multi_mesh), "multi-mesh"}, {AT(shading_cache), "shading-cache"}};
+    static const size_t bytes[] = {sizeof(sl_radiance_map_settings), sizeof(sl_light_octree_settings), sizeof(sl_multi_mesh_settings), sizeof(sl_shading_cache_settings)};
+    for (int i = 0; i < 4; i++) {
+        if (b->offset >= owners[i].from && b->offset < owners[i].from + bytes[i]) return owners[i].method;
+    }
+    return NULL;
+}
+
+static void assert_rendered_with(const sl_scene *scene, const char *name, const bad_setting *b, double value) {
+    sl_settings settings = least_settings(name, SIDE, SIDE);
+    put(&settings, b, value);
+    sl_method *method = NULL;
+    sl_image *image = NULL;
+    sl_progress progress;
+    sl_error error = {SL_OK, ""};
+    sl_status status = sl_method_create(scene, &settings, &method, &error);
+    for (int k = 0; k < 2 && status == SL_OK; k++) status = sl_method_update(method, &progress, &error);
+    if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
+    if (status != SL_OK) fail_msg("%s: setting %zu of the list at %g: %s", name, (size_t)(b - bad_settings), value, error.message);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+}
+
+/* Of numbers the least, of what there are a few of all. */
+static void settings_within_their_range_are_taken_whole(void **state) {
+    (void)state;
+    enum { A_FEW = 14 };
+    sl_scene *scene = load_scene(box);
+    for (size_t i = 0; i < sizeof bad_settings / sizeof bad_settings[0]; i++) {
+        const bad_setting *b = &bad_settings[i];
+        const char *owner = owner_of(b);
+        if (b->kind != WHOLE || b->offset == AT(width) || b->offset == AT(height) || b->offset == AT(gather_size) || b->offset == AT(filter)) continue;
+        for (double value = b->low + 1.0; value < b->high && (value == b->low + 1.0 || b->high <= A_FEW); value++) {
+            for (size_t m = 0; m < METHODS; m++) {
+                if (!owner || strcmp(owner, methods[m]) == 0) assert_rendered_with(scene, methods[m], b, value);
+            }
+        }
+    }
+    for (size_t m = 0; m < METHODS; m++) assert_rendered_with(scene, methods[m], &(bad_setting){AT(gather_size), WHOLE, 2, 1026}, 4);
     sl_scene_destroy(scene);
 }
 
@@ -571,6 +617,7 @@ static void a_story_is_of_a_pixel_of_the_last_picture(void **state) {
         update_to_the_end(method);
         assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
         USAGE(sl_method_story(method, other, SIDE + 50, SIDE + 50, &story, error)); /* a pixel of that one, and of none that there is */
+        USAGE(sl_method_story(method, same, 1, 1, &story, error)); /* nobody's */
         USAGE(sl_method_story(method, image, SIDE, 0, &story, error));
         USAGE(sl_method_story(method, image, 0, INT_MAX, &story, error));
         USAGE(sl_method_story(method, image, INT_MIN, 0, &story, error));
@@ -583,6 +630,33 @@ static void a_story_is_of_a_pixel_of_the_last_picture(void **state) {
         sl_image_destroy(image);
         sl_image_destroy(other);
         sl_image_destroy(same);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* It would be a picture of two scenes. */
+static void nothing_is_asked_of_a_method_that_does_not_know_what_has_changed(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/moving-ball.json");
+    for (size_t m = 0; m < METHODS; m++) {
+        assert_int_equal(sl_scene_set_time(scene, 0.0, NULL, NULL), SL_OK);
+        sl_method *method = method_of(scene, methods[m]);
+        sl_progress progress;
+        sl_image *image;
+        sl_story *story;
+        unsigned changes;
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+        assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+        assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+        USAGE(sl_method_story(method, image, 1, 1, &story, error));
+        sl_image_destroy(image);
+        USAGE(sl_method_update(method, &progress, error));
+        USAGE(sl_method_resolve(method, &image, error));
+        assert_null(image);
+        assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+        assert_int_equal(sl_scene_set_time(scene, 1.0, NULL, NULL), SL_OK); /* where it is */
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
         sl_method_destroy(method);
     }
     sl_scene_destroy(scene);
@@ -721,9 +795,31 @@ static void a_show_goes_on_after_what_it_refuses(void **state) {
         assert_int_equal(sl_live_look(live, eye, target, up, 1.0f, NULL), SL_OK);
         assert_int_equal(sl_live_frame(live, &frame, &shown, NULL), SL_OK);
         assert_true(frame && shown.frames == 2);
-        sl_live_stop(live, NULL);
+        sl_counters counters;
+        sl_live_stop(live, &counters);
+        assert_int_equal(counters.value[SL_COUNT_FRAMES_DISPLAYED], 2);
     }
     sl_scene_destroy(scene);
+}
+
+/* Whether it may be done now or later. */
+static void a_move_that_waits_is_refused_when_it_is_asked_for(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(moving, triangle), *there = scene_from_text(moving, triangle);
+    sl_settings settings = least_settings("shading-cache", SIDE, SIDE);
+    settings.shading_cache.hold_levels = 1e-6;
+    sl_live_state shown = {.frames = 0};
+    const sl_image *frame;
+    sl_live *live;
+    assert_int_equal(sl_live_start(scene, &settings, &live, NULL), SL_OK);
+    assert_int_equal(sl_live_look(live, eye, target, up, 1.0f, NULL), SL_OK);
+    INPUT(sl_live_move(live, 1.0, error)); /* the eye at its target */
+    while (!shown.done || shown.held) assert_int_equal(sl_live_frame(live, &frame, &shown, NULL), SL_OK);
+    sl_live_stop(live, NULL);
+    assert_int_equal(sl_scene_set_camera(there, eye, target, up, 1.0f, NULL), SL_OK);
+    assert_true(sl_scene_hash(scene) == sl_scene_hash(there)); /* looked after all */
+    sl_scene_destroy(scene);
+    sl_scene_destroy(there);
 }
 
 /* ---- errors -------------------------------------------------------------------------------------------------------------------------- */
@@ -738,13 +834,14 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
     sl_error_probe *probe;
     sl_error_estimate e;
     assert_int_equal(sl_error_probe_create(scene, &settings, &probe, NULL), SL_OK);
-    USAGE(sl_error_probe_estimate(NULL, image, 4, 1, &e, error));
-    USAGE(sl_error_probe_estimate(probe, NULL, 4, 1, &e, error));
+#define USAGE_AND_ZERO(call) memset(&e, 1, sizeof e); USAGE(call); assert_true(all_zero(&e, sizeof e))
+    USAGE_AND_ZERO(sl_error_probe_estimate(NULL, image, 4, 1, &e, error));
+    USAGE_AND_ZERO(sl_error_probe_estimate(probe, NULL, 4, 1, &e, error));
     USAGE(sl_error_probe_estimate(probe, image, 4, 1, NULL, error));
-    USAGE(sl_error_probe_judge(NULL, image, 0.1, &e, error));
-    USAGE(sl_error_probe_judge(probe, NULL, 0.1, &e, error));
+    USAGE_AND_ZERO(sl_error_probe_judge(NULL, image, 0.1, &e, error));
+    USAGE_AND_ZERO(sl_error_probe_judge(probe, NULL, 0.1, &e, error));
     USAGE(sl_error_probe_judge(probe, image, 0.1, NULL, error));
-    USAGE(sl_error_estimate_from_halves(NULL, &e, error));
+    USAGE_AND_ZERO(sl_error_estimate_from_halves(NULL, &e, error));
     USAGE(sl_error_estimate_from_halves(image, NULL, error));
     USAGE(sl_error_probe_estimate(probe, image, 0, 1, &e, error));
     USAGE(sl_error_probe_estimate(probe, image, 1, 0, &e, error));
@@ -758,6 +855,8 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
     INPUT(sl_error_estimate_from_halves(plain, &e, error));
     assert_int_equal(sl_error_probe_counters(probe)->value[SL_COUNT_SAMPLES], 0);
     assert_int_equal(sl_error_probe_estimate(probe, image, UINT64_MAX, 1, &e, NULL), SL_OK); /* every pixel */
+    assert_int_equal(e.probes, SIDE * SIDE);
+    assert_int_equal(sl_error_probe_estimate(probe, image, SIDE * SIDE, 1, &e, NULL), SL_OK);
     assert_int_equal(e.probes, SIDE * SIDE);
     sl_image_destroy(image);
     sl_image_destroy(wide);
@@ -782,6 +881,7 @@ int main(void) {
         cmocka_unit_test(a_scene_says_no_more_than_it_has_to_say),
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
         cmocka_unit_test(settings_out_of_range_are_refused_by_whatever_takes_them),
+        cmocka_unit_test(settings_within_their_range_are_taken_whole),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
         cmocka_unit_test(what_takes_settings_takes_no_null),
         cmocka_unit_test(a_reference_counts_the_paths_that_the_method_computes),
@@ -789,11 +889,13 @@ int main(void) {
         cmocka_unit_test(a_picture_may_be_had_before_the_first_update),
         cmocka_unit_test(progress_is_told_whole_and_stays_when_nothing_is_left),
         cmocka_unit_test(a_story_is_of_a_pixel_of_the_last_picture),
+        cmocka_unit_test(nothing_is_asked_of_a_method_that_does_not_know_what_has_changed),
         cmocka_unit_test(caches_go_to_files_and_come_from_files_of_the_kind),
         cmocka_unit_test(a_cache_may_be_loaded_after_updates),
         cmocka_unit_test(after_a_failed_update_a_method_can_only_be_destroyed),
         cmocka_unit_test(after_a_failed_edit_another_one_makes_all_anew),
         cmocka_unit_test(a_show_goes_on_after_what_it_refuses),
+        cmocka_unit_test(a_move_that_waits_is_refused_when_it_is_asked_for),
         cmocka_unit_test(an_error_is_of_a_picture_that_the_probes_are_of),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);

@@ -1,4 +1,5 @@
 /* softlux live: a scene that moves, shown as it comes, while a thread of its own works on the light. */
+#include "app/auto_method.h"
 #include "app/clock.h"
 #include "app/commands.h"
 #include "app/live/film.h"
@@ -7,6 +8,7 @@
 #include "app/options.h"
 #include "app/settings_options.h"
 #include "cache/method.h"
+#include "scene/features.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -136,6 +138,11 @@ static sl_status play(show *s, sl_scene *scene, sl_stages *stages, sl_error *err
 
 /* ---- the command -------------------------------------------------------------------------------------------------------------------- */
 
+static sl_status choose_method(show_options *o, const sl_scene *scene, sl_error *error) {
+    const sl_auto_budget budget = {.quality = o->settings.quality, .things_move = sl_scene_features(scene).animated};
+    return strcmp(o->settings.method, "auto") == 0 ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error) : SL_OK;
+}
+
 static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *error) {
     sl_stages stages;
     sl_stages_begin(&stages);
@@ -170,7 +177,8 @@ int sl_command_live(int argc, char **argv) {
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
     if (status == SL_OK) {
         sl_watch_for_interrupt();
-        status = show_scene(&o, scene, &error);
+        status = choose_method(&o, scene, &error);
+        if (status == SL_OK) status = show_scene(&o, scene, &error);
     }
     sl_scene_destroy(scene);
     if (status != SL_OK) fprintf(stderr, "softlux: %s\n", error.message);

@@ -156,8 +156,16 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
 
 /* One line a frame. */
 static void print_frame(unsigned long long frame, const char *name, double seconds, uint64_t records, const sl_progress *progress) {
-    printf("{\"frame\": %llu, \"output\": \"%s\", \"seconds\": %.6f, \"new_records\": %llu, \"done\": %s}\n", frame, name, seconds,
-           (unsigned long long)records, progress->done ? "true" : "false");
+    cJSON *line = cJSON_CreateObject();
+    cJSON_AddNumberToObject(line, "frame", (double)frame);
+    cJSON_AddStringToObject(line, "output", name);
+    cJSON_AddNumberToObject(line, "seconds", seconds);
+    cJSON_AddNumberToObject(line, "new_records", (double)records);
+    cJSON_AddBoolToObject(line, "done", progress->done);
+    char *text = cJSON_PrintUnformatted(line);
+    if (text) puts(text);
+    cJSON_free(text);
+    cJSON_Delete(line);
     fflush(stdout);
 }
 

@@ -83,6 +83,14 @@ static bool take_error(sl_render_options *o, const char *text) {
     return !other;
 }
 
+/* A series has all its frames finished; of --time the choice of a method may make use. */
+static bool take_frames(const sl_render_options *o) {
+    const bool chooses = strcmp(o->settings.method, "auto") == 0;
+    const char *other = !o->frames ? NULL : o->batches ? "--batches" : o->time_seconds > 0.0 && !chooses ? "--time" : NULL;
+    if (other) fprintf(stderr, "softlux: --frames: every frame is finished, so %s does not go with it\n", other);
+    return !other;
+}
+
 /* Do lights or objects move from the first picture of a series to the next? */
 static sl_status do_things_move(const sl_render_options *o, sl_scene *scene, bool *move, sl_error *error) {
     unsigned changes = 0;
@@ -115,7 +123,7 @@ int sl_command_render(int argc, char **argv) {
     bool at_given, reached = true;
     const char *error_text;
     if (!parse(argc, argv, &o, &at_given, &error_text, &exit_status)) return exit_status;
-    if (!take_error(&o, error_text)) return SL_ERROR_USAGE;
+    if (!take_error(&o, error_text) || !take_frames(&o)) return SL_ERROR_USAGE;
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */

@@ -151,7 +151,7 @@ static void add_multi_mesh(sl_raw_settings *r, table *t) {
     const sl_option options[] = {
         HEADING("multi-mesh"),
         {"light-estimator", 0, SL_OPTION_CHOICE, &r->estimator, NULL, "HOW", "of area lights: ratio, window, look-at or rays [ratio]", 0, 0, estimator_names},
-        {"light-size", 0, SL_OPTION_COUNT, &r->light_size, NULL, "N", "N x N pixels around a light [64]", 8, 256, NULL},
+        {"light-size", 0, SL_OPTION_COUNT, &r->light_size, NULL, "N", "N x N pixels around a light, N up to a power of two [64]", 16, 256, NULL},
         {"light-rays", 0, SL_OPTION_COUNT, &r->light_rays, NULL, "N", "N x N shadow rays to a light, by rays [16]", 1, 256, NULL},
         {"gather-fov", 0, SL_OPTION_REAL, &r->gather_fov, NULL, "DEGREES", "of an indirect gather [160]", 60.0, 178.0, NULL},
         {"undivided-gather", 0, SL_OPTION_FLAG, &m->undivided_gather, NULL, NULL, "what lies beyond its field of view is lost, as in the paper", 0, 0, NULL},

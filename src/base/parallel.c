@@ -1,5 +1,6 @@
 #include "base/parallel.h"
 
+#include <pthread.h>
 #include <stdatomic.h>
 #include <unistd.h>
 
@@ -13,6 +14,26 @@ unsigned sl_thread_count(unsigned threads) {
     return threads > THREADS_MAX ? THREADS_MAX : threads;
 }
 
+static void *wait_for_the_others(void *argument) {
+    pthread_mutex_t *all_are_there = argument;
+    pthread_mutex_lock(all_are_there);
+    pthread_mutex_unlock(all_are_there);
+    return NULL;
+}
+
+unsigned sl_threads_to_be_had(unsigned wanted) {
+    pthread_t thread[THREADS_MAX];
+    pthread_mutex_t all_are_there;
+    unsigned started = 0;
+    if (pthread_mutex_init(&all_are_there, NULL) != 0) return 0;
+    pthread_mutex_lock(&all_are_there);
+    while (started < wanted && started < THREADS_MAX && pthread_create(&thread[started], NULL, wait_for_the_others, &all_are_there) == 0) started++;
+    pthread_mutex_unlock(&all_are_there);
+    for (unsigned i = 0; i < started; i++) pthread_join(thread[i], NULL);
+    pthread_mutex_destroy(&all_are_there);
+    return started;
+}
+
 static void run_alone(size_t count, sl_task *task, void *context) {
     for (size_t i = 0; i < count; i++) task(context, i, 0);
 }
@@ -21,12 +42,21 @@ static void run_alone(size_t count, sl_task *task, void *context) {
 
 #include <omp.h>
 
+/* The runtime ends the process where it cannot start a thread, so a team that is larger than all before it, which the runtime may still have, is tried first. It
+ * has a team for each thread that begins one. */
+static unsigned team_to_be_had(unsigned threads) {
+    static _Thread_local unsigned largest = 1;
+    if (threads <= largest) return threads;
+    return largest += sl_threads_to_be_had(threads - largest);
+}
+
 void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context) {
     if (threads > count) threads = (unsigned)count;
     if (threads <= 1 || omp_in_parallel()) {
         run_alone(count, task, context);
         return;
     }
+    threads = team_to_be_had(threads);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (size_t i = 0; i < count; i++) task(context, i, (unsigned)omp_get_thread_num());
 }
@@ -34,7 +64,6 @@ void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *contex
 #else
 
 /* The thread sanitizer does not understand the OpenMP runtime's barriers, but it does understand POSIX threads. */
-#include <pthread.h>
 #include <stdbool.h>
 
 typedef struct {

@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "cache/method.h"
+#include "scene/animation.h"
 #include "scene/twin.h"
 
 /* Where things are: all that it takes to put any twin there. */
@@ -66,7 +67,8 @@ struct sl_live {
 static bool same_camera(const sl_camera *a, const sl_camera *b) { return memcmp(a, b, sizeof *a) == 0; /* floats alone: no gaps */ }
 
 static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl_error *error) {
-    sl_camera before = scene->camera;
+    const sl_camera before = scene->camera;
+    const uint64_t version = scene->version;
     sl_status status = p->timed ? sl_scene_set_time(scene, p->time, changes, error) : SL_OK;
     if (status != SL_OK) return status;
     if (p->looks) scene->camera = p->camera;
@@ -75,6 +77,7 @@ static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl
         *changes |= SL_CHANGED_CAMERA;
         scene->version++;
     }
+    if (!*changes) scene->version = version; /* keyframes have moved a camera that nobody looks through */
     return SL_OK;
 }
 
@@ -283,7 +286,8 @@ static sl_status go_if_it_may(sl_live *l, sl_error *error) {
 
 sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
     if (!l) return sl_fail_null(error, "a live show");
-    if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
+    sl_status status = sl_scene_check_time(l->twin, time_seconds, error); /* now, though the move may have to wait */
+    if (status != SL_OK) return status;
     l->wanted.timed = true;
     l->wanted.time = time_seconds;
     l->wanted.number = l->shown.number + 1;
@@ -331,6 +335,7 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
 sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state, sl_error *error) {
     if (!frame) return sl_fail_null(error, "a place for a frame");
     *frame = NULL;
+    if (state) *state = (sl_live_state){0};
     if (!l) return sl_fail_null(error, "a live show");
     sl_image *picture;
     double picture_time;
@@ -347,6 +352,7 @@ sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state
     }
     if (status != SL_OK) return status;
     l->state.frames++;
+    sl_count(&l->counters, SL_COUNT_FRAMES_DISPLAYED, 1);
     l->state.held = l->wanted.number != l->shown.number;
     *frame = l->frame;
     if (state) *state = l->state;

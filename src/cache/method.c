@@ -120,6 +120,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
         sl_free(m);
         return status;
     }
+    m->scene_version = scene->version;
     *method = m;
     return SL_OK;
 }
@@ -134,6 +135,8 @@ void sl_method_destroy(sl_method *method) {
 static sl_status check_health(const sl_method *m, sl_error *error) {
     if (m->health == SL_METHOD_FAILED) return sl_fail(error, SL_ERROR_USAGE, "an earlier update failed: %s can only be destroyed", m->class->name);
     if (m->health == SL_METHOD_WANTS_EDIT) return sl_fail(error, SL_ERROR_USAGE, "an earlier edit of the scene failed; edit it again");
+    if (m->scene_version != m->scene->version)
+        return sl_fail(error, SL_ERROR_USAGE, "the scene has changed, and %s was not told so: sl_method_edit() comes first", m->class->name);
     return SL_OK;
 }
 
@@ -210,6 +213,7 @@ sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     if (method->health == SL_METHOD_WANTS_EDIT) changes = known; /* what the one that failed was to say has got lost */
     method->progress.done = method->progress.frame_done = method->resolved = false;
     if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
+    method->scene_version = method->scene->version;
     sl_status status = method->class->edit(method->state, changes, error);
     method->health = status == SL_OK ? SL_METHOD_SOUND : SL_METHOD_WANTS_EDIT;
     return status;
@@ -259,11 +263,25 @@ const char *sl_method_concession(sl_method *m) {
     return m->concession[0] ? m->concession : NULL;
 }
 
+static bool says(const sl_image *picture, const char *key, const char *value) {
+    const char *said = sl_image_metadata(picture, key);
+    return said && strcmp(said, value) == 0;
+}
+
+/* By what was stamped on it. */
+static bool is_the_last_one(sl_method *m, const sl_image *picture) {
+    char batches[24], hash[24];
+    snprintf(batches, sizeof batches, "%" PRIu64, m->progress.batches);
+    snprintf(hash, sizeof hash, "%016" PRIx64, scene_hash(m));
+    return m->resolved && m->scene_version == m->scene->version && picture->width == m->settings.width && picture->height == m->settings.height &&
+           says(picture, "softlux.method", m->class->name) && says(picture, "softlux.batches", batches) && says(picture, "softlux.scene_hash", hash);
+}
+
 sl_status sl_method_story(sl_method *method, const sl_image *picture, int x, int y, sl_story **story, sl_error *error) {
     if (!story) return sl_fail_null(error, "a place for a story");
     *story = NULL;
     if (!method || !picture) return sl_fail_null(error, "a method and its picture");
-    if (!method->resolved || picture->width != method->settings.width || picture->height != method->settings.height)
+    if (!is_the_last_one(method, picture))
         return sl_fail(error, SL_ERROR_USAGE, "stories want the picture that %s resolved last, and no update or edit since", method->class->name);
     return sl_story_tell(method->class, method->state, picture, x, y, story, error);
 }

@@ -89,6 +89,7 @@ struct sl_method {
     sl_progress progress; /* of the last update; not done once there was an edit */
     enum { SL_METHOD_SOUND, SL_METHOD_WANTS_EDIT, SL_METHOD_FAILED } health; /* an edit failed: another may do better; an update failed: nothing can */
     bool resolved; /* since the last update or edit */
+    uint64_t scene_version; /* that the method knows of */
 };
 
 extern const sl_method_class sl_splatting_method; /* cache/splatting */

@@ -1,9 +1,11 @@
 #include "cache/settings.h"
 
 #include "base/error.h"
+#include "base/math.h"
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- bounds ---- */
@@ -95,7 +97,7 @@ static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error 
 static sl_status check_multi_mesh(const sl_multi_mesh_settings *m, sl_error *error) {
     const bound bounds[] = {
         {"a light estimator", m->estimator, SL_LIGHT_RATIO, SL_LIGHT_RAYS, false},
-        {"pixels a side around a light", m->light_size, 8, 256, true},
+        {"pixels a side around a light", m->light_size, 16, 256, true},
         {"rays a side to a light", m->light_rays, 1, 256, true},
         {"a gather's field of view", m->gather_fov, 1.0, 3.11, true},
         {"a threshold scale", m->threshold_scale, 1e-3, 1e3, true},
@@ -167,11 +169,21 @@ static void stamp_count(stamping *st, const char *name, uint64_t value) {
     stamp_text(st, name, text);
 }
 
-static void stamp_real(stamping *st, const char *name, double value) {
+/* As few digits as give the value again, so that what is stamped can be asked for. */
+static void stamp_in_units(stamping *st, const char *name, double value, double unit) {
+    enum { DIGITS_OF_A_DOUBLE = 17 };
     char text[32];
-    snprintf(text, sizeof text, "%.9g", value);
+    for (int digits = 9; digits <= DIGITS_OF_A_DOUBLE; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, value / unit);
+        if (strtod(text, NULL) * unit == value) break;
+    }
     stamp_text(st, name, text);
 }
+
+static void stamp_real(stamping *st, const char *name, double value) { stamp_in_units(st, name, value, 1.0); }
+
+/* In degrees, as options have it. */
+static void stamp_angle(stamping *st, const char *name, double value) { stamp_in_units(st, name, value, SL_PI / 180.0); }
 
 static void stamp_flag(stamping *st, const char *name, bool value) {
     if (value) stamp_text(st, name, "true");
@@ -205,7 +217,7 @@ static void stamp_radiance_map(stamping *st, const sl_radiance_map_settings *m) 
     stamp_count(st, "photons", (uint64_t)m->samples);
     stamp_count(st, "map_size", (uint64_t)m->map_size);
     stamp_text(st, "map", shapes[m->shape]);
-    stamp_real(st, "map_fov", m->map_fov);
+    stamp_angle(st, "map_fov", m->map_fov);
     stamp_text(st, "weight", weights[m->weight]);
     stamp_text(st, "map_filter", filters[m->filter]);
     stamp_text(st, "mirror_light", mirrors[m->mirror_light]);
@@ -236,8 +248,8 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_real(st, "radius", o->radius);
     stamp_real(st, "flatness", o->flatness);
     stamp_count(st, "lights", (uint64_t)o->lights);
-    stamp_real(st, "spread", o->spread_tolerance);
-    stamp_real(st, "acceptance", o->acceptance);
+    stamp_angle(st, "spread", o->spread_tolerance);
+    stamp_angle(st, "acceptance", o->acceptance);
     stamp_text(st, "store", stores[o->store]);
     stamp_text(st, "photon_area", areas[o->area]);
     stamp_text(st, "lobes", lobes[o->lobes]);
@@ -267,9 +279,9 @@ static void stamp_multi_mesh(stamping *st, const sl_settings *s) {
     const sl_multi_mesh_settings *m = &s->multi_mesh;
     stamp_text(st, "light_estimator", estimators[m->estimator]);
     stamp_count(st, "light_size", (uint64_t)m->light_size);
-    if (m->estimator == SL_LIGHT_RAYS) stamp_count(st, "light_rays", (uint64_t)m->light_rays);
+    stamp_count(st, "light_rays", (uint64_t)m->light_rays);
     stamp_count(st, "gather_size", (uint64_t)s->gather_size);
-    stamp_real(st, "gather_fov", m->gather_fov);
+    stamp_angle(st, "gather_fov", m->gather_fov);
     stamp_flag(st, "undivided_gather", m->undivided_gather);
     stamp_flag(st, "side_strips", m->side_strips);
     stamp_real(st, "threshold", m->threshold_scale);

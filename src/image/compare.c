@@ -242,8 +242,8 @@ static sl_status compare(comparison *c, const sl_compare_options *options, sl_co
 sl_status sl_image_compare(const sl_image *image, const sl_image *reference, const sl_compare_options *options,
                            sl_comparison *result, sl_image **difference, sl_error *error) {
     if (difference) *difference = NULL;
+    if (result) *result = (sl_comparison){0};
     if (!image || !reference || !result) return sl_fail_null(error, "an image, a reference and a place for what is found");
-    *result = (sl_comparison){0};
     sl_status status = check_size(image, reference, "reference", error);
     if (status == SL_OK && options && options->mask) status = check_size(image, options->mask, "mask", error);
     comparison c = {.width = image->width, .height = image->height};

@@ -141,25 +141,36 @@ static bool emissive_moves(const sl_scene *s) {
     return false;
 }
 
-static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, sl_error *error) {
+/* Of every track, and after them their maps of normals; released with sl_free(). NULL where nothing moves. */
+static sl_status motions_at(const sl_scene *scene, double time, sl_affine **motions, sl_error *error) {
     const sl_animation *a = scene->animation;
+    *motions = NULL;
     if (a->object_track_count == 0) return SL_OK;
-    sl_affine *motions = sl_allocate(2 * a->object_track_count, sizeof *motions), *normal_maps = motions + a->object_track_count;
-    if (!motions) return sl_fail_memory(error, "the motion of objects");
+    sl_affine *m = sl_allocate(2 * a->object_track_count, sizeof *m);
+    if (!m) return sl_fail_memory(error, "the motion of objects");
     for (size_t i = 0; i < a->object_track_count; i++) {
-        motions[i] = track_in_world(a, &a->object_tracks[i], time);
-        normal_maps[i] = sl_affine_normal_map(&motions[i]);
+        m[i] = track_in_world(a, &a->object_tracks[i], time);
+        m[a->object_track_count + i] = sl_affine_normal_map(&m[i]);
     }
-    sl_status status = check_motion(scene, motions, time, error);
-    bool changed = status == SL_OK && move_vertices(scene, motions, normal_maps);
-    if (status == SL_OK && move_surfaces(scene, motions)) changed = true;
+    sl_status status = check_motion(scene, m, time, error);
+    if (status == SL_OK) *motions = m;
+    else sl_free(m);
+    return status;
+}
+
+static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, sl_error *error) {
+    sl_affine *motions;
+    sl_status status = motions_at(scene, time, &motions, error);
+    if (!motions) return status;
+    bool changed = move_vertices(scene, motions, motions + scene->animation->object_track_count);
+    if (move_surfaces(scene, motions)) changed = true;
     if (changed) {
         sl_scene_derive(scene);
         *changes |= SL_CHANGED_OBJECTS;
         if (emissive_moves(scene)) *changes |= SL_CHANGED_LIGHTS;
     }
     sl_free(motions);
-    return status;
+    return SL_OK;
 }
 
 /* ---- lights and camera ------------------------------------------------------------------------------------------------------------ */
@@ -208,6 +219,16 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
 }
 
 /* ---- the whole -------------------------------------------------------------------------------------------------------------------- */
+
+sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error) {
+    sl_camera camera;
+    sl_affine *motions = NULL;
+    if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
+    sl_status status = scene->animation ? camera_at(scene, time_seconds, &camera, error) : SL_OK;
+    if (status == SL_OK && scene->animation) status = motions_at(scene, time_seconds, &motions, error);
+    sl_free(motions);
+    return status;
+}
 
 /* Whatever can fail comes before the first change. */
 sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error) {

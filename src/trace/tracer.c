@@ -201,9 +201,15 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     }
     tracer->setup = (sl_ray_setup){tracer->centre, far_squared(tracer), (double)tracer->unit};
 
+    /* Embree ends the process where it cannot start one. */
+    unsigned builders = sl_threads_to_be_had(sl_thread_count(threads));
+    if (builders == 0) {
+        sl_tracer_destroy(tracer);
+        return sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for the rays' hierarchy");
+    }
     char config[256];
     /* Embree's default, a leaf for each triangle, makes it test boxes longer than we would test triangles. */
-    snprintf(config, sizeof config, "threads=%u,object_accel_max_leaf_size=4%s%s", sl_thread_count(threads), embree_config ? "," : "",
+    snprintf(config, sizeof config, "threads=%u,object_accel_max_leaf_size=4%s%s", builders, embree_config ? "," : "",
              embree_config ? embree_config : "");
     tracer->device = rtcNewDevice(config);
     if (!tracer->device) {

@@ -44,8 +44,8 @@ static bool has_two_halves(const sl_image *image) {
 
 sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate *estimate, sl_error *error) {
     const float *planes[3], *halves[2][3];
+    if (estimate) *estimate = (sl_error_estimate){0};
     if (!image || !estimate) return sl_fail_null(error, "an image and a place for an estimate");
-    *estimate = (sl_error_estimate){0};
     sl_status status = sl_image_colour_planes(image, "image", planes, error);
     if (status == SL_OK) status = half_planes(image, halves, error);
     if (status != SL_OK) return status;

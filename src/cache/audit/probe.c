@@ -96,7 +96,9 @@ static void set_chances(audit *a) {
     }
 }
 
+/* All that are finite are looked at where as many are asked for as there are. */
 static double probability(const audit *a, size_t i, uint64_t probes) {
+    if (probes >= a->p->tracer.pixels - a->nonfinite) return a->chance[i] > 0.0 ? 1.0 : 0.0;
     double p = (double)probes * a->chance[i];
     return p < 1.0 ? p : 1.0;
 }
@@ -156,8 +158,8 @@ static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_
 sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint64_t probes, uint32_t samples, sl_error_estimate *estimate,
                                   sl_error *error) {
     audit a;
+    if (estimate) *estimate = (sl_error_estimate){0};
     if (!p || !image || !estimate) return sl_fail_null(error, "error probes, an image and a place for an estimate");
-    *estimate = (sl_error_estimate){0};
     if (!probes || !samples) return sl_fail(error, SL_ERROR_USAGE, "an estimate takes at least one probe and one sample of it");
     sl_status status = audit_begin(&a, p, image, error);
     if (status == SL_OK) status = audit_estimate(&a, probes, samples, estimate, error);
@@ -181,8 +183,8 @@ static bool wants_samples(const audit *a, const sl_error_estimate *e, double rel
 
 sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double rel_rmse, sl_error_estimate *e, sl_error *error) {
     audit a;
+    if (e) *e = (sl_error_estimate){0};
     if (!p || !image || !e) return sl_fail_null(error, "error probes, an image and a place for an estimate");
-    *e = (sl_error_estimate){0};
     if (!(rel_rmse > 0.0)) return sl_fail(error, SL_ERROR_USAGE, "expected an error above 0 to judge by, got %g", rel_rmse);
     uint64_t probes = FIRST_PROBES;
     uint32_t samples = FIRST_SAMPLES;

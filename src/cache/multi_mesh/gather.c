@@ -45,8 +45,8 @@ struct sl_mesh_gather_scratch {
 static bool is_power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
 
 static sl_status check(const sl_mesh_gather_settings *s, const sl_scene *scene, sl_error *error) {
-    if (!is_power_of_two(s->size) || !is_power_of_two(s->reduced) || s->size < 8 || s->size > SIZE_MAX_PIXELS || s->reduced > s->size) {
-        return sl_fail(error, SL_ERROR_USAGE, "gather: size must be a power of two from 8 to %d, reduced one up to size", SIZE_MAX_PIXELS);
+    if (!is_power_of_two(s->size) || !is_power_of_two(s->reduced) || s->size < SL_MESH_GATHER_LEAST || s->size > SIZE_MAX_PIXELS || s->reduced > s->size) {
+        return sl_fail(error, SL_ERROR_USAGE, "gather: size must be a power of two from %d to %d, reduced one up to size", SL_MESH_GATHER_LEAST, SIZE_MAX_PIXELS);
     }
     if (!(s->fov > 0.01f && s->fov < 3.14f)) return sl_fail(error, SL_ERROR_USAGE, "gather: field of view must be between 0 and 180 degrees");
     if (scene->triangle_count >= (size_t)INT32_MAX / SL_MESH_GATHER_FLOATS) { /* kernels index floats by int32_t */

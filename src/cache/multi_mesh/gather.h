@@ -47,6 +47,8 @@ void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
 sl_rgb sl_coarse_value(const sl_coarse *coarse, uint32_t face, float w1, float w2);
 sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
 
+enum { SL_MESH_GATHER_LEAST = 8 }; /* pixels a side */
+
 typedef struct sl_mesh_gather_settings {
     int size;                  /* N of N x N pixels, a power of two */
     int reduced;               /* 16 */

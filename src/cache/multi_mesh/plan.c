@@ -1,6 +1,7 @@
 #include "cache/multi_mesh/plan.h"
 
 #include "base/math.h"
+#include "cache/multi_mesh/gather.h"
 #include "cache/multi_mesh/mesh.h"
 #include "scene/features.h"
 
@@ -58,6 +59,7 @@ void sl_multi_mesh_complete(sl_settings *settings) {
     m->coarse_depth = or_default(m->coarse_depth, q->coarse_depth);
     m->batch = or_default(m->batch, BATCH);
     settings->gather_size = power_of_two(or_default(settings->gather_size, q->gather_size));
+    if (settings->gather_size < SL_MESH_GATHER_LEAST) settings->gather_size = SL_MESH_GATHER_LEAST;
     settings->bounces = bounces_of(settings);
 }
 

@@ -47,7 +47,6 @@ static sl_status window_draw(void *window, sl_image *image, uint64_t *versions, 
     if (status != SL_OK) return status;
     for (int k = 0; k < 3; k++) sl_raster_flip(planes[k], w->settings.width, w->settings.height, image->planes + (size_t)k * pixels);
     *versions = sl_window_builds(w->window);
-    sl_count(counters, SL_COUNT_FRAMES_DISPLAYED, 1);
     return SL_OK;
 }
 
