@@ -182,6 +182,40 @@ static void a_lone_luminance_channel_compares_as_grey(void **state) {
     sl_image_destroy(depth);
 }
 
+static void red_without_green_and_blue_is_no_colour(void **state) {
+    (void)state;
+    static const char *const names[2] = {"R", "Y"};
+    sl_image *grey = uniform(3, 2, 0.25f, 0.25f, 0.25f), *image;
+    uint8_t bytes[18], of_grey[18];
+    assert_int_equal(sl_image_create(3, 2, 2, names, &image, NULL), SL_OK);
+    for (int i = 0; i < 12; i++) image->planes[i] = i < 6 ? 0.75f : 0.25f;
+    assert_true(compare(image, grey, NULL).identical);
+    assert_int_equal(sl_image_srgb(image, &(sl_tone){.curve = SL_TONE_CLIP}, bytes, NULL), SL_OK);
+    assert_int_equal(sl_image_srgb(grey, &(sl_tone){.curve = SL_TONE_CLIP}, of_grey, NULL), SL_OK);
+    assert_memory_equal(bytes, of_grey, sizeof bytes);
+    sl_image_destroy(image);
+    sl_image_destroy(grey);
+}
+
+static void halves_that_are_not_finite_tell_nothing_of_noise(void **state) {
+    (void)state;
+    static const char *const names[9] = {"R", "G", "B", "even.R", "even.G", "even.B", "odd.R", "odd.G", "odd.B"};
+    sl_image *a = uniform(2, 2, 1.0f, 1.0f, 1.0f), *r;
+    assert_int_equal(sl_image_create(2, 2, 9, names, &r, NULL), SL_OK);
+    for (int i = 0; i < 36; i++) r->planes[i] = i < 12 ? 1.0f : i < 24 ? 1.5f : 0.5f;
+    const double expected = 0.25 / 1.01; /* ((1.5 - 0.5) / 2)^2 over 1 + 0.01 */
+    assert_near(compare(a, r, NULL).rel_mse_noise, expected, 1e-15);
+    r->planes[12 + 1] = NAN;       /* one of even.R, */
+    r->planes[24 + 8 + 2] = INFINITY; /* and of odd.B */
+    sl_comparison c = compare(a, r, NULL);
+    assert_true(c.values == 12 && c.nonfinite == 0);
+    assert_near(c.rel_mse_noise, expected, 1e-15);
+    for (int i = 12; i < 16; i++) r->planes[i] = NAN;
+    assert_true(compare(a, r, NULL).rel_mse_noise == 0.0);
+    sl_image_destroy(a);
+    sl_image_destroy(r);
+}
+
 static void what_cannot_be_compared_is_an_error(void **state) {
     (void)state;
     sl_image *a = noise(8, 6, 1), *b = noise(8, 5, 1), *nan = uniform(8, 6, NAN, 0, 0), *difference = a;
@@ -527,6 +561,8 @@ int main(void) {
         cmocka_unit_test(huge_values_do_not_overflow_the_sums),
         cmocka_unit_test(only_pixels_under_the_mask_count),
         cmocka_unit_test(a_lone_luminance_channel_compares_as_grey),
+        cmocka_unit_test(red_without_green_and_blue_is_no_colour),
+        cmocka_unit_test(halves_that_are_not_finite_tell_nothing_of_noise),
         cmocka_unit_test(what_cannot_be_compared_is_an_error),
         cmocka_unit_test(the_difference_picture_is_blue_too_dark_and_red_too_bright),
         cmocka_unit_test(ssim_is_wangs_formula),

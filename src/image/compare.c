@@ -6,6 +6,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "image/metrics.h"
+#include "image/tone.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,14 +24,8 @@ typedef struct {
 /* ---- what is compared --------------------------------------------------------------------------------------- */
 
 sl_status sl_image_colour_planes(const sl_image *image, const char *which, const float *planes[3], sl_error *error) {
-    const char *const names[3] = {"R", "G", "B"};
-    const float *grey = sl_image_channel(image, "Y");
-    for (int c = 0; c < 3; c++) {
-        planes[c] = sl_image_channel(image, names[c]);
-        if (!planes[c]) planes[c] = grey;
-        if (!planes[c]) return sl_fail(error, SL_ERROR_INPUT, "the %s has neither the channels R, G, B nor Y", which);
-    }
-    return SL_OK;
+    if (sl_picture_planes(image, planes)) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "the %s has neither the channels R, G, B nor Y", which);
 }
 
 static sl_status check_size(const sl_image *image, const sl_image *other, const char *what, sl_error *error) {
@@ -141,20 +136,29 @@ static sl_status relative_metrics(const comparison *c, sl_comparison *result, sl
 }
 
 /* The variance of a reference that is the mean of two independent halves A and B is estimated by (A-B)^2 / 4. Against the true
- * picture the squared error is therefore smaller than measured by just that. */
+ * picture the squared error is therefore smaller than measured by just that. Pixels whose halves are not finite tell nothing. */
 static void noise_of_reference(const comparison *c, const sl_image *reference, sl_comparison *result) {
     static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
     double floor_squared = 0.01 * result->mean_reference * result->mean_reference, sum = 0.0;
+    const float *a[3], *b[3];
+    size_t count = 0;
     for (int channel = 0; channel < 3; channel++) {
-        const float *a = sl_image_channel(reference, names[0][channel]), *b = sl_image_channel(reference, names[1][channel]);
-        if (!a || !b) return;
-        for (size_t i = 0; i < c->pixels; i++) {
-            if (c->state[i] != COMPARED) continue;
-            double half = 0.5 * ((double)a[i] - (double)b[i]), r = (double)c->reference[channel][i];
-            sum += ratio(half * half, r * r + floor_squared);
-        }
+        a[channel] = sl_image_channel(reference, names[0][channel]);
+        b[channel] = sl_image_channel(reference, names[1][channel]);
+        if (!a[channel] || !b[channel]) return;
     }
-    result->rel_mse_noise = sum / (double)result->values;
+    for (size_t i = 0; i < c->pixels; i++) {
+        double term = 0.0;
+        if (c->state[i] != COMPARED) continue;
+        for (int channel = 0; channel < 3; channel++) {
+            double half = 0.5 * ((double)a[channel][i] - (double)b[channel][i]), r = (double)c->reference[channel][i];
+            term += ratio(half * half, r * r + floor_squared);
+        }
+        if (!isfinite(term)) continue;
+        sum += term;
+        count += 3;
+    }
+    result->rel_mse_noise = count ? sum / (double)count : 0.0;
 }
 
 /* ---- metrics of what is seen -------------------------------------------------------------------------------- */

@@ -59,12 +59,19 @@ static exr_result_t add_metadata(exr_context_t context, const sl_image *image) {
     return result;
 }
 
-/* The names that OpenEXR has a meaning for: a string of ours under one of them would make the file unreadable. */
+/* The names that OpenEXR has a meaning for: under one of the first fifteen a string of ours would make the file unreadable; the others are its
+ * standard attributes of other types (up to 3.4), which readers take for these. */
 static const char *reserved_key(const sl_image *image) {
     static const char *const reserved[] = {"channels",    "compression",        "dataWindow",        "displayWindow",
                                            "lineOrder",   "pixelAspectRatio",   "screenWindowCenter", "screenWindowWidth",
                                            "name",        "type",               "version",           "chunkCount",
-                                           "tiles",       "view",               "maxSamplesPerPixel"};
+                                           "tiles",       "view",               "maxSamplesPerPixel",
+                                           "adoptedNeutral", "altitude", "aperture", "cameraCCTSetting", "cameraColorBalance", "cameraTintSetting", "captureRate",
+                                           "chromaticities", "deepImageState", "dwaCompressionLevel", "effectiveFocalLength", "entrancePupilOffset",
+                                           "envmap", "expTime", "focus", "framesPerSecond", "idManifest", "imageCounter", "isoSpeed", "keyCode", "latitude",
+                                           "longitude", "multiView", "nominalFocalLength", "originalDataWindow", "pinholeFocalLength", "preview",
+                                           "sensorAcquisitionRectangle", "sensorCenterOffset", "sensorOverallDimensions", "sensorPhotositePitch",
+                                           "shutterAngle", "tStop", "timeCode", "utcOffset", "whiteLuminance", "worldToCamera", "worldToNDC", "xDensity"};
     for (size_t r = 0; r < sizeof reserved / sizeof *reserved; r++) {
         if (sl_image_metadata(image, reserved[r])) return reserved[r];
     }

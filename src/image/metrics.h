@@ -28,7 +28,7 @@ sl_status sl_ssim(const sl_picture_pair *pictures, double *mean, sl_error *error
 /* Mean LDR-FLIP (Andersson et al. 2020) at 67 pixels per degree, in [0,1]; 0 for equal pictures. */
 sl_status sl_flip(const sl_picture_pair *pictures, double *mean, sl_error *error);
 
-/* The planes R, G, B, or Y three times; which: what an error calls the image. */
+/* The planes R, G, B, or, where one of them is missing, Y three times; which: what an error calls the image. */
 sl_status sl_image_colour_planes(const sl_image *image, const char *which, const float *planes[3], sl_error *error);
 
 #endif

@@ -9,8 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* The planes to show: R, G, B, or three times Y. */
-static bool picture_planes(const sl_image *image, const float *planes[3]) {
+bool sl_picture_planes(const sl_image *image, const float *planes[3]) {
     static const char *const names[3] = {"R", "G", "B"};
     const float *gray = sl_image_channel(image, "Y");
     bool colour = true;
@@ -40,7 +39,7 @@ static double log_average_luminance(const float *const planes[3], size_t pixels)
 double sl_tone_exposure(const sl_image *image, sl_tone tone) {
     const float *planes[3];
     double factor = sl_pow(2.0, (double)tone.exposure_stops);
-    if (!tone.automatic || !picture_planes(image, planes)) return factor;
+    if (!tone.automatic || !sl_picture_planes(image, planes)) return factor;
     return factor * (0.18 / log_average_luminance(planes, (size_t)image->width * (size_t)image->height));
 }
 
@@ -93,7 +92,7 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
     const float *planes[3];
     sl_status status = check_tone(*tone, error);
     if (status != SL_OK) return status;
-    if (!picture_planes(image, planes)) {
+    if (!sl_picture_planes(image, planes)) {
         return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
     }
     double exposure = sl_tone_exposure(image, *tone);

@@ -4,6 +4,8 @@
 
 #include "softlux.h"
 
+/* The planes R, G, B, or, where one of them is missing, Y three times; false where there is no Y either. */
+bool sl_picture_planes(const sl_image *image, const float *planes[3]);
 /* The factor that tone's exposure means for an image: 2^exposure_stops, times 0.18 / (log-average luminance) where it is
  * automatic. The average is over the pixels with finite positive luminance; without any it is taken as 0.18. */
 double sl_tone_exposure(const sl_image *image, sl_tone tone);
