@@ -367,7 +367,7 @@ static const bad_setting bad_settings[] = {
     {AT(shading_cache.points), WHOLE, -1, 1000001}, {AT(shading_cache.area_samples), WHOLE, -1, 1000001},
     {AT(shading_cache.area), WHOLE, -1, SL_AREA_SAMPLED + 1}, {AT(shading_cache.indirect_samples), WHOLE, -1, 1000001},
     {AT(shading_cache.path_depth), WHOLE, -1, 65}, {AT(shading_cache.indirect), WHOLE, -1, SL_INDIRECT_NONE + 1},
-    {AT(shading_cache.random_share), REAL, 1e-7, 1.001}, {AT(shading_cache.selection), WHOLE, -1, SL_PIXELS_SORTED + 1},
+    {AT(shading_cache.random_share), REAL, 0.00009, 1.001}, {AT(shading_cache.selection), WHOLE, -1, SL_PIXELS_SORTED + 1},
     {AT(shading_cache.flood_threshold), REAL, 1e-7, 1.001}, {AT(shading_cache.stop_size), REAL, 0.00009, 1.1e6},
     {AT(shading_cache.ageing_window), WHOLE, -1, 1000001}, {AT(shading_cache.cache_limit), REAL, 0.009, 100.1},
     {AT(shading_cache.clean_up_seconds), REAL, 0.009, 1.1e6}, {AT(shading_cache.nominal_rate), REAL, 0.99, 1.1e9},
@@ -460,6 +460,24 @@ static void settings_within_their_range_are_taken_whole(void **state) {
         }
     }
     for (size_t m = 0; m < METHODS; m++) assert_rendered_with(scene, methods[m], &(bad_setting){AT(gather_size), WHOLE, 2, 1026}, 4);
+    sl_scene_destroy(scene);
+}
+
+/* However little is too much. */
+static void what_is_out_of_range_is_told_apart_from_its_bounds(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    sl_settings samples = least_settings("path", SIDE, SIDE), photons = samples, share = samples;
+    sl_error error;
+    samples.spp = 100000001;
+    photons.light_octree.photons = 1000000001;
+    share.shading_cache.random_share = 1.0 + 1e-12;
+    assert_int_equal(sl_method_plan(scene, &samples, &(char *){NULL}, &error), SL_ERROR_USAGE);
+    assert_string_equal(error.message, "expected samples a pixel of 1 to 1e+08, got 100000001");
+    assert_int_equal(sl_method_plan(scene, &photons, &(char *){NULL}, &error), SL_ERROR_USAGE);
+    assert_string_equal(error.message, "expected stored photons of 1 to 1e+09, got 1000000001");
+    assert_int_equal(sl_method_plan(scene, &share, &(char *){NULL}, &error), SL_ERROR_USAGE);
+    assert_string_equal(error.message, "expected a random share of 0.0001 to 1, got 1.000000000001");
     sl_scene_destroy(scene);
 }
 
@@ -882,6 +900,7 @@ int main(void) {
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
         cmocka_unit_test(settings_out_of_range_are_refused_by_whatever_takes_them),
         cmocka_unit_test(settings_within_their_range_are_taken_whole),
+        cmocka_unit_test(what_is_out_of_range_is_told_apart_from_its_bounds),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
         cmocka_unit_test(what_takes_settings_takes_no_null),
         cmocka_unit_test(a_reference_counts_the_paths_that_the_method_computes),

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...) {
     if (!error) return status;
@@ -21,6 +22,15 @@ sl_status sl_fail_null(sl_error *error, const char *expected) { return sl_fail(e
 
 sl_status sl_fail_memory(sl_error *error, const char *what) {
     return sl_fail(error, SL_ERROR_RESOURCES, "not enough memory for %s", what);
+}
+
+const char *sl_outside_text(double value, double low, double high, char text[32]) {
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(text, 32, "%.*g", digits, value);
+        double read = strtod(text, NULL);
+        if (!(read >= low && read <= high)) break;
+    }
+    return text;
 }
 
 sl_status sl_status_of_errno(int reason, sl_status otherwise) {

@@ -11,6 +11,8 @@ __attribute__((format(printf, 3, 4))) sl_status sl_fail(sl_error *error, sl_stat
 sl_status sl_fail_null(sl_error *error, const char *expected);
 /* The one answer to a failed allocation of `what`. */
 sl_status sl_fail_memory(sl_error *error, const char *what);
+/* A number that lies outside of [low, high], with as few digits, six at least, as show that it does; returns text. */
+const char *sl_outside_text(double value, double low, double high, char text[32]);
 /* What a system call that failed with this errno failed for: resources (no memory, no more files), or as its caller says. */
 sl_status sl_status_of_errno(int reason, sl_status otherwise);
 

@@ -21,7 +21,9 @@ static sl_status check_bounds(const bound *bounds, size_t count, sl_error *error
     for (size_t i = 0; i < count; i++) {
         const bound *b = &bounds[i];
         if ((b->zero && b->value == 0.0) || (b->value >= b->minimum && b->value <= b->maximum)) continue;
-        return sl_fail(error, SL_ERROR_USAGE, "expected %s of %g to %g, got %g", b->what, b->minimum, b->maximum, b->value);
+        char text[32];
+        return sl_fail(error, SL_ERROR_USAGE, "expected %s of %g to %g, got %s", b->what, b->minimum, b->maximum,
+                       sl_outside_text(b->value, b->minimum, b->maximum, text));
     }
     return SL_OK;
 }
@@ -121,7 +123,7 @@ static sl_status check_shading_cache(const sl_shading_cache_settings *c, sl_erro
         {"indirect samples", c->indirect_samples, 1, 1e6, true},
         {"a path depth", c->path_depth, 1, 64, true},
         {"an indirect renderer", c->indirect, SL_INDIRECT_BIDIRECTIONAL, SL_INDIRECT_NONE, false},
-        {"a random share", c->random_share, 1e-6, 1.0, true},
+        {"a random share", c->random_share, 1e-4, 1.0, true},
         {"a pixel selection", c->selection, SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SORTED, false},
         {"a flood threshold", c->flood_threshold, 1e-6, 1.0, true},
         {"a stop size", c->stop_size, 1e-4, 1e6, true},

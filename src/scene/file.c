@@ -111,10 +111,23 @@ static size_t edit_distance(const char *a, const char *b) {
     return row[length];
 }
 
+/* Whether one of the two, neither being empty, begins with the other. */
+static bool begin_alike(const char *a, const char *b) {
+    size_t i = 0;
+    while (a[i] && b[i] && lower(a[i]) == lower(b[i])) i++;
+    return i > 0 && (!a[i] || !b[i]);
+}
+
+static bool is_nearer(const char *name, const char *than, const char *to) {
+    bool alike = begin_alike(name, to);
+    if (alike != begin_alike(than, to)) return alike;
+    return edit_distance(to, name) < edit_distance(to, than);
+}
+
 const char *sl_nearest_name(const char *name, const char *const *names, size_t count) {
     size_t best = 0;
     for (size_t i = 1; i < count; i++) {
-        if (edit_distance(name, names[i]) < edit_distance(name, names[best])) best = i;
+        if (is_nearer(names[i], names[best], name)) best = i;
     }
     return count ? names[best] : NULL;
 }

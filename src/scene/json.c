@@ -184,11 +184,13 @@ static bool is_number(const cJSON *item) {
 }
 
 bool sl_json_number(sl_json *json, const cJSON *item, double low, double high, double *value) {
+    char text[32];
     if (json->status != SL_OK || !item) return false;
     if (!is_number(item)) {
         sl_json_fail(json, item, "expected '%s' to be a number", name_of(item));
     } else if (!(item->valuedouble >= low && item->valuedouble <= high)) {
-        sl_json_fail(json, item, "expected '%s' from %g to %g, got %g", name_of(item), low, high, item->valuedouble);
+        sl_json_fail(json, item, "expected '%s' from %g to %g, got %s", name_of(item), low, high,
+                     sl_outside_text(item->valuedouble, low, high, text));
     } else {
         *value = item->valuedouble;
     }

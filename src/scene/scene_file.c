@@ -123,7 +123,8 @@ static void read_root(sl_scene_file *file) {
     if (!SL_JSON_KEYS(json, root, "the scene", "softlux", "up", "meshes", "materials", "lights", "environment", "camera", "film")) return;
     double version = 0.0;
     if (sl_json_number(json, sl_json_need(json, root, "softlux"), -1e9, 1e9, &version) && version != VERSION) {
-        sl_json_fail(json, sl_json_get(root, "softlux"), "expected version \"softlux\": %d, got %g", VERSION, version);
+        char text[32];
+        sl_json_fail(json, sl_json_get(root, "softlux"), "expected version \"softlux\": %d, got %s", VERSION, sl_outside_text(version, VERSION, VERSION, text));
     }
     read_up(file, sl_json_get(root, "up"));
     read_meshes(file, sl_json_get(root, "meshes"), sl_json_get(root, "materials"));
