@@ -206,6 +206,18 @@ static void spreads_know_their_middle_and_their_ends(void **state) {
     assert_true(sl_bench_unrest_of(values, 4) > 0.1);
 }
 
+static void missing_light_is_never_told_as_no_error(void **state) {
+    (void)state;
+    static const struct { double energy, missing; int digits; const char *text; } cases[] = {
+        {0.757, 0.3619, 2, "36.19 %"}, {0.828, 0.0, 2, "≥ 17.2 %"}, {0.828, 0.0, 0, "≥ 17 %"}, {1.2, 0.1, 2, "≥ 20.0 %"},
+        {0.875, 0.1249, 2, "12.49 %"}, {1.0, 0.0, 2, "0.00 %"}, {0.9999, 0.0, 2, "0.00 %"}, {0.0, 1.4, 2, "140.00 %"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[32];
+        sl_missing_text(&(sl_bench_reference){.missing_known = true, .energy = cases[i].energy, .missing = cases[i].missing}, cases[i].digits, text);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
 /* ---- trials ---- */
 
 static void every_trial_s_arguments_mean_something_and_are_its_own(void **state) {
@@ -236,6 +248,7 @@ int main(void) {
         cmocka_unit_test(times_are_read_along_the_settings_that_pay),
         cmocka_unit_test(a_scene_that_nothing_could_be_measured_of_has_no_lead),
         cmocka_unit_test(spreads_know_their_middle_and_their_ends),
+        cmocka_unit_test(missing_light_is_never_told_as_no_error),
         cmocka_unit_test(every_trial_s_arguments_mean_something_and_are_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);

@@ -50,6 +50,16 @@ void sl_reference_text(const sl_bench_reference *r, char text[96]) {
     else snprintf(text, 96, "%.2g ± %.1g %%%s", 1000.0 * r->wanted, 1000.0 * r->wanted * r->doubt, r->noise <= r->wanted ? "" : ", noise above a tenth");
 }
 
+/* No picture is nearer to another, by the root of the mean square, than their means are. */
+void sl_missing_text(const sl_bench_reference *r, int digits, char text[32]) {
+    const double slack = 0.98; /* of two figures that are noisy, too */
+    int fewer = digits > 0 ? digits - 1 : 0;
+    double least = fabs(1.0 - r->energy), step = pow(10.0, -fewer);
+    bool lost = r->energy > 0.0 && r->missing < slack * least && 100.0 * least >= 0.5 * step;
+    if (lost) snprintf(text, 32, "≥ %.*f %%", fewer, 100.0 * least);
+    else snprintf(text, 32, "%.*f %%", digits, 100.0 * r->missing);
+}
+
 void sl_promise_text(const sl_bench_promise *p, char text[64]) {
     if (p->known) snprintf(text, 64, "%.3g %%, at most %.3g %%", 100.0 * p->estimate, 100.0 * p->bound);
     else snprintf(text, 64, "-");

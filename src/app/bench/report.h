@@ -32,6 +32,9 @@ void sl_error_text(const sl_bench_error *error, char text[32]);
 void sl_report_promises(FILE *out, const sl_bench_results *results);
 /* The smallest error told with a reference, and how much of the reference's noise is in it; "" where none is told. */
 void sl_reference_text(const sl_bench_reference *reference, char text[96]);
+/* What a reference leaves out of full global illumination, with so many digits behind the point: "36.19 %"; "≥ 17.2 %", with one digit less, where the
+ * estimate is below what the missing energy alone makes of it, and so lost in the references' noise. */
+void sl_missing_text(const sl_bench_reference *reference, int digits, char text[32]);
 /* "3.1 %, at most 3.9 %", or "-". */
 void sl_promise_text(const sl_bench_promise *promise, char text[64]);
 /* "0.31" to three digits. */

@@ -137,7 +137,7 @@ static void put_differences(FILE *out, const sl_bench_scene *s) {
 }
 
 static void put_references(FILE *out, const sl_bench_scene *s) {
-    fputs("<h3>What the methods cannot see</h3>\n<p>References by the path tracer: what each set of light paths holds of full global illumination.</p>\n"
+    fputs("<h3>What the methods cannot see</h3>\n<p>References by the path tracer: what each set of light paths holds of full global illumination. ≥: the error is lost in their noise, and is no less than the missing energy.</p>\n"
           "<div class=\"wide\"><table><tr><th>light paths</th><th>samples a pixel</th><th>cpu s</th><th>its noise</th><th class=\"t\">smallest error told with it</th><th>light in it</th><th>relative RMSE against full</th></tr>\n",
           out);
     for (size_t i = 0; i < s->reference_count; i++) {
@@ -147,11 +147,12 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
             put(out, "<td class=\"t\" colspan=\"6\">none: ", r->trouble[0] ? r->trouble : "there was no time for it", "</td></tr>\n");
             continue;
         }
-        char smallest[96];
+        char smallest[96], missing[32];
         sl_reference_text(r, smallest);
+        sl_missing_text(r, 2, missing);
         fprintf(out, "<td>%llu</td><td>%.0f</td><td>%.3g %%</td>", (unsigned long long)r->samples, r->seconds, 100.0 * r->noise);
         put(out, "<td class=\"t\">", smallest, "</td>");
-        if (r->missing_known) fprintf(out, "<td>%.1f %%</td><td>%.2f %%</td></tr>\n", 100.0 * r->energy, 100.0 * r->missing);
+        if (r->missing_known) fprintf(out, "<td>%.1f %%</td><td>%s</td></tr>\n", 100.0 * r->energy, missing);
         else fputs("<td></td><td></td></tr>\n", out);
     }
     fputs("</table></div>\n<div class=\"grid\">\n", out);

@@ -21,7 +21,7 @@ static void put_head(FILE *out, const sl_bench_results *r) {
             100.0 * r->unrest_cpu, 100.0 * r->share_of_processor);
     fprintf(out, "Errors are relative RMSE: the root of the mean squared difference over the reference's mean, over the pixels that look at neither lamp nor sky; the "
                  "reference's own noise is subtracted. What that noise leaves in doubt is below a tenth of the error (95 %% confidence), or stands behind it as ±; `<`: at most, and "
-                 "perhaps nothing. *matched*: against the light paths that the method itself declares; "
+                 "perhaps nothing; `≥`: lost in the noise, and no less than the energy that is missing. *matched*: against the light paths that the method itself declares; "
                  "*one bounce*: direct light and one diffuse bounce; *full*: all of global illumination.\n");
 }
 
@@ -83,10 +83,11 @@ static void put_references(FILE *out, const sl_bench_scene *s) {
             fprintf(out, "| %s | none: %s | | | | |\n", r->transport, r->trouble[0] ? r->trouble : "there was no time for it");
             continue;
         }
-        char smallest[96];
+        char smallest[96], missing[32];
         sl_reference_text(r, smallest);
+        sl_missing_text(r, 2, missing);
         fprintf(out, "| %s | %llu | %.3g %% | %s |", r->transport, (unsigned long long)r->samples, 100.0 * r->noise, smallest);
-        if (r->missing_known) fprintf(out, " %.1f %% | %.2f %% |\n", 100.0 * r->energy, 100.0 * r->missing);
+        if (r->missing_known) fprintf(out, " %.1f %% | %s |\n", 100.0 * r->energy, missing);
         else fputs(strcmp(r->transport, "full") == 0 ? " 100 % | |\n" : " | |\n", out);
     }
 }

@@ -257,7 +257,10 @@ static void put_left_out(FILE *out, const sl_bench_results *r) {
             if (strcmp(s->references[k].transport, "direct") == 0) direct = &s->references[k];
             if (strcmp(s->references[k].transport, "one-bounce") == 0) one = &s->references[k];
         }
-        if (direct && one) fprintf(out, "| %s | %.0f %% | %.0f %% | %.0f %% |\n", s->name, 100.0 * direct->energy, 100.0 * one->energy, 100.0 * one->missing);
+        if (!direct || !one) continue;
+        char missing[32];
+        sl_missing_text(one, 0, missing);
+        fprintf(out, "| %s | %.0f %% | %.0f %% | %s |\n", s->name, 100.0 * direct->energy, 100.0 * one->energy, missing);
     }
     end(out);
 }
