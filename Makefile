@@ -95,7 +95,7 @@ OSMESA_HARNESS := $(BUILD)/o/tests/osmesa.$(OSMESA).o
 RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcard bench/raster_*.c))) \
                 $(foreach isa,$(ISAS),$(BUILD)/o/bench/raster_bench_kernels.$(isa).o)
 
-.PHONY: all demo check check-all fuzz fuzz-targets test golden scenes bench report auto-table bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh install uninstall doc lessons clean help setup
+.PHONY: all demo check check-all fuzz fuzz-targets test golden scenes bench report auto-table bench-raster bench-splatting bench-direct-radiance bench-light-octree bench-multi-mesh bench-shading-cache install uninstall doc lessons clean help setup
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -356,4 +356,4 @@ help:
 	@echo 'make doc        the public header as pages, into build/doc/html'
 	@echo 'make clean      remove what was built and generated'
 	@echo
-	@echo 'CONFIG=release|debug|tsan|baseline, CC=gcc|clang; CFLAGS and LDFLAGS are added last.'
+	@echo 'CONFIG=release|debug|tsan|baseline|fuzz, CC=gcc|clang; CFLAGS and LDFLAGS are added last.'

@@ -163,9 +163,9 @@ SL_API const char *sl_image_metadata(const sl_image *image, const char *key);
  * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is
  * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. INPUT: no such file, or none of these, or damaged. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
-/** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (RGB), .png (see sl_tone). The file
+/** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (R, G, B, or else Y), .png (see sl_tone). The file
  * appears whole or not at all: it is written beside its name and renamed. USAGE: another ending, a picture without the channels that the format
- * needs, a metadata key that EXR has a meaning of its own for. OUTPUT: it cannot be written. */
+ * needs, a metadata key that EXR has a meaning of its own for (what tells its layout, and its standard attributes that are no strings). OUTPUT: it cannot be written. */
 SL_API sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error);
 
 /** PNG out: value * 2^exposure_stops, then the curve, then sRGB, then 8 bits rounded to nearest. */
@@ -181,7 +181,7 @@ typedef struct sl_tone {
     bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
 } sl_tone;
 
-/** R, G, B (or Y) as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. USAGE: neither channels, or
+/** R, G, B (or Y, where one of them is missing) as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. USAGE: neither channels, or
  * a tone that is none, its exposure not finite. */
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
 /** The same bytes for a screen: R, G, B, 3 * width * height of them, rows from the top. An automatic exposure is left in *tone, as a fixed one, so
@@ -190,7 +190,7 @@ SL_API sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *by
 
 /* ---- comparison ---------------------------------------------------------------------------------------------------- */
 
-/** x = image, r = reference, over R, G, B (or a lone Y three times) of the compared pixels: those whose six values are all
+/** x = image, r = reference, over R, G, B (or, where one of them is missing, Y three times) of the compared pixels: those whose six values are all
  * finite and whose mask, if any, is > 0.5. Sums in double in a fixed order. A ratio 0/0 is 0; another ratio to 0 (the mean
  * of a black reference) is infinite.
  * ssim (Wang et al. 2004) and flip (Andersson et al. 2020) see all pixels as neighbours, those with a value that is not
@@ -207,7 +207,7 @@ typedef struct sl_comparison {
     double rel_mse;       /**< mean((x-r)^2 / (r^2 + 0.01 mean(r)^2)) */
     double rel_mse_trimmed; /**< the same without the largest 0.1 % of the terms (rounded down to a whole number) */
     double rel_mse_noise; /**< the reference's own share of rel_mse: mean((A-B)^2 / 4 / (r^2 + ...)) where it has the layers
-                             even.* and odd.*, two independent halves (the path tracers write them); else 0 */
+                             even.* and odd.*, two independent halves (the path tracers write them), both finite; else 0 */
     double max_abs;       /**< max |x-r| */
     double bias;          /**< sum(x-r) / |sum(r)| */
     double ssim;          /**< mean structural similarity; 1 where equal */
@@ -372,21 +372,21 @@ typedef enum sl_photon_visibility {
 
 /** Direct Radiance Mapping (Frisvad et al. 2005). 0, wherever it stands, is the default that is named. */
 typedef struct sl_radiance_map_settings {
-    int samples;                     /**< m of m x m sample photons a face; by quality 3, 6, 8 */
-    int map_size;                    /**< w: texels a side of a face, rounded up to a multiple of m; 16, or 2 m where that is more */
+    int samples;                     /**< m of m x m sample photons a face, 1 to 256; by quality 3, 6, 8 */
+    int map_size;                    /**< w: texels a side of a face, 1 to 1024, rounded up to a multiple of m; 16, or 2 m where that is more */
     sl_map_shape shape;              /**< AUTO */
-    double map_fov;                  /**< radians, of a frustum; the spot's own, or 90 degrees */
+    double map_fov;                  /**< radians, of a frustum, 0.01 to 3; the spot's own, or 90 degrees */
     sl_photon_weight weight;         /**< AUTO */
     sl_map_filter filter;            /**< AUTO */
     bool importance_samples;         /**< photons where the map's flux is, instead of a regular grid */
     bool steady_samples;             /**< photons keep to their surface when a moving light would make them jump */
     sl_photon_visibility visibility; /**< NONE, the paper's */
     sl_mirror_light mirror_light;    /**< FULL */
-    int reflections;                 /**< planar mirrors one after another; 1 */
-    int cube_size;                   /**< texels a side of a curved mirror's environment cube; 128 */
+    int reflections;                 /**< planar mirrors one after another, 1 to 8; 1 */
+    int cube_size;                   /**< texels a side of a curved mirror's environment cube, 4 to 4096; 128 */
     bool traced_light_mirrors;       /**< light by way of curved mirrors, traced */
-    int shadow_size;                 /**< texels a side of a face of a depth cube; 512 */
-    int emitter_samples;             /**< an area light shines from n x n points of it, and each takes pictures; 1, the paper's, at draft, or 2 */
+    int shadow_size;                 /**< texels a side of a face of a depth cube, 16 to 8192; 512 */
+    int emitter_samples;             /**< an area light shines from n x n points of it, n 1 to 64, and each takes pictures; 1, the paper's, at draft, or 2 */
     bool eight_bit_positions;        /**< the map's positions as 8-bit colours, scaled into the scene's box */
     bool texture_photons;            /**< fragments fetch photons from textures, instead of finding them in registers: the same bits */
     bool separate_passes;            /**< a geometry pass for each of the map's pictures, as without multiple render targets */
@@ -422,13 +422,13 @@ typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_f
 /** The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
 typedef struct sl_light_octree_settings {
     int depth;                    /**< of the octree, 1 to 8; by quality 5, 5, 6; shallower ones are shown first */
-    uint64_t photons;             /**< to be stored; by quality 150,000, 600,000, 1,200,000 */
-    int neighbours;               /**< k, at most; by quality 150, 300, 500 */
-    double radius;                /**< r, in scene units; by density: 2 sqrt(k A / (pi N)), at least one voxel */
-    double flatness;              /**< f in (0,1]; 0.25 */
+    uint64_t photons;             /**< to be stored, 1e9 at most; by quality 150,000, 600,000, 1,200,000 */
+    int neighbours;               /**< k, at most, 2 to 4096; by quality 150, 300, 500 */
+    double radius;                /**< r, in scene units, 1e-12 to 1e12; by density: 2 sqrt(k A / (pi N)), at least one voxel */
+    double flatness;              /**< f, 0.001 to 1; 0.25 */
     int lights;                   /**< n: virtual directional lights a voxel, 1 to 8; 4 */
-    double spread_tolerance;      /**< radians: fewer lights where that is met; 0: off */
-    double acceptance;            /**< radians between a photon's normal and the voxel's; 60 degrees; pi: all */
+    double spread_tolerance;      /**< radians, 1e-4 to 1.6: fewer lights where that is met; 0: off */
+    double acceptance;            /**< radians between a photon's normal and the voxel's, 0.01 to 3.15; 60 degrees; pi: all */
     sl_photon_store store;        /**< INDIRECT */
     sl_photon_area area;          /**< CLIP */
     sl_voxel_lobes lobes;         /**< PERPENDICULAR */
@@ -450,7 +450,7 @@ typedef struct sl_light_octree_settings {
                                      cosine between their normal and the point's */
     bool geometric_normals;       /**< surfaces take the octree's light by their geometric normals: where shading normals turn away from all of it */
     bool atlas;                   /**< light is rendered to a texture atlas first, and the picture looks it up there */
-    int atlas_size;               /**< texels a side; 1024 */
+    int atlas_size;               /**< texels a side, 16 to 16384; 1024 */
     bool direct_sky;              /**< all of the environment lights pixels directly, by light samples; else only what stands out of it, and the
                                      octree holds the rest, without noise but blurred to the photons' distance */
     bool indirect_only;           /**< direct light is left out */
@@ -476,18 +476,18 @@ typedef struct sl_multi_mesh_settings {
     sl_light_estimator estimator; /**< RATIO */
     int light_size;             /**< N of N x N pixels around a light, 16 to 256, up to a power of two; 64, doubled up to 256 for points close to it */
     int light_rays;             /**< n of n x n jittered rays instead; 16 */
-    double gather_fov;          /**< radians; 160 degrees */
+    double gather_fov;          /**< radians, 1 to 3.11; 160 degrees */
     bool undivided_gather;      /**< the gather's loss beyond its field of view is not made up for: the paper's */
     bool side_strips;           /**< the rest of the hemisphere is drawn, too, where it may matter */
-    double threshold_scale;     /**< times the threshold map of what an eye can tell; by quality 2, 1, 0.5 */
-    double exposure;            /**< displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); by the light in the scene */
-    double leaf_area;           /**< pixels squared: leaves larger than that are split whatever their edges say; by quality 256, 144, 16; of indirect light 4 times that */
+    double threshold_scale;     /**< times the threshold map of what an eye can tell, 0.001 to 1000; by quality 2, 1, 0.5 */
+    double exposure;            /**< displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); e from 1e-30 to 1e30; by the light in the scene */
+    double leaf_area;           /**< pixels squared, 1 to 1e9: leaves larger than that are split whatever their edges say; by quality 256, 144, 16; of indirect light 4 times that */
     double leaf_edge;           /**< pixels: likewise; by quality 32, 24, 8; of indirect light twice that */
-    int max_depth;              /**< of splits; 12 */
-    int coarse_depth;           /**< of the coarse mesh; by quality 3, 4, 5 */
-    double coarse_edge;         /**< scene units: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
+    int max_depth;              /**< of splits, 1 to 12; 12 */
+    int coarse_depth;           /**< of the coarse mesh, 1 to 8; by quality 3, 4, 5 */
+    double coarse_edge;         /**< scene units, 1e-12 to 1e12: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
     sl_mesh_selection selection; /**< HEAP */
-    int batch;                  /**< K leaves at a time; 32 */
+    int batch;                  /**< K leaves at a time, 1 to 65536; 32 */
     bool joint_mesh;            /**< light and radiance share one mesh: what the paper argues against */
     bool plain_highlights;      /**< the light as a point in the lobe, though it outshines the lamp: (6) as printed */
     bool keep_hanging;          /**< leaves ignore their neighbours' vertices on common edges: colours jump there */
@@ -514,35 +514,35 @@ typedef enum sl_pixel_selection {
 
 /** The Shading Cache (Tole, Pellacini, Walter, Greenberg 2002). 0, wherever it stands, is the default that is named. */
 typedef struct sl_shading_cache_settings {
-    int points;                  /**< M: shaded in an update; 64 */
-    int area_samples;            /**< points on each area light; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
+    int points;                  /**< M: shaded in an update, 1e6 at most; 64 */
+    int area_samples;            /**< points on each area light, 1e6 at most; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
     sl_area_sampling area;       /**< RATIO */
-    int indirect_samples;        /**< eye paths at a point; by quality 100, 400, 1200 */
-    int path_depth;              /**< 6 */
+    int indirect_samples;        /**< eye paths at a point, 1e6 at most; by quality 100, 400, 1200 */
+    int path_depth;              /**< surfaces on a path, 1 to 64; 6 */
     sl_indirect_renderer indirect; /**< BIDIRECTIONAL */
     bool caustics;               /**< a photon map of caustics is another sample renderer */
-    double random_share;         /**< epsilon: pixels chosen whatever their priority; 0.03 */
+    double random_share;         /**< epsilon: pixels chosen whatever their priority, 1e-4 to 1; 0.03 */
     sl_pixel_selection selection; /**< HIT_AND_TEST */
-    double flood_threshold;      /**< normalised priority down to which floods run; 0.5 */
+    double flood_threshold;      /**< normalised priority down to which floods run, 1e-6 to 1; 0.5 */
     bool no_flood;               /**< without flood fill: to see what it is worth */
     bool no_random;              /**< without the random share: likewise */
     bool plain_normalisation;    /**< mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
     bool by_channel;             /**< errors and changes are those of R, G and B, too: edges between colours that are equally bright */
     bool no_ageing;              /**< samples do not grow old */
     bool no_resolution_drop;     /**< what changes keeps its fine patches */
-    double stop_size;            /**< pixels: patches smaller than that are not split; 1; with fewer than 24 rows or columns the square of their 24th part */
-    int ageing_window;           /**< updates: what was not seen for so long may be evicted; 60 */
-    double cache_limit;          /**< patches a pixel; 1.5 */
-    double clean_up_seconds;     /**< T_c: how fast what changes is to look right again; 5 */
-    double nominal_rate;         /**< samples a second that this is reckoned with; 2000 */
-    double change_threshold;     /**< grey levels; 2 */
-    int change_window;           /**< updates; 3 */
-    double blending;             /**< beta: share of a new value in an unchanged scene; 1 */
+    double stop_size;            /**< pixels: patches smaller than that are not split, 1e-4 to 1e6; 1; with fewer than 24 rows or columns the square of their 24th part */
+    int ageing_window;           /**< updates: what was not seen for so long may be evicted, 1e6 at most; 60 */
+    double cache_limit;          /**< patches a pixel, 0.01 to 100; 1.5 */
+    double clean_up_seconds;     /**< T_c: how fast what changes is to look right again, 0.01 to 1e6; 5 */
+    double nominal_rate;         /**< samples a second that this is reckoned with, 1 to 1e9; 2000 */
+    double change_threshold;     /**< grey levels, 0.01 to 255; 2 */
+    int change_window;           /**< updates, 1e6 at most; 3 */
+    double blending;             /**< beta: share of a new value in an unchanged scene, 0.01 to 1; 1 */
     bool variance_aware;         /**< more samples where noise passes for contrast */
-    int frames_per_update;       /**< of the deterministic schedule; 20 */
-    double hold_levels;          /**< motion waits until what is seen seems to be that good: mean error in displayed levels (0 to 255); 0: it does not wait */
-    uint32_t updates;            /**< a picture of a still scene is done after so many; 0: when nothing is left to refine */
-    double mean_level_radiance;  /**< Y_ref: radiance in the middle of the displayed levels; by the light in the scene */
+    int frames_per_update;       /**< of the deterministic schedule, 1e6 at most; 20 */
+    double hold_levels;          /**< motion waits until what is seen seems to be that good: mean error in displayed levels (1e-6 to 255); 0: it does not wait */
+    uint32_t updates;            /**< a picture of a still scene is done after so many; 0: by quality and size, 0.03, 0.12, 0.5 points a pixel, 1024 points at least */
+    double mean_level_radiance;  /**< Y_ref: radiance in the middle of the displayed levels, 1e-30 to 1e30; by the light in the scene */
 } sl_shading_cache_settings;
 
 /** What a method is asked for. Begin with sl_settings_default(). */
@@ -550,12 +550,12 @@ typedef struct sl_settings {
     const char *method;    /**< "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
     const char *transport; /**< "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
-    int width;             /**< pixels; 0: the scene's film */
+    int width;             /**< pixels, 1 to 32768; 0, and height 0 too: the scene's film */
     int height;            /**< likewise */
-    unsigned threads;      /**< 0: one a processor */
+    unsigned threads;      /**< 0: one a processor; more than 256 count as 256 */
     uint64_t seed;         /**< of the random numbers: another seed, other noise */
     sl_quality quality;    /**< where on the curve of speed against error; NORMAL */
-    uint32_t spp;          /**< path, bidirectional: samples a pixel; splatting: light samples a pixel; 0: by quality */
+    uint32_t spp;          /**< path, bidirectional: samples a pixel; splatting, light-octree: light samples a pixel; 1e8 at most; 0: by quality */
     double accuracy;       /**< splatting: a of the paper; 0: by quality */
     int gather_size;       /**< splatting, multi-mesh (8 or more, up to a power of two): N of an N x N gather, even, 4 to 1024; 0: by quality */
     sl_gather_kind gather; /**< splatting: AUTO */
@@ -563,11 +563,11 @@ typedef struct sl_settings {
     sl_pixel_filter filter; /**< path, bidirectional: METHOD */
     sl_traversal_order order; /**< splatting: COARSE_TO_FINE */
     sl_radius_metric metric;  /**< splatting: AUTO */
-    double glossy_accuracy; /**< splatting: a of the radiance records; 0: by quality */
+    double glossy_accuracy; /**< splatting: a of the radiance records; either a 0.001 to 2; 0: by quality */
     int harmonics_order;   /**< splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
     uint32_t bounces;      /**< splatting, multi-mesh (2 at most, and more are 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
     bool glossy_hits;      /**< splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
-    uint32_t hit_samples;  /**< splatting: light samples for each thing that a gather sees; 0: by quality */
+    uint32_t hit_samples;  /**< splatting: light samples for each thing that a gather sees, 256 at most; 0: by quality */
     uint32_t records_per_frame; /**< splatting: a frame ends after so many new records (a walk-through); 0: no limit */
     sl_radiance_map_settings radiance_map; /**< direct-radiance */
     sl_light_octree_settings light_octree; /**< light-octree */

@@ -11,28 +11,28 @@
 
 static const char details[] =
     "A is the picture x, B the reference r: EXR, PFM, Radiance HDR, PNG or JPEG files of the same size. Every metric is\n"
-    "over the R, G, B values where both are finite and the mask, if any, is > 0.5; sums are in double.\n"
+    "over R, G, B of the pixels whose six values are finite and whose mask, if any, is > 0.5; sums are in double.\n"
     "\n"
     "  rmse              sqrt(mean (x-r)^2)\n"
-    "  rel_rmse          rmse / mean(r)\n"
+    "  rel_rmse          rmse / |mean(r)|\n"
     "  rel_mse           mean((x-r)^2 / (r^2 + 0.01 mean(r)^2))\n"
     "  rel_mse_trimmed   the same without the largest 0.1 % of the terms\n"
     "  rel_mse_noise     what the noise of B adds to rel_mse, from its layers even.* and odd.*, if any\n"
     "  rel_mse_less_noise  rel_mse - rel_mse_noise: the error of A alone\n"
     "  max_abs           max |x-r|\n"
-    "  bias              sum(x-r) / sum(r)\n"
+    "  bias              sum(x-r) / |sum(r)|\n"
     "  ssim              mean structural similarity of the luminance, 11x11 Gaussian window, of both pictures times\n"
     "                    2^STOPS, clipped to [0,1], in sRGB; 1 where they are alike\n"
     "  flip              mean LDR-FLIP of the same two, 67 pixels per degree; 0 where they are alike\n"
-    "  nonfinite         NaN or infinite values in either picture\n"
-    "  negative          negative values in either picture\n"
-    "  identical         every bit of every R, G, B value is equal\n"
+    "  nonfinite         NaN or infinite values under the mask, of both pictures together\n"
+    "  negative          negative values, likewise\n"
+    "  identical         every bit of every R, G, B value under the mask is equal\n"
     "  values            values compared\n"
     "  mean_image, mean_reference\n"
     "\n"
-    "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 input, 4 output.\n"
-    "A NaN or infinite value in either picture fails any bound; so does a metric that is undefined (nothing to compare, or\n"
-    "a black reference).";
+    "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 input (also: no\n"
+    "pixel to compare), 4 output, 5 not enough memory. A NaN or infinite value under the mask fails any bound. Against a\n"
+    "black B rel_rmse, rel_mse and bias are infinite and fail theirs; where A is black too they are 0.";
 
 /* ---- the command line ------------------------------------------------------------------------------------------ */
 
@@ -52,7 +52,7 @@ static bool parse(int argc, char **argv, compare_request *q, int *status) {
         {.name = "mask", .kind = SL_OPTION_TEXT, .value = &q->mask, .metavar = "FILE",
          .help = "compare only where the first channel of this picture is > 0.5"},
         {.name = "difference", .kind = SL_OPTION_TEXT, .value = &q->difference, .metavar = "FILE",
-         .help = "write (x-r)/(r + 0.01 mean r) in false colour: blue too dark, red too bright, full at 50 %"},
+         .help = "write (x-r)/(|r| + 0.01 |mean r|) in false colour: blue too dark, red too bright, full at 50 %"},
         {.name = "exposure", .kind = SL_OPTION_REAL, .value = &q->exposure, .metavar = "STOPS", .minimum = -100,
          .maximum = 100, .help = "both pictures times 2^STOPS for ssim and flip [0]"},
         {.name = "identical", .kind = SL_OPTION_FLAG, .value = &q->identical, .help = "every bit of R, G, B must be equal"},

@@ -37,6 +37,9 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
     sl_settings_options(&raw, options + count);
+    for (sl_option *o = options + count; o->name; o++) {
+        if (strcmp(o->name, "method") == 0) o->help = "splatting, direct-radiance, light-octree, multi-mesh or shading-cache [splatting]";
+    }
     const sl_command_line line = {
         "softlux steps SCENE [-m METHOD] [-o DIR] [options]",
         "Runs a method step by step: every pass as a picture, explained, in a page that needs nothing else.",
