@@ -1,10 +1,24 @@
-/* E_j(x): what photon j sends to receiver x, by the weights of sections 2.2 and 2.4, in the two forms that they have in common:
+/* E_j(x): what photon j at y sends to receiver x. d = y - x, r = |d|; cos = (n_x . d)+ / r and cos' = (-n_y . d)+ / r are the cosines at
+ * the receiver and at the photon. Psi: the photon's flux, W/sr; L_o: its radiance, Psi = L_o A; A': its footprint perpendicular to the
+ * light, alpha: the angle at which the light falls there, A = A' / cos alpha. M, diagonal: see sl_weight_terms. Numbers are the paper's.
  *
- *                            (n_x . d)+ (-n_y . d)+                   d = y - x, r = |d|
- *     disc    E_j = colour  ------------------------ ,                flux (the boxed formula), plain (A' = 0), (14)
+ *     weight       E_j                                form     colour                  a            b
+ *     flux         Psi cos cos' / (r^2 + A / pi)      disc     Psi cos alpha           cos alpha    A' / pi
+ *     plain        Psi cos cos' / r^2                 disc     Psi                     1            0
+ *     disc, (14)   L_o cos cos' A / (A + r^2)         disc     L_o                     1 / A        1
+ *     even, (11)   L_o cos 2 pi / M                   cosine   L_o 2 pi / M
+ *     box, (15)    L_o cos A' / diagonal^2            cosine   L_o A' / diagonal^2
+ *
+ * The default is flux, which is (14) put right: a disc of area A that faces x across r has the cosine-weighted solid angle
+ * A / (r^2 + A / pi); where (14) has A alone, a surface all around x gives it L_o instead of pi L_o. In (14) and (15) A and A' are the
+ * printed ones, by (13) and (12). The two forms that the weights have in common, with a and b as above (flux without cos alpha as a
+ * divisor of its own):
+ *
+ *                            (n_x . d)+ (-n_y . d)+
+ *     disc    E_j = colour  ------------------------ ,
  *                               r^2 (a r^2 + b)
  *
- *     cosine  E_j = colour  (n_x . d)+ / r ,                          (11), (15): neither distance nor the photon's facing
+ *     cosine  E_j = colour  (n_x . d)+ / r ,                          neither distance nor the photon's facing
  *
  * and a third one, the photon's footprint as a polygon. What does not depend on x is computed once a frame and uploaded as
  * three registers a photon. The plain form and the lanes of the kernels are the functions of this page: they have the same bits. */
@@ -52,7 +66,7 @@ static inline sl_photon_registers sl_photon_registers_of(const sl_map_photon *ph
     } else if (weight == SL_WEIGHT_BOX) {
         scale = area * photon->cos_alpha * terms.per_diagonal; /* A' = A cos alpha */
     } else if (weight == SL_WEIGHT_DISC) {
-        a = area > 0.0f ? 1.0f / area : 0.0f; /* A cos cos' / (r^2 (A + r^2)); A may be infinite */
+        a = area > 0.0f ? 1.0f / area : 0.0f; /* L_o cos cos' A / (A + r^2); A may be infinite: L_o cos cos' */
         scale = area > 0.0f ? 1.0f : 0.0f;
     } else {
         a = scale = photon->cos_alpha;
@@ -117,7 +131,7 @@ static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_pho
 
 /* ---- all photons of a frame ---- */
 
-/* How a photon with a lobe sends its flux (section 2.5): the light's direction mirrored, and the colour of the lobe. */
+/* How a photon with a lobe sends its flux: the light's direction mirrored, and the colour of the lobe. */
 typedef struct sl_lobe_registers {
     float x, y, z, exponent;
     sl_rgb colour;

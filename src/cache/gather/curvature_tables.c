@@ -1,5 +1,5 @@
 /* Tables for second derivatives: how the walls between cells, and the corners where four of them meet, move with the receiver beyond the
- * first order (cache-math 3.5; Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion belongs into the Hessian). */
+ * first order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion belongs into the Hessian). */
 #include "cache/gather/gather_tables.h"
 #include "cache/gather/hemisphere_tables.h"
 

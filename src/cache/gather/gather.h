@@ -2,9 +2,9 @@
  *   plane     one N x N raster render of the plane at unit distance above the point, 140 degrees, borders extended to the horizon
  *   hemicube  five raster renders, N x N and four halves
  *   rays      N x N rays in the cells of the concentric map, equal cosine weights
- * each with harmonic mean distance, rotational and translational gradients (cache-math sections 2 and 3,
- * radiance-cache-splatting section 2). What is seen is shaded with direct light (one diffuse bounce),
- * and with what sl_gather_settings.hidden knows to arrive there by more bounces. */
+ * each with harmonic mean distance, rotational and translational gradients (Ward et al. 1988, Ward and Heckbert 1992).
+ * What is seen is shaded with direct light (one diffuse bounce), and with what sl_gather_settings.hidden knows to arrive
+ * there by more bounces. */
 #ifndef SL_CACHE_GATHER_H
 #define SL_CACHE_GATHER_H
 
@@ -55,7 +55,7 @@ typedef struct sl_irradiance {
     sl_rgb value;                   /* E, W/m^2 */
     sl_vec3 rotational[3];          /* grad_r E per channel, world frame, W/m^2/rad: E(n') = E + (n x n') . grad_r */
     sl_vec3 translational[3];       /* grad_t E per channel, world frame, tangential, W/m^3 */
-    /* Second derivatives of the channels' mean along the tangent plane, W/m^4, occlusion included (cache-math 3.5): the eigenvalues, that
+    /* Second derivatives of the channels' mean along the tangent plane, W/m^4, occlusion included: the eigenvalues, that
      * of the larger absolute value first, and its unit direction. */
     float curvature[2];
     sl_vec3 curvature_axis;

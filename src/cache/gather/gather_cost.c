@@ -60,7 +60,8 @@ double sl_gather_shade_cost(sl_gather_kind kind, const sl_gather_counts *counts)
  * outside 140 degrees, however its border is extended. */
 static const double ray_error = 1.55, hemicube_error = 1.27, plane_error = 3.2, plane_floor = 0.03, default_share = 0.0975;
 
-/* 1 - F, F = 4 / pi sin(phi) atan(sin(phi)), phi half the field of view (radiance-cache-splatting 2.6). */
+/* 1 - F, F = 4 / pi sin(phi) atan(sin(phi)), phi half the field of view: what a square picture leaves out of the cosine-weighted
+ * hemisphere. */
 static double share_outside(double half_tangent) {
     double sine = half_tangent / sqrt(1.0 + half_tangent * half_tangent);
     return fmax(0.0, 1.0 - 4.0 / SL_PI * sine * sl_atan2(sine, 1.0));

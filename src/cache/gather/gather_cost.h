@@ -1,4 +1,4 @@
-/* What a gather costs, and what it is worth: the model behind `--gather auto` (radiance-cache-splatting 9).
+/* What a gather costs, and what it is worth: the model behind `--gather auto`.
  *
  * Cheaper means cheaper at equal expected error. A plane of N x N pixels costs less than N x N rays in most scenes, but it lacks the
  * directions near the horizon, and who asks for 256 x 256 wants the error of 256 x 256, not a fast picture that stays at 3 % whatever

@@ -14,7 +14,7 @@ static inline float cosine_of(float x) {
     return 1.0f + q * (-0.5f + q * (1.0f / 24.0f + q * (-1.0f / 720.0f + q * (1.0f / 40320.0f))));
 }
 
-/* The concentric map (cache-math 2.5): the larger coordinate is the radius, the other one's share of it the azimuth. */
+/* The concentric map (sl_concentric_disc()): the larger coordinate is the radius, the other one's share of it the azimuth. */
 void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
     const float *restrict corner_a = c->slot_a, *restrict corner_b = c->slot_b;
     float *restrict out_x = c->x, *restrict out_y = c->y, *restrict out_z = c->z;
@@ -112,7 +112,8 @@ static double lanes_sum(const double *s) {
     return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
 }
 
-/* E = sum W L; grad_r E = sum L (-V_y, V_x) (cache-math 3.4). */
+/* E = sum W L; grad_r E = sum L (n x V) = sum L (-V_y, V_x), V the integral of omega over the cell: E(n) = integral of L n . omega, and a
+ * rotation alpha makes n + alpha x n of n. (Where n . omega = 0 the integrand vanishes, so that the horizon itself adds nothing.) */
 static void sum_cells(const sl_gather_tables *t, size_t cells, const float *restrict radiance, double *irradiance,
                       double rotational[2]) {
     const float *restrict w = t->weight, *restrict vx = t->vector_x, *restrict vy = t->vector_y;
@@ -140,7 +141,13 @@ static double sum_products(size_t cells, const float *restrict a, const float *r
     return lanes_sum(sum);
 }
 
-/* The principle of walls (cache-math 3.2): the boundary between two cells moves with the nearer of the two surfaces. */
+/* The principle of walls: L is one value in each cell, so E changes because the boundaries between cells move, and such a wall moves
+ * with the nearer of its two surfaces, whose outline or texture it is (as Ward and Heckbert 1992 have it for polar strata):
+ *
+ *     grad_t E = sum over walls of (L_j - L_i) max(1 / Z_j, 1 / Z_i) g_ij
+ *
+ * nearness is 1 / Z, Z the depth in whose units the table's g (sl_wall_vector()) is given; 0 where nothing is seen, so that infinitely
+ * far light does not move. column_: walls between j and the cell on its left; row_: between j and the cell below. */
 static void sum_walls(const sl_gather_tables *t, size_t cells, const float *restrict radiance, const float *restrict nearness,
                       double translational[2]) {
     const float *restrict column_x = t->column_x, *restrict column_y = t->column_y;
@@ -177,7 +184,9 @@ void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const 
 
 /* Where four walls meet: the ends of a and b, which continue each other, move with the walls c and d that cross them, not with their
  * own depth. A wall that separates equals does not say where it is, so c and d count by their steps; if neither does, a goes on
- * into b. Half of it, as c and d are corrected by a and b in turn. */
+ * into b. Half of it, as c and d are corrected by a and b in turn. With step s (of L across the wall) and nearness 1 / Z:
+ *
+ *     x = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|),   factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x - 1 / Z_b)) / 2 */
 static inline double corner_factor(double step_a, double near_a, double step_b, double near_b, double step_c, double near_c,
                                    double step_d, double near_d) {
     double weight_c = fabs(step_c), weight_d = fabs(step_d), sum = weight_c + weight_d;
@@ -188,7 +197,18 @@ static inline double corner_factor(double step_a, double near_a, double step_b, 
 
 static inline double nearer(float a, float b) { return (double)(a > b ? a : b); }
 
-/* Of the walls as they stand, and of the corners between them (cache-math 3.5). */
+/* Of the walls as they stand, and of the corners between them:
+ *
+ *     d2E = sum over walls of s / Z^2 K_wall + sum over corners of (factor(up, down; right, back) + factor(right, back; up, down)) K_corner
+ *
+ * with K of sl_wall_curvature(), sl_vertex_curvature(). The corner is cell j's lower left one; around it lie
+ *
+ *      left  | j           up    = L_j - L_left         (column wall above the corner)
+ *     -------+-------      down  = L_below - L_behind   (column wall beneath it)
+ *     behind | below       right = L_j - L_below        (row wall to its right)
+ *                          back  = L_left - L_behind    (row wall to its left)
+ *
+ * and near_up, ... are the larger 1 / Z of the two cells on either side of that wall. */
 static void sum_curvature(const sl_gather_tables *t, const float *restrict light, const float *restrict nearness,
                           sl_gather_curvature *curvature) {
     const size_t row = (size_t)t->width;

@@ -228,7 +228,9 @@ void sl_concentric_disc(double a, double b, double *x, double *y) {
     *y = radius * sl_sin(azimuth);
 }
 
-/* Any strata on the disc (cache-math 3.3): q the wall's middle, N its length turned from cell a to cell b. */
+/* Any strata on Nusselt's disc, where equal areas are equal cosine weights. A point q of it moves by (s q - delta) / r, s = q . delta,
+ * when the receiver moves by delta; so the cell on the right of the wall from a to b gains the area g . delta / r from the one on its
+ * left: g = N - (q . N) q, q the wall's middle, N its length turned to the right. */
 static void disc_wall(double ax, double ay, double bx, double by, float *out_x, float *out_y) {
     double normal_x = by - ay, normal_y = ax - bx, x = 0.5 * (ax + bx), y = 0.5 * (ay + by);
     double inward = x * normal_x + y * normal_y;
@@ -236,7 +238,7 @@ static void disc_wall(double ax, double ay, double bx, double by, float *out_x, 
     *out_y = (float)(normal_y - inward * y);
 }
 
-/* A cell is a piece of the annulus between its ring's radii; its vector has the annulus' mean sine (cache-math 2.4), finite at the
+/* A cell is a piece of the annulus between its ring's radii; its vector has the annulus' mean sine, finite at the
  * horizon where a ray's tangent is not. */
 static sl_vec3d disc_cell_vector(int n, double a, double b) {
     double middle = fmax(fabs(a), fabs(b)), outer = fmin(1.0, middle + 1.0 / n), inner = fmax(0.0, middle - 1.0 / n), x, y;

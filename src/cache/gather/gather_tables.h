@@ -5,7 +5,7 @@
  *   plane     N x N pixels of the plane at unit distance
  *   hemicube  2N x 2N: the top in the middle, the upper halves of the four sides folded out around it; the four corner
  *             blocks are blank
- *   rays      N x N cells of the concentric map (cache-math 2.5)
+ *   rays      N x N cells of the concentric map (Shirley and Chiu 1997)
  * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i - width and i;
  * walls that do not exist have the vector 0. */
 #ifndef SL_CACHE_GATHER_TABLES_H
@@ -38,7 +38,7 @@ typedef struct sl_gather_tables {
     float *weight, *weight_by_depth, *vector_x, *vector_y;
     /* dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth. */
     float *column_x, *column_y, *row_x, *row_y;
-    /* Second derivatives (cache-math 3.5): d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared; and of the
+    /* Second derivatives: d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared; and of the
      * vertex between cells i, i - 1, i - width and i - width - 1, whose factor sum_curvature() makes. */
     float *column_xx, *column_xy, *column_yy, *row_xx, *row_xy, *row_yy, *vertex_xx, *vertex_xy, *vertex_yy;
     /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one face axis 1 on the
@@ -62,7 +62,8 @@ size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
 typedef sl_vec3d sl_gather_corner(const sl_gather_tables *tables, double half_tangent, int x, int y);
 void sl_gather_fill_curvatures(sl_gather_tables *tables, sl_gather_corner *corner, double half_tangent);
 
-/* The concentric map of Shirley and Chiu in the form of cache-math 2.5: [-1,1]^2 to the unit disc. */
+/* The concentric map of Shirley and Chiu, [-1,1]^2 to the unit disc: radius a, azimuth pi/4 b/a where |a| > |b|; else radius b, azimuth
+ * pi/2 - pi/4 a/b. A negative radius is the opposite side. Equal areas stay equal. */
 void sl_concentric_disc(double a, double b, double *x, double *y);
 
 #endif

@@ -1,5 +1,5 @@
 /* From sums over cells and walls to irradiance with gradients in the world frame. The sums themselves are in
- * gather_kernels.c, the walls' vectors in gather_tables.c; cache-math 3.2 has the principle that makes them. */
+ * gather_kernels.c, the walls' vectors in gather_tables.c. */
 #include "cache/gather/gather_internal.h"
 
 #include "base/math.h"
@@ -47,6 +47,7 @@ void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gathe
         out->rotational[c] = tangential(&view->frame, sums->rotational[c]);
         out->translational[c] = tangential(&view->frame, sums->translational[c]);
     }
-    /* 1/R = (1/pi) sum W / r (radiance-cache-splatting 2.3); W need not sum to pi where a plane's border is left off. */
+    /* 1/R = (1/pi) sum W / r, the harmonic mean of distances (Ward et al. 1988), weighed by the cosine; W need not sum to pi where a
+     * plane's border is left off. */
     out->harmonic_mean = sums->inverse_distance > 0.0 ? (float)(t->weight_sum / sums->inverse_distance) : INFINITY;
 }

@@ -6,7 +6,7 @@
 #include "base/math.h"
 #include "scene/texture.h"
 
-/* Radiance below this is 0 (its products would be denormal), above that it is cut (radiance-cache-splatting 8). */
+/* Radiance below this is 0 (its products would be denormal), above that it is cut, so that sums of w L stay finite in floats. */
 #define RADIANCE_MIN 1e-30f
 #define RADIANCE_MAX 1e20f
 

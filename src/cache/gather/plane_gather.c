@@ -1,4 +1,4 @@
-/* One render of the plane at unit distance above the point (radiance-cache-splatting 2.6). */
+/* One render of the plane at unit distance above the point: (u, v) is direction (u, v, 1), d omega = du dv / (1 + u^2 + v^2)^(3/2). */
 #include "cache/gather/gather_internal.h"
 
 #include "base/counters.h"

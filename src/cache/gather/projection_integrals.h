@@ -1,5 +1,5 @@
-/* Integrals of the hemispherical harmonics over an instrument's cells and along the walls between them, in double
- * (radiance-cache-splatting 3.2, cache-math 4). Every instrument is symmetric about both axes of its picture, so it is enough
+/* Integrals of the hemispherical harmonics over an instrument's cells and along the walls between them, in double:
+ * B_i = integral of H_i d omega of a cell, by Gauss's rule. Every instrument is symmetric about both axes of its picture, so it is enough
  * to know the quadrant x >= 0, y >= 0; of a cell or wall that an axis cuts, these are the integrals over its part there. */
 #ifndef SL_CACHE_PROJECTION_INTEGRALS_H
 #define SL_CACHE_PROJECTION_INTEGRALS_H

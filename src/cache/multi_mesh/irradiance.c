@@ -1,3 +1,13 @@
+/* Irradiance meshes, one a light (irradiance.h says what they are for). In this order:
+ *
+ *   where vertices are   a vertex as a place in its face, and that place in the world
+ *   fetch                F of one light at one point: down the light's quadtree to a corner, to the middle of a leaf's edge, or to a leaf
+ *                        that may be interpolated. On the way leaves are tested and cut. Missing samples are wanted, and the fetch waits
+ *   samples              all that are wanted are taken, by all threads, and put into the meshes in the order in which they were wanted
+ *   rounds               sl_irradiance_at(): fetches for many points and all lights, then samples, until no fetch waits
+ *   what moves           sl_irradiance_meshes_follow(): samples that lights or objects have made wrong are forgotten
+ *   memory, life
+ */
 #include "cache/multi_mesh/irradiance.h"
 
 #include "base/counters.h"

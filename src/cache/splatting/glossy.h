@@ -26,9 +26,9 @@ int sl_glossy_order_for(const sl_scene *scene);
  * materials. */
 double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent);
 
-/* Rule 1 for radiance: the distance over which what a record gathered changes by as much as it is, |lambda| / |grad lambda| along the
- * direction of greatest change; root mean squares over all directions, as the sharpest lobe blurs them. Infinite where nothing
- * changes. At equal records the error falls by a quarter, since a lobe sees nearby things pass sooner than irradiance does. */
+/* Rule 1 of the radius (record.h) for radiance: the distance over which what a record gathered changes by as much as it is,
+ * |lambda| / |grad lambda| along the direction of greatest change; root mean squares over all directions, as the sharpest lobe blurs
+ * them. Infinite where nothing changes. At equal records the error falls by a quarter, since a lobe sees nearby things pass sooner than irradiance does. */
 double sl_glossy_length(const sl_glossy *glossy, const float *coefficients);
 
 /* What a view's pixels are to the glossy part of the fragment program. */

@@ -28,7 +28,7 @@ static double minimum_reach(const sl_irradiance *irradiance, const sl_radius_rul
 }
 
 /* Linear extrapolation errs by lambda r^2 / 2 at most, lambda the larger second derivative: over a disc, pi lambda reach^4 / 4 in all
- * (cache-math 3.5; Jarosz et al. 2012). As many pixels see a piece of surface as footprints u^2 fit on it, so the error that a record
+ * (Jarosz et al. 2012). As many pixels see a piece of surface as footprints u^2 fit on it, so the error that a record
  * adds to the picture is that over Y u^2, and the same for every record where
  *     reach = 6 a (2 Y u^2 / lambda)^(1/4).
  * Larger reaches where light is even, smaller ones in corners, but not in proportion: corners are small. Derivatives know only the
@@ -51,15 +51,15 @@ static double metric_radius(const sl_irradiance *irradiance, const sl_radius_rul
     }
 }
 
-/* ---- rules ---- */
+/* ---- the rules of the radius (record.h has the list) ---- */
 
-/* Rule 1: E + delta . grad_t E stays positive within R / stretch. Not for Y = 0, where there is no relative change to speak of. */
+/* Rule 1. Not for Y = 0, where there is no relative change to speak of. */
 static double positive_radius(const sl_record *r, double radius) {
     double mean = (double)sl_rgb_mean(r->irradiance), slope = (double)translational_length(r) / (double)r->stretch;
     return mean > 0.0 && slope * radius > mean ? mean / slope : radius;
 }
 
-/* Rule 2: aR does not reach past a wall that the record sees. r / cos theta' is the distance to the hit's plane divided by
+/* Rule 2: a R does not reach past a wall that the record sees. r / cos theta' is the distance to the hit's plane divided by
  * cos^2, so concave surfaces are not punished. The lowest ray of a plane gather meets a wall at distance d with
  * r / cos theta' = d (1 + t^2) / t^2. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules) {

@@ -24,7 +24,7 @@ typedef struct sl_record {
     float rotational_length[3];
     float own_radius;          /* R by the record's own gather alone, before its neighbours had a say */
     float minimum_radius;      /* R_min at this record */
-    float stretch;             /* rules 1, 3 and 5 are about the length R / stretch: 1 for Ward's R, 1/a where it is the reach aR */
+    float stretch;             /* the rules' sigma: 1 where R is Ward's, 1/a where R is made from the reach aR (hessian) */
     sl_record_wall walls[SL_RECORD_WALLS];
     uint32_t triangle;
     uint32_t behind_a_wall;    /* R_min reaches past what the guard allows: pixels are tested by a ray. No bool: no padding, so that
@@ -48,22 +48,33 @@ typedef struct sl_radius_rules {
  *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for every record
  *   adaptive  as harmonic; then shrinks where neighbours disagree (adaptive.c)
  *
- * A record from a gather: values copied, R by the metric and rules 1 to 4: positivity of the linear extrapolation, the guard against
- * reaching through a wall, R_min (footprint: of a pixel at the record, m), R_max. */
+ * Then come the rules of the radius. sigma is sl_record.stretch, Y the mean of the channels of E:
+ *
+ *   1  R <= sigma Y / |grad_t Y|       the linear extrapolation E + delta . grad_t E stays positive within R / sigma
+ *   2  R <= s^2 rho_min / a            the guard: a R ends before the walls that the gather has seen. rho_min is the least r / cos theta'
+ *                                      over its hits, theta' the angle there; s^2 = t^2 / (1 + t^2) for a plane of half side t, else 1
+ *   3  R >= R_min                      a R_min is minimum_pixels footprints of a pixel, or minimum_reach. Where R then breaks rule 1,
+ *                                      grad_t E is scaled by sigma Y / (R |grad_t Y|), at R_min with max(1, 0.33 sigma) for sigma;
+ *                                      where R breaks rule 2, pixels are tested by rays (behind_a_wall)
+ *   4  R <= R_max                      a R_max is maximum_radius; R_min is never above it
+ *   5  R_i / sigma <= R_j / sigma + |p_i - p_j| for all j, then R >= R_min again: neighbour clamping (Krivanek et al. 2006)
+ *
+ * 1, 2 and 4 are bounds from above, whose order does not matter; 3 has the last word over them. 5 needs all records.
+ *
+ * A record from a gather: values copied, R by the metric and rules 1 to 4. footprint: of a pixel at the record, m. */
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance, const sl_radius_rules *rules,
                          float footprint);
-/* Another bound for R, not below R_min. */
+/* Another bound for R, as rules 1 and 2 are: not below R_min. */
 void sl_record_limit_radius(sl_record *record, double limit);
-/* The radius that rule 2 allows; infinite where the guard is off or nothing is seen. */
+/* What rule 2 allows; infinite where the guard is off or nothing is seen. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules);
 /* Rule 2 for a record that was made without the guard: where it reaches further than `guard`, it gets the walls that stand around it, and
  * does not count behind them (record_walls.c). */
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point, double accuracy, double guard,
                           sl_record *record, sl_counters *counters);
-/* Rule 5, of which the tree holds all own radii: R_i <= R_j + |p_i - p_j| for all j, then R_min again. Returns the radius that the record
- * should have. */
+/* Rule 5; the tree holds R / sigma of all records, by rules 1 to 4. Returns the radius that the record should have. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
-/* Sets R and scales the translational gradient so that the linear extrapolation stays positive within it (rule 3). */
+/* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays positive within R / sigma. */
 void sl_record_set_radius(sl_record *record, float radius);
 
 /* ---- weights ---- */

@@ -1,7 +1,7 @@
-/* Rule 2 without the guard's price. The guard keeps a record from reaching past the nearest thing that its gather saw, in all directions
- * and however high above the surface that thing hangs. But only a wall that stands on the surface has another room behind it. A
- * few rays along the tangent plane find what stands there; the record keeps the planes of two walls and does not count behind
- * them, and reaches as far as its metric says elsewhere. */
+/* Rule 2 of the radius (record.h) without its price. The guard keeps a record from reaching past the nearest thing that its gather saw,
+ * in all directions and however high above the surface that thing hangs. But only a wall that stands on the surface has another room
+ * behind it. A few rays along the tangent plane find what stands there; the record keeps the planes of two walls and does not count
+ * behind them, and reaches as far as its metric says elsewhere. */
 #include <string.h>
 
 #include "cache/splatting/record.h"

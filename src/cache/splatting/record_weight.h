@@ -17,7 +17,7 @@ typedef struct sl_record_terms {
     float inverse_radius, accuracy, least, offset;
     float reach_squared;    /* (a R)^2 */
     float front, behind;    /* bounds of 2 s, see sl_record_weight_at() */
-    float e[3], most[3];    /* E and E (1 + a), or as much more as rule 1 lets the extrapolation grow */
+    float e[3], most[3];    /* E, and E (1 + a sigma): as much as rule 1 (record.h) lets the extrapolation grow */
     sl_record_wall walls[SL_RECORD_WALLS];
     int has_walls;
     sl_vec3 rotational[3];  /* grad_r E x n_k */
@@ -82,7 +82,8 @@ static inline float sl_record_weight_at(const sl_record_terms *k, float distance
     return accepted ? (w > 0.0f ? w : 0.0f) : 0.0f;
 }
 
-/* Rule 2: does a point at this offset lie in front of the walls that stand near the record? For records that have walls. */
+/* In place of rule 2 (record.h): does a point at this offset lie in front of the walls that stand near the record? For records that
+ * have walls. */
 static inline int sl_record_before_walls(const sl_record_terms *k, float x, float y, float z) {
     int before = 1;
     for (int i = 0; i < SL_RECORD_WALLS; i++) {
