@@ -290,7 +290,7 @@ typedef struct sl_mark {
 typedef struct sl_pass {
     const char *method;   /**< "splatting" */
     const char *name;     /**< "splat irradiance records" */
-    const char *source;   /**< section or equation of the paper, "section 4, Algorithm 1" */
+    const char *source;   /**< section or equation of the paper, "section 4, Algorithm 1"; words where it has none */
     const sl_image *buffer;      /**< what the pass made, row 0 at the top; valid during the call only; may be NULL */
     const sl_counters *counters; /**< what this pass alone cost */
     const sl_mark *marks;        /**< mark_count of them, valid during the call only */
@@ -403,7 +403,7 @@ typedef enum sl_photon_store {
     SL_STORE_ALL,      /**< the first hits too: the picture's indirect part then holds direct light as well */
     SL_STORE_CAUSTIC   /**< those that came by mirrors alone */
 } sl_photon_store;
-/** The area over which gathered photons are spread (section 2.2). */
+/** The area over which gathered photons are spread: irradiance is their flux over it. */
 typedef enum sl_photon_area {
     SL_PHOTON_AREA_CLIP,   /**< of the scene's triangles within the ellipsoid */
     SL_PHOTON_AREA_SECTION, /**< of the photons' mean plane within it */

@@ -213,7 +213,7 @@ sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_r
 sl_status sl_raster_blend(int width, int height, size_t count, const sl_splat_rect *rects, const float *values, int channels,
                           float *const *planes, unsigned threads, sl_counters *counters, sl_error *error);
 /* Bounds on the screen of a sphere (centre, radius) in a camera view, rounded outwards by a pixel and cut to the
- * target (cache-math section 7); empty if nothing can show. */
+ * target; empty if nothing can show. Each axis by the two tangents from the eye to the sphere's circle (sphere_bounds.c). */
 sl_splat_rect sl_sphere_bounds(const sl_camera *camera, int width, int height, float near, sl_vec3 centre, float radius);
 
 /* Reduction: repeated 2x2 sums, (a + b) + (c + d) with a, b in the lower row, of `channels` planes of size x size that lie one

@@ -1,4 +1,4 @@
-/* More bounces: the light that reaches a surface after it has met others (radiance-cache-splatting section 9, "More bounces").
+/* More bounces: the light that reaches a surface after it has met others (beyond the one bounce of Gautron et al. 2005).
  *
  * A gather sees surfaces and shades them. With one bounce direct light is all that they receive; with more they receive indirect
  * light as well, and that is asked of a second cache of irradiance records: hidden ones, which lie where gathers look and not

@@ -1,4 +1,4 @@
-/* One frame of Direct Radiance Mapping, pass by pass (section 1.1). */
+/* One frame of Direct Radiance Mapping, pass by pass. */
 #include "cache/direct_radiance/direct_radiance.h"
 
 #include "base/error.h"

@@ -47,7 +47,7 @@ sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums
 void sl_photon_sums_destroy(sl_photon_sums *sums);
 void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile, sl_tile_light *light);
 
-/* E_j(x) of one photon by one weight (sections 2.2, 2.4), W/m^2: the plain form that the lanes agree with bit by bit. n: the receiver's
+/* E_j(x) of one photon by one weight (weights.h), W/m^2: the plain form that the lanes agree with bit by bit. n: the receiver's
  * geometric normal decides what is above its horizon, the shading normal `shading` gives the cosine. */
 sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x, sl_vec3 n, sl_vec3 shading);
 

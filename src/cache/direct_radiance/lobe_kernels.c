@@ -1,7 +1,7 @@
 /* Modified Phong lobes, on either side: (cos alpha)^n between a lobe's axis and the line between receiver and light. */
 #include "cache/direct_radiance/receiver_kernels.h"
 
-/* A photon's lobe stands along the mirrored direction of its light (section 2.5). */
+/* A photon's lobe stands along the mirrored direction of its light. */
 void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
                                      float *restrict power) {
     const sl_lobe_registers l = *lobe;

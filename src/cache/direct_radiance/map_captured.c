@@ -1,4 +1,4 @@
-/* How much of a light's flux leaves inside its map's pictures (section 2.6): in closed form for points and areas. */
+/* How much of a light's flux leaves inside its map's pictures: in closed form for points and areas. */
 #include <math.h>
 
 #include "base/math.h"

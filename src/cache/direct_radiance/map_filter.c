@@ -1,4 +1,4 @@
-/* Samples that look at all texels of their block (section 2.7), against photons that flash as single texels jump between surfaces.
+/* Samples that look at all texels of their block, against photons that flash as single texels jump between surfaces.
  *
  *     radiance   the paper's: L_o from a level of a MIP map, position and normal from the sample's texel. Its mean mixes L_o and not
  *                L_o A, so it does not conserve energy, and can light a near surface with a far one's colour.

@@ -1,4 +1,4 @@
-/* Planar mirrors in a light's view (section 2.8): the light's image L' behind the mirror takes pictures of its own.
+/* Planar mirrors in a light's view: the light's image L' behind the mirror takes pictures of its own.
  *
  *        L                 The picture is one of L's own, cut to the rectangle around the mirror, and reflected: every
  *         \    y           texel sees y along the unfolded way from L', within the solid angle in which L sees it by way

@@ -1,4 +1,5 @@
-/* Texels of the direct radiance map, read as what photons are made of: section 2.3's flux, and where, whence and onto what it falls. */
+/* Texels of the direct radiance map, read as what photons are made of: their flux Psi = rho I dOmega / pi, in
+ * which neither distance nor angle is left, and where, whence and onto what it falls. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_TEXEL_H
 #define SL_CACHE_DIRECT_RADIANCE_MAP_TEXEL_H
 
@@ -23,9 +24,9 @@ typedef struct sl_map_texel {
 
 /* Psi never has cos alpha in a denominator (L_o has the same cosine): so this guards 0/0 alone, and turns nothing that could be seen. */
 #define SL_TEXEL_COS_MIN 1e-6
-/* The caps of section 2.7: a group's footprint is not larger than its texels' would be at that angle. */
+/* A group's area is the sum of A' / max(cos alpha, that): not larger than its texels' would be at that angle. */
 #define SL_GROUP_COS_MIN 0.02
-/* Photons nearer to their light than that share of the diagonal of the scene's core are dropped (section 2.4). */
+/* Photons nearer to their light than that share of the diagonal of the scene's core are dropped. */
 #define SL_PHOTON_NEAREST_LIGHT 1e-4
 
 /* False where there is nothing to reflect light (coverage 0), no light, or the light is too near; then *texel is not written whole.

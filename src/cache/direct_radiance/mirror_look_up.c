@@ -1,4 +1,4 @@
-/* What curved mirrors show: their pixels look up the environment cubes with the reflected eye vector (section 2.8). And the trick, which
+/* What curved mirrors show: their pixels look up the environment cubes with the reflected eye vector. And the trick, which
  * does without indirect light in the cubes. */
 #include <math.h>
 #include <string.h>

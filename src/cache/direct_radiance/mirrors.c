@@ -1,4 +1,4 @@
-/* Pass 4: environment cubes of curved mirrors (section 2.8). Each face is a picture of the scene like the camera's, planar mirrors included,
+/* Pass 4: environment cubes of curved mirrors. Each face is a picture of the scene like the camera's, planar mirrors included,
  * lit by the same passes. */
 #include "cache/direct_radiance/mirrors.h"
 

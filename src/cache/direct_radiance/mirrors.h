@@ -29,8 +29,8 @@ size_t sl_curved_mirrors_bytes(const sl_curved_mirrors *mirrors);
 void sl_curved_mirrors_reflect(const sl_curved_mirrors *mirrors, const sl_receivers *receivers, unsigned threads, float *const emission[3],
                                float *const direct[3], float *const indirect[3], sl_counters *counters);
 
-/* Section 2.8's trick: the indirect light that is missing in a cube is k_s (rho / pi) E at the reflected point. A curved mirror that receives
- * it as if it were diffuse takes k_s times the mean diffuse albedo, by area, of all that is no mirror: this one. */
+/* The trick (SL_MIRROR_LIGHT_TRICK): the indirect light that is missing in a cube is k_s (rho / pi) E at the reflected point. A
+ * curved mirror that receives it as if it were diffuse takes k_s times the mean diffuse albedo, by area, of all that is no mirror: this one. */
 sl_rgb sl_trick_albedo(const sl_scene *scene);
 
 #endif

@@ -1,4 +1,4 @@
-/* Texels become groups, and groups photons (section 2.7, mip = flux). */
+/* Texels become groups, and groups photons: a block of the map whose texels' flux is summed, surface by surface (SL_MAP_FILTER_FLUX). */
 #include "cache/direct_radiance/photon_groups.h"
 
 #include "cache/direct_radiance/steady.h"

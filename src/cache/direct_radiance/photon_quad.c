@@ -1,4 +1,4 @@
-/* The polygon that a photon stands for (section 2.4): where the corner rays of its part of the picture meet its tangent plane. */
+/* The polygon that a photon stands for: where the corner rays of its part of the picture meet its tangent plane. */
 #include "cache/direct_radiance/photon_list.h"
 
 /* A corner farther from the light than so many times b is not that surface any more; of parallel light, one that is so many widths away. */

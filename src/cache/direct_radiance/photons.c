@@ -1,4 +1,4 @@
-/* Pass 3: regular samples of the direct radiance map (section 2.7), and what they have in common with the other ways to take them. */
+/* Pass 3: regular samples of the direct radiance map, and what they have in common with the other ways to take them. */
 #include "cache/direct_radiance/photons.h"
 
 #include "base/counters.h"
@@ -20,7 +20,7 @@ double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int c
 
 /* Photon (i, k) of m x m is the texel at ((i + 1/2) / m, (k + 1/2) / m). With an even number of texels a block that is a texel's corner:
  * the lower left of the four around it is taken. It stands for the whole block, whose solid angle is the texels' together:
- * with the texel's own, the photons would hold m^2 / w^2 of the light (section 2.3). */
+ * with the texel's own, the photons would hold m^2 / w^2 of the light. */
 void sl_photon_at_point(sl_photon_list *list, const sl_map_face *face, int column, int row, const double *color) {
     int texels = sl_block_texels(face), x = column + (texels - 1) / 2, y = row + (texels - 1) / 2;
     size_t before = list->photons->count;

@@ -1,4 +1,4 @@
-/* What Direct Radiance Mapping runs for a scene: settings completed, and the passes that it needs (section 1.2). */
+/* What Direct Radiance Mapping runs for a scene: settings completed, and the passes that it needs. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_PLAN_H
 #define SL_CACHE_DIRECT_RADIANCE_PLAN_H
 

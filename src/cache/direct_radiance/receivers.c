@@ -1,4 +1,4 @@
-/* The camera's G-buffer with what planar mirrors show in it (passes 5 and 6, section 2.8). The scene is drawn again as seen from the eye's
+/* The camera's G-buffer with what planar mirrors show in it (passes 5 and 6). The scene is drawn again as seen from the eye's
  * mirror image where the stencil has the mirror's pixels; positions and normals are never unfolded, so shadow and photon look-ups stay in
  * world space, and only the eye differs from path to path. */
 #include "cache/direct_radiance/receivers.h"

@@ -1,4 +1,4 @@
-/* What a depth cube says (section 2.9), for many receivers at once.
+/* What a depth cube says, for many receivers at once.
  *
  * Reciprocal planar depth is linear across a picture: with the receiver P seen from the light and its normal n, both in the picture's axes,
  * the receiver's plane has at the tangents (a, b)
@@ -6,8 +6,9 @@
  * So between P and the middle of a texel that lies da, db beside it, 1/z differs by at most
  *     beta = (|n_x da| + |n_y db|) / |n . P|,
  * exactly so if what the texel holds is the receiver's own plane. The receiver is lit if 1/z >= stored - beta, less what rounding makes.
- * With the nearest texel alone, da and db are at most half a texel of 2/N: section 2.9's bound. Here the four texels around are asked, each
- * with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves, Salesin and Cook 1987). */
+ * With the nearest texel alone, da and db are at most half a texel of 2/N: beta = (|n_x| + |n_y|) / (N |n . P|). Here the four texels
+ * around are asked, each with its own beta, and their answers blended by distance (percentage-closer filtering; Reeves, Salesin and
+ * Cook 1987). */
 #include <string.h>
 
 #include "cache/direct_radiance/shadow_cube_kernels.h"

@@ -1,4 +1,4 @@
-/* Pass 1: a depth cube around every light point, and what it says (section 2.9): a receiver is lit if its reciprocal planar depth is
+/* Pass 1: a depth cube around every light point, and what it says: a receiver is lit if its reciprocal planar depth is
  * at least the stored one, less the most by which two points of the receiver's own plane in one texel can differ. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_SHADOW_CUBES_H
 #define SL_CACHE_DIRECT_RADIANCE_SHADOW_CUBES_H

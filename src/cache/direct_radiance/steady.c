@@ -1,7 +1,7 @@
 /* Why photons flash, and what is done about it.
  *
  * While the light moves, the scene's edges slide over the texels of its pictures, and a texel whose middle an edge passes changes from one
- * surface to another between two frames. With point samples that is a whole photon, 1/m^2 of a face. With groups (section 2.7) it is one
+ * surface to another between two frames. With point samples that is a whole photon, 1/m^2 of a face. With groups (photon_groups.c) it is one
  * texel's share of a photon, so that what remains are three things, each with its remedy:
  *
  *   Edges pass whole rows of texels at once. A cube map's faces have the world's axes, and so has most of what people build:

@@ -109,7 +109,8 @@ typedef enum sl_hsh_fill {
     SL_HSH_ZERO    /* they are black */
 } sl_hsh_fill;
 
-/* D(beta) of section 3.4 for beta in [0, largest_angle], every half degree, interpolated linearly. */
+/* D(beta), what a tilt by beta makes of coefficients (rotation.c), for beta in [0, largest_angle], every half degree, interpolated
+ * linearly. */
 typedef struct sl_hsh_rotation sl_hsh_rotation;
 sl_status sl_hsh_rotation_create(int order, double largest_angle, sl_hsh_fill fill, unsigned threads, sl_hsh_rotation **rotation,
                                  sl_error *error);

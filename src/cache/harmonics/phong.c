@@ -1,4 +1,4 @@
-/* A Phong lobe times the cosine in hemispherical harmonics (Krivanek et al. 2005; section 3.3):
+/* A Phong lobe times the cosine in hemispherical harmonics (Krivanek et al. 2005):
  *
  *     c_lm(theta_o) = integral over the hemisphere of (s+2)/(2 pi) max(0, r . w)^s cos theta H_lm(w) dw
  *

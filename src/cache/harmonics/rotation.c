@@ -1,4 +1,4 @@
-/* Coefficients seen from a tilted frame (Gautron et al. 2004; Krivanek et al. 2005; section 3.4):
+/* Coefficients seen from a tilted frame (Gautron et al. 2004; Krivanek et al. 2005):
  *
  *     D_ij(beta) = integral over the hemisphere of H_i(a) H_j(M R_y(beta) a) da
  *

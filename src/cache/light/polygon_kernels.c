@@ -1,4 +1,4 @@
-/* Lambert's formula for many points at once: the irradiance from a triangle of radiance 1 (cache-math 8.1),
+/* Lambert's formula for many points at once: the irradiance from a triangle of radiance 1,
  *
  *     E = -1/2 sum over edges of angle (n . u),   u the unit normal of the edge's plane through the point,
  *

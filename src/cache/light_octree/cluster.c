@@ -1,4 +1,4 @@
-/* K-means on the sphere (section 2.3). Distance is the chord |a - b|; for fixed members the best unit centre is the normalised weighted
+/* K-means on the sphere. Distance is the chord |a - b|; for fixed members the best unit centre is the normalised weighted
  * mean, since |omega - d|^2 = 2 - 2 omega . d, and so J = sum w |omega - d|^2 = 2 sum over clusters of (W - |S|), with W = sum w and
  * S = sum w omega, never rises. Its worst case is superpolynomial (Arthur and Vassilvitskii 2006): iterations have a cap. */
 #include <string.h>

@@ -7,7 +7,7 @@
 #include "trace/bsdf.h"
 
 enum { POINTS_A_TASK = 64 };
-static const double cosine_least = 0.05; /* a grazing photon is weighed no more than that: the epsilon of section 2.3 */
+static const double cosine_least = 0.05; /* a grazing photon is weighed no more than that: epsilon in 1 / max(n_i . omega_i, epsilon) */
 
 typedef struct direct_job {
     const sl_direct_photons *photons;

@@ -20,7 +20,8 @@ typedef struct sl_direct_photons {
 } sl_direct_photons;
 
 /* Radiance that the surfaces reflect towards viewers (unit) of the photons' light: L = kappa / A sum f_r(omega_i, v) (n . omega_i) / (n_i .
- * omega_i) Phi_i, kappa of section 2.2. Mirrors give nothing. irradiance (may be NULL): kappa / A sum Phi_i. */
+ * omega_i) Phi_i, kappa = (k - 1) / k where the k-th photon set the radius, else 1. Mirrors give nothing. irradiance (may be NULL):
+ * kappa / A sum Phi_i. */
 sl_status sl_direct_photons_radiance(const sl_direct_photons *photons, size_t count, const sl_surface *surfaces, const sl_vec3 *to_viewer,
                                      sl_rgb *radiance, sl_rgb *irradiance, sl_counters *counters, sl_error *error);
 

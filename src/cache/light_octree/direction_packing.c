@@ -1,4 +1,4 @@
-/* A direction in one float beside its light's colour (section 2.5): polar angle and azimuth in equal steps, a = columns * q_theta + q_phi.
+/* A direction in one float beside its light's colour: polar angle and azimuth in equal steps, a = columns * q_theta + q_phi.
  * The number of steps of theta is even, so that the six axes have codes of their own; an integer below 2^24 is exact in 32 bits. */
 #include "base/error.h"
 #include "base/math.h"

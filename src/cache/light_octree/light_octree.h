@@ -1,5 +1,5 @@
 /* The light octree (Vivanloc, Hoelt, Hong, Paulin 2007): a photon map condensed, voxel by voxel, into a few directional lights, which shaders then
- * use like any others. Read in this order:
+ * use like any others. Passes have names here: G what is made from geometry, P from photons, R what renders. Read in this order:
  *
  *   plan.c            which passes a scene needs
  *   passes.c          the passes of one picture, one after another; state.h: what is between them

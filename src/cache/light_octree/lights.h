@@ -1,4 +1,5 @@
-/* From a voxel's photons to its virtual directional lights: K-means on directions (section 2.3), and what each cluster's colour means (2.4). */
+/* From a voxel's photons to its virtual directional lights: K-means on directions (cluster.c), and what each cluster's colour means
+ * (voxel_lobes.c). */
 #ifndef SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 #define SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 
@@ -37,7 +38,7 @@ typedef struct sl_directional_light {
     float packed;        /* the direction, an integer below 2^24: exact in a float */
 } sl_directional_light;
 
-/* Section 2.5: 254 and 256 steps (8 + 8 bits), or 4094 and 4096 (12 + 12). Axes are exact. */
+/* 254 steps of the polar angle and 256 of the azimuth (8 + 8 bits), or 4094 and 4096 (12 + 12). Axes are exact. */
 float sl_direction_pack(sl_vec3d direction, bool wide);
 sl_vec3 sl_direction_unpack(float packed, bool wide);
 

@@ -1,4 +1,4 @@
-/* Voxels split by normal (section 8): a voxel at an edge holds surfaces that see different light. */
+/* Voxels split by normal, which the paper does not do: a voxel at an edge holds surfaces that see different light. */
 #ifndef SL_CACHE_LIGHT_OCTREE_NORMAL_GROUPS_H
 #define SL_CACHE_LIGHT_OCTREE_NORMAL_GROUPS_H
 

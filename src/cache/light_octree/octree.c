@@ -175,7 +175,7 @@ static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code
 
 /* ---- what a leaf holds ---- */
 
-/* n_v and c_v by area of what lies in the voxel (section 2.8): so they do not depend on how a surface is cut into triangles. */
+/* n_v and c_v by area of what lies in the voxel: so they do not depend on how a surface is cut into triangles. */
 static void measure_leaf(const builder *b, sl_octree_leaf *leaf, sl_vec3 *area_vector) {
     uint32_t cell[3];
     sl_morton_decode(leaf->morton, cell);

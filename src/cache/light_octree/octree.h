@@ -1,4 +1,4 @@
-/* The octree over the scene's geometry (section 2.8): a cell is split while it meets a triangle, down to a depth; leaves in Morton
+/* The octree over the scene's geometry: a cell is split while it meets a triangle, down to a depth; leaves in Morton
  * order. A shallower octree is a cut of a deeper one. There are leaves where a surface reflects diffusely or glossily: black ones (most lamps) and
  * mirrors ask for no light, and photons there would only bleed onto what is near. They are in those leaves' lists nevertheless, since
  * they may hide others.

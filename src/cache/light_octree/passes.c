@@ -1,4 +1,4 @@
-/* One picture, pass by pass (section 1.1), and again with each deeper octree.
+/* One picture, pass by pass (their names are those of light_octree.h), and again with each deeper octree.
  *
  *   G-buffer ── direct light ── photons ── tree ── octree ─┬─ lights of its voxels ── textures ── pixels ─┬─ done
  *   what mirrors show                                      └──────────── one level deeper ────────────────┘

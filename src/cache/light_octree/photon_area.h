@@ -1,4 +1,4 @@
-/* The area over which gathered photons were strewn (section 2.2): disc, section of a tilted plane, or the scene's own triangles clipped to
+/* The area over which gathered photons were strewn: disc, section of a tilted plane, or the scene's own triangles clipped to
  * the ellipsoid. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_AREA_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_AREA_H

@@ -1,5 +1,5 @@
 /* Where photons start: a light is chosen in proportion to its luminous power, and a ray leaves it as its light does, so that all photons
- * carry about the same power (section 2.1).
+ * carry about the same power.
  *
  *   point         all directions alike
  *   spot          its cone, and the smooth edge by inverting the edge's own distribution

@@ -1,5 +1,6 @@
-/* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened ellipsoid (section 2.2). Nodes are
- * split at the median of the longest extent, by (coordinate, id), down to sixteen photons; each has its box. */
+/* The balanced kd-tree over photons, implicit in their order, and the k nearest of them in a flattened ellipsoid:
+ * delta^2 = |p_t|^2 + (u / f)^2, u the distance from the plane and p_t the way along it, f the flatness. Nodes are split at the median
+ * of the longest extent, by (coordinate, id), down to sixteen photons; each has its box. */
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_TREE_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_TREE_H
 

@@ -1,4 +1,4 @@
-/* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed (section 2.1). The 4,096 paths of a chunk
+/* A path leaves a light, is stored where it meets a surface, and is scattered there or absorbed. The 4,096 paths of a chunk
  * go in step, bounce by bounce. */
 #include "cache/light_octree/photons.h"
 
@@ -101,7 +101,8 @@ static double chunk_offset(uint64_t seed, uint64_t chunk) {
 
 static float share(float part, float whole) { return part > 0.0f && whole > 0.0f ? fminf(part / whole, 1.0f) : 0.0f; }
 
-/* Section 2.1 leaves direct light to others. What comes from a smooth sky is direct light that samples are bad at, and photons are good at. */
+/* SL_STORE_INDIRECT leaves direct light to others. What comes from a smooth sky is direct light that samples are bad at, and photons are
+ * good at. */
 static sl_rgb sky_share_of(const photon_job *job, const sl_emitted_photon *photon) {
     if (!job->sky || !photon->environment || job->store != SL_STORE_INDIRECT) return sl_grey(0.0f);
     sl_vec3 to_sky = sl_neg(photon->direction);
@@ -356,7 +357,7 @@ static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters
     return SL_OK;
 }
 
-/* Section 2.1: divided by the emitted photons, never by the stored ones. */
+/* Divided by the emitted photons, never by the stored ones. */
 static void divide_fluxes(sl_photon_list *list) {
     double per_path = list->emitted > 0 ? 1.0 / (double)list->emitted : 0.0;
     for (size_t i = 0; i < list->count; i++) {

@@ -68,7 +68,7 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
     };
 }
 
-/* ---- what can be said before anything has run (section 7) ---- */
+/* ---- what can be said before anything has run ---- */
 
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
     double area = 0.0, cells = ceil(sl_octree_root_of_core(scene).edge / ((1.0 + 1e-4) * voxel));

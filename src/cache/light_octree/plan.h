@@ -18,9 +18,9 @@ typedef struct sl_octree_plan {
 void sl_octree_complete(sl_settings *settings);
 sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *settings);
 void sl_octree_transport(const sl_settings *settings, sl_transport *transport);
-/* Where fewer photons than that share of k come to a voxel, and where gathers reach farther than so many voxels, something is to be said. (Section
- * 7 has 2 voxels. Gathers of high quality reach 2.0 in the Cornell box and 2.3 in the room, of normal 1.1 and 1.3, and depth 6 errs less all the same: to warn of 2 would be to
- * warn of every picture of high quality. From 4 on a shallower octree shows as much.) */
+/* Where fewer photons than that share of k come to a voxel, and where gathers reach farther than so many voxels, something is to be said. (Gathers
+ * of high quality reach 2.0 voxels in the Cornell box and 2.3 in the room, of normal 1.1 and 1.3, and depth 6 errs less all the same: to warn of 2 would
+ * be to warn of every picture of high quality. From 4 on a shallower octree shows as much.) */
 static const double SL_OCTREE_FEW_PHOTONS = 0.1, SL_OCTREE_WIDE_GATHERS = 4.0;
 /* How many voxels of that edge surfaces will take: 3/2 A / h^2, since a plane of any tilt meets |n_x| + |n_y| + |n_z| of them in each h^2. */
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel);

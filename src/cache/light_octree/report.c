@@ -37,7 +37,7 @@ static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_stati
     return status;
 }
 
-/* ---- what is to be said against it (section 7) ---- */
+/* ---- what is to be said against it ---- */
 
 /* Gathers that reach beyond the voxels blur more than these do; voxels that count their own photons and have few count badly. */
 static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v, char *text, size_t size) {

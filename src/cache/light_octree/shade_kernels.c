@@ -1,5 +1,5 @@
 /* Sixteen points at a time against lights that are the same for all of them. Colours are blended between voxels after they are reflected:
- * directions of unrelated clusters must not be averaged (section 2.7). */
+ * directions of unrelated clusters must not be averaged. */
 #include "cache/light_octree/shade_kernels.h"
 
 #include "base/math.h"
@@ -35,7 +35,7 @@ static inline lanes phong(lanes cosine, lanes exponent) {
     return *(lanes *)v;
 }
 
-/* L_o = sum f_r c (n . d)+, without kd / pi and ks; c without cosine where it is the irradiance on the surface (section 2.4). */
+/* L_o = sum f_r c (n . d)+, without kd / pi and ks; c without cosine where it is the irradiance on the surface. */
 static inline light_sum directional(const point_lanes *p, const sl_shade_set *set) {
     light_sum s = {{{0}}, {{0}}};
     bool cosine = p->cells->lobes == SL_LOBES_PERPENDICULAR;
@@ -129,7 +129,7 @@ static inline light_sum of_corner(const point_lanes *p, const sl_shade_corner *c
     return best;
 }
 
-/* ---- weights (section 2.7) ---- */
+/* ---- weights: L = sum w m L_j / sum w m over the voxels around, w trilinear, m the facing; void voxels count in neither sum ---- */
 
 static inline lanes trilinear(const point_lanes *p, int corner) {
     if (p->cells->corners == 1) return p->tx * 0.0f + 1.0f;

@@ -1,4 +1,4 @@
-/* Over how much surface an ellipsoid's photons were strewn (section 2.2, area = clip): a visit to the nodes that its box meets, and to the triangles
+/* Over how much surface an ellipsoid's photons were strewn (SL_PHOTON_AREA_CLIP): a visit to the nodes that its box meets, and to the triangles
  * in them. To choose how many photons a voxel takes asks for three ellipsoids about one centre, the smaller within the larger: one visit serves
  * them all. */
 #include "cache/light_octree/surroundings.h"

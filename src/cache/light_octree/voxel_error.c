@@ -1,4 +1,4 @@
-/* How many photons a voxel should take, by an estimate of the error (section 8): the more, the less noise and the more blur. Noise is known: a
+/* How many photons a voxel should take, by an estimate of the error: the more, the less noise and the more blur. Noise is known: a
  * density of n photons scatters by E / sqrt(n). Blur is not, but it shows: where more photons give another density than fewer ones did, and
  * noise does not explain it, the surroundings differ. So k grows as long as the confidence intervals of all densities so far have a value in
  * common (Goldenshluger and Nemirovski 1997, "On spatially adaptive estimation of nonparametric regression": intersection of confidence

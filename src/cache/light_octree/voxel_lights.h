@@ -1,4 +1,4 @@
-/* From the photon map to the virtual directional lights of every voxel (sections 2.2 to 2.4):
+/* From the photon map to the virtual directional lights of every voxel:
  *
  *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j ── 16 bytes each
  *
@@ -23,13 +23,13 @@ typedef struct sl_voxel_light_options {
     double spread_tolerance; /* radians; 0: always n lights */
     bool unit_weights;
     bool wide_directions;
-    bool median_of_subsets;  /* irradiance is the median of that of SUBSETS parts of the photons (section 7) */
+    bool median_of_subsets;  /* irradiance is the median of that of SUBSETS parts of the photons: no fireflies, but a bias */
     bool own_photons;        /* those that lie in the voxel, instead of the k nearest; all normals */
-    bool split_by_normal;    /* a set of lights for each group of normals (section 8) */
-    bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (section 8) */
+    bool split_by_normal;    /* a set of lights for each group of normals (normal_groups.h) */
+    bool estimated_radius;   /* k/4 to k photons, voxel by voxel, by an error estimate (voxel_error.c) */
 } sl_voxel_light_options;
 
-/* 2 sqrt(k A / (pi N)), at least one voxel (section 3). */
+/* 2 sqrt(k A / (pi N)): twice the radius of a disc that holds k of N photons strewn evenly over the scene's area A. At least one voxel. */
 double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons);
 
 enum { SL_VOXEL_FEW = 8, SL_VOXEL_SETS_MAX = 6 };
@@ -48,7 +48,7 @@ typedef struct sl_voxel_set {
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
     bool both_sides;       /* photons on both sides */
-    bool flat;             /* light is seen by that normal alone: a light along it says all (section 1.2) */
+    bool flat;             /* light is seen by that normal alone: a light along it says all */
     bool from_parent;      /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
     bool done;
 } sl_voxel_set;

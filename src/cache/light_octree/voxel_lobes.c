@@ -1,4 +1,4 @@
-/* Section 2.4. A light's colour is the irradiance perpendicular to its direction, so that n . d in the shader turns it to any normal:
+/* A light's colour is the irradiance perpendicular to its direction, so that n . d in the shader turns it to any normal:
  *
  *     V_j = sum over its members of kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i
  *     d_j = V_j / |V_j|,   c_j = |V_j| (sum Phi_i) / (sum Y(Phi_i))
@@ -106,7 +106,7 @@ static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_vo
 /* Photons of a bent surface lie on parts of it that face different ways. What comes from where only some of them face was divided by the area of
  * all of them, so that at n_v the lights make less irradiance than the photons brought: on columns and mouldings a tenth. They are raised
  * until they make it, but no more than twofold. On the flat there is nothing to raise. A whole voxel's mean normal is no surface's own: there
- * section 2.4 stands as it is. */
+ * c_j stays |V_j| sum Phi / sum Y(Phi). */
 static const double raise_most = 2.0;
 
 static void make_up_for_bends(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale, sl_vec3 normal, int count,

@@ -1,4 +1,4 @@
-/* What a voxel keeps of its photons (section 2.4): directional lights, one irradiance, or spherical harmonics. */
+/* What a voxel keeps of its photons: directional lights, one irradiance, or spherical harmonics. */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_LOBES_H
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_LOBES_H
 

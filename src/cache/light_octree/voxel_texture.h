@@ -1,5 +1,5 @@
 /* The octree and its lights as the paper's hardware holds them: bricks of 2x2x2 RGBA8 texels in a 3D texture, 24-bit addresses, and a
- * texture of lights (section 2.6). */
+ * texture of lights. */
 #ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_TEXTURE_H
 #define SL_CACHE_LIGHT_OCTREE_VOXEL_TEXTURE_H
 

@@ -1,4 +1,4 @@
-/* Fragment programs of the light's picture (pass S2): what a pixel adds to the irradiance.
+/* Fragment programs of the light's picture: what a pixel adds to the irradiance.
  *
  * A direction (x, y, 1), x and y being tangents, has the cosine n . (x, y, 1) / |(x, y, 1)|, and a pixel of the tangents' plane the solid angle
  * dx dy / |(x, y, 1)|^3. Together

@@ -1,5 +1,5 @@
 /* The coarse mesh of the whole scene, some vertices an update: first the direct light of all of them; then, if two bounces are asked for, what each gathers
- * of that (section 2.5). From then on indirect light has a mesh to gather from. */
+ * of that, which makes the light that it sends on (k_d / pi) (sum E_d + E_i). From then on indirect light has a mesh to gather from. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include "base/counters.h"
@@ -44,7 +44,7 @@ static void leave_out_indirect(sl_multi_mesh_state *s) {
     s->plan.indirect = s->plan.coarse = false;
 }
 
-/* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it (section 2.5). */
+/* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_finish(s->coarse, s->settings.threads);
     sl_announce_pass(&s->announcer, "coarse mesh", "section 5");

@@ -1,6 +1,6 @@
 /* A mesh tidied up when a picture is done: nodes in the order of their quadtrees, so that a walk through them is one through memory, none of them free, and
  * arrays as long as what is in them. On request, samples are forgotten that no leaf has on its edges: tests of cuts that were undone left them, inside
- * of what is one leaf again (section 4.2's memory pressure). No value that the mesh interpolates changes by it. */
+ * of what is one leaf again (they are kept for as long as there is memory). No value that the mesh interpolates changes by it. */
 #include <string.h>
 
 #include "base/memory.h"

@@ -77,7 +77,7 @@ static sl_status see(sl_multi_mesh_state *s, sl_error *error) {
     return status;
 }
 
-/* Whether any face in view has what a pass is for (section 1.3: what nothing in view has is not drawn). */
+/* Whether any face in view has what a pass is for: what nothing in view has is not drawn. */
 static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32_t)) {
     for (size_t f = 0; f < s->visible->face_count; f++)
         if (has(s->scene, s->visible->face[f].face)) return true;

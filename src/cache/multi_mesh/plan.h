@@ -1,4 +1,4 @@
-/* What will run: settings completed, the paths, and which passes a scene needs (section 1.3: passes that are not needed are not run). */
+/* What will run: settings completed, the paths, and which passes a scene needs (those that it does not need are not run). */
 #ifndef SL_MULTI_MESH_PLAN_H
 #define SL_MULTI_MESH_PLAN_H
 

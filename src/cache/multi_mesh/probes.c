@@ -1,4 +1,4 @@
-/* Probes of visibility (section 5, F11: a round shadow of six pixels is found whatever its position). Leaves of direct light may be larger than
+/* Probes of visibility: a round shadow of six pixels is found whatever its position. Leaves of direct light may be larger than
  * such a shadow, and their edges pass it by. So every fourth pixel of every fourth row of a leaf that is closed is asked whether it sees what the
  * leaf's corners say it does: where all of them see all of a light, or all of them nothing of it, a shadow ray towards its middle must say the same.
  * No disc of six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and whether an eye could tell.

@@ -1,4 +1,4 @@
-/* Whether light can fall on any surface that is diffuse at all, by planes alone: before a ray is traced (section 1.3 of what is not done: no coarse mesh
+/* Whether light can fall on any surface that is diffuse at all, by planes alone: before a ray is traced (no coarse mesh is made
  * where no surface with k_d > 0 receives light). What is hidden from all lights is found when the coarse mesh is lit (coarse_rounds.c). */
 #include <math.h>
 

@@ -21,7 +21,7 @@ static const float FEW = 1.0f / 4.0f, SPECK = 1.0f / 9.0f;
  * make: 96 instead of 48 takes three tenths of the gathers away, for a tenth more squared error of indirect light. */
 static const float SPECKS_CONTRAST = 16.0f, INDIRECT_SPECKS_CONTRAST = 96.0f;
 
-/* ---- what a face shows: how parts are judged (section 2.7) ---- */
+/* ---- what a face shows: parts are judged as the eye sees them, beside all the others ---- */
 
 static sl_rgb value_of(const sl_multi_mesh_state *s, sl_component part, uint32_t face, float w1, float w2) {
     float value[3];

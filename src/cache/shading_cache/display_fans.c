@@ -1,4 +1,4 @@
-/* Leaves beside finer ones are drawn as fans around their centre, through the vertices that hang on their edges (section on hanging nodes): so both sides of
+/* Leaves beside finer ones are drawn as fans around their centre, through the vertices that hang on their edges: so both sides of
  * an edge show the same colours. */
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Frames beside updates (section on the two loops): geometry follows camera and objects at once, shading is what the last update has left. */
+/* Frames beside updates: geometry follows camera and objects at once, shading is what the last update has left. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"

@@ -70,7 +70,7 @@ static void announce_hidden(sl_splat_state *s) {
     sl_hidden_report r = sl_hidden_cache_report(s->hidden);
     snprintf(name, sizeof name, "%zu hidden records, %u bounces%s: the last changed them by at most %.2g", r.records,
              (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
-    sl_announce_pass(&s->announcer, name, "section 9, more bounces");
+    sl_announce_pass(&s->announcer, name, "beyond the paper: more bounces");
 }
 
 /* Step 2 and 3: what is there from earlier views covers this one. */

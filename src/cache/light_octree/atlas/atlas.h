@@ -1,4 +1,4 @@
-/* A texture atlas over a scene's triangles (section 2.9): charts grown over the faces (Sander et al. 2003), each flattened conformally (least
+/* A texture atlas over a scene's triangles: charts grown over the faces (Sander et al. 2003), each flattened conformally (least
  * squares conformal maps, Levy et al. 2002), packed into a square.
  *
  *   charts.c     which faces go together

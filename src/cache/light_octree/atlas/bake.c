@@ -1,4 +1,4 @@
-/* Pass R1', render to the atlas (section 2.9, figure 11 of the paper): an atlas holds irradiance, which no camera changes. */
+/* Pass R1', render to the atlas: triangles are drawn at their places in it. An atlas holds irradiance, which no camera changes. */
 #include "cache/light_octree/atlas/bake.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Which faces go together (section 2.9, Sander et al. 2003): charts grow from seeds, new seeds are planted in the middle of the charts, charts
+/* Which faces go together (Sander et al. 2003): charts grow from seeds, new seeds are planted in the middle of the charts, charts
  * grow anew, until the seeds stay where they are. How many seeds: one a connected part to begin with, one more in every place that no
  * chart may reach without bending too far. Connected parts are independent, so they are done in parallel. */
 #include "cache/light_octree/atlas/parts.h"

@@ -1,4 +1,4 @@
-/* A chart in the plane by least squares conformal maps (section 2.9, Levy et al. 2002). With a face's corners x_j + i y_j in its own plane and
+/* A chart in the plane by least squares conformal maps (Levy et al. 2002). With a face's corners x_j + i y_j in its own plane and
  * U_j = u_j + i v_j in the chart's, the map of the face is conformal where W_1 U_1 + W_2 U_2 + W_3 U_3 = 0, W_1 = (x_3 - x_2) + i (y_3 - y_2) and so
  * on; the sum of |.|^2 / (2 area) over the faces is minimised with two border vertices pinned. As a form in complex numbers that is Hermitian:
  * H_jk = sum of conj(W_j) W_k / (2 area). The first guess is the projection along the chart's normal: for a planar chart it is the answer. */

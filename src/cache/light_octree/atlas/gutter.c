@@ -1,4 +1,4 @@
-/* Texels around charts, so that filtering finds no seams (section 2.9). A bilinear look-up in a chart reads texels whose centres are less than one
+/* Texels around charts, so that filtering finds no seams. A bilinear look-up in a chart reads texels whose centres are less than one
  * texel away in x and in y; those outside the chart must hold what lies at its border, not what lies at its neighbour's. So distance is
  * measured as that filter measures it, by the larger of x and y: with charts two texels apart every texel that a chart's look-ups read is nearest
  * to that chart. */

@@ -1,4 +1,4 @@
-/* All charts in one texture (section 2.9; the horizon of Levy et al. 2002): from the tallest to the lowest, each is put where its top stays lowest,
+/* All charts in one texture (the horizon of Levy et al. 2002): from the tallest to the lowest, each is put where its top stays lowest,
  * in any of four quarter turns; charts fit into each other as their outlines do. The horizon remembers what is free below it, so that small
  * charts come to lie in the holes that large ones left. The density is the highest at which all stay inside. */
 #include "cache/light_octree/atlas/parts.h"
