@@ -31,7 +31,7 @@ typedef struct world {
 
 /* L G D E; and of the part of the environment that gathers see, L G E. */
 static void find_reference(world *w, uint32_t samples) {
-    sl_transport bounce = {.receiver_lobes = SL_LOBE_GLOSSY, .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = 1, .direct_visibility = true,
+    sl_transport bounce = {.sky_light = true, .receiver_lobes = SL_LOBE_GLOSSY, .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = 1, .direct_visibility = true,
                            .bounce_visibility = true, .filter = SL_FILTER_CENTRE};
     bench_reference_get(w->scene, w->tracer, &bounce, &w->pixels, samples, &w->reference);
     sl_environment sky, sun;
@@ -41,7 +41,7 @@ static void find_reference(world *w, uint32_t samples) {
     sl_scene under_sky = *w->scene; /* lit by nothing else */
     under_sky.environment = sky;
     under_sky.light_count = under_sky.emitter_count = 0;
-    sl_transport direct = {.direct_lobes = SL_LOBE_GLOSSY, .direct_visibility = true, .bounce_visibility = true,
+    sl_transport direct = {.sky_light = true, .direct_lobes = SL_LOBE_GLOSSY, .direct_visibility = true, .bounce_visibility = true,
                            .filter = SL_FILTER_CENTRE};
     bench_reference of_sky, sum;
     if (sky.present) {

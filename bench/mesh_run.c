@@ -13,7 +13,7 @@ const char *const mesh_part_names[MESH_PARTS] = {"direct diffuse", "direct specu
 static const char *const layers[MESH_ALL] = {"direct", "specular", "indirect"};
 
 static sl_transport transport_of(mesh_part part) {
-    sl_transport t = {.bounces = 1, .direct_visibility = true, .bounce_visibility = true, .filter = SL_FILTER_CENTRE};
+    sl_transport t = {.sky_light = true, .bounces = 1, .direct_visibility = true, .bounce_visibility = true, .filter = SL_FILTER_CENTRE};
     if (part == MESH_DIRECT) t.direct_lobes = SL_LOBE_DIFFUSE;
     if (part == MESH_SPECULAR) t.direct_lobes = SL_LOBE_GLOSSY;
     if (part == MESH_INDIRECT) t.receiver_lobes = t.bounce_lobes = SL_LOBE_DIFFUSE;

@@ -61,6 +61,17 @@ static void a_method_that_leaves_out_too_much_light_is_not_chosen(void **state) 
     assert_true(isinf(v.cost[SL_AUTO_SPLATTING]));
 }
 
+static void under_a_sky_what_takes_it_for_no_light_is_not_chosen(void **state) {
+    (void)state;
+    sl_auto_scene two[2];
+    make_two(two);
+    two[0].seconds[SL_AUTO_MIDDLE][SL_AUTO_DIRECT_RADIANCE] = 0.1;
+    sl_auto_kind kind = two[0].kind;
+    assert_int_equal(judge(two, NULL, kind, 10000.0).best, SL_AUTO_DIRECT_RADIANCE);
+    kind.open = true;
+    assert_true(isinf(judge(two, NULL, kind, 10000.0).cost[SL_AUTO_DIRECT_RADIANCE]));
+}
+
 static void larger_pictures_speak_for_caches(void **state) {
     (void)state;
     sl_auto_scene two[2];
@@ -98,7 +109,8 @@ static void the_table_holds_measurements(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_scene_that_was_measured_gets_what_was_first_there), cmocka_unit_test(what_is_left_out_has_no_say),
-        cmocka_unit_test(a_method_that_leaves_out_too_much_light_is_not_chosen), cmocka_unit_test(larger_pictures_speak_for_caches),
+        cmocka_unit_test(a_method_that_leaves_out_too_much_light_is_not_chosen),
+        cmocka_unit_test(under_a_sky_what_takes_it_for_no_light_is_not_chosen), cmocka_unit_test(larger_pictures_speak_for_caches),
         cmocka_unit_test(without_any_measurement_paths_are_traced), cmocka_unit_test(the_table_holds_measurements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -159,6 +159,15 @@ static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference
     assert_string_equal(a, b);
     sl_reference_path("folder", &glossy, "matched:multi-mesh", a);
     assert_string_not_equal(a, b);
+    /* Without a sky nobody leaves it out; a file kept from when nobody did under one is not taken for what leaves it out. */
+    sl_bench_scene open = diffuse;
+    open.sky = true;
+    sl_reference_path("folder", &diffuse, "matched:direct-radiance", a);
+    sl_reference_path("folder", &open, "matched:direct-radiance", b);
+    assert_string_not_equal(a, b);
+    sl_reference_path("folder", &diffuse, "full", a);
+    sl_reference_path("folder", &open, "matched:light-octree", b);
+    assert_string_equal(a, b);
 }
 
 /* ---- curves ---- */

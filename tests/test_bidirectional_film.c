@@ -251,6 +251,11 @@ static void any_declared_transport_is_that_of_the_path_tracer(void **unused) {
     t.bounce_lobes = SL_LOBE_MIRROR;
     check_transport("caustics and highlights", scene, &t);
     t = full;
+    t.sky_light = false;
+    check_transport("a sky that lights nothing", scene, &t);
+    t.bounce_visibility = false;
+    check_transport("nor behind walls that are seen through", scene, &t);
+    t = full;
     t.filter = SL_FILTER_CENTRE;
     check_transport("pixel centres", scene, &t);
     sl_scene_destroy(scene);

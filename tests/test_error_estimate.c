@@ -74,6 +74,53 @@ static void estimates_agree_with_a_converged_reference_for_every_method(void **s
     sl_scene_destroy(scene);
 }
 
+/* A floor, a wall and a mirror that shows the sky, which takes no part of what lights the others. */
+static sl_scene *room_under_a_sky(void) {
+    static const char obj[] = "mtllib none.mtl\n"
+                              "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 2 2 -2\nv -2 2 -2\nv 0.4 0 0.2\nv 1.4 0 -0.3\nv 1.4 0.9 -0.6\nv 0.4 0.9 -0.1\n"
+                              "usemtl white\nf 4 3 2\nf 4 2 1\nf 1 2 5\nf 1 5 6\nusemtl mirror\nf 7 8 9\nf 7 9 10\n";
+    return scene_from_text("{\"softlux\":1,\"meshes\":[{\"file\":\"mesh.obj\"}],\"environment\":{\"radiance\":[1,1.5,2]},"
+                           "\"materials\":{\"white\":{\"diffuse\":0.7},\"mirror\":{\"mirror\":0.8}},"
+                           "\"lights\":[{\"type\":\"point\",\"position\":[-0.5,1.5,0.5],\"intensity\":6}],"
+                           "\"camera\":{\"eye\":[0,2,4],\"target\":[0,0.3,0],\"fov_deg\":40}}",
+                           obj);
+}
+
+static double mean_of(const sl_image *image) {
+    size_t values = 3 * (size_t)image->width * (size_t)image->height;
+    double sum = 0.0;
+    for (size_t i = 0; i < values; i++) sum += (double)image->planes[i];
+    return sum / (double)values;
+}
+
+static void a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either(void **state) {
+    (void)state;
+    static const char *const tracers[] = {"path", "bidirectional"};
+    static const sl_pixel_filter filters[] = {SL_FILTER_CENTRE, SL_FILTER_BOX}; /* of boxes light subpaths are joined to the camera */
+    sl_scene *scene = room_under_a_sky();
+    sl_settings settings = small_settings("direct-radiance", SIZE, SIZE);
+    settings.quality = SL_QUALITY_HIGH;
+    sl_image *image = render(scene, &settings, NULL);
+    for (int i = 0; i < 4; i++) {
+        sl_settings traced = small_settings(tracers[i / 2], SIZE, SIZE);
+        traced.transport = "matched:direct-radiance";
+        traced.filter = filters[i % 2];
+        traced.spp = 32;
+        sl_image *reference = render(scene, &traced, NULL);
+        double ours = mean_of(image), theirs = mean_of(reference);
+        print_message("%s, filter %d: %.4f, %.4f\n", tracers[i / 2], i % 2, ours, theirs);
+        assert_true(fabs(ours - theirs) < 0.05 * theirs);
+        if (filters[i % 2] == SL_FILTER_CENTRE) assert_true(measured_error(image, reference) < 0.1); /* the mirror's sky is there, and in its place */
+        sl_image_destroy(reference);
+    }
+    sl_error_probe *probe = probe_of(scene, &settings);
+    sl_error_estimate e = estimate_with(probe, image, 512, 16);
+    assert_true(e.bound < 0.15);
+    sl_error_probe_destroy(probe);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 static void a_planted_error_is_what_is_estimated(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-point.json");
@@ -352,6 +399,7 @@ int main(void) {
         cmocka_unit_test(an_error_in_a_single_pixel_is_found),
         cmocka_unit_test(another_picture_of_the_scene_has_most_of_its_probes_already),
         cmocka_unit_test(estimates_agree_with_a_converged_reference_for_every_method),
+        cmocka_unit_test(a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either),
         cmocka_unit_test(the_bound_holds_for_at_least_nine_of_ten_seeds),
         cmocka_unit_test(probes_are_the_same_however_they_were_asked_for),
         cmocka_unit_test(a_judgement_traces_until_the_answer_is_clear),

@@ -360,7 +360,7 @@ static void directional_lights_come_from_infinity(void **state) {
 static void transports_are_known_by_name(void **state) {
     (void)state;
     sl_transport t;
-    assert_true(sl_transport_named("direct", &t) && t.receiver_lobes == 0 && t.bounces == 0);
+    assert_true(sl_transport_named("direct", &t) && t.sky_light && t.receiver_lobes == 0 && t.bounces == 0);
     assert_true(sl_transport_named("one-bounce", &t) && t.bounces == 1 && t.bounce_lobes == SL_LOBE_DIFFUSE);
     assert_true(sl_transport_named("full", &t) && t.bounces == SL_BOUNCES_UNLIMITED && t.bounce_lobes == SL_LOBE_ALL);
     assert_false(sl_transport_named("fuller", &t));

@@ -226,7 +226,7 @@ static void compare_with_path_tracer(world *w, uint32_t bounces, uint32_t refere
     sl_error error;
     sl_path_tracer *path;
     const sl_path_settings settings = {.width = 4, .height = 4, .threads = 1, .seed = 5,
-                                       .transport = {.direct_lobes = SL_LOBE_DIFFUSE, .receiver_lobes = SL_LOBE_DIFFUSE,
+                                       .transport = {.sky_light = true, .direct_lobes = SL_LOBE_DIFFUSE, .receiver_lobes = SL_LOBE_DIFFUSE,
                                                      .bounce_lobes = SL_LOBE_DIFFUSE, .bounces = reference_bounces,
                                                      .direct_visibility = true, .bounce_visibility = true,
                                                      .filter = SL_FILTER_CENTRE}};

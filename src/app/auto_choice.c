@@ -39,8 +39,10 @@ static const double error_of_share = 2.0;
 
 static double share_left_out(const sl_auto_kind *kind, sl_auto_candidate c) {
     switch (c) {
-    case SL_AUTO_SPLATTING:
     case SL_AUTO_DIRECT_RADIANCE:
+        if (kind->open) return 1.0; /* how much light is the sky's is not known, and it might be all */
+        return kind->further + kind->mirrored;
+    case SL_AUTO_SPLATTING:
     case SL_AUTO_MULTI_MESH: return kind->further + kind->mirrored;
     case SL_AUTO_SPLATTING_ON: return kind->mirrored;
     default: return 0.0;

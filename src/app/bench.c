@@ -129,8 +129,8 @@ static bool describe_work(void *context, char **report) {
     }
     sl_features f = sl_scene_features(scene);
     sl_scene_film(scene, &width, &height);
-    snprintf(text, sizeof text, "%016llx %d %d %zu %d %d", (unsigned long long)sl_scene_hash(scene), width, height, sl_scene_triangle_count(scene),
-             f.glossy_triangles > 0, f.mirror_triangles > 0);
+    snprintf(text, sizeof text, "%016llx %d %d %zu %d %d %d", (unsigned long long)sl_scene_hash(scene), width, height, sl_scene_triangle_count(scene),
+             f.glossy_triangles > 0, f.mirror_triangles > 0, f.environment ? 1 : 0);
     *report = strdup(text);
     sl_scene_destroy(scene);
     return true;
@@ -161,16 +161,17 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     description d = {path, o->load};
     sl_child_end end;
     unsigned long long triangles = 0;
-    int glossy = 0, mirrors = 0;
+    int glossy = 0, mirrors = 0, sky = 0;
     name_scene(path, s);
     sl_status status = sl_child_run(describe_work, &d, &limits, &end, error);
     if (status != SL_OK) return status;
     if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
-    else if (sscanf(end.text, "%16s %d %d %llu %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors) != 6)
+    else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors, &sky) != 7)
          snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
     s->triangles = triangles;
     s->glossy = glossy;
     s->mirrors = mirrors;
+    s->sky = sky;
     free(end.text);
     choose_size(o, s);
     return SL_OK;

@@ -17,6 +17,7 @@ enum { SL_LOBE_DIFFUSE = 1, SL_LOBE_GLOSSY = 2, SL_LOBE_MIRROR = 4, SL_LOBE_ALL 
 
 typedef struct sl_transport {
     bool emission;              /* L S* E: lights, emissive surfaces and the environment as seen */
+    bool sky_light;             /* the environment lights surfaces; otherwise it is seen alone, directly and in mirrors */
     bool eye_mirrors;           /* mirrors between the eye and x1 are followed; otherwise a mirror is black */
     unsigned direct_lobes;      /* lobes at x1 that reflect direct light; 0: no direct light */
     unsigned receiver_lobes;    /* lobes at x1 that reflect indirect light; 0: no indirect light */

@@ -59,12 +59,12 @@ static double environment_power(const sl_scene *scene) {
     return flux * disc_area(scene);
 }
 
-static void fill_powers(sl_light_sampler *sampler) {
+static void fill_powers(sl_light_sampler *sampler, bool sky_light) {
     const sl_scene *scene = sampler->scene;
     size_t i = 0;
     for (size_t e = 0; e < scene->emitter_count; e++) sampler->chance[i++] = emitter_power(&scene->emitters[e]);
     for (size_t l = 0; l < scene->light_count; l++) sampler->chance[i++] = light_power(scene, &scene->lights[l]);
-    if (scene->environment.present) sampler->chance[i++] = environment_power(scene);
+    if (scene->environment.present) sampler->chance[i++] = sky_light ? environment_power(scene) : 0.0;
     for (size_t k = 0; k < i; k++) {
         if (!(sampler->chance[k] > 0.0) || !isfinite(sampler->chance[k])) sampler->chance[k] = 0.0;
     }
@@ -84,7 +84,7 @@ static void normalize(sl_light_sampler *sampler) {
     for (size_t i = last; total > 0.0 && i < sampler->count; i++) sampler->sums[i] = 1.0;
 }
 
-sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **out, sl_error *error) {
+static sl_status create(const sl_scene *scene, bool sky_light, sl_light_sampler **out, sl_error *error) {
     *out = NULL;
     sl_light_sampler *sampler = sl_allocate(1, sizeof *sampler);
     if (!sampler) return sl_fail_memory(error, "the light sampler");
@@ -96,10 +96,18 @@ sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **out,
         sl_light_sampler_destroy(sampler);
         return sl_fail_memory(error, "the light sampler");
     }
-    fill_powers(sampler);
+    fill_powers(sampler, sky_light);
     normalize(sampler);
     *out = sampler;
     return SL_OK;
+}
+
+sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **out, sl_error *error) {
+    return create(scene, true, out, error);
+}
+
+sl_status sl_light_sampler_create_for(const sl_scene *scene, const sl_transport *transport, sl_light_sampler **out, sl_error *error) {
+    return create(scene, transport->sky_light, out, error);
 }
 
 sl_status sl_light_sampler_plant_tree(sl_light_sampler *sampler, sl_error *error) {

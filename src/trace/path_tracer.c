@@ -35,7 +35,7 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, 
     path->scene = scene;
     path->settings = *settings;
     path->settings.threads = sl_thread_count(settings->threads);
-    sl_status status = sl_light_sampler_create(scene, &path->lights, error);
+    sl_status status = sl_light_sampler_create_for(scene, &settings->transport, &path->lights, error);
     if (status == SL_OK) status = sl_halves_create(&path->halves, (size_t)settings->width * (size_t)settings->height, error);
     path->worker_counters = sl_allocate(path->settings.threads, sizeof *path->worker_counters);
     if (status == SL_OK && !path->worker_counters) status = sl_fail_memory(error, "the path tracer");

@@ -60,6 +60,8 @@ static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint
     sl_rgb weight = w->weight;
     if (!w->at_surface) {
         if (!walk->transport.emission) return; /* L S* E */
+    } else if (triangle == SL_NO_INDEX && !walk->transport.sky_light) {
+        return;
     } else if (!w->mirror_since) {
         /* Direct light of the last surface, which its light sample counts too. */
         if (is_black(w->direct_weight)) return;
@@ -122,7 +124,7 @@ static surface_task task_at(const sl_path_walk *walk, const walker *w) {
     task.direct_lobes = reflecting & (first ? t->direct_lobes : t->bounce_lobes);
     task.next_lobes = w->surfaces < t->bounces || mirrors ? reflecting & (first ? t->receiver_lobes : t->bounce_lobes) : 0;
     task.shadows = first ? t->direct_visibility : true;
-    bool lights_with_extent = walk->scene->emitter_count > 0 || walk->scene->environment.present;
+    bool lights_with_extent = walk->scene->emitter_count > 0 || (walk->scene->environment.present && t->sky_light);
     task.met_by_chance = lights_with_extent && task.direct_lobes && (!first || (t->direct_visibility && t->bounce_visibility));
     return task;
 }

@@ -43,6 +43,8 @@ uint32_t sl_trace_occluded(const sl_tracer *tracer, const sl_ray16 *rays, unsign
 /* A distribution over the scene's emitters, lights and environment, chosen in proportion to power. */
 typedef struct sl_light_sampler sl_light_sampler;
 sl_status sl_light_sampler_create(const sl_scene *scene, sl_light_sampler **sampler, sl_error *error);
+/* Of those lights alone that light surfaces in this transport. Entries are numbered as ever. */
+sl_status sl_light_sampler_create_for(const sl_scene *scene, const sl_transport *transport, sl_light_sampler **sampler, sl_error *error);
 void sl_light_sampler_destroy(sl_light_sampler *sampler);
 
 typedef struct sl_light_sample {

@@ -32,6 +32,7 @@ static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport
     t->receiver_lobes &= lobes;
     t->bounce_lobes &= lobes;
     t->eye_mirrors = t->eye_mirrors && s->mirrors;
+    t->sky_light = t->sky_light && s->sky;
     return true;
 }
 
@@ -40,13 +41,19 @@ bool sl_reference_is_same(const sl_bench_scene *s, const char *name, const char 
     if (!transport_of(s, name, &a) || !transport_of(s, other, &b)) return false;
     return a.emission == b.emission && a.eye_mirrors == b.eye_mirrors && a.direct_lobes == b.direct_lobes && a.receiver_lobes == b.receiver_lobes &&
            a.bounce_lobes == b.bounce_lobes && a.bounces == b.bounces && a.direct_visibility == b.direct_visibility &&
-           a.bounce_visibility == b.bounce_visibility;
+           a.bounce_visibility == b.bounce_visibility && a.sky_light == b.sky_light;
+}
+
+static bool leaves_out_the_sky(const sl_bench_scene *s, const char *transport) {
+    sl_transport t;
+    return s->sky && transport_of(s, transport, &t) && !t.sky_light;
 }
 
 void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *transport, char path[SL_BENCH_PATH]) {
     static const char *const plain[] = {"full", "one-bounce", "direct"}; /* whose files stand for others' of the same paths */
     char name[SL_BENCH_NAME];
-    snprintf(name, sizeof name, "%s", transport);
+    /* Files of the plain name may be kept from when it had the sky's light in it. */
+    snprintf(name, sizeof name, "%s%s", transport, leaves_out_the_sky(s, transport) ? "-skyless" : "");
     for (size_t i = sizeof plain / sizeof *plain; i-- > 0;) {
         if (sl_reference_is_same(s, plain[i], transport)) snprintf(name, sizeof name, "%s", plain[i]);
     }

@@ -106,6 +106,7 @@ typedef struct sl_bench_scene {
     int width, height;
     uint64_t triangles, pixels_compared;
     bool glossy, mirrors; /* there are such surfaces */
+    bool sky;
     sl_auto_kind kind;    /* where its light comes from */
     bool kind_known;
     char trouble[1200]; /* why nothing could be measured; or "" */

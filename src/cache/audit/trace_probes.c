@@ -25,7 +25,7 @@ sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, cons
     if (!t->worker_counters || !t->slot) return sl_fail_memory(error, "error probes");
     memset(t->slot, 0xff, t->pixels * sizeof *t->slot);
     sl_status status = sl_tracer_create(scene, t->threads, NULL, &t->tracer, error);
-    if (status == SL_OK) status = sl_light_sampler_create(scene, &t->lights, error);
+    if (status == SL_OK) status = sl_light_sampler_create_for(scene, transport, &t->lights, error);
     sl_sequence_make(&t->sequence);
     t->walk = (sl_path_walk){scene, t->tracer, t->lights, &t->sequence, *transport};
     return status;

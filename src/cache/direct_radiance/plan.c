@@ -46,11 +46,13 @@ sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings 
 }
 
 /* L S* E, L D S* E, L D D S* E: exactly two events that are not mirrors. Light by way of mirrors (L S D) is computed where the mirrors are
- * planar, but is no part of the declaration: a path tracer cannot find it from a light without extent. */
+ * planar, but is no part of the declaration: a path tracer cannot find it from a light without extent. The sky
+ * is seen, directly and in mirrors, but lights nothing. */
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     *transport = (sl_transport){
         .emission = true,
+        .sky_light = false,
         .eye_mirrors = true,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = m->local_light_only || m->direct_light_only ? 0 : SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,

@@ -57,6 +57,7 @@ sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *set
 void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
+        .sky_light = true,
         .eye_mirrors = true,
         .direct_lobes = settings->light_octree.indirect_only ? 0 : SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,

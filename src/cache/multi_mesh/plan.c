@@ -95,6 +95,7 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_setti
 void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
+        .sky_light = true,
         .eye_mirrors = false,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE,

@@ -73,6 +73,7 @@ void sl_shading_transport(const sl_settings *settings, sl_transport *transport) 
     bool indirect = c->indirect != SL_INDIRECT_NONE;
     *transport = (sl_transport){
         .emission = true,
+        .sky_light = true,
         .eye_mirrors = indirect,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = indirect ? SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY : 0,

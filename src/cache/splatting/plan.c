@@ -72,6 +72,7 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
+        .sky_light = true,
         .eye_mirrors = true,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,

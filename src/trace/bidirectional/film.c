@@ -61,7 +61,7 @@ void sl_path_maker_init(sl_path_maker *m, const sl_scene *scene, const sl_tracer
 
 static sl_status make_film(sl_bidirectional *film, const sl_tracer *tracer, sl_error *error) {
     const sl_bidirectional_settings *s = &film->settings;
-    sl_status status = sl_light_sampler_create(film->scene, &film->lights, error);
+    sl_status status = sl_light_sampler_create_for(film->scene, &s->transport, &film->lights, error);
     if (status == SL_OK) status = sl_halves_create(&film->halves, (size_t)s->width * (size_t)s->height, error);
     if (status != SL_OK) return status;
     film->workplaces = sl_allocate(s->threads, sizeof *film->workplaces);

@@ -147,7 +147,7 @@ static sl_rgb emission_weight(const sl_path_maker *m, const walker *w) {
 
 static void reach_sky(const sl_path_maker *m, walker *w) {
     const sl_environment *sky = &m->scene->environment;
-    if (w->from_light || !sky->present) return;
+    if (w->from_light || !sky->present || (w->at_surface && !m->transport.sky_light)) return;
     sl_path_vertex *v = &w->path->vertex[w->path->count];
     *v = (sl_path_vertex){.kind = SL_VERTEX_SKY,
                           .back = sl_neg(w->direction),

@@ -69,6 +69,7 @@ typedef struct sl_path_maker {
     float tan_x, tan_y;       /* of half the camera's fields of view */
 } sl_path_maker;
 
+/* lights: those of the transport, sl_light_sampler_create_for(). */
 void sl_path_maker_init(sl_path_maker *maker, const sl_scene *scene, const sl_tracer *tracer, const sl_light_sampler *lights,
                         const sl_sequence *sequence, const sl_transport *transport);
 
