@@ -352,7 +352,8 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
     radiance_state *s = state;
     forget_picture(s);
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) darken(s);
-    if (changes & SL_CHANGED_OBJECTS) s->placed = false;
+    if (changes & SL_CHANGED_OBJECTS) s->placed = false; /* and planned anew */
+    if (s->placed && (changes & SL_CHANGED_LIGHTS)) s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings); /* they may have left a convex room */
     return SL_OK;
 }
 

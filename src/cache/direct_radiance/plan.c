@@ -26,15 +26,23 @@ void sl_radiance_complete(sl_settings *settings) {
 
 static bool weighs_facing(sl_photon_weight weight) { return weight != SL_WEIGHT_EVEN && weight != SL_WEIGHT_BOX; }
 
+static bool has_receivers(const sl_features *f) {
+    bool light = f->point_lights || f->spot_lights || f->directional_lights || f->emitters;
+    return light && (f->diffuse_triangles || f->glossy_triangles);
+}
+
+bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings) {
+    const sl_features f = sl_scene_features(scene);
+    return has_receivers(&f) && !settings->radiance_map.local_light_only && sl_scene_shadow_casters(scene) != SL_NO_SHADOWS;
+}
+
 sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar, bool curved) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
-    sl_features f = sl_scene_features(scene);
-    bool light = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
-    bool receivers = f.diffuse_triangles || f.glossy_triangles, lit = light && receivers && !m->local_light_only;
-    bool indirect = lit && !m->direct_light_only;
+    const sl_features f = sl_scene_features(scene);
+    const bool receivers = has_receivers(&f), indirect = receivers && !m->local_light_only && !m->direct_light_only;
     return (sl_radiance_plan){
-        .receivers = receivers && light,
-        .shadows = lit && !sl_scene_is_convex(scene),
+        .receivers = receivers,
+        .shadows = sl_radiance_has_shadows(scene, settings),
         .map = indirect,
         .glossy = f.glossy_triangles > 0,
         .normals = indirect && (f.glossy_triangles > 0 || weighs_facing(m->weight) || m->filter == SL_MAP_FILTER_FLUX),
@@ -71,13 +79,20 @@ static const char *const weight_words[] = {"by quality",          "(14) of the p
                                            "(15) as printed"};
 static const char *const filter_words[] = {"by default", "the texel at each sample", "radiance from a MIP level", "the flux of all texels, in groups"};
 
+static const char *why_cubes(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m) {
+    static const char *const words[] = {[SL_NO_SHADOWS] = "nothing can stand before a light: it is convex, with its lights inside",
+                                        [SL_SHADOWS_OF_WALLS] = "of every light: it is convex, but a light shines from outside",
+                                        [SL_SHADOWS_OF_SURFACES] = "of every light: surfaces can stand before others"};
+    if (m->local_light_only) return "local light only";
+    return p->receivers ? words[sl_scene_shadow_casters(scene)] : "nothing is lit";
+}
+
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     sl_features f = sl_scene_features(scene);
     sl_radiance_plan p = sl_radiance_plan_make(scene, settings, false, false);
     size_t point_like = f.point_lights + f.spot_lights + f.directional_lights;
-    sl_plan_pass(writer, p.shadows, "depth cubes", "%s",
-                 p.shadows ? "of every light" : m->local_light_only ? "local light only" : "nothing can stand before a light");
+    sl_plan_pass(writer, p.shadows, "depth cubes", "%s", why_cubes(scene, &p, m));
     sl_plan_pass(writer, p.map, "direct radiance maps", "%zu lights without extent, %zu emissive triangles; %d x %d texels a face",
                  point_like, f.emitters, m->map_size, m->map_size);
     sl_plan_pass(writer, p.map && p.glossy, "map of true colour", "%zu glossy triangles", f.glossy_triangles);

@@ -20,12 +20,18 @@ typedef struct sl_radiance_plan {
 void sl_radiance_complete(sl_settings *settings);
 /* settings are complete. planar and curved: what mirrors the scene has. */
 sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings, bool planar, bool curved);
+/* Of the plan's shadows alone: anew where lights have moved. */
+bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings);
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport);
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* No point of the scene's surface can hide another from a light inside it: all of it bounds one convex space, or one convex body. Gives
- * up, and says no, on scenes where that would take long to find out. */
-bool sl_scene_is_convex(const sl_scene *scene);
+/* Whether a point of the scene's surface can hide another from a light, one of its own triangles among them. */
+typedef enum sl_shadow_casters {
+    SL_NO_SHADOWS,          /* all of it bounds one convex space, or one convex body, and no light without extent is beyond any of its planes */
+    SL_SHADOWS_OF_WALLS,    /* convex, but a light shines from outside */
+    SL_SHADOWS_OF_SURFACES  /* not convex, or so large that it would take long to find out */
+} sl_shadow_casters;
+sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene);
 
 /* memory.c */
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings);
