@@ -156,6 +156,48 @@ static void the_back_of_a_one_sided_area_light_is_dark(void **state) {
     assert_true(sl_map_light_intensity(&light, sl_v3(0, 1, 0)).g == 2.0f);
 }
 
+/* ---- lamps with holes ---- */
+
+/* A panel of radiance 2 whose mask takes away its half beyond x = 1/2, or all of it. */
+static sl_scene *panel_with_hole(bool whole) {
+    const uint8_t left = whole ? 0 : 255;
+    uint8_t texels[16] = {255, 255, 255, left, 255, 255, 255, 0, 255, 255, 255, left, 255, 255, 255, 0};
+    trace_mesh mesh = floor_mesh();
+    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 2);
+    mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};
+    mesh.texture_count = 1;
+    mesh.materials[lamp].alpha_texture = 0;
+    trace_mesh_quad(&mesh, sl_v3(0, 3, 0), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    return trace_mesh_build(&mesh);
+}
+
+static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves_from_where_that_is(void **state) {
+    (void)state;
+    sl_scene *scene = panel_with_hole(false);
+    sl_map_lights *one = find(scene, 1), *many = find(scene, 4);
+    assert_int_equal(one->count, 1);
+    assert_true(close_to((double)one->flux.g, SL_PI * 2.0 * 0.5, 0.02));
+    assert_true(fabsf(one->light[0].position.x - 0.25f) < 0.02f && fabsf(one->light[0].position.z - 0.5f) < 0.02f);
+    double sum = 0.0, beyond = 0.0;
+    for (size_t i = 0; i < many->point_count; i++) {
+        sum += (double)many->point[i].intensity.g;
+        if (many->point[i].position.x > 0.5f) beyond += (double)many->point[i].intensity.g;
+    }
+    assert_true(close_to(sum, 1.0, 0.02) && beyond < 0.01);
+    sl_map_lights_destroy(one);
+    sl_map_lights_destroy(many);
+    sl_scene_destroy(scene);
+}
+
+static void a_lamp_whose_mask_is_clear_all_over_is_no_light(void **state) {
+    (void)state;
+    sl_scene *scene = panel_with_hole(true);
+    sl_map_lights *lights = find(scene, 2);
+    assert_int_equal(lights->count, 0);
+    sl_map_lights_destroy(lights);
+    sl_scene_destroy(scene);
+}
+
 /* ---- which triangles make a light ---- */
 
 static void a_tessellated_panel_is_one_light_and_panels_apart_are_several(void **state) {
@@ -349,6 +391,8 @@ int main(void) {
         cmocka_unit_test(an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone),
         cmocka_unit_test(one_point_of_an_area_light_errs_as_the_paper_s_distant_light_must),
         cmocka_unit_test(the_back_of_a_one_sided_area_light_is_dark),
+        cmocka_unit_test(a_masked_lamp_gives_the_light_of_what_its_mask_leaves_from_where_that_is),
+        cmocka_unit_test(a_lamp_whose_mask_is_clear_all_over_is_no_light),
         cmocka_unit_test(a_tessellated_panel_is_one_light_and_panels_apart_are_several),
         cmocka_unit_test(the_faces_of_a_glowing_box_are_six_lights),
         cmocka_unit_test(a_lamp_of_many_triangles_becomes_at_most_64_lights_and_loses_no_flux),

@@ -67,6 +67,45 @@ static void a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque(void **s
     sl_scene_destroy(half);
 }
 
+/* A floor under a lamp of which the mask leaves two opposite quarters, or nothing. */
+static sl_scene *floor_below_a_masked_lamp(uint8_t left) {
+    uint8_t texels[16] = {255, 255, 255, left, 255, 255, 255, 0, 255, 255, 255, 0, 255, 255, 255, left};
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0), lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 20.0f);
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), white);
+    mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};
+    mesh.texture_count = 1;
+    mesh.materials[lamp].alpha_texture = 0;
+    trace_mesh_quad(&mesh, sl_v3(-0.4f, 2, -0.4f), sl_v3(0.8f, 0, 0), sl_v3(0, 0, 0.8f), lamp);
+    assert_true(sl_camera_look_at(&mesh.camera, sl_v3(0, 1.5f, 2.5f), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 0.9f));
+    return trace_mesh_build(&mesh);
+}
+
+static double mean_green(const sl_scene *scene, const sl_settings *settings) {
+    sl_image *image = render(scene, settings, NULL);
+    const float *plane = sl_image_channel(image, "G");
+    double sum = 0.0;
+    for (int i = 0; i < PIXELS; i++) sum += (double)plane[i];
+    sl_image_destroy(image);
+    return sum / PIXELS;
+}
+
+static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves(void **state) {
+    (void)state;
+    static const char *const methods[] = {"multi-mesh", "direct-radiance"};
+    for (int k = 0; k < 4; k++) {
+        sl_scene *scene = floor_below_a_masked_lamp(k < 2 ? 255 : 0);
+        sl_settings ours = small_settings(methods[k % 2], SIDE, SIDE), truth = small_settings("path", SIDE, SIDE);
+        truth.transport = "direct";
+        truth.spp = 64;
+        double mean = mean_green(scene, &ours), wanted = mean_green(scene, &truth);
+        print_message("%s %.5f, paths %.5f\n", methods[k % 2], mean, wanted);
+        assert_true(k < 2 ? wanted > 0.004 : wanted == 0.0);
+        assert_true(fabs(mean - wanted) <= 0.04 * wanted);
+        sl_scene_destroy(scene);
+    }
+}
+
 /* ---- no numbers ---- */
 
 #define FLOOR_OBJ "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv 2 2 -2\nv -2 2 -2\nf 1 2 3 4\nf 1 4 5 6\n"
@@ -120,6 +159,7 @@ static void a_narrow_strip_at_the_foot_of_a_wall_gets_no_light_from_behind_it(vo
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque),
+        cmocka_unit_test(a_masked_lamp_gives_the_light_of_what_its_mask_leaves),
         cmocka_unit_test(a_triangle_whose_vertices_are_no_numbers_changes_nothing_that_is_seen),
         cmocka_unit_test(a_narrow_strip_at_the_foot_of_a_wall_gets_no_light_from_behind_it),
     };

@@ -28,7 +28,7 @@ static void derive_bounds(sl_scene *scene) {
 }
 
 size_t sl_scene_derive(sl_scene *scene) {
-    size_t without_area = 0;
+    size_t without_area = 0, emissive = 0;
     scene->emitter_count = 0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         sl_vec3d cross;
@@ -43,17 +43,24 @@ size_t sl_scene_derive(sl_scene *scene) {
         scene->emitter_of_triangle[t] = SL_NO_INDEX;
         const sl_material *material = &scene->materials[scene->material_index[t]];
         if (!sl_material_is_emitter(material)) continue;
-        float area = (float)(0.5 * length);
+        float area = (float)(0.5 * length), opaque = scene->opaque_share[emissive++];
         if (!(area > 0.0f) || !isfinite(area)) {
             without_area++;
             continue;
         }
         scene->emitter_of_triangle[t] = (uint32_t)scene->emitter_count;
         scene->emitters[scene->emitter_count++] =
-            (sl_emitter){(uint32_t)t, area, material->emission, material->emission_two_sided};
+            (sl_emitter){(uint32_t)t, area, material->emission, material->emission_two_sided, opaque};
     }
     derive_bounds(scene);
     return without_area;
+}
+
+static void find_opaque_shares(sl_scene *scene) {
+    size_t emissive = 0;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        if (sl_material_is_emitter(&scene->materials[scene->material_index[t]])) scene->opaque_share[emissive++] = sl_scene_opaque_share(scene, (uint32_t)t);
+    }
 }
 
 sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
@@ -63,7 +70,9 @@ sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
     }
     scene->emitters = sl_allocate(emissive, sizeof *scene->emitters);
     scene->emitter_of_triangle = sl_allocate(scene->triangle_count, sizeof *scene->emitter_of_triangle);
-    if (!scene->emitters || !scene->emitter_of_triangle) return sl_fail_memory(error, "the scene's emitters");
+    scene->opaque_share = sl_allocate(emissive, sizeof *scene->opaque_share);
+    if (!scene->emitters || !scene->emitter_of_triangle || !scene->opaque_share) return sl_fail_memory(error, "the scene's emitters");
+    find_opaque_shares(scene);
     size_t without_area = sl_scene_derive(scene);
     if (without_area) {
         sl_scene_warn(scene, "%zu emissive triangles are too small (or too large) to have an area and give no light", without_area);

@@ -55,8 +55,9 @@ typedef struct sl_light {
 typedef struct sl_emitter {
     uint32_t triangle;
     float area;          /* > 0 */
-    sl_rgb radiance;
+    sl_rgb radiance;     /* where its mask leaves it */
     bool two_sided;
+    float opaque;        /* the share of its area that its mask leaves: sl_scene_opaque_share() */
 } sl_emitter;
 
 /* Latitude-longitude radiance, or one constant where width is 0.
@@ -115,6 +116,7 @@ struct sl_scene {
     size_t emitter_count;
     sl_emitter *emitters;       /* in triangle order */
     uint32_t *emitter_of_triangle; /* triangle_count, or SL_NO_INDEX */
+    float *opaque_share;        /* of each triangle of an emissive material, in triangle order: no motion changes it */
     sl_environment environment;
 
     sl_camera camera;
@@ -183,6 +185,11 @@ sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, floa
 /* The same with the nearest texel alone: for gathers, which see a surface through thousands of samples, each far larger than a texel. */
 sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2);
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2);
+/* For who cannot ask the mask at each point of a lamp: points spread evenly over a masked triangle, as fine as its mask's texels, up to 4096 of them; where
+ * each lies, and whether the mask is opaque there; and the share of them that are. 1 without a mask. */
+int sl_scene_mask_points(const sl_scene *scene, uint32_t triangle);
+bool sl_scene_mask_point(const sl_scene *scene, uint32_t triangle, int index, float *w1, float *w2);
+float sl_scene_opaque_share(const sl_scene *scene, uint32_t triangle);
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle); /* the triangle's material has an alpha mask */
 
 /* Radiance that a triangle sends to the side on which geometric_normal points (turned to the viewer): black from behind, unless it shines on both. */

@@ -65,7 +65,7 @@ static void unite_around(const sl_scene *s, const corner *c, size_t count, uint3
 }
 
 static bool shines(const sl_emitter *e) {
-    return e->area > 0.0f && sl_rgb_max(e->radiance) > 0.0f && sl_rgb_is_finite(sl_rgb_scale(e->radiance, e->area));
+    return e->area > 0.0f && e->opaque > 0.0f && sl_rgb_max(e->radiance) > 0.0f && sl_rgb_is_finite(sl_rgb_scale(e->radiance, e->area));
 }
 
 static size_t list_corners(const sl_scene *s, corner *list) {

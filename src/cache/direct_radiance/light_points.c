@@ -98,16 +98,45 @@ static void add_polygon(const place *p, int count, double radiance, share *sum) 
     }
 }
 
+bool sl_map_light_mask_point(const sl_scene *scene, uint32_t triangle, int index, sl_vec3d *at) {
+    float w1, w2;
+    if (!sl_scene_mask_point(scene, triangle, index, &w1, &w2)) return false;
+    const double w[3] = {1.0 - (double)w1 - (double)w2, (double)w1, (double)w2};
+    *at = (sl_vec3d){0};
+    for (int k = 0; k < 3; k++) *at = sl_addd(*at, sl_scaled(sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])), w[k]));
+    return true;
+}
+
+/* Point by point: what a mask leaves is no polygon. */
+static void add_masked(const sl_scene *s, const sl_emitter *e, const rectangle *r, const rectangle *cell, share *sum) {
+    const int count = sl_scene_mask_points(s, e->triangle);
+    const double flux = (double)sl_rgb_mean(e->radiance) * (double)e->area / count;
+    for (int i = 0; i < count; i++) {
+        sl_vec3d at;
+        if (!sl_map_light_mask_point(s, e->triangle, i, &at)) continue;
+        const place p = place_of(r, sl_to_float(at));
+        if (p.x < cell->left || p.x >= cell->right || p.y < cell->bottom || p.y >= cell->top) continue;
+        sum->flux += flux;
+        sum->x += flux * p.x;
+        sum->y += flux * p.y;
+    }
+}
+
 static share share_of_cell(const sl_scene *s, const sl_map_light *light, const uint32_t *emitter, const rectangle *r, const rectangle *cell) {
     share sum = {0};
     for (size_t i = 0; i < light->count; i++) {
+        const sl_emitter *e = &s->emitters[emitter[i]];
         place a[CORNERS_MAX], b[CORNERS_MAX];
+        if (sl_scene_has_alpha(s, e->triangle)) {
+            add_masked(s, e, r, cell, &sum);
+            continue;
+        }
         for (int k = 0; k < 3; k++) a[k] = place_of(r, corner_of(s, emitter[i], k));
         int count = cut(a, 3, false, 1.0, cell->right, b);
         count = cut(b, count, false, -1.0, cell->left, a);
         count = cut(a, count, true, 1.0, cell->top, b);
         count = cut(b, count, true, -1.0, cell->bottom, a);
-        add_polygon(a, count, (double)sl_rgb_mean(s->emitters[emitter[i]].radiance), &sum);
+        add_polygon(a, count, (double)sl_rgb_mean(e->radiance), &sum);
     }
     return sum;
 }

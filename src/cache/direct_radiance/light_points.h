@@ -9,4 +9,7 @@
  * most n * n points are written; returns how many: cells without light have none. emitter: the light's own. */
 size_t sl_map_light_divide(const sl_scene *scene, const sl_map_light *light, const uint32_t *emitter, int n, sl_map_light_point *point);
 
+/* The place of one of a masked triangle's points (sl_scene_mask_point()); false where the mask takes it away. */
+bool sl_map_light_mask_point(const sl_scene *scene, uint32_t triangle, int index, sl_vec3d *at);
+
 #endif

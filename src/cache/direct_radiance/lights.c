@@ -65,11 +65,25 @@ static sl_map_light light_of(const sl_light *l) {
 
 /* Emitters of different colours are weighed by their mean. */
 static double power_of(const sl_emitter *e) {
-    return (e->two_sided ? 2.0 : 1.0) * (double)sl_rgb_mean(e->radiance) * (double)e->area;
+    return (e->two_sided ? 2.0 : 1.0) * (double)sl_rgb_mean(e->radiance) * (double)e->area * (double)e->opaque;
+}
+
+/* Of what its mask leaves. */
+static sl_vec3d middle_of_masked(const sl_scene *s, uint32_t triangle) {
+    sl_vec3d sum = {0}, at;
+    const int count = sl_scene_mask_points(s, triangle);
+    int opaque = 0;
+    for (int i = 0; i < count; i++) {
+        if (!sl_map_light_mask_point(s, triangle, i, &at)) continue;
+        sum = sl_addd(sum, at);
+        opaque++;
+    }
+    return sl_scaled(sum, opaque > 0 ? 1.0 / opaque : 0.0);
 }
 
 static sl_vec3d middle_of(const sl_scene *s, uint32_t triangle) {
     sl_vec3d sum = {0};
+    if (sl_scene_has_alpha(s, triangle)) return middle_of_masked(s, triangle);
     for (int k = 0; k < 3; k++) sum = sl_addd(sum, sl_to_double(sl_scene_position(s, s->vertex[k][triangle])));
     return sl_scaled(sum, 1.0 / 3.0);
 }
@@ -149,7 +163,7 @@ static void place_area_light(const finding *f, sl_map_light *l) {
         double power = power_of(e);
         sum += power;
         area += (double)e->area;
-        intensity = sl_addd(intensity, sl_scaled(sl_v3d(e->radiance.r, e->radiance.g, e->radiance.b), (double)e->area));
+        intensity = sl_addd(intensity, sl_scaled(sl_v3d(e->radiance.r, e->radiance.g, e->radiance.b), (double)e->area * (double)e->opaque));
         centre = sl_addd(centre, sl_scaled(middle_of(f->scene, e->triangle), power));
         normal = sl_addd(normal, sl_scaled(sl_to_double(n), power));
         if (power > most) strongest = n;

@@ -214,7 +214,7 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
     sl_vec3 *corners = c->lights->corners + 3 * c->triangles;
     uint32_t *triangles = c->lights->triangles + c->triangles;
     sl_vec3d centre = {0, 0, 0};
-    double area = 0.0;
+    double area = 0.0, opaque = 0.0;
     for (size_t i = 0; i < count; i++) {
         sl_vec3 *corner = corners + 3 * i;
         sl_vec3d cross;
@@ -228,11 +228,13 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
         sl_vec3d sum = sl_addd(sl_addd(sl_to_double(corner[0]), sl_to_double(corner[1])), sl_to_double(corner[2]));
         centre = sl_addd(centre, sl_scaled(sum, weight / 3.0));
         area += weight;
+        opaque += weight * (double)c->scene->emitters[c->scene->emitter_of_triangle[s[i].triangle]].opaque;
         triangles[i] = s[i].triangle;
     }
+    const float left = area > 0.0 ? (float)(opaque / area) : 1.0f;
     c->lights->light[c->lights->count++] = (sl_sampled_light){
-        .kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID, .colour = sl_rgb_scale(emitter->radiance, (float)SL_PI),
-        .radiance = emitter->radiance, .two_sided = emitter->two_sided, .triangles = count, .corner = corners, .triangle = triangles,
+        .kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID, .colour = sl_rgb_scale(sl_rgb_scale(emitter->radiance, (float)SL_PI), left),
+        .radiance = emitter->radiance, .opaque = left, .two_sided = emitter->two_sided, .triangles = count, .corner = corners, .triangle = triangles,
         .normal = planar ? normal : sl_v3(0, 0, 0), .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
         .scene_light = SL_NO_INDEX, .object = s->object};
     c->triangles += count;

@@ -24,8 +24,9 @@ typedef struct sl_light_edge {
 
 typedef struct sl_sampled_light {
     sl_sampled_kind kind;
-    sl_rgb colour;              /* that F multiplies to irradiance: pi L, I, or E_0 */
-    sl_rgb radiance;            /* L of area lights; 0 of others */
+    sl_rgb colour;              /* that F multiplies to irradiance: pi L times `opaque`, I, or E_0 */
+    sl_rgb radiance;            /* L of area lights where no mask takes it away; 0 of others */
+    float opaque;               /* area lights: the share of them that alpha masks leave, all over alike */
     bool two_sided;
     size_t triangles;           /* area lights */
     const sl_vec3 *corner;      /* three a triangle, counter-clockwise seen from where they shine */

@@ -31,7 +31,7 @@ sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, c
         sl_vec3 reflected = sl_sub(sl_scale(point->normal, 2.0f * sl_dot(point->normal, to_light)), to_light);
         double factor = lobe * (double)sl_powf(sl_dot(reflected, view), exponent) * (double)share[l];
         const float colour[3] = {light->colour.r, light->colour.g, light->colour.b};
-        const float lamp[3] = {light->radiance.r, light->radiance.g, light->radiance.b};
+        const float lamp[3] = {light->opaque * light->radiance.r, light->opaque * light->radiance.g, light->opaque * light->radiance.b};
         for (int k = 0; k < 3; k++) {
             double u = factor * (double)colour[k];
             sum[k] += plain ? u : saturated(u, lamp[k]);
