@@ -1,3 +1,4 @@
+#define _XOPEN_SOURCE 700 /* fmemopen() */
 #include "scene/import_io.h"
 
 #include <errno.h>
@@ -7,6 +8,12 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/file.h"
+#include "scene/mtl_text.h"
+
+typedef struct opened {
+    struct aiFile file; /* comes first: the importer hands this back */
+    sl_text text;       /* what the stream reads, where it is not the file */
+} opened;
 
 /* ---- one file ---------------------------------------------------------------------------------------------------------- */
 
@@ -48,25 +55,47 @@ static bool is_allowed(sl_import_io *io, const char *path) {
     return false;
 }
 
+static FILE *or_starve(sl_import_io *io, FILE *stream) {
+    if (!stream) io->starved |= sl_status_of_errno(errno, SL_ERROR_INPUT) == SL_ERROR_RESOURCES;
+    return stream;
+}
+
+static FILE *open_library(sl_import_io *io, const char *path, sl_text *text) {
+    sl_status status = sl_mtl_text_read(path, text, NULL);
+    io->starved |= status == SL_ERROR_RESOURCES;
+    if (status != SL_OK) return NULL;
+    return or_starve(io, text->size ? fmemopen(text->data, text->size, "r") : fopen(path, "rb"));
+}
+
+static FILE *open_stream(sl_import_io *io, const char *path, sl_text *text) {
+    if (!io->plain || !io->plain->size) return or_starve(io, fopen(path, "rb"));
+    if (strcmp(path, io->path) == 0) return or_starve(io, fmemopen(io->plain->data, io->plain->size, "r"));
+    return open_library(io, path, text);
+}
+
+static void release(opened *file) {
+    if (file) sl_text_release(&file->text);
+    sl_free(file);
+}
+
 static struct aiFile *open_file(struct aiFileIO *procedures, const char *path, const char *mode) {
     sl_import_io *io = (sl_import_io *)(void *)procedures->UserData;
     if (mode[0] != 'r' || !sl_file_exists(path) || !is_allowed(io, path)) return NULL;
-    FILE *stream = fopen(path, "rb");
-    if (!stream) io->starved |= sl_status_of_errno(errno, SL_ERROR_INPUT) == SL_ERROR_RESOURCES;
-    struct aiFile *file = stream ? sl_allocate(1, sizeof *file) : NULL;
-    if (stream && !file) io->starved = true;
-    if (stream && !file) fclose(stream);
-    if (file) *file = (struct aiFile){read_file, write_file, tell, size_of, seek, flush, (aiUserData)(void *)stream};
-    return file;
+    opened *file = sl_allocate(1, sizeof *file);
+    FILE *stream = file ? open_stream(io, path, &file->text) : NULL;
+    if (!file) io->starved = true;
+    if (stream) file->file = (struct aiFile){read_file, write_file, tell, size_of, seek, flush, (aiUserData)(void *)stream};
+    else release(file);
+    return stream ? &file->file : NULL;
 }
 
 static void close_file(struct aiFileIO *procedures, struct aiFile *file) {
     (void)procedures;
     fclose((FILE *)file->UserData);
-    sl_free(file);
+    release((opened *)(void *)file);
 }
 
-void sl_import_io_init(sl_import_io *io, const char *path, const char *folder) {
-    *io = (sl_import_io){.path = path, .folder = folder};
+void sl_import_io_init(sl_import_io *io, const char *path, const char *folder, const sl_text *plain) {
+    *io = (sl_import_io){.path = path, .folder = folder, .plain = plain};
     io->procedures = (struct aiFileIO){open_file, close_file, (aiUserData)(void *)io};
 }

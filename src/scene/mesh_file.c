@@ -242,9 +242,10 @@ static sl_status import(const char *path, sl_import_io *io, const sl_model *mode
     return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read as a mesh: its polygons cannot be cut into triangles", path);
 }
 
-static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl_gltf *gltf, sl_error *error) {
+/* What the importer would read wrong or tell less well. */
+static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl_gltf *gltf, sl_text *plain, sl_error *error) {
     if (is_gltf) return sl_gltf_read(path, gltf, error);
-    if (sl_file_has_extension(path, ".obj")) return sl_obj_check(path, model, error);
+    if (sl_file_has_extension(path, ".obj")) return sl_obj_check(path, model, plain, error);
     return sl_header_check(path, error);
 }
 
@@ -252,12 +253,14 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
     if (sl_file_has_extension(path, ".bpt")) return sl_bicubic_file_load(path, placement, model, error);
     bool is_gltf = sl_file_has_extension(path, ".gltf") || sl_file_has_extension(path, ".glb");
     sl_gltf gltf = {0};
-    sl_status status = check_first(path, model, is_gltf, &gltf, error);
+    sl_text plain = {0};
+    sl_status status = check_first(path, model, is_gltf, &gltf, &plain, error);
     if (status != SL_OK) return status;
     const struct aiScene *file = NULL;
     sl_import_io io;
-    sl_import_io_init(&io, path, model->folder);
+    sl_import_io_init(&io, path, model->folder, &plain);
     status = import(path, &io, model, &file, error);
+    sl_text_release(&plain);
     if (status == SL_OK) status = sl_mesh_file_add(path, file, is_gltf ? &gltf : NULL, placement, model, error);
     if (file) aiReleaseImport(file);
     sl_gltf_release(&gltf);

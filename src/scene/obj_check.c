@@ -6,10 +6,13 @@
 #include "base/memory.h"
 #include "scene/file.h"
 
-/* Vertices, texture coordinates, normals: how many there are, and the largest index that a face names, with its line.
- * Faces may name what comes later in the file, so positive indices are judged at the end. */
+enum { LONGEST_NUMBER = 4000 }; /* the importer takes longer ones for two */
+
+/* Vertices, texture coordinates, normals: the numbers each may have, how many there are, and the largest index that a face
+ * names, with its line. Faces may name what comes later in the file, so positive indices are judged at the end. */
 typedef struct kind {
-    const char *name;
+    const char *word, *name, *lengths;
+    unsigned allowed; /* bit n: n numbers */
     unsigned long count, largest, largest_line;
 } kind;
 
@@ -18,41 +21,40 @@ typedef struct checker {
     unsigned long line;
     kind kinds[3];
     sl_model *model;
+    sl_text *plain;
     sl_error *error;
 } checker;
 
-static bool is_blank(char c) { return c == ' ' || c == '\t'; }
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f' || c == '\v'; }
 static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 static char peek(const checker *c) { return c->at < c->end ? *c->at : '\n'; }
 
-/* Blanks, and line ends that a backslash continues. */
+static void skip_line_end(checker *c) {
+    c->at += c->at + 1 < c->end && c->at[0] == '\r' && c->at[1] == '\n' ? 2 : 1;
+    c->line++;
+}
+
+/* A line end behind a backslash is none. */
+static bool skip_continuation(checker *c) {
+    if (c->at + 1 >= c->end || c->at[0] != '\\' || !is_line_end(c->at[1])) return false;
+    c->at++;
+    skip_line_end(c);
+    return true;
+}
+
 static void skip_blanks(checker *c) {
     for (;;) {
-        if (c->at < c->end && is_blank(*c->at)) {
-            c->at++;
-        } else if (c->at + 1 < c->end && c->at[0] == '\\' && is_line_end(c->at[1])) {
-            c->at += c->at + 2 < c->end && c->at[1] == '\r' && c->at[2] == '\n' ? 3 : 2;
-            c->line++;
-        } else {
-            return;
-        }
+        if (c->at < c->end && is_blank(*c->at)) c->at++;
+        else if (!skip_continuation(c)) return;
     }
 }
 
+/* A comment ends where its line does, whatever stands before the end: a path of Windows may. */
 static void skip_line(checker *c) {
-    while (c->at < c->end && !is_line_end(*c->at)) {
-        if (*c->at == '\\') {
-            skip_blanks(c);
-            if (c->at < c->end && *c->at == '\\') c->at++;
-        } else {
-            c->at++;
-        }
-    }
-    if (c->at >= c->end) return;
-    c->at += c->at + 1 < c->end && c->at[0] == '\r' && c->at[1] == '\n' ? 2 : 1;
-    c->line++;
+    while (c->at < c->end && !is_line_end(*c->at)) c->at++;
+    if (c->at < c->end) skip_line_end(c);
 }
 
 static bool at_end_of_statement(const checker *c) { return is_line_end(peek(c)) || peek(c) == '#'; }
@@ -66,10 +68,17 @@ static int word_length(const checker *c) {
 
 /* ---- numbers --------------------------------------------------------------------------------------------------------- */
 
-/* nan and inf in any of their spellings pass: triangles that use them are dropped later, with a warning. */
+static bool begins_with_letters(const char *at, const char *end, const char *letters) {
+    for (; *letters; at++, letters++) {
+        if (at >= end || (*at | 0x20) != *letters) return false;
+    }
+    return true;
+}
+
+/* nan and inf with any ending pass: triangles that use them are dropped later, with a warning. */
 static bool skip_nonfinite(checker *c) {
-    if (peek(c) != 'n' && peek(c) != 'N' && peek(c) != 'i' && peek(c) != 'I') return false;
-    c->at += word_length(c);
+    if (!begins_with_letters(c->at, c->end, "nan") && !begins_with_letters(c->at, c->end, "inf")) return false;
+    while (c->at < c->end && !is_blank(*c->at) && !is_line_end(*c->at)) c->at++;
     return true;
 }
 
@@ -89,21 +98,52 @@ static bool skip_number(checker *c) {
         if (peek(c) == '+' || peek(c) == '-') c->at++;
         if (!is_digit(peek(c))) return false;
         while (is_digit(peek(c))) c->at++;
-    } else if (digits && peek(c) == '#') {
+    } else if (digits && c->at[-1] == '.' && peek(c) == '#') {
         c->at += word_length(c); /* 1.#INF, 1.#QNAN: infinite and NaN as an old C library printed them */
     }
-    return digits && (is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\');
+    return digits && c->at - start < LONGEST_NUMBER && (is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\');
 }
 
-static sl_status check_numbers(checker *c, int wanted, kind *of) {
-    for (int i = 0; i < wanted; i++) {
-        skip_blanks(c);
+/* The importer does not count what begins with a point, and reads 1.#INF as 1. */
+static void add_number(checker *c, const char *from) {
+    sl_text_add(c->plain, " ", 1);
+    if (memchr(from, '#', (size_t)(c->at - from))) {
+        sl_text_add(c->plain, "nan", 3);
+        return;
+    }
+    if (*from == '+' || *from == '-') sl_text_add(c->plain, from++, 1);
+    if (*from == '.' || *from == ',') sl_text_add(c->plain, "0", 1);
+    sl_text_add(c->plain, from, (size_t)(c->at - from));
+}
+
+static bool is_zero(const char *at, const char *end) {
+    for (; at < end && *at != 'e' && *at != 'E'; at++) {
+        if (*at != '0' && *at != '.' && *at != ',' && *at != '+' && *at != '-') return false;
+    }
+    return true;
+}
+
+static sl_status check_numbers(checker *c, kind *of) {
+    unsigned count = 0;
+    bool ends_in_zero = false;
+    sl_text_add(c->plain, of->word, strlen(of->word));
+    for (skip_blanks(c); !at_end_of_statement(c); skip_blanks(c)) {
         checker before = *c;
         if (!skip_number(c)) {
-            return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %d numbers for a %s, got '%.*s'", c->path, c->line, wanted,
-                           of->name, word_length(&before), before.at);
+            return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got '%.*s'", c->path, c->line, of->lengths, of->name,
+                           word_length(&before), before.at);
         }
+        ends_in_zero = is_zero(before.at, c->at);
+        add_number(c, before.at);
+        count++;
     }
+    if (count > 7 || !(of->allowed >> count & 1)) {
+        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got %u", c->path, c->line, of->lengths, of->name, count);
+    }
+    if (count == 4 && ends_in_zero) {
+        return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected the fourth number of a %s to be other than 0: it divides", c->path, c->line, of->name);
+    }
+    if (count == 1) sl_text_add(c->plain, " 0", 2); /* the second may be left out, for a texture of one dimension */
     of->count++;
     return SL_OK;
 }
@@ -131,13 +171,18 @@ static sl_status check_index(checker *c, kind *of) {
         of->largest = value;
         of->largest_line = c->line;
     }
+    for (; *start == '0'; start++) {} /* the importer would read on behind as many digits as the value has */
+    if (negative) sl_text_add(c->plain, "-", 1);
+    sl_text_add(c->plain, start, (size_t)(c->at - start));
     return SL_OK;
 }
 
 /* v, v/vt, v//vn or v/vt/vn */
 static sl_status check_corner(checker *c) {
+    sl_text_add(c->plain, " ", 1);
     sl_status status = check_index(c, &c->kinds[0]);
     for (int i = 1; i < 3 && status == SL_OK && peek(c) == '/'; i++) {
+        sl_text_add(c->plain, "/", 1);
         c->at++;
         bool empty = peek(c) == '/' || is_blank(peek(c)) || is_line_end(peek(c));
         if (!empty) status = check_index(c, &c->kinds[i]);
@@ -149,10 +194,9 @@ static sl_status check_corner(checker *c) {
 
 static sl_status check_face(checker *c) {
     sl_status status = SL_OK;
+    sl_text_add(c->plain, "f", 1);
     for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c)) status = check_corner(c);
-    if (status != SL_OK || peek(c) != '#') return status;
-    /* The importer takes the comment for a corner. */
-    return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected no comment behind a face: put it on a line of its own", c->path, c->line);
+    return status;
 }
 
 /* ---- lines ---------------------------------------------------------------------------------------------------------------- */
@@ -182,14 +226,38 @@ static bool starts_with(checker *c, const char *word) {
     return true;
 }
 
-static sl_status check_line(checker *c) {
-    while (is_blank(peek(c))) c->at++;
-    if (starts_with(c, "v")) return check_numbers(c, 3, &c->kinds[0]);
-    if (starts_with(c, "vt")) return check_numbers(c, 1, &c->kinds[1]);
-    if (starts_with(c, "vn")) return check_numbers(c, 3, &c->kinds[2]);
+/* Other statements stay as they are, on one line; names may have a # in them, points and lines may not. */
+static void copy_statement(checker *c) {
+    bool numbers = peek(c) == 'p' || peek(c) == 'l';
+    while (c->at < c->end && !is_line_end(*c->at) && !(numbers && *c->at == '#')) {
+        if (skip_continuation(c)) continue;
+        char byte = *c->at++;
+        sl_text_add(c->plain, byte == '\0' || byte == '\f' ? " " : &byte, 1); /* the importer takes these for line ends */
+    }
+    sl_text_trim(c->plain);
+}
+
+/* The importer skips what is between cstype and end, vertices too, and takes parm for points. */
+static bool is_left_out(checker *c) { return peek(c) == '#' || starts_with(c, "cstype") || starts_with(c, "parm"); }
+
+static sl_status check_statement(checker *c) {
+    for (int i = 0; i < 3; i++) {
+        if (starts_with(c, c->kinds[i].word)) return check_numbers(c, &c->kinds[i]);
+    }
     if (starts_with(c, "f")) return check_face(c);
-    if (starts_with(c, "mtllib")) return check_library(c);
-    return SL_OK;
+    checker before = *c;
+    sl_status status = starts_with(c, "mtllib") ? check_library(c) : SL_OK;
+    c->at = before.at;
+    if (!is_left_out(c)) copy_statement(c);
+    return status;
+}
+
+static sl_status check_line(checker *c) {
+    skip_blanks(c);
+    sl_status status = check_statement(c);
+    sl_text_add(c->plain, "\n", 1);
+    skip_line(c);
+    return status;
 }
 
 static sl_status check_largest(const checker *c) {
@@ -202,25 +270,27 @@ static sl_status check_largest(const checker *c) {
     return SL_OK;
 }
 
-static bool is_utf16(const unsigned char *data, size_t size) {
-    return size >= 2 && ((data[0] == 0xff && data[1] == 0xfe) || (data[0] == 0xfe && data[1] == 0xff));
-}
+static bool has_byte_order_mark(const char *data, size_t size) { return size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0; }
 
-sl_status sl_obj_check(const char *path, sl_model *model, sl_error *error) {
+sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_error *error) {
+    *plain = (sl_text){0};
     char *data;
     size_t size;
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
     checker c = {path, data, data + size, 1,
-                 {{"vertex", 0, 0, 0}, {"texture coordinate", 0, 0, 0}, {"normal", 0, 0, 0}}, model, error};
+                 {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0, 0},
+                  {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0, 0},
+                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, model, plain, error};
+    if (has_byte_order_mark(data, size)) c.at += 3;
     /* The importer turns UTF-16 into UTF-8 first; such a file is left to it. */
-    if (!is_utf16((const unsigned char *)data, size)) {
-        while (status == SL_OK && c.at < c.end) {
-            status = check_line(&c);
-            if (status == SL_OK) skip_line(&c);
-        }
+    if (!sl_text_is_utf16(data, size)) {
+        sl_text_reserve(plain, size + 1);
+        while (status == SL_OK && c.at < c.end) status = check_line(&c);
         if (status == SL_OK) status = check_largest(&c);
+        if (status == SL_OK) status = sl_text_check(plain, path, error);
     }
     sl_free(data);
+    if (status != SL_OK) sl_text_release(plain);
     return status;
 }

@@ -1,0 +1,184 @@
+/* OBJ and MTL text: that a spelling which the importer alone reads otherwise gives the scene of the plain one, or an error with its line. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "scene/scene.h"
+#include "scene_files.h"
+
+static sl_scene *load(const char *path) {
+    sl_scene *scene;
+    sl_error error = {0};
+    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    return scene;
+}
+
+static uint64_t hash_of(const char *obj) {
+    sl_scene *scene = load(scene_file_text("a.obj", obj));
+    uint64_t hash = sl_scene_hash(scene);
+    sl_scene_destroy(scene);
+    return hash;
+}
+
+static void expect_same(const char *obj, const char *plain) {
+    if (hash_of(obj) != hash_of(plain)) fail_msg("other than its plain spelling:\n%s", obj);
+}
+
+static void refuse(const char *obj, const char *rest) {
+    const char *path = scene_file_text("bad.obj", obj);
+    sl_scene *scene;
+    sl_error error = {0};
+    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
+    assert_int_equal(strncmp(error.message, path, strlen(path)), 0);
+    assert_string_equal(error.message + strlen(path), rest);
+}
+
+/* The first material of a library of one, which a triangle uses. */
+static sl_material material_of(const char *mtl) {
+    scene_file_text("m.mtl", mtl);
+    sl_scene *scene = load(scene_file_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
+    for (size_t i = 0; i < scene->material_count; i++) {
+        sl_material found = scene->materials[i];
+        if (strcmp(found.name, "m") != 0) continue;
+        found.name = NULL;
+        sl_scene_destroy(scene);
+        return found;
+    }
+    fail_msg("no material 'm'");
+    return (sl_material){0};
+}
+
+/* ---- geometry --------------------------------------------------------------------------------------------------------------- */
+
+static const char plain_quad[] = "v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0.25\nv 0 1 0\nv 9 9 9\n"
+                                 "vt 0 0\nvt 0.5 0\nvt 0.5 0.75\nvt 0.25 0\nvn 0 0.6 0.8\n"
+                                 "o quad\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n";
+
+static void every_spelling_gives_the_scene_of_the_plain_one(void **state) {
+    (void)state;
+    expect_same("\xef\xbb\xbf  v -.5 0 0 # 1 2\n\tv .5 0 0#x\nv +.5 1 \\\n .25 1\nv 0 2 0 2 # w\nv 9 9 9 .1 .2 .3\n"
+                " vt 0 0 # 1\nvt .5\nvt .5 .75 0\nvt .25 0\n  vn 0 .6 .8\t# up\n"
+                " o quad \n  f 1/1/1 2/2/1\\\n3/3/1 # 4/4/1\n\tf +1/01/1 3/+3/1 4/4/01\n",
+                plain_quad);
+}
+
+/* The same text with another end behind each of its lines. */
+static uint64_t hash_with_ends(const char *text, const char *end) {
+    char changed[1024];
+    size_t size = 0;
+    for (; *text; text++) size += (size_t)snprintf(changed + size, sizeof changed - size, *text == '\n' ? end : "%c", *text);
+    return hash_of(changed);
+}
+
+static void every_kind_of_line_end_gives_the_same_scene(void **state) {
+    (void)state;
+    assert_true(hash_with_ends(plain_quad, "\r\n") == hash_of(plain_quad));
+    assert_true(hash_with_ends(plain_quad, "\r") == hash_of(plain_quad));
+    assert_true(hash_with_ends(plain_quad, " \r\n") == hash_of(plain_quad));
+    assert_true(hash_with_ends("v .5 0 0\nv 1 \\\n 0 0\nv 0 1 0\nf 1 2 3\n", "\r\n") == hash_of("v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+}
+
+static void what_the_importer_would_skip_shifts_no_index(void **state) {
+    (void)state;
+    const char *const before[] = {"# C:\\models\\\n", "\f\f", "cstype bezier\n", "# \fv 9 9 9\n", "parm u 0 1 99\n"};
+    for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "%s%s", before[i], plain_quad);
+        expect_same(text, plain_quad);
+    }
+    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 # 99\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
+}
+
+static void numbers_of_an_old_c_library_that_are_not_finite_are_no_ones(void **state) {
+    (void)state;
+    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1.#IND 5 5\nf 1 2 3\nf 1 2 4\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 5 5\nf 1 2 3\nf 1 2 4\n");
+}
+
+static void names_keep_what_elsewhere_is_a_comment(void **state) {
+    (void)state;
+    scene_file_text("hash #1.mtl", "newmtl Material #25\nKd 0.1 0.2 0.3\n");
+    sl_scene *scene = load(scene_file_text("named.obj", " mtllib hash #1.mtl \nv 0 0 0\nv 1 0 0\nv 0 1 0\n usemtl Material #25 \nf 1 2 3\n"));
+    assert_true(scene->materials[scene->material_index[0]].diffuse.g == 0.2f);
+    assert_string_equal(scene->materials[scene->material_index[0]].name, "Material #25");
+    sl_scene_destroy(scene);
+}
+
+static void counts_of_numbers_without_a_meaning_are_told_by_line(void **state) {
+    (void)state;
+    refuse("v 0 0 0\nv 1 0 0 0.5 0.5\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 5");
+    refuse("v 0 0 0\n\nv 1 0 0 1 1 1 1 # alpha\nv 0 1 0\nf 1 2 3\n", ":3: expected 3, 4 or 6 numbers for a vertex, got 7");
+    refuse("v 0 0 0\nv 1 0 0 0.0\nv 0 1 0\nf 1 2 3\n", ":2: expected the fourth number of a vertex to be other than 0: it divides");
+    refuse("v 0 0 0\nv 1 0 0 b\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'b'");
+    refuse("v 0 0 0\nv none 0 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'none'");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1/1 2/1 3/1\n", ":4: expected 1, 2 or 3 numbers for a texture coordinate, got 4");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1\nf 1//1 2//1 3//1\n", ":4: expected 3 numbers for a normal, got 2");
+}
+
+/* All the file is read again and again by pieces: nothing is lost where one ends, nor behind the last line end. */
+static void a_long_file_loses_nothing_of_what_its_copy_gains(void **state) {
+    (void)state;
+    enum { VERTICES = 1500000 };
+    char *text = malloc(16 * VERTICES + 64);
+    assert_non_null(text);
+    size_t size = 0;
+    for (int i = 0; i < VERTICES; i++) size += (size_t)sprintf(text + size, "v .%d .1 .2\n", 100000 + i % 7);
+    size += (size_t)sprintf(text + size, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf %d -2 -1\nf -1 -2 -3", VERTICES + 1);
+    sl_scene *scene = load(scene_file_write("long.obj", text, size));
+    assert_int_equal(sl_scene_triangle_count(scene), 2);
+    sl_scene_destroy(scene);
+    free(text);
+}
+
+/* ---- materials -------------------------------------------------------------------------------------------------------------- */
+
+static void expect_grey(sl_rgb colour, float value) {
+    assert_true(colour.r == value && colour.g == value && colour.b == value);
+}
+
+static void one_number_of_a_colour_stands_for_all_three(void **state) {
+    (void)state;
+    expect_grey(material_of("newmtl m\nKd 0.5\n").diffuse, 0.5f);
+    expect_grey(material_of("newmtl m\r\n  Kd .25 # grey\r\n").diffuse, 0.25f);
+    expect_grey(material_of("newmtl m\nKd 0\nKe 3 \n").emission, 3.0f);
+    expect_grey(material_of("newmtl m\nKd 0\nNs 9\nillum 2\nKs\t0.5").specular, 0.5f);
+    assert_true(material_of("newmtl m\nKd 0.5 0.25 0.125 # green\n").diffuse.b == 0.125f);
+}
+
+static void blanks_behind_the_name_of_a_texture_are_no_part_of_it(void **state) {
+    (void)state;
+    sl_image *image;
+    assert_int_equal(sl_image_create(2, 1, 3, NULL, &image, NULL), SL_OK);
+    scene_file_text("t 1.png", "");
+    assert_int_equal(sl_image_write(image, scene_file_path("t 1.png"), NULL), SL_OK);
+    sl_image_destroy(image);
+    assert_int_not_equal(material_of("newmtl m\nKd 1 1 1\nmap_Kd t 1.png \t \n").texture, SL_NO_INDEX);
+    assert_int_not_equal(material_of("newmtl m\nKd 1 1 1\n map_Kd t 1.png").texture, SL_NO_INDEX);
+}
+
+static void an_empty_library_is_one_without_materials(void **state) {
+    (void)state;
+    scene_file_text("m.mtl", "");
+    expect_same("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_spelling_gives_the_scene_of_the_plain_one),
+        cmocka_unit_test(every_kind_of_line_end_gives_the_same_scene),
+        cmocka_unit_test(what_the_importer_would_skip_shifts_no_index),
+        cmocka_unit_test(numbers_of_an_old_c_library_that_are_not_finite_are_no_ones),
+        cmocka_unit_test(names_keep_what_elsewhere_is_a_comment),
+        cmocka_unit_test(counts_of_numbers_without_a_meaning_are_told_by_line),
+        cmocka_unit_test(a_long_file_loses_nothing_of_what_its_copy_gains),
+        cmocka_unit_test(one_number_of_a_colour_stands_for_all_three),
+        cmocka_unit_test(blanks_behind_the_name_of_a_texture_are_no_part_of_it),
+        cmocka_unit_test(an_empty_library_is_one_without_materials),
+    };
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
+}
