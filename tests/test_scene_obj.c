@@ -86,12 +86,13 @@ static void every_kind_of_line_end_gives_the_same_scene(void **state) {
 
 static void what_the_importer_would_skip_shifts_no_index(void **state) {
     (void)state;
-    const char *const before[] = {"# C:\\models\\\n", "\f\f", "cstype bezier\n", "# \fv 9 9 9\n", "parm u 0 1 99\n"};
+    const char *const before[] = {"# C:\\models\\\n", "\f\f", "cstype bezier\n", "# \fv 9 9 9\n", "parm u 0 1 99\n", "vp 1 2\n", "vt1 2\n", "vn1 2 3\n"};
     for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
         char text[1024];
         snprintf(text, sizeof text, "%s%s", before[i], plain_quad);
         expect_same(text, plain_quad);
     }
+    expect_same("v\\\n0 0 0\nv 1 0 0\nv 0 1 0\nfo 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 # 99\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
 }
 

@@ -221,7 +221,7 @@ static sl_status check_library(checker *c) {
 
 static bool starts_with(checker *c, const char *word) {
     size_t length = strlen(word);
-    if ((size_t)(c->end - c->at) <= length || memcmp(c->at, word, length) != 0 || !is_blank(c->at[length])) return false;
+    if ((size_t)(c->end - c->at) <= length || memcmp(c->at, word, length) != 0 || !(is_blank(c->at[length]) || c->at[length] == '\\')) return false;
     c->at += length;
     return true;
 }
@@ -237,14 +237,17 @@ static void copy_statement(checker *c) {
     sl_text_trim(c->plain);
 }
 
-/* The importer skips what is between cstype and end, vertices too, and takes parm for points. */
-static bool is_left_out(checker *c) { return peek(c) == '#' || starts_with(c, "cstype") || starts_with(c, "parm"); }
+/* The importer skips what is between cstype and end, vertices too, takes parm for points, and other words with these letters for what
+ * was not counted. */
+static bool is_left_out(checker *c) {
+    return peek(c) == '#' || peek(c) == 'v' || peek(c) == 'f' || starts_with(c, "cstype") || starts_with(c, "parm");
+}
 
 static sl_status check_statement(checker *c) {
     for (int i = 0; i < 3; i++) {
         if (starts_with(c, c->kinds[i].word)) return check_numbers(c, &c->kinds[i]);
     }
-    if (starts_with(c, "f")) return check_face(c);
+    if (starts_with(c, "f") || starts_with(c, "fo")) return check_face(c); /* fo is an old name of the same */
     checker before = *c;
     sl_status status = starts_with(c, "mtllib") ? check_library(c) : SL_OK;
     c->at = before.at;
