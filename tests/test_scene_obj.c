@@ -86,7 +86,7 @@ static void every_kind_of_line_end_gives_the_same_scene(void **state) {
 
 static void what_the_importer_would_skip_shifts_no_index(void **state) {
     (void)state;
-    const char *const before[] = {"# C:\\models\\\n", "\f\f", "cstype bezier\n", "# \fv 9 9 9\n", "parm u 0 1 99\n", "vp 1 2\n", "vt1 2\n", "vn1 2 3\n"};
+    const char *const before[] = {"# C:\\models\\\n", "\f\f", "cstype bezier\n", "# \fv 9 9 9\n", "parm u 0 1 99\n", "lod 99\n", "vp 1 2\n", "vt1 2\n", "vn1 2 3\n"};
     for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
         char text[1024];
         snprintf(text, sizeof text, "%s%s", before[i], plain_quad);
@@ -110,7 +110,7 @@ static void names_keep_what_elsewhere_is_a_comment(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void counts_of_numbers_without_a_meaning_are_told_by_line(void **state) {
+static void what_has_no_meaning_is_told_by_line(void **state) {
     (void)state;
     refuse("v 0 0 0\nv 1 0 0 0.5 0.5\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 5");
     refuse("v 0 0 0\n\nv 1 0 0 1 1 1 1 # alpha\nv 0 1 0\nf 1 2 3\n", ":3: expected 3, 4 or 6 numbers for a vertex, got 7");
@@ -118,6 +118,7 @@ static void counts_of_numbers_without_a_meaning_are_told_by_line(void **state) {
     refuse("v 0 0 0\nv 1 0 0 b\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'b'");
     refuse("v 0 0 0\nv none 0 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'none'");
     refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1/1 2/1 3/1\n", ":4: expected 1, 2 or 3 numbers for a texture coordinate, got 4");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 99\nf 1 2 3\n", ":4: vertex index 99 is out of range: the file has 3");
     refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1\nf 1//1 2//1 3//1\n", ":4: expected 3 numbers for a normal, got 2");
 }
 
@@ -175,7 +176,7 @@ int main(void) {
         cmocka_unit_test(what_the_importer_would_skip_shifts_no_index),
         cmocka_unit_test(numbers_of_an_old_c_library_that_are_not_finite_are_no_ones),
         cmocka_unit_test(names_keep_what_elsewhere_is_a_comment),
-        cmocka_unit_test(counts_of_numbers_without_a_meaning_are_told_by_line),
+        cmocka_unit_test(what_has_no_meaning_is_told_by_line),
         cmocka_unit_test(a_long_file_loses_nothing_of_what_its_copy_gains),
         cmocka_unit_test(one_number_of_a_colour_stands_for_all_three),
         cmocka_unit_test(blanks_behind_the_name_of_a_texture_are_no_part_of_it),

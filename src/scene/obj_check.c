@@ -192,9 +192,10 @@ static sl_status check_corner(checker *c) {
                    word_length(c), c->at);
 }
 
-static sl_status check_face(checker *c) {
+/* Of a face, a line, a point. */
+static sl_status check_corners(checker *c, const char *word) {
     sl_status status = SL_OK;
-    sl_text_add(c->plain, "f", 1);
+    sl_text_add(c->plain, word, 1);
     for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c)) status = check_corner(c);
     return status;
 }
@@ -226,10 +227,9 @@ static bool starts_with(checker *c, const char *word) {
     return true;
 }
 
-/* Other statements stay as they are, on one line; names may have a # in them, points and lines may not. */
+/* Other statements stay as they are, on one line: names may have a # in them. */
 static void copy_statement(checker *c) {
-    bool numbers = peek(c) == 'p' || peek(c) == 'l';
-    while (c->at < c->end && !is_line_end(*c->at) && !(numbers && *c->at == '#')) {
+    while (c->at < c->end && !is_line_end(*c->at)) {
         if (skip_continuation(c)) continue;
         char byte = *c->at++;
         sl_text_add(c->plain, byte == '\0' || byte == '\f' ? " " : &byte, 1); /* the importer takes these for line ends */
@@ -237,17 +237,16 @@ static void copy_statement(checker *c) {
     sl_text_trim(c->plain);
 }
 
-/* The importer skips what is between cstype and end, vertices too, takes parm for points, and other words with these letters for what
- * was not counted. */
-static bool is_left_out(checker *c) {
-    return peek(c) == '#' || peek(c) == 'v' || peek(c) == 'f' || starts_with(c, "cstype") || starts_with(c, "parm");
-}
+/* The importer takes any word that begins like v, f, l or p for it, and skips what is between cstype and end, vertices too. */
+static bool is_left_out(checker *c) { return memchr("#vflp", peek(c), 5) || starts_with(c, "cstype"); }
 
 static sl_status check_statement(checker *c) {
     for (int i = 0; i < 3; i++) {
         if (starts_with(c, c->kinds[i].word)) return check_numbers(c, &c->kinds[i]);
     }
-    if (starts_with(c, "f") || starts_with(c, "fo")) return check_face(c); /* fo is an old name of the same */
+    if (starts_with(c, "f") || starts_with(c, "fo")) return check_corners(c, "f"); /* fo is an old name of the same */
+    if (starts_with(c, "l")) return check_corners(c, "l");
+    if (starts_with(c, "p")) return check_corners(c, "p");
     checker before = *c;
     sl_status status = starts_with(c, "mtllib") ? check_library(c) : SL_OK;
     c->at = before.at;
