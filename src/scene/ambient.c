@@ -70,7 +70,7 @@ static rgbd power_of_lights(const sl_scene *scene, bool core) {
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
         double share = !core ? 1.0 : share_for_core(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
-        add(&power, e->radiance, share * SL_PI * (double)e->area * (e->two_sided ? 2.0 : 1.0));
+        add(&power, e->radiance, share * SL_PI * (double)e->area * (double)e->opaque * (e->two_sided ? 2.0 : 1.0));
     }
     for (size_t i = 0; i < scene->light_count; i++) {
         const sl_light *light = &scene->lights[i];
