@@ -203,7 +203,7 @@ static void stamp_splatting(stamping *st, const sl_settings *s) {
     stamp_text(st, "order", orders[s->order]);
     stamp_text(st, "metric", metrics[s->metric]);
     stamp_real(st, "glossy_accuracy", s->glossy_accuracy);
-    stamp_count(st, "harmonics_order", (uint64_t)s->harmonics_order);
+    stamp_count(st, "harmonics", (uint64_t)s->harmonics_order);
     stamp_count(st, "bounces", s->bounces);
     stamp_count(st, "hit_samples", s->hit_samples);
     stamp_count(st, "records_per_frame", s->records_per_frame);
@@ -270,7 +270,7 @@ static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) 
     stamp_flag(st, "geometric_normals", o->geometric_normals);
     stamp_flag(st, "environment_mirrors", o->environment_mirrors);
     stamp_flag(st, "atlas", o->atlas);
-    if (o->atlas) stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
+    stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
     stamp_flag(st, "direct_sky", o->direct_sky);
     stamp_flag(st, "indirect_only", o->indirect_only);
 }
