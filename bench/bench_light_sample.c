@@ -1,10 +1,10 @@
 /* Sampling one area light by hardware and by rays (multi-mesh caching, section on hardware sampling), on the generated room:
  *
- *   samples      E1, E2: N x N pixels of the light's picture, N x N jittered shadow rays in coherent packets of 16: time and error of each (paper:
+ *   samples      N x N pixels of the light's picture, N x N jittered shadow rays in coherent packets of 16: time and error of each (paper:
  *                0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays)
  *   equal-error  how many pixels are as good as so many rays, and what both cost
  *   edge         error against the closed form: a light behind a straight edge, along the light's sides and at random angles
- *   parts        E3, E4: time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and reading back (paper: 70 %); and what
+ *   parts        time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and reading back (paper: 70 %); and what
  *                finding occluders by cone and grid would cost beside the hardware's own culling of clusters
  *
  * Points are what the camera sees in random pixels, unless they get next to nothing from the light; errors are of those that see a part of it,

@@ -1,9 +1,9 @@
 /* Section 7 of the paper: a furnished room of 7,000 triangles with one area light, 640 x 480.
  *
- *   samples   E7: of the coarse mesh, of direct and of indirect light, for pictures of several qualities, with their errors; how many bytes
+ *   samples   how many: of the coarse mesh, of direct and of indirect light, for pictures of several qualities, with their errors; how many bytes
  *             an element of the meshes takes; seconds to the first picture, to one within 15 % of the reference (relRMSE), to the end
- *   passes    E6: a picture from cached samples, pass by pass
- *   costs     E5, E8: a sample of direct and one of indirect light; the coarse mesh
+ *   passes    a picture from cached samples, pass by pass
+ *   costs     a sample of direct and one of indirect light; the coarse mesh
  *   threads   all of it with two threads, by a clock
  *
  * Processor time of one thread unless it says otherwise.

@@ -107,7 +107,7 @@ static void run_path_tracer(const bench_options *o, octree_world *w, bench_serie
     snprintf(last->what, sizeof last->what, "%u samples, by noise", (unsigned)w->reference.samples);
 }
 
-/* ---- X8: first pictures ---- */
+/* ---- first pictures ---- */
 
 typedef struct stopwatch {
     double from, shown[8];

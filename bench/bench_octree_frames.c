@@ -1,4 +1,4 @@
-/* What the light octree takes in memory (section 4), and how fast it and its atlas make frames: at two sizes of picture, with either filter, over
+/* What the light octree takes in memory, and how fast it and its atlas make frames: at two sizes of picture, with either filter, over
  * lights a voxel, with the texture fetches that each pixel takes. The paper's graphics card made 40 frames a second at 800 x 600, 10 at
  * 1280 x 1024, and 25 to 10 for 1 to 8 lights; from the atlas 700 to 200. */
 #include <stdlib.h>
@@ -35,7 +35,7 @@ static void memory_row(bench_report *r, const bench_options *o, const char *path
     octree_light_voxels(scene, octree, tree, &settings, 2, &light);
     double leaves = (double)octree->leaf_count, bricks = 32.0 * (double)light.texture->brick_count;
     double lights = 16.0 * (double)light.texture->width * (double)light.texture->height, dense = 256.0 * (double)(1ull << 3 * depth);
-    double derived = (32.0 / 3.0 + 64.0) * leaves; /* section 4: a brick for 3 leaves, 4 lights of 16 bytes */
+    double derived = (32.0 / 3.0 + 64.0) * leaves; /* a brick for 3 leaves, 4 lights of 16 bytes */
     bench_row(r, "%s|%d|%zu|%zu|%.2f|%.3f|%.3f|%.3f|%.3f|%.0f|%.1f|%.1f", name, depth, octree->leaf_count, light.texture->brick_count,
               leaves / (double)light.texture->brick_count, mebi * bricks, mebi * lights, mebi * (bricks + lights), mebi * derived, mebi * dense,
               mebi * (double)(sl_octree_bytes(octree) + sl_voxel_lights_bytes(light.lights)), mebi * (double)sl_photon_tree_bytes(tree));

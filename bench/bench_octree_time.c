@@ -62,7 +62,7 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* ---- X1, Fig. 13 ---- */
+/* ---- depth and triangles: Fig. 13 ---- */
 
 enum { POINTS = 64 };
 typedef struct line {
@@ -183,7 +183,7 @@ static void triangles(bench_report *r, const bench_options *o, const char *path,
     close_world(&w);
 }
 
-/* ---- X2, Fig. 14 ---- */
+/* ---- neighbours and photons: Fig. 14 ---- */
 
 enum { KS = 4, MAPS = 4 };
 static const int ks[KS] = {50, 100, 250, 500};
@@ -229,7 +229,7 @@ static void gathers(bench_report *r, const bench_options *o, const char *path) {
     close_world(&w);
 }
 
-/* ---- X3, Fig. 17 ---- */
+/* ---- lights a voxel: Fig. 17 ---- */
 
 enum { NS = 6 };
 static const int ns[NS] = {1, 2, 3, 4, 6, 8};
@@ -281,7 +281,7 @@ static void clusters(bench_report *r, const bench_options *o, const char *path) 
     close_world(&w);
 }
 
-/* ---- X6 and the goal: threads ---- */
+/* ---- threads ---- */
 
 static const char *const part_names[PARTS] = {"Embree's hierarchy", "photons", "photon tree", "octree", "gathers and clusters", "textures"};
 

@@ -1,4 +1,4 @@
-/* A view at rest: error over shaded points, and over time (section 6 of the paper; its figure of diffuse interreflection: what the RenderCache has after
+/* A view at rest: error over shaded points, and over time (the paper's figure of diffuse interreflection: what the RenderCache has after
  * 120 s the shading cache has after 10). The same sample renderers for both, the same points a batch; beside them the path tracer, pixel by pixel.
  *
  * Errors are those of displayed grey levels (RMS) against what the renderers say of each pixel: what both caches approach. How far that itself is from the path tracer's picture is said

@@ -147,7 +147,7 @@ static void close_world(world *w) {
 /* ---- errors ---- */
 
 typedef struct gather_error {
-    double relative;    /* sqrt(mean (E-A)(E-B) / r^2), the paper's by its order (section 2.7) */
+    double relative;    /* sqrt(mean (E-A)(E-B) / r^2): per value, as only so the borders come in the paper's order */
     double hemisphere;  /* the same without the light samples' noise */
     double to_mean;     /* sqrt(mean (E-A)(E-B)) / mean r */
     double bias;        /* mean (E-r)/r */

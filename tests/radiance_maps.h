@@ -123,7 +123,7 @@ static inline sl_map_photons *take_photons(const sl_scene *scene, const sl_radia
     return photons;
 }
 
-/* Section 2.4's flux weight, of grey light. */
+/* The flux weight (cache/direct_radiance/weights.h) of grey light, once more in double. */
 static inline double flux_irradiance(const sl_map_photons *photons, sl_vec3d x, sl_vec3d n) {
     double sum = 0.0;
     for (size_t j = 0; j < photons->count; j++) {

@@ -85,7 +85,7 @@ static void point_light_falls_with_cosine_and_squared_distance(void **state) {
     }
 }
 
-/* The table of section 2.1: (9) over the exact irradiance of a square light of side s, at height d above a parallel plane, d / s = 0.5,
+/* What taking an area light for "very distant" costs: (9) over the exact irradiance of a square light of side s, at height d above a parallel plane, d / s = 0.5,
  * 1, 2, 5. E of a square is the sum over four corners, (L/2) sum of x / sqrt(1 + x^2) atan(y / sqrt(1 + x^2)) + likewise. */
 static double corner_factor(double x, double y) {
     double p = sqrt(1.0 + x * x), q = sqrt(1.0 + y * y);

@@ -101,7 +101,7 @@ static void picture_has_the_bits_of_the_plain_double_loop(void **state) {
     free_receivers(receivers);
 }
 
-/* (10) with the boxed formula of section 2.4, written once more, in double. */
+/* (10) with the flux weight, written once more, in double. */
 static void lambertian_receiver_agrees_with_a_double_loop_in_double(void **state) {
     sl_receivers *r = random_receivers(0);
     sl_map_photons *photons = room_photons(false);
@@ -236,7 +236,7 @@ static void lobe_of_exponent_0_is_lambertian_on_the_receiver(void **state) {
     free_receivers(diffuse);
 }
 
-/* Section 2.5: f_r(y) for rho / pi. With n = 0, and light from the side, the lobe covers the hemisphere's part around the mirrored light. */
+/* Photons of glossy surfaces: f_r(y) for rho / pi. With n = 0, and light from the side, the lobe covers the hemisphere's part around the mirrored light. */
 static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light(void **state) {
     enum { N = 150 };
     sl_receivers *r = floor_row(sl_v3(0, 0, 3), sl_v3(0, 0, 3), N, DIFFUSE_MATERIAL, 0.5f);

@@ -405,7 +405,7 @@ static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) 
     sl_scene_destroy(scene);
 }
 
-/* Section 2.4: a receiver above a floor patch, at a tenth of its half side, where four photons' footprints meet. (What polygons
+/* A receiver above a floor patch, at a tenth of its half side, where four photons' footprints meet. (What polygons
  * lack is that the light falls off within each of them.) */
 static void close_to_a_patch_polygons_are_right_where_discs_are_not(void **state) {
     (void)state;
@@ -564,7 +564,7 @@ static void a_rounded_silhouette_sends_on_no_more_than_arrives(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Section 7: a light that comes down to a floor. Its photons' irradiance at a receiver beside settles. */
+/* A light that comes down to a floor. Its photons' irradiance at a receiver beside settles. */
 static void the_irradiance_settles_as_a_light_comes_near_a_surface(void **state) {
     (void)state;
     sl_scene *scene = room(0.5f, 0);

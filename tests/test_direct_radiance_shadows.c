@@ -1,4 +1,4 @@
-/* Depth cubes around lights (section 2.9 of the method): against rays, on lit planes, at contacts, and which of their faces are drawn. */
+/* Depth cubes around lights: against rays, on lit planes, at contacts, and which of their faces are drawn. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* A light glides past a box, and samples change surface: what that does to the irradiance from frame to frame (section 2.7). */
+/* A light glides past a box, and samples change surface: what that does to the irradiance from frame to frame. */
 #include "radiance_maps.h"
 
 #include "cache/direct_radiance/steady.h"

@@ -1,4 +1,4 @@
-/* Weights of photons against closed forms and fine integrals (sections 2.4 and 6). */
+/* Weights of photons against closed forms and fine integrals: in a sphere, in a cube room, over a floor patch, of one photon ahead. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

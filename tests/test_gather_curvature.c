@@ -1,4 +1,4 @@
-/* Second derivatives of a gather along the tangent plane against closed forms (cache-math 3.5, 8.1) and differences. */
+/* Second derivatives of a gather along the tangent plane against closed forms (Lambert's of polygon lights, with an occluder before them and without) and differences. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

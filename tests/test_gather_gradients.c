@@ -1,4 +1,4 @@
-/* Gradients against closed forms (cache-math 8.1, 8.7) and against differences of finer gathers. */
+/* Gradients against closed forms (Lambert's of polygon lights, the inside of a sphere) and against differences of finer gathers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -116,7 +116,7 @@ static void rotational_gradient_has_the_sign_of_turning(void **state) {
 }
 
 /* L = 1 + x / 2 on the unit sphere, seen from its lowest point: E = pi; moving along the sphere turns the normal as well, and the
- * two gradients cancel (cache-math 8.7). */
+ * two gradients cancel. */
 static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
     (void)state;
     enum { SHADES = 256 };

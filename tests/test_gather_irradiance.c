@@ -51,7 +51,7 @@ static void furnace_gives_pi(void **state) {
     world_free(w);
 }
 
-/* Relative rms error over positions under the quad of cache-math 8.1. */
+/* Relative rms error, against Lambert's formula, over positions under the first quad of test_gather_tables.c. */
 static double polygon_rms(world *w, const sl_gather_settings *s) {
     sl_vec3d light[4] = {{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}};
     gatherer g = gatherer_new(w, s);
@@ -154,7 +154,7 @@ static void emitters_that_do_not_count_still_have_a_distance(void **state) {
     world_free(w);
 }
 
-/* One bounce inside a sphere is the same everywhere: albedo x mean direct irradiance (cache-math 8.7). */
+/* One bounce inside a sphere is the same everywhere: albedo x mean direct irradiance. */
 static void integrating_sphere_is_evenly_lit(void **state) {
     (void)state;
     world *w = world_new();

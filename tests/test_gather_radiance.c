@@ -175,7 +175,7 @@ static double cosine_part(const sl_wall *wall) {
     return 0.5 * sqrt(2 * SL_PI) * wall->mean[0] + 0.5 * sqrt(2 * SL_PI / 3) * wall->mean[sl_hsh_even(1, 0)];
 }
 
-/* cache-math 3.3 and 4: the wall at u from v0 to v1 moves by integral of dv / l^3; a ring of the concentric map by
+/* The wall at u from v0 to v1 moves by integral of dv / l^3; a ring of the concentric map by
  * d phi sin theta cos theta along u, a meridian by d theta along v; in the border extension the cosine-weighted wall is
  * 1 / (2 h (1 + h^2)) along v. */
 static void walls_move_as_their_closed_forms(void **state) {

@@ -1,4 +1,4 @@
-/* The gather's weights and walls against closed forms, sums and quadrature (cache-math 2, 3 and 8). */
+/* The gather's weights and walls against closed forms, sums and quadrature. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -36,7 +36,7 @@ static void cells_and_extensions_fill_the_hemisphere(void **state) {
         assert_near(cosine / SL_PI, 4.0 / SL_PI * s * sl_atan(s), 1e-13);
     }
     double s = sl_sin(sl_atan(2.0));
-    assert_near(4.0 / SL_PI * s * sl_atan(s), 0.8310, 5e-5); /* the share of radiance-cache-splatting 2.6 */
+    assert_near(4.0 / SL_PI * s * sl_atan(s), 0.8310, 5e-5); /* of the cosine-weighted hemisphere, what 126.87 degrees see */
 }
 
 static void closed_forms_equal_the_polygon_form(void **state) {
@@ -134,7 +134,7 @@ static void borders_differ_as_the_paper_says(void **state) {
             assert_near(beyond / SL_PI, 0.042, 0.0005);
             assert_near(corner, all, 1e-7);
         }
-        if (borders[k] == SL_BORDER_RADIAL) { /* the weights of radiance-cache-splatting 2.6 */
+        if (borders[k] == SL_BORDER_RADIAL) { /* the middle of an edge with what lies beyond it, and the centre */
             assert_near((double)t->weight[32], 1.64e-4 + 3.12e-3, 1e-5);
             assert_near((double)t->weight[32 * 64 + 32], 3.89e-3, 1e-5);
         }
@@ -173,7 +173,7 @@ typedef struct polygon_case {
     double eps;
 } polygon_case;
 
-/* The values of cache-math 8.1, L = 5; the vertices' order makes the light shine towards the receiver. */
+/* Lambert's formula and its gradient, L = 5; the vertices' order makes the light shine towards the receiver. */
 static const polygon_case polygons[] = {
     {{{-0.7, -0.4, 1.3}, {-0.7, 0.9, 1.3}, {1.1, 0.9, 1.3}, {1.1, -0.4, 1.3}}, {0.35, 0.2, 0}, {0, 0, 1},
      4.643140759564, {-0.648396539400, 0.305188879962, 4.868137219652}, 1e-11},

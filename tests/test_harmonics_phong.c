@@ -143,7 +143,7 @@ static void interpolation_between_rows_is_close(void **state) {
     sl_phong_table_destroy(table);
 }
 
-/* Relative L2 error of the lobe, per cent (radiance-cache splatting, section 3.3). */
+/* Relative L2 error of the lobe cut off at that order, per cent. */
 static void truncation_is_as_published(void **state) {
     (void)state;
     const struct {

@@ -1,5 +1,5 @@
-/* What tilting is for: radiance reflected by a Phong lobe at a place whose normal is not the record's, in smooth surroundings
- * (radiance-cache splatting, table of section 3.4). Beside the tables D stand two rivals that move the lobe instead of the
+/* What tilting is for: radiance reflected by a Phong lobe at a place whose normal is not the record's, in smooth surroundings.
+ * Beside the tables D stand two rivals that move the lobe instead of the
  * coefficients: aligned by its mirror direction, and exactly but for what the pixel's horizon cuts off (moved_lobe.c). */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -110,7 +110,7 @@ static void one_cluster_is_the_weighted_mean(void **state) {
     free(c);
 }
 
-/* Section 6, X3: 6,000 photons of a cosine law, equal weights; with 300 of them a little less. */
+/* RMS angle from photons to the lights they are put to: 6,000 photons of a cosine law, equal weights; with 300 of them a little less. */
 static void the_spread_over_the_number_of_lights_is_that_of_the_table(void **state) {
     (void)state;
     const int counts[] = {1, 2, 3, 4, 6, 8};

@@ -1,4 +1,4 @@
-/* Hard cases of voxels (section 7), each with photons strewn or traced: slivers, no normal, few photons, caustics; and what becomes of their energy. */
+/* Hard cases of voxels, each with photons strewn or traced: slivers, no normal, few photons, caustics; and what becomes of their energy. */
 #include "light_octree_photons.h"
 
 #include "trace_scenes.h"
@@ -232,7 +232,7 @@ static void a_mirror_ring_makes_a_bright_cusp_and_keeps_its_flux(void **state) {
 
 /* ---- one texel a light ---- */
 
-/* Section 2.5: a packed direction is 0.01374 off at most (as a chord), so each light's share of radiance is, too, times its colour; the texture has one
+/* A packed direction is 0.01374 off at most (as a chord), so each light's share of radiance is, too, times its colour; the texture has one
  * texel a light where an unpacked direction would want two. */
 static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     (void)state;

@@ -14,7 +14,7 @@ typedef struct cloud {
     sl_vec3 normal;
 } cloud;
 
-/* Section 2.4's fields: an even hemisphere, or a lobe of the 20th power at 60 degrees. */
+/* Two fields of light: an even hemisphere, or a lobe of the 20th power at 60 degrees. */
 static cloud field(bool lobe) {
     cloud c = {.normal = {0, 0, 1}};
     assert_int_equal(sl_lobe_photons_create(CLOUD, &c.photons, NULL), SL_OK);
@@ -93,7 +93,7 @@ static void on_the_flat_nothing_is_lost(void **state) {
 }
 
 /* An even sky over a fold: half of its photons lie on a face turned one way, half on one turned the other. Where a whole voxel's mean normal is
- * concerned, section 2.4 stands; a set of one group of normals makes all the light that its photons brought. */
+ * concerned, its lights make less; a set of one group of normals makes all the light that its photons brought. */
 static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state) {
     (void)state;
     sl_lobe_photons p;
@@ -189,7 +189,7 @@ static void an_even_floor_has_its_irradiance_in_every_voxel(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Section 2.2: k/A without (k-1)/k would be 2 % too much at k = 50. */
+/* k/A without (k-1)/k would be 2 % too much at k = 50. */
 static void the_mean_over_many_voxels_has_no_bias(void **state) {
     (void)state;
     float xyz[18];

@@ -86,7 +86,7 @@ static void morton_codes_come_back(void **state) {
     assert_true(sl_morton_encode(1, 0, 0) == 1 && sl_morton_encode(0, 1, 0) == 2 && sl_morton_encode(0, 0, 1) == 4);
 }
 
-/* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners (section 2.11). */
+/* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners. */
 static void a_sphere_has_the_leaves_that_were_counted(void **state) {
     (void)state;
     sl_scene *scene = sphere(150, 0.94f * 1.0001f);

@@ -202,7 +202,7 @@ static void light_is_continuous_along_a_surface(void **state) {
     end_world(&w);
 }
 
-/* Section 6, X5: 8 (d + n) fetches, less where the descent ends in void. */
+/* d fetches of the descent and one for each of n lights; filtered 8 (d + n), less where the descent ends in void. */
 static void fetches_are_those_of_the_hardware(void **state) {
     (void)state;
     world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS, false);

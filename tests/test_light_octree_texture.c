@@ -115,7 +115,7 @@ static void every_array_comes_back_from_its_address(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Section 2.11: 5,705 bricks for the sphere of 17,072 leaves; two specks in the corners of the root add six bricks each at most. */
+/* 5,705 bricks for the sphere of 17,072 leaves; two specks in the corners of the root add six bricks each at most. */
 static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -140,7 +140,7 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Section 2.11: 100,000 leaves of 4 lights take 6.1 MiB, and 1.0 MiB of bricks where three leaves share one. */
+/* 100,000 leaves of 4 lights take 6.1 MiB, and 1.0 MiB of bricks where three leaves share one. */
 static void a_hundred_thousand_leaves_take_what_was_derived(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);

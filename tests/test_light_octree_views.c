@@ -221,7 +221,7 @@ static void pictures_say_what_they_were_made_from(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Section 7: few photons for voxels that count their own, and gathers far wider than voxels. */
+/* Few photons for voxels that count their own, and gathers far wider than voxels. */
 static void few_photons_and_wide_gathers_are_warned_of(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");

@@ -7,7 +7,7 @@ static bool near(double a, double b, double tolerance) { return fabs(a - b) <= t
 
 static double half_angle(double degrees) { return 0.5 * degrees / 180.0 * SL_PI; }
 
-/* ---- weights (F18, F19) ---------------------------------------------------------------------------------------------------------- */
+/* ---- weights --------------------------------------------------------------------------------------------------------------------- */
 
 static void the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half(void **state) {
     (void)state;
@@ -207,7 +207,7 @@ static void edges_along_the_axes_make_no_bands(void **state) {
     for (int k = 0; k < 100; k++) {
         double c = 0.3 + 0.012 * k;
         sl_mesh_point p = {sl_v3((float)c, 1, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), 0, SL_NO_INDEX};
-        /* A perpendicular wall at distance c, 1 to either side and 1 high (section 2.8). The more of it is lost the lower it stands. */
+        /* A perpendicular wall at distance c, 1 to either side and 1 high. The more of it is lost the lower it stands. */
         double high = sqrt(1.0 + c * c), truth = sl_atan(1.0 / c) - c / high * sl_atan(1.0 / high), ratio = (double)take(&g, &p).r / truth;
         if (k && fabs(ratio / before - 1.0) > worst) worst = fabs(ratio / before - 1.0);
         before = ratio;

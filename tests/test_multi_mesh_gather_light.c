@@ -17,7 +17,7 @@ static sl_mesh_gather_settings with_strips(void) {
     return settings;
 }
 
-/* ---- the bounce's reflectance (F5, F22, F23, F30, F32) ------------------------------------------------------------------------------ */
+/* ---- the bounce's reflectance, lamps, two bounces ----------------------------------------------------------------------------------- */
 
 static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state) {
     (void)state;

@@ -68,7 +68,7 @@ static void thresholds_run_linearly_between_their_knots(void **state) {
     }
 }
 
-/* Feature F14: below 10 of 255 every pair of levels is within the threshold. */
+/* Below 10 of 255 every pair of levels is within the threshold. */
 static void nobody_tells_levels_below_10_apart(void **state) {
     (void)state;
     float brightest = 0.0f;

@@ -197,7 +197,7 @@ static void an_object_in_motion_does_not_settle_before_its_last_move(void **stat
 
 static void how_coarse_depends_on_what_there_is_time_for(void **state) {
     (void)state;
-    assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, false) - 26.04f) < 0.01f); /* the figure of section 2.8's example */
+    assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, false) - 26.04f) < 0.01f); /* pixels / (samples a second x seconds); of triangles half */
     assert_true(fabsf(sl_changes_coarsest(100000, 768, 5, true) - 13.02f) < 0.01f);
     assert_true(sl_changes_coarsest(100000, 768, 2.5, false) == 2.0f * sl_changes_coarsest(100000, 768, 5, false));
     assert_true(sl_changes_coarsest(0, 768, 5, false) == 0.0f && sl_changes_coarsest(NAN, 768, 5, false) == 0.0f);

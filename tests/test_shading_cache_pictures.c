@@ -99,7 +99,7 @@ static void to_the_end(sl_method *method) {
     while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
 }
 
-/* G24: after a light has jumped the picture becomes what it is from a cold start. */
+/* After a light has jumped the picture becomes what it is from a cold start. */
 static void after_a_light_has_moved_the_change_is_found_and_cleaned_up(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/moving-light.json");
@@ -127,7 +127,7 @@ static void after_a_light_has_moved_the_change_is_found_and_cleaned_up(void **st
     sl_scene_destroy(scene);
 }
 
-/* G7: what moves is shown where it is before any update. */
+/* What moves is shown where it is before any update. */
 static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json");

@@ -1,4 +1,4 @@
-/* How far records reach, by metric: the formulas, walls, and what it buys (radiance-cache-splatting 2.3, cache-math 3.5). */
+/* How far records reach, by metric: the formulas, walls, and what it buys. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -78,7 +78,7 @@ static void the_minimum_metric_reaches_half_way_to_the_nearest_thing_but_not_bey
     assert_true(fabs(reach(&e, &rules, 0.01f) - 0.015) < 1e-6);
 }
 
-/* Within its reach, whatever that is, no record says less than nothing, nor more than rule 1 allows. */
+/* Within its reach, whatever that is, no record says less than nothing, nor more than a radius (with the Hessian a reach) of E / |grad E| allows. */
 static void extrapolation_stays_between_nothing_and_twice_the_light(void **state) {
     (void)state;
     for (int m = 0; m < METRICS; m++) {
