@@ -35,11 +35,14 @@ allow cache/audit "($below|cache/(audit|method))"
 # Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden; what measures methods asks which light paths
 # each declares. Pictures in pages are encoded and pages written as those in files are.
 allow app '(app/|scene/(features|scene)|base/(vec|error|sanitized)|image/(color|formats|output_file)|trace/trace|cache/method\.h)'
-# Nobody can look up numbers of a document that is not here: features, formulas in boxes, pages by their names. A section's number stands in one
-# line with the year of the paper that has it, or with OpenGL's version; flip.c says once whose they are; a pass announces its own paper's.
-found=$(grep -rnE 'cache-math|radiance-cache-splatting|boxed formula|(^|[^A-Za-z/_])spec/|(^|[^A-Za-z0-9_])F[0-9]{1,2}([^A-Za-z0-9_.]|$)' . ../include || true)
+# Nobody can look up numbers of a document that is not here: features, formulas in boxes, pages by their names; in tests and experiments no more than
+# in the library. A section's number stands in one line with the year of the paper that has it, or "of the paper" where its experiments are repeated,
+# or with OpenGL's version; flip.c says once whose they are; a pass announces its own paper's. The light octree's header names its passes (G1 to R2).
+refer() { grep -rnIE --exclude-dir=golden --exclude-dir=corpus --exclude=layers.sh "$1" . ../include ../tests ../bench; }
+found=$(refer 'cache-math|radiance-cache-splatting|boxed formula|(^|[^A-Za-z/_])spec/|(^|[^A-Za-z0-9_])[FG][0-9]{1,2}([^A-Za-z0-9_.]|$)' |
+    grep -v '^\./cache/light_octree/.*[^A-Za-z]G[1-4]' || true)
 [ -z "$found" ] || { echo "refers to what is not in the repository: $found"; bad=1; }
-found=$(grep -rnE '[Ss]ections? [0-9]' . ../include | grep -vE '(19|20)[0-9][0-9]|OpenGL [0-9]|"sections? [0-9]|^\./image/flip\.c:' || true)
+found=$(refer '[Ss]ections? [0-9]' | grep -vE '(19|20)[0-9][0-9]|OpenGL [0-9]|[Ss]ection [0-9.]+ of the paper|"sections? [0-9]|^\./image/flip\.c:' || true)
 [ -z "$found" ] || { echo "whose section? $found"; bad=1; }
 # Every symbol that the library shows begins with sl_.
 library=../build/libsoftlux.so
