@@ -120,7 +120,7 @@ static void every_instrument_weighs_pi(void **state) {
     }
 }
 
-static void borders_differ_as_the_paper_says(void **state) {
+static void borders_differ_as_computed(void **state) {
     (void)state;
     const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_AXIAL};
     const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI, SL_PI}; /* sin of the half angle, t = 2 */
@@ -251,7 +251,7 @@ int main(void) {
         cmocka_unit_test(closed_forms_equal_the_polygon_form),
         cmocka_unit_test(walls_equal_quadrature),
         cmocka_unit_test(every_instrument_weighs_pi),
-        cmocka_unit_test(borders_differ_as_the_paper_says),
+        cmocka_unit_test(borders_differ_as_computed),
         cmocka_unit_test(nonsense_sizes_are_refused),
         cmocka_unit_test(polygon_gradient_is_the_sum_of_its_walls),
         cmocka_unit_test(polygon_light_has_its_closed_form_and_gradient),

@@ -144,7 +144,7 @@ static void interpolation_between_rows_is_close(void **state) {
 }
 
 /* Relative L2 error of the lobe cut off at that order, per cent. */
-static void truncation_is_as_published(void **state) {
+static void truncation_is_as_tabulated(void **state) {
     (void)state;
     const struct {
         double exponent;
@@ -300,7 +300,7 @@ int main(void) {
         cmocka_unit_test(coefficients_are_the_integrals),
         cmocka_unit_test(a_sharp_lobe_is_nearly_a_mirror),
         cmocka_unit_test(interpolation_between_rows_is_close),
-        cmocka_unit_test(truncation_is_as_published),
+        cmocka_unit_test(truncation_is_as_tabulated),
         cmocka_unit_test(the_least_sufficient_order_is_chosen),
         cmocka_unit_test(truncation_falls_with_the_order),
         cmocka_unit_test(azimuth_turns_the_lobe),

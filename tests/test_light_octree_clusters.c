@@ -111,7 +111,7 @@ static void one_cluster_is_the_weighted_mean(void **state) {
 }
 
 /* RMS angle from photons to the lights they are put to: 6,000 photons of a cosine law, equal weights; with 300 of them a little less. */
-static void the_spread_over_the_number_of_lights_is_that_of_the_table(void **state) {
+static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
     (void)state;
     const int counts[] = {1, 2, 3, 4, 6, 8};
     const double many[] = {48.7, 37.9, 30.1, 26.2, 21.4, 18.8}, few[] = {47.1, 35.5, 28.9, 25.1, 20.9, 18.0};
@@ -243,7 +243,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cost_never_rises_and_is_what_it_says),
         cmocka_unit_test(one_cluster_is_the_weighted_mean),
-        cmocka_unit_test(the_spread_over_the_number_of_lights_is_that_of_the_table),
+        cmocka_unit_test(the_spread_over_the_number_of_lights_is_as_simulated),
         cmocka_unit_test(a_tolerance_takes_no_more_lights_than_it_needs),
         cmocka_unit_test(equal_directions_are_one_cluster),
         cmocka_unit_test(opposed_directions_split_or_fall_back_on_the_heaviest),
