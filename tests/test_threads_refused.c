@@ -57,12 +57,6 @@ static void at_most_as_many_as_now_and(int more) {
     atomic_store(&refused, 0);
 }
 
-static int skip_under_sanitizers(void **state) {
-    (void)state;
-    if (SL_SANITIZED) skip();
-    return 0;
-}
-
 /* ---- what comes of it ----------------------------------------------------------------------------------------------------------------- */
 
 enum { TASKS = 1000 };
@@ -80,6 +74,7 @@ static void note(void *context, size_t index, unsigned worker) {
 
 static void loops_are_done_by_the_threads_that_there_are(void **state) {
     (void)state;
+    if (SL_SANITIZED) skip();
     for (int more = 0; more <= 3; more++) {
         static tasks t;
         t = (tasks){.largest_worker = 0};
@@ -100,6 +95,7 @@ static sl_settings of_threads(const char *name, unsigned threads) {
 
 static void without_any_thread_what_needs_one_says_so(void **state) {
     (void)state;
+    if (SL_SANITIZED) skip();
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = of_threads("path", 4);
     sl_method *method;
@@ -112,6 +108,7 @@ static void without_any_thread_what_needs_one_says_so(void **state) {
 
 static void with_fewer_threads_than_were_asked_for_pictures_are_the_same(void **state) {
     (void)state;
+    if (SL_SANITIZED) skip();
     sl_scene *scene = load_scene("scenes/cornell.json");
     int wanted_more = 0;
     for (size_t m = 0; sl_method_name(m); m++) {
@@ -131,9 +128,9 @@ static void with_fewer_threads_than_were_asked_for_pictures_are_the_same(void **
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(without_any_thread_what_needs_one_says_so, skip_under_sanitizers),
-        cmocka_unit_test_setup(loops_are_done_by_the_threads_that_there_are, skip_under_sanitizers),
-        cmocka_unit_test_setup(with_fewer_threads_than_were_asked_for_pictures_are_the_same, skip_under_sanitizers),
+        cmocka_unit_test(without_any_thread_what_needs_one_says_so),
+        cmocka_unit_test(loops_are_done_by_the_threads_that_there_are),
+        cmocka_unit_test(with_fewer_threads_than_were_asked_for_pictures_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -31,8 +31,8 @@ enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 /* What ends a command that renders: last words win. Some only go with others. */
 static const char *const least[] = {"--size", "3x2", "--threads", "1", "--spp", "1", "--gather-size", "8", "--photons", "2", "--map-size", "4", "--cube-size", "8", "--shadow-size", "16",
-                                    "--depth", "2", "--points", "20", "--stored-photons", "100", "--indirect-samples", "2", "--area-samples", "4", "--time", "0.05", "--quiet"};
-static const char *const least_of_series[] = {"--frames", "1"}, *const least_of_others[] = {"--batches", "2"};
+                                    "--depth", "2", "--points", "20", "--stored-photons", "100", "--indirect-samples", "2", "--area-samples", "4", "--quiet"};
+static const char *const least_of_series[] = {"--frames", "1"}, *const least_of_others[] = {"--time", "0.05"}, *const least_without_error[] = {"--batches", "2"};
 
 static size_t add_words(char *argv[], size_t argc, const char *const *words, size_t count) {
     static char ends[ENDS_MAX][32]; /* commands may write to their words */
@@ -53,7 +53,8 @@ static size_t add_least(char *argv[], size_t argc) {
     const bool series = has_option(argv, argc, "--frames"), by_error = has_option(argv, argc, "--error");
     argc = add_words(argv, argc, least, sizeof least / sizeof least[0]);
     if (series) return add_words(argv, argc, least_of_series, 2);
-    return by_error ? argc : add_words(argv, argc, least_of_others, 2);
+    argc = add_words(argv, argc, least_of_others, 2);
+    return by_error ? argc : add_words(argv, argc, least_without_error, 2);
 }
 
 /* What ends the commands is no mistake: else none would get as far as its work. */
