@@ -23,6 +23,7 @@
 static atomic_int alive, refused;
 static int most = INT_MAX;
 
+#if !SL_SANITIZED /* which have one of their own */
 typedef struct start {
     void *(*run)(void *);
     void *argument;
@@ -36,7 +37,6 @@ static void *run_and_be_counted(void *context) {
     return result;
 }
 
-#if !SL_SANITIZED /* which have one of their own */
 int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *argument) {
     static int (*real)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
     if (!real) *(void **)&real = dlsym(RTLD_NEXT, "pthread_create");
