@@ -146,7 +146,7 @@ static void obj_mistakes_are_told_by_line(void **state) {
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", ":4: vertex index 4 is out of range: the file has 3");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 0\n", ":5: vertex index 0 is out of range");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", ":4: vertex index -4 is out of range: expected 1 or more, or -1 to -3");
-    refuse_obj("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1//1 2 3\r\n", ":4: normal index 1 is out of range: the file has 0");
+    refuse_obj("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1//1 2//1 3//1\r\n", ":4: normal index 1 is out of range: the file has 0");
     refuse_obj("v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 2");
     refuse_obj("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'zero'");
     refuse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x3\n", ":4: expected a vertex index, got 'x3'");

@@ -96,6 +96,22 @@ static void what_the_importer_would_skip_shifts_no_index(void **state) {
     expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 # 99\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
 }
 
+static void what_a_corner_leaves_out_is_not_looked_for_behind_its_slashes(void **state) {
+    (void)state;
+    expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 1 0 1\nf 1//1 2//1 3//1\nf 1/ 2/ 3/\\\n\nf 2// 3// 1//#c\nf 3/1/ 2/1/ 1/1/\n",
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 1 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 2 3 1\nf 3/1 2/1 1/1\n");
+}
+
+static void what_is_not_drawn_is_no_trouble(void **state) {
+    (void)state;
+    expect_same("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 .5 .5 .5\nvn 0 0 1\np\nl 1\np 1 2 3\nf 1 2 3\nl 1//1 2\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+}
+
+static void a_comment_right_behind_a_point_is_no_number_of_an_old_c_library(void **state) {
+    (void)state;
+    expect_same("v 0 0 0\nv 1. 0 0.# 1\nv 0 1 0.#c\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+}
+
 static void numbers_of_an_old_c_library_that_are_not_finite_are_no_ones(void **state) {
     (void)state;
     expect_same("v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1.#IND 5 5\nf 1 2 3\nf 1 2 4\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 5 5\nf 1 2 3\nf 1 2 4\n");
@@ -119,7 +135,16 @@ static void what_has_no_meaning_is_told_by_line(void **state) {
     refuse("v 0 0 0\nv none 0 0\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got 'none'");
     refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1/1 2/1 3/1\n", ":4: expected 1, 2 or 3 numbers for a texture coordinate, got 4");
     refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 99\nf 1 2 3\n", ":4: vertex index 99 is out of range: the file has 3");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3\n", ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner 3 has other indices than the first");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2//1 3//1\n", ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner 2 has other indices than the first");
+    refuse("v 0 0 0\nv 1 0 0\nv 0 1 12345678901234567890\nf 1 2 3\n", ":3: expected 3, 4 or 6 numbers for a vertex, got '12345678901234567890'");
+    refuse("v 0 0 0\nv 1 0 1e12345678901234567890\nv 0 1 0\nf 1 2 3\n", ":2: expected 3, 4 or 6 numbers for a vertex, got '1e12345678901234567890'");
     refuse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1\nf 1//1 2//1 3//1\n", ":4: expected 3 numbers for a normal, got 2");
+}
+
+static void the_longest_whole_number_is_what_it_is(void **state) {
+    (void)state;
+    expect_same("v 0 0 0\nv 9999999999999999999 0 0\nv 0 000000000000000000000001e+00000000000000000000000 0\nf 1 2 3\n", "v 0 0 0\nv 1e19 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
 /* All the file is read again and again by pieces: nothing is lost where one ends, nor behind the last line end. */
@@ -163,6 +188,37 @@ static void blanks_behind_the_name_of_a_texture_are_no_part_of_it(void **state) 
     assert_int_not_equal(material_of("newmtl m\nKd 1 1 1\n map_Kd t 1.png").texture, SL_NO_INDEX);
 }
 
+/* The diffuse red of the three triangles of a file, in the order of their least corners. */
+static void expect_reds(const char *obj, float first, float second, float third) {
+    scene_file_text("one.mtl", "newmtl one\nKd 0.25\n");
+    scene_file_text("two.mtl", "newmtl two\nKd 0.5\n");
+    sl_scene *scene = load(scene_file_text("m.obj", obj));
+    assert_int_equal(sl_scene_triangle_count(scene), 3);
+    for (uint32_t t = 0; t < 3; t++) {
+        int which = (int)scene->position_x[scene->vertex[0][t]];
+        float expected = which == 0 ? first : which == 1 ? second : third, found = scene->materials[scene->material_index[t]].diffuse.r;
+        if (found != expected) fail_msg("face %d: Kd %g instead of %g of\n%s", which, (double)found, (double)expected, obj);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_face_has_the_material_that_was_named_last_before_it(void **state) {
+    (void)state;
+    static const char v[] = "v 0 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 0 1\nv 2 0 0\nv 2 1 0\nv 2 0 1\n";
+    static const char *const of_files[] = { /* how the two libraries, and faces, follow each other */
+        "mtllib one.mtl\nmtllib two.mtl\n%sf 1 2 3\nusemtl one\nf 4 5 6\nusemtl two\nf 7 8 9\n",
+        "mtllib one.mtl two.mtl # both\n%sf 1 2 3\nusemtl one\nf 4 5 6\nusemtl two\nf 7 8 9\n",
+        "mtllib missing.mtl one.mtl \\\n two.mtl\n%sf 1 2 3\nusemtl one\nf 4 5 6\nusemtl two\nf 7 8 9\n",
+        "%so all\nf 1 2 3\nmtllib one.mtl\nusemtl one\nmtllib two.mtl\nf 4 5 6\nusemtl two\nf 7 8 9\n",
+        "o all\nmtllib one.mtl two.mtl\n%sf 1 2 3\nusemtl one\ng part\nf 4 5 6\no last\nusemtl two\nf 7 8 9\n"};
+    for (size_t i = 0; i < sizeof of_files / sizeof of_files[0]; i++) {
+        char obj[1024];
+        const char *rest = strstr(of_files[i], "%s");
+        snprintf(obj, sizeof obj, "%.*s%s%s", (int)(rest - of_files[i]), of_files[i], v, rest + 2);
+        expect_reds(obj, 0.6f, 0.25f, 0.5f);
+    }
+}
+
 static void an_empty_library_is_one_without_materials(void **state) {
     (void)state;
     scene_file_text("m.mtl", "");
@@ -174,12 +230,17 @@ int main(void) {
         cmocka_unit_test(every_spelling_gives_the_scene_of_the_plain_one),
         cmocka_unit_test(every_kind_of_line_end_gives_the_same_scene),
         cmocka_unit_test(what_the_importer_would_skip_shifts_no_index),
+        cmocka_unit_test(what_a_corner_leaves_out_is_not_looked_for_behind_its_slashes),
+        cmocka_unit_test(what_is_not_drawn_is_no_trouble),
+        cmocka_unit_test(a_comment_right_behind_a_point_is_no_number_of_an_old_c_library),
         cmocka_unit_test(numbers_of_an_old_c_library_that_are_not_finite_are_no_ones),
         cmocka_unit_test(names_keep_what_elsewhere_is_a_comment),
         cmocka_unit_test(what_has_no_meaning_is_told_by_line),
+        cmocka_unit_test(the_longest_whole_number_is_what_it_is),
         cmocka_unit_test(a_long_file_loses_nothing_of_what_its_copy_gains),
         cmocka_unit_test(one_number_of_a_colour_stands_for_all_three),
         cmocka_unit_test(blanks_behind_the_name_of_a_texture_are_no_part_of_it),
+        cmocka_unit_test(a_face_has_the_material_that_was_named_last_before_it),
         cmocka_unit_test(an_empty_library_is_one_without_materials),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);

@@ -6,7 +6,10 @@
 #include "base/memory.h"
 #include "scene/file.h"
 
-enum { LONGEST_NUMBER = 4000 }; /* the importer takes longer ones for two */
+enum {
+    LONGEST_NUMBER = 4000, /* the importer takes longer ones for two */
+    MOST_DIGITS = 19       /* of a whole number that it is sure to hold: beyond 64 bits it reads 0 */
+};
 
 /* Vertices, texture coordinates, normals: the numbers each may have, how many there are, and the largest index that a face
  * names, with its line. Faces may name what comes later in the file, so positive indices are judged at the end. */
@@ -20,8 +23,9 @@ typedef struct checker {
     const char *path, *at, *end;
     unsigned long line;
     kind kinds[3];
+    bool coloured, faced; /* a vertex has a colour, a face is there */
     sl_model *model;
-    sl_text *plain;
+    sl_text *plain, libraries;
     sl_error *error;
 } checker;
 
@@ -82,11 +86,24 @@ static bool skip_nonfinite(checker *c) {
     return true;
 }
 
+/* Past a whole number, if the importer can hold it. */
+static bool skip_digits(checker *c) {
+    while (peek(c) == '0') c->at++;
+    const char *start = c->at;
+    while (is_digit(peek(c))) c->at++;
+    return c->at - start <= MOST_DIGITS;
+}
+
+/* 1.#INF, 1.#QNAN: infinite and NaN as an old C library printed them; any other # begins a comment. */
+static bool is_old_nonfinite(const char *at, const char *end) {
+    return begins_with_letters(at, end, "#in") || begins_with_letters(at, end, "#qnan") || begins_with_letters(at, end, "#snan");
+}
+
 static bool skip_number(checker *c) {
     if (peek(c) == '+' || peek(c) == '-') c->at++;
     if (skip_nonfinite(c)) return true;
     const char *start = c->at;
-    while (is_digit(peek(c))) c->at++;
+    if (!skip_digits(c)) return false;
     bool digits = c->at > start;
     if (peek(c) == '.' || peek(c) == ',') {
         const char *point = c->at++;
@@ -96,10 +113,9 @@ static bool skip_number(checker *c) {
     if (digits && (peek(c) == 'e' || peek(c) == 'E')) {
         c->at++;
         if (peek(c) == '+' || peek(c) == '-') c->at++;
-        if (!is_digit(peek(c))) return false;
-        while (is_digit(peek(c))) c->at++;
-    } else if (digits && c->at[-1] == '.' && peek(c) == '#') {
-        c->at += word_length(c); /* 1.#INF, 1.#QNAN: infinite and NaN as an old C library printed them */
+        if (!is_digit(peek(c)) || !skip_digits(c)) return false;
+    } else if (digits && c->at[-1] == '.' && is_old_nonfinite(c->at, c->end)) {
+        c->at += word_length(c);
     }
     return digits && c->at - start < LONGEST_NUMBER && (is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\');
 }
@@ -123,8 +139,16 @@ static bool is_zero(const char *at, const char *end) {
     return true;
 }
 
+/* Colours are for nothing here, and the importer refuses files that have them for some vertices alone. */
+static void leave_out_colour(checker *c, size_t end_of_position) {
+    c->plain->size = end_of_position;
+    if (!c->coloured) sl_model_warn(c->model, "%s: vertex colours are not used", c->path);
+    c->coloured = true;
+}
+
 static sl_status check_numbers(checker *c, kind *of) {
     unsigned count = 0;
+    size_t end_of_third = 0;
     bool ends_in_zero = false;
     sl_text_add(c->plain, of->word, strlen(of->word));
     for (skip_blanks(c); !at_end_of_statement(c); skip_blanks(c)) {
@@ -135,7 +159,7 @@ static sl_status check_numbers(checker *c, kind *of) {
         }
         ends_in_zero = is_zero(before.at, c->at);
         add_number(c, before.at);
-        count++;
+        if (++count == 3) end_of_third = c->plain->size;
     }
     if (count > 7 || !(of->allowed >> count & 1)) {
         return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected %s numbers for a %s, got %u", c->path, c->line, of->lengths, of->name, count);
@@ -143,6 +167,7 @@ static sl_status check_numbers(checker *c, kind *of) {
     if (count == 4 && ends_in_zero) {
         return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected the fourth number of a %s to be other than 0: it divides", c->path, c->line, of->name);
     }
+    if (count == 6) leave_out_colour(c, end_of_third);
     if (count == 1) sl_text_add(c->plain, " 0", 2); /* the second may be left out, for a texture of one dimension */
     of->count++;
     return SL_OK;
@@ -177,48 +202,52 @@ static sl_status check_index(checker *c, kind *of) {
     return SL_OK;
 }
 
-/* v, v/vt, v//vn or v/vt/vn */
-static sl_status check_corner(checker *c) {
+/* v, v/vt, v//vn or v/vt/vn; of: bit 1 for a vt, bit 2 for a vn */
+static sl_status check_corner(checker *c, unsigned *of) {
+    *of = 0;
     sl_text_add(c->plain, " ", 1);
     sl_status status = check_index(c, &c->kinds[0]);
+    size_t slashes = 0;
     for (int i = 1; i < 3 && status == SL_OK && peek(c) == '/'; i++) {
-        sl_text_add(c->plain, "/", 1);
         c->at++;
-        bool empty = peek(c) == '/' || is_blank(peek(c)) || is_line_end(peek(c));
-        if (!empty) status = check_index(c, &c->kinds[i]);
+        slashes++;
+        if (peek(c) == '/' || peek(c) == '\\' || is_blank(peek(c)) || at_end_of_statement(c)) continue;
+        sl_text_add(c->plain, "//", slashes);
+        slashes = 0;
+        status = check_index(c, &c->kinds[i]);
+        *of |= 1u << i;
     }
     if (status != SL_OK || is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\') return status;
     return sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected face corners like 1, 1/2, 1//3 or 1/2/3, got '%.*s'", c->path, c->line,
                    word_length(c), c->at);
 }
 
-/* Of a face, a line, a point. */
-static sl_status check_corners(checker *c, const char *word) {
+/* The importer would give what a corner does not have to the corner before it. */
+static sl_status check_corners(checker *c) {
+    unsigned first = 0, other;
     sl_status status = SL_OK;
-    sl_text_add(c->plain, word, 1);
-    for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c)) status = check_corner(c);
+    c->faced = true;
+    sl_text_add(c->plain, "f", 1);
+    for (int i = 0; skip_blanks(c), status == SL_OK && !at_end_of_statement(c); i++) {
+        status = check_corner(c, i == 0 ? &first : &other);
+        if (i == 0 || status != SL_OK || other == first) continue;
+        status = sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected face corners that all have the same, as in 1/1 2/2 3/3: corner %d has other indices than the first",
+                         c->path, c->line, i + 1);
+    }
+    return status;
+}
+
+/* Lines and points are not drawn, and the importer stumbles over a line of one point: they are checked alone. */
+static sl_status check_undrawn(checker *c) {
+    size_t before = c->plain->size;
+    sl_status status = SL_OK;
+    unsigned of;
+    for (skip_blanks(c); status == SL_OK && !at_end_of_statement(c); skip_blanks(c)) status = check_corner(c, &of);
+    c->plain->size = before;
     return status;
 }
 
 /* ---- lines ---------------------------------------------------------------------------------------------------------------- */
-
-static sl_status check_library(checker *c) {
-    skip_blanks(c);
-    const char *start = c->at, *stop = start;
-    while (stop < c->end && !is_line_end(*stop)) stop++;
-    while (stop > start && is_blank(stop[-1])) stop--;
-    char name[512];
-    if (stop == start || (size_t)(stop - start) >= sizeof name) return SL_OK;
-    memcpy(name, start, (size_t)(stop - start));
-    name[stop - start] = 0;
-    char *path = sl_file_beside(c->path, name);
-    if (!path) return sl_fail_memory(c->error, "a file name");
-    if (!sl_file_exists(path)) {
-        sl_model_warn(c->model, "%s:%lu: material library '%s' does not exist; its materials are grey", c->path, c->line, name);
-    }
-    sl_free(path);
-    return SL_OK;
-}
 
 static bool starts_with(checker *c, const char *word) {
     size_t length = strlen(word);
@@ -237,6 +266,72 @@ static void copy_statement(checker *c) {
     sl_text_trim(c->plain);
 }
 
+static sl_status find_library(checker *c, const char *name, size_t length, bool *exists) {
+    char copy[4096];
+    *exists = false;
+    if (length == 0 || length >= sizeof copy) return SL_OK;
+    memcpy(copy, name, length);
+    copy[length] = 0;
+    char *path = sl_file_beside(c->path, copy);
+    if (!path) return sl_fail_memory(c->error, "a file name");
+    *exists = sl_file_exists(path);
+    sl_free(path);
+    return SL_OK;
+}
+
+static void add_library(checker *c, const char *name, size_t length) {
+    sl_text_add(&c->libraries, "mtllib ", 7);
+    sl_text_add(&c->libraries, name, length);
+    sl_text_add(&c->libraries, "\n", 1);
+}
+
+static void warn_of_library(checker *c, unsigned long line, const char *name, size_t length) {
+    sl_model_warn(c->model, "%s:%lu: material library '%.*s' does not exist; its materials are grey", c->path, line, length < 512 ? (int)length : 512, name);
+}
+
+static size_t name_length(const char *at, const char *end) {
+    size_t length = 0;
+    while (at + length < end && !is_blank(at[length])) length++;
+    return length;
+}
+
+/* Names between blanks, up to a comment. Where none of them is that of a file they are one name, for the warning. */
+static sl_status check_names(checker *c, unsigned long line, const char *names, const char *end) {
+    bool exists = false, any = false;
+    size_t length;
+    for (int round = 0; round < 2; round++) {
+        for (const char *at = names; at < end && *at != '#'; at += length + 1) {
+            length = name_length(at, end);
+            sl_status status = find_library(c, at, length, &exists);
+            if (status != SL_OK) return status;
+            any |= exists;
+            if (round == 0 || length == 0) continue;
+            if (exists) add_library(c, at, length);
+            else if (any) warn_of_library(c, line, at, length);
+        }
+    }
+    if (any) return SL_OK;
+    warn_of_library(c, line, names, (size_t)(end - names));
+    add_library(c, names, (size_t)(end - names)); /* for which the importer takes one that is called as the file is */
+    return SL_OK;
+}
+
+/* A name may have blanks in it; if there is no such file the statement names several. */
+static sl_status check_library(checker *c) {
+    unsigned long line = c->line;
+    size_t before = c->plain->size;
+    skip_blanks(c);
+    copy_statement(c);
+    if (c->plain->size == before) return SL_OK;
+    const char *names = c->plain->data + before;
+    bool exists;
+    sl_status status = find_library(c, names, c->plain->size - before, &exists);
+    if (exists) add_library(c, names, c->plain->size - before);
+    else if (status == SL_OK) status = check_names(c, line, names, c->plain->data + c->plain->size);
+    c->plain->size = before;
+    return status;
+}
+
 /* The importer takes any word that begins like v, f, l or p for it, and skips what is between cstype and end, vertices too. */
 static bool is_left_out(checker *c) { return memchr("#vflp", peek(c), 5) || starts_with(c, "cstype"); }
 
@@ -244,14 +339,11 @@ static sl_status check_statement(checker *c) {
     for (int i = 0; i < 3; i++) {
         if (starts_with(c, c->kinds[i].word)) return check_numbers(c, &c->kinds[i]);
     }
-    if (starts_with(c, "f") || starts_with(c, "fo")) return check_corners(c, "f"); /* fo is an old name of the same */
-    if (starts_with(c, "l")) return check_corners(c, "l");
-    if (starts_with(c, "p")) return check_corners(c, "p");
-    checker before = *c;
-    sl_status status = starts_with(c, "mtllib") ? check_library(c) : SL_OK;
-    c->at = before.at;
+    if (starts_with(c, "f") || starts_with(c, "fo")) return check_corners(c); /* fo is an old name of the same */
+    if (starts_with(c, "l") || starts_with(c, "p")) return check_undrawn(c);
+    if (starts_with(c, "mtllib")) return check_library(c);
     if (!is_left_out(c)) copy_statement(c);
-    return status;
+    return SL_OK;
 }
 
 static sl_status check_line(checker *c) {
@@ -272,6 +364,14 @@ static sl_status check_largest(const checker *c) {
     return SL_OK;
 }
 
+/* Libraries come first, and after them the importer's own material: it would give the last one that it has read of to the faces before the first usemtl,
+ * and that of the first usemtl where there is no library. */
+static void put_libraries_first(checker *c) {
+    if (!c->faced) c->plain->size = 0; /* it would make points of the vertices, and not find their normals */
+    sl_text_add(&c->libraries, "usemtl DefaultMaterial\n", 23);
+    sl_text_prepend(c->plain, &c->libraries);
+}
+
 static bool has_byte_order_mark(const char *data, size_t size) { return size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0; }
 
 sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_error *error) {
@@ -283,16 +383,18 @@ sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_err
     checker c = {path, data, data + size, 1,
                  {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0, 0},
                   {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0, 0},
-                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, model, plain, error};
+                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, false, false, model, plain, {0}, error};
     if (has_byte_order_mark(data, size)) c.at += 3;
     /* The importer turns UTF-16 into UTF-8 first; such a file is left to it. */
     if (!sl_text_is_utf16(data, size)) {
-        sl_text_reserve(plain, size + 1);
+        sl_text_reserve(plain, size + 64);
         while (status == SL_OK && c.at < c.end) status = check_line(&c);
         if (status == SL_OK) status = check_largest(&c);
+        if (size) put_libraries_first(&c); /* an empty file stays one, and is refused */
         if (status == SL_OK) status = sl_text_check(plain, path, error);
     }
     sl_free(data);
+    sl_text_release(&c.libraries);
     if (status != SL_OK) sl_text_release(plain);
     return status;
 }

@@ -7,8 +7,8 @@
 #include "scene/text.h"
 
 /* Numbers of v, vt, vn and indices of f, l, p; what is wrong is an input error with file and line. A material library that does not
- * exist is a warning. `plain` becomes the same file as the importer reads it right: no indentation, no comments, no continued
- * lines, no number that begins with its point, two numbers for each vt; release it. A file in UTF-16 is not looked into: empty. */
+ * exist is a warning. `plain` becomes the same file as the importer reads it right: libraries first, no indentation, no comments, no continued
+ * lines, no number that begins with its point, two numbers for each vt, no colours, nothing but faces; release it. A file in UTF-16 is not looked into: empty. */
 sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_error *error);
 
 #endif

@@ -24,6 +24,15 @@ void sl_text_add(sl_text *text, const char *from, size_t size) {
     text->size += size;
 }
 
+void sl_text_prepend(sl_text *text, const sl_text *first) {
+    size_t size = text->size;
+    sl_text_add(text, first->data, first->size);
+    text->starved |= first->starved;
+    if (text->starved) return;
+    memmove(text->data + first->size, text->data, size);
+    memcpy(text->data, first->data, first->size);
+}
+
 void sl_text_trim(sl_text *text) {
     while (text->size && (text->data[text->size - 1] == ' ' || text->data[text->size - 1] == '\t')) text->size--;
 }

@@ -14,6 +14,7 @@ typedef struct sl_text {
 /* Room for that many bytes; adding more makes more, at a cost in proportion to the whole. */
 void sl_text_reserve(sl_text *text, size_t capacity);
 void sl_text_add(sl_text *text, const char *from, size_t size);
+void sl_text_prepend(sl_text *text, const sl_text *first); /* which is not empty */
 /* Takes the blanks from its end. */
 void sl_text_trim(sl_text *text);
 /* Fails where something could not be added, or it has become longer than a file may be. */
