@@ -15,6 +15,7 @@
 
 /* Boxes grow by four times what rounding decides a hit within (ray_setup.h). */
 #define INFLATION 2e-6
+#define FARTHEST 1.8e18f /* that Embree takes */
 
 enum { FEW_RAYS = 2 }; /* not worth a packet */
 
@@ -363,6 +364,8 @@ static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, st
     out->org_x[i] = o.x * unit;
     out->org_y[i] = o.y * unit;
     out->org_z[i] = o.z * unit;
+    /* It would end the process. A ray that is no nearer, although it was started near the scene, leaves it behind or passes it by. */
+    if (!(sl_greatest_coordinate(sl_v3(out->org_x[i], out->org_y[i], out->org_z[i])) < FARTHEST)) return false;
     r->near[i] = near > 0.0f ? near : 0.0f;
     r->best_t[i] = far;
     r->best_triangle[i] = SL_NO_INDEX;
