@@ -58,6 +58,16 @@ read_only() { # read_only FILE ARGUMENTS...: in a folder that nobody may write t
 }
 expect 0 '' render scenes/cornell.json -s 64x64 -m path --spp 1 --quiet -t 1 -o "$folder/p.pfm"
 expect 0 '' render scenes/cornell.json -s 64x64 -m path --spp 1 --seed 2 --quiet -t 1 -o "$folder/q.pfm"
+# What is read, or written besides, is not written over.
+cp scenes/cornell.json scenes/cornell.obj scenes/cornell.mtl "$folder" 2>/dev/null; ln -s cornell.json "$folder/link.pfm"; cp "$folder/p.pfm" "$folder/before.pfm"
+expect 2 'save-cache: expected a file of its own, got .*cornell.json' render "$folder/cornell.json" -s 8x8 -q draft --quiet -o "$folder/own.pfm" --save-cache "$folder/cornell.json"
+expect 2 'output: expected a file of its own' render "$folder/cornell.json" -s 8x8 -q draft --quiet -o "$folder/link.pfm"
+expect 2 'save-cache: expected a file of its own' render "$folder/cornell.json" -s 8x8 -q draft --quiet -o "$folder/own.pfm" --save-cache "$folder/own.pfm"
+expect 2 'difference: expected a file of its own, got .*p.pfm' compare "$folder/q.pfm" "$folder/p.pfm" --difference "$folder/./p.pfm"
+expect 2 'difference: expected a file of its own' compare "$folder/q.pfm" "$folder/q.pfm" --mask "$folder/p.pfm" --difference "$folder/p.pfm"
+cmp -s scenes/cornell.json "$folder/cornell.json" && cmp -s "$folder/before.pfm" "$folder/p.pfm" && [ ! -e "$folder/own.pfm" ] || { echo 'what was read was written over'; bad=1; }
+rm "$folder/link.pfm"
+
 mkdir -m 777 "$folder/open" # to everybody
 for where in full read_only; do
     for end in exr png pfm; do $where a.$end render scenes/cornell.json -s 64x64 -m path --spp 1 --quiet -t 1 -o; done

@@ -2,6 +2,7 @@
 #include "app/clock.h"
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/same_file.h"
 #include "softlux.h"
 
 #include <math.h>
@@ -196,6 +197,8 @@ int sl_command_compare(int argc, char **argv) {
     compare_pictures pictures = {0};
     int status;
     if (!parse(argc, argv, &request, &status)) return status;
+    const char *const read[] = {request.paths[0], request.paths[1], request.mask};
+    if (!sl_is_file_of_its_own("difference", request.difference, read, 3)) return SL_ERROR_USAGE;
     status = read_pictures(&request, &pictures);
     if (status == SL_OK) status = compare(&request, &pictures);
     sl_image_destroy(pictures.image);

@@ -4,6 +4,7 @@
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/picture.h"
+#include "app/same_file.h"
 #include "app/settings_options.h"
 #include "app/target.h"
 
@@ -117,6 +118,12 @@ static sl_status render(sl_render_options *o, sl_scene *scene, bool *reached, sl
     return sl_render_picture(o, scene, error);
 }
 
+/* A cache may be kept in the file that it came from. */
+static bool loses_nothing(const sl_render_options *o) {
+    const char *const read[] = {o->scene_path, o->load_cache}, *const others[] = {o->scene_path, o->output};
+    return sl_is_file_of_its_own("output", o->output, read, 2) && sl_is_file_of_its_own("save-cache", o->save_cache, others, 2);
+}
+
 int sl_command_render(int argc, char **argv) {
     sl_render_options o;
     int exit_status;
@@ -124,6 +131,7 @@ int sl_command_render(int argc, char **argv) {
     const char *error_text;
     if (!parse(argc, argv, &o, &at_given, &error_text, &exit_status)) return exit_status;
     if (!take_error(&o, error_text) || !take_frames(&o)) return SL_ERROR_USAGE;
+    if (!loses_nothing(&o)) return SL_ERROR_USAGE;
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
