@@ -196,6 +196,8 @@ static void headers_that_announce_too_much_are_refused(void **state) {
     refuse(scene_file_text("long.off", "OFF\n353535235358 6 0\n0 0 0\n"), ": expected at least ");
     refuse(scene_file_text("point.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n 0\n3 0 1 2\n"), ":6: expected a face");
     refuse(scene_file_text("round.off", "OFF\r\n3 2 0\r\n\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n10 0 1 2 0 1 2 0 1 2 0\r\n"), ":8: expected a face");
+    refuse(scene_file_text("beyond.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n"), ":7: expected a face");
+    refuse(scene_file_text("short.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n"), ":6: expected a face");
     s = load(scene_file_text("good.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     assert_int_equal(sl_scene_triangle_count(s), 1);
     sl_scene_destroy(s);
@@ -381,6 +383,8 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
         {"{\"softlux\": 2,\n" MESH "}", ":1: expected version \"softlux\": 1, got 2"},
         {"{\"softlux\": 1.0000001,\n" MESH "}", ":1: expected version \"softlux\": 1, got 1.0000001"},
         {"{\"softlux\": 1, " MESH ", \"materials\": {\"wall\": {\n\"exponent\": 1000001}}}", ":2: expected 'exponent' from 0 to 1e+06, got 1000001"},
+        {"{\"softlux\": 1,\n \"meshes\": [{\"file\": \"box.obj\\u0000.txt\"}]}", ":2: expected strings without \\u0000"},
+        {"{\"softlux\": 1, " MESH ",\n \"lights\": [{\"type\": \"directional\", \"direction\": [0,-1,0], \"irradiance\": 1,\n\"name\": 5}]}", ":3: expected 'name' to be a string"},
         {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov\": 80}}", ":2: unknown key 'fov' in the camera; expected 'fov_deg'?"},
         {"{\"softlux\": 1, " MESH ",\n\"film_size\": {}}", ":2: unknown key 'film_size' in the scene; expected 'film'?"},
         {"{\"softlux\": 1,\n\n\"mehses\": []}", ":3: unknown key 'mehses' in the scene; expected 'meshes'?"},

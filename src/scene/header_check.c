@@ -1,6 +1,7 @@
 #include "scene/header_check.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -107,14 +108,26 @@ static unsigned long lines_between(const char *from, const char *to) {
     return lines;
 }
 
+/* The vertices of a face's line, behind their number; the importer takes the last vertex for one that there is none of. */
+static bool are_vertices(const char *at, unsigned corners, double vertices) {
+    char *next;
+    for (; corners > 0; corners--, at = next) {
+        double vertex = strtod(at + strspn(at, " \t"), &next);
+        if (next == at || memchr(at, '\n', (size_t)(next - at)) || memchr(at, '\r', (size_t)(next - at)) || !(vertex >= 0.0 && vertex < vertices)) return false;
+    }
+    return true;
+}
+
 /* A line a vertex, a line a face. The importer takes one face off its count for each that does not have one to nine corners, and goes on reading: below none. */
 static sl_status check_off_faces(const char *path, const char *data, const char *counts, double vertices, double faces, sl_error *error) {
     const char *at = line_after(counts);
     for (double i = 0.0; i < vertices && *at; i++) at = line_after(at);
     for (double i = 0.0; i < faces && *at; i++, at = line_after(at)) {
         unsigned corners = 0;
-        if (sscanf(at, "%u", &corners) == 1 && corners >= 1 && corners <= 9) continue;
-        return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected a face: a number of corners from 1 to 9, and so many vertices", path, lines_between(data, at) + 1);
+        int length = 0;
+        if (sscanf(at, "%u%n", &corners, &length) == 1 && corners >= 1 && corners <= 9 && are_vertices(at + length, corners, vertices)) continue;
+        return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected a face: a number of corners from 1 to 9, and so many vertices below %.0f", path, lines_between(data, at) + 1,
+                       vertices);
     }
     return SL_OK;
 }

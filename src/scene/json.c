@@ -100,9 +100,20 @@ static const char *find_too_deep(const char *text) {
     return NULL;
 }
 
+/* A byte of zero, spelled; the parser takes it for the string's end. */
+static const char *find_zero(const char *text) {
+    for (; *text; text++) {
+        if (*text != '\\') continue;
+        if (strncmp(text, "\\u0000", 6) == 0) return text;
+        if (text[1]) text++;
+    }
+    return NULL;
+}
+
 static sl_status check_limits(const sl_json *json, size_t size) {
     if (size > SL_JSON_BYTES) return sl_fail(json->error, SL_ERROR_INPUT, "%s: expected a scene file of at most %d bytes, got %zu", json->path, SL_JSON_BYTES, size);
-    const char *deep = find_too_deep(json->text);
+    const char *deep = find_too_deep(json->text), *zero = find_zero(json->text);
+    if (zero) return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected strings without \\u0000", json->path, line_of(json->text, zero));
     if (!deep) return SL_OK;
     return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected brackets nested at most %d deep", json->path, line_of(json->text, deep), SL_JSON_NESTING);
 }

@@ -178,7 +178,8 @@ void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
             return;
         }
         const char *type = sl_json_string(json, sl_json_need(json, item, "type"));
-        if (!type) return;
+        sl_json_string(json, sl_json_get(item, "name"));
+        if (!type || json->status != SL_OK) return;
         sl_light light = {0};
         if (strcmp(type, "point") == 0) read_point(file, item, &light);
         else if (strcmp(type, "spot") == 0) read_spot(file, item, &light);
