@@ -40,13 +40,12 @@ void sl_octree_complete(sl_settings *settings) {
 sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *settings) {
     sl_features f = sl_scene_features(scene);
     const sl_light_octree_settings *o = &settings->light_octree;
-    bool light = scene->light_count || scene->emitter_count || scene->environment.present;
     bool receivers = f.diffuse_triangles || f.glossy_triangles;
     return (sl_octree_plan){
-        .photons = light && receivers,
+        .photons = f.light && receivers,
         .glossy = f.glossy_triangles > 0,
         .mirrors = f.mirror_triangles > 0,
-        .direct = light && receivers && !o->indirect_only,
+        .direct = f.light && receivers && !o->indirect_only,
         .environment = f.environment,
         .sky = f.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT,
         .first_depth = o->depth < SHALLOWEST_SHOWN || o->photons_at_pixels ? o->depth : SHALLOWEST_SHOWN,

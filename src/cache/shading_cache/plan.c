@@ -54,7 +54,7 @@ void sl_shading_complete(sl_settings *settings) {
 
 sl_shading_plan sl_shading_plan_make(const sl_scene *scene, const sl_settings *settings) {
     sl_features f = sl_scene_features(scene);
-    bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
+    bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters || (f.light && f.emissive_triangles);
     bool surfaces = f.diffuse_triangles || f.glossy_triangles || f.mirror_triangles;
     const sl_shading_cache_settings *c = &settings->shading_cache;
     return (sl_shading_plan){

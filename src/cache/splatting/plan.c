@@ -35,10 +35,6 @@ static sl_radius_metric chosen_metric(const sl_settings *settings) {
     return settings->metric == SL_METRIC_AUTO ? SL_METRIC_HESSIAN : settings->metric;
 }
 
-static bool gives_light(const sl_scene *scene) {
-    return scene->light_count || scene->emitter_count || scene->environment.present;
-}
-
 static sl_gather_settings chosen_gather(const sl_settings *settings) {
     sl_gather_settings g = sl_gather_defaults();
     g.kind = settings->gather;
@@ -53,7 +49,7 @@ static sl_gather_settings chosen_gather(const sl_settings *settings) {
 
 sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *settings) {
     sl_features features = sl_scene_features(scene);
-    bool light = gives_light(scene);
+    bool light = features.light;
     return (sl_splat_plan){
         .quality = chosen_quality(settings),
         .gather = chosen_gather(settings),
@@ -87,7 +83,7 @@ void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
 void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_features f = sl_scene_features(scene);
     sl_splat_quality q = chosen_quality(settings);
-    bool light = gives_light(scene), receivers = f.diffuse_triangles || f.glossy_triangles;
+    bool light = f.light, receivers = f.diffuse_triangles || f.glossy_triangles;
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
     sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles", f.textured_triangles);

@@ -1,0 +1,75 @@
+/* After edits pictures are those of a method that begins with the scene as it is then, whatever it was before. */
+#include "rendering.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+/* A floor with a gloss under a lamp that keyframes scale, and what else is asked for. */
+static sl_scene *floor_under_lamp(const char *scale_before, const char *scale_after, const char *more_lights) {
+    char json[1024];
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"material\": \"floor\"}, {\"file\": \"mesh.obj\", \"name\": \"wall\", "
+             "\"material\": \"wall\", \"transform\": {\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, -2]}}], \"materials\": {\"floor\": {\"diffuse\": 0.5, "
+             "\"specular\": 0.3, \"exponent\": 10}, \"wall\": {\"diffuse\": 0.5}}, \"lights\": [{\"type\": \"quad\", \"corner\": [-0.5, 0, -0.5], \"edge1\": [1, 0, 0], "
+             "\"edge2\": [0, 0, 1], \"radiance\": 5, \"keyframes\": [{\"time\": 0, \"translate\": [0, 2, 0], \"scale\": %s}, {\"time\": 1, \"translate\": [0, 2, 0], "
+             "\"scale\": %s}]}%s], \"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
+             scale_before, scale_after, more_lights);
+    return scene_from_text(json, "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n");
+}
+
+/* One picture after the other, and that of a method which begins at the end. */
+static sl_comparison edited_against_fresh(sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    sl_image *edited, *fresh;
+    sl_comparison c;
+    unsigned changes;
+    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
+    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
+    fresh = render(scene, settings, NULL);
+    assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
+    sl_image_destroy(edited);
+    sl_image_destroy(fresh);
+    sl_method_destroy(method);
+    return c;
+}
+
+static sl_settings settings_for(const char *method) {
+    sl_settings settings = small_settings(method, 24, 24);
+    settings.spp = 4;
+    settings.light_octree.depth = 4;
+    settings.light_octree.photons = 4000;
+    settings.shading_cache.indirect_samples = 20;
+    return settings;
+}
+
+/* So small that it has no area, and gives no light. */
+static void a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark(void **state) {
+    (void)state;
+    for (size_t i = 0; sl_method_name(i); i++) {
+        for (int shrinks = 0; shrinks < 2; shrinks++) {
+            sl_scene *scene = floor_under_lamp(shrinks ? "1" : "1e-30", shrinks ? "1e-30" : "1", "");
+            const sl_settings settings = settings_for(sl_method_name(i));
+            const sl_comparison c = edited_against_fresh(scene, &settings);
+            print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image, 100.0 * c.rel_rmse, c.mean_reference);
+            assert_true(shrinks ? c.mean_reference == 0.0 && c.mean_image == 0.0 : c.mean_reference > 0.02 && c.rel_rmse < 0.02);
+            sl_scene_destroy(scene);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
