@@ -50,6 +50,7 @@ struct sl_irradiance_meshes {
     size_t wanted_count, wanted_capacity;
     sample_worker *worker;
     bool sparing;              /* what is known will do */
+    float judged_by[4];        /* the exposure, and the ambient light, when all edges were open last */
     double inwards;            /* how far vertices on edges are moved into their faces */
 };
 
@@ -419,35 +420,46 @@ static bool has_changed(const sl_irradiance_meshes *m, uint32_t light, uint32_t 
 
 static bool is_unknown(const sl_mesh *mesh, uint32_t vertex) { return vertex == SL_NO_INDEX || mesh->state[vertex] == SL_VERTEX_UNKNOWN; }
 
-/* Edges whose samples went are to be tested again. What was cut stays cut. */
-static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place) {
+/* Edges whose samples went are to be tested again, or all. What was cut stays cut. */
+static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place, bool all) {
     for (int i = 0; i < 3; i++) {
         uint32_t a = mesh->node[place->node].vertex[(i + 1) % 3], b = mesh->node[place->node].vertex[(i + 2) % 3];
-        if (is_unknown(mesh, a) || is_unknown(mesh, b) || is_unknown(mesh, sl_mesh_find_middle(mesh, place, i)))
+        if (all || is_unknown(mesh, a) || is_unknown(mesh, b) || is_unknown(mesh, sl_mesh_find_middle(mesh, place, i)))
             set_edge_state(mesh, place->node, i, SL_EDGE_UNTESTED);
     }
     if (sl_mesh_is_leaf(mesh, place->node)) return;
     for (int c = 0; c < sl_mesh_children(mesh, place->node); c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
-        reopen_below(mesh, &child);
+        reopen_below(mesh, &child, all);
     }
 }
 
-static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irradiance_changes *changes) {
+/* judged_anew: what a light's share shows is seen beside other light, or at another exposure. */
+static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_irradiance_changes *changes, bool judged_anew) {
     sl_mesh *mesh = m->mesh[light];
     mesh->topology = m->settings.topology;
     if (changes->light_changed[light]) {
         sl_mesh_clear(mesh);
         return;
     }
-    if (changes->box_count == 0) return;
+    if (changes->box_count == 0 && !judged_anew) return;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         if (has_changed(m, light, v, changes)) mesh->state[v] = SL_VERTEX_UNKNOWN;
     for (uint32_t n = 0; n < mesh->node_count; n++) {
         if (!sl_mesh_is_root(mesh, n)) continue;
         sl_mesh_place root = sl_mesh_root_place(mesh, mesh->node[n].parent & ~SL_MESH_ROOT);
-        reopen_below(mesh, &root);
+        reopen_below(mesh, &root, judged_anew);
     }
+}
+
+/* Whether edges are judged by much else than they were; if so by that from now on. */
+static bool judge_anew(sl_irradiance_meshes *m) {
+    const sl_irradiance_settings *s = &m->settings;
+    const float now[4] = {s->perception.exposure, s->ambient.r, s->ambient.g, s->ambient.b};
+    bool anew = false;
+    for (int i = 0; i < 4; i++) anew |= fabsf(now[i] - m->judged_by[i]) > 0.01f * fmaxf(now[i], m->judged_by[i]);
+    if (anew) memcpy(m->judged_by, now, sizeof now);
+    return anew;
 }
 
 static void forget_scratch(sl_irradiance_meshes *m) {
@@ -468,8 +480,9 @@ sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradian
                                       sl_error *error) {
     forget_scratch(m);
     m->settings = *settings;
+    const bool judged_anew = judge_anew(m);
     m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
-    for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, changes);
+    for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, changes, judged_anew);
     return make_scratch(m, error);
 }
 
@@ -497,6 +510,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_irradiance_meshes *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "irradiance meshes");
     m->settings = *settings;
+    judge_anew(m);
     m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
     size_t lights = settings->lights->count;
     m->mesh = sl_allocate(lights, sizeof(sl_mesh *));

@@ -234,6 +234,7 @@ sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error) {
     old_world old;
     forget_pictures(s);
     s->plan = sl_multi_mesh_plan_make(s->scene, &s->settings); /* light may fall where none fell */
+    set_perception(s);
     if (!s->irradiance) { /* there was no light, or an earlier edit failed */
         sl_multi_mesh_forget_world(s);
         return sl_multi_mesh_make_world(s, error);
