@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 
-#include <math.h>
 #include <stdio.h>
 
 /* A floor with a gloss under a lamp that keyframes scale, and what else is asked for. */
@@ -81,10 +80,33 @@ static void meshes_are_as_fine_as_the_light_of_now_asks_for(void **state) {
     }
 }
 
+static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now(void **state) {
+    (void)state;
+    sl_scene *scene = floor_under_lamp("30", "0.1", "");
+    const sl_settings settings = settings_for("shading-cache");
+    sl_method *method, *other;
+    sl_image *bright, *edited, *fresh;
+    unsigned changes;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &bright, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
+    assert_int_equal(sl_method_create(scene, &settings, &other, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(other, &fresh, NULL), SL_OK);
+    assert_true(same_picture(edited, fresh) && !same_picture(edited, bright));
+    sl_image *pictures[] = {bright, edited, fresh};
+    for (int i = 0; i < 3; i++) sl_image_destroy(pictures[i]);
+    sl_method_destroy(other);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark),
         cmocka_unit_test(meshes_are_as_fine_as_the_light_of_now_asks_for),
+        cmocka_unit_test(before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

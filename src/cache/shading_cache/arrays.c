@@ -1,4 +1,5 @@
 /* The display arrays: two copies of the patches' trees and of their vertices' values, brought up to date by what has changed. */
+#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -72,6 +73,7 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
     d->scene = scene;
     d->primitives = primitives;
     d->settings = *settings;
+    d->copy[0].guess = d->copy[1].guess = settings->guess;
     for (size_t m = 0; m < scene->material_count; m++) d->textured |= scene->materials[m].texture != SL_NO_INDEX;
     sl_status status = allocate_arrays(d) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && primitives->curved) status = sl_curved_edges_find(primitives, &d->curved, error);
@@ -172,6 +174,7 @@ static void begin_anew(sl_display_copy *copy) {
 static sl_status update_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p, sl_error *error) {
     bool all = !copy->complete;
     if (all) begin_anew(copy);
+    copy->guess = d->settings.guess;
     if (!list_patches(d, 0, p, all ? 0 : SL_PATCH_DIRTY) || !reserve_copy(copy, p)) return sl_fail_memory(error, "the display");
     if (all) d->dirty_count[1] = 0;
     update_roots(d, copy, p);
@@ -213,6 +216,17 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
     sl_patches_rested(p);
     sl_display_swap(d);
     return SL_OK;
+}
+
+static bool is_much_the_same(float a, float b) { return fabsf(a - b) <= 0.01f * fmaxf(a, b); }
+
+/* Whatever shows the old one is made anew. */
+bool sl_display_guess(sl_display *d, sl_rgb guess) {
+    const sl_rgb old = d->settings.guess;
+    if (is_much_the_same(guess.r, old.r) && is_much_the_same(guess.g, old.g) && is_much_the_same(guess.b, old.b)) return false;
+    d->settings.guess = guess;
+    d->copy[0].complete = d->copy[1].complete = false;
+    return true;
 }
 
 sl_status sl_display_move(sl_display *d, sl_error *error) { return sl_window_move(d, &d->own, error); }

@@ -62,6 +62,7 @@ typedef struct sl_tessellation {
 typedef struct sl_display_copy {
     bool complete;             /* false: all of it is to be made */
     uint64_t builds;           /* so many there had been with this one */
+    sl_rgb guess;              /* that it was made with */
     uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
     size_t root_count;
     uint32_t *word;            /* by patch, numbered as in sl_patches */

@@ -188,7 +188,7 @@ static sl_rgb diffuse_of(const frame_job *job, const triangle_run *run, int32_t 
 }
 
 static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
-    const sl_rgb guess = job->display->settings.guess;
+    const sl_rgb guess = job->copy->guess;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
     int32_t u, v;
     bool fresh = find_leaf(job, run, w1, w2, &u, &v);
@@ -331,7 +331,7 @@ sl_status sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown, s
     triangle_run run = {.root = SL_NO_INDEX};
     begin_pixels(&job, pixel, 1, &s);
     next_pixel(&job, &s, 0, &run);
-    *shown = (sl_shown_pixel){.copy = job.copy, .root = run.root, .guess = d->settings.guess};
+    *shown = (sl_shown_pixel){.copy = job.copy, .root = run.root, .guess = job.copy->guess};
     if (run.root == SL_NO_INDEX) {
         shown->emission = background(&job, pixel);
         return SL_OK;

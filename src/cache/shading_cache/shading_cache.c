@@ -96,6 +96,12 @@ static float middle_radiance(const sl_shading_state *s) {
     return c->mean_level_radiance > 0.0 ? (float)c->mean_level_radiance : guess > 0.0f ? guess : 1.0f;
 }
 
+/* Lamps may have grown, or left. */
+static void judge_by_light_of_now(sl_shading_state *s) {
+    s->curve.reference = middle_radiance(s);
+    if (sl_display_guess(s->display, sl_ambient_irradiance_of_all_bounces(s->scene))) s->drawn = false;
+}
+
 static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     sl_display_settings display = {s->settings.width, s->settings.height, sl_ambient_irradiance_of_all_bounces(s->scene), s->settings.threads};
@@ -223,6 +229,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
     s->shows_only = s->edits++ % (uint32_t)s->settings.shading_cache.frames_per_update != 0 && !(s->settings.shading_cache.hold_levels > 0.0);
     if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
+    if (changes & SL_CHANGED_OBJECTS) judge_by_light_of_now(s);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
     for (int i = 0; i < s->renderer_count && status == SL_OK; i++) status = s->renderer[i].edit(s->renderer[i].state, changes, error);
