@@ -75,7 +75,7 @@ static size_t assert_all_add_up(const char *scene, const char *method, uint64_t 
 
 static void what_a_method_says_made_a_pixel_adds_up_to_it(void **state) {
     (void)state;
-    static const char *const scenes[] = {"scenes/cornell.json", "scenes/cornell-glossy.json", "scenes/sphere.json"};
+    static const char *const scenes[] = {"scenes/cornell.json", "scenes/cornell-glossy.json", "scenes/sphere.json", "scenes/mirror-balls.json"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
         for (size_t m = 0; m < METHODS; m++) assert_true(assert_all_add_up(scenes[s], methods[m], 0) > 300);
 }

@@ -94,15 +94,6 @@ static void tell_voxels(const telling *t) {
     }
 }
 
-static void find_throughput(const sl_octree_told *told, size_t pixel, float throughput[3]) {
-    const sl_reflections *r = told->reflections;
-    throughput[0] = throughput[1] = throughput[2] = 1.0f;
-    for (size_t k = 0; r && k < r->count; k++) {
-        if (r->pixel[k] != pixel) continue;
-        throughput[0] = r->throughput[k].r, throughput[1] = r->throughput[k].g, throughput[2] = r->throughput[k].b;
-    }
-}
-
 static bool is_lit(const sl_octree_told *told, size_t pixel) {
     uint32_t material = told->gbuffer->material[pixel];
     return material != SL_NO_INDEX && !sl_material_is_mirror(&told->scene->materials[material]);
@@ -120,7 +111,8 @@ void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_story_writer *w
         sl_story_add_layer(writer, "indirect", looked_up ? "texel of the atlas" : told->otherwise);
         return;
     }
-    find_throughput(told, pixel, t.throughput);
+    const sl_rgb left = sl_reflections_throughput(told->reflections, pixel);
+    t.throughput[0] = left.r, t.throughput[1] = left.g, t.throughput[2] = left.b;
     if (sl_octree_pixel_cells(&told->shading, told->scene, told->gbuffer, told->scene->camera.eye, pixel, &seen)) tell_voxels(&t);
 }
 

@@ -13,6 +13,12 @@ static bool shows_mirror(const sl_scene *scene, const sl_gbuffer *g, size_t pixe
     return g->material[pixel] != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[g->material[pixel]]);
 }
 
+sl_rgb sl_reflections_throughput(const sl_reflections *r, size_t pixel) {
+    for (size_t k = 0; r && k < r->count; k++)
+        if (r->pixel[k] == pixel) return r->throughput[k];
+    return sl_grey(1.0f);
+}
+
 void sl_reflections_destroy(sl_reflections *r) {
     if (!r) return;
     sl_free(r->pixel);

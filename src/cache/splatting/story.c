@@ -29,7 +29,7 @@ typedef struct {
     const sl_record_cache *cache;
     size_t index, pixel;
     float weight, total; /* w and the sum of all */
-    const float *reflectance; /* of the layer: albedo / pi, or ks */
+    const float *reflectance; /* of the layer: albedo / pi, or ks; and of the mirrors before it */
 } told_record;
 
 static sl_story_term begin_term(const told_record *t, const char *layer, const char *kind) {
@@ -66,9 +66,9 @@ static void tell_radiance(const told_record *t, sl_story_writer *writer) {
 }
 
 /* A lobe of finite order rings below 0, where the picture is black. */
-static void glossy_reflectance(const sl_splat_state *s, size_t pixel, float ks[3]) {
+static void glossy_reflectance(const sl_splat_state *s, size_t pixel, sl_rgb mirrors, float ks[3]) {
     const sl_rgb specular = s->scene->materials[s->gbuffer->material[pixel]].specular;
-    put_colour(ks, specular);
+    put_colour(ks, sl_rgb_mul(specular, mirrors));
     for (int c = 0; c < 3; c++)
         if (!(s->splats.glossy[c][pixel] > 0.0f)) ks[c] = 0.0f;
 }
@@ -76,10 +76,11 @@ static void glossy_reflectance(const sl_splat_state *s, size_t pixel, float ks[3
 static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel, sl_story_writer *writer) {
     const sl_gbuffer *g = s->gbuffer;
     const float per_pi = (float)(1.0 / SL_PI);
-    const float albedo[3] = {g->diffuse_r[pixel] * per_pi, g->diffuse_g[pixel] * per_pi, g->diffuse_b[pixel] * per_pi};
+    const sl_rgb mirrors = sl_reflections_throughput(s->reflections, pixel);
+    const float albedo[3] = {g->diffuse_r[pixel] * per_pi * mirrors.r, g->diffuse_g[pixel] * per_pi * mirrors.g, g->diffuse_b[pixel] * per_pi * mirrors.b};
     bool glossy = cache->list.coefficients && s->splats.glossy[0];
     float ks[3] = {0.0f, 0.0f, 0.0f};
-    if (glossy) glossy_reflectance(s, pixel, ks);
+    if (glossy) glossy_reflectance(s, pixel, mirrors, ks);
     told_record t = {.cache = cache, .pixel = pixel, .total = s->splats.weight[pixel]};
     for (t.index = 0; t.index < cache->list.count; t.index++) {
         t.weight = sl_record_weight(&cache->pass, &cache->list.records[t.index], pixel);
