@@ -102,11 +102,36 @@ static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_no
     sl_scene_destroy(scene);
 }
 
+/* A floor that had no area when points were spread has some of them once it has. */
+static void what_a_surface_that_grows_receives_is_told(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"keyframes\": [{\"time\": 0, \"scale\": 1e-30}, "
+                                      "{\"time\": 1}]}, {\"file\": \"mesh.obj\", \"name\": \"wall\", \"transform\": {\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, -2]}}], "
+                                      "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], \"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
+                                      "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n");
+    const sl_settings settings = settings_for("direct-radiance");
+    sl_method *method;
+    sl_image *edited, *fresh;
+    unsigned changes;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
+    fresh = render(scene, &settings, NULL);
+    assert_string_equal(sl_image_metadata(edited, "softlux.flux_received"), sl_image_metadata(fresh, "softlux.flux_received"));
+    sl_image_destroy(edited);
+    sl_image_destroy(fresh);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark),
         cmocka_unit_test(meshes_are_as_fine_as_the_light_of_now_asks_for),
         cmocka_unit_test(before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now),
+        cmocka_unit_test(what_a_surface_that_grows_receives_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,7 @@ typedef struct radiance_state {
     sl_shadow_cubes *cubes;        /* pass 1 */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
-    sl_report_points *points;      /* where arriving flux is measured; spread once, as triangles keep their number */
+    sl_report_points *points;      /* where arriving flux is measured; they stay on their triangles */
     sl_map_report report;
     sl_curved_mirrors *curved;     /* pass 4 */
     sl_receivers *receivers;       /* passes 5 and 6 */
@@ -352,7 +352,10 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
     radiance_state *s = state;
     forget_picture(s);
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) darken(s);
-    if (changes & SL_CHANGED_OBJECTS) s->placed = false; /* and planned anew */
+    if (changes & SL_CHANGED_OBJECTS) {
+        s->placed = false; /* and planned anew */
+        sl_report_points_follow(s->points);
+    }
     if (s->placed && (changes & SL_CHANGED_LIGHTS)) s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings); /* they may have left a convex room */
     return SL_OK;
 }

@@ -75,11 +75,16 @@ static report_point point_in(uint32_t triangle, double area, double along, size_
     return (report_point){triangle, (float)(side * (1.0 - across)), (float)(side * across), area};
 }
 
+static double all_area(const sl_scene *scene) {
+    double total = 0.0;
+    for (uint32_t t = 0; t < scene->triangle_count; t++) total += receiving_area(scene, t);
+    return total;
+}
+
 /* The middles of equal shares of all area, triangle after triangle. */
 static void spread(const sl_scene *scene, sl_report_points *points) {
-    double total = 0.0, before = 0.0;
+    double total = all_area(scene), before = 0.0;
     size_t next = 0;
-    for (uint32_t t = 0; t < scene->triangle_count; t++) total += receiving_area(scene, t);
     points->share = total / POINTS;
     for (uint32_t t = 0; t < scene->triangle_count && total > 0.0; t++) {
         double area = receiving_area(scene, t);
@@ -96,6 +101,12 @@ sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **poin
     (*points)->scene = scene;
     spread(scene, *points);
     return SL_OK;
+}
+
+void sl_report_points_follow(sl_report_points *points) {
+    if (!points) return;
+    const double before = points->share * POINTS, now = all_area(points->scene);
+    if (fabs(now - before) > 0.01 * fmax(now, before)) spread(points->scene, points);
 }
 
 void sl_report_points_destroy(sl_report_points *points) { sl_free(points); }

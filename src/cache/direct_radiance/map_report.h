@@ -18,6 +18,8 @@ typedef struct sl_map_report {
  * these move. */
 typedef struct sl_report_points sl_report_points;
 sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **points, sl_error *error);
+/* After objects have moved: spreads them anew if that has changed how much area there is by more than a hundredth. NULL is allowed. */
+void sl_report_points_follow(sl_report_points *points);
 void sl_report_points_destroy(sl_report_points *points);
 size_t sl_report_points_bytes(const sl_report_points *points);
 
