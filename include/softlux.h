@@ -290,7 +290,7 @@ typedef struct sl_mark {
 typedef struct sl_pass {
     const char *method;   /**< "splatting" */
     const char *name;     /**< "splat irradiance records" */
-    const char *source;   /**< section or equation of the paper, "section 4, Algorithm 1"; words where it has none */
+    const char *source;   /**< equation, algorithm or pass of the paper, "Algorithm 1, equation (9)"; or its words for it */
     const sl_image *buffer;      /**< what the pass made, row 0 at the top; valid during the call only; may be NULL */
     const sl_counters *counters; /**< what this pass alone cost */
     const sl_mark *marks;        /**< mark_count of them, valid during the call only */
@@ -475,7 +475,7 @@ typedef enum sl_mesh_selection {
 typedef struct sl_multi_mesh_settings {
     sl_light_estimator estimator; /**< RATIO */
     int light_size;             /**< N of N x N pixels around a light, 16 to 256, up to a power of two; 64, doubled up to 256 for points close to it */
-    int light_rays;             /**< n of n x n jittered rays instead; 16 */
+    int light_rays;             /**< n of n x n jittered rays instead, 1 to 256; 16 */
     double gather_fov;          /**< radians, 1 to 3.11; 160 degrees */
     bool undivided_gather;      /**< the gather's loss beyond its field of view is not made up for: the paper's */
     bool side_strips;           /**< the rest of the hemisphere is drawn, too, where it may matter */

@@ -123,7 +123,7 @@ static void announce_map(radiance_state *s) {
     for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; i++) {
         if (!pictures[i].plane[0]) continue;
         const float *const planes[3] = {pictures[i].plane[0], pictures[i].plane[1], pictures[i].plane[2]};
-        sl_announce_planes(&s->announcer, pictures[i].name, "section 3.1", width, rows, planes);
+        sl_announce_planes(&s->announcer, pictures[i].name, "direct radiance map", width, rows, planes);
     }
 }
 
@@ -171,7 +171,7 @@ static sl_status light_up(radiance_state *s, sl_error *error) {
     sl_status status = sl_map_lights_find(s->scene, m->emitter_samples, &s->lights, error);
     if (status == SL_OK && s->plan.shadows) {
         status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, m->shadow_size, s->settings.threads, &s->cubes, &s->counters, error);
-        sl_announce_pass(&s->announcer, "depth cubes", "section 2.3");
+        sl_announce_pass(&s->announcer, "depth cubes", "shadows in (5), (9)");
     }
     if (status == SL_OK && s->plan.map) status = take_map(s, error);
     if (status == SL_OK && s->plan.map) status = report_map(s, error);
@@ -248,7 +248,7 @@ static sl_status draw_passes(radiance_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = ready_planes(s, error);
     if (status != SL_OK) return status;
-    sl_announce_gbuffer(&s->announcer, "section 4", s->receivers->gbuffer);
+    sl_announce_gbuffer(&s->announcer, "importons", s->receivers->gbuffer);
     sl_add_emission(s->scene, s->receivers, threads, s->layers.emission, &s->counters);
     sl_light_pass light = lighting(s);
     sl_lit_picture picture = {{s->layers.direct[0], s->layers.direct[1], s->layers.direct[2]},
@@ -263,7 +263,7 @@ static sl_status draw_passes(radiance_state *s, sl_error *error) {
         status = make_cubes(s, &light, error);
         if (status == SL_OK)
             sl_curved_mirrors_reflect(s->curved, s->receivers, threads, s->layers.emission, s->layers.direct, s->layers.indirect, &s->counters);
-        announce_picture(s, "curved mirrors", "section 5", s->layers.direct[0]);
+        announce_picture(s, "curved mirrors", "environment cubes", s->layers.direct[0]);
     }
     return status;
 }

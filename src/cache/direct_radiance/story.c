@@ -101,6 +101,6 @@ void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons)
         const sl_map_photon *p = &photons->photon[j];
         marks[j] = (sl_mark){.kind = SL_MARK_POINT, .at = {p->position.x, p->position.y, p->position.z}, .colour = {p->flux.r, p->flux.g, p->flux.b}};
     }
-    sl_announce_marks(announcer, "sample photons", "section 3.2", marks, photons->count);
+    sl_announce_marks(announcer, "sample photons", "samples of the direct radiance map", marks, photons->count);
     sl_free(marks);
 }

@@ -1,5 +1,5 @@
 /* H_lm(theta, phi) = sqrt 2 K P_l^|m|(2 cos theta - 1) times cos(m phi) or sin(|m| phi); K P_l^0 for m = 0. Normalised associated
- * Legendre functions by recurrence, without factorials and without the Condon-Shortley sign (Gautron et al. 2004, section 3):
+ * Legendre functions by recurrence, without factorials and without the Condon-Shortley sign (Gautron et al. 2004):
  *
  *     P_0^0 = sqrt(1 / 2 pi),  P_m^m = sqrt((2m+1) / 2m) s P_(m-1)^(m-1),  P_l^m = a_lm (x P_(l-1)^m - b_lm P_(l-2)^m)
  *

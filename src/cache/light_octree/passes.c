@@ -40,7 +40,7 @@ static sl_status draw_gbuffer(sl_octree_state *s, sl_error *error) {
     else if (status == SL_OK && s->plan.mirrors)
         status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->reflections, &s->counters, error);
     if (status != SL_OK) return status;
-    sl_announce_gbuffer(&s->announcer, "section 5", s->gbuffer);
+    sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
     s->lit = false;
     memset(s->planes, 0, SL_OCTREE_PLANES * sl_octree_state_pixels(s) * sizeof *s->planes);
     s->direct_row = 0;
@@ -55,7 +55,7 @@ static sl_status light_rows(sl_octree_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     s->direct_row = end;
     if (end < s->settings.height) return status;
-    announce_picture(s, "direct light", "section 5", s->direct_light[0]);
+    announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
     s->phase = SL_OCTREE_PHASE_PHOTONS;
     return status;
 }
@@ -63,7 +63,7 @@ static sl_status light_rows(sl_octree_state *s, sl_error *error) {
 /* ---- P1, P2: photons ---- */
 
 static sl_status finish_photons(sl_octree_state *s, sl_error *error) {
-    sl_announce_pass(&s->announcer, "photons", "section 3.1");
+    sl_announce_pass(&s->announcer, "photons", "photon map");
     sl_photon_list *list = s->photons;
     if (list) sl_octree_announce_photons(&s->announcer, list);
     s->photons = NULL;
@@ -134,7 +134,7 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
     const sl_octree_root root = root_of(s);
     sl_status status = sl_octree_create_in(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
     if (status != SL_OK) return status;
-    sl_announce_pass(&s->announcer, "octree", "section 3.2");
+    sl_announce_pass(&s->announcer, "octree", "octree, K-means of its photons");
     s->leaf = 0;
     s->radius = o->radius > 0.0 ? o->radius : sl_voxel_radius(s->next.octree, (size_t)o->neighbours, sl_photon_tree_list(s->tree)->count);
     if (o->photons_at_pixels) { /* no lights in between */
@@ -192,7 +192,7 @@ static sl_status gather_at_pixels(sl_octree_state *s, sl_error *error) {
 static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
     if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
     sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads, &s->atlas, error);
-    sl_announce_pass(&s->announcer, "atlas", "section 4.2");
+    sl_announce_pass(&s->announcer, "atlas", "render to texture atlas");
     return status;
 }
 
@@ -230,7 +230,7 @@ static sl_status shade(sl_octree_state *s, sl_error *error) {
     s->lit = true;
     if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
     else snprintf(name, sizeof name, "indirect light, depth %d", depth);
-    announce_picture(s, name, "section 4", s->indirect_light[0]);
+    announce_picture(s, name, "light from the octree", s->indirect_light[0]);
     s->depth = depth + 1;
     s->phase = s->depth <= s->settings.light_octree.depth ? SL_OCTREE_PHASE_OCTREE : SL_OCTREE_PHASE_DONE;
     return status;

@@ -128,7 +128,7 @@ void sl_octree_announce_photons(sl_announcer *announcer, const sl_photon_list *p
         const sl_photon *p = &photons->photon[i];
         mark[made++] = (sl_mark){.kind = SL_MARK_POINT, .at = {p->position[0], p->position[1], p->position[2]}, .colour = {p->flux[0], p->flux[1], p->flux[2]}};
     }
-    sl_announce_marks(announcer, "photon hits", "section 3.1", mark, made);
+    sl_announce_marks(announcer, "photon hits", "photon map", mark, made);
     sl_free(mark);
 }
 
@@ -152,6 +152,6 @@ void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree,
     sl_mark *mark = sl_allocate((lights->set_count / step + 1) * (size_t)lights->texels, sizeof *mark);
     if (!mark) return;
     for (size_t i = 0; i < lights->set_count; i += step) made += put_arrows(lights, i, (float)(0.5 * sl_octree_voxel(octree)), mark + made);
-    if (made > 0) sl_announce_marks(announcer, "lights of the voxels", "section 3.4", mark, made);
+    if (made > 0) sl_announce_marks(announcer, "lights of the voxels", "virtual directional lights", mark, made);
     sl_free(mark);
 }

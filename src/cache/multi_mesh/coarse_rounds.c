@@ -47,7 +47,7 @@ static void leave_out_indirect(sl_multi_mesh_state *s) {
 /* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_finish(s->coarse, s->settings.threads);
-    sl_announce_pass(&s->announcer, "coarse mesh", "section 5");
+    sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
     if (is_dark(s)) {
         leave_out_indirect(s);
         return SL_OK;
@@ -81,7 +81,7 @@ static void finish_second_bounce(sl_multi_mesh_state *s) {
     sl_free(s->coarse_indirect);
     s->coarse_indirect = NULL;
     sl_coarse_finish(s->coarse, s->settings.threads);
-    sl_announce_pass(&s->announcer, "coarse mesh, second bounce", "section 5");
+    sl_announce_pass(&s->announcer, "coarse mesh, second bounce", "for equation (7)");
     s->coarse_whole = true;
 }
 

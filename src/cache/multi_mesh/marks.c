@@ -70,7 +70,7 @@ static void announce_mesh(sl_multi_mesh_state *s, const sl_mesh *mesh, sl_rgb li
     }
     if (e.count) sort_edges(&e);
     for (size_t i = 0; i < e.count; i++) mark[i] = mark_of(mesh, light, e.pair[i]);
-    if (e.count) sl_announce_marks(&s->announcer, name, "section 4", mark, e.count);
+    if (e.count) sl_announce_marks(&s->announcer, name, "multiple meshes", mark, e.count);
     sl_free(e.pair);
     sl_free(mark);
 }
@@ -101,11 +101,11 @@ static void announce_plane(sl_multi_mesh_state *s, const char *name, const char 
 void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s) {
     float *plane = plane_for_observer(s);
     if (!plane) {
-        sl_announce_pass(&s->announcer, "identifiers, visible sizes", "section 3, pass 1");
+        sl_announce_pass(&s->announcer, "identifiers, visible sizes", "image pass 1");
         return;
     }
     for (size_t i = 0; i < sl_multi_mesh_pixels(s); i++) plane[i] = s->id[i] == SL_NO_INDEX ? -1.0f : (float)s->id[i];
-    announce_plane(s, "identifiers, visible sizes", "section 3, pass 1", plane);
+    announce_plane(s, "identifiers, visible sizes", "image pass 1", plane);
 }
 
 void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
@@ -119,7 +119,7 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
         float priority = sl_displayed_wants(d, e) ? d->mesh->node[sl_displayed_root(d, e)].priority : 0.0f;
         for (uint32_t i = 0; i < pixels->face[e].count; i++) plane[pixels->pixel[pixels->face[e].first + i]] = priority;
     }
-    announce_plane(s, "priorities of the roots", "section 4", plane);
+    announce_plane(s, "priorities of the roots", "progressive sampling", plane);
 }
 
 void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
@@ -134,7 +134,7 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     const float *planes[3];
     int size;
     sl_mesh_gather_picture(s->gatherer[0].scratch, &size, planes);
-    sl_announce_planes(&s->announcer, "one gather", "section 5", size, size, planes);
+    sl_announce_planes(&s->announcer, "one gather", "equation (7)", size, size, planes);
 }
 
 /* How near a vertex of a light's mesh is to seeing just half of the light: at most 1/2. */
@@ -154,14 +154,14 @@ static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_p
     sl_light_sample_take(s->sampling, light, point, scratch, &nobodys);
     sl_light_picture picture = sl_light_last_picture(scratch);
     if (!picture.weight) return;
-    sl_announce(&s->announcer, "one light sample", "section 4", picture.size, picture.size, 1, picture.weight, true);
+    sl_announce(&s->announcer, "one light sample", "equation (3)", picture.size, picture.size, 1, picture.weight, true);
     float *halves = sl_allocate((size_t)picture.size * (size_t)picture.size, sizeof *halves), sums[REDUCED * REDUCED];
     if (!halves || picture.size < REDUCED) {
         sl_free(halves);
         return;
     }
     sl_raster_reduce(picture.weight, picture.size, 1, REDUCED, halves, sums, &nobodys);
-    sl_announce(&s->announcer, "... reduced to 16 x 16", "section 4", REDUCED, REDUCED, 1, sums, true);
+    sl_announce(&s->announcer, "... reduced to 16 x 16", "equation (3)", REDUCED, REDUCED, 1, sums, true);
     sl_free(halves);
 }
 

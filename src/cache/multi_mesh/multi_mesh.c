@@ -128,9 +128,9 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     if (status == SL_OK) wanted = materials_in_view(s);
     if (status == SL_OK)
         status = sl_materials_resolve(s->scene, s->raster, &view, s->id, wanted, threads, &s->materials, &s->counters, error);
-    if (status == SL_OK) sl_announce(&s->announcer, "material: k_d", "section 3, pass 2", s->settings.width, s->settings.height, 3, s->materials->diffuse[0], true);
+    if (status == SL_OK) sl_announce(&s->announcer, "material: k_d", "image pass 2", s->settings.width, s->settings.height, 3, s->materials->diffuse[0], true);
     if (status == SL_OK && wanted.specular)
-        sl_announce(&s->announcer, "material: k_s", "section 3, pass 2", s->settings.width, s->settings.height, 3, s->materials->specular[0], true);
+        sl_announce(&s->announcer, "material: k_s", "image pass 2", s->settings.width, s->settings.height, 3, s->materials->specular[0], true);
     if (status == SL_OK) status = see(s, error);
     if (status == SL_OK) sl_parallel_for(threads, (size_t)s->settings.height, clear_row, s);
     sl_visible_pixels_destroy(before);
@@ -173,7 +173,7 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
     if (!all) return SL_OK;
     for (int i = 0; i < SL_COMPONENTS; i++) /* in a view seen before they are as sl_displayed_see() has set them */
         if (takes_part(s, i) && s->priorities_stale) sl_displayed_prioritise(s->part[i]);
-    sl_announce_pass(&s->announcer, "vertices of the roots", "section 4");
+    sl_announce_pass(&s->announcer, "vertices of the roots", "progressive sampling");
     sl_multi_mesh_announce_priorities(s);
     s->phase = SL_PHASE_REFINE;
     return SL_OK;
@@ -336,7 +336,7 @@ static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
         if (!in_view(s->part[i])) continue;
         sl_rgb fallback = i == SL_INDIRECT ? s->ambient : sl_grey(0.0f);
         sl_displayed_draw(s->part[i], s->settings.threads, fallback, s->planes[i], &s->counters);
-        sl_announce(&s->announcer, names[i], "section 3, pass 3", s->settings.width, s->settings.height, 3, s->planes[i][0], true);
+        sl_announce(&s->announcer, names[i], "image pass 3", s->settings.width, s->settings.height, 3, s->planes[i][0], true);
         sl_multi_mesh_announce_edges(s, (sl_component)i);
         const float **target = i == SL_DIRECT_DIFFUSE ? merge->direct_diffuse : i == SL_DIRECT_SPECULAR ? merge->direct_specular : merge->indirect;
         for (int k = 0; k < 3; k++) target[k] = s->planes[i][k];
@@ -351,7 +351,7 @@ static sl_status multi_mesh_resolve(void *state, sl_image **image, sl_error *err
     sl_status status = sl_merge_picture(&merge, image, error);
     sl_multi_mesh_announce_lights(s);
     const float *planes = status == SL_OK ? (*image)->planes : NULL;
-    sl_announce(&s->announcer, "merge", "section 3, pass 4", s->settings.width, s->settings.height, planes ? 3 : 0, planes, false);
+    sl_announce(&s->announcer, "merge", "image pass 4", s->settings.width, s->settings.height, planes ? 3 : 0, planes, false);
     return status;
 }
 

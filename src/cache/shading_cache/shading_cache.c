@@ -188,7 +188,7 @@ static sl_status shading_resolve(void *state, sl_image **image, sl_error *error)
     if (status == SL_OK) status = sl_display_draw(s->display, s->settings.threads, planes, &s->counters, error);
     if (status == SL_OK) status = sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
     sl_count(&s->counters, SL_COUNT_FRAMES_DISPLAYED, status == SL_OK);
-    if (status == SL_OK) sl_announce(&s->announcer, "display", "section 3", s->settings.width, s->settings.height, 3, memory, true);
+    if (status == SL_OK) sl_announce(&s->announcer, "display", "display loop", s->settings.width, s->settings.height, 3, memory, true);
     if (status == SL_OK) sl_shading_announce_patches(s);
     for (size_t i = 0; i < 3 * pixels && status == SL_OK; i++) memory[i] = sl_picture_value(memory[i]);
     for (int k = 0; k < 3 && status == SL_OK; k++) sl_raster_flip(planes[k], s->settings.width, s->settings.height, (*image)->planes + (size_t)k * pixels);

@@ -131,14 +131,14 @@ void sl_shading_announce_choices(sl_shading_state *s, size_t choices) {
         put_place(marks[i].at, sl_root_position(s->primitives, root, (uint32_t)(s->ids.u[pixel] * SL_PATCH_DYADIC), (uint32_t)(s->ids.v[pixel] * SL_PATCH_DYADIC)));
         for (int c = 0; c < 3; c++) marks[i].colour[c] = colours[s->choice[i].kind][c];
     }
-    sl_announce_marks(&s->announcer, "selection", "section 4.2", marks, marks ? choices : 0);
+    sl_announce_marks(&s->announcer, "selection", "priority map", marks, marks ? choices : 0);
     sl_free(marks);
 }
 
 void sl_shading_announce_ids(sl_shading_state *s) {
     float *plane = sl_announcing(&s->announcer) ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
     for (size_t i = 0; plane && i < sl_shading_pixels(s); i++) plane[i] = s->ids.patch[i] == SL_NO_INDEX ? -1.0f : (float)s->ids.patch[i];
-    sl_announce(&s->announcer, "id map", "section 4.1", s->settings.width, s->settings.height, 1, plane, true);
+    sl_announce(&s->announcer, "id map", "patch hierarchy", s->settings.width, s->settings.height, 1, plane, true);
     sl_free(plane);
 }
 
@@ -164,7 +164,7 @@ static void announce_edges(sl_shading_state *s) {
     for (uint32_t p = 0; marks && p < s->patches->patch_count; p++) {
         if (was_seen(s, p)) made += mark_edges(s, p, marks + made);
     }
-    if (made) sl_announce_marks(&s->announcer, "patches", "section 4.1", marks, made);
+    if (made) sl_announce_marks(&s->announcer, "patches", "patch hierarchy", marks, made);
     sl_free(marks);
 }
 
@@ -179,7 +179,7 @@ static void announce_vertices(sl_shading_state *s) {
         for (int c = 0; c < 3; c++) marks[made].colour[c] = v->value[c];
         made++;
     }
-    if (made) sl_announce_marks(&s->announcer, "vertices", "section 4.3", marks, made);
+    if (made) sl_announce_marks(&s->announcer, "vertices", "lazy evaluation", marks, made);
     sl_free(marks);
 }
 

@@ -128,7 +128,7 @@ static void announce_priorities(sl_shading_state *s) {
     float *plane = s->announcer.observer ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
     for (size_t i = 0; plane && i < sl_shading_pixels(s); i++)
         plane[i] = s->leaf_of_pixel[i] == SL_NO_INDEX ? 0.0f : s->leaf[s->leaf_of_pixel[i]].normal;
-    sl_announce(&s->announcer, "priorities", "section 4.2", s->settings.width, s->settings.height, 1, plane, true);
+    sl_announce(&s->announcer, "priorities", "priority map", s->settings.width, s->settings.height, 1, plane, true);
     sl_free(plane);
 }
 
@@ -203,16 +203,16 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     sl_shading_announce_choices(s, status == SL_OK ? choices : 0);
     if (status == SL_OK) status = work_out(s, choices, &vertices, error);
     if (status != SL_OK) return status;
-    sl_announce_pass(&s->announcer, "requests", "section 4.3");
+    sl_announce_pass(&s->announcer, "requests", "lazy evaluation");
     sl_shading_sample(s, vertices);
-    sl_announce_pass(&s->announcer, "samples", "section 4.3");
+    sl_announce_pass(&s->announcer, "samples", "lazy evaluation");
     status = sl_shading_commit(s, vertices, error);
     if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
     if (status == SL_OK) status = age(s, error);
     if (status == SL_OK) status = sl_patches_lend(s->patches, error);
-    sl_announce_pass(&s->announcer, "commit", "sections 4.3 and 4.4");
+    sl_announce_pass(&s->announcer, "commit", "motion, age");
     if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
-    sl_announce_pass(&s->announcer, "display arrays", "section 3");
+    sl_announce_pass(&s->announcer, "display arrays", "display loop");
     s->done = s->now >= s->last_update || nothing_is_left(s);
     if (s->done) s->edited = 0; /* nothing that is seen has changed */
     return status;

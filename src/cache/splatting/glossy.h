@@ -1,4 +1,4 @@
-/* Radiance records (Krivanek et al. 2005; Gautron et al. 2005, section 3.3): what the light that a record gathered, as coefficients of
+/* Radiance records (Krivanek et al. 2005; Gautron et al. 2005): what the light that a record gathered, as coefficients of
  * hemispherical harmonics, sends from a pixel to the eye by way of a Phong lobe. Interpolation goes as follows (9):
  *
  *     translate   lambda(p) = lambda + dx d/dx lambda + dy d/dy lambda, where the gradients live: in the record's frame

@@ -1,5 +1,5 @@
 /* Irradiance records: what is cached, how far it reaches, and with which weight it contributes to a pixel
- * (Gautron et al. 2005, section 3; Ward et al. 1988 for the split-sphere weight; Krivanek et al. 2006 for neighbour clamping). */
+ * (Gautron et al. 2005; Ward et al. 1988 for the split-sphere weight; Krivanek et al. 2006 for neighbour clamping). */
 #ifndef SL_CACHE_SPLATTING_RECORD_H
 #define SL_CACHE_SPLATTING_RECORD_H
 

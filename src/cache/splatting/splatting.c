@@ -130,7 +130,7 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     s->direct_row = end;
     if (end < s->settings.height) return SL_OK;
-    announce(s, "direct light", "section 4, direct lighting", 3, s->planes, true);
+    announce(s, "direct light", "direct lighting", 3, s->planes, true);
     start_records(s, 0);
     return SL_OK;
 }
@@ -272,7 +272,7 @@ static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl
     cache->splatted = cache->list.count;
     announce(s, "splat: sum of w E", "Algorithm 1", 3, s->splats.r, true);
     announce(s, "splat: sum of w", "Algorithm 1", 1, s->splats.weight, true);
-    if (cache->glossy) announce(s, "splat: sum of w times reflected radiance", "section 3.3, (9)", 3, s->splats.glossy[0], true);
+    if (cache->glossy) announce(s, "splat: sum of w times reflected radiance", "Algorithm 1, equation (9)", 3, s->splats.glossy[0], true);
     return SL_OK;
 }
 

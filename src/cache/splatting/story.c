@@ -140,9 +140,9 @@ void sl_splat_announce_gather(sl_splat_state *s, sl_record_cache *cache) {
     sl_gather_irradiance(cache->gather, &point, cache->scratch[0], &ignored_value, &ignored);
     const sl_gather_picture picture = sl_gather_last_picture(cache->scratch[0]);
     const float *const planes[3] = {picture.r, picture.g, picture.b};
-    sl_announce_planes(&s->announcer, "gather of one record", "section 4, incident radiance", picture.width, picture.height, planes);
+    sl_announce_planes(&s->announcer, "gather of one record", "incident radiance of a record", picture.width, picture.height, planes);
     const sl_mark mark = {.kind = SL_MARK_POINT, .at = {record->position.x, record->position.y, record->position.z}, .colour = {1.0f, 1.0f, 1.0f}};
-    sl_announce_marks(&s->announcer, "gather of one record: where", "section 4, incident radiance", &mark, 1);
+    sl_announce_marks(&s->announcer, "gather of one record: where", "incident radiance of a record", &mark, 1);
 }
 
 /* ---- marks ---- */
@@ -164,6 +164,6 @@ void sl_splat_announce_records(sl_splat_state *s) {
             put_colour(m->colour, record->irradiance);
         }
     }
-    sl_announce_marks(&s->announcer, "records", "section 3", marks, made);
+    sl_announce_marks(&s->announcer, "records", "equation (4): where each may count", marks, made);
     sl_free(marks);
 }
