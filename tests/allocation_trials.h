@@ -115,20 +115,20 @@ static bool is_chosen(long index, long step, bool foreign) { return index % step
 
 static _Noreturn void be_trier(const fault_case *c, long from, long step, bool foreign) {
     become_mortal();
+    board->foreign_before = false;
     if (c->prepare) c->prepare(c);
     run_whole(c, from);
     long i = from;
-    bool by_foreign = foreign; /* also where everything fails after one of ours did */
     for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD; i++) {
         if (!is_chosen(i, step, foreign)) continue;
         atomic_store(&board->at, i);
         try_path(c, i);
-        by_foreign |= board->refused_foreign;
+        board->foreign_before |= board->refused_foreign;
         done++;
     }
     run_whole(c, i - 1);
-    /* What foreign code loses is not ours to mend. */
-    if (!by_foreign && __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check()) complain(c, i - 1, "leaks, or one of those before it", NULL);
+    /* What foreign code loses is not ours to mend, also where everything failed after one of ours did. */
+    if (!foreign && !board->foreign_before && __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check()) complain(c, i - 1, "leaks, or one of those before it", NULL);
     atomic_store(&board->at, i);
     _exit(0);
 }
@@ -173,10 +173,10 @@ static trial_end watch(pid_t child, int *how) {
     }
 }
 
-/* Foreign code may die of what it is refused after one of our own allocations was. */
+/* Foreign code may die of what it is refused after one of our own allocations was; and the C library ends a process, a run later, for a heap that it broke. */
 static bool tell_death(const fault_case *c, trial_end end, int how) {
     long at = atomic_load(&board->at);
-    bool foreign = board->refused_foreign;
+    bool foreign = board->refused_foreign || (board->foreign_before && end == ENDED && WIFSIGNALED(how) && WTERMSIG(how) == SIGABRT);
     char what[80];
     if (end != ENDED) snprintf(what, sizeof what, "does not end: it %s", end == WAITS ? "waits for what does not come" : "takes a minute of processor time");
     else if (WIFSIGNALED(how)) snprintf(what, sizeof what, "crashes with signal %d", WTERMSIG(how));
