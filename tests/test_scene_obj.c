@@ -225,6 +225,150 @@ static void an_empty_library_is_one_without_materials(void **state) {
     expect_same("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
+static void write_picture(const char *name) {
+    sl_image *image;
+    assert_int_equal(sl_image_create(2, 1, 3, NULL, &image, NULL), SL_OK);
+    scene_file_text(name, "");
+    assert_int_equal(sl_image_write(image, scene_file_path(name), NULL), SL_OK);
+    sl_image_destroy(image);
+}
+
+static const char a_triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
+
+/* The OBJ file m.obj, which names m.mtl, is refused for what that says. */
+static void refuse_library(const char *mtl, const char *rest) {
+    const char *library = scene_file_text("m.mtl", mtl);
+    scene_file_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+    sl_scene *scene;
+    sl_error error = {0};
+    assert_int_equal(sl_scene_load(scene_file_path("m.obj"), &scene, &error), SL_ERROR_INPUT);
+    assert_int_equal(strncmp(error.message, library, strlen(library)), 0);
+    assert_string_equal(error.message + strlen(library), rest);
+}
+
+/* How many of a file's warnings end like that. */
+static size_t warnings(const char *obj, const char *end) {
+    size_t found = 0;
+    sl_scene *scene = load(scene_file_text("m.obj", obj));
+    for (size_t i = 0; i < sl_scene_warning_count(scene); i++) {
+        const char *warning = sl_scene_warning(scene, i);
+        found += strlen(warning) >= strlen(end) && strcmp(warning + strlen(warning) - strlen(end), end) == 0;
+    }
+    sl_scene_destroy(scene);
+    return found;
+}
+
+static size_t library_warnings(const char *mtl, const char *end) {
+    char obj[512];
+    scene_file_text("m.mtl", mtl);
+    snprintf(obj, sizeof obj, "mtllib m.mtl\n%susemtl m\nf 1/1 2/2 3/3\n", a_triangle);
+    return warnings(obj, end);
+}
+
+static void values_of_materials_that_are_none_are_told_by_line(void **state) {
+    (void)state;
+    refuse_library("newmtl m\nKd xyz\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got 'xyz'");
+    refuse_library("newmtl m\n\nKd .5 .5\n", ":3: expected a colour: 1 or 3 numbers of at least 0, got 2");
+    refuse_library("newmtl m\nKs # none\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got 0");
+    refuse_library("newmtl m\nKe 1 1 -1\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got '-1'");
+    refuse_library("newmtl m\nKe 1 1 nan\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got 'nan'");
+    refuse_library("newmtl m\nKe 12345678901234567890\n", ":2: expected a colour: 1 or 3 numbers of at least 0, got '12345678901234567890'");
+    refuse_library("newmtl m\r\nKd 1 \\\r\n1 1\r\nKe 1e-12345678901234567890\r\n", ":4: expected a colour: 1 or 3 numbers of at least 0, got '1e-12345678901234567890'");
+    refuse_library("newmtl m\nNs abc\n", ":2: expected an exponent Ns: a number from 0 to 1000000, got 'abc'");
+    refuse_library("newmtl m\nNs -1\n", ":2: expected an exponent Ns: a number from 0 to 1000000, got '-1'");
+    refuse_library("newmtl m\nd 2\n", ":2: expected an opacity d: a number from 0 to 1, got '2'");
+    refuse_library("newmtl m\nillum\n", ":2: expected an illumination model illum: a number from 0 to 10, got ''");
+    refuse_library("newmtl m\nmap_Kd -s t.png\n", ":2: expected 1 to 3 numbers behind -s and then a file's name, got 't.png'");
+}
+
+static void a_material_is_what_its_statements_say_however_they_are_spelled(void **state) {
+    (void)state;
+    sl_material m = material_of("\xef\xbb\xbf# C:\\models\\\nKd 1 0 0\nnewmtl m\nKd 0.5 \\\n 0.25 \\\r\n0,125\nNs 0000000000000000000000020 # wide\\\nKa what\n"
+                                "Ks 0.25 0.25 0.25 1\nd -halo 1\nKe 000 .5 1.e0");
+    assert_true(m.diffuse.r == 0.5f && m.diffuse.g == 0.25f && m.diffuse.b == 0.125f);
+    assert_true(m.emission.r == 0.0f && m.emission.g == 0.5f && m.emission.b == 1.0f);
+    assert_true(m.exponent == 20.0f);
+    expect_grey(m.specular, 0.25f);
+}
+
+static void an_exponent_beyond_that_of_scene_files_is_theirs(void **state) {
+    (void)state;
+    const float largest = 1e6f;
+    assert_true(material_of("newmtl m\nNs 1000000\n").exponent == largest);
+    assert_true(material_of("newmtl m\nNs 1e30\n").exponent == largest);
+    assert_int_equal(library_warnings("newmtl m\nNs 1e30\n", "m.mtl:2: exponent Ns 1e30 is above 1000000; cut to that"), 1);
+}
+
+static void a_texture_is_found_behind_its_options(void **state) {
+    (void)state;
+    write_picture("t 1.png");
+    scene_file_copy("scenes/bricks.png", "7");
+    write_picture("t # 2.png");
+    static const char *const names[] = {"t 1.png", "-s 2 t 1.png", "-s 2 2 t 1.png", "-o 1 2 3 t 1.png", "-blendu off -mm 0 1 -clamp on -t .5\tt 1.png", "7", "-s 2 7", "-s 1 2 3 7",
+                                        "t 1.png # red", "t # 2.png", "-bm 2 \\\n t 1.png", "-imfchan r -texres 512 -type cube_top t 1.png"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char mtl[256];
+        snprintf(mtl, sizeof mtl, "newmtl m\nKd 1 1 1\nmap_Kd %s\n", names[i]);
+        if (material_of(mtl).texture == SL_NO_INDEX) fail_msg("no texture: map_Kd %s", names[i]);
+    }
+}
+
+static void options_of_a_texture_that_change_it_are_told(void **state) {
+    (void)state;
+    write_picture("t.png");
+    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 2 2 2 -o 0 t.png\n", "m.mtl:2: the texture's option -s is not applied"), 1);
+    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 2 2 2 -o 0 t.png\n", " is not applied"), 1);
+    assert_int_equal(library_warnings("newmtl m\nmap_bump -bm 3 t.png\n\nmap_Kd -o 0 .5 -clamp on t.png\n", " is not applied"), 3);
+    assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 1 1 1 -o 0 0 -t 0 -mm 0 1 -blendu on -clamp off -cc off -boost 0 -bm 1 t.png\n", " is not applied"), 0);
+}
+
+static void a_material_that_no_library_has_is_told_once(void **state) {
+    (void)state;
+    char obj[512];
+    scene_file_text("m.mtl", "newmtl m\nKd 0.5\nnewmtl a b\nKd 0.25\n");
+    snprintf(obj, sizeof obj, "%susemtl n\nf 1 2 3\nusemtl m\nf 1 2 3\nusemtl a b \nf 1 2 3\nusemtl n\nf 1 2 3\nusemtl a\nf 1 2 3\nmtllib m.mtl\n", a_triangle);
+    assert_int_equal(warnings(obj, "m.obj:7: no material library has 'n'; it is grey"), 1);
+    assert_int_equal(warnings(obj, "m.obj:15: no material library has 'a'; it is grey"), 1);
+    assert_int_equal(warnings(obj, "it is grey"), 2);
+}
+
+static void a_library_that_is_read_in_the_place_of_another_is_told(void **state) {
+    (void)state;
+    char obj[512];
+    scene_file_text("m.mtl", "newmtl m\nKd 0.5\n");
+    snprintf(obj, sizeof obj, "mtllib other.mtl\n%susemtl m\nf 1 2 3\n", a_triangle);
+    assert_int_equal(warnings(obj, "m.obj:1: material library 'other.mtl' does not exist; 'm.mtl' is read in its place"), 1);
+    assert_int_equal(warnings(obj, "grey"), 0);
+}
+
+static void a_material_without_a_name_is_that_of_faces_that_name_none(void **state) {
+    (void)state;
+    scene_file_text("m.mtl", "newmtl \nKd 0.25\nnewmtl m\nKd 0.5\n");
+    sl_scene *scene = load(scene_file_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\nusemtl \nf 1 2 3\n"));
+    expect_grey(scene->materials[scene->material_index[1]].diffuse, 0.25f);
+    sl_scene_destroy(scene);
+}
+
+static void bytes_of_zero_are_no_text(void **state) {
+    (void)state;
+    static const char obj[] = "v 0 0 0\nv 1 0 0\n\0v 0 1 0\nf 1 2 3\n";
+    const char *path = scene_file_write("zero.obj", obj, sizeof obj - 1);
+    sl_scene *scene;
+    sl_error error = {0};
+    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
+    assert_string_equal(error.message + strlen(path), ":3: expected text, got a byte that is zero");
+    static const char mtl[] = "newmtl m\r\nKd 0.5\0\r\n";
+    path = scene_file_write("zero.mtl", mtl, sizeof mtl - 1);
+    assert_int_equal(sl_scene_load(scene_file_text("m.obj", "mtllib zero.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), &scene, &error), SL_ERROR_INPUT);
+    assert_string_equal(error.message + strlen(path), ":2: expected text, got a byte that is zero");
+}
+
+static void faces_that_are_none_are_counted(void **state) {
+    (void)state;
+    assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 \\\n2\n", "m.obj:5: a face of fewer than three corners is not drawn"), 1);
+    assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1\nf 1 2 3\nf 1 2\nf \n", "m.obj:4: this face and 2 more of fewer than three corners are not drawn"), 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_spelling_gives_the_scene_of_the_plain_one),
@@ -242,6 +386,16 @@ int main(void) {
         cmocka_unit_test(blanks_behind_the_name_of_a_texture_are_no_part_of_it),
         cmocka_unit_test(a_face_has_the_material_that_was_named_last_before_it),
         cmocka_unit_test(an_empty_library_is_one_without_materials),
+        cmocka_unit_test(values_of_materials_that_are_none_are_told_by_line),
+        cmocka_unit_test(a_material_is_what_its_statements_say_however_they_are_spelled),
+        cmocka_unit_test(an_exponent_beyond_that_of_scene_files_is_theirs),
+        cmocka_unit_test(a_texture_is_found_behind_its_options),
+        cmocka_unit_test(options_of_a_texture_that_change_it_are_told),
+        cmocka_unit_test(a_material_that_no_library_has_is_told_once),
+        cmocka_unit_test(a_library_that_is_read_in_the_place_of_another_is_told),
+        cmocka_unit_test(a_material_without_a_name_is_that_of_faces_that_name_none),
+        cmocka_unit_test(bytes_of_zero_are_no_text),
+        cmocka_unit_test(faces_that_are_none_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

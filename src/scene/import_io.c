@@ -61,7 +61,7 @@ static FILE *or_starve(sl_import_io *io, FILE *stream) {
 }
 
 static FILE *open_library(sl_import_io *io, const char *path, sl_text *text) {
-    sl_status status = sl_mtl_text_read(path, text, NULL);
+    sl_status status = sl_mtl_text_read(path, NULL, text, NULL);
     io->starved |= status == SL_ERROR_RESOURCES;
     if (status != SL_OK) return NULL;
     return or_starve(io, text->size ? fmemopen(text->data, text->size, "r") : fopen(path, "rb"));

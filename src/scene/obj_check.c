@@ -1,15 +1,15 @@
 #include "scene/obj_check.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/file.h"
+#include "scene/mtl_text.h"
 
-enum {
-    LONGEST_NUMBER = 4000, /* the importer takes longer ones for two */
-    MOST_DIGITS = 19       /* of a whole number that it is sure to hold: beyond 64 bits it reads 0 */
-};
+enum { LONGEST_NUMBER = 4000 /* the importer takes longer ones for two */ };
 
 /* Vertices, texture coordinates, normals: the numbers each may have, how many there are, and the largest index that a face
  * names, with its line. Faces may name what comes later in the file, so positive indices are judged at the end. */
@@ -19,6 +19,13 @@ typedef struct kind {
     unsigned long count, largest, largest_line;
 } kind;
 
+/* A material's name, of a library (line 0) or of a usemtl. */
+typedef struct material {
+    size_t start, length; /* in the text of all such names */
+    const char *name;     /* set when the text is complete */
+    unsigned long line;
+} material;
+
 typedef struct checker {
     const char *path, *at, *end;
     unsigned long line;
@@ -27,6 +34,9 @@ typedef struct checker {
     sl_model *model;
     sl_text *plain, libraries;
     sl_error *error;
+    unsigned long short_faces, first_short; /* faces of fewer than three corners, and the line of the first */
+    sl_text names, materials;
+    unsigned long readable, unreadable;     /* libraries whose names are known, and not */
 } checker;
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f' || c == '\v'; }
@@ -86,38 +96,19 @@ static bool skip_nonfinite(checker *c) {
     return true;
 }
 
-/* Past a whole number, if the importer can hold it. */
-static bool skip_digits(checker *c) {
-    while (peek(c) == '0') c->at++;
-    const char *start = c->at;
-    while (is_digit(peek(c))) c->at++;
-    return c->at - start <= MOST_DIGITS;
-}
-
 /* 1.#INF, 1.#QNAN: infinite and NaN as an old C library printed them; any other # begins a comment. */
 static bool is_old_nonfinite(const char *at, const char *end) {
     return begins_with_letters(at, end, "#in") || begins_with_letters(at, end, "#qnan") || begins_with_letters(at, end, "#snan");
 }
 
 static bool skip_number(checker *c) {
+    const char *start = c->at, *end = sl_text_number_end(c->at, c->end);
     if (peek(c) == '+' || peek(c) == '-') c->at++;
     if (skip_nonfinite(c)) return true;
-    const char *start = c->at;
-    if (!skip_digits(c)) return false;
-    bool digits = c->at > start;
-    if (peek(c) == '.' || peek(c) == ',') {
-        const char *point = c->at++;
-        while (is_digit(peek(c))) c->at++;
-        digits |= c->at > point + 1;
-    }
-    if (digits && (peek(c) == 'e' || peek(c) == 'E')) {
-        c->at++;
-        if (peek(c) == '+' || peek(c) == '-') c->at++;
-        if (!is_digit(peek(c)) || !skip_digits(c)) return false;
-    } else if (digits && c->at[-1] == '.' && is_old_nonfinite(c->at, c->end)) {
-        c->at += word_length(c);
-    }
-    return digits && c->at - start < LONGEST_NUMBER && (is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\');
+    if (!end) return false;
+    c->at = end;
+    if (end[-1] == '.' && is_old_nonfinite(c->at, c->end)) c->at += word_length(c);
+    return c->at - start < LONGEST_NUMBER && (is_blank(peek(c)) || at_end_of_statement(c) || peek(c) == '\\');
 }
 
 /* The importer does not count what begins with a point, and reads 1.#INF as 1. */
@@ -226,14 +217,18 @@ static sl_status check_corner(checker *c, unsigned *of) {
 static sl_status check_corners(checker *c) {
     unsigned first = 0, other;
     sl_status status = SL_OK;
+    unsigned long line = c->line;
+    int i = 0;
     c->faced = true;
     sl_text_add(c->plain, "f", 1);
-    for (int i = 0; skip_blanks(c), status == SL_OK && !at_end_of_statement(c); i++) {
+    for (; skip_blanks(c), status == SL_OK && !at_end_of_statement(c); i++) {
         status = check_corner(c, i == 0 ? &first : &other);
         if (i == 0 || status != SL_OK || other == first) continue;
         status = sl_fail(c->error, SL_ERROR_INPUT, "%s:%lu: expected face corners that all have the same, as in 1/1 2/2 3/3: corner %d has other indices than the first",
                          c->path, c->line, i + 1);
     }
+    if (i >= 3) return status;
+    if (c->short_faces++ == 0) c->first_short = line;
     return status;
 }
 
@@ -261,32 +256,83 @@ static void copy_statement(checker *c) {
     while (c->at < c->end && !is_line_end(*c->at)) {
         if (skip_continuation(c)) continue;
         char byte = *c->at++;
-        sl_text_add(c->plain, byte == '\0' || byte == '\f' ? " " : &byte, 1); /* the importer takes these for line ends */
+        sl_text_add(c->plain, byte == '\f' ? " " : &byte, 1); /* the importer takes it for a line end */
     }
     sl_text_trim(c->plain);
 }
 
-static sl_status find_library(checker *c, const char *name, size_t length, bool *exists) {
-    char copy[4096];
-    *exists = false;
-    if (length == 0 || length >= sizeof copy) return SL_OK;
-    memcpy(copy, name, length);
-    copy[length] = 0;
-    char *path = sl_file_beside(c->path, copy);
-    if (!path) return sl_fail_memory(c->error, "a file name");
-    *exists = sl_file_exists(path);
-    sl_free(path);
+/* ---- materials ------------------------------------------------------------------------------------------------------------ */
+
+static void add_material(checker *c, const char *name, size_t length, unsigned long line) {
+    material m = {c->names.size, length, NULL, line};
+    sl_text_add(&c->names, name, length);
+    sl_text_add(&c->materials, (const char *)&m, sizeof m);
+}
+
+/* Libraries are read for what is wrong in them, and for their materials' names. */
+static sl_status read_library(checker *c, const char *path) {
+    static const char word[] = "newmtl ";
+    const size_t length = sizeof word - 1;
+    sl_text plain;
+    if (!sl_file_is_below(c->model->folder, path)) return SL_OK; /* importing it says why not */
+    sl_status status = sl_mtl_text_read(path, c->model, &plain, c->error);
+    if (status != SL_OK) return status;
+    for (const char *at = plain.data, *end = at + plain.size, *stop; plain.size && at < end; at = stop + 1) {
+        stop = memchr(at, '\n', (size_t)(end - at));
+        if ((size_t)(stop - at) > length && memcmp(at, word, length) == 0) add_material(c, at + length, (size_t)(stop - at) - length, 0);
+    }
+    if (plain.size) c->readable++;
+    else c->unreadable++; /* perhaps for being in UTF-16 */
+    sl_text_release(&plain);
     return SL_OK;
 }
 
-static void add_library(checker *c, const char *name, size_t length) {
+/* The path of a library if there is one of that name, to be freed; else NULL. */
+static sl_status find_library(checker *c, const char *name, size_t length, char **path) {
+    char copy[4096];
+    *path = NULL;
+    if (length == 0 || length >= sizeof copy) return SL_OK;
+    memcpy(copy, name, length);
+    copy[length] = 0;
+    *path = sl_file_beside(c->path, copy);
+    if (!*path) return sl_fail_memory(c->error, "a file name");
+    if (sl_file_exists(*path)) return SL_OK;
+    sl_free(*path);
+    *path = NULL;
+    return SL_OK;
+}
+
+/* If there is one of that name. */
+static sl_status add_library(checker *c, const char *name, size_t length, bool *exists) {
+    char *path;
+    sl_status status = find_library(c, name, length, &path);
+    *exists = path != NULL;
+    if (!path) return status;
+    status = read_library(c, path);
+    sl_free(path);
     sl_text_add(&c->libraries, "mtllib ", 7);
     sl_text_add(&c->libraries, name, length);
     sl_text_add(&c->libraries, "\n", 1);
+    return status;
 }
 
 static void warn_of_library(checker *c, unsigned long line, const char *name, size_t length) {
+    c->unreadable++;
     sl_model_warn(c->model, "%s:%lu: material library '%.*s' does not exist; its materials are grey", c->path, line, length < 512 ? (int)length : 512, name);
+}
+
+/* Who gives both files another name often leaves the old one in the first. */
+static sl_status take_library_of_same_name(checker *c, unsigned long line, const char *missing, size_t missing_length) {
+    const char *slash = strrchr(c->path, '/'), *name = slash ? slash + 1 : c->path;
+    char same[4096];
+    int length = snprintf(same, sizeof same, "%.*s.mtl", (int)(strlen(name) - strlen(".obj")), name);
+    bool exists;
+    sl_status status = add_library(c, same, (size_t)length, &exists);
+    if (!exists) warn_of_library(c, line, missing, missing_length);
+    if (!exists || status != SL_OK) return status;
+    sl_model_warn(c->model, "%s:%lu: material library '%.*s' does not exist; '%.512s' is read in its place", c->path, line, missing_length < 512 ? (int)missing_length : 512,
+                  missing, same);
+    return SL_OK;
 }
 
 static size_t name_length(const char *at, const char *end) {
@@ -297,23 +343,23 @@ static size_t name_length(const char *at, const char *end) {
 
 /* Names between blanks, up to a comment. Where none of them is that of a file they are one name, for the warning. */
 static sl_status check_names(checker *c, unsigned long line, const char *names, const char *end) {
-    bool exists = false, any = false;
+    bool exists, any = false;
     size_t length;
-    for (int round = 0; round < 2; round++) {
-        for (const char *at = names; at < end && *at != '#'; at += length + 1) {
-            length = name_length(at, end);
-            sl_status status = find_library(c, at, length, &exists);
-            if (status != SL_OK) return status;
-            any |= exists;
-            if (round == 0 || length == 0) continue;
-            if (exists) add_library(c, at, length);
-            else if (any) warn_of_library(c, line, at, length);
-        }
+    sl_status status = SL_OK;
+    for (const char *at = names; status == SL_OK && at < end && *at != '#'; at += length + 1) {
+        length = name_length(at, end);
+        status = add_library(c, at, length, &exists);
+        any |= exists;
     }
-    if (any) return SL_OK;
-    warn_of_library(c, line, names, (size_t)(end - names));
-    add_library(c, names, (size_t)(end - names)); /* for which the importer takes one that is called as the file is */
-    return SL_OK;
+    if (!any && status == SL_OK) return take_library_of_same_name(c, line, names, (size_t)(end - names));
+    for (const char *at = names; status == SL_OK && at < end && *at != '#'; at += length + 1) {
+        char *path;
+        length = name_length(at, end);
+        status = find_library(c, at, length, &path);
+        if (status == SL_OK && length && !path) warn_of_library(c, line, at, length);
+        sl_free(path);
+    }
+    return status;
 }
 
 /* A name may have blanks in it; if there is no such file the statement names several. */
@@ -325,11 +371,28 @@ static sl_status check_library(checker *c) {
     if (c->plain->size == before) return SL_OK;
     const char *names = c->plain->data + before;
     bool exists;
-    sl_status status = find_library(c, names, c->plain->size - before, &exists);
-    if (exists) add_library(c, names, c->plain->size - before);
-    else if (status == SL_OK) status = check_names(c, line, names, c->plain->data + c->plain->size);
+    sl_status status = add_library(c, names, c->plain->size - before, &exists);
+    if (!exists && status == SL_OK) status = check_names(c, line, names, c->plain->data + c->plain->size);
     c->plain->size = before;
     return status;
+}
+
+/* Of one statement after another that names the same material the first is remembered. */
+static void note_material(checker *c, unsigned long line, const char *name, size_t length) {
+    const material *last = c->materials.size ? (const material *)(const void *)(c->materials.data + c->materials.size) - 1 : NULL;
+    if (last && !c->names.starved && last->line && last->length == length && memcmp(c->names.data + last->start, name, length) == 0) return;
+    add_material(c, name, length, line);
+}
+
+/* Without a name the importer would look for one in the next line. */
+static void copy_use(checker *c) {
+    unsigned long line = c->line;
+    sl_text_add(c->plain, "usemtl ", 7);
+    size_t start = c->plain->size;
+    skip_blanks(c);
+    copy_statement(c);
+    if (c->plain->size > start) note_material(c, line, c->plain->data + start, c->plain->size - start);
+    else sl_text_add(c->plain, " " SL_NAMELESS_MATERIAL, strlen(" " SL_NAMELESS_MATERIAL));
 }
 
 /* The importer takes any word that begins like v, f, l or p for it, and skips what is between cstype and end, vertices too. */
@@ -342,7 +405,8 @@ static sl_status check_statement(checker *c) {
     if (starts_with(c, "f") || starts_with(c, "fo")) return check_corners(c); /* fo is an old name of the same */
     if (starts_with(c, "l") || starts_with(c, "p")) return check_undrawn(c);
     if (starts_with(c, "mtllib")) return check_library(c);
-    if (!is_left_out(c)) copy_statement(c);
+    if (starts_with(c, "usemtl")) copy_use(c);
+    else if (!is_left_out(c)) copy_statement(c);
     return SL_OK;
 }
 
@@ -364,6 +428,44 @@ static sl_status check_largest(const checker *c) {
     return SL_OK;
 }
 
+static void warn_of_short_faces(const checker *c) {
+    if (c->short_faces == 1) sl_model_warn(c->model, "%s:%lu: a face of fewer than three corners is not drawn", c->path, c->first_short);
+    else if (c->short_faces) sl_model_warn(c->model, "%s:%lu: this face and %lu more of fewer than three corners are not drawn", c->path, c->first_short, c->short_faces - 1);
+}
+
+/* By name, and of one name by line. */
+static int compare_materials(const void *first, const void *second) {
+    const material *a = first, *b = second;
+    int order = memcmp(a->name, b->name, a->length < b->length ? a->length : b->length);
+    if (order) return order;
+    if (a->length != b->length) return a->length < b->length ? -1 : 1;
+    return a->line < b->line ? -1 : a->line > b->line;
+}
+
+static bool are_of_one_name(const material *a, const material *b) { return a->length == b->length && memcmp(a->name, b->name, a->length) == 0; }
+
+/* Of each name the first comes first: in a library, or else where it is used. A file without libraries has names for others to give materials to. */
+static void warn_of_unknown_materials(checker *c) {
+    material *all = (material *)(void *)c->materials.data;
+    size_t count = c->materials.size / sizeof *all;
+    if (!c->readable || c->unreadable) return;
+    for (size_t i = 0; i < count; i++) all[i].name = c->names.data + all[i].start;
+    qsort(all, count, sizeof *all, compare_materials);
+    for (size_t i = 0; i < count; i++) {
+        if (!all[i].line || (i > 0 && are_of_one_name(&all[i - 1], &all[i]))) continue;
+        sl_model_warn(c->model, "%s:%lu: no material library has '%.*s'; it is grey", c->path, all[i].line, all[i].length < 512 ? (int)all[i].length : 512, all[i].name);
+    }
+}
+
+static sl_status conclude(checker *c) {
+    sl_status status = check_largest(c);
+    if (status != SL_OK) return status;
+    if (c->names.starved || c->materials.starved) return sl_fail_memory(c->error, c->path);
+    warn_of_short_faces(c);
+    warn_of_unknown_materials(c);
+    return SL_OK;
+}
+
 /* Libraries come first, and after them the importer's own material: it would give the last one that it has read of to the faces before the first usemtl,
  * and that of the first usemtl where there is no library. */
 static void put_libraries_first(checker *c) {
@@ -371,8 +473,6 @@ static void put_libraries_first(checker *c) {
     sl_text_add(&c->libraries, "usemtl DefaultMaterial\n", 23);
     sl_text_prepend(c->plain, &c->libraries);
 }
-
-static bool has_byte_order_mark(const char *data, size_t size) { return size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0; }
 
 sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_error *error) {
     *plain = (sl_text){0};
@@ -383,18 +483,21 @@ sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_err
     checker c = {path, data, data + size, 1,
                  {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0, 0},
                   {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0, 0},
-                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, false, false, model, plain, {0}, error};
-    if (has_byte_order_mark(data, size)) c.at += 3;
+                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, .model = model, .plain = plain, .error = error};
+    c.at += sl_text_mark_bytes(data, size);
     /* The importer turns UTF-16 into UTF-8 first; such a file is left to it. */
     if (!sl_text_is_utf16(data, size)) {
         sl_text_reserve(plain, size + 64);
+        status = sl_text_refuse_zeros(data, size, path, error);
         while (status == SL_OK && c.at < c.end) status = check_line(&c);
-        if (status == SL_OK) status = check_largest(&c);
+        if (status == SL_OK) status = conclude(&c);
         if (size) put_libraries_first(&c); /* an empty file stays one, and is refused */
         if (status == SL_OK) status = sl_text_check(plain, path, error);
     }
     sl_free(data);
     sl_text_release(&c.libraries);
+    sl_text_release(&c.names);
+    sl_text_release(&c.materials);
     if (status != SL_OK) sl_text_release(plain);
     return status;
 }

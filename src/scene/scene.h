@@ -16,7 +16,7 @@ typedef struct sl_material {
     char *name;
     sl_rgb diffuse;       /* kd, multiplied by the texture where there is one */
     sl_rgb specular;      /* ks */
-    float exponent;       /* n >= 0 */
+    float exponent;       /* n, 0 to SL_LARGEST_EXPONENT from files */
     sl_rgb mirror;        /* reflectance of a perfect mirror; then diffuse and specular are 0 */
     sl_rgb emission;      /* radiance L_e, leaving the front (counter-clockwise) side */
     bool emission_two_sided;
@@ -27,6 +27,7 @@ typedef struct sl_material {
 } sl_material;
 
 #define SL_BUMP_DEPTH 0.04f /* where no file says */
+#define SL_LARGEST_EXPONENT 1e6
 
 static inline bool sl_material_is_diffuse(const sl_material *m) { return sl_rgb_max(m->diffuse) > 0.0f; }
 static inline bool sl_material_is_glossy(const sl_material *m) { return sl_rgb_max(m->specular) > 0.0f; }

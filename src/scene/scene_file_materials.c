@@ -54,7 +54,7 @@ static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
     if (sl_json_rgb(json, specular, &m->specular)) check_range(json, specular, m->specular);
     if (sl_json_rgb(json, mirror, &m->mirror)) check_range(json, mirror, m->mirror);
     double exponent;
-    if (sl_json_number(json, sl_json_get(item, "exponent"), 0.0, 1e6, &exponent)) m->exponent = (float)exponent;
+    if (sl_json_number(json, sl_json_get(item, "exponent"), 0.0, SL_LARGEST_EXPONENT, &exponent)) m->exponent = (float)exponent;
     sl_json_rgb(json, sl_json_get(item, "emission"), &m->emission);
     sl_json_bool(json, sl_json_get(item, "two_sided"), &m->emission_two_sided);
     read_texture(file, sl_json_get(item, "texture"), &m->texture);

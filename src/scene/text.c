@@ -6,6 +6,8 @@
 #include "base/memory.h"
 #include "scene/file.h"
 
+enum { MOST_DIGITS = 19 /* of a whole number that the importer is sure to hold: beyond 64 bits it reads 0 */ };
+
 void sl_text_reserve(sl_text *text, size_t capacity) {
     if (capacity <= text->capacity || text->starved) return;
     char *data = sl_allocate_unset(capacity, 1);
@@ -45,6 +47,47 @@ void sl_text_release(sl_text *text) {
     sl_free(text->data);
     *text = (sl_text){0};
 }
+
+static bool is_digit(const char *at, const char *end) { return at < end && *at >= '0' && *at <= '9'; }
+
+static const char *digits_end(const char *at, const char *end) {
+    while (is_digit(at, end)) at++;
+    return at;
+}
+
+/* Past a whole number, if the importer can hold it. */
+static const char *whole_end(const char *at, const char *end) {
+    while (at < end && *at == '0') at++;
+    const char *stop = digits_end(at, end);
+    return stop - at <= MOST_DIGITS ? stop : NULL;
+}
+
+const char *sl_text_number_end(const char *at, const char *end) {
+    if (at < end && (*at == '+' || *at == '-')) at++;
+    const char *stop = whole_end(at, end);
+    if (!stop) return NULL;
+    bool digits = stop > at;
+    if (stop < end && (*stop == '.' || *stop == ',')) {
+        const char *fraction = stop + 1;
+        stop = digits_end(fraction, end);
+        digits |= stop > fraction;
+    }
+    if (!digits) return NULL;
+    if (stop == end || (*stop != 'e' && *stop != 'E')) return stop;
+    stop++;
+    if (stop < end && (*stop == '+' || *stop == '-')) stop++;
+    return is_digit(stop, end) ? whole_end(stop, end) : NULL;
+}
+
+sl_status sl_text_refuse_zeros(const char *data, size_t size, const char *path, sl_error *error) {
+    const char *zero = size ? memchr(data, 0, size) : NULL;
+    unsigned long line = 1;
+    if (!zero) return SL_OK;
+    for (const char *at = data; at < zero; at++) line += *at == '\n' || (*at == '\r' && at[1] != '\n');
+    return sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected text, got a byte that is zero", path, line);
+}
+
+size_t sl_text_mark_bytes(const char *data, size_t size) { return size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; }
 
 bool sl_text_is_utf16(const char *data, size_t size) {
     return size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0);
