@@ -207,6 +207,36 @@ printf '%s' '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11
 status=$?
 { [ $status -eq 0 ] && [ ! -s "$folder/err" ]; } || { [ $status -eq 3 ] && [ "$(grep -c '^softlux: .*empty.dae: ' "$folder/err")" -eq 1 ]; } || { echo "empty.dae: status $status"; bad=1; }
 
+# What a scene was read from is not written, whatever names it: the scene file, meshes, libraries, textures, skies, buffers, also by links and in a series.
+mkdir "$folder/own"
+cp scenes/bricks.png "$folder/own/tex-7.png"
+printf 'newmtl a\nKd 1 1 1\nmap_Kd tex-7.png\n' >"$folder/own/a.mtl"
+printf 'mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n' >"$folder/own/a.obj"
+printf '\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0' >"$folder/own/buffer.pfm"
+printf '{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"uri": "buffer.pfm", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}]}' >"$folder/own/b.gltf"
+cp scenes/bricks.png "$folder/own/sky.png"
+ln -s own/sky.png "$folder/link.png"
+printf '{"softlux": 1, "meshes": [{"file": "a.obj"}, {"file": "b.gltf"}], "environment": {"file": "sky.png"}, "film": {"width": 8, "height": 8}}' >"$folder/own/index.html"
+cp "$folder/own/index.html" "$folder/own/results.csv"
+cp -R "$folder/own" "$folder/kept"
+for name in own/tex-7.png own/sky.png link.png own/tex-%d.png own/buffer.pfm; do
+    frames=
+    case $name in *%d*) frames='--frames 1' ;; esac
+    # shellcheck disable=SC2086
+    expect 2 'of its own, got .* a file of the scene' render "$folder/own/index.html" -m path --spp 1 -s 8x8 $frames -o "$folder/$name"
+    [ "$(wc -l <"$folder/err")" -eq 1 ] || { echo "more than a line on $name"; bad=1; }
+done
+for name in a.obj a.mtl b.gltf index.html; do
+    expect 2 "save-cache: expected a file of its own, got .*$name" render "$folder/own/index.html" -s 8x8 -q draft --save-cache "$folder/own/$name" -o "$folder/o.pfm"
+done
+expect 2 'tex-7.png, a file of the scene' live "$folder/own/index.html" -s 8x8 --frames 1 -o "$folder/own/tex-%d.png"
+expect 2 'index.html, a file of the scene' steps "$folder/own/index.html" -o "$folder/own"
+expect 2 'results.csv, a file of the scene' bench "$folder/own/results.csv" -s 8x8 --quiet -o "$folder/own"
+for file in "$folder"/kept/*; do
+    cmp -s "$file" "$folder/own/${file##*/}" || { echo "${file##*/} was overwritten"; bad=1; }
+done
+expect 0 '' render "$folder/own/index.html" -m path --spp 1 -s 8x8 --quiet -o "$folder/own/tex-8.png"
+
 # What a method finds out on its way is told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
 expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"

@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/load.h"
 #include "app/options.h"
+#include "app/same_file.h"
 #include "scene/features.h"
 
 #include <errno.h>
@@ -112,11 +113,19 @@ static bool parse(int argc, char **argv, request *q, int *status) {
 /* ---- a scene ---- */
 
 typedef struct description {
-    const char *path;
+    const char *path, *folder;
     sl_load_options load;
 } description;
 
-/* In a child, since reading a scene may start threads: what is in it, as JSON. */
+/* What is written besides has names that no reader of scenes takes, or that are made of the scene's hash. */
+static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error *error) {
+    static const char *const names[] = {"journal.jsonl", "report.html", "report.md", "results.csv", "scenes.csv", "tables.md"};
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && status == SL_OK; i++) status = sl_spare_scene_in(scene, "output", folder, names[i], error);
+    return status;
+}
+
+/* In a child, since reading a scene may start threads: what is in it; or, if the report would take the place of one of its files, the words on that. */
 static bool describe_work(void *context, char **report) {
     const description *d = context;
     sl_scene *scene = NULL;
@@ -126,6 +135,11 @@ static bool describe_work(void *context, char **report) {
     if (sl_load_scene(d->path, &d->load, &scene, &error) != SL_OK) {
         *report = strdup(error.message);
         return false;
+    }
+    if (spare_scene(scene, d->folder, &error) != SL_OK) {
+        *report = strdup(error.message);
+        sl_scene_destroy(scene);
+        return true;
     }
     sl_features f = sl_scene_features(scene);
     sl_scene_film(scene, &width, &height);
@@ -158,14 +172,17 @@ static void name_scene(const char *path, sl_bench_scene *s) {
 /* False: the scene cannot be read, which its `trouble` says. */
 static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_scene *s, sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
-    description d = {path, o->load};
+    description d = {path, o->folder, o->load};
     sl_child_end end;
     unsigned long long triangles = 0;
     int glossy = 0, mirrors = 0, sky = 0;
     name_scene(path, s);
     sl_status status = sl_child_run(describe_work, &d, &limits, &end, error);
     if (status != SL_OK) return status;
-    if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
+    if (end.outcome == SL_CHILD_DONE && strncmp(end.text, "--", 2) == 0) {
+        snprintf(error->message, sizeof error->message, "%s", end.text);
+        status = error->status = SL_ERROR_USAGE;
+    } else if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
     else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors, &sky) != 7)
          snprintf(s->trouble, sizeof s->trouble, "it told nothing of itself");
     s->triangles = triangles;
@@ -174,7 +191,7 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     s->sky = sky;
     free(end.text);
     choose_size(o, s);
-    return SL_OK;
+    return status;
 }
 
 /* Two scenes of one name, in different folders: the plots' files must not be one. */

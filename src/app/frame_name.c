@@ -26,3 +26,14 @@ void sl_frame_name(const char *pattern, unsigned long long frame, char *name, si
     find_number(pattern, &begin, &end, &width);
     snprintf(name, size, "%.*s%0*llu%s", (int)(begin - pattern), pattern, width, frame, end);
 }
+
+bool sl_frame_name_fits(const char *pattern, const char *name) {
+    const char *begin, *end;
+    int width;
+    unsigned long long frame;
+    char made[4096];
+    if (!find_number(pattern, &begin, &end, &width) || strncmp(pattern, name, (size_t)(begin - pattern)) != 0) return false;
+    if (sscanf(name + (begin - pattern), "%19llu", &frame) != 1) return false;
+    sl_frame_name(pattern, frame, made, sizeof made);
+    return strcmp(made, name) == 0;
+}

@@ -6,6 +6,7 @@
 #include "app/live/report.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
+#include "app/same_file.h"
 #include "app/settings_options.h"
 #include "cache/method.h"
 #include "scene/features.h"
@@ -173,6 +174,7 @@ int sl_command_live(int argc, char **argv) {
         status = SL_ERROR_USAGE;
     }
     if (status == SL_OK) status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
+    if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
     for (size_t i = 0; status == SL_OK && !o.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
     if (status == SL_OK) {

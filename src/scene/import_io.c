@@ -50,7 +50,7 @@ static void flush(struct aiFile *file) { (void)file; }
 /* ---- opening ------------------------------------------------------------------------------------------------------------- */
 
 static bool is_allowed(sl_import_io *io, const char *path) {
-    if (strcmp(path, io->path) == 0 || sl_file_is_below(io->folder, path)) return true;
+    if (strcmp(path, io->path) == 0 || sl_file_is_below(io->model->folder, path)) return true;
     if (!io->refused[0]) snprintf(io->refused, sizeof io->refused, "%s", path);
     return false;
 }
@@ -81,6 +81,10 @@ static void release(opened *file) {
 static struct aiFile *open_file(struct aiFileIO *procedures, const char *path, const char *mode) {
     sl_import_io *io = (sl_import_io *)(void *)procedures->UserData;
     if (mode[0] != 'r' || !sl_file_exists(path) || !is_allowed(io, path)) return NULL;
+    if (sl_model_note_file(io->model, path, NULL) != SL_OK) {
+        io->starved = true;
+        return NULL;
+    }
     opened *file = sl_allocate(1, sizeof *file);
     FILE *stream = file ? open_stream(io, path, &file->text) : NULL;
     if (!file) io->starved = true;
@@ -95,7 +99,7 @@ static void close_file(struct aiFileIO *procedures, struct aiFile *file) {
     release((opened *)(void *)file);
 }
 
-void sl_import_io_init(sl_import_io *io, const char *path, const char *folder, const sl_text *plain) {
-    *io = (sl_import_io){.path = path, .folder = folder, .plain = plain};
+void sl_import_io_init(sl_import_io *io, const char *path, sl_model *model, const sl_text *plain) {
+    *io = (sl_import_io){.path = path, .model = model, .plain = plain};
     io->procedures = (struct aiFileIO){open_file, close_file, (aiUserData)(void *)io};
 }

@@ -250,15 +250,17 @@ static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl
 }
 
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
+    sl_status status = sl_model_note_file(model, path, error);
+    if (status != SL_OK) return status;
     if (sl_file_has_extension(path, ".bpt")) return sl_bicubic_file_load(path, placement, model, error);
     bool is_gltf = sl_file_has_extension(path, ".gltf") || sl_file_has_extension(path, ".glb");
     sl_gltf gltf = {0};
     sl_text plain = {0};
-    sl_status status = check_first(path, model, is_gltf, &gltf, &plain, error);
+    status = check_first(path, model, is_gltf, &gltf, &plain, error);
     if (status != SL_OK) return status;
     const struct aiScene *file = NULL;
     sl_import_io io;
-    sl_import_io_init(&io, path, model->folder, &plain);
+    sl_import_io_init(&io, path, model, &plain);
     status = import(path, &io, model, &file, error);
     sl_text_release(&plain);
     if (status == SL_OK) status = sl_mesh_file_add(path, file, is_gltf ? &gltf : NULL, placement, model, error);

@@ -148,6 +148,7 @@ void sl_model_clear(sl_model *m) {
     sl_free(m->textures);
     free_strings(m->object_names, m->object_count);
     free_strings(m->warnings, m->warning_count);
+    free_strings(m->files, m->file_count);
     *m = (sl_model){0};
 }
 
@@ -161,6 +162,11 @@ sl_status sl_model_confine(sl_model *m, const char *path, sl_error *error) {
 sl_status sl_model_may_read(const sl_model *m, const char *path, sl_error *error) {
     if (sl_file_is_below(m->folder, path)) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT, "%s: lies outside of the scene's folder, which --allow-outside (sl_load_options) would allow", path);
+}
+
+sl_status sl_model_note_file(sl_model *m, const char *path, sl_error *error) {
+    if (!sl_file_exists(path) || add_string(&m->files, &m->file_count, &m->file_room, path)) return SL_OK;
+    return sl_fail_memory(error, "a file name");
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------------------- */
@@ -183,6 +189,7 @@ sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, si
     *index = SL_NO_INDEX;
     if (!memory) {
         sl_status status = sl_model_may_read(m, path, error);
+        if (status == SL_OK) status = sl_model_note_file(m, path, error);
         if (status != SL_OK) return status;
     }
     const column columns[] = {COLUMN(m->textures, 1)};
@@ -337,6 +344,11 @@ sl_status sl_model_build(sl_model *m, sl_scene **scene, sl_error *error) {
                             .object_count = m->object_count,
                             .object_names = (const char *const *)m->object_names};
     status = sl_scene_build(&parts, scene, error);
-    if (status == SL_OK) pass_warnings_on(m, *scene);
-    return status;
+    if (status != SL_OK) return status;
+    pass_warnings_on(m, *scene);
+    (*scene)->files = m->files;
+    (*scene)->file_count = m->file_count;
+    m->files = NULL;
+    m->file_count = m->file_room = 0;
+    return SL_OK;
 }

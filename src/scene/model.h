@@ -27,6 +27,8 @@ typedef struct sl_model {
     sl_camera camera;
     sl_environment environment; /* texels owned */
     int film_width, film_height;
+    size_t file_count, file_room;
+    char **files; /* that have been opened, in that order; some more than once */
     char *folder; /* real path of the folder that files must lie below; NULL: they may lie anywhere */
 } sl_model;
 
@@ -36,6 +38,9 @@ void sl_model_clear(sl_model *model);
 sl_status sl_model_confine(sl_model *model, const char *path, sl_error *error);
 /* Refuses a file outside of the model's folder: the message says how to allow it. */
 sl_status sl_model_may_read(const sl_model *model, const char *path, sl_error *error);
+
+/* Remembers a file that is there, for sl_scene.files; to be called before it is read, whatever comes of that. */
+sl_status sl_model_note_file(sl_model *model, const char *path, sl_error *error);
 
 /* Room for `count` more; they are zero, and the counts are raised. The first new index in *first. */
 sl_status sl_model_add_vertices(sl_model *model, size_t count, uint32_t object, size_t *first, sl_error *error);

@@ -101,6 +101,7 @@ void sl_scene_destroy(sl_scene *scene) {
     sl_free(scene->bicubics);
     free_strings(scene->object_names, scene->object_count);
     free_strings(scene->warnings, scene->warning_count);
+    free_strings(scene->files, scene->file_count);
     sl_free(scene);
 }
 

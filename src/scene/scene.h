@@ -140,6 +140,8 @@ struct sl_scene {
 
     size_t warning_count;
     char **warnings;
+    size_t file_count; /* that it was read from, the ones that were named and the ones that those name; some more than once. Writing them would lose them */
+    char **files;
 };
 
 static inline sl_vec3 sl_scene_position(const sl_scene *s, uint32_t vertex) {

@@ -157,6 +157,7 @@ sl_status sl_scene_file_load(const char *path, const sl_load_options *options, s
     if (!file.animation) return sl_fail_memory(error, "the scene file");
     sl_status opened = sl_json_open(path, &file.json, error);
     if (opened == SL_OK && !options->allow_outside) file.json.status = sl_model_confine(&file.model, path, error);
+    if (file.json.status == SL_OK) file.json.status = sl_model_note_file(&file.model, path, error);
     if (file.json.status == SL_OK) read_root(&file);
     if (file.json.status == SL_OK) file.json.status = build(&file, scene);
     sl_status status = file.json.status;

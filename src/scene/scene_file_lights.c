@@ -199,6 +199,7 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     sl_image *image = NULL;
     sl_error problem = {0};
     sl_status status = path ? sl_model_may_read(&file->model, path, &problem) : sl_fail_memory(&problem, "a file name");
+    if (status == SL_OK) status = sl_model_note_file(&file->model, path, &problem);
     if (status == SL_OK) status = sl_image_read(path, &image, &problem);
     sl_free(path);
     const float *plane[3] = {NULL};

@@ -2,6 +2,7 @@
 #include "app/clock.h"
 #include "app/commands.h"
 #include "app/memory_limit.h"
+#include "app/same_file.h"
 #include "app/settings_options.h"
 #include "app/steps/page.h"
 
@@ -103,6 +104,7 @@ int sl_command_steps(int argc, char **argv) {
     sl_error error;
     sl_scene *scene = NULL;
     sl_status status = sl_load_within_memory(s.scene, &s.load, &s.settings, &scene, &error);
+    if (status == SL_OK) status = sl_spare_scene_in(scene, "output", s.folder, "index.html", &error);
     if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
     for (size_t i = 0; status == SL_OK && !s.quiet && i < sl_scene_warning_count(scene); i++)
         fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
