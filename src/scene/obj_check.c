@@ -277,8 +277,9 @@ static sl_status read_library(checker *c, const char *path) {
     if (!sl_file_is_below(c->model->folder, path)) return SL_OK; /* importing it says why not */
     sl_status status = sl_mtl_text_read(path, c->model, &plain, c->error);
     if (status != SL_OK) return status;
-    for (const char *at = plain.data, *end = at + plain.size, *stop; plain.size && at < end; at = stop + 1) {
-        stop = memchr(at, '\n', (size_t)(end - at));
+    for (size_t at_byte = 0; at_byte < plain.size;) {
+        const char *at = plain.data + at_byte, *stop = memchr(at, '\n', plain.size - at_byte);
+        at_byte += (size_t)(stop - at) + 1;
         if ((size_t)(stop - at) > length && memcmp(at, word, length) == 0) add_material(c, at + length, (size_t)(stop - at) - length, 0);
     }
     if (plain.size) c->readable++;
@@ -448,7 +449,7 @@ static bool are_of_one_name(const material *a, const material *b) { return a->le
 static void warn_of_unknown_materials(checker *c) {
     material *all = (material *)(void *)c->materials.data;
     size_t count = c->materials.size / sizeof *all;
-    if (!c->readable || c->unreadable) return;
+    if (!c->readable || c->unreadable || !count) return;
     for (size_t i = 0; i < count; i++) all[i].name = c->names.data + all[i].start;
     qsort(all, count, sizeof *all, compare_materials);
     for (size_t i = 0; i < count; i++) {
