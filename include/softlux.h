@@ -615,7 +615,7 @@ SL_API bool sl_method_keeps_cache(const sl_method *method);
 /** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
  * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
  * other ones, of another version, or one that is damaged is refused with SL_ERROR_INPUT, with a line that says so, and nothing changes. With a file
- * saved from the same place nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. USAGE: the method keeps none. */
+ * saved from the same place, under the same memory_bytes, nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. USAGE: the method keeps none. */
 SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error);
 /** Takes over what sl_method_save() wrote, in place of what the method has: best before the first update. */
 SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);

@@ -142,6 +142,95 @@ static void so_it_does_where_walls_are_thin(void **state) {
     expect_the_same_again(*state, "scenes/two-rooms.json", settings);
 }
 
+/* ---- under a bound on memory ---- */
+
+static uint64_t need_of(const sl_scene *scene, const sl_settings *settings) {
+    sl_error error;
+    uint64_t need = 0;
+    if (sl_method_memory_need(scene, settings, &need, &error) != SL_OK) fail_msg("%s", error.message);
+    return need;
+}
+
+/* Where there is no room for more records there is none for those of the file either. Returns whether records did end. */
+static bool expect_the_same_end(const place *p, sl_method *first, const sl_scene *scene, const sl_settings *settings) {
+    sl_image *before = finish(first);
+    const char *told = sl_method_concession(first);
+    const bool ended = told && strstr(told, "records end at");
+    save(first, p->path);
+    sl_method *second = new_method(scene, settings);
+    load(second, p->path);
+    sl_image *after = finish(second);
+    assert_int_equal(count_of(second, SL_COUNT_RECORDS), 0);
+    assert_true(same_picture(before, after));
+    sl_image_destroy(before);
+    sl_image_destroy(after);
+    sl_method_destroy(second);
+    return ended;
+}
+
+static void records_from_a_file_end_where_those_that_were_made_did(void **state) {
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = small_settings("splatting", 40, 40);
+    settings.threads = 1;
+    settings.harmonics_order = 4;
+    for (uint32_t bounces = 1; bounces <= 3; bounces += 2) {
+        int ended = 0;
+        settings.bounces = bounces;
+        settings.memory_bytes = 0;
+        const uint64_t need = need_of(scene, &settings);
+        for (uint64_t more = 0; more < 5; more++) { /* the bare need, and within or beyond what a bounce's records take */
+            settings.memory_bytes = need + more * (bounces == 1 ? 200000 : 2500000);
+            sl_method *first = new_method(scene, &settings);
+            ended += expect_the_same_end(*state, first, scene, &settings);
+            sl_method_destroy(first);
+        }
+        print_message("%u bounces: records end in %d of 5\n", (unsigned)bounces, ended);
+        assert_true(ended > 1);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Arrays keep their room when their records go. */
+static void so_they_do_where_an_edit_dropped_others_before(void **state) {
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = small_settings("splatting", 40, 40);
+    settings.threads = 1;
+    settings.memory_bytes = need_of(scene, &settings);
+    sl_error error;
+    sl_method *first = new_method(scene, &settings), *fresh = new_method(scene, &settings);
+    sl_image_destroy(finish(first));
+    assert_int_equal(sl_method_edit(first, SL_CHANGED_LIGHTS, &error), SL_OK);
+    sl_image *edited = finish(first), *new_one = finish(fresh);
+    assert_true(same_picture(edited, new_one));
+    assert_true(expect_the_same_end(*state, first, scene, &settings));
+    sl_image_destroy(edited);
+    sl_image_destroy(new_one);
+    sl_method_destroy(first);
+    sl_method_destroy(fresh);
+    sl_scene_destroy(scene);
+}
+
+/* Records of the gloss, which this view does not show, take their memory all the same. */
+static void so_they_do_where_some_records_are_out_of_view(void **state) {
+    const float eye[3] = {278, 273, 100}, target[3] = {278, 0, 99}, up[3] = {0, 0, 1};
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    sl_settings settings = small_settings("splatting", 40, 40);
+    settings.threads = 1;
+    settings.harmonics_order = 10;
+    sl_error error;
+    const uint64_t need = need_of(scene, &settings);
+    settings.memory_bytes = need + 800000;
+    sl_method *first = new_method(scene, &settings);
+    sl_image_destroy(finish(first));
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, &error), SL_OK);
+    assert_int_equal(sl_method_edit(first, SL_CHANGED_CAMERA, &error), SL_OK);
+    assert_true(expect_the_same_end(*state, first, scene, &settings));
+    sl_method_destroy(first);
+    sl_scene_destroy(scene);
+}
+
+/* ---- other views, and what is not finished ---- */
+
 /* From elsewhere the records are of use, and what is new is added to them. */
 static void another_view_starts_with_what_it_sees_again(void **state) {
     const place *p = *state;
@@ -385,6 +474,9 @@ int main(void) {
         TEST(so_it_does_with_radiance_records),
         TEST(so_it_does_with_more_bounces),
         TEST(so_it_does_where_walls_are_thin),
+        TEST(records_from_a_file_end_where_those_that_were_made_did),
+        TEST(so_they_do_where_an_edit_dropped_others_before),
+        TEST(so_they_do_where_some_records_are_out_of_view),
         TEST(another_view_starts_with_what_it_sees_again),
         TEST(an_unfinished_run_can_be_gone_on_with),
         TEST(caches_of_other_scenes_and_settings_are_refused),

@@ -266,7 +266,11 @@ void sl_hidden_cache_destroy(sl_hidden_cache *cache) {
 const sl_hidden_light *sl_hidden_cache_light(const sl_hidden_cache *cache) { return &cache->light; }
 sl_hidden_report sl_hidden_cache_report(const sl_hidden_cache *cache) { return cache->report; }
 
-size_t sl_hidden_cache_bytes(const sl_hidden_cache *cache) {
+static size_t bytes_with_room_for(const sl_hidden_cache *cache, size_t records) {
     size_t record = sizeof *cache->list.records + sizeof *cache->list.points + sizeof *cache->list.terms + sizeof *cache->list.walls;
-    return sizeof *cache + cache->list.capacity * record + sl_record_tree_bytes(&cache->near) + sl_record_tree_bytes(&cache->wide);
+    return sizeof *cache + records * record + sl_record_tree_bytes(&cache->near) + sl_record_tree_bytes(&cache->wide);
 }
+
+size_t sl_hidden_cache_bytes(const sl_hidden_cache *cache) { return bytes_with_room_for(cache, cache->list.capacity); }
+/* Trees are built from nothing each time: their room follows from what is in them. */
+size_t sl_hidden_cache_bytes_in_use(const sl_hidden_cache *cache) { return bytes_with_room_for(cache, cache->list.count); }

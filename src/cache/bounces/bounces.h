@@ -51,6 +51,8 @@ void sl_hidden_cache_write(const sl_hidden_cache *cache, sl_cache_writer *writer
 sl_status sl_hidden_cache_read(const sl_scene *scene, const sl_tracer *tracer, const sl_hidden_settings *settings,
                                sl_cache_reader *reader, sl_hidden_cache **cache, sl_error *error);
 size_t sl_hidden_cache_bytes(const sl_hidden_cache *cache);
+/* The same without room for more records: read from a file they are as many bytes as they were when they were made. */
+size_t sl_hidden_cache_bytes_in_use(const sl_hidden_cache *cache);
 
 typedef struct sl_hidden_report {
     size_t records;

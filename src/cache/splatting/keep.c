@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/cache_file.h"
-#include "cache/gather/projection.h"
 #include "cache/splatting/state.h"
 
 /* Records are written word by word. */
@@ -40,15 +39,11 @@ static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting setti
     return (sl_cache_header){sl_scene_light_hash(s->scene), SETTINGS, settings};
 }
 
-/* Floats of a radiance record's coefficients; 0 for irradiance records, and where there are no records. */
-static size_t coefficients_of(const sl_record_cache *cache, int order) {
-    return cache->list.coefficients ? SL_PROJECTION_VECTORS * sl_hsh_stride(order) : 0;
-}
-
 /* ---- save ---- */
 
-static void write_cache(sl_cache_writer *w, const sl_record_cache *cache, int order) {
-    size_t count = cache->list.count, coefficients = coefficients_of(cache, order);
+static void write_cache(sl_cache_writer *w, const sl_splat_state *s, sl_receiver_class class) {
+    const sl_record_cache *cache = &s->cache[class];
+    size_t count = cache->list.count, coefficients = cache->list.coefficients ? sl_splat_coefficients(s, class) : 0;
     sl_cache_write_u64(w, coefficients);
     sl_cache_write_u64(w, cache->clamped);
     sl_cache_write_u64(w, count);
@@ -64,7 +59,7 @@ sl_status sl_splat_save(const void *state, const char *path, sl_error *error) {
     sl_cache_header header = header_of(s, settings);
     sl_cache_writer writer;
     sl_cache_write_start(&writer, &header);
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) write_cache(&writer, &s->cache[c], s->plan.harmonics_order);
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) write_cache(&writer, s, (sl_receiver_class)c);
     sl_cache_write_u32(&writer, s->hidden ? 1 : 0);
     if (s->hidden) sl_hidden_cache_write(s->hidden, &writer);
     return sl_cache_write_end(&writer, path, error);
@@ -83,8 +78,8 @@ static bool is_sane(const sl_record *r) {
            isfinite(r->own_radius) && r->own_radius > 0.0f && isfinite(r->minimum_radius) && r->stretch > 0.0f && sl_rgb_is_finite(r->irradiance);
 }
 
-static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, int class, loaded *l, sl_error *error) {
-    size_t wanted = class == SL_RECEIVES_RADIANCE ? SL_PROJECTION_VECTORS * sl_hsh_stride(s->plan.harmonics_order) : 0;
+static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_receiver_class class, loaded *l, sl_error *error) {
+    size_t wanted = sl_splat_coefficients(s, class);
     uint64_t floats = sl_cache_read_u64(r), clamped = sl_cache_read_u64(r);
     size_t count = sl_cache_read_count(r, 4 * (RECORD_WORDS + wanted));
     if (r->overrun || clamped > count || (count > 0 && floats != wanted)) return sl_cache_damaged(r, error);
@@ -104,7 +99,7 @@ static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, int cla
 
 static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes, sl_hidden_cache **hidden, sl_error *error) {
     sl_status status = SL_OK;
-    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = read_cache(r, s, c, &classes[c], error);
+    for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) status = read_cache(r, s, (sl_receiver_class)c, &classes[c], error);
     if (status != SL_OK) return status;
     uint32_t has_hidden = sl_cache_read_u32(r);
     if (has_hidden > 1 || (has_hidden && s->settings.bounces < 2)) return sl_cache_damaged(r, error);
@@ -136,6 +131,7 @@ sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     sl_splat_close_caches(s); /* gathers that know of other hidden records, if any */
     sl_hidden_cache_destroy(s->hidden);
     s->hidden = hidden;
+    s->full = false; /* the others were */
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         sl_record_list_free(&s->cache[c].list);
         s->cache[c].list = classes[c].list;

@@ -1,5 +1,6 @@
 /* What radiance cache splatting takes, and where records end if memory does. */
 #include "cache/budget.h"
+#include "cache/gather/projection.h"
 #include "cache/splatting/state.h"
 
 #include <stdio.h>
@@ -30,16 +31,22 @@ sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings)
 const sl_concession sl_splat_concessions[] = {{"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_CONCEDE_INT, 16.0},
                                                {NULL, 0, SL_CONCEDE_INT, 0.0}};
 
-/* Arrays are half as large again while they grow. */
+size_t sl_splat_coefficients(const sl_splat_state *s, sl_receiver_class class) {
+    return class == SL_RECEIVES_RADIANCE ? SL_PROJECTION_VECTORS * sl_hsh_stride(s->plan.harmonics_order) : 0;
+}
+
+/* By what records there are and nothing else, since bits hang on it: not by room that arrays kept from before an edit, nor by whether a pixel of a
+ * class is in view. So a method whose records come from a file ends where the one that made them did. Arrays are half as large again while they
+ * grow. */
 bool sl_splat_is_full(sl_splat_state *s) {
     if (!s->settings.memory_bytes || s->full) return s->full;
     double bytes = 0.0;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
-        const sl_record_cache *cache = &s->cache[c];
-        bytes += (double)cache->list.count * ((double)sizeof(sl_record) + (double)cache->pass.coefficient_count * sizeof(float));
-        if (cache->list.reaches) bytes += (double)sl_reach_tree_bytes(cache->list.reaches);
+        const sl_record_list *list = &s->cache[c].list;
+        bytes += (double)list->count * ((double)sizeof(sl_record) + (double)sl_splat_coefficients(s, (sl_receiver_class)c) * sizeof(float));
+        if (list->reaches) bytes += (double)sl_reach_tree_bytes_of_points(list->reaches);
     }
-    if (s->hidden) bytes += (double)sl_hidden_cache_bytes(s->hidden);
+    if (s->hidden) bytes += (double)sl_hidden_cache_bytes_in_use(s->hidden);
     s->full = 3.0 * bytes > (double)s->settings.memory_bytes;
     size_t count = s->cache[0].list.count + s->cache[1].list.count;
     if (s->full) snprintf(s->filled, sizeof s->filled, "records end at %zu", count);

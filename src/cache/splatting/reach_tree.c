@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-enum { LEAF_POINTS = 8, DEPTH_MAX = 24, NONE = 0 };
+enum { LEAF_POINTS = 8, DEPTH_MAX = 24, NONE = 0, ROOM_AT_FIRST = 1024 };
 
 typedef struct {
     sl_vec3 position;
@@ -35,7 +35,7 @@ sl_status sl_reach_tree_create(sl_reach_tree **out, sl_error *error) {
     *out = NULL;
     sl_reach_tree *tree = sl_allocate(1, sizeof *tree);
     if (!tree) return sl_fail_memory(error, "records' reaches");
-    tree->node_capacity = 1024;
+    tree->node_capacity = ROOM_AT_FIRST;
     tree->nodes = sl_allocate(tree->node_capacity, sizeof *tree->nodes);
     if (!tree->nodes) {
         sl_reach_tree_destroy(tree);
@@ -63,10 +63,21 @@ size_t sl_reach_tree_bytes(const sl_reach_tree *tree) {
     return sizeof *tree + tree->node_capacity * sizeof *tree->nodes + tree->point_capacity * sizeof *tree->points;
 }
 
+static size_t room_for(size_t count) {
+    size_t room = ROOM_AT_FIRST;
+    while (room < count) room *= 2;
+    return room;
+}
+
+size_t sl_reach_tree_bytes_of_points(const sl_reach_tree *tree) {
+    if (!tree->point_count) return 0;
+    return sizeof *tree + room_for(tree->node_count) * sizeof *tree->nodes + room_for(tree->point_count) * sizeof *tree->points;
+}
+
 /* ---- insertion ---- */
 
 static bool grow(void **array, size_t count, size_t *capacity, size_t size) {
-    size_t larger = *capacity ? 2 * *capacity : 1024;
+    size_t larger = *capacity ? 2 * *capacity : ROOM_AT_FIRST;
     void *grown = sl_allocate(larger, size);
     if (!grown) return false;
     if (count) memcpy(grown, *array, count * size);

@@ -86,6 +86,8 @@ size_t sl_splat_memory_bytes(const void *state);
 
 sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_concession sl_splat_concessions[];
+/* Floats of a record's coefficients, of its class; 0 for irradiance records. */
+size_t sl_splat_coefficients(const sl_splat_state *state, sl_receiver_class class);
 /* Records have taken what memory they may: there will be no more. */
 bool sl_splat_is_full(sl_splat_state *state);
 const char *sl_splat_filled(const void *state);
