@@ -225,6 +225,39 @@ static void hundreds_of_lights_with_many_photons_do_less_or_say_no(void **state)
     sl_scene_destroy(scene);
 }
 
+/* Keyframes give lamps an area that have none yet: what is said of a method holds for as long as it lives. */
+static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", \"transform\": {\"scale\": 4}}, {\"file\": \"mesh.obj\", \"name\": \"lamps\", "
+        "\"material\": \"lamp\", \"keyframes\": [{\"time\": 0, \"translate\": [0, 2, 0], \"scale\": 1e-30}, {\"time\": 1, \"translate\": [0, 2, 0]}]}], "
+        "\"materials\": {\"lamp\": {\"diffuse\": 0, \"emission\": 5}}, \"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
+        "\"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
+        "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 0.5 -1\nv 0 0.5 0\nv 1 0.5 -1\nv -1 0.2 0\nv -1 0.2 1\nv 0 0.2 0\nf 1 3 2\nf 4 6 5\nf 7 9 8\n");
+    for (size_t i = 0; sl_method_name(i); i++) {
+        sl_settings s = settings_of(sl_method_name(i), 16);
+        s.threads = 1;
+        sl_error error;
+        sl_method *method = NULL;
+        unsigned changes;
+        uint64_t before, after;
+        assert_int_equal(sl_scene_set_time(scene, 0.0, &changes, &error), SL_OK);
+        assert_int_equal(sl_method_memory_need(scene, &s, &before, &error), SL_OK);
+        s.memory_bytes = before;
+        assert_int_equal(sl_method_create(scene, &s, &method, &error), SL_OK);
+        assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, &error), SL_OK);
+        assert_int_equal(sl_method_edit(method, changes, &error), SL_OK);
+        for (sl_progress p = {0}; !p.done && p.batches < 100;) assert_int_equal(sl_method_update(method, &p, &error), SL_OK);
+        assert_int_equal(sl_method_memory_need(scene, &s, &after, &error), SL_OK);
+        const double taken = (double)(sl_method_memory_bytes(method) + sl_scene_memory_bytes(scene)) + 32.0 * mega;
+        print_message("%-16s says %.2fM, holds %.2fM; with lamps it would say %.2fM\n", s.method, (double)before / mega, taken / mega, (double)after / mega);
+        assert_true(taken <= (double)before);
+        assert_true(after <= before);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void enough_memory_changes_no_bit(void **state) {
     (void)state;
     sl_scene *scene = cornell();
@@ -250,6 +283,7 @@ int main(void) {
         cmocka_unit_test(pictures_of_many_triangles_stay_within_every_budget),
         cmocka_unit_test(what_is_done_less_is_told_and_does_not_depend_on_threads),
         cmocka_unit_test(hundreds_of_lights_with_many_photons_do_less_or_say_no),
+        cmocka_unit_test(lamps_that_grow_later_are_counted_from_the_start),
         cmocka_unit_test(enough_memory_changes_no_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

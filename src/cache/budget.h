@@ -15,6 +15,10 @@ uint64_t sl_budget_need(const sl_method_class *method, const sl_scene *scene, co
 sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings, double beside, char *conceded, size_t room,
                          sl_error *error);
 
+/* Emitters that there are at any time: keyframes may give a lamp an area that it has not yet, and a method is made once for all of them. */
+static inline double sl_need_emitters(const sl_scene *scene) { return (double)(scene->animation ? scene->emissive_count : scene->emitter_count); }
+static inline double sl_need_lights(const sl_scene *scene) { return (double)scene->light_count + sl_need_emitters(scene); }
+
 /* Three shapes of need that all methods have. */
 static inline double sl_need_of_pixels(const sl_settings *settings, double bytes_a_pixel) {
     return (double)settings->width * (double)settings->height * bytes_a_pixel;

@@ -117,7 +117,8 @@ struct sl_scene {
     size_t emitter_count;
     sl_emitter *emitters;       /* in triangle order */
     uint32_t *emitter_of_triangle; /* triangle_count, or SL_NO_INDEX */
-    float *opaque_share;        /* of each triangle of an emissive material, in triangle order: no motion changes it */
+    size_t emissive_count;      /* triangles of emissive materials: emitters, and what is too small (or too large) to have an area now */
+    float *opaque_share;        /* of each of them, in triangle order: no motion changes it */
     sl_environment environment;
 
     sl_camera camera;

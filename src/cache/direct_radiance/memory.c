@@ -12,9 +12,9 @@ static double smaller(double a, double b) { return a < b ? a : b; }
 
 /* Maps are taken from no more than SL_MAP_LIGHTS_MAX lights, and from no more points of them than SL_MAP_POINTS_MAX. */
 static double light_points(const sl_scene *scene, const sl_radiance_map_settings *m, double *lights) {
-    *lights = smaller((double)(scene->light_count + scene->emitter_count), SL_MAP_LIGHTS_MAX);
+    *lights = smaller(sl_need_lights(scene), SL_MAP_LIGHTS_MAX);
     const double n = m->emitter_samples;
-    double points = smaller((double)scene->light_count, SL_MAP_LIGHTS_MAX) + n * n * smaller((double)scene->emitter_count, SL_MAP_LIGHTS_MAX);
+    double points = smaller((double)scene->light_count, SL_MAP_LIGHTS_MAX) + n * n * smaller(sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
     return points;
 }
 

@@ -44,7 +44,7 @@ sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings
     const double triangles = (double)scene->triangle_count, sky = 20.0 * (double)scene->environment.width * (double)scene->environment.height;
     double caches = plan.photons ? (double)o->photons * A_PHOTON + (double)sl_octree_photon_chunks(settings) * chunk_bytes(scene) + triangles * A_TRIANGLE + voxel_bytes(o, triangles) : 0.0;
     if (o->atlas) caches += (double)o->atlas_size * o->atlas_size * A_TEXEL;
-    caches += (double)(scene->light_count + scene->emitter_count) * 400.0 + sl_need_of_threads(settings, A_THREAD) + sky;
+    caches += sl_need_lights(scene) * 400.0 + sl_need_of_threads(settings, A_THREAD) + sky;
     return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count),
                             .caches = caches,
                             .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.mirrors ? OF_MIRRORS : 0))};

@@ -19,7 +19,7 @@ static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
 sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
     const sl_multi_mesh_plan plan = sl_multi_mesh_plan_make(scene, settings);
     const double triangles = (double)scene->triangle_count, n = settings->gather_size, l = settings->multi_mesh.light_size;
-    const double lights = (double)(scene->light_count + scene->emitter_count);
+    const double lights = sl_need_lights(scene);
     double caches = triangles * A_TRIANGLE + (plan.coarse ? coarse_bytes(scene, settings) : 0.0) + LEAVES_LEAST * A_LEAF;
     caches += sl_need_of_threads(settings, A_CELL * (n * n + l * l)) + lights * 2000.0 + 3e6;
     return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)

@@ -7,6 +7,6 @@ enum { A_PIXEL = 88, AN_EMITTER = 256 };
 
 sl_memory_need sl_sampled_need(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread, double bytes_more) {
     return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count),
-                            .caches = (double)(scene->emitter_count + scene->light_count) * AN_EMITTER + sl_need_of_threads(settings, bytes_a_thread) + bytes_more,
+                            .caches = sl_need_lights(scene) * AN_EMITTER + sl_need_of_threads(settings, bytes_a_thread) + bytes_more,
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};
 }

@@ -12,7 +12,7 @@ sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *setting
     const double triangles = (double)scene->triangle_count, patch = A_PATCH + (plan.radiance ? OF_LOBES : 0);
     const double patches = sl_shading_patch_limit(settings);
     double caches = triangles * A_TRIANGLE + patches * patch + (double)scene->bicubic_count * A_CURVED + (plan.caustics ? 4e5 * A_PHOTON : 0.0);
-    caches += (double)settings->shading_cache.points * 4000.0 + (double)(scene->light_count + scene->emitter_count) * 400.0;
+    caches += (double)settings->shading_cache.points * 4000.0 + sl_need_lights(scene) * 400.0;
     return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count),
                             .caches = caches + sl_need_of_threads(settings, A_THREAD) + 4e6,
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};
