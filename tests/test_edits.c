@@ -126,12 +126,74 @@ static void what_a_surface_that_grows_receives_is_told(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Two rooms far from each other on a plain: where the eye is is the core of the scene. */
+static sl_scene *far_rooms(void) {
+    return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\", \"transform\": {\"scale\": 2000, \"translate\": [0, -1, 0]}}, "
+                           "{\"file\": \"mesh.obj\", \"name\": \"here\", \"transform\": {\"translate\": [1000, 0, 0]}}, {\"file\": \"mesh.obj\", \"name\": \"there\", "
+                           "\"transform\": {\"translate\": [-1000, 0, 0]}}], \"lights\": [{\"type\": \"quad\", \"corner\": [999.5, 3.5, -0.5], \"edge1\": [1, 0, 0], "
+                           "\"edge2\": [0, 0, 1], \"radiance\": 5}, {\"type\": \"quad\", \"corner\": [-1000.5, 3.5, -0.5], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
+                           "\"radiance\": 5}], \"camera\": {\"eye\": [1000, 1, 1.5], \"target\": [1000, 1, -2], \"fov_deg\": 60}}",
+                           "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 4 -2\nv -2 4 2\nv 2 4 2\nv 2 4 -2\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n");
+}
+
+static void look_from(sl_scene *scene, float x, float z) {
+    const float eye[3] = {x, 1, z}, target[3] = {x, 1, -2}, up[3] = {0, 1, 0};
+    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 1.0f, NULL), SL_OK);
+}
+
+/* Octrees, voxels and coarse meshes were made around the room that the eye was in. */
+static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void **state) {
+    (void)state;
+    sl_scene *scene = far_rooms();
+    for (size_t i = 0; sl_method_name(i); i++) {
+        const sl_settings settings = settings_for(sl_method_name(i));
+        sl_method *method;
+        sl_image *edited, *fresh;
+        sl_comparison c;
+        look_from(scene, 1000, 1.5f);
+        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+        for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+        look_from(scene, -1000, 1.5f);
+        assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+        for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+        assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
+        fresh = render(scene, &settings, NULL);
+        assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
+        print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image, 100.0 * c.rel_rmse, c.mean_reference);
+        assert_true(c.mean_reference > 0.02 && c.rel_rmse < 0.02);
+        sl_image_destroy(edited);
+        sl_image_destroy(fresh);
+        sl_method_destroy(method);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_step_within_the_room_keeps_what_there_is(void **state) {
+    (void)state;
+    sl_scene *scene = far_rooms();
+    const sl_settings settings = settings_for("splatting");
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+    const uint64_t first = sl_method_counters(method)->value[SL_COUNT_RECORDS];
+    look_from(scene, 1000, 1.4f);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+    const uint64_t more = sl_method_counters(method)->value[SL_COUNT_RECORDS] - first;
+    print_message("%u records, and %u more\n", (unsigned)first, (unsigned)more);
+    assert_true(first > 5 && 2 * more < first);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark),
         cmocka_unit_test(meshes_are_as_fine_as_the_light_of_now_asks_for),
         cmocka_unit_test(before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now),
         cmocka_unit_test(what_a_surface_that_grows_receives_is_told),
+        cmocka_unit_test(an_eye_in_another_room_far_away_sees_it_as_a_new_method_would),
+        cmocka_unit_test(a_step_within_the_room_keeps_what_there_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

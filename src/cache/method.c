@@ -11,6 +11,7 @@
 #include "raster/raster.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -91,6 +92,25 @@ static sl_status complete_settings(const sl_method_class *class, const sl_scene 
     return sl_budget_keep(class, scene, settings, beside, conceded, room, error);
 }
 
+/* ---- the core of a scattered scene ---- */
+
+static void remember_core(sl_method *m) {
+    m->scale = m->scene->scale;
+    m->core_min = m->scene->core_min;
+    m->core_max = m->scene->core_max;
+}
+
+/* An eye elsewhere may make another part of a scattered scene its core (scene/scale.c), where an octree, voxels or a coarse mesh are not that were
+ * made for the one before. Small moves change the scale a little, which matters no more than that it is a rough measure. */
+static bool core_has_moved(const sl_method *m) {
+    const sl_scene *s = m->scene;
+    const float larger = fmaxf(m->scale, s->scale), smaller = fminf(m->scale, s->scale);
+    if (larger == smaller && memcmp(&m->core_min, &s->core_min, sizeof m->core_min) == 0 && memcmp(&m->core_max, &s->core_max, sizeof m->core_max) == 0) return false;
+    const double before = (double)sl_length(sl_sub(m->core_max, m->core_min)), now = (double)sl_scene_core_diagonal(s);
+    const double moved = fmax((double)sl_length(sl_sub(s->core_min, m->core_min)), (double)sl_length(sl_sub(s->core_max, m->core_max)));
+    return larger > 2.0f * smaller || !(moved <= 0.25 * fmin(before, now));
+}
+
 sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method, sl_error *error) {
     return sl_method_create_beside(scene, settings, 0.0, method, error);
 }
@@ -121,6 +141,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
         return status;
     }
     m->scene_version = scene->version;
+    remember_core(m);
     *method = m;
     return SL_OK;
 }
@@ -211,6 +232,8 @@ sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     if (changes & ~known) return sl_fail(error, SL_ERROR_USAGE, "changes 0x%x: there are 0x%x at most", changes, known);
     if (method->health == SL_METHOD_FAILED) return check_health(method, error);
     if (method->health == SL_METHOD_WANTS_EDIT) changes = known; /* what the one that failed was to say has got lost */
+    if (core_has_moved(method)) changes = known;
+    if (changes & SL_CHANGED_OBJECTS) remember_core(method);
     method->progress.done = method->progress.frame_done = method->resolved = false;
     if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
     method->scene_version = method->scene->version;

@@ -90,6 +90,8 @@ struct sl_method {
     enum { SL_METHOD_SOUND, SL_METHOD_WANTS_EDIT, SL_METHOD_FAILED } health; /* an edit failed: another may do better; an update failed: nothing can */
     bool resolved; /* since the last update or edit */
     uint64_t scene_version; /* that the method knows of */
+    float scale;            /* the scene's, and its core, by which what the method holds was made */
+    sl_vec3 core_min, core_max;
 };
 
 extern const sl_method_class sl_splatting_method; /* cache/splatting */
