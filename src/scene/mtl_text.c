@@ -86,12 +86,12 @@ static sl_status add_number(reader *r, const char *word, const char *at, double 
     return SL_OK;
 }
 
-/* Beyond a scene file's limit it is the limit: no picture tells the two apart. */
+/* Beyond a scene file's limit it is the limit: no picture tells the two apart. Below 0, which some exporters write for what is dull, it is 0. */
 static sl_status add_exponent(reader *r, const char *at) {
     double value;
-    if (!number_end(at, &value) || !(value > SL_LARGEST_EXPONENT)) return add_number(r, "Ns", at, 0.0, SL_LARGEST_EXPONENT, "an exponent Ns: a number from 0 to 1000000");
-    if (r->model) sl_model_warn(r->model, "%s:%lu: exponent Ns %.*s is above 1000000; cut to that", r->path, r->line, shown(at), at);
-    add(r, "Ns 1000000");
+    if (!number_end(at, &value) || !(value < 0.0 || value > SL_LARGEST_EXPONENT)) return add_number(r, "Ns", at, 0.0, SL_LARGEST_EXPONENT, "an exponent Ns: a number from 0 to 1000000");
+    if (r->model) sl_model_warn(r->model, "%s:%lu: exponent Ns %.*s is not from 0 to 1000000; cut to that", r->path, r->line, shown(at), at);
+    add(r, value < 0.0 ? "Ns 0" : "Ns 1000000");
     return SL_OK;
 }
 
