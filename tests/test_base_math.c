@@ -363,6 +363,15 @@ static void a_double_made_float_and_double_again_is_rounded(void **state) {
     for (int i = 0; i < 3; i++) assert_true(sl_double_bits(back[i]) != sl_double_bits(from[i] * 1.3));
 }
 
+static void numbers_are_much_the_same_up_to_a_hundredth_of_the_larger(void **state) {
+    (void)state;
+    assert_true(sl_is_much_the_same(0.0, 0.0));
+    assert_true(sl_is_much_the_same(0.995, 1.0) && sl_is_much_the_same(1.0, 0.995));
+    assert_false(sl_is_much_the_same(0.98, 1.0) || sl_is_much_the_same(1.0, 0.98));
+    assert_false(sl_is_much_the_same(0.0, 1e-30));
+    assert_false(sl_is_much_the_same((double)NAN, 1.0) || sl_is_much_the_same(1.0, (double)NAN) || sl_is_much_the_same((double)INFINITY, 1.0));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sine_cosine_tangent_keep_their_bounds),
@@ -381,6 +390,7 @@ int main(void) {
         cmocka_unit_test(sine_and_cosine_of_turns),
         cmocka_unit_test(vectorised_loops_give_the_bits_of_single_calls),
         cmocka_unit_test(a_double_made_float_and_double_again_is_rounded),
+        cmocka_unit_test(numbers_are_much_the_same_up_to_a_hundredth_of_the_larger),
         cmocka_unit_test(the_bits_are_the_same_everywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

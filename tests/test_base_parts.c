@@ -14,6 +14,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/isa.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -297,6 +298,33 @@ static void allocation_that_overflows_gives_null(void **state) {
     assert_null(sl_allocate(2, SIZE_MAX / 2 + 1));
 }
 
+static void what_grows_keeps_what_is_in_it(void **state) {
+    (void)state;
+    uint32_t *numbers = NULL;
+    assert_true(sl_regrow(&numbers, 0, 3, sizeof *numbers));
+    for (uint32_t i = 0; i < 3; i++) numbers[i] = i + 1;
+    assert_true(sl_regrow(&numbers, 3, 1000, sizeof *numbers));
+    for (uint32_t i = 0; i < 1000; i++) assert_int_equal(numbers[i], i < 3 ? i + 1 : 0);
+    sl_free(numbers);
+}
+
+static void what_cannot_grow_stays_as_it_is(void **state) {
+    (void)state;
+    uint32_t *numbers = sl_allocate(1, sizeof *numbers), *before = numbers;
+    numbers[0] = 7;
+    assert_false(sl_regrow(&numbers, 1, SIZE_MAX, sizeof *numbers));
+    assert_ptr_equal(numbers, before);
+    assert_int_equal(numbers[0], 7);
+    sl_free(numbers);
+}
+
+static void lists_grow_by_a_quarter_or_by_what_is_needed(void **state) {
+    (void)state;
+    assert_int_equal(sl_grown_capacity(0, 64), 64);
+    assert_int_equal(sl_grown_capacity(100, 101), 125);
+    assert_int_equal(sl_grown_capacity(100, 300), 300);
+}
+
 /* ---- error.h, counters.h, isa.h ---- */
 
 static void an_error_is_one_line_that_ends(void **state) {
@@ -368,6 +396,9 @@ int main(void) {
         cmocka_unit_test(thread_count_is_at_least_one_and_bounded),
         cmocka_unit_test(allocation_is_aligned_and_zeroed),
         cmocka_unit_test(allocation_that_overflows_gives_null),
+        cmocka_unit_test(what_grows_keeps_what_is_in_it),
+        cmocka_unit_test(what_cannot_grow_stays_as_it_is),
+        cmocka_unit_test(lists_grow_by_a_quarter_or_by_what_is_needed),
         cmocka_unit_test(an_error_is_one_line_that_ends),
         cmocka_unit_test(counters_add_up_and_have_distinct_names),
         cmocka_unit_test(the_environment_lowers_the_instruction_set_and_never_raises_it),

@@ -4,6 +4,8 @@
 #ifndef SL_BASE_MATH_H
 #define SL_BASE_MATH_H
 
+#include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -29,6 +31,9 @@ double sl_log(double x);
 /* x >= 0; x^y = exp(y log x) with a compensated logarithm: relative error below 1e-14 for results in the normal range.
  * 0^0 = 1, 0^y = 0 for y > 0, as C's pow for infinities and NaN. NaN for x < 0 (C's pow takes whole y there). */
 double sl_pow(double x, double y);
+
+/* Whether neither is more than a hundredth of the larger away from the other; both at least 0. What was made for one may then stay. False for NaN. */
+static inline bool sl_is_much_the_same(double a, double b) { return a == b || fabs(a - b) < 0.01 * fmax(a, b); }
 
 /* ---- float versions for inner loops -----------------------------------------------------------
  * Inline, free of branches, tables and calls, so that loops over them vectorise; the same bits per lane as alone. */

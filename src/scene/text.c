@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "scene/file.h"
 
@@ -10,13 +11,8 @@ enum { MOST_DIGITS = 19 /* of a whole number that the importer is sure to hold: 
 
 void sl_text_reserve(sl_text *text, size_t capacity) {
     if (capacity <= text->capacity || text->starved) return;
-    char *data = sl_allocate_unset(capacity, 1);
-    text->starved = !data;
-    if (!data) return;
-    if (text->size) memcpy(data, text->data, text->size);
-    sl_free(text->data);
-    text->data = data;
-    text->capacity = capacity;
+    text->starved = !sl_regrow(&text->data, text->size, capacity, 1);
+    if (!text->starved) text->capacity = capacity;
 }
 
 void sl_text_add(sl_text *text, const char *from, size_t size) {

@@ -3,6 +3,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -106,25 +107,13 @@ sl_status sl_probe_tracer_pilot(sl_probe_tracer *t, sl_error *error) {
 
 /* ---- probes ---- */
 
-static sl_status copy_of(void **block, size_t count, size_t capacity, size_t size, sl_error *error) {
-    void *larger = sl_allocate(capacity, size);
-    if (!larger) return sl_fail_memory(error, "error probes");
-    if (count) memcpy(larger, *block, count * size);
-    sl_free(*block);
-    *block = larger;
-    return SL_OK;
-}
-
 /* Room for more; a failure leaves what is there. */
 static sl_status grow(sl_probe_tracer *t, size_t capacity, sl_error *error) {
     sl_halves larger;
     if (capacity <= t->capacity) return SL_OK;
     sl_status status = sl_halves_create(&larger, capacity, error);
-    void *pixel = t->pixel, *samples = t->samples;
-    if (status == SL_OK) status = copy_of(&pixel, t->slots, capacity, sizeof *t->pixel, error);
-    t->pixel = pixel;
-    if (status == SL_OK) status = copy_of(&samples, t->slots, capacity, sizeof *t->samples, error);
-    t->samples = samples;
+    if (status == SL_OK && (!sl_regrow(&t->pixel, t->slots, capacity, sizeof *t->pixel) || !sl_regrow(&t->samples, t->slots, capacity, sizeof *t->samples)))
+        status = sl_fail_memory(error, "error probes");
     if (status != SL_OK) {
         sl_halves_release(&larger);
         return status;

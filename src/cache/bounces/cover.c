@@ -8,6 +8,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/golden.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -21,25 +22,11 @@ void sl_hidden_list_free(sl_hidden_list *list) {
     *list = (sl_hidden_list){0};
 }
 
-static void *grown(void *array, size_t count, size_t capacity, size_t size, bool *failed) {
-    void *larger = sl_allocate(capacity, size);
-    if (!larger) {
-        *failed = true;
-        return array;
-    }
-    if (count) memcpy(larger, array, count * size);
-    sl_free(array);
-    return larger;
-}
-
 sl_status sl_hidden_list_reserve(sl_hidden_list *list, size_t capacity, sl_error *error) {
-    bool failed = false;
     if (capacity <= list->capacity) return SL_OK;
-    list->records = grown(list->records, list->count, capacity, sizeof *list->records, &failed);
-    list->points = grown(list->points, list->count, capacity, sizeof *list->points, &failed);
-    list->terms = grown(list->terms, list->count, capacity, sizeof *list->terms, &failed);
-    list->walls = grown(list->walls, list->count, capacity, sizeof *list->walls, &failed);
-    if (failed) return sl_fail_memory(error, "hidden records");
+    if (!sl_regrow(&list->records, list->count, capacity, sizeof *list->records) || !sl_regrow(&list->points, list->count, capacity, sizeof *list->points) ||
+        !sl_regrow(&list->terms, list->count, capacity, sizeof *list->terms) || !sl_regrow(&list->walls, list->count, capacity, sizeof *list->walls))
+        return sl_fail_memory(error, "hidden records");
     list->capacity = capacity;
     return SL_OK;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 
 /* A split that lists the records more often than this many times, all children together, is none. */
@@ -19,37 +20,25 @@ typedef struct {
     size_t stack_count, stack_capacity;
 } builder;
 
-static bool reserve(void **array, size_t count, size_t *capacity, size_t wanted, size_t size) {
+/* `array` as in sl_regrow(). */
+static bool reserve(void *array, size_t count, size_t *capacity, size_t wanted, size_t size) {
     if (wanted <= *capacity) return true;
     size_t larger = 2 * *capacity > wanted ? 2 * *capacity : wanted + 64;
-    void *grown = sl_allocate(larger, size);
-    if (!grown) return false;
-    if (count) memcpy(grown, *array, count * size);
-    sl_free(*array);
-    *array = grown;
+    if (!sl_regrow(array, count, larger, size)) return false;
     *capacity = larger;
     return true;
 }
 
 static bool reserve_nodes(sl_record_tree *t, size_t more) {
-    void *nodes = t->nodes;
-    bool done = reserve(&nodes, t->node_count, &t->node_capacity, t->node_count + more, sizeof *t->nodes);
-    t->nodes = nodes;
-    return done;
+    return reserve(&t->nodes, t->node_count, &t->node_capacity, t->node_count + more, sizeof *t->nodes);
 }
 
 static bool reserve_blocks(sl_record_tree *t, size_t more) {
-    void *blocks = t->blocks;
-    bool done = reserve(&blocks, t->block_count, &t->block_capacity, t->block_count + more, sizeof *t->blocks);
-    t->blocks = blocks;
-    return done;
+    return reserve(&t->blocks, t->block_count, &t->block_capacity, t->block_count + more, sizeof *t->blocks);
 }
 
 static bool reserve_stack(builder *b, size_t more) {
-    void *stack = b->stack;
-    bool done = reserve(&stack, b->stack_count, &b->stack_capacity, b->stack_count + more, sizeof *b->stack);
-    b->stack = stack;
-    return done;
+    return reserve(&b->stack, b->stack_count, &b->stack_capacity, b->stack_count + more, sizeof *b->stack);
 }
 
 /* Does the record reach into the cube? A little is added for the rounding of both. */

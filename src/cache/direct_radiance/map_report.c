@@ -106,7 +106,7 @@ sl_status sl_report_points_spread(const sl_scene *scene, sl_report_points **poin
 void sl_report_points_follow(sl_report_points *points) {
     if (!points) return;
     const double before = points->share * POINTS, now = all_area(points->scene);
-    if (fabs(now - before) > 0.01 * fmax(now, before)) spread(points->scene, points);
+    if (!sl_is_much_the_same(now, before)) spread(points->scene, points);
 }
 
 void sl_report_points_destroy(sl_report_points *points) { sl_free(points); }

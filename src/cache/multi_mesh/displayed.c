@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/multi_mesh/grow.h"
 
 sl_status sl_displayed_create(const sl_topology *topology, const sl_displayed_settings *settings, sl_displayed **displayed, sl_error *error) {
     sl_displayed *d = sl_allocate(1, sizeof *d);
@@ -47,7 +47,7 @@ size_t sl_displayed_memory_bytes(const sl_displayed *d) {
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
     size_t capacity = d->mesh->node_capacity, used = d->node_capacity;
     if (capacity <= used) return SL_OK;
-    if (!sl_regrow((void **)&d->first, used, capacity, sizeof *d->first) || !sl_regrow((void **)&d->middle, used, capacity, sizeof *d->middle)) {
+    if (!sl_regrow(&d->first, used, capacity, sizeof *d->first) || !sl_regrow(&d->middle, used, capacity, sizeof *d->middle)) {
         return sl_fail_memory(error, "displayed mesh");
     }
     d->node_capacity = capacity;

@@ -8,10 +8,10 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/multi_mesh/draw_kernels.h"
-#include "cache/multi_mesh/grow.h"
 
 enum { LEAVES_AT_ONCE = 64, BLOCK = 256 };
 

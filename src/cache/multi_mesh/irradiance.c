@@ -17,7 +17,6 @@
 #include "base/parallel.h"
 #include "cache/multi_mesh/lit_points.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { SAMPLES_A_TASK = 4 };
@@ -457,7 +456,7 @@ static bool judge_anew(sl_irradiance_meshes *m) {
     const sl_irradiance_settings *s = &m->settings;
     const float now[4] = {s->perception.exposure, s->ambient.r, s->ambient.g, s->ambient.b};
     bool anew = false;
-    for (int i = 0; i < 4; i++) anew |= fabsf(now[i] - m->judged_by[i]) > 0.01f * fmaxf(now[i], m->judged_by[i]);
+    for (int i = 0; i < 4; i++) anew |= !sl_is_much_the_same((double)now[i], (double)m->judged_by[i]);
     if (anew) memcpy(m->judged_by, now, sizeof now);
     return anew;
 }

@@ -1,8 +1,11 @@
 /* Memory of a mesh: nodes and roots. Children lie in blocks of two or four, so that they need one link; blocks that collapse leave form chains and are
  * used again, last freed first. */
+#include <string.h>
+
 #include "base/error.h"
+#include "base/grow.h"
+#include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/grow.h"
 #include "cache/multi_mesh/mesh.h"
 #include "cache/multi_mesh/mesh_parts.h"
 
@@ -54,7 +57,7 @@ void sl_mesh_clear(sl_mesh *mesh) {
 static bool grow_nodes(sl_mesh *mesh) {
     if (mesh->node_count + 4 > SL_MESH_ROOT) return false;
     size_t capacity = sl_grown_capacity(mesh->node_capacity, mesh->node_count + 64);
-    if (!sl_regrow((void **)&mesh->node, mesh->node_count, capacity, sizeof *mesh->node)) return false;
+    if (!sl_regrow(&mesh->node, mesh->node_count, capacity, sizeof *mesh->node)) return false;
     mesh->node_capacity = capacity;
     return true;
 }

@@ -1,9 +1,11 @@
 /* Vertices: what makes two of them one (keys), how they are found (a hash of keys), and where they lie. */
 #include <math.h>
+#include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
+#include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/grow.h"
 #include "cache/multi_mesh/mesh_parts.h"
 
 /* ---- keys ------------------------------------------------------------------------------------------------------------ */
@@ -48,9 +50,9 @@ static size_t slot_of(const sl_mesh *mesh, const sl_vertex_key *key) {
 static bool grow_vertices(sl_mesh *mesh) {
     if (mesh->vertex_count >= SL_NO_INDEX) return false;
     size_t used = mesh->vertex_count, capacity = sl_grown_capacity(mesh->vertex_capacity, used + 64), channels = (size_t)mesh->channels;
-    if (!sl_regrow((void **)&mesh->key, used, capacity, sizeof *mesh->key)) return false;
-    if (!sl_regrow((void **)&mesh->value, used, capacity, channels * sizeof *mesh->value)) return false;
-    if (!sl_regrow((void **)&mesh->state, used, capacity, sizeof *mesh->state)) return false;
+    if (!sl_regrow(&mesh->key, used, capacity, sizeof *mesh->key)) return false;
+    if (!sl_regrow(&mesh->value, used, capacity, channels * sizeof *mesh->value)) return false;
+    if (!sl_regrow(&mesh->state, used, capacity, sizeof *mesh->state)) return false;
     mesh->vertex_capacity = capacity;
     return true;
 }

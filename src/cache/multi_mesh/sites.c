@@ -5,9 +5,10 @@
 #include <math.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/grow.h"
 #include "cache/multi_mesh/topology_parts.h"
 
 #define SAME_NORMAL 1e-4  /* radians */
@@ -97,7 +98,7 @@ static uint32_t site_of(site_table *table, const site *corner) {
     }
     if (table->count == table->capacity) {
         size_t capacity = sl_grown_capacity(table->capacity, table->count + 1024);
-        if (!sl_regrow((void **)&table->site, table->count, capacity, sizeof *table->site)) return SL_NO_INDEX;
+        if (!sl_regrow(&table->site, table->count, capacity, sizeof *table->site)) return SL_NO_INDEX;
         table->capacity = capacity;
     }
     uint32_t fresh = (uint32_t)table->count, *at_position = find_position(table, corner->position);

@@ -1,11 +1,11 @@
 /* Pixels of slivers' halves. Below fourfold cuts alone a node's pixels lie together in the order of paths (pixels.h); a sliver is cut in two, and no
  * path knows its halves. A face with such cuts has an order of its own for its pixels, in which those of each node lie together. */
+#include "base/grow.h"
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include <string.h>
 
 #include "base/error.h"
-#include "cache/multi_mesh/grow.h"
 
 /* Room for a face's pixels, and as much again to sort them in. */
 sl_status sl_displayed_order_pixels(sl_displayed *d, uint32_t face, sl_error *error) {
@@ -14,7 +14,7 @@ sl_status sl_displayed_order_pixels(sl_displayed *d, uint32_t face, sl_error *er
     if (d->order_at[entry] != SL_NO_INDEX) return SL_OK;
     if (d->order_count + room > d->order_capacity) {
         size_t capacity = sl_grown_capacity(d->order_capacity, d->order_count + room);
-        if (!sl_regrow((void **)&d->order, d->order_count, capacity, sizeof *d->order)) return sl_fail_memory(error, "displayed mesh");
+        if (!sl_regrow(&d->order, d->order_count, capacity, sizeof *d->order)) return sl_fail_memory(error, "displayed mesh");
         d->order_capacity = capacity;
     }
     d->order_at[entry] = (uint32_t)d->order_count;

@@ -1,20 +1,17 @@
 /* The display arrays: two copies of the patches' trees and of their vertices' values, brought up to date by what has changed. */
-#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "cache/shading_cache/display_parts.h"
 
-bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_bytes) {
+bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes) {
     if (wanted <= *capacity) return true;
     size_t room = *capacity + *capacity / 128 + 32; /* what is allocated and not used counts, too */
     if (room < wanted) room = wanted;
-    void *larger = sl_allocate_unset(room, entry_bytes);
-    if (!larger) return false;
-    if (*capacity) memcpy(larger, *list, *capacity * entry_bytes);
-    sl_free(*list);
-    *list = larger;
+    if (!sl_regrow(list, *capacity, room, entry_bytes)) return false;
     *capacity = room;
     return true;
 }
@@ -99,24 +96,17 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 
 static bool reserve_lobes(sl_display_copy *copy, const sl_patches *p) {
     size_t groups = p->vertex_count / SL_VERTEX_GROUP;
-    void *group = copy->lobe_group, *lobe = copy->lobe;
-    bool ok = sl_display_grow(&group, &copy->group_capacity, groups, sizeof *copy->lobe_group) &&
-              sl_display_grow(&lobe, &copy->lobe_capacity, p->lobe_count, sizeof *copy->lobe);
-    copy->lobe_group = group;
-    copy->lobe = lobe;
+    bool ok = sl_display_grow(&copy->lobe_group, &copy->group_capacity, groups, sizeof *copy->lobe_group) &&
+              sl_display_grow(&copy->lobe, &copy->lobe_capacity, p->lobe_count, sizeof *copy->lobe);
     for (; ok && copy->group_count < groups; copy->group_count++) copy->lobe_group[copy->group_count] = p->lobe_group[copy->group_count];
     return ok;
 }
 
 /* As many patches as there are; new ones are leaves until something else is heard of them. */
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
-    void *word = copy->word, *value = copy->value, *chunk = copy->chunk;
-    bool ok = sl_display_grow(&word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
-              sl_display_grow(&value, &copy->vertex_capacity, p->vertex_count, sizeof *copy->value) &&
-              sl_display_grow(&chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
-    copy->word = word;
-    copy->value = value;
-    copy->chunk = chunk;
+    bool ok = sl_display_grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
+              sl_display_grow(&copy->value, &copy->vertex_capacity, p->vertex_count, sizeof *copy->value) &&
+              sl_display_grow(&copy->chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
     if (!ok || (p->lobes && !reserve_lobes(copy, p))) return false;
     for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
     for (; copy->chunk_count < p->block_chunks; copy->chunk_count++) copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
@@ -154,10 +144,7 @@ static bool list_patches(sl_display *d, int which, const sl_patches *p, uint8_t 
     d->dirty_count[which] = 0;
     size_t count = 0;
     for (size_t i = 0; i < p->patch_count; i++) count += !flags || (p->flags[i] & flags) != 0;
-    void *list = d->dirty[which];
-    bool ok = sl_display_grow(&list, &d->dirty_capacity[which], count, sizeof *d->dirty[which]);
-    d->dirty[which] = list;
-    if (!ok) return false;
+    if (!sl_display_grow(&d->dirty[which], &d->dirty_capacity[which], count, sizeof *d->dirty[which])) return false;
     for (size_t i = 0; i < p->patch_count; i++) {
         if (!flags || (p->flags[i] & flags)) d->dirty[which][d->dirty_count[which]++] = (uint32_t)i;
     }
@@ -218,12 +205,13 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
     return SL_OK;
 }
 
-static bool is_much_the_same(float a, float b) { return fabsf(a - b) <= 0.01f * fmaxf(a, b); }
+static bool much_the_same(sl_rgb a, sl_rgb b) {
+    return sl_is_much_the_same((double)a.r, (double)b.r) && sl_is_much_the_same((double)a.g, (double)b.g) && sl_is_much_the_same((double)a.b, (double)b.b);
+}
 
 /* Whatever shows the old one is made anew. */
 bool sl_display_guess(sl_display *d, sl_rgb guess) {
-    const sl_rgb old = d->settings.guess;
-    if (is_much_the_same(guess.r, old.r) && is_much_the_same(guess.g, old.g) && is_much_the_same(guess.b, old.b)) return false;
+    if (much_the_same(guess, d->settings.guess)) return false;
     d->settings.guess = guess;
     d->copy[0].complete = d->copy[1].complete = false;
     return true;

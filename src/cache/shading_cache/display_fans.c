@@ -29,9 +29,7 @@ static bool take_room(sl_fans *fans, int size, uint32_t *offset) {
         return true;
     }
     size_t words = (size_t)SL_FAN_SMALLEST << size;
-    void *word = fans->word;
-    bool ok = (fans->used + words) / SL_FAN_SMALLEST < SL_FAN_BIT && sl_display_grow(&word, &fans->capacity, fans->used + words, sizeof *fans->word);
-    fans->word = word;
+    bool ok = (fans->used + words) / SL_FAN_SMALLEST < SL_FAN_BIT && sl_display_grow(&fans->word, &fans->capacity, fans->used + words, sizeof *fans->word);
     *offset = (uint32_t)(fans->used / SL_FAN_SMALLEST);
     if (ok) fans->used += words;
     return ok;

@@ -139,8 +139,8 @@ static inline sl_packed_colour *sl_display_lobe(const sl_display_copy *copy, uin
     return copy->lobe + (size_t)SL_VERTEX_GROUP * copy->lobe_group[vertex / SL_VERTEX_GROUP] + vertex % SL_VERTEX_GROUP;
 }
 
-/* arrays.c: grows a list to `wanted` entries; what was in it stays. */
-bool sl_display_grow(void **list, size_t *capacity, size_t wanted, size_t entry_bytes);
+/* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in sl_regrow(). */
+bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes);
 
 /* display_fans.c. The word of a leaf: SL_DISPLAY_LEAF, or that of its fan. */
 void sl_fans_begin(sl_fans *fans);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/grow.h"
 #include "base/memory.h"
 
 /* Less than what a display of 255 levels can show. */
@@ -18,11 +19,7 @@ bool sl_fade_from(const sl_patches *p, uint32_t vertex, float value[3], float lo
 static sl_fade *room_for_one(sl_fades *f) {
     if (f->count == f->capacity) {
         size_t room = 2 * f->capacity + 64;
-        sl_fade *larger = sl_allocate_unset(room, sizeof *larger);
-        if (!larger) return NULL;
-        if (f->count) memcpy(larger, f->fade, f->count * sizeof *larger);
-        sl_free(f->fade);
-        f->fade = larger;
+        if (!sl_regrow(&f->fade, f->count, room, sizeof *f->fade)) return NULL;
         f->capacity = room;
     }
     return &f->fade[f->count++];

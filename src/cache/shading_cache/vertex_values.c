@@ -48,9 +48,7 @@ void sl_display_values_release(sl_display *d) {
 }
 
 static bool append(sl_pending *list, const sl_pending_vertex *entry) {
-    void *all = list->entry;
-    bool ok = sl_display_grow(&all, &list->capacity, list->count + 1, sizeof *list->entry);
-    list->entry = all;
+    bool ok = sl_display_grow(&list->entry, &list->capacity, list->count + 1, sizeof *list->entry);
     if (ok) list->entry[list->count++] = *entry;
     return ok;
 }
@@ -127,12 +125,7 @@ static bool enter(sl_display *d, const sl_display_copy *copy, const sl_patches *
 }
 
 static bool make_room_for_marks(sl_display *d, const sl_patches *p) {
-    size_t words = p->vertex_count / 32 + 1, had = d->seen_words;
-    void *marks = d->seen_pending;
-    bool ok = sl_display_grow(&marks, &d->seen_words, words, sizeof *d->seen_pending);
-    d->seen_pending = marks;
-    if (ok && d->seen_words > had) memset(d->seen_pending + had, 0, (d->seen_words - had) * sizeof *d->seen_pending);
-    return ok;
+    return sl_display_grow(&d->seen_pending, &d->seen_words, p->vertex_count / 32 + 1, sizeof *d->seen_pending);
 }
 
 /* Coarse levels first: what a vertex lies between is of lower levels. All of them, as what they depend on is not written down; they are few, since

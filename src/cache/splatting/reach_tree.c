@@ -1,8 +1,7 @@
 #include "cache/splatting/reach_tree.h"
 
-#include <string.h>
-
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 
 enum { LEAF_POINTS = 8, DEPTH_MAX = 24, NONE = 0, ROOM_AT_FIRST = 1024 };
@@ -76,13 +75,11 @@ size_t sl_reach_tree_bytes_of_points(const sl_reach_tree *tree) {
 
 /* ---- insertion ---- */
 
-static bool grow(void **array, size_t count, size_t *capacity, size_t size) {
+/* Twice the room where what is wanted, a few more, does not fit; `array` as in sl_regrow(). */
+static bool make_room(void *array, size_t count, size_t wanted, size_t *capacity, size_t size) {
+    if (wanted <= *capacity) return true;
     size_t larger = *capacity ? 2 * *capacity : ROOM_AT_FIRST;
-    void *grown = sl_allocate(larger, size);
-    if (!grown) return false;
-    if (count) memcpy(grown, *array, count * size);
-    sl_free(*array);
-    *array = grown;
+    if (!sl_regrow(array, count, larger, size)) return false;
     *capacity = larger;
     return true;
 }
@@ -108,11 +105,7 @@ static void add_to_leaf(sl_reach_tree *tree, node *leaf, uint32_t index) {
 
 /* A full leaf hands its points to eight children, which meet in the middle of its box. */
 static bool split(sl_reach_tree *tree, uint32_t index) {
-    void *nodes = tree->nodes;
-    bool room = tree->node_count + 8 <= tree->node_capacity ||
-                grow(&nodes, tree->node_count, &tree->node_capacity, sizeof *tree->nodes);
-    tree->nodes = nodes;
-    if (!room) return false;
+    if (!make_room(&tree->nodes, tree->node_count, tree->node_count + 8, &tree->node_capacity, sizeof *tree->nodes)) return false;
     node *n = &tree->nodes[index];
     uint32_t children = (uint32_t)tree->node_count, next = n->points;
     tree->node_count += 8;
@@ -131,11 +124,8 @@ static bool split(sl_reach_tree *tree, uint32_t index) {
 }
 
 sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radius, sl_error *error) {
-    void *points = tree->points;
-    bool room = tree->point_count < tree->point_capacity ||
-                grow(&points, tree->point_count, &tree->point_capacity, sizeof *tree->points);
-    tree->points = points;
-    if (!room) return sl_fail_memory(error, "records' reaches");
+    if (!make_room(&tree->points, tree->point_count, tree->point_count + 1, &tree->point_capacity, sizeof *tree->points))
+        return sl_fail_memory(error, "records' reaches");
     uint32_t added = (uint32_t)tree->point_count++, index = 0;
     tree->points[added] = (point){position, radius, NONE};
     for (int depth = 0;; depth++) {

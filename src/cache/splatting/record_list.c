@@ -1,25 +1,14 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "cache/splatting/splatting.h"
 
-static bool grow(void **array, size_t count, size_t capacity, size_t size) {
-    void *grown = sl_allocate(capacity, size);
-    if (!grown) return false;
-    if (count) memcpy(grown, *array, count * size);
-    sl_free(*array);
-    *array = grown;
-    return true;
-}
-
 static bool make_room(sl_record_list *list, bool with_coefficients, size_t coefficient_count) {
     size_t capacity = list->capacity ? 2 * list->capacity : 1024;
-    void *records = list->records, *values = list->coefficients;
-    bool grown = grow(&records, list->count, capacity, sizeof *list->records);
-    list->records = records;
-    if (with_coefficients) grown = grown && grow(&values, list->count, capacity, coefficient_count * sizeof(float));
-    list->coefficients = values;
+    bool grown = sl_regrow(&list->records, list->count, capacity, sizeof *list->records);
+    if (with_coefficients) grown = grown && sl_regrow(&list->coefficients, list->count, capacity, coefficient_count * sizeof(float));
     if (grown) list->capacity = capacity;
     return grown;
 }

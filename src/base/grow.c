@@ -1,0 +1,21 @@
+#include "base/grow.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+bool sl_regrow(void *block, size_t used, size_t capacity, size_t size) {
+    char *old, *larger = sl_allocate_unset(capacity, size);
+    if (!larger) return false;
+    memcpy(&old, block, sizeof old);
+    if (used) memcpy(larger, old, used * size);
+    memset(larger + used * size, 0, (capacity - used) * size);
+    sl_free(old);
+    memcpy(block, &larger, sizeof larger); /* a pointer to another type is not one to void */
+    return true;
+}
+
+size_t sl_grown_capacity(size_t capacity, size_t needed) {
+    size_t grown = capacity + capacity / 4;
+    return grown > needed ? grown : needed;
+}
