@@ -332,6 +332,26 @@ static void a_material_that_no_library_has_is_told_once(void **state) {
     assert_int_equal(warnings(obj, "it is grey"), 2);
 }
 
+static void of_very_many_warnings_the_first_hundred_are_told_and_the_others_counted(void **state) {
+    (void)state;
+    enum { MANY = 150 };
+    char obj[sizeof a_triangle + 64 + 32 * MANY];
+    scene_file_text("m.mtl", "newmtl m\nKd 0.5\n");
+    int at = snprintf(obj, sizeof obj, "mtllib m.mtl\n%s", a_triangle);
+    const int first = 8; /* line */
+    for (int i = 0; i < MANY; i++) at += snprintf(obj + at, sizeof obj - (size_t)at, "usemtl %c%d\nf 1 2 3\n", 'z' - i % 26, i);
+    sl_scene *scene = load(scene_file_text("m.obj", obj));
+    size_t count = sl_scene_warning_count(scene);
+    for (int i = 0; i < 100; i++) {
+        char wanted[80];
+        snprintf(wanted, sizeof wanted, "m.obj:%d: no material library has '%c%d'; it is grey", first + 2 * i, 'z' - i % 26, i);
+        assert_non_null(strstr(sl_scene_warning(scene, (size_t)i), wanted));
+    }
+    assert_string_equal(sl_scene_warning(scene, count - 1), "and 50 more of such lines");
+    assert_null(sl_scene_warning(scene, count));
+    sl_scene_destroy(scene);
+}
+
 static void a_library_that_is_read_in_the_place_of_another_is_told(void **state) {
     (void)state;
     char obj[512];
@@ -392,6 +412,7 @@ int main(void) {
         cmocka_unit_test(a_texture_is_found_behind_its_options),
         cmocka_unit_test(options_of_a_texture_that_change_it_are_told),
         cmocka_unit_test(a_material_that_no_library_has_is_told_once),
+        cmocka_unit_test(of_very_many_warnings_the_first_hundred_are_told_and_the_others_counted),
         cmocka_unit_test(a_library_that_is_read_in_the_place_of_another_is_told),
         cmocka_unit_test(a_material_without_a_name_is_that_of_faces_that_name_none),
         cmocka_unit_test(bytes_of_zero_are_no_text),

@@ -29,5 +29,6 @@ sl_status sl_materials_check(sl_scene *scene, sl_error *error);
 sl_status sl_lights_check(sl_scene *scene, sl_error *error);
 
 char *sl_string_copy(const char *text); /* NULL: ""; release with sl_free() */
+void sl_strings_free(char **list, size_t count); /* NULL: none */
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "image/decode.h"
@@ -17,7 +18,7 @@
 /* ---- lists that grow --------------------------------------------------------------------------------------------------- */
 
 typedef struct column {
-    void **array;
+    void *array; /* as in sl_regrow() */
     size_t size; /* bytes of one entry */
 } column;
 
@@ -27,17 +28,13 @@ static bool make_room(const column *columns, size_t column_count, size_t used, s
     size_t wanted = used + count > 2 * *room ? used + count : 2 * *room;
     if (wanted < used) return false;
     for (size_t i = 0; i < column_count; i++) {
-        void *larger = sl_allocate(wanted, columns[i].size);
-        if (!larger) return false;
-        if (used) memcpy(larger, *columns[i].array, used * columns[i].size);
-        sl_free(*columns[i].array);
-        *columns[i].array = larger;
+        if (!sl_regrow(columns[i].array, used, wanted, columns[i].size)) return false;
     }
     *room = wanted;
     return true;
 }
 
-#define COLUMN(list, per_entry) {(void **)&(list), (per_entry) * sizeof *(list)}
+#define COLUMN(list, per_entry) {&(list), (per_entry) * sizeof *(list)}
 
 sl_status sl_model_add_vertices(sl_model *m, size_t count, uint32_t object, size_t *first, sl_error *error) {
     const column columns[] = {COLUMN(m->positions, 3), COLUMN(m->normals, 3), COLUMN(m->uvs, 2), COLUMN(m->vertex_object, 1)};
@@ -127,12 +124,8 @@ void sl_model_warn(sl_model *m, const char *format, ...) {
     for (size_t i = 0; i < m->warning_count; i++) {
         if (strcmp(m->warnings[i], line) == 0) return; /* once is enough */
     }
-    add_string(&m->warnings, &m->warning_count, &m->warning_room, line);
-}
-
-static void free_strings(char **list, size_t count) {
-    for (size_t i = 0; i < count; i++) sl_free(list[i]);
-    sl_free(list);
+    if (m->warning_count == SL_WARNINGS_OF_READING) m->warnings_left_out++;
+    else add_string(&m->warnings, &m->warning_count, &m->warning_room, line);
 }
 
 void sl_model_clear(sl_model *m) {
@@ -146,9 +139,9 @@ void sl_model_clear(sl_model *m) {
         sl_free(m->textures[i].texels);
     }
     sl_free(m->textures);
-    free_strings(m->object_names, m->object_count);
-    free_strings(m->warnings, m->warning_count);
-    free_strings(m->files, m->file_count);
+    sl_strings_free(m->object_names, m->object_count);
+    sl_strings_free(m->warnings, m->warning_count);
+    sl_strings_free(m->files, m->file_count);
     *m = (sl_model){0};
 }
 
@@ -314,6 +307,7 @@ static void pass_warnings_on(const sl_model *m, sl_scene *scene) {
         memmove(scene->warnings, scene->warnings + 1, (built + added - 1) * sizeof *scene->warnings);
         scene->warnings[built + added - 1] = first;
     }
+    if (m->warnings_left_out) sl_scene_leave_out_warnings(scene, m->warnings_left_out);
 }
 
 sl_status sl_model_build(sl_model *m, sl_scene **scene, sl_error *error) {

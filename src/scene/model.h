@@ -21,7 +21,7 @@ typedef struct sl_model {
     sl_light *lights;
     size_t object_count, object_room;
     char **object_names;
-    size_t warning_count, warning_room;
+    size_t warning_count, warning_room, warnings_left_out;
     char **warnings;
     bool has_camera;
     sl_camera camera;
@@ -51,6 +51,7 @@ sl_status sl_model_add_bicubic(sl_model *model, const sl_bicubic *surface, uint3
 sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index, sl_error *error);
 sl_status sl_model_add_light(sl_model *model, const sl_light *light, sl_error *error);
 sl_status sl_model_add_object(sl_model *model, const char *name, uint32_t *index, sl_error *error);
+/* Lines that are there already are not told twice; beyond SL_WARNINGS_OF_READING they are counted. */
 __attribute__((format(printf, 2, 3))) void sl_model_warn(sl_model *model, const char *format, ...);
 
 /* A texture by file name (decoded once however often it is named), or from `bytes` bytes at `memory` where that is not NULL, `path` then being its

@@ -1,13 +1,12 @@
 #include "scene/obj_check.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/file.h"
 #include "scene/mtl_text.h"
+#include "scene/obj_materials.h"
 
 enum { LONGEST_NUMBER = 4000 /* the importer takes longer ones for two */ };
 
@@ -19,24 +18,16 @@ typedef struct kind {
     unsigned long count, largest, largest_line;
 } kind;
 
-/* A material's name, of a library (line 0) or of a usemtl. */
-typedef struct material {
-    size_t start, length; /* in the text of all such names */
-    const char *name;     /* set when the text is complete */
-    unsigned long line;
-} material;
-
 typedef struct checker {
     const char *path, *at, *end;
     unsigned long line;
     kind kinds[3];
     bool coloured, faced; /* a vertex has a colour, a face is there */
     sl_model *model;
-    sl_text *plain, libraries;
+    sl_text *plain;
+    sl_obj_materials *materials;
     sl_error *error;
     unsigned long short_faces, first_short; /* faces of fewer than three corners, and the line of the first */
-    sl_text names, materials;
-    unsigned long readable, unreadable;     /* libraries whose names are known, and not */
 } checker;
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f' || c == '\v'; }
@@ -261,128 +252,15 @@ static void copy_statement(checker *c) {
     sl_text_trim(c->plain);
 }
 
-/* ---- materials ------------------------------------------------------------------------------------------------------------ */
-
-static void add_material(checker *c, const char *name, size_t length, unsigned long line) {
-    material m = {c->names.size, length, NULL, line};
-    sl_text_add(&c->names, name, length);
-    sl_text_add(&c->materials, (const char *)&m, sizeof m);
-}
-
-/* Libraries are read for what is wrong in them, and for their materials' names. */
-static sl_status read_library(checker *c, const char *path) {
-    static const char word[] = "newmtl ";
-    const size_t length = sizeof word - 1;
-    sl_text plain;
-    if (!sl_file_is_below(c->model->folder, path)) return SL_OK; /* importing it says why not */
-    sl_status status = sl_mtl_text_read(path, c->model, &plain, c->error);
-    if (status != SL_OK) return status;
-    for (size_t at_byte = 0; at_byte < plain.size;) {
-        const char *at = plain.data + at_byte, *stop = memchr(at, '\n', plain.size - at_byte);
-        at_byte += (size_t)(stop - at) + 1;
-        if ((size_t)(stop - at) > length && memcmp(at, word, length) == 0) add_material(c, at + length, (size_t)(stop - at) - length, 0);
-    }
-    if (plain.size) c->readable++;
-    else c->unreadable++; /* perhaps for being in UTF-16 */
-    sl_text_release(&plain);
-    return SL_OK;
-}
-
-/* The path of a library if there is one of that name, to be freed; else NULL. */
-static sl_status find_library(checker *c, const char *name, size_t length, char **path) {
-    char copy[4096];
-    *path = NULL;
-    if (length == 0 || length >= sizeof copy) return SL_OK;
-    memcpy(copy, name, length);
-    copy[length] = 0;
-    *path = sl_file_beside(c->path, copy);
-    if (!*path) return sl_fail_memory(c->error, "a file name");
-    if (sl_file_exists(*path)) return SL_OK;
-    sl_free(*path);
-    *path = NULL;
-    return SL_OK;
-}
-
-/* If there is one of that name. */
-static sl_status add_library(checker *c, const char *name, size_t length, bool *exists) {
-    char *path;
-    sl_status status = find_library(c, name, length, &path);
-    *exists = path != NULL;
-    if (!path) return status;
-    status = read_library(c, path);
-    sl_free(path);
-    sl_text_add(&c->libraries, "mtllib ", 7);
-    sl_text_add(&c->libraries, name, length);
-    sl_text_add(&c->libraries, "\n", 1);
-    return status;
-}
-
-static void warn_of_library(checker *c, unsigned long line, const char *name, size_t length) {
-    c->unreadable++;
-    sl_model_warn(c->model, "%s:%lu: material library '%.*s' does not exist; its materials are grey", c->path, line, length < 512 ? (int)length : 512, name);
-}
-
-/* Who gives both files another name often leaves the old one in the first. */
-static sl_status take_library_of_same_name(checker *c, unsigned long line, const char *missing, size_t missing_length) {
-    const char *slash = strrchr(c->path, '/'), *name = slash ? slash + 1 : c->path;
-    char same[4096];
-    int length = snprintf(same, sizeof same, "%.*s.mtl", (int)(strlen(name) - strlen(".obj")), name);
-    bool exists;
-    sl_status status = add_library(c, same, (size_t)length, &exists);
-    if (!exists) warn_of_library(c, line, missing, missing_length);
-    if (!exists || status != SL_OK) return status;
-    sl_model_warn(c->model, "%s:%lu: material library '%.*s' does not exist; '%.512s' is read in its place", c->path, line, missing_length < 512 ? (int)missing_length : 512,
-                  missing, same);
-    return SL_OK;
-}
-
-static size_t name_length(const char *at, const char *end) {
-    size_t length = 0;
-    while (at + length < end && !is_blank(at[length])) length++;
-    return length;
-}
-
-/* Names between blanks, up to a comment. Where none of them is that of a file they are one name, for the warning. */
-static sl_status check_names(checker *c, unsigned long line, const char *names, const char *end) {
-    bool exists, any = false;
-    size_t length;
-    sl_status status = SL_OK;
-    for (const char *at = names; status == SL_OK && at < end && *at != '#'; at += length + 1) {
-        length = name_length(at, end);
-        status = add_library(c, at, length, &exists);
-        any |= exists;
-    }
-    if (!any && status == SL_OK) return take_library_of_same_name(c, line, names, (size_t)(end - names));
-    for (const char *at = names; status == SL_OK && at < end && *at != '#'; at += length + 1) {
-        char *path;
-        length = name_length(at, end);
-        status = find_library(c, at, length, &path);
-        if (status == SL_OK && length && !path) warn_of_library(c, line, at, length);
-        sl_free(path);
-    }
-    return status;
-}
-
-/* A name may have blanks in it; if there is no such file the statement names several. */
 static sl_status check_library(checker *c) {
     unsigned long line = c->line;
     size_t before = c->plain->size;
     skip_blanks(c);
     copy_statement(c);
     if (c->plain->size == before) return SL_OK;
-    const char *names = c->plain->data + before;
-    bool exists;
-    sl_status status = add_library(c, names, c->plain->size - before, &exists);
-    if (!exists && status == SL_OK) status = check_names(c, line, names, c->plain->data + c->plain->size);
+    sl_status status = sl_obj_materials_read(c->materials, line, c->plain->data + before, c->plain->size - before, c->error);
     c->plain->size = before;
     return status;
-}
-
-/* Of one statement after another that names the same material the first is remembered. */
-static void note_material(checker *c, unsigned long line, const char *name, size_t length) {
-    const material *last = c->materials.size ? (const material *)(const void *)(c->materials.data + c->materials.size) - 1 : NULL;
-    if (last && !c->names.starved && last->line && last->length == length && memcmp(c->names.data + last->start, name, length) == 0) return;
-    add_material(c, name, length, line);
 }
 
 /* Without a name the importer would look for one in the next line. */
@@ -392,7 +270,7 @@ static void copy_use(checker *c) {
     size_t start = c->plain->size;
     skip_blanks(c);
     copy_statement(c);
-    if (c->plain->size > start) note_material(c, line, c->plain->data + start, c->plain->size - start);
+    if (c->plain->size > start) sl_obj_materials_use(c->materials, line, c->plain->data + start, c->plain->size - start);
     else sl_text_add(c->plain, " " SL_NAMELESS_MATERIAL, strlen(" " SL_NAMELESS_MATERIAL));
 }
 
@@ -434,45 +312,20 @@ static void warn_of_short_faces(const checker *c) {
     else if (c->short_faces) sl_model_warn(c->model, "%s:%lu: this face and %lu more of fewer than three corners are not drawn", c->path, c->first_short, c->short_faces - 1);
 }
 
-/* By name, and of one name by line. */
-static int compare_materials(const void *first, const void *second) {
-    const material *a = first, *b = second;
-    int order = memcmp(a->name, b->name, a->length < b->length ? a->length : b->length);
-    if (order) return order;
-    if (a->length != b->length) return a->length < b->length ? -1 : 1;
-    return a->line < b->line ? -1 : a->line > b->line;
-}
-
-static bool are_of_one_name(const material *a, const material *b) { return a->length == b->length && memcmp(a->name, b->name, a->length) == 0; }
-
-/* Of each name the first comes first: in a library, or else where it is used. A file without libraries has names for others to give materials to. */
-static void warn_of_unknown_materials(checker *c) {
-    material *all = (material *)(void *)c->materials.data;
-    size_t count = c->materials.size / sizeof *all;
-    if (!c->readable || c->unreadable || !count) return;
-    for (size_t i = 0; i < count; i++) all[i].name = c->names.data + all[i].start;
-    qsort(all, count, sizeof *all, compare_materials);
-    for (size_t i = 0; i < count; i++) {
-        if (!all[i].line || (i > 0 && are_of_one_name(&all[i - 1], &all[i]))) continue;
-        sl_model_warn(c->model, "%s:%lu: no material library has '%.*s'; it is grey", c->path, all[i].line, all[i].length < 512 ? (int)all[i].length : 512, all[i].name);
-    }
-}
-
 static sl_status conclude(checker *c) {
     sl_status status = check_largest(c);
     if (status != SL_OK) return status;
-    if (c->names.starved || c->materials.starved) return sl_fail_memory(c->error, c->path);
     warn_of_short_faces(c);
-    warn_of_unknown_materials(c);
-    return SL_OK;
+    return sl_obj_materials_conclude(c->materials, c->error);
 }
 
 /* Libraries come first, and after them the importer's own material: it would give the last one that it has read of to the faces before the first usemtl,
  * and that of the first usemtl where there is no library. */
 static void put_libraries_first(checker *c) {
     if (!c->faced) c->plain->size = 0; /* it would make points of the vertices, and not find their normals */
-    sl_text_add(&c->libraries, "usemtl DefaultMaterial\n", 23);
-    sl_text_prepend(c->plain, &c->libraries);
+    sl_text *libraries = &c->materials->libraries;
+    sl_text_add(libraries, "usemtl " SL_NAMELESS_MATERIAL "\n", strlen("usemtl " SL_NAMELESS_MATERIAL "\n"));
+    sl_text_prepend(c->plain, libraries);
 }
 
 sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_error *error) {
@@ -481,10 +334,11 @@ sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_err
     size_t size;
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
+    sl_obj_materials materials = {.path = path, .model = model};
     checker c = {path, data, data + size, 1,
                  {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0, 0},
                   {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0, 0},
-                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, .model = model, .plain = plain, .error = error};
+                  {"vn", "normal", "3", 1 << 3, 0, 0, 0}}, .model = model, .plain = plain, .materials = &materials, .error = error};
     c.at += sl_text_mark_bytes(data, size);
     /* The importer turns UTF-16 into UTF-8 first; such a file is left to it. */
     if (!sl_text_is_utf16(data, size)) {
@@ -496,9 +350,7 @@ sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_err
         if (status == SL_OK) status = sl_text_check(plain, path, error);
     }
     sl_free(data);
-    sl_text_release(&c.libraries);
-    sl_text_release(&c.names);
-    sl_text_release(&c.materials);
+    sl_obj_materials_release(&materials);
     if (status != SL_OK) sl_text_release(plain);
     return status;
 }

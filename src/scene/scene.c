@@ -5,14 +5,16 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "scene/animation.h"
 #include "scene/derive.h"
 
-size_t sl_scene_warning_count(const sl_scene *scene) { return scene->warning_count; }
+size_t sl_scene_warning_count(const sl_scene *scene) { return scene->warning_count + (scene->warnings_left_out > 0); }
 const char *sl_scene_warning(const sl_scene *scene, size_t index) {
-    return index < scene->warning_count ? scene->warnings[index] : NULL;
+    if (index < scene->warning_count) return scene->warnings[index];
+    return index < sl_scene_warning_count(scene) ? scene->more_warnings : NULL;
 }
 size_t sl_scene_triangle_count(const sl_scene *scene) { return scene->triangle_count; }
 void sl_scene_film(const sl_scene *scene, int *width, int *height) {
@@ -43,35 +45,36 @@ char *sl_string_copy(const char *text) {
     return copy;
 }
 
-/* Grows the list by one. Without memory for it the warning is lost, never the scene. */
+void sl_strings_free(char **list, size_t count) {
+    for (size_t i = 0; list && i < count; i++) sl_free(list[i]);
+    sl_free(list);
+}
+
+void sl_scene_leave_out_warnings(sl_scene *scene, size_t count) {
+    scene->warnings_left_out += count;
+    snprintf(scene->more_warnings, sizeof scene->more_warnings, "and %zu more of such lines", scene->warnings_left_out);
+}
+
+/* Without memory for it the warning is lost, never the scene. */
 void sl_scene_warn(sl_scene *scene, const char *format, ...) {
     char line[1024];
     va_list arguments;
+    if (scene->warning_count == 2 * SL_WARNINGS_OF_READING) {
+        sl_scene_leave_out_warnings(scene, 1);
+        return;
+    }
     va_start(arguments, format);
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
     for (char *c = line; *c; c++) {
         if (*c == '\n' || *c == '\r') *c = ' ';
     }
-    char **list = sl_allocate(scene->warning_count + 1, sizeof *list);
     char *copy = sl_string_copy(line);
-    if (!list || !copy) {
-        sl_free(list);
-        sl_free(copy);
-        return;
-    }
-    if (scene->warning_count) memcpy(list, scene->warnings, scene->warning_count * sizeof *list);
-    list[scene->warning_count++] = copy;
-    sl_free(scene->warnings);
-    scene->warnings = list;
+    if (copy && sl_regrow(&scene->warnings, scene->warning_count, scene->warning_count + 1, sizeof *scene->warnings)) scene->warnings[scene->warning_count++] = copy;
+    else sl_free(copy);
 }
 
 /* ---- the end ------------------------------------------------------------------------------------------------------------ */
-
-static void free_strings(char **strings, size_t count) {
-    for (size_t i = 0; strings && i < count; i++) sl_free(strings[i]);
-    sl_free(strings);
-}
 
 static void free_geometry(sl_scene *s) {
     float *arrays[] = {s->position_x, s->position_y, s->position_z, s->normal_x, s->normal_y, s->normal_z, s->texture_u,
@@ -99,9 +102,9 @@ void sl_scene_destroy(sl_scene *scene) {
     sl_environment_release(&scene->environment);
     sl_animation_destroy(scene->animation);
     sl_free(scene->bicubics);
-    free_strings(scene->object_names, scene->object_count);
-    free_strings(scene->warnings, scene->warning_count);
-    free_strings(scene->files, scene->file_count);
+    sl_strings_free(scene->object_names, scene->object_count);
+    sl_strings_free(scene->warnings, scene->warning_count);
+    sl_strings_free(scene->files, scene->file_count);
     sl_free(scene);
 }
 

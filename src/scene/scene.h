@@ -139,8 +139,8 @@ struct sl_scene {
     double radius;
     sl_vec3 vantage;
 
-    size_t warning_count;
-    char **warnings;
+    size_t warning_count, warnings_left_out;
+    char **warnings, more_warnings[64]; /* the latter: on those that are left out */
     size_t file_count; /* that it was read from, the ones that were named and the ones that those name; some more than once. Writing them would lose them */
     char **files;
 };
@@ -257,6 +257,9 @@ typedef struct sl_scene_parts {
 
 sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error);
 __attribute__((format(printf, 2, 3))) void sl_scene_warn(sl_scene *scene, const char *format, ...);
+/* Counts that many more warnings, which nobody would read. sl_scene_warn() does so beyond twice SL_WARNINGS_OF_READING. */
+void sl_scene_leave_out_warnings(sl_scene *scene, size_t count);
+enum { SL_WARNINGS_OF_READING = 100 /* each is compared with those before it */ };
 bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 up, float vertical_fov);
 
 #endif
