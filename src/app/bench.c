@@ -125,7 +125,9 @@ static sl_status spare_scene(const sl_scene *scene, const char *folder, sl_error
     return status;
 }
 
-/* In a child, since reading a scene may start threads: what is in it; or, if the report would take the place of one of its files, the words on that. */
+static const char refused[] = "refused: ";
+
+/* In a child, since reading a scene may start threads: what is in it; or, if the report would take the place of one of its files, that this is refused. */
 static bool describe_work(void *context, char **report) {
     const description *d = context;
     sl_scene *scene = NULL;
@@ -137,7 +139,9 @@ static bool describe_work(void *context, char **report) {
         return false;
     }
     if (spare_scene(scene, d->folder, &error) != SL_OK) {
-        *report = strdup(error.message);
+        char refusal[sizeof refused + sizeof error.message];
+        snprintf(refusal, sizeof refusal, "%s%s", refused, error.message);
+        *report = strdup(refusal);
         sl_scene_destroy(scene);
         return true;
     }
@@ -179,8 +183,8 @@ static sl_status describe(const sl_bench_options *o, const char *path, sl_bench_
     name_scene(path, s);
     sl_status status = sl_child_run(describe_work, &d, &limits, &end, error);
     if (status != SL_OK) return status;
-    if (end.outcome == SL_CHILD_DONE && strncmp(end.text, "--", 2) == 0) {
-        snprintf(error->message, sizeof error->message, "%s", end.text);
+    if (end.outcome == SL_CHILD_DONE && strncmp(end.text, refused, strlen(refused)) == 0) {
+        snprintf(error->message, sizeof error->message, "%s", end.text + strlen(refused));
         status = error->status = SL_ERROR_USAGE;
     } else if (end.outcome != SL_CHILD_DONE) snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
     else if (sscanf(end.text, "%16s %d %d %llu %d %d %d", s->hash, &s->width, &s->height, &triangles, &glossy, &mirrors, &sky) != 7)

@@ -120,8 +120,8 @@ static sl_status render(sl_render_options *o, sl_scene *scene, bool *reached, sl
 
 /* A cache may be kept in the file that it came from. */
 static bool loses_nothing(const sl_render_options *o) {
-    const char *const read[] = {o->scene_path, o->load_cache}, *const others[] = {o->scene_path, o->output};
-    return sl_is_file_of_its_own("output", o->output, read, 2) && sl_is_file_of_its_own("save-cache", o->save_cache, others, 2);
+    const char *const read[] = {o->load_cache}, *const others[] = {o->output};
+    return sl_is_file_of_its_own("output", o->output, read, 1) && sl_is_file_of_its_own("save-cache", o->save_cache, others, 1);
 }
 
 int sl_command_render(int argc, char **argv) {
