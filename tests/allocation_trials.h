@@ -248,4 +248,21 @@ static long try_case(const fault_case *c, long most) {
     return board->faults;
 }
 
+/* ---- which cases ------------------------------------------------------------------------------------------------------------------------- */
+
+static const char *wanted_name; /* only those whose names hold it; NULL: all */
+static bool list_only;
+
+/* A program's arguments: nothing, a part of a name, or --list for "case NAME" a line each. */
+static void choose_cases(int argc, char **argv) {
+    list_only = argc > 1 && strcmp(argv[1], "--list") == 0;
+    wanted_name = argc > 1 && !list_only ? argv[1] : NULL;
+}
+
+/* Returns how many faults there are. */
+static long try_named(const fault_case *c, long most) {
+    if (list_only) printf("case %s\n", c->name);
+    return list_only || (wanted_name && !strstr(c->name, wanted_name)) ? 0 : try_case(c, most);
+}
+
 #endif

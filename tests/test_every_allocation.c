@@ -1,5 +1,5 @@
 /* Memory that ends anywhere, in any of the library's functions. The short form tries some of the call paths that allocate; with
- * SOFTLUX_EVERY_ALLOCATION=1 every one, with N every N-th call (tests/hard/allocations.sh). With a name only the cases that hold it are tried. */
+ * SOFTLUX_EVERY_ALLOCATION=1 every one, with N every N-th call (tests/hard/allocations.sh). With a name only the cases that hold it are tried; --list prints their names. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +14,6 @@
 
 static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional"};
 
-static const char *wanted_name;
 static long most; /* paths tried in each case; 0: all */
 static long faults;
 
@@ -123,11 +122,6 @@ static void render_twice(const fault_case *c, fault_outcome *o) {
 
 /* ---- running -------------------------------------------------------------------------------------------------------------------------- */
 
-static void try_named(const fault_case *c) {
-    if (wanted_name && !strstr(c->name, wanted_name)) return;
-    faults += try_case(c, most);
-}
-
 static void methods_where_memory_ends_say_so_and_lose_nothing(void **state) {
     (void)state;
     static const char *const scenes[] = {"glossy.json", "mirrors.json"};
@@ -136,7 +130,7 @@ static void methods_where_memory_ends_say_so_and_lose_nothing(void **state) {
         for (size_t s = 0; s < 2; s++) {
             const char *names[3] = {methods[m], scenes[s], NULL};
             snprintf(name, sizeof name, "%s, %s", methods[m], scenes[s]);
-            try_named(&(fault_case){.name = name, .prepare = load, .work = render_twice, .what = names});
+            faults += try_named(&(fault_case){.name = name, .prepare = load, .work = render_twice, .what = names}, most);
         }
     }
     assert_int_equal(faults, 0);
@@ -146,7 +140,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(methods_where_memory_ends_say_so_and_lose_nothing),
     };
-    wanted_name = argc > 1 ? argv[1] : NULL;
+    choose_cases(argc, argv);
     most = how_many_to_try(5);
     keep_deaths();
     write_files();

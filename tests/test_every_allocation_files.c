@@ -12,13 +12,8 @@
 #include "least_settings.h"
 #include "scene_files.h"
 
-static const char *wanted_name;
 static long most; /* paths tried in each case; 0: all */
 static long faults;
-
-static void try_named(const fault_case *c) {
-    if (!wanted_name || strstr(c->name, wanted_name)) faults += try_case(c, most);
-}
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------------------------ */
 
@@ -84,9 +79,9 @@ static void scenes_where_memory_ends_are_not_half_read(void **state) {
     for (size_t i = 0; i < 4; i++) {
         char name[64];
         snprintf(name, sizeof name, "loading %s", names[i]);
-        try_named(&(fault_case){.name = name, .work = load_scene, .what = scene_file_path(names[i])});
+        faults += try_named(&(fault_case){.name = name, .work = load_scene, .what = scene_file_path(names[i])}, most);
     }
-    try_named(&(fault_case){.name = "loading moving-ball.json", .work = load_scene, .what = "scenes/moving-ball.json"});
+    faults += try_named(&(fault_case){.name = "loading moving-ball.json", .work = load_scene, .what = "scenes/moving-ball.json"}, most);
     assert_int_equal(faults, 0);
 }
 
@@ -147,14 +142,14 @@ static void pictures_where_memory_ends_are_whole_or_not_there(void **state) {
     for (size_t i = 0; i < 5; i++) {
         char name[64];
         snprintf(name, sizeof name, "reading %s", read[i]);
-        try_named(&(fault_case){.name = name, .work = read_picture, .what = scene_file_path(read[i])});
+        faults += try_named(&(fault_case){.name = name, .work = read_picture, .what = scene_file_path(read[i])}, most);
     }
     for (size_t i = 0; i < 3; i++) {
         char name[64];
         snprintf(name, sizeof name, "writing %s", written[i]);
-        try_named(&(fault_case){.name = name, .prepare = make_pictures, .work = write_picture, .what = written[i]});
+        faults += try_named(&(fault_case){.name = name, .prepare = make_pictures, .work = write_picture, .what = written[i]}, most);
     }
-    try_named(&(fault_case){.name = "comparing pictures", .prepare = make_pictures, .work = compare_pictures});
+    faults += try_named(&(fault_case){.name = "comparing pictures", .prepare = make_pictures, .work = compare_pictures}, most);
     assert_int_equal(faults, 0);
 }
 
@@ -231,13 +226,13 @@ static void estimate(const fault_case *c, fault_outcome *o) {
 static void caches_shows_and_estimates_where_memory_ends_say_so(void **state) {
     (void)state;
     faults = 0;
-    try_named(&(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load});
-    try_named(&(fault_case){.name = "estimating errors", .prepare = load_for_all, .work = estimate});
+    faults += try_named(&(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load}, most);
+    faults += try_named(&(fault_case){.name = "estimating errors", .prepare = load_for_all, .work = estimate}, most);
     static const char *const methods[] = {"shading-cache", "splatting", "path"};
     for (size_t i = 0; i < 3; i++) {
         char name[64];
         snprintf(name, sizeof name, "a show of %s", methods[i]);
-        try_named(&(fault_case){.name = name, .prepare = load_for_all, .work = show, .what = methods[i], .all_threads = true});
+        faults += try_named(&(fault_case){.name = name, .prepare = load_for_all, .work = show, .what = methods[i], .all_threads = true}, most);
     }
     assert_int_equal(faults, 0);
 }
@@ -248,7 +243,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(pictures_where_memory_ends_are_whole_or_not_there),
         cmocka_unit_test(caches_shows_and_estimates_where_memory_ends_say_so),
     };
-    wanted_name = argc > 1 ? argv[1] : NULL;
+    choose_cases(argc, argv);
     most = how_many_to_try(10);
     keep_deaths();
     write_files();
