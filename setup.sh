@@ -5,8 +5,8 @@ set -eu
 
 wanted='gcc make pkg-config libembree-dev libopenexr-dev libassimp-dev libcjson-dev libstb-dev libpng-dev libcmocka-dev'
 # The tests compare compilers, sanitize with clang, compare the rasterizer with Mesa's, build the public header's pages, and open pages of steps
-# in a browser.
-tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver'
+# in a browser; and one makes a locale with a decimal comma.
+tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver locales'
 [ "${1:-}" = --build-only ] || wanted="$wanted $tests"
 
 # What a package is recognised by where dpkg does not know it.
@@ -20,6 +20,7 @@ proof() {
     libassimp-dev) ls /usr/include/assimp/cimport.h ;;
     libcjson-dev) ls /usr/include/cjson/cJSON.h ;;
     libstb-dev) ls /usr/include/stb/stb_image.h ;;
+    locales) dpkg -s locales || ls /usr/share/i18n/locales/de_DE ;;
     libpng-dev) ls /usr/include/png.h ;;
     libcmocka-dev) ls /usr/include/cmocka.h ;;
     libosmesa6-dev) ls /usr/include/GL/osmesa.h /usr/include/EGL/eglext.h 2>/dev/null | grep . ;;

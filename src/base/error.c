@@ -5,12 +5,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/print.h"
+
 sl_status sl_fail(sl_error *error, sl_status status, const char *format, ...) {
     if (!error) return status;
     error->status = status;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(error->message, sizeof error->message, format, arguments);
+    sl_print_list(error->message, sizeof error->message, format, arguments);
     va_end(arguments);
     for (char *c = error->message; *c; c++) {
         if (*c == '\n' || *c == '\r') *c = ' ';
@@ -25,11 +27,13 @@ sl_status sl_fail_memory(sl_error *error, const char *what) {
 }
 
 const char *sl_outside_text(double value, double low, double high, char text[32]) {
+    void *before = sl_c_locale_begin();
     for (int digits = 6; digits <= 17; digits++) {
-        snprintf(text, 32, "%.*g", digits, value);
+        sl_print(text, 32, "%.*g", digits, value);
         double read = strtod(text, NULL);
         if (!(read >= low && read <= high)) break;
     }
+    sl_c_locale_end(before);
     return text;
 }
 

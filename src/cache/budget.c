@@ -1,6 +1,7 @@
 #include "cache/budget.h"
 
 #include "base/error.h"
+#include "base/print.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -86,7 +87,7 @@ static void tell(const sl_method_class *method, const sl_settings *before, const
         double was = value_of(before, c), is = value_of(after, c);
         if (was == is || used >= room) continue;
         int written = c->kind == SL_CONCEDE_FLAG ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", c->what)
-                                                 : snprintf(text + used, room - used, "%s%.9g %s instead of %.9g", used ? ", " : "", is, c->what, was);
+                                                 : sl_print(text + used, room - used, "%s%.9g %s instead of %.9g", used ? ", " : "", is, c->what, was);
         if (written > 0) used += (size_t)written;
     }
     if (after->threads != before->threads && used < room)

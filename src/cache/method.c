@@ -1,6 +1,7 @@
 /* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture. */
 #include "cache/method.h"
 
+#include "base/print.h"
 #include "cache/budget.h"
 #include "cache/settings.h"
 
@@ -337,7 +338,7 @@ void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const cha
     char reason[256], line[384];
     va_list arguments;
     va_start(arguments, why);
-    vsnprintf(reason, sizeof reason, why, arguments);
+    sl_print_list(reason, sizeof reason, why, arguments);
     va_end(arguments);
     snprintf(line, sizeof line, "%-4s %-28s %s\n", runs ? "run" : "skip", pass, reason);
     plan_append(writer, line);

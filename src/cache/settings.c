@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/math.h"
+#include "base/print.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -175,10 +176,12 @@ static void stamp_count(stamping *st, const char *name, uint64_t value) {
 static void stamp_in_units(stamping *st, const char *name, double value, double unit) {
     enum { DIGITS_OF_A_DOUBLE = 17 };
     char text[32];
+    void *before = sl_c_locale_begin();
     for (int digits = 9; digits <= DIGITS_OF_A_DOUBLE; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, value / unit);
+        sl_print(text, sizeof text, "%.*g", digits, value / unit);
         if (strtod(text, NULL) * unit == value) break;
     }
+    sl_c_locale_end(before);
     stamp_text(st, name, text);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/print.h"
 #include "scene/file.h"
 
 /* ---- lines: the text and the parsed tree are walked side by side ------------------------------------------------------------ */
@@ -71,7 +72,7 @@ void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...) {
     char message[900];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
+    sl_print_list(message, sizeof message, format, arguments);
     va_end(arguments);
     json->status = sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, sl_json_line(json, item), message);
 }

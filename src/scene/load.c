@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "base/error.h"
+#include "base/print.h"
 #include "scene/file.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_file.h"
@@ -37,8 +38,10 @@ sl_status sl_scene_load_with(const char *path, const sl_load_options *options, s
     if (!scene || !options) return sl_fail_null(error, "a place for a scene, and options");
     *scene = NULL;
     if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
-    if (is_scene_file(path)) return sl_scene_file_load(path, options, scene, error);
-    return load_mesh_alone(path, options, scene, error);
+    void *before = sl_c_locale_begin();
+    sl_status status = is_scene_file(path) ? sl_scene_file_load(path, options, scene, error) : load_mesh_alone(path, options, scene, error);
+    sl_c_locale_end(before);
+    return status;
 }
 
 sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error) {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/print.h"
 #include "base/random.h"
 #include "image/decode.h"
 #include "scene/bicubic.h"
@@ -119,7 +120,7 @@ void sl_model_warn(sl_model *m, const char *format, ...) {
     char line[1024];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
+    sl_print_list(line, sizeof line, format, arguments);
     va_end(arguments);
     for (size_t i = 0; i < m->warning_count; i++) {
         if (strcmp(m->warnings[i], line) == 0) return; /* once is enough */

@@ -7,6 +7,7 @@
 
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/print.h"
 #include "base/random.h"
 #include "scene/animation.h"
 #include "scene/derive.h"
@@ -64,7 +65,7 @@ void sl_scene_warn(sl_scene *scene, const char *format, ...) {
         return;
     }
     va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
+    sl_print_list(line, sizeof line, format, arguments);
     va_end(arguments);
     for (char *c = line; *c; c++) {
         if (*c == '\n' || *c == '\r') *c = ' ';

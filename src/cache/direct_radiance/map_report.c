@@ -8,6 +8,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/print.h"
 #include "cache/direct_radiance/receiver_kernels.h"
 
 enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 }; /* each point is two receivers, one on either side */
@@ -193,14 +194,14 @@ sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, 
 void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size) {
     text[0] = '\0';
     if (weight != SL_WEIGHT_BOX || !(report->way > 0.0) || report->diagonal <= LARGEST_SCENE * report->way) return;
-    snprintf(text, size, "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean way of %.3g: next to no "
+    sl_print(text, size, "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean way of %.3g: next to no "
                          "indirect light; weight flux does not depend on the scene's size",
              report->diagonal / report->way, report->way);
 }
 
 static sl_status stamp_share(sl_image *image, const char *key, double share, sl_error *error) {
     char text[32];
-    snprintf(text, sizeof text, "%.4f", share);
+    sl_print(text, sizeof text, "%.4f", share);
     return isfinite(share) ? sl_image_set_metadata(image, key, text, error) : SL_OK;
 }
 

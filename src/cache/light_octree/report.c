@@ -1,4 +1,5 @@
 /* What a picture was made from, for its metadata, and what it takes in memory. */
+#include "base/print.h"
 #include "cache/light_octree/state.h"
 
 #include <stdio.h>
@@ -6,7 +7,7 @@
 static sl_status write_number(sl_image *image, const char *name, double value, sl_error *error) {
     char key[SL_METADATA_KEY_MAX], text[32];
     snprintf(key, sizeof key, "softlux.octree.%s", name);
-    snprintf(text, sizeof text, "%.9g", value);
+    sl_print(text, sizeof text, "%.9g", value);
     return sl_image_set_metadata(image, key, text, error);
 }
 
@@ -46,9 +47,9 @@ static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v
     double photons = (double)sl_photon_tree_list(s->tree)->count, a_voxel = photons / (double)s->shown.octree->leaf_count;
     text[0] = '\0';
     if (o->own_photons && a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
-        snprintf(text, size, "%.3g photons a voxel are few for voxels that count their own: more stored photons, or a smaller depth", a_voxel);
+        sl_print(text, size, "%.3g photons a voxel are few for voxels that count their own: more stored photons, or a smaller depth", a_voxel);
     else if (!o->own_photons && v->lit > 0 && reach > SL_OCTREE_WIDE_GATHERS)
-        snprintf(text, size, "photons were gathered from %.3g voxels around: light is blurred by that, not by the voxels; more stored photons, fewer neighbours "
+        sl_print(text, size, "photons were gathered from %.3g voxels around: light is blurred by that, not by the voxels; more stored photons, fewer neighbours "
                              "or a smaller depth", reach);
 }
 

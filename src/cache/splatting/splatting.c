@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/print.h"
 #include "cache/splatting/state.h"
 #include "cache/splatting/story.h"
 
@@ -68,7 +69,7 @@ static void classify_receivers(sl_splat_state *s) {
 static void announce_hidden(sl_splat_state *s) {
     char name[128];
     sl_hidden_report r = sl_hidden_cache_report(s->hidden);
-    snprintf(name, sizeof name, "%zu hidden records, %u bounces%s: the last changed them by at most %.2g", r.records,
+    sl_print(name, sizeof name, "%zu hidden records, %u bounces%s: the last changed them by at most %.2g", r.records,
              (unsigned)r.bounces, r.converged ? ", more would change nothing" : "", (double)r.change);
     sl_announce_pass(&s->announcer, name, "beyond the paper: more bounces");
 }
