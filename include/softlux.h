@@ -21,7 +21,8 @@
  * describes the failure, one line, in *error (which may be NULL); what it would have made is NULL then, what it would have reckoned 0, and all
  * else is as it was. A NULL that no comment allows is refused with SL_ERROR_USAGE by functions that return an sl_status, and must not be
  * given to the others. The library never prints, exits or aborts. The same input gives the same bits at any number of threads, with any compiler
- * and instruction set, and in any locale: numbers are read and written with a decimal point.
+ * and instruction set, and in any locale: numbers are read and written with a decimal point. Callers' threads have C's own floating-point
+ * environment, rounding to the nearest, and keep denormals: a program linked with -ffast-math flushes them.
  *
  * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
  * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
