@@ -23,6 +23,30 @@ static sl_status fail(sl_error *error, const char *path, const char *what) {
     return error->status;
 }
 
+/* FNV-1a; begun with FIRST_HASH. */
+static const uint64_t FIRST_HASH = 0xcbf29ce484222325u;
+
+static uint64_t hash_on(uint64_t hash, const void *bytes, size_t count) {
+    for (const unsigned char *at = bytes, *end = at + count; at < end; at++) hash = (hash ^ *at) * 0x100000001b3u;
+    return hash;
+}
+
+/* ---- lines ---- */
+
+enum { SUM_BYTES = sizeof ",\"sum\":\"0123456789abcdef\"}" - 1 };
+
+/* The end of a line, in place of its last brace. */
+static void write_sum(const char *line, size_t length, char text[SUM_BYTES + 1]) {
+    snprintf(text, SUM_BYTES + 1, ",\"sum\":\"%016" PRIx64 "\"}", hash_on(FIRST_HASH, line, length));
+}
+
+static bool is_whole(const char *line, size_t length) {
+    char sum[SUM_BYTES + 1];
+    if (length <= SUM_BYTES) return false;
+    write_sum(line, length - SUM_BYTES, sum);
+    return memcmp(line + length - SUM_BYTES, sum, SUM_BYTES) == 0;
+}
+
 static bool keep(sl_journal *j, cJSON *entry) {
     if (j->count == j->room) {
         size_t room = 2 * j->room + 64;
@@ -41,7 +65,7 @@ static bool read_entries(sl_journal *j, FILE *in) {
     bool kept = true;
     for (ssize_t length; kept && (length = getline(&line, &size, in)) > 0;) {
         j->torn = line[length - 1] != '\n';
-        cJSON *entry = j->torn ? NULL : cJSON_Parse(line);
+        cJSON *entry = !j->torn && is_whole(line, (size_t)length - 1) ? cJSON_Parse(line) : NULL;
         if (!cJSON_IsString(cJSON_GetObjectItem(entry, "key"))) cJSON_Delete(entry);
         else if (!keep(j, entry)) kept = (cJSON_Delete(entry), false);
     }
@@ -96,16 +120,18 @@ static bool write_all(int file, const char *from, size_t bytes) {
 
 /* A line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and the next begins anew. */
 static bool append(sl_journal *j, const char *text) {
-    size_t length = strlen(text), at = 0;
-    char *line = malloc(length + 3);
+    size_t length = strlen(text) - 1, at = 0; /* without its last brace */
+    char *line = malloc(length + SUM_BYTES + 3);
     int file = open(j->path, O_WRONLY | O_APPEND | O_CREAT, 0666);
     bool well = line && file >= 0;
     int reason = errno;
     if (well) {
         if (j->torn) line[at++] = '\n';
         memcpy(line + at, text, length);
-        line[at + length] = '\n';
-        well = write_all(file, line, at + length + 1);
+        write_sum(text, length, line + at + length);
+        at += length + SUM_BYTES;
+        line[at] = '\n';
+        well = write_all(file, line, at + 1);
         reason = errno;
         j->torn = !well;
     }
@@ -127,14 +153,11 @@ sl_status sl_journal_add(sl_journal *j, cJSON *entry, sl_error *error) {
     return fail(error, j->path, "write");
 }
 
-/* FNV-1a. */
 void sl_program_fingerprint(char text[17]) {
-    uint64_t hash = 0xcbf29ce484222325u;
+    uint64_t hash = FIRST_HASH;
     FILE *in = fopen("/proc/self/exe", "rb");
     unsigned char bytes[16384];
-    for (size_t n; in && (n = fread(bytes, 1, sizeof bytes, in)) > 0;) {
-        for (size_t i = 0; i < n; i++) hash = (hash ^ bytes[i]) * 0x100000001b3u;
-    }
+    for (size_t n; in && (n = fread(bytes, 1, sizeof bytes, in)) > 0;) hash = hash_on(hash, bytes, n);
     if (in) fclose(in);
     snprintf(text, 17, "%016" PRIx64, hash);
 }
