@@ -85,12 +85,18 @@ static void try_path(const fault_case *c, long index) {
     if (length == 0 || strchr(o.error.message, '\n')) complain(c, index, "does not say in one line what is wrong", o.error.message);
 }
 
-/* What it gives with all memory there is. */
+/* What it gives with all memory there is. A library that was refused some may have broken the heap, for whatever comes after it in this process. */
 static void run_whole(const fault_case *c, long index) {
     fault_outcome o;
     run_once(c, -1, &o);
-    if (o.status != SL_OK) complain(c, index, "fails afterwards, with memory", o.error.message);
-    else if (o.hash != board->expected) complain(c, index, "another result afterwards, with memory", NULL);
+    const char *what = o.status != SL_OK ? "fails afterwards, with memory" : o.hash != board->expected ? "another result afterwards, with memory" : NULL;
+    if (!what) return;
+    if (!board->foreign_before) {
+        complain(c, index, what, o.status != SL_OK ? o.error.message : NULL);
+        return;
+    }
+    board->foreign++;
+    fprintf(stderr, "%s: (not ours) allocation %ld, refused to a library: %s\n", c->name, board->path[index].first, what);
 }
 
 static void become_mortal(void) {
@@ -119,11 +125,11 @@ static _Noreturn void be_trier(const fault_case *c, long from, long step, bool f
     if (c->prepare) c->prepare(c);
     run_whole(c, from);
     long i = from;
-    for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD; i++) {
+    for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD && !board->foreign_before; i++) {
         if (!is_chosen(i, step, foreign)) continue;
         atomic_store(&board->at, i);
         try_path(c, i);
-        board->foreign_before |= board->refused_foreign;
+        board->foreign_before = board->refused_foreign;
         done++;
     }
     run_whole(c, i - 1);
@@ -173,10 +179,10 @@ static trial_end watch(pid_t child, int *how) {
     }
 }
 
-/* Foreign code may die of what it is refused after one of our own allocations was; and the C library ends a process, a run later, for a heap that it broke. */
+/* Foreign code may die of what it is refused after one of our own allocations was; and a run later of a heap that it broke. */
 static bool tell_death(const fault_case *c, trial_end end, int how) {
     long at = atomic_load(&board->at);
-    bool foreign = board->refused_foreign || (board->foreign_before && end == ENDED && WIFSIGNALED(how) && WTERMSIG(how) == SIGABRT);
+    bool foreign = board->refused_foreign || (board->foreign_before && end == ENDED && WIFSIGNALED(how));
     char what[80];
     if (end != ENDED) snprintf(what, sizeof what, "does not end: it %s", end == WAITS ? "waits for what does not come" : "takes a minute of processor time");
     else if (WIFSIGNALED(how)) snprintf(what, sizeof what, "crashes with signal %d", WTERMSIG(how));
@@ -243,7 +249,7 @@ static long try_case(const fault_case *c, long most) {
             try_paths(c, step, foreign);
         }
     }
-    printf("result %-34s %7ld allocations, %5ld %s from %4ld places (%ld of ours); %ld tried, %ld did without, %ld deaths of foreign code and %ld times another reason from it, %ld faults\n",
+    printf("result %-34s %7ld allocations, %5ld %s from %4ld places (%ld of ours); %ld tried, %ld did without, %ld times ended or spoilt by foreign code and %ld times another reason from it, %ld faults\n",
            c->name, board->allocations, count, every_nth ? "calls chosen" : "paths", board->place_count, ours, board->trials, board->absorbed, board->foreign, board->misnamed, board->faults);
     return board->faults;
 }

@@ -42,7 +42,7 @@ typedef struct fault_board {
     atomic_long at;    /* the path under trial */
     long trials, absorbed, foreign, misnamed, faults;
     bool refused_foreign; /* since the window was opened a library's code was refused memory */
-    bool foreign_before;  /* a library's code was, earlier in this process: it may have left the heap broken */
+    bool foreign_before;  /* in the run before a library's code was: it may have left the heap broken */
     char refused_owner[27];
 } fault_board;
 
