@@ -338,7 +338,7 @@ help:
 	@echo 'make            build/softlux, build/libsoftlux.a and build/libsoftlux.so'
 	@echo 'make demo       install what is missing, build, render a scene and print its error'
 	@echo 'make check      install what is missing, build, run all tests'
-	@echo 'make check-all  that, and what takes longer: about an hour'
+	@echo 'make check-all  that, and what takes longer: two hours on two cores'
 	@echo 'make fuzz       inputs that nobody wrote, FUZZ_SECONDS=60 for each of FUZZ_TARGETS; wants clang with its libFuzzer'
 	@echo 'make test       build and run the tests of one configuration'
 	@echo 'make golden     write the golden images of the tests anew'
