@@ -198,7 +198,24 @@ static void headers_that_announce_too_much_are_refused(void **state) {
     refuse(scene_file_text("round.off", "OFF\r\n3 2 0\r\n\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n10 0 1 2 0 1 2 0 1 2 0\r\n"), ":8: expected a face");
     refuse(scene_file_text("beyond.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n"), ":7: expected a face");
     refuse(scene_file_text("short.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n"), ":6: expected a face");
-    s = load(scene_file_text("good.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    refuse(scene_file_text("bare.off", "# vertices come first\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), ":2: expected an OFF file, which begins with 'OFF'");
+    refuse(scene_file_text("binary.off", "OFF BINARY\n3 1 0\n"), ":1: expected how many vertices, faces and edges");
+    refuse(scene_file_text("edges.off", "OFF\n3 1\n0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), ":3: expected how many vertices, faces and edges");
+    refuse(scene_file_text("glued.off", "OFF3\n 1 0\n0 0 2\n1 0 0\n0 0 0\nthree\n"), ":6: expected a face");
+    refuse(scene_file_text("blank.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n \n3 0 1 2\n"), ":6: expected a face");
+}
+
+static void the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people_do(void **state) {
+    (void)state;
+    const char *headers[] = {"OFF\n3 1 0\n", "OFF 3 1 0\n", "OFF3 1 0\n", "# a tile\nOFF\n# its counts\n3 1 0 # no edges\n", "OFF 3\n1 0\n\n", "OFF\r\n3 1 0\r\n"};
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "%s20 30 0\n21 30 0\n20 31 0\n3 0 1 2\n", headers[i]);
+        sl_scene *s = load(scene_file_text("header.off", text));
+        assert_int_equal(sl_scene_triangle_count(s), 1);
+        sl_scene_destroy(s);
+    }
+    sl_scene *s = load(scene_file_text("flat.off", "nOFF 2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n"));
     assert_int_equal(sl_scene_triangle_count(s), 1);
     sl_scene_destroy(s);
 }
@@ -449,6 +466,7 @@ int main(void) {
         cmocka_unit_test(odd_but_good_obj_files_load),
         cmocka_unit_test(files_that_are_no_meshes_are_refused_by_name),
         cmocka_unit_test(headers_that_announce_too_much_are_refused),
+        cmocka_unit_test(the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people_do),
         cmocka_unit_test(gltf_gives_camera_lights_and_materials),
         cmocka_unit_test(gltf_pictures_inside_the_file_colour_and_mask),
         cmocka_unit_test(gltf_that_needs_what_is_not_read_is_refused),
