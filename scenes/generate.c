@@ -24,6 +24,8 @@ static const struct {
     {"loft", gen_loft},
     {"pool", gen_pool},
     {"ring", gen_ring},
+    {"parlour", gen_parlour},
+    {"metals", gen_metals},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 

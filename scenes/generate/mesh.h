@@ -166,6 +166,8 @@ void gen_study(const char *folder);
 void gen_loft(const char *folder);
 void gen_pool(const char *folder);
 void gen_ring(const char *folder);
+void gen_parlour(const char *folder);
+void gen_metals(const char *folder);
 
 /* What the study takes from the room (room.c). */
 void gen_room_walls(mesh *m); /* begins the mesh: walls, floor, window, curtains, door */
