@@ -683,7 +683,8 @@ typedef struct sl_live_state {
     uint64_t updates;     /**< done so far */
     double time_seconds;  /**< the scene's time that the frame shows */
     double error_levels;  /**< how wrong what is seen seems to be, in displayed levels of 255, as the last update found it; negative: unknown */
-    uint64_t changes_shown; /**< moves whose change of shading frames have shown; several before the first of them shows are one */
+    uint64_t changes_shown; /**< moves whose change of light frames have shown, of methods other than the Shading Cache
+                             once their picture has been finished there; several before the first of them shows are one */
     double change_seconds;  /**< the scene's time of the last of those moves, and of its first where it was several: what shading lags behind by, to a frame that shows one more */
     uint64_t change_frames; /**< ... and how many frames after the first that could have shown it that was; 0: in that one */
     bool held;            /**< a move waits for shading_cache.hold_levels */
@@ -698,7 +699,7 @@ SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_
  * method's, and those of the frames. NULL is allowed. */
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
 /** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is under way (methods without
- * a display of their own, all but the Shading Cache, show it once an update has been done there). With shading_cache.hold_levels the move
+ * a display of their own, all but the Shading Cache, show it once an update has been done there, with as much light as one update makes). With shading_cache.hold_levels the move
  * waits until what is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
 /** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */

@@ -388,17 +388,18 @@ static void of_changes_that_were_found_between_two_frames_the_first_is_told_and_
     sl_scene_destroy(scene);
 }
 
-/* Methods that make whole pictures show a change in the next one. */
-static void of_methods_without_a_display_every_move_is_a_change_that_shows_in_their_next_picture(void **state) {
+static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture(void **state) {
     (void)state;
     sl_scene *scene = load_scene(walk);
     sl_settings settings = small_settings("path", W, H);
-    settings.spp = 1;
+    settings.spp = 4; /* an update is one sample of each pixel */
     sl_live *live = start(scene, &settings);
     assert_int_equal(frames_until_done(live, NULL).changes_shown, 0);
     for (uint64_t i = 1; i <= 3; i++) {
+        uint64_t updates = frame_of(live, NULL).updates;
         assert_int_equal(sl_live_move(live, 0.3 * (double)i, NULL), SL_OK);
         sl_live_state shown = frames_until_a_change_shows(live, i);
+        assert_true(shown.updates >= updates + settings.spp);
         assert_true(shown.changes_shown == i && shown.change_seconds == 0.3 * (double)i && shown.time_seconds == shown.change_seconds);
     }
     sl_live_stop(live, NULL);
@@ -637,7 +638,7 @@ int main(void) {
         cmocka_unit_test(of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is),
         cmocka_unit_test(a_move_that_comes_before_the_change_of_an_earlier_one_is_found_leaves_the_earlier_ones_time),
         cmocka_unit_test(of_changes_that_were_found_between_two_frames_the_first_is_told_and_all_are_counted),
-        cmocka_unit_test(of_methods_without_a_display_every_move_is_a_change_that_shows_in_their_next_picture),
+        cmocka_unit_test(of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
         cmocka_unit_test(what_is_held_back_is_all_that_was_asked_for),

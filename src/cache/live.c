@@ -101,9 +101,11 @@ static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
     return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
 }
 
-/* Whether an update has brought what a move had changed: a method that redraws all does it at once, the Shading Cache must find it first. */
-static bool brings_change(const sl_live *l, uint64_t shown_before) {
-    return !l->window || sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN] > shown_before;
+/* Tells whether a move's change of light shows: the Shading Cache counts it when it is found, other methods show whole
+ * light when their picture is finished. */
+static bool shows_change(const sl_live *l, uint64_t shown_before, const sl_progress *progress) {
+    if (!l->window) return progress->done;
+    return sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN] > shown_before;
 }
 
 /* R, G, B alone: a picture's layers take several times that, and three pictures are there at a time. */
@@ -163,7 +165,7 @@ static void update_on_and_on(void *context) {
         at = turn.number;
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
         if (status == SL_OK) status = resolve(l, &picture, &error);
-        bool brought = status == SL_OK && moved.waits && brings_change(l, shown);
+        bool brought = status == SL_OK && moved.waits && shows_change(l, shown, &progress);
         tell(l, &turn, brought ? &moved : NULL, &progress, picture, status, &error);
         if (status != SL_OK) return;
         if (brought || progress.done) moved.waits = false; /* or it has changed nothing that is seen */
