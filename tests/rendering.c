@@ -6,9 +6,11 @@
 
 #include <cmocka.h>
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 sl_scene *load_scene(const char *path) {
@@ -86,4 +88,22 @@ void assert_same_bits_with_any_threads(const sl_scene *scene, const sl_settings 
         sl_image_destroy(other);
     }
     sl_image_destroy(first);
+}
+
+static int threads_listed(void) {
+    int count = 0;
+    DIR *tasks = opendir("/proc/self/task");
+    assert_non_null(tasks);
+    for (const struct dirent *entry; (entry = readdir(tasks));) count += entry->d_name[0] != '.';
+    closedir(tasks);
+    return count;
+}
+
+int threads_left(int expected) {
+    int count = threads_listed();
+    for (int tries = 0; count > expected && tries < 10000; tries++) {
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+        count = threads_listed();
+    }
+    return count;
 }
