@@ -605,7 +605,8 @@ SL_API void sl_method_destroy(sl_method *method);
  * show progress and stop between batches. After a failure, which leaves *progress alone, the method can only be destroyed; all else is refused with
  * SL_ERROR_USAGE. */
 SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *error);
-/** The picture so far, also before the first update: R, G, B and the method's layers, with all that made it as metadata. The caller destroys it. */
+/** The picture so far, also before the first update: R, G, B and the method's layers, with all that made it as metadata. The
+ * caller destroys it. softlux.warning, where there is one, has a line for each limit of the method that shows in the picture. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
 /** Tells what of the scene has changed since the method last saw it: SL_CHANGED_ bits, as sl_scene_set_time() gives them. The
  * method keeps what is still right and goes on with updates from there. After a failure it wants another edit before anything else, and then does all
@@ -665,8 +666,8 @@ SL_API void sl_story_destroy(sl_story *story);
 /** The names of all methods, in order; NULL past the end. */
 SL_API const char *sl_method_name(size_t index);
 
-/** What a method would do with a scene: one line for each pass that runs or is left out, and why. NUL-terminated
- * text, the caller frees it with free(). Fails as sl_method_create() does. */
+/** What a method would do with a scene: one line for each pass that runs or is left out, and why, and for each limit of the
+ * method that will show. NUL-terminated text, the caller frees it with free(). Fails as sl_method_create() does. */
 SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error);
 
 /* ---- live: frames beside updates ----------------------------------------------------------------------------------------- */

@@ -241,6 +241,9 @@ expect 0 '' render "$folder/own/index.html" -m path --spp 1 -s 8x8 --quiet -o "$
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
 expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"
 [ "$(grep -c 'weight 15' "$folder/err")" -eq 1 ] || { echo 'a warning is not told once'; bad=1; }
+for series in '' '--frames 1'; do
+    expect 0 '"warnings":.*\["weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 --quiet --json $series -s 16x16 -o "$folder/low%d.pfm"
+done
 expect 0 '' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 --quiet -s 16x16 -o "$folder/low.pfm"
 [ ! -s "$folder/err" ] || { echo '--quiet warns'; bad=1; }
 

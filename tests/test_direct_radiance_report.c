@@ -12,6 +12,7 @@
 
 #include "base/math.h"
 #include "cache/direct_radiance/lights.h"
+#include "cache/method.h"
 #include "rendering.h"
 #include "trace_scenes.h"
 
@@ -48,6 +49,45 @@ static trace_mesh room(float diffuse, float specular, sl_vec3 light) {
     mesh.camera = (sl_camera){.eye = sl_v3(2, 1.5f, 4.5f), .right = sl_v3(1, 0, 0), .up = sl_v3(0, 1, 0), .back = sl_v3(0, 0, 1),
                               .vertical_fov = 1.2f};
     return mesh;
+}
+
+/* ---- warnings ---- */
+
+static void each_warning_of_a_picture_is_a_line_of_its_own(void **state) {
+    (void)state;
+    sl_image *image;
+    assert_int_equal(sl_image_create(1, 1, 1, NULL, &image, NULL), SL_OK);
+    assert_int_equal(sl_warn(image, NULL, "%d of them", 3), SL_OK);
+    assert_string_equal(sl_image_metadata(image, "softlux.warning"), "3 of them");
+    assert_int_equal(sl_warn(image, NULL, "and %g", 0.5), SL_OK);
+    assert_string_equal(sl_image_metadata(image, "softlux.warning"), "3 of them\nand 0.5");
+    for (int i = 0; i < 3000; i++) assert_int_equal(sl_warn(image, NULL, "and so on"), SL_OK);
+    assert_true(strlen(sl_image_metadata(image, "softlux.warning")) < 2048);
+    sl_image_destroy(image);
+}
+
+static bool plan_says(const sl_scene *scene, const sl_settings *settings, const char *line) {
+    char *plan;
+    assert_int_equal(sl_method_plan(scene, settings, &plan, NULL), SL_OK);
+    bool says = strstr(plan, line) != NULL;
+    free(plan);
+    return says;
+}
+
+static void a_plan_tells_of_light_through_walls_where_there_are_some(void **state) {
+    (void)state;
+    const char *line = "\nlimit indirect light goes through walls";
+    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
+    for (int box = 0; box < 2; box++) {
+        trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
+        if (box) trace_mesh_box(&mesh, sl_v3(1, 0, 1), sl_v3(2, 1, 2), false, 0);
+        sl_scene *scene = trace_mesh_build(&mesh);
+        assert_true(plan_says(scene, &s, line) == box);
+        s.radiance_map.visibility = SL_VISIBILITY_RAYS;
+        assert_false(plan_says(scene, &s, line));
+        s.radiance_map.visibility = SL_VISIBILITY_NONE;
+        sl_scene_destroy(scene);
+    }
 }
 
 /* ---- captured ---- */
@@ -150,6 +190,8 @@ static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **s
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_warning_of_a_picture_is_a_line_of_its_own),
+        cmocka_unit_test(a_plan_tells_of_light_through_walls_where_there_are_some),
         cmocka_unit_test(a_picture_tells_how_much_of_the_flux_its_map_holds),
         cmocka_unit_test(several_lights_count_by_their_flux),
         cmocka_unit_test(in_a_convex_room_all_reflected_flux_arrives_once),

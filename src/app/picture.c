@@ -71,28 +71,48 @@ sl_status sl_picture_write(const sl_render_options *o, sl_image *image, double s
     return ends_with(path, ".png") ? sl_image_write_png(image, path, tone, error) : sl_image_write(image, path, error);
 }
 
+/* The next of the picture's warnings, one a line; *rest: behind it. NULL behind the last. */
+static const char *next_warning(const char **rest, int *length) {
+    const char *line = *rest;
+    if (!line || !*line) return NULL;
+    *length = (int)strcspn(line, "\n");
+    *rest = line + *length + (line[*length] == '\n');
+    return line;
+}
+
 void sl_picture_warn(const sl_render_options *o, const sl_image *image) {
-    const char *warning = sl_image_metadata(image, "softlux.warning");
-    if (warning && !o->quiet) fprintf(stderr, "softlux: warning: %s\n", warning);
+    const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
+    int length;
+    while (!o->quiet && (line = next_warning(&rest, &length))) fprintf(stderr, "softlux: warning: %.*s\n", length, line);
     const char *conceded = sl_image_metadata(image, "softlux.concession");
     if (conceded && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", conceded);
 }
 
-/* *seconds: from `start` until the picture was there, writing it not included. warn: of what the method found out on its way. */
-static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, bool warn, double *seconds,
-                               sl_error *error) {
-    sl_image *image;
-    sl_status status = sl_method_resolve(method, &image, error);
-    if (status != SL_OK) return status;
-    *seconds = sl_seconds_now() - start;
-    if (warn) sl_picture_warn(o, image);
-    status = sl_picture_write(o, image, *seconds, path, error);
-    sl_image_destroy(image);
-    return status;
+/* The warnings of a picture, as an array of lines. */
+static void add_warnings(cJSON *root, const sl_image *image) {
+    cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
+    const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
+    char text[2048];
+    int length;
+    while ((line = next_warning(&rest, &length))) {
+        snprintf(text, sizeof text, "%.*s", length, line);
+        cJSON_AddItemToArray(warnings, cJSON_CreateString(text));
+    }
 }
 
-cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_progress *progress,
-                       double seconds) {
+/* *seconds: from `start` until the picture was there, writing it not included. warn: of what the method found out on its way.
+ * The caller destroys the picture. */
+static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, bool warn,
+                               sl_image **image, double *seconds, sl_error *error) {
+    sl_status status = sl_method_resolve(method, image, error);
+    if (status != SL_OK) return status;
+    *seconds = sl_seconds_now() - start;
+    if (warn) sl_picture_warn(o, *image);
+    return sl_picture_write(o, *image, *seconds, path, error);
+}
+
+cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_image *image,
+                       const sl_progress *progress, double seconds) {
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
     cJSON *root = cJSON_CreateObject();
@@ -108,6 +128,7 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
     cJSON_AddNumberToObject(root, "batches", (double)progress->batches);
     cJSON_AddBoolToObject(root, "done", progress->done);
     cJSON_AddNumberToObject(root, "memory_bytes", (double)sl_method_memory_bytes(method));
+    add_warnings(root, image);
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");
     const sl_counters *c = sl_method_counters(method);
     for (int i = 0; i < SL_COUNTERS; i++) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
@@ -138,30 +159,34 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
 sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_error *error) {
     double start = sl_seconds_now(), seconds = 0.0;
     sl_method *method = NULL;
+    sl_image *image = NULL;
     sl_progress progress = {0};
     sl_watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
-    if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &seconds, error);
+    if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &image, &seconds, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
             fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
                     (unsigned long long)progress.batches, 100.0 * progress.fraction, o->output);
-        if (o->json) sl_picture_print_json(sl_picture_json(o, scene, method, &progress, seconds));
+        if (o->json) sl_picture_print_json(sl_picture_json(o, scene, method, image, &progress, seconds));
     }
+    sl_image_destroy(image);
     sl_method_destroy(method);
     return status;
 }
 
 /* One line a frame. */
-static void print_frame(unsigned long long frame, const char *name, double seconds, uint64_t records, const sl_progress *progress) {
+static void print_frame(unsigned long long frame, const char *name, double seconds, uint64_t records, const sl_image *image,
+                        const sl_progress *progress) {
     cJSON *line = cJSON_CreateObject();
     cJSON_AddNumberToObject(line, "frame", (double)frame);
     cJSON_AddStringToObject(line, "output", name);
     cJSON_AddNumberToObject(line, "seconds", seconds);
     cJSON_AddNumberToObject(line, "new_records", (double)records);
     cJSON_AddBoolToObject(line, "done", progress->done);
+    add_warnings(line, image);
     char *text = cJSON_PrintUnformatted(line);
     if (text) puts(text);
     cJSON_free(text);
@@ -173,13 +198,15 @@ static void print_frame(unsigned long long frame, const char *name, double secon
 static sl_status render_frame(const sl_render_options *o, sl_method *method, unsigned long long frame, double begin, sl_error *error) {
     double start = sl_seconds_now(), seconds = 0.0;
     char name[4096];
+    sl_image *image = NULL;
     sl_progress progress = {0};
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
     sl_frame_name(o->output, frame, name, sizeof name);
     sl_status status = sl_picture_run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &seconds, error);
+    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &image, &seconds, error);
     if (status == SL_OK && !sl_interrupted() && o->json)
-        print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
+        print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, image, &progress);
+    sl_image_destroy(image);
     return status;
 }
 

@@ -39,8 +39,8 @@ sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl
 void sl_picture_warn(const sl_render_options *options, const sl_image *image);
 sl_status sl_picture_write(const sl_render_options *options, sl_image *image, double seconds, const char *path, sl_error *error);
 /* What was done, for --json; printing deletes it. */
-cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method, const sl_progress *progress,
-                       double seconds);
+cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method, const sl_image *image,
+                       const sl_progress *progress, double seconds);
 void sl_picture_print_json(cJSON *json);
 
 #endif

@@ -136,7 +136,7 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
     sl_status status = sl_method_resolve(method, &p.image, error);
     if (status != SL_OK) return status;
     p.seconds = sl_seconds_now() - c->start;
-    p.json = sl_picture_json(o, c->scene, method, progress, p.seconds);
+    p.json = sl_picture_json(o, c->scene, method, p.image, progress, p.seconds);
     if (c->o->error > 0.0) {
         status = judge(c, p.image, &p.estimate, error);
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);

@@ -344,6 +344,17 @@ void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const cha
     plan_append(writer, line);
 }
 
+void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...) {
+    char text[384];
+    va_list arguments;
+    va_start(arguments, limit);
+    sl_print_list(text, sizeof text, limit, arguments);
+    va_end(arguments);
+    plan_append(writer, "limit ");
+    plan_append(writer, text);
+    plan_append(writer, "\n");
+}
+
 sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
     if (!text) return sl_fail_null(error, "a place for a plan");
     *text = NULL;
@@ -365,6 +376,20 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     }
     *text = writer.text;
     return SL_OK;
+}
+
+/* ---- limits that showed ---- */
+
+sl_status sl_warn(sl_image *image, sl_error *error, const char *limit, ...) {
+    char text[2048];
+    const char *before = sl_image_metadata(image, "softlux.warning");
+    const int used = before ? snprintf(text, sizeof text, "%s\n", before) : 0;
+    if (used >= (int)sizeof text) return SL_OK; /* more than anybody reads */
+    va_list arguments;
+    va_start(arguments, limit);
+    sl_print_list(text + used, sizeof text - (size_t)used, limit, arguments);
+    va_end(arguments);
+    return sl_image_set_metadata(image, "softlux.warning", text, error);
 }
 
 /* ---- observers ---- */

@@ -9,6 +9,12 @@
 typedef struct sl_plan_writer sl_plan_writer;
 /* One line of the plan: a pass that runs or does not, and why. */
 __attribute__((format(printf, 4, 5))) void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const char *why, ...);
+/* One line of the plan: what of this scene's light the method will not get right, as far as that is known beforehand. */
+__attribute__((format(printf, 2, 3))) void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...);
+
+/* One more line to a picture's softlux.warning: a limit of the method that shows in it, and what helps. The program prints
+ * each once, and --json has them. */
+__attribute__((format(printf, 3, 4))) sl_status sl_warn(sl_image *image, sl_error *error, const char *limit, ...);
 
 typedef struct sl_story_writer sl_story_writer;
 /* One more term; failures of memory are noticed at the end. */

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/print.h"
 #include "cache/direct_radiance/receiver_kernels.h"
+#include "cache/method.h"
 
 enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 }; /* each point is two receivers, one on either side */
 
@@ -210,6 +211,6 @@ sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weig
     sl_map_report_warning(report, weight, text, sizeof text);
     sl_status status = stamp_share(image, "softlux.flux_captured", report->captured, error);
     if (status == SL_OK) status = stamp_share(image, "softlux.flux_received", report->received, error);
-    if (status == SL_OK && text[0]) status = sl_image_set_metadata(image, "softlux.warning", text, error);
+    if (status == SL_OK && text[0]) status = sl_warn(image, error, "%s", text);
     return status;
 }

@@ -87,6 +87,15 @@ static const char *why_cubes(const sl_scene *scene, const sl_radiance_plan *p, c
     return p->receivers ? words[sl_scene_shadow_casters(scene)] : "nothing is lit";
 }
 
+/* What the paper leaves out, as far as the scene has it. */
+static void write_limits(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m, sl_plan_writer *writer) {
+    if (p->environment) sl_plan_limit(writer, "the environment is seen, but lights nothing");
+    if (!p->map) return;
+    sl_plan_limit(writer, "one bounce: light reflected more often is not there");
+    if (m->visibility == SL_VISIBILITY_NONE && sl_scene_shadow_casters(scene) == SL_SHADOWS_OF_SURFACES)
+        sl_plan_limit(writer, "indirect light goes through walls and furniture: --visibility rays stops it");
+}
+
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     sl_features f = sl_scene_features(scene);
@@ -106,5 +115,6 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
     sl_plan_pass(writer, p.map && m->visibility != SL_VISIBILITY_NONE, "visibility of photons", "%s",
                  m->visibility == SL_VISIBILITY_NONE ? "the paper has none: no indirect shadows" : "shadow rays");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
-                 f.environment ? ", environment (seen, but no light source to this method)" : "");
+                 f.environment ? ", environment" : "");
+    write_limits(scene, &p, m, writer);
 }

@@ -60,7 +60,7 @@ sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_e
     sl_voxel_lights_statistics(s->shown.lights, s->shown.octree, &v);
     sl_status status = write_statistics(s, &v, image, error);
     write_warning(s, &v, text, sizeof text);
-    return status == SL_OK && text[0] ? sl_image_set_metadata(image, "softlux.warning", text, error) : status;
+    return status == SL_OK && text[0] ? sl_warn(image, error, "%s", text) : status;
 }
 
 /* ---- memory ---- */
