@@ -161,7 +161,7 @@ SL_API sl_status sl_image_set_metadata(sl_image *image, const char *key, const c
 /** The value of a key, which the image owns, or NULL where it has none. */
 SL_API const char *sl_image_metadata(const sl_image *image, const char *key);
 /** Reads a picture, which the caller destroys: EXR (any channels, half/float/uint, scan lines or tiles, first part, any compression that the OpenEXR library
- * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear), recognised by content. RGB is
+ * has in C: with 3.1 all but DWA), PFM, Radiance HDR, PNG/JPG (decoded from sRGB to linear; metadata tell the tone, see sl_image_write_png()), recognised by content. RGB is
  * what R, G, B are in the file; a lone Y (or L) becomes R = G = B. INPUT: no such file, or none of these, or damaged. */
 SL_API sl_status sl_image_read(const char *path, sl_image **image, sl_error *error);
 /** Writes by file name: .exr (32-bit float, ZIP, all channels and metadata), .pfm (R, G, B, or else Y), .png (see sl_tone). The file
@@ -179,11 +179,11 @@ typedef enum sl_tone_curve {
 typedef struct sl_tone {
     sl_tone_curve curve;  /**< what compresses bright values */
     float exposure_stops; /**< values are multiplied by 2 to this power */
-    bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added */
+    bool automatic; /**< exposure from the image: its log-average luminance goes to 0.18; exposure_stops is added. Not for golden images: twice the light, the same picture */
 } sl_tone;
 
 /** R, G, B (or Y, where one of them is missing) as an 8-bit PNG by a tone of the caller's choice; sl_image_write() uses {0}. Appears whole or not at all. USAGE: neither channels, or
- * a tone that is none, its exposure not finite. */
+ * a tone that is none, its exposure not finite. The file tells the tone: softlux.tone, softlux.exposure (stops), softlux.exposure_automatic; "unknown" once a file that does not is read. */
 SL_API sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error);
 /** The same bytes for a screen: R, G, B, 3 * width * height of them, rows from the top. An automatic exposure is left in *tone, as a fixed one, so
  * that the frames that follow look alike. Fails as sl_image_write_png() does, but for the file. */

@@ -1,6 +1,7 @@
 /* softlux compare: how far a picture is from a reference, and whether that is near enough. */
 #include "app/clock.h"
 #include "app/commands.h"
+#include "app/compare_tone.h"
 #include "app/options.h"
 #include "app/same_file.h"
 #include "softlux.h"
@@ -30,6 +31,12 @@ static const char details[] =
     "  identical         every bit of every R, G, B value under the mask is equal\n"
     "  values            values compared\n"
     "  mean_image, mean_reference\n"
+    "  tone_image, tone_reference  curve and exposure of 8-bit pictures, as a PNG by softlux tells them\n"
+    "\n"
+    "An 8-bit picture is compared with another as it is, in linear light. A PNG whose exposure was automatic, as render's\n"
+    "is by default, shows a scene with its lamps doubled alike: a warning says so, and also where two exposures differ.\n"
+    "Radiance (EXR, PFM, HDR) is put through the PNG's own tone before they are compared; a picture of 8 bits that does\n"
+    "not tell its tone is refused then. For golden images take EXR, or PNG by a fixed render --exposure.\n"
     "\n"
     "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 input (also: no\n"
     "pixel to compare), 4 output, 5 not enough memory. A NaN or infinite value under the mask fails any bound. Against a\n"
@@ -132,8 +139,9 @@ static void print_count(bool json, const char *name, uint64_t value) {
     printf(json ? "\"%s\": %llu, " : "%-19s %llu\n", name, (unsigned long long)value);
 }
 
-static void print_comparison(const sl_comparison *r, bool json) {
+static void print_comparison(const sl_comparison *r, const sl_shown shown[2], bool json) {
     if (json) putchar('{');
+    for (int i = 0; i < 2 && (json || shown[0].is_shown || shown[1].is_shown); i++) sl_shown_print(i ? "tone_reference" : "tone_image", &shown[i], json);
     print_real(json, "rmse", r->rmse);
     print_real(json, "rel_rmse", r->rel_rmse);
     print_real(json, "rel_mse", r->rel_mse);
@@ -182,13 +190,15 @@ static int check_bounds(const compare_request *q, const sl_comparison *r) {
 static int compare(const compare_request *q, compare_pictures *p) {
     sl_error error;
     sl_comparison result;
+    const sl_shown shown[2] = {sl_shown_of(p->image), sl_shown_of(p->reference)};
     sl_compare_options options = {.mask = p->mask, .exposure_stops = (float)q->exposure};
-    sl_status status = sl_image_compare(p->image, p->reference, &options, &result, q->difference ? &p->difference : NULL,
-                                        &error);
+    sl_status status = sl_shown_alike(&p->image, q->paths[0], &p->reference, q->paths[1], &error);
+    if (status == SL_OK) status = sl_image_compare(p->image, p->reference, &options, &result, q->difference ? &p->difference : NULL, &error);
     sl_watch_for_interrupt(); /* a picture that is being written is written to its end */
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
     if (status != SL_OK) return complain(error.message, status);
-    print_comparison(&result, q->json);
+    sl_shown_warn(&shown[0], q->paths[0], &shown[1], q->paths[1]);
+    print_comparison(&result, shown, q->json);
     return check_bounds(q, &result);
 }
 

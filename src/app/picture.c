@@ -3,6 +3,7 @@
 
 #include "app/clock.h"
 #include "app/frame_name.h"
+#include "image/tone.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -62,13 +63,20 @@ sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progr
 
 /* ---- writing ---- */
 
-sl_status sl_picture_write(const sl_render_options *o, sl_image *image, double seconds, const char *path, sl_error *error) {
-    char text[32];
-    snprintf(text, sizeof text, "%.3f", seconds);
-    sl_status status = sl_image_set_metadata(image, "softlux.seconds", text, error);
-    sl_tone tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
-    if (status != SL_OK) return status;
-    return ends_with(path, ".png") ? sl_image_write_png(image, path, tone, error) : sl_image_write(image, path, error);
+static sl_tone tone_of(const sl_render_options *o) { return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}; }
+
+/* Nothing of the clock goes into the file: the same picture is the same file. */
+sl_status sl_picture_write(const sl_render_options *o, const sl_image *image, const char *path, double *stops, sl_error *error) {
+    *stops = ends_with(path, ".png") ? sl_tone_stops(image, tone_of(o)) : 0.0;
+    return ends_with(path, ".png") ? sl_image_write_png(image, path, tone_of(o), error) : sl_image_write(image, path, error);
+}
+
+void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) {
+    if (!ends_with(o->output, ".png")) return;
+    cJSON *tone = cJSON_AddObjectToObject(json, "tone");
+    cJSON_AddStringToObject(tone, "curve", sl_tone_curve_name((size_t)o->tone));
+    cJSON_AddNumberToObject(tone, "exposure", stops);
+    cJSON_AddBoolToObject(tone, "automatic", !o->exposure_given);
 }
 
 /* The next of the picture's warnings, one a line; *rest: behind it. NULL behind the last. */
@@ -100,15 +108,21 @@ static void add_warnings(cJSON *root, const sl_image *image) {
     }
 }
 
-/* *seconds: from `start` until the picture was there, writing it not included. warn: of what the method found out on its way.
- * The caller destroys the picture. */
-static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, bool warn,
-                               sl_image **image, double *seconds, sl_error *error) {
-    sl_status status = sl_method_resolve(method, image, error);
+/* What --json tells of a picture beside its method. */
+typedef struct written {
+    sl_image *image;
+    double seconds; /* from its start until it was there, writing it not included */
+    double stops;   /* of a PNG */
+} written;
+
+/* warn: of what the method found out on its way. The caller destroys the picture. */
+static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, bool warn, written *w,
+                               sl_error *error) {
+    sl_status status = sl_method_resolve(method, &w->image, error);
     if (status != SL_OK) return status;
-    *seconds = sl_seconds_now() - start;
-    if (warn) sl_picture_warn(o, *image);
-    return sl_picture_write(o, *image, *seconds, path, error);
+    w->seconds = sl_seconds_now() - start;
+    if (warn) sl_picture_warn(o, w->image);
+    return sl_picture_write(o, w->image, path, &w->stops, error);
 }
 
 cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_image *image,
@@ -156,37 +170,43 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
     return status;
 }
 
+static void print_picture(const sl_render_options *o, const sl_scene *scene, const sl_method *method, const sl_progress *progress, const written *w) {
+    cJSON *json = sl_picture_json(o, scene, method, w->image, progress, w->seconds);
+    sl_picture_add_tone(o, w->stops, json);
+    sl_picture_print_json(json);
+}
+
 sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_error *error) {
-    double start = sl_seconds_now(), seconds = 0.0;
+    double start = sl_seconds_now();
     sl_method *method = NULL;
-    sl_image *image = NULL;
     sl_progress progress = {0};
+    written w = {0};
     sl_watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
-    if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &image, &seconds, error);
+    if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &w, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
             fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
                     (unsigned long long)progress.batches, 100.0 * progress.fraction, o->output);
-        if (o->json) sl_picture_print_json(sl_picture_json(o, scene, method, image, &progress, seconds));
+        if (o->json) print_picture(o, scene, method, &progress, &w);
     }
-    sl_image_destroy(image);
+    sl_image_destroy(w.image);
     sl_method_destroy(method);
     return status;
 }
 
 /* One line a frame. */
-static void print_frame(unsigned long long frame, const char *name, double seconds, uint64_t records, const sl_image *image,
-                        const sl_progress *progress) {
+static void print_frame(const sl_render_options *o, unsigned long long frame, const char *name, const written *w, uint64_t records, const sl_progress *progress) {
     cJSON *line = cJSON_CreateObject();
     cJSON_AddNumberToObject(line, "frame", (double)frame);
     cJSON_AddStringToObject(line, "output", name);
-    cJSON_AddNumberToObject(line, "seconds", seconds);
+    cJSON_AddNumberToObject(line, "seconds", w->seconds);
     cJSON_AddNumberToObject(line, "new_records", (double)records);
     cJSON_AddBoolToObject(line, "done", progress->done);
-    add_warnings(line, image);
+    add_warnings(line, w->image);
+    sl_picture_add_tone(o, w->stops, line);
     char *text = cJSON_PrintUnformatted(line);
     if (text) puts(text);
     cJSON_free(text);
@@ -194,19 +214,19 @@ static void print_frame(unsigned long long frame, const char *name, double secon
     fflush(stdout);
 }
 
-/* Frame number `frame` of the method's scene as it stands; *seconds: until the picture was there. */
+/* Frame number `frame` of the method's scene as it stands. */
 static sl_status render_frame(const sl_render_options *o, sl_method *method, unsigned long long frame, double begin, sl_error *error) {
-    double start = sl_seconds_now(), seconds = 0.0;
+    double start = sl_seconds_now();
     char name[4096];
-    sl_image *image = NULL;
+    written w = {0};
     sl_progress progress = {0};
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
     sl_frame_name(o->output, frame, name, sizeof name);
     sl_status status = sl_picture_run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &image, &seconds, error);
+    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &w, error);
     if (status == SL_OK && !sl_interrupted() && o->json)
-        print_frame(frame, name, seconds, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, image, &progress);
-    sl_image_destroy(image);
+        print_frame(o, frame, name, &w, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
+    sl_image_destroy(w.image);
     return status;
 }
 

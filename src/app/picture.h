@@ -37,7 +37,10 @@ sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl
                          sl_error *error);
 /* What the method found out on its way, on stderr. */
 void sl_picture_warn(const sl_render_options *options, const sl_image *image);
-sl_status sl_picture_write(const sl_render_options *options, sl_image *image, double seconds, const char *path, sl_error *error);
+/* *stops: the exposure that a PNG was given. */
+sl_status sl_picture_write(const sl_render_options *options, const sl_image *image, const char *path, double *stops, sl_error *error);
+/* Adds to --json how radiance became the 8 bits of a PNG; nothing for other formats. */
+void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
 /* What was done, for --json; printing deletes it. */
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method, const sl_image *image,
                        const sl_progress *progress, double seconds);

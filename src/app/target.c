@@ -26,7 +26,6 @@ typedef struct candidate {
     sl_error_estimate estimate; /* with --error */
     sl_progress progress;
     unsigned rung;
-    double seconds;
 } candidate;
 
 typedef struct climb {
@@ -135,8 +134,7 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
     candidate p = {.progress = *progress, .rung = rung};
     sl_status status = sl_method_resolve(method, &p.image, error);
     if (status != SL_OK) return status;
-    p.seconds = sl_seconds_now() - c->start;
-    p.json = sl_picture_json(o, c->scene, method, p.image, progress, p.seconds);
+    p.json = sl_picture_json(o, c->scene, method, p.image, progress, sl_seconds_now() - c->start);
     if (c->o->error > 0.0) {
         status = judge(c, p.image, &p.estimate, error);
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
@@ -265,16 +263,18 @@ static void say_how_it_ended(const climb *c) {
 
 sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, bool *reached, sl_error *error) {
     climb c = {.o = o, .scene = scene, .asked = o->settings, .start = sl_seconds_now()};
+    double stops = 0.0;
     sl_watch_for_interrupt();
     sl_status status = prepare(&c, error);
     if (status == SL_OK) status = climb_all(&c, error);
     if (status == SL_OK) {
         sl_picture_warn(o, c.best.image);
-        status = sl_picture_write(o, c.best.image, c.best.seconds, o->output, error);
+        status = sl_picture_write(o, c.best.image, o->output, &stops, error);
     }
     if (status == SL_OK) {
         say_how_it_ended(&c);
         if (o->json) {
+            sl_picture_add_tone(o, stops, c.best.json);
             sl_picture_print_json(c.best.json);
             c.best.json = NULL;
         }

@@ -33,8 +33,13 @@ sl_status sl_hdr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
 bool sl_png_recognise(const sl_bytes *bytes);
 sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba, sl_error *error);
-/* rgb: width * height * 3 bytes, row 0 at the top. */
-sl_status sl_png_write(int width, int height, const uint8_t *rgb, sl_output_file *file, sl_error *error);
+/* The value of a tEXt entry of a sound file, cut to `size` bytes; false where there is none. */
+bool sl_png_text(const sl_bytes *bytes, const char *key, char *value, size_t size);
+typedef struct sl_png_entry {
+    const char *key, *value;
+} sl_png_entry;
+/* rgb: width * height * 3 bytes, row 0 at the top; texts: `count` tEXt entries. */
+sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count, sl_output_file *file, sl_error *error);
 
 /* JPEG, BMP and TGA through stb_image; TGA has no mark of its own, so it is what is left. */
 bool sl_jpeg_recognise(const sl_bytes *bytes);

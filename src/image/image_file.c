@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/print.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -105,6 +106,26 @@ static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *
     return status;
 }
 
+/* What the picture tells of its tone. */
+static sl_status set_tone(const sl_bytes *bytes, sl_image *image, sl_error *error) {
+    static const char *const keys[] = {SL_TONE_KEY, SL_TONE_EXPOSURE_KEY, SL_TONE_AUTOMATIC_KEY};
+    sl_status status = sl_image_set_metadata(image, SL_TONE_KEY, "unknown", error);
+    for (size_t i = 0; i < 3 && status == SL_OK; i++) {
+        char value[32];
+        if (sl_png_recognise(bytes) && sl_png_text(bytes, keys[i], value, sizeof value)) status = sl_image_set_metadata(image, keys[i], value, error);
+    }
+    return status;
+}
+
+static sl_status read_picture(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    sl_status status = read_texels(bytes, image, error);
+    if (status == SL_OK) status = set_tone(bytes, *image, error);
+    if (status == SL_OK) return SL_OK;
+    sl_image_destroy(*image);
+    *image = NULL;
+    return status;
+}
+
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error) {
@@ -112,7 +133,7 @@ sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *err
     if (sl_exr_recognise(bytes)) return sl_exr_read(bytes, image, error);
     if (sl_pfm_recognise(bytes)) return sl_pfm_read(bytes, image, error);
     if (sl_hdr_recognise(bytes)) return sl_hdr_read(bytes, image, error);
-    if (sl_png_recognise(bytes) || sl_jpeg_recognise(bytes)) return read_texels(bytes, image, error);
+    if (sl_png_recognise(bytes) || sl_jpeg_recognise(bytes)) return read_picture(bytes, image, error);
     return sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture", bytes->path);
 }
 
@@ -152,18 +173,25 @@ sl_status sl_image_write(const sl_image *image, const char *path, sl_error *erro
     return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: the name must end in .exr, .pfm or .png", path);
 }
 
+static sl_status write_codes(const sl_image *image, const uint8_t *rgb, const sl_png_entry texts[3], size_t count, const char *path, sl_error *error) {
+    sl_output_file file;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    status = sl_png_write(image->width, image->height, rgb, texts, count, &file, error);
+    if (status == SL_OK) return sl_output_commit(&file, error);
+    sl_output_discard(&file);
+    return status;
+}
+
 sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error) {
     if (!image || !path) return sl_fail_null(error, "an image and the name of a file");
     uint8_t *rgb;
     sl_status status = sl_tone_map(image, tone, &rgb, error);
     if (status != SL_OK) return status;
-    sl_output_file file;
-    status = sl_output_open(&file, path, error);
-    if (status == SL_OK) {
-        status = sl_png_write(image->width, image->height, rgb, &file, error);
-        if (status == SL_OK) status = sl_output_commit(&file, error);
-        else sl_output_discard(&file);
-    }
+    char stops[32];
+    sl_print(stops, sizeof stops, "%.17g", sl_tone_stops(image, tone));
+    const sl_png_entry texts[3] = {{SL_TONE_KEY, sl_tone_curve_name((size_t)tone.curve)}, {SL_TONE_EXPOSURE_KEY, stops}, {SL_TONE_AUTOMATIC_KEY, "true"}};
+    status = write_codes(image, rgb, texts, tone.automatic ? 3 : 2, path, error);
     sl_free(rgb);
     return status;
 }

@@ -25,6 +25,8 @@ typedef struct png_work {
     png_bytep *rows;
     /* writing */
     const uint8_t *rgb;
+    const sl_png_entry *texts;
+    size_t text_count;
     sl_output_file *file;
     sl_status status;
     sl_error *error;
@@ -131,6 +133,24 @@ sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *ha
     return work.status;
 }
 
+static uint32_t big_endian(const uint8_t *b) { return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]; }
+
+/* A chunk is its length, its type, its data and a checksum; a tEXt's data are the key, a zero and the value. */
+bool sl_png_text(const sl_bytes *bytes, const char *key, char *value, size_t size) {
+    enum { SIGNATURE = 8, AROUND = 12 };
+    const size_t key_bytes = strlen(key) + 1;
+    size_t length;
+    for (size_t at = SIGNATURE; bytes->size >= AROUND && at <= bytes->size - AROUND; at += length + AROUND) {
+        const uint8_t *chunk = bytes->data + at, *data = chunk + 8;
+        length = big_endian(chunk);
+        if (length > bytes->size - AROUND - at) return false;
+        if (memcmp(chunk + 4, "tEXt", 4) != 0 || length < key_bytes || memcmp(data, key, key_bytes) != 0) continue;
+        snprintf(value, size, "%.*s", (int)(length - key_bytes < size ? length - key_bytes : size), (const char *)data + key_bytes);
+        return true;
+    }
+    return false;
+}
+
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static void write_bytes(png_structp png, png_bytep from, size_t count) {
@@ -141,6 +161,16 @@ static void write_bytes(png_structp png, png_bytep from, size_t count) {
 
 static void flush_nothing(png_structp png) { (void)png; }
 
+static void add_texts(png_work *work) {
+    for (size_t i = 0; i < work->text_count; i++) {
+        char key[80], value[80]; /* the library's type is not const */
+        snprintf(key, sizeof key, "%s", work->texts[i].key);
+        snprintf(value, sizeof value, "%s", work->texts[i].value);
+        const png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = value};
+        png_set_text(work->png, work->info, &text, 1); /* copied */
+    }
+}
+
 static bool encode_rows(png_work *work) {
     png_structp png = work->png;
     if (setjmp(png_jmpbuf(png))) return false;
@@ -150,14 +180,15 @@ static bool encode_rows(png_work *work) {
     png_set_sRGB(png, work->info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_set_compression_level(png, 6); /* said, so that the bytes do not change with the library's defaults */
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    add_texts(work);
     png_write_info(png, work->info);
     for (png_uint_32 y = 0; y < work->height; y++) png_write_row(png, work->rgb + 3 * (size_t)work->width * y);
     png_write_end(png, work->info);
     return true;
 }
 
-sl_status sl_png_write(int width, int height, const uint8_t *rgb, sl_output_file *file, sl_error *error) {
-    png_work work = {.rgb = rgb, .file = file, .status = SL_OK, .error = error};
+sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count, sl_output_file *file, sl_error *error) {
+    png_work work = {.rgb = rgb, .texts = texts, .text_count = count, .file = file, .status = SL_OK, .error = error};
     work.width = (png_uint_32)width;
     work.height = (png_uint_32)height;
     work.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate, release);

@@ -76,9 +76,18 @@ static void map_planes(const float *const planes[3], size_t pixels, double expos
 }
 
 /* Finite, though the exposure may be 0 or infinite: what is further off is that, too. */
-static float stops_of(double exposure) {
+static double stops_of(double exposure) {
     const double most = 4096.0, stops = sl_log(exposure) * 1.4426950408889634;
-    return (float)fmin(fmax(stops, -most), most);
+    return fmin(fmax(stops, -most), most);
+}
+
+double sl_tone_stops(const sl_image *image, sl_tone tone) {
+    return tone.automatic ? stops_of(sl_tone_exposure(image, tone)) : (double)tone.exposure_stops;
+}
+
+const char *sl_tone_curve_name(size_t index) {
+    static const char *const names[] = {"clip", "reinhard"}; /* as sl_tone_curve */
+    return index < sizeof names / sizeof *names ? names[index] : NULL;
 }
 
 static sl_status check_tone(sl_tone tone, sl_error *error) {
@@ -96,7 +105,7 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
         return sl_fail(error, SL_ERROR_USAGE, "a PNG needs the channels R, G, B or Y, which the image does not have");
     }
     double exposure = sl_tone_exposure(image, *tone);
-    if (tone->automatic) *tone = (sl_tone){tone->curve, stops_of(exposure), false};
+    if (tone->automatic) *tone = (sl_tone){tone->curve, (float)stops_of(exposure), false};
     map_planes(planes, (size_t)image->width * (size_t)image->height, exposure, tone->curve, bytes);
     return SL_OK;
 }
@@ -108,5 +117,25 @@ sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_err
     sl_status status = sl_image_srgb(image, &tone, mapped, error);
     if (status == SL_OK) *rgb = mapped;
     else sl_free(mapped);
+    return status;
+}
+
+static void show(const sl_image *image, const float *const planes[3], double exposure, sl_tone_curve curve, uint8_t *codes, float *linear) {
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    float table[256];
+    sl_srgb_decode_table(table);
+    map_planes(planes, pixels, exposure, curve, codes);
+    for (size_t i = 0; i < 3 * pixels; i++) linear[i % 3 * pixels + i / 3] = table[codes[i]];
+}
+
+sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed, sl_error *error) {
+    const float *planes[3];
+    *displayed = NULL;
+    if (!sl_picture_planes(image, planes)) return sl_fail(error, SL_ERROR_USAGE, "no R, G, B or Y to show");
+    uint8_t *codes = sl_allocate((size_t)image->width * (size_t)image->height, 3);
+    if (!codes) return sl_fail_memory(error, "a tone-mapped picture");
+    sl_status status = sl_image_create(image->width, image->height, 3, NULL, displayed, error);
+    if (status == SL_OK) show(image, planes, sl_pow(2.0, stops), curve, codes, (*displayed)->planes);
+    sl_free(codes);
     return status;
 }

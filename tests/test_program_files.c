@@ -1,0 +1,254 @@
+/* The files that commands write, and what they say of them: each command runs in a process of its own. */
+#define _XOPEN_SOURCE 700
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <cjson/cJSON.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/commands.h"
+#include "softlux.h"
+
+/* ---- running a command ------------------------------------------------------------------------------------------------------------ */
+
+typedef int command(int argc, char **argv);
+
+enum { WORDS = 32, WORD = 300, TEXT = 1 << 16 };
+static char base[] = "/tmp/softlux-files-XXXXXX";
+static char out[TEXT], err[TEXT]; /* what the last command said */
+
+static const char *path_of(const char *name) {
+    static char paths[4][WORD];
+    static int next;
+    char *path = paths[next++ % 4];
+    snprintf(path, WORD, "%s/%s", base, name);
+    return path;
+}
+
+static void read_text(const char *name, char text[TEXT]) {
+    FILE *file = fopen(path_of(name), "rb");
+    assert_non_null(file);
+    size_t size = fread(text, 1, TEXT - 1, file);
+    text[size] = '\0';
+    fclose(file);
+}
+
+static void redirect(const char *name, int stream) {
+    int file = open(path_of(name), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    if (file >= 0) dup2(file, stream);
+}
+
+static int run_words(command *run_it, const char *line) {
+    static char words[WORDS][WORD];
+    char *argv[WORDS + 1], text[2048], *rest = NULL;
+    int argc = 0;
+    snprintf(text, sizeof text, "%s", line);
+    for (char *word = strtok_r(text, " ", &rest); word && argc < WORDS; word = strtok_r(NULL, " ", &rest), argc++) {
+        snprintf(words[argc], WORD, "%s%s", word[0] == '%' && word[1] == '/' ? base : "", word + (word[0] == '%' && word[1] == '/'));
+        argv[argc] = words[argc];
+    }
+    argv[argc] = NULL;
+    return run_it(argc, argv);
+}
+
+/* Starts a command; a word that begins with %/ names a file in the test's folder. */
+static pid_t start(command *run_it, const char *line) {
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child) return child;
+    redirect("out", 1);
+    redirect("err", 2);
+    int status = run_words(run_it, line);
+    fflush(NULL);
+    _exit(status);
+}
+
+static int end_of(pid_t child) {
+    int ended = 0;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    read_text("out", out);
+    read_text("err", err);
+    return ended;
+}
+
+static void expect(int status, command *run_it, const char *line) {
+    int ended = end_of(start(run_it, line));
+    if (!WIFEXITED(ended) || WEXITSTATUS(ended) != status) fail_msg("%s: ended with %x, expected status %d: %s", line, (unsigned)ended, status, err);
+}
+
+static bool says(const char *text, const char *part) { return strstr(text, part) != NULL; }
+
+static bool are_same_files(const char *a, const char *b) {
+    static char bytes[2][TEXT];
+    size_t size[2];
+    const char *const names[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+        FILE *file = fopen(path_of(names[i]), "rb");
+        assert_non_null(file);
+        size[i] = fread(bytes[i], 1, TEXT, file);
+        fclose(file);
+    }
+    assert_true(size[0] > 0 && size[0] < TEXT);
+    return size[0] == size[1] && memcmp(bytes[0], bytes[1], size[0]) == 0;
+}
+
+/* ---- the same picture is the same file -------------------------------------------------------------------------------------------- */
+
+static const char cornell[] = "scenes/cornell.json -s 12x12 -q draft --quiet";
+
+static void two_runs_write_the_same_bytes(void **state) {
+    (void)state;
+    static const char *const ends[] = {"exr", "png", "pfm"};
+    char line[300];
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 2; k++) {
+            snprintf(line, sizeof line, "%s -t %d -o %%/same%d.%s --save-cache %%/same%d.cache --json", cornell, k + 1, k, ends[i], k);
+            expect(0, sl_command_render, line);
+            assert_true(says(out, "\"seconds\"")); /* where it belongs */
+        }
+        char names[2][32];
+        for (int k = 0; k < 2; k++) snprintf(names[k], sizeof names[k], "same%d.%s", k, ends[i]);
+        if (!are_same_files(names[0], names[1])) fail_msg("two .%s files differ", ends[i]);
+        assert_true(are_same_files("same0.cache", "same1.cache"));
+    }
+}
+
+static void a_picture_stopped_by_the_clock_is_the_file_of_its_batches(void **state) {
+    (void)state;
+    char line[300], batches[32];
+    const char *rest = "scenes/cornell.json -s 12x12 -m path --quiet -t 1";
+    snprintf(line, sizeof line, "%s --time 0.05 -o %%/timed.exr", rest);
+    expect(0, sl_command_render, line);
+    sl_image *image;
+    assert_int_equal(sl_image_read(path_of("timed.exr"), &image, NULL), SL_OK);
+    snprintf(batches, sizeof batches, "%.20s", sl_image_metadata(image, "softlux.batches"));
+    snprintf(line, sizeof line, "%s --spp %.20s --batches %s -o %%/counted.exr", rest, sl_image_metadata(image, "softlux.spp"), batches);
+    sl_image_destroy(image);
+    expect(0, sl_command_render, line);
+    assert_true(are_same_files("timed.exr", "counted.exr"));
+}
+
+/* ---- the tone of 8-bit pictures --------------------------------------------------------------------------------------------------- */
+
+static void write_grey(const char *name, float value, const sl_tone *tone) {
+    sl_image *image;
+    assert_int_equal(sl_image_create(8, 8, 3, NULL, &image, NULL), SL_OK);
+    for (int i = 0; i < 3 * 64; i++) image->planes[i] = value * (1.0f + 0.01f * (float)(i % 64));
+    sl_status status = tone ? sl_image_write_png(image, path_of(name), *tone, NULL) : sl_image_write(image, path_of(name), NULL);
+    sl_image_destroy(image);
+    assert_int_equal(status, SL_OK);
+}
+
+static void write_greys(void) {
+    static const sl_tone automatic = {SL_TONE_REINHARD, 0.0f, true}, fixed = {SL_TONE_REINHARD, 1.0f, false}, other = {SL_TONE_REINHARD, 0.0f, false};
+    write_grey("dim.exr", 0.1f, NULL);
+    write_grey("bright.exr", 0.2f, NULL);
+    write_grey("dim-auto.png", 0.1f, &automatic);
+    write_grey("bright-auto.png", 0.2f, &automatic);
+    write_grey("dim-fixed.png", 0.1f, &fixed);
+    write_grey("bright-fixed.png", 0.2f, &fixed);
+    write_grey("bright-other.png", 0.2f, &other);
+}
+
+static void automatic_and_different_exposures_draw_a_warning(void **state) {
+    (void)state;
+    write_greys();
+    expect(0, sl_command_compare, "%/dim-auto.png %/bright-auto.png --identical");
+    assert_true(says(err, "warning: ") && says(err, "automatic"));
+    assert_true(says(out, "tone_image ") && says(out, "reinhard") && says(out, "tone_reference "));
+    assert_false(are_same_files("dim-auto.png", "bright-auto.png"));
+    expect(0, sl_command_compare, "%/dim-fixed.png %/bright-other.png");
+    assert_true(says(err, "warning: ") && says(err, "exposures differ") && !says(err, "automatic"));
+    expect(1, sl_command_compare, "%/dim-fixed.png %/bright-fixed.png --identical");
+    assert_false(says(err, "warning: "));
+    expect(0, sl_command_compare, "%/dim.exr %/dim.exr --identical");
+    assert_true(err[0] == '\0' && !says(out, "tone_"));
+}
+
+static void json_tells_the_tones(void **state) {
+    (void)state;
+    write_greys();
+    expect(0, sl_command_compare, "%/dim.exr %/bright-auto.png --json");
+    cJSON *root = cJSON_Parse(out);
+    assert_non_null(root);
+    const cJSON *tone = cJSON_GetObjectItem(root, "tone_reference");
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(tone, "curve")), "reinhard");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(tone, "automatic")));
+    assert_float_equal(cJSON_GetNumberValue(cJSON_GetObjectItem(tone, "exposure")), -0.5, 0.2);
+    assert_true(cJSON_IsNull(cJSON_GetObjectItem(root, "tone_image")));
+    cJSON_Delete(root);
+}
+
+static void a_png_and_an_exr_are_compared_after_the_pngs_tone(void **state) {
+    (void)state;
+    write_greys();
+    expect(0, sl_command_compare, "%/dim.exr %/dim-auto.png --identical");
+    expect(0, sl_command_compare, "%/dim-fixed.png %/dim.exr --identical");
+    expect(1, sl_command_compare, "%/bright.exr %/dim-auto.png --identical"); /* brightness is seen */
+    expect(1, sl_command_compare, "%/dim-fixed.png %/bright.exr --identical");
+}
+
+static void a_png_that_tells_no_tone_is_not_compared_with_radiance(void **state) {
+    (void)state;
+    sl_image *bricks;
+    assert_int_equal(sl_image_read("scenes/bricks.png", &bricks, NULL), SL_OK);
+    assert_string_equal(sl_image_metadata(bricks, "softlux.tone"), "unknown");
+    assert_int_equal(sl_image_write(bricks, path_of("bricks.pfm"), NULL), SL_OK);
+    sl_image_destroy(bricks);
+    expect(3, sl_command_compare, "scenes/bricks.png %/bricks.pfm");
+    assert_true(says(err, "bricks.png") && says(err, "tone"));
+    expect(0, sl_command_compare, "scenes/bricks.png scenes/bricks.png --identical");
+    assert_true(says(out, "unknown"));
+}
+
+static void a_rendered_png_tells_its_exposure(void **state) {
+    (void)state;
+    expect(0, sl_command_render, "scenes/cornell.json -s 8x8 -m path --spp 1 --quiet -o %/auto.png --json");
+    cJSON *root = cJSON_Parse(out), *tone = cJSON_GetObjectItem(root, "tone");
+    char line[300];
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(tone, "automatic")));
+    snprintf(line, sizeof line, "scenes/cornell.json -s 8x8 -m path --spp 1 --quiet -o %%/told.png --json --exposure %.9g",
+             cJSON_GetNumberValue(cJSON_GetObjectItem(tone, "exposure")));
+    cJSON_Delete(root);
+    expect(0, sl_command_render, line);
+    assert_true(says(out, "\"automatic\":\tfalse"));
+    expect(0, sl_command_compare, "%/auto.png %/told.png --max-abs 0.02");
+    expect(0, sl_command_render, "scenes/cornell.json -s 8x8 -m path --spp 1 --quiet -o %/a.exr --json");
+    assert_false(says(out, "\"tone\""));
+}
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(base) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    char line[300];
+    snprintf(line, sizeof line, "rm -rf '%s'", base);
+    return system(line);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_runs_write_the_same_bytes),
+        cmocka_unit_test(a_picture_stopped_by_the_clock_is_the_file_of_its_batches),
+        cmocka_unit_test(automatic_and_different_exposures_draw_a_warning),
+        cmocka_unit_test(json_tells_the_tones),
+        cmocka_unit_test(a_png_and_an_exr_are_compared_after_the_pngs_tone),
+        cmocka_unit_test(a_png_that_tells_no_tone_is_not_compared_with_radiance),
+        cmocka_unit_test(a_rendered_png_tells_its_exposure),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
