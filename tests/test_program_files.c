@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -228,6 +229,50 @@ static void a_rendered_png_tells_its_exposure(void **state) {
     assert_false(says(out, "\"tone\""));
 }
 
+/* ---- what cannot be written ------------------------------------------------------------------------------------------------------- */
+
+/* Each has another mistake, too, which comes to light later: the scene, the picture or the method is not there. */
+static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
+    (void)state;
+    static const struct { command *run_it; const char *line; } cases[] = {
+        {sl_command_render, "nowhere.json -o %/none/a.exr"},
+        {sl_command_render, "nowhere.json --frames 3 -o %/none/a%d.png"},
+        {sl_command_render, "nowhere.json -o %/a.pfm --save-cache %/none/a.cache"},
+        {sl_command_render, "nowhere.json -o %/taken.exr"}, /* a folder */
+        {sl_command_compare, "nowhere.exr nowhere.exr --difference %/none/d.png"},
+        {sl_command_live, "nowhere.json --frames 1 -o %/none/a%d.png"},
+        {sl_command_live, "nowhere.json --frames 1 -o %/none/a.y4m"},
+        {sl_command_steps, "scenes/cornell.json -m magic -o %/page"},
+        {sl_command_bench, "nowhere.json --quiet --references /dev/null/references -o %/report"},
+        {sl_command_bench, "nowhere.json --quiet --references %/references -o %/page"},
+    };
+    assert_int_equal(mkdir(path_of("taken.exr"), 0777), 0);
+    assert_int_equal(mkdir(path_of("page"), 0777), 0);
+    assert_int_equal(mkdir(path_of("page/index.html"), 0777), 0);
+    assert_int_equal(mkdir(path_of("page/report.html"), 0777), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        expect(4, cases[i].run_it, cases[i].line);
+        if (!says(err, "cannot ") || strchr(err, '\n') != err + strlen(err) - 1) fail_msg("%s: %s", cases[i].line, err);
+    }
+}
+
+/* Neither half a file is left by the look, nor is one that is there touched; a pipe's reader sees no end. */
+static void looking_whether_a_file_can_be_written_leaves_no_trace(void **state) {
+    (void)state;
+    FILE *file = fopen(path_of("kept.pfm"), "wb");
+    assert_true(file && fputs("kept", file) >= 0 && fclose(file) == 0);
+    expect(3, sl_command_render, "nowhere.json -o %/kept.pfm");
+    expect(3, sl_command_render, "nowhere.json -o %/new.pfm");
+    expect(3, sl_command_render, "nowhere.json -o %/new%d.pfm --frames 2");
+    read_text("kept.pfm", out);
+    assert_string_equal(out, "kept");
+    assert_int_equal(access(path_of("new.pfm"), F_OK), -1);
+    assert_int_equal(mkfifo(path_of("pipe.pfm"), 0666), 0);
+    alarm(20); /* opening it would wait for a reader */
+    expect(3, sl_command_render, "nowhere.json -o %/pipe.pfm");
+    alarm(0);
+}
+
 static int make_folder(void **state) {
     (void)state;
     return mkdtemp(base) ? 0 : -1;
@@ -249,6 +294,8 @@ int main(void) {
         cmocka_unit_test(a_png_and_an_exr_are_compared_after_the_pngs_tone),
         cmocka_unit_test(a_png_that_tells_no_tone_is_not_compared_with_radiance),
         cmocka_unit_test(a_rendered_png_tells_its_exposure),
+        cmocka_unit_test(what_cannot_be_written_is_noticed_before_the_work),
+        cmocka_unit_test(looking_whether_a_file_can_be_written_leaves_no_trace),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -9,6 +9,7 @@
 #include "app/load.h"
 #include "app/options.h"
 #include "app/same_file.h"
+#include "image/output_file.h"
 #include "scene/features.h"
 
 #include <errno.h>
@@ -285,7 +286,19 @@ static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
         snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", folders[i], strerror(errno));
         return error->status = SL_ERROR_OUTPUT;
     }
-    return SL_OK;
+    return o->trials_only || o->report_only ? SL_OK : sl_reference_make_folder(o->references, error);
+}
+
+/* Before hours are spent on what cannot be written. */
+static sl_status check_files(const sl_bench_options *o, sl_error *error) {
+    static const char *const names[] = {"report.html", "report.md", "results.csv", "pictures/picture.exr"};
+    sl_status status = make_folders(o, error);
+    for (size_t i = 0; i < sizeof names / sizeof *names && status == SL_OK; i++) {
+        char path[SL_BENCH_PATH];
+        snprintf(path, sizeof path, "%.1000s/%s", o->folder, names[i]);
+        status = sl_output_check(path, error);
+    }
+    return status;
 }
 
 /* The report is written after every scene, so that the last one that failed takes nothing away. */
@@ -328,7 +341,7 @@ int sl_command_bench(int argc, char **argv) {
     name_machine(&results);
     results.scenes = calloc((size_t)q.scene_count, sizeof *results.scenes);
     snprintf(path, sizeof path, "%s/journal.jsonl", q.options.folder);
-    sl_status status = make_folders(&q.options, &error);
+    sl_status status = check_files(&q.options, &error);
     if (status == SL_OK) status = sl_journal_open(path, &journal, &error);
     if (status == SL_OK) take_program(&q.options, journal);
     if (status == SL_OK && results.scenes) status = measure_all(&q, journal, &results, &error);

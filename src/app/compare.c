@@ -4,6 +4,7 @@
 #include "app/compare_tone.h"
 #include "app/options.h"
 #include "app/same_file.h"
+#include "image/output_file.h"
 #include "softlux.h"
 
 #include <math.h>
@@ -209,6 +210,9 @@ int sl_command_compare(int argc, char **argv) {
     if (!parse(argc, argv, &request, &status)) return status;
     const char *const read[] = {request.paths[0], request.paths[1], request.mask};
     if (!sl_is_file_of_its_own("difference", request.difference, read, 3)) return SL_ERROR_USAGE;
+    sl_error error;
+    status = request.difference ? (int)sl_output_check(request.difference, &error) : SL_OK;
+    if (status != SL_OK) return complain(error.message, (sl_status)status);
     status = read_pictures(&request, &pictures);
     if (status == SL_OK) status = compare(&request, &pictures);
     sl_image_destroy(pictures.image);

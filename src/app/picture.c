@@ -3,6 +3,7 @@
 
 #include "app/clock.h"
 #include "app/frame_name.h"
+#include "image/output_file.h"
 #include "image/tone.h"
 
 #include <cjson/cJSON.h>
@@ -27,6 +28,13 @@ bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
                    : "--output: expected a name that ends with .exr, .png or .pfm, got '%s'",
              o->output);
     return false;
+}
+
+sl_status sl_output_is_open(const sl_render_options *o, sl_error *error) {
+    char first[4096];
+    if (o->frames) sl_frame_name(o->output, 0, first, sizeof first);
+    sl_status status = sl_output_check(o->frames ? first : o->output, error);
+    return status == SL_OK && o->save_cache ? sl_output_check(o->save_cache, error) : status;
 }
 
 /* ---- running ---- */

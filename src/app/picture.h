@@ -25,6 +25,8 @@ typedef struct sl_render_options {
 
 /* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the frame's number goes. */
 bool sl_output_is_known(const sl_render_options *options, sl_error *error);
+/* Fails where the picture, the first of a series or the cache could not be written. */
+sl_status sl_output_is_open(const sl_render_options *options, sl_error *error);
 /* One picture of the scene as it stands. */
 sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_error *error);
 /* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between frames it keeps. */

@@ -135,7 +135,8 @@ int sl_command_render(int argc, char **argv) {
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
-    sl_status status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
+    sl_status status = sl_output_is_open(&o, &error);
+    if (status == SL_OK) status = sl_load_within_memory(o.scene_path, &o.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "save-cache", o.save_cache, &error);
     if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);

@@ -110,6 +110,16 @@ sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error
     return status;
 }
 
+sl_status sl_output_check(const char *path, sl_error *error) {
+    struct stat status;
+    sl_output_file file;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
+        return access(path, W_OK) == 0 ? SL_OK : fail_writing(path, errno, error);
+    sl_status opened = sl_output_open(&file, path, error);
+    if (opened == SL_OK) sl_output_discard(&file);
+    return opened;
+}
+
 void sl_output_open_memory(sl_output_file *file) {
     memset(file, 0, sizeof *file);
     file->descriptor = -1;

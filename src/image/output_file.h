@@ -22,6 +22,8 @@ typedef struct sl_output_file {
 /* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason". After a failed open nothing is to be undone; after a
  * successful one exactly one of commit and discard must follow. */
 sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error);
+/* Fails as opening would, so that it is known before the work; leaves no trace. Devices and pipes are not opened. */
+sl_status sl_output_check(const char *path, sl_error *error);
 /* What is written in sequence is kept in memory; sl_output_discard() ends that. */
 void sl_output_open_memory(sl_output_file *file);
 sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error);

@@ -2,6 +2,7 @@
 
 #include "app/clock.h"
 #include "cache/method.h"
+#include "image/output_file.h"
 
 #include <cjson/cJSON.h>
 #include <errno.h>
@@ -183,7 +184,7 @@ static bool extend_work(void *context, char **report) {
 /* ---- in the parent ---- */
 
 /* Like mkdir -p. */
-static sl_status make_folder(const char *path, sl_error *error) {
+sl_status sl_reference_make_folder(const char *path, sl_error *error) {
     char part[SL_BENCH_PATH];
     size_t length = strlen(path);
     for (size_t i = 1; i <= length && i < sizeof part; i++) {
@@ -193,7 +194,8 @@ static sl_status make_folder(const char *path, sl_error *error) {
         snprintf(error->message, sizeof error->message, "cannot make the folder %.900s: %s", part, strerror(errno));
         return error->status = SL_ERROR_OUTPUT;
     }
-    return SL_OK;
+    snprintf(part, sizeof part, "%.1000s/reference.exr", path);
+    return sl_output_check(part, error);
 }
 
 static void tell_trouble(sl_bench_reference *r, const sl_child_end *end) {
@@ -205,7 +207,7 @@ sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s
     extension e = {s->path, r->transport, r->file, s->width, s->height, o->reference_threads, pairs, o->load};
     sl_child_end end;
     sl_reference_path(o->references, s, r->transport, r->file);
-    sl_status status = make_folder(o->references, error);
+    sl_status status = sl_reference_make_folder(o->references, error);
     if (status == SL_OK) status = sl_child_run(extend_work, &e, &limits, &end, error);
     if (status != SL_OK) return status;
     cJSON *told = cJSON_Parse(end.text);
@@ -267,7 +269,7 @@ sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, 
     sl_child_end end;
     sl_reference_path(o->references, s, "mask", path);
     if (sl_image_read(path, &mask, NULL) == SL_OK) return mask;
-    if (make_folder(o->references, error) != SL_OK || sl_child_run(mask_work, &e, &limits, &end, error) != SL_OK) return NULL;
+    if (sl_reference_make_folder(o->references, error) != SL_OK || sl_child_run(mask_work, &e, &limits, &end, error) != SL_OK) return NULL;
     free(end.text);
     if (end.outcome == SL_CHILD_DONE && sl_image_read(path, &mask, error) == SL_OK) return mask;
     error->status = SL_ERROR_RESOURCES;

@@ -23,9 +23,14 @@ static bool is_stream(const char *output) { return strcmp(output, "-") == 0 || e
 sl_status sl_film_check(const char *output, double frames_per_second, sl_error *error) {
     if (!output) return SL_OK;
     if (is_stream(output)) {
-        return frames_per_second > 0.0 ? SL_OK : fail(error, SL_ERROR_USAGE, "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
+        if (!(frames_per_second > 0.0)) return fail(error, SL_ERROR_USAGE, "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
+        return strcmp(output, "-") == 0 ? SL_OK : sl_output_check(output, error);
     }
-    if (ends_with(output, ".png") && sl_frame_pattern_is_good(output)) return SL_OK;
+    if (ends_with(output, ".png") && sl_frame_pattern_is_good(output)) {
+        char first[4096];
+        sl_frame_name(output, 0, first, sizeof first);
+        return sl_output_check(first, error);
+    }
     return fail(error, SL_ERROR_USAGE, "--output: expected frame-%%04d.png, a name that ends with .y4m, or - for a stream; got '%s'", output);
 }
 

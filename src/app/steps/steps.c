@@ -5,6 +5,7 @@
 #include "app/same_file.h"
 #include "app/settings_options.h"
 #include "app/steps/page.h"
+#include "image/output_file.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -72,7 +73,9 @@ static void draw_progress(const char *what, double fraction) {
 }
 
 static sl_status make_folder(const char *folder, sl_error *error) {
-    if (mkdir(folder, 0777) == 0 || errno == EEXIST) return SL_OK;
+    char page[4096];
+    snprintf(page, sizeof page, "%s/index.html", folder);
+    if (mkdir(folder, 0777) == 0 || errno == EEXIST) return sl_output_check(page, error);
     error->status = SL_ERROR_OUTPUT;
     snprintf(error->message, sizeof error->message, "cannot make the folder %s: %s", folder, strerror(errno));
     return SL_ERROR_OUTPUT;
