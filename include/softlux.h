@@ -26,7 +26,10 @@
  *
  * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
  * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
- * call spreads over sl_settings.threads threads of its own. */
+ * call spreads over sl_settings.threads threads of its own.
+ *
+ * Processes: one that forks while no call is under way may go on with every handle in the child, to the same bits at any number of threads; but a show
+ * that plays (sl_live) is the parent's alone, and must not be touched, not even stopped, in the child. */
 #ifndef SOFTLUX_H
 #define SOFTLUX_H
 

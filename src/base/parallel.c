@@ -4,6 +4,10 @@
 #include <stdatomic.h>
 #include <unistd.h>
 
+#ifndef SL_THREADS_WITHOUT_OPENMP
+#include <omp.h>
+#endif
+
 enum { THREADS_MAX = 256 };
 
 unsigned sl_thread_count(unsigned threads) {
@@ -38,33 +42,18 @@ static void run_alone(size_t count, sl_task *task, void *context) {
     for (size_t i = 0; i < count; i++) task(context, i, 0);
 }
 
-#ifndef SL_THREADS_WITHOUT_OPENMP
+/* ---- children of fork() -------------------------------------------------------------------------------------------------- */
 
-#include <omp.h>
+static atomic_bool forked;
 
-/* The runtime ends the process where it cannot start a thread, so a team that is larger than all before it, which the runtime may still have, is tried first. It
- * has a team for each thread that begins one. */
-static unsigned team_to_be_had(unsigned threads) {
-    static _Thread_local unsigned largest = 1;
-    if (threads <= largest) return threads;
-    return largest += sl_threads_to_be_had(threads - largest);
-}
+static void note_fork(void) { atomic_store_explicit(&forked, true, memory_order_relaxed); }
 
-void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context) {
-    if (threads > count) threads = (unsigned)count;
-    if (threads <= 1 || omp_in_parallel()) {
-        run_alone(count, task, context);
-        return;
-    }
-    threads = team_to_be_had(threads);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (size_t i = 0; i < count; i++) task(context, i, (unsigned)omp_get_thread_num());
-}
+/* When the library is loaded, and not at its first loop: the process may have had a team of its own before that. */
+__attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, note_fork); }
 
-#else
+bool sl_process_was_forked(void) { return atomic_load_explicit(&forked, memory_order_relaxed); }
 
-/* The thread sanitizer does not understand the OpenMP runtime's barriers, but it does understand POSIX threads. */
-#include <stdbool.h>
+/* ---- threads that last for one loop ---------------------------------------------------------------------------------------- */
 
 typedef struct {
     sl_task *task;
@@ -87,12 +76,7 @@ static void *work(void *argument) {
     return NULL;
 }
 
-void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context) {
-    if (threads > count) threads = (unsigned)count;
-    if (threads <= 1 || inside_loop) {
-        run_alone(count, task, context);
-        return;
-    }
+static void run_on_own_threads(unsigned threads, size_t count, sl_task *task, void *context) {
     atomic_size_t next = 0;
     loop_worker workers[THREADS_MAX];
     pthread_t handles[THREADS_MAX];
@@ -103,4 +87,41 @@ void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *contex
     for (unsigned i = 1; i < started; i++) pthread_join(handles[i], NULL);
 }
 
+/* ---- the loop ---------------------------------------------------------------------------------------------------------------- */
+
+#ifndef SL_THREADS_WITHOUT_OPENMP
+
+/* The runtime ends the process where it cannot start a thread, so a team that is larger than all before it, which the runtime may still have, is tried first. It
+ * has a team for each thread that begins one. */
+static unsigned team_to_be_had(unsigned threads) {
+    static _Thread_local unsigned largest = 1;
+    if (threads <= largest) return threads;
+    return largest += sl_threads_to_be_had(threads - largest);
+}
+
+static bool inside_another(void) { return inside_loop || omp_in_parallel(); }
+
+static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *context) {
+    if (sl_process_was_forked()) { /* the runtime would wait for threads that only the parent has */
+        run_on_own_threads(threads, count, task, context);
+        return;
+    }
+    threads = team_to_be_had(threads);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (size_t i = 0; i < count; i++) task(context, i, (unsigned)omp_get_thread_num());
+}
+
+#else
+
+/* The thread sanitizer does not understand the OpenMP runtime's barriers, but it does understand POSIX threads. */
+static bool inside_another(void) { return inside_loop; }
+
+static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *context) { run_on_own_threads(threads, count, task, context); }
+
 #endif
+
+void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *context) {
+    if (threads > count) threads = (unsigned)count;
+    if (threads <= 1 || inside_another()) run_alone(count, task, context);
+    else run_on_threads(threads, count, task, context);
+}
