@@ -1,7 +1,10 @@
+#define _GNU_SOURCE /* syscall() */
 #include "base/parallel.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #ifndef SL_THREADS_WITHOUT_OPENMP
@@ -18,22 +21,39 @@ unsigned sl_thread_count(unsigned threads) {
     return threads > THREADS_MAX ? THREADS_MAX : threads;
 }
 
+typedef struct trial {
+    pthread_t handle;
+    pthread_mutex_t *all_are_there;
+    pid_t number; /* the system's */
+} trial;
+
 static void *wait_for_the_others(void *argument) {
-    pthread_mutex_t *all_are_there = argument;
-    pthread_mutex_lock(all_are_there);
-    pthread_mutex_unlock(all_are_there);
+    trial *t = argument;
+    t->number = (pid_t)syscall(SYS_gettid);
+    pthread_mutex_lock(t->all_are_there);
+    pthread_mutex_unlock(t->all_are_there);
     return NULL;
 }
 
+/* A thread that has been joined counts among the user's for a moment still. */
+static void wait_until_gone(pid_t thread) {
+    enum { PATIENCE = 1000 };
+    for (int i = 0; i < PATIENCE && syscall(SYS_tgkill, getpid(), thread, 0) == 0; i++) nanosleep(&(struct timespec){0, 20000}, NULL);
+}
+
 unsigned sl_threads_to_be_had(unsigned wanted) {
-    pthread_t thread[THREADS_MAX];
+    trial trials[THREADS_MAX];
     pthread_mutex_t all_are_there;
     unsigned started = 0;
     if (pthread_mutex_init(&all_are_there, NULL) != 0) return 0;
     pthread_mutex_lock(&all_are_there);
-    while (started < wanted && started < THREADS_MAX && pthread_create(&thread[started], NULL, wait_for_the_others, &all_are_there) == 0) started++;
+    for (; started < wanted && started < THREADS_MAX; started++) {
+        trials[started].all_are_there = &all_are_there;
+        if (pthread_create(&trials[started].handle, NULL, wait_for_the_others, &trials[started]) != 0) break;
+    }
     pthread_mutex_unlock(&all_are_there);
-    for (unsigned i = 0; i < started; i++) pthread_join(thread[i], NULL);
+    for (unsigned i = 0; i < started; i++) pthread_join(trials[i].handle, NULL);
+    for (unsigned i = 0; i < started; i++) wait_until_gone(trials[i].number);
     pthread_mutex_destroy(&all_are_there);
     return started;
 }
@@ -91,22 +111,27 @@ static void run_on_own_threads(unsigned threads, size_t count, sl_task *task, vo
 
 #ifndef SL_THREADS_WITHOUT_OPENMP
 
-/* The runtime ends the process where it cannot start a thread, so a team that is larger than all before it, which the runtime may still have, is tried first. It
- * has a team for each thread that begins one. */
-static unsigned team_to_be_had(unsigned threads) {
-    static _Thread_local unsigned largest = 1;
-    if (threads <= largest) return threads;
-    return largest += sl_threads_to_be_had(threads - largest);
+/* Once a thread was refused, now or in another loop. */
+static atomic_bool threads_are_scarce;
+
+/* The runtime ends the process where it cannot start a thread, so a team that is larger than the last one, whose threads alone the runtime still has, is tried
+ * first. It has a team for each thread that begins one. */
+static bool can_have_team(unsigned threads) {
+    static _Thread_local unsigned team = 1;
+    if (threads > team && sl_threads_to_be_had(threads - team) < threads - team) atomic_store(&threads_are_scarce, true);
+    if (atomic_load(&threads_are_scarce)) return false;
+    team = threads;
+    return true;
 }
 
 static bool inside_another(void) { return inside_loop || omp_in_parallel(); }
 
 static void run_on_threads(unsigned threads, size_t count, sl_task *task, void *context) {
-    if (sl_process_was_forked()) { /* the runtime would wait for threads that only the parent has */
+    /* In a child of fork() the runtime would wait for threads that only the parent has. */
+    if (sl_process_was_forked() || !can_have_team(threads)) {
         run_on_own_threads(threads, count, task, context);
         return;
     }
-    threads = team_to_be_had(threads);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (size_t i = 0; i < count; i++) task(context, i, (unsigned)omp_get_thread_num());
 }
