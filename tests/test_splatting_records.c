@@ -155,6 +155,39 @@ static void no_record_of_a_tread_counts_on_another(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* ---- behind things ---- */
+
+/* The picture shows the face of a stone, one triangle. A record of another surface lies so far from the middle pixel, along the face and before it. */
+static float weight_on_a_stone(const drawn *d, float along, float before) {
+    const sl_record_pass *pass = &d->state->cache[SL_RECEIVES_IRRADIANCE].pass;
+    const size_t pixel = 16 * 33 + 16;
+    const sl_gbuffer *g = pass->gbuffer;
+    const sl_record record = {.position = sl_v3(g->position_x[pixel] + along, g->position_y[pixel], g->position_z[pixel] + before),
+                              .normal = sl_v3(0, 0, 1), .radius = 1.0f, .triangle = SL_NO_INDEX, .behind_a_wall = 1};
+    assert_true(pass->kernels->weight(&record, &pass->weights, &pass->receivers, pixel) > 0.0f);
+    return sl_record_weight(pass, &record, pixel);
+}
+
+/* Nothing is in the way from the joint to the stone's side but the stone's own face. */
+static void a_record_in_a_joint_does_not_light_the_face_before_it(void **state) {
+    (void)state;
+    sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+                                      " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 2], \"intensity\": 1}],\n"
+                                      " \"camera\": {\"eye\": [0, 0, 3], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
+                                      "v -1 -1 0\nv 1 -1 0\nv 0 1.5 0\nf 1 2 3\n");
+    sl_settings settings = small_settings("splatting", 33, 33);
+    drawn d = draw(scene, settings);
+    for (int i = -1; i <= 1; i += 2) {
+        float along = 0.1f * (float)i;
+        assert_true(weight_on_a_stone(&d, along, -0.02f) == 0.0f);
+        assert_true(weight_on_a_stone(&d, along, 0.0f) > 0.0f);
+        assert_true(weight_on_a_stone(&d, along, 0.0005f) > 0.0f);
+    }
+    assert_true(weight_on_a_stone(&d, 0.44f, -0.001f) == 0.0f);
+    drawn_free(&d);
+    sl_scene_destroy(scene);
+}
+
 /* ---- inside of things ---- */
 
 /* A lit room, and a closed box of half the size given about a point of its floor. */
@@ -296,6 +329,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_is_the_sum_of_all_records_bit_for_bit),
         cmocka_unit_test(no_record_of_a_tread_counts_on_another),
+        cmocka_unit_test(a_record_in_a_joint_does_not_light_the_face_before_it),
         cmocka_unit_test(a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself),
         cmocka_unit_test(a_pixel_gets_one_record_even_where_that_does_not_cover_it),
         cmocka_unit_test(radiance_records_keep_within_the_length_of_their_coefficients),

@@ -52,7 +52,7 @@ static bool sees(const lost_point *p, const sl_record_terms *k) {
     sl_vec3 across = sl_sub(above_record, above);
     if (!(sl_dot(across, across) > 0.0f)) return true;
     memset(&rays, 0, sizeof rays);
-    set_segment(&rays, 0, above, above_record, p->triangle);
+    set_segment(&rays, 0, above, above_record, SL_NO_INDEX); /* the point's own triangle may stand before what lies behind it */
     set_segment(&rays, 1, sl_mad(p->position, offset, p->normal), above, p->triangle);
     set_segment(&rays, 2, sl_mad(k->position, offset, k->normal), above_record, SL_NO_INDEX);
     return sl_trace_occluded(p->field->tracer, &rays, 3, false, p->counters) == 0;

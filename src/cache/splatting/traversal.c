@@ -150,7 +150,8 @@ static void gather_one(void *context, size_t index, unsigned worker) {
 /* ---- records behind walls ---- */
 
 /* A record whose R_min reaches past the guard is tested by a ray to each of its few pixels: walls thinner than a pixel's
- * footprint do not leak. Its rays are not counted, as pixels of many tiles ask at once. */
+ * footprint do not leak. Its rays are not counted, as pixels of many tiles ask at once. The pixel's own triangle is not in the way to what
+ * lies in front of it; it may be in the way to what lies behind. */
 static bool sees(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
     sl_gather_point at = point_at(pass, pixel);
     if (at.position.x == record->position.x && at.position.y == record->position.y && at.position.z == record->position.z)
@@ -159,12 +160,13 @@ static bool sees(const sl_record_pass *pass, const sl_record *record, size_t pix
     memset(&ray, 0, sizeof ray);
     float offset = sl_scene_offset_at(pass->scene, 1e-5f * pass->scale, at.position);
     sl_vec3 from = sl_mad(at.position, offset, at.geometric_normal);
-    sl_vec3 to = sl_sub(sl_mad(record->position, offset, record->normal), from);
+    sl_vec3 to_record = sl_mad(record->position, offset, record->normal), to = sl_sub(to_record, from);
     if (!(sl_dot(to, to) > 0.0f)) return true;
     ray.origin_x[0] = from.x, ray.origin_y[0] = from.y, ray.origin_z[0] = from.z;
     ray.direction_x[0] = to.x, ray.direction_y[0] = to.y, ray.direction_z[0] = to.z;
     ray.far[0] = 1.0f;
-    ray.skip[0] = at.triangle;
+    bool in_front = sl_dot(sl_sub(to_record, at.position), at.geometric_normal) > 0.0f;
+    ray.skip[0] = in_front ? at.triangle : SL_NO_INDEX;
     sl_counters unused = {{0}};
     return !(sl_trace_occluded(pass->tracer, &ray, 1, false, &unused) & 1u);
 }
