@@ -81,7 +81,7 @@ static void scout_one(void *context, size_t index, unsigned worker) {
             double b = ((double)row + (double)sl_random_unit(key, 2 * cell + 1)) * (2.0 / RAYS_A_SIDE) - 1.0;
             sl_concentric_disc(a, b, &x, &y);
             double z = sqrt(fmax(0.0, 1.0 - x * x - y * y));
-            set_ray(&rays, i, eye, sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)z)), 2.0f * offset, origin->triangle);
+            set_ray(&rays, i, eye, sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)z)), 0.0f, origin->triangle);
         }
         look(c->scene, c->tracer, &rays, SL_PACKET, false, sl_random_key(key, 1000 + first), seen + first, &c->counters[worker]);
     }

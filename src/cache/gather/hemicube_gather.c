@@ -15,7 +15,7 @@ static void render_face(const sl_gather_view *view, int face, sl_counters *count
     sl_gather_scratch *s = view->scratch;
     const place *f = &places[face];
     int half = gather->tables->size / 2;
-    sl_view pyramid = sl_view_hemicube_face(&view->frame, view->eye, face, gather->tables->size, 2.0f * gather->offset);
+    sl_view pyramid = sl_view_hemicube_face(&view->frame, view->eye, face, gather->tables->size, sl_gather_near(gather));
     int width = pyramid.width, height = pyramid.height;
     pyramid.skip_triangle = view->point->triangle;
     sl_target target = {.width = width, .height = height, .id = s->target_id, .depth = s->target_depth};

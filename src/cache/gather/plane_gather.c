@@ -8,7 +8,7 @@ void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters) {
     sl_gather_scratch *s = view->scratch;
     int n = gather->tables->size;
     float t = gather->half_tangent;
-    sl_view pyramid = sl_view_pyramid(&view->frame, view->eye, -t, t, -t, t, n, n, 2.0f * gather->offset);
+    sl_view pyramid = sl_view_pyramid(&view->frame, view->eye, -t, t, -t, t, n, n, sl_gather_near(gather));
     pyramid.skip_triangle = view->point->triangle;
     sl_target target = {.width = n, .height = n, .id = s->cell_id, .depth = s->cell_depth};
     sl_raster_id_small(gather->raster, &pyramid, &target, s->raster, counters);

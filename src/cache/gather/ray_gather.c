@@ -15,7 +15,7 @@ static void trace_packet(const sl_gather_view *view, size_t first, unsigned coun
         rays.direction_x[i] = h->direction_x[k];
         rays.direction_y[i] = h->direction_y[k];
         rays.direction_z[i] = h->direction_z[k];
-        rays.near[i] = 2.0f * view->gather->offset;
+        rays.near[i] = 0.0f;
         rays.far[i] = INFINITY;
         rays.skip[i] = view->point->triangle;
     }
