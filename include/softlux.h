@@ -26,7 +26,7 @@
  *
  * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
  * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
- * call spreads over sl_settings.threads threads of its own.
+ * call spreads over sl_settings.threads threads of its own; where the system starts fewer, fewer do the work. A caller's thread needs a stack of 256 KiB, these 128 KiB (OMP_STACKSIZE).
  *
  * Processes: one that forks while no call is under way may go on with every handle in the child, to the same bits at any number of threads; but a show
  * that plays (sl_live) is the parent's alone, and must not be touched, not even stopped, in the child. */
@@ -554,7 +554,7 @@ typedef struct sl_settings {
     const char *method;    /**< "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
     const char *transport; /**< "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
                               Only the reference tracers take another than their own. */
-    int width;             /**< pixels, 1 to 32768; 0, and height 0 too: the scene's film */
+    int width;             /**< pixels, 1 to 16384, by path and bidirectional to 32768; 0, and height 0 too: the scene's film */
     int height;            /**< likewise */
     unsigned threads;      /**< 0: one a processor; more than 256 count as 256 */
     uint64_t seed;         /**< of the random numbers: another seed, other noise */

@@ -463,6 +463,32 @@ static void settings_within_their_range_are_taken_whole(void **state) {
     sl_scene_destroy(scene);
 }
 
+static sl_status begin_picture(const sl_scene *scene, const char *name, int width, sl_error *error) {
+    sl_settings settings = least_settings(name, width, 1);
+    sl_method *method = NULL;
+    sl_progress progress;
+    sl_status status = sl_method_create(scene, &settings, &method, error);
+    if (status == SL_OK) status = sl_method_update(method, &progress, error);
+    sl_method_destroy(method);
+    return status;
+}
+
+static void pictures_are_as_large_as_the_header_says(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(box);
+    for (size_t m = 0; m < METHODS; m++) {
+        sl_error error = {SL_OK, ""};
+        char *plan = NULL;
+        const bool by_rays = strcmp(methods[m], "path") == 0 || strcmp(methods[m], "bidirectional") == 0;
+        const int most = by_rays ? 32768 : 16384;
+        if (begin_picture(scene, methods[m], most, &error) != SL_OK) fail_msg("%s: %s", methods[m], error.message);
+        const sl_settings larger = least_settings(methods[m], most + 1, 1);
+        assert_int_equal(sl_method_plan(scene, &larger, &plan, &error), SL_ERROR_USAGE);
+        assert_non_null(strstr(error.message, by_rays ? "1 to 32768 pixels" : "1 to 16384 pixels"));
+    }
+    sl_scene_destroy(scene);
+}
+
 /* However little is too much. */
 static void what_is_out_of_range_is_told_apart_from_its_bounds(void **state) {
     (void)state;
@@ -899,7 +925,7 @@ int main(void) {
         cmocka_unit_test(a_scene_says_no_more_than_it_has_to_say),
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
         cmocka_unit_test(settings_out_of_range_are_refused_by_whatever_takes_them),
-        cmocka_unit_test(settings_within_their_range_are_taken_whole),
+        cmocka_unit_test(settings_within_their_range_are_taken_whole), cmocka_unit_test(pictures_are_as_large_as_the_header_says),
         cmocka_unit_test(what_is_out_of_range_is_told_apart_from_its_bounds),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),
         cmocka_unit_test(what_takes_settings_takes_no_null),

@@ -98,11 +98,12 @@ static size_t search_all(const sl_photon_list *list, const sl_photon_query *q, f
 typedef struct gather_room {
     uint32_t place[SL_NEIGHBOURS_MAX];
     double distance[SL_NEIGHBOURS_MAX];
+    uint64_t keys[3 * SL_NEIGHBOURS_MAX + 2 * SL_PHOTON_BUCKET];
     sl_gathered_photons gathered;
 } gather_room;
 
 static const sl_gathered_photons *gather(const sl_photon_tree *tree, const sl_photon_query *query, gather_room *room) {
-    room->gathered = (sl_gathered_photons){.place = room->place, .distance = room->distance};
+    room->gathered = (sl_gathered_photons){.place = room->place, .distance = room->distance, .keys = room->keys};
     sl_photon_tree_gather(tree, query, &room->gathered);
     return &room->gathered;
 }

@@ -7,8 +7,13 @@
 #include <cmocka.h>
 
 #include <pthread.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "base/sanitized.h"
 #include "rendering.h"
 
 typedef struct {
@@ -76,8 +81,43 @@ static void in_a_parallel_region_every_thread_gets_the_same_picture(void **state
     sl_image_destroy(alone.image);
 }
 
-int main(void) {
+/* ---- little stacks ------------------------------------------------------------------------------------------------------------------- */
+
+enum { MAIN_STACK = 256 << 10 }; /* what softlux.h names; workers have 128 KiB */
+static const char *const stack_scenes[] = {"scenes/cornell-glossy.json", "scenes/mirror-balls.json"};
+
+/* In a process of its own: stacks are made when it begins. Crashes where they are too small. */
+static int render_all_on_little_stacks(const char *scene) {
+    for (size_t i = 0; sl_method_name(i); i++) {
+        job j = {scene, sl_method_name(i), 2, NULL};
+        work(&j);
+        if (!j.image) return 2;
+        sl_image_destroy(j.image);
+    }
+    return 0;
+}
+
+static void every_method_works_on_the_stacks_that_the_header_names(void **state) {
+    (void)state;
+    if (SL_SANITIZED) skip(); /* whose frames are larger */
+    for (int i = 0; i < 2; i++) {
+        int ended = -1;
+        pid_t child = fork();
+        if (child == 0) {
+            setrlimit(RLIMIT_STACK, &(struct rlimit){MAIN_STACK, MAIN_STACK});
+            setenv("OMP_STACKSIZE", "128K", 1);
+            execl("/proc/self/exe", "test_threads", stack_scenes[i], (char *)NULL);
+            _exit(77);
+        }
+        assert_int_equal(waitpid(child, &ended, 0), child);
+        if (ended) fail_msg("%s: ended with 0x%x", stack_scenes[i], (unsigned)ended);
+    }
+}
+
+int main(int argc, char **argv) {
+    if (argc > 1) return render_all_on_little_stacks(argv[1]);
     const struct CMUnitTest tests[] = {cmocka_unit_test(two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets),
-                                       cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture)};
+                                       cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture),
+                                       cmocka_unit_test(every_method_works_on_the_stacks_that_the_header_names)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,7 +44,7 @@ static void add_common(sl_raw_settings *r, table *t) {
     const sl_option options[] = {
         HEADING("every method"),
         {"method", 'm', SL_OPTION_TEXT, &s->method, NULL, "NAME", "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path, bidirectional or auto [splatting; live: shading-cache]", 0, 0, NULL},
-        {"size", 's', SL_OPTION_SIZE, r->size, NULL, "WxH", "pixels [as the scene says]", 0, 0, NULL},
+        {"size", 's', SL_OPTION_SIZE, r->size, NULL, "WxH", "pixels, 16384 a side at most, 32768 for path and bidirectional [as the scene says]", 0, 0, NULL},
         {"quality", 'q', SL_OPTION_CHOICE, &r->quality, &r->quality_given, "Q", "draft, normal or high [normal]", 0, 0, quality_names},
         {"seed", 0, SL_OPTION_COUNT, &s->seed, NULL, "N", "another number, other noise [0]", 0, 0, NULL},
         {"threads", 't', SL_OPTION_COUNT, &r->threads, NULL, "N", "workers; the bits do not depend on it [all processors]", 1, 256, NULL},

@@ -31,9 +31,16 @@ static sl_status check_bounds(const bound *bounds, size_t count, sl_error *error
 
 #define CHECK(bounds, error) check_bounds(bounds, sizeof(bounds) / sizeof(bounds)[0], error)
 
+/* Pixels a side: what is rasterized is snapped to 1/256 pixel, in 22 bits. */
+static int largest_side(const sl_settings *s) {
+    const bool by_rays_alone = strcmp(s->method, "path") == 0 || strcmp(s->method, "bidirectional") == 0;
+    return by_rays_alone ? 32768 : 16384;
+}
+
 static sl_status check_common(const sl_settings *s, sl_error *error) {
-    if (s->width < 1 || s->height < 1 || s->width > 32768 || s->height > 32768)
-        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to 32768 pixels each way, got %dx%d", s->width, s->height);
+    const int most = largest_side(s);
+    if (s->width < 1 || s->height < 1 || s->width > most || s->height > most)
+        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to %d pixels each way for %s, got %dx%d", most, s->method, s->width, s->height);
     const bound bounds[] = {
         {"a quality", s->quality, SL_QUALITY_DRAFT, SL_QUALITY_HIGH, false},
         {"samples a pixel", s->spp, 1, 1e8, true},

@@ -3,6 +3,7 @@
  * analytic direct illumination and stochastic shadows"). The closed forms also are the best weights for choosing an emitter:
  * the samples of many differ in nothing but visibility, and what is seen whole or not at all has no noise. */
 #include "cache/direct/direct_internal.h"
+#include "cache/direct/direct_lamps.h"
 
 #include "base/random.h"
 
@@ -113,12 +114,23 @@ typedef struct {
     float seen[SL_LIGHT_BLOCK], of[SL_LIGHT_BLOCK]; /* samples */
 } answers;
 
-/* Traces and adds up samples that are drawn. */
-static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, light_samples *s,
-                 sl_direct_sums *sums, answers *a, sl_counters *counters) {
+struct sl_direct_scratch {
+    weighed weighed;
+    light_samples samples;
     uint32_t order[LANES];
-    size_t rays = order_by_emitter(block, sides, s, order);
-    sl_direct_trace(direct, block, rays, order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible, counters);
+    sl_lamps lamps;
+};
+
+size_t sl_direct_scratch_bytes(void) { return sizeof(sl_direct_scratch); }
+sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker) { return (sl_direct_scratch *)blocks + worker; }
+sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch) { return &scratch->lamps; }
+
+/* Traces and adds up samples that are drawn. */
+static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, sl_direct_scratch *scratch,
+                 sl_direct_sums *sums, answers *a, sl_counters *counters) {
+    light_samples *s = &scratch->samples;
+    size_t rays = order_by_emitter(block, sides, s, scratch->order);
+    sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible, counters);
     add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
 }
 
@@ -135,18 +147,18 @@ static void conclude(const sl_lit_block *block, sl_sample_range range, const ans
     }
 }
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
                      sl_counters *counters) {
-    weighed w;
-    light_samples s;
+    weighed *w = &scratch->weighed;
+    light_samples *s = &scratch->samples;
     answers a = {{0.0f}, {0.0f}};
     float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
-    weigh(direct, block, &w, exact);
-    if (w.sides == 0) return;
+    weigh(direct, block, w, exact);
+    if (w->sides == 0) return;
     for (uint32_t first = range.first; first < range.end; first += CHUNK) {
-        s.samples = range.end - first < CHUNK ? range.end - first : CHUNK;
-        draw(direct, block, &w, first, &s);
-        take(direct, block, w.sides, false, &s, sums, &a, counters);
+        s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw(direct, block, w, first, s);
+        take(direct, block, w->sides, false, scratch, sums, &a, counters);
     }
     conclude(block, range, &a, exact, sums);
 }
@@ -180,16 +192,16 @@ static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_
     }
 }
 
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
                    sl_counters *counters) {
-    light_samples s;
+    light_samples *s = &scratch->samples;
     answers a = {{0.0f}, {0.0f}};
     float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
     weigh_sun(direct, block, exact);
     for (uint32_t first = range.first; first < range.end; first += CHUNK) {
-        s.samples = range.end - first < CHUNK ? range.end - first : CHUNK;
-        draw_sun(direct, block, first, &s);
-        take(direct, block, 1, true, &s, sums, &a, counters);
+        s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw_sun(direct, block, first, s);
+        take(direct, block, 1, true, scratch, sums, &a, counters);
     }
     conclude(block, range, &a, exact, sums);
 }

@@ -112,16 +112,16 @@ static uint32_t lobe_samples(const queue *q, uint32_t samples) {
 }
 
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
-                      sl_counters *counters) {
+                      sl_direct_scratch *scratch, sl_counters *counters) {
     sl_lit_block one = {.count = 0};
     sl_lit_block_add(direct, gbuffer, pixel, &one);
     queue q = {.direct = direct, .at = sl_receiver_at(direct, gbuffer, pixel)};
     sl_surface surface = {.position = q.at.position, .geometric_normal = q.at.geometric_normal, .normal = q.at.normal,
                           .material = q.at.material};
     q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
-    sl_lamps lamps;
-    bool by_angle = direct->exact_count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, &lamps);
-    q.lamps = by_angle ? &lamps : NULL;
+    sl_lamps *lamps = sl_direct_scratch_lamps(scratch);
+    bool by_angle = direct->exact_count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, lamps);
+    q.lamps = by_angle ? lamps : NULL;
     uint32_t lobes = lobe_samples(&q, samples), lights = 2 * samples - lobes;
     q.light_count = (float)lights;
     q.lobe_count = (float)lobes;

@@ -100,9 +100,16 @@ void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t 
 void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
                        sl_counters *counters);
 
-void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+/* What a worker needs for a block, too large for a thread's stack: a third of a megabyte. Not set. */
+typedef struct sl_direct_scratch sl_direct_scratch;
+struct sl_lamps;
+size_t sl_direct_scratch_bytes(void);
+sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker);
+struct sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch);
+
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
                      sl_counters *counters);
-void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_sums *sums,
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
                    sl_counters *counters);
 void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block, sl_direct_sums *sums,
                      sl_counters *counters);
@@ -122,7 +129,7 @@ void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, cons
 int sl_clip_to_horizon(const sl_vec3 corner[3], sl_vec3 p, sl_vec3 n, sl_vec3 above[4]);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact, uint32_t samples,
-                      sl_counters *counters);
+                      sl_direct_scratch *scratch, sl_counters *counters);
 /* Scatter of sums [first, first + count). */
 void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count);
 /* The visible share of a row's pixels, smoothed: three planes of a row. */

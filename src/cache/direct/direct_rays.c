@@ -149,23 +149,24 @@ typedef struct {
     sl_direct_sums *sums;
     float *out[3];
     sl_counters *counters;  /* one a row of the strip */
+    void *scratch;          /* of all workers */
 } pass;
 
 static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - p->first]; }
 
-static void light_block(const pass *p, const sl_lit_block *block, sl_counters *counters) {
+static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_direct *direct = p->direct;
+    sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
     sl_sample_range pilot = {0, pilot_samples(direct)}, all = {0, direct->settings.light_samples};
     if (block->count == 0) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
-    if (direct->exact_count) sl_direct_exact(direct, block, pilot, p->sums, counters);
+    if (direct->exact_count) sl_direct_exact(direct, block, pilot, scratch, p->sums, counters);
     else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, all, p->sums, counters);
-    if (direct->sun_texels) sl_direct_sun(direct, block, pilot, p->sums, counters);
+    if (direct->sun_texels) sl_direct_sun(direct, block, pilot, scratch, p->sums, counters);
     else if (direct->settings.sun) sl_direct_wide_sun(direct, block, all, p->sums, counters);
 }
 
 static void sample_row(void *context, size_t index, unsigned worker) {
-    (void)worker;
     const pass *p = context;
     const sl_gbuffer *g = p->gbuffer;
     int y = p->row + (int)index;
@@ -175,10 +176,10 @@ static void sample_row(void *context, size_t index, unsigned worker) {
         if (!sl_pixel_reflects(g, p->direct->scene, i)) continue;
         sl_lit_block_add(p->direct, g, i, &block);
         if (block.count < SL_LIGHT_BLOCK) continue;
-        light_block(p, &block, counters_of(p, y));
+        light_block(p, &block, worker, counters_of(p, y));
         block.count = 0;
     }
-    light_block(p, &block, counters_of(p, y));
+    light_block(p, &block, worker, counters_of(p, y));
 }
 
 static bool near_penumbra(const pass *p, int x, int y) {
@@ -192,16 +193,16 @@ static bool near_penumbra(const pass *p, int x, int y) {
     return false;
 }
 
-static void refine_block(const pass *p, const sl_lit_block *block, sl_counters *counters) {
+static void refine_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_direct *direct = p->direct;
+    sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
     sl_sample_range range = {pilot_samples(direct), samples_with_refinement(direct)};
     if (block->count == 0) return;
-    if (direct->exact_count) sl_direct_exact(direct, block, range, p->sums, counters);
-    if (direct->sun_texels) sl_direct_sun(direct, block, range, p->sums, counters);
+    if (direct->exact_count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
+    if (direct->sun_texels) sl_direct_sun(direct, block, range, scratch, p->sums, counters);
 }
 
 static void refine_row(void *context, size_t index, unsigned worker) {
-    (void)worker;
     const pass *p = context;
     const sl_gbuffer *g = p->gbuffer;
     int y = p->row + (int)index;
@@ -211,10 +212,10 @@ static void refine_row(void *context, size_t index, unsigned worker) {
         if (!(p->sums->samples[i - p->sums->first] > 0.0f) || !near_penumbra(p, x, y)) continue;
         sl_lit_block_add(p->direct, g, i, &block);
         if (block.count < SL_LIGHT_BLOCK) continue;
-        refine_block(p, &block, counters_of(p, y));
+        refine_block(p, &block, worker, counters_of(p, y));
         block.count = 0;
     }
-    refine_block(p, &block, counters_of(p, y));
+    refine_block(p, &block, worker, counters_of(p, y));
 }
 
 static void scatter_row(void *context, size_t index, unsigned worker) {
@@ -225,7 +226,6 @@ static void scatter_row(void *context, size_t index, unsigned worker) {
 }
 
 static void finish_row(void *context, size_t index, unsigned worker) {
-    (void)worker;
     const pass *p = context;
     const sl_gbuffer *g = p->gbuffer;
     const sl_direct *direct = p->direct;
@@ -239,7 +239,8 @@ static void finish_row(void *context, size_t index, unsigned worker) {
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
         sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]}, glossy = {0.0f, 0.0f, 0.0f};
         if (lobe)
-            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit, direct->settings.light_samples, counters_of(p, y));
+            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit, direct->settings.light_samples,
+                                    sl_direct_scratch_of(p->scratch, worker), counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
             float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->unit;
@@ -282,9 +283,10 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     size_t width = (size_t)gbuffer->width, rows = (size_t)(end - first);
     sl_direct_sums sums;
     sl_counters *costs = sl_allocate(rows, sizeof *costs);
-    bool made = make_sums((size_t)first * width, rows * width, &sums);
-    if (made && costs) {
-        pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs};
+    void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
+    bool made = make_sums((size_t)first * width, rows * width, &sums) && costs && scratch;
+    if (made) {
+        pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs, scratch};
         run(&p, sample_row, row0, row1, margin);
         if (samples_with_refinement(direct) > pilot_samples(direct)) run(&p, refine_row, row0, row1, FILTER_MARGIN);
         run(&p, scatter_row, row0, row1, FILTER_MARGIN);
@@ -293,5 +295,6 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     }
     sl_free(sums.block);
     sl_free(costs);
-    return made && costs ? SL_OK : sl_fail_memory(error, "direct light");
+    sl_free(scratch);
+    return made ? SL_OK : sl_fail_memory(error, "direct light");
 }

@@ -18,6 +18,7 @@ typedef struct direct_job {
     uint64_t *found;   /* by each task */
     uint32_t *places;  /* neighbours a worker */
     double *distances;
+    uint64_t *keys;    /* sl_photon_keys() of neighbours a worker */
 } direct_job;
 
 typedef struct rgb_sum {
@@ -67,7 +68,8 @@ static void light_point(const direct_job *job, size_t point, sl_gathered_photons
 
 static void light_points(void *context, size_t task, unsigned worker) {
     const direct_job *job = context;
-    sl_gathered_photons g = {.place = job->places + worker * job->neighbours, .distance = job->distances + worker * job->neighbours};
+    sl_gathered_photons g = {.place = job->places + worker * job->neighbours, .distance = job->distances + worker * job->neighbours,
+                             .keys = job->keys + worker * sl_photon_keys(job->neighbours)};
     size_t end = (task + 1) * POINTS_A_TASK < job->count ? (task + 1) * POINTS_A_TASK : job->count;
     for (size_t point = task * POINTS_A_TASK; point < end; point++) {
         job->radiance[point] = sl_grey(0.0f);
@@ -88,11 +90,13 @@ sl_status sl_direct_photons_radiance(const sl_direct_photons *photons, size_t co
     job.found = sl_allocate(tasks, sizeof *job.found);
     job.places = sl_allocate(threads * job.neighbours, sizeof *job.places);
     job.distances = sl_allocate(threads * job.neighbours, sizeof *job.distances);
-    bool ready = job.found && job.places && job.distances;
+    job.keys = sl_allocate(threads * sl_photon_keys(job.neighbours), sizeof *job.keys);
+    bool ready = job.found && job.places && job.distances && job.keys;
     if (ready) sl_parallel_for(threads, tasks, light_points, &job);
     for (size_t i = 0; ready && i < tasks; i++) sl_count(counters, SL_COUNT_PHOTONS_GATHERED, job.found[i]);
     sl_free(job.found);
     sl_free(job.places);
     sl_free(job.distances);
+    sl_free(job.keys);
     return ready ? SL_OK : sl_fail_memory(error, "photon gathers");
 }

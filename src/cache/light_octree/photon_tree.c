@@ -313,8 +313,8 @@ static uint64_t *sort_ids(uint64_t *key, uint64_t *spare, size_t count, size_t i
 }
 
 void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query, sl_gathered_photons *gathered) {
-    uint64_t key[2 * SL_NEIGHBOURS_MAX + 2 * SL_PHOTON_BUCKET], spare[SL_NEIGHBOURS_MAX];
     size_t wanted = query->neighbours < SL_NEIGHBOURS_MAX ? query->neighbours : SL_NEIGHBOURS_MAX;
+    uint64_t *spare = gathered->keys, *key = spare + wanted;
     sl_photon_search search = begin_search(query, wanted, key);
     const sl_photon_buckets buckets = {tree->buckets, tree->bucket, tree->box};
     if (wanted > 0 && sl_is_finite(query->centre) && sl_is_finite(query->normal)) tree->search(&buckets, &search);

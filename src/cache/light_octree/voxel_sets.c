@@ -30,9 +30,10 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
     if (ranks) w->ranked = sl_allocate(k, sl_voxel_ranking_bytes());
     w->gathered.place = sl_allocate(k, sizeof *w->gathered.place);
     w->gathered.distance = sl_allocate(k, sizeof *w->gathered.distance);
+    w->gathered.keys = sl_allocate(sl_photon_keys(k), sizeof *w->gathered.keys);
     if (lights->work->surroundings) w->marks.mark = sl_allocate(lights->work->scene->triangle_count, sizeof *w->marks.mark);
     if (pieces > 0) w->pieces = sl_allocate(pieces, sizeof *w->pieces);
-    bool good = w->gathered.place && w->gathered.distance && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
+    bool good = w->gathered.place && w->gathered.distance && w->gathered.keys && (w->marks.mark || !lights->work->surroundings) && (w->pieces || pieces == 0) &&
                 (w->ranked || !ranks);
     sl_status status = good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
     bool hulls = lights->work->surroundings && !lights->options.whole_area;
@@ -45,6 +46,7 @@ static void destroy_work(sl_voxel_work *work) {
         sl_voxel_worker *w = &work->worker[i];
         sl_free(w->gathered.place);
         sl_free(w->gathered.distance);
+        sl_free(w->gathered.keys);
         sl_free(w->ranked);
         sl_free(w->marks.mark);
         sl_free(w->pieces);

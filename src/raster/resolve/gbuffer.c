@@ -234,15 +234,15 @@ static sl_pass_view *make_views(size_t count, const sl_view *views) {
 typedef struct {
     resolution resolution;
     uint64_t *shaded; /* by strip */
+    workspace *worker; /* too large for a thread's stack */
 } strips;
 
 static void resolve_strip(void *context, size_t index, unsigned worker) {
-    (void)worker;
     const strips *s = context;
     size_t first = index * STRIP, pixels = s->resolution.pixels, end = pixels - first < STRIP ? pixels : first + STRIP;
-    workspace w;
-    memset(&w, 0, sizeof w);
-    s->shaded[index] = resolve_pixels(&s->resolution, first, end, &w);
+    workspace *w = &s->worker[worker];
+    memset(w, 0, sizeof *w);
+    s->shaded[index] = resolve_pixels(&s->resolution, first, end, w);
     sl_stream_end();
 }
 
@@ -251,15 +251,17 @@ static sl_status resolve(const sl_raster *raster, size_t view_count, const sl_vi
     size_t pixels = (size_t)views[0].width * (size_t)views[0].height, count = (pixels + STRIP - 1) / STRIP;
     uint64_t *shaded = sl_allocate(count, sizeof *shaded);
     sl_pass_view *pass = make_views(view_count, views);
-    bool ok = shaded && pass;
+    workspace *worker = sl_allocate_unset(sl_thread_count(threads), sizeof *worker);
+    bool ok = shaded && pass && worker;
     if (ok) {
         strips s = {{.raster = raster, .views = pass, .path = path, .id = id, .out = g, .pixels = pixels,
-                     .positions = positions_wanted(g), .normals = normals_wanted(g)}, shaded};
+                     .positions = positions_wanted(g), .normals = normals_wanted(g)}, shaded, worker};
         sl_parallel_for(sl_thread_count(threads), count, resolve_strip, &s);
         for (size_t n = 0; n < count; n++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[n]);
     }
     sl_free(shaded);
     sl_free(pass);
+    sl_free(worker);
     return ok ? SL_OK : sl_fail_memory(error, "the G-buffer's resolution");
 }
 
