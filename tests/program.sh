@@ -45,7 +45,7 @@ refused() { # refused NAME REASON: what "$folder/err" says, and "$folder/place" 
 full() { # full FILE ARGUMENTS...: on a disk that is full (a file may have 512 bytes)
     mkdir "$folder/place"
     out=$folder/place/$1; shift
-    timeout 120 sh -c 'trap "" XFSZ; ulimit -f 1; exec "$@"' sh "$program" "$@" "$out" 2>&1 >/dev/null | cat >"$folder/err"
+    timeout 120 sh -c 'ulimit -f 1; exec "$@"' sh "$program" "$@" "$out" 2>&1 >/dev/null | cat >"$folder/err"
     refused "full disk: $*" 'File too large'
 }
 read_only() { # read_only FILE ARGUMENTS...: in a folder that nobody may write to, which does not stop root
@@ -284,6 +284,9 @@ sleep 2
 kill -INT $pid
 wait $pid
 status=$?
-[ $status -eq 0 ] && [ -s "$folder/i.exr" ] && grep -q 'holds what was done' "$folder/err" ||
+[ $status -eq 130 ] && [ -s "$folder/i.exr" ] && grep -q 'holds what was done' "$folder/err" ||
     { echo "interrupted: status $status"; cat "$folder/err"; bad=1; }
+# A file that may not grow is told in a line.
+(ulimit -f 1; "$program" render scenes/cornell.json -s 64x64 -m path --spp 1 --quiet -t 1 -o "$folder/x.pfm" 2>"$folder/err")
+[ $? -eq 4 ] && grep -q 'File too large' "$folder/err" && [ ! -e "$folder/x.pfm" ] || { echo 'a file-size limit is no output error'; cat "$folder/err"; bad=1; }
 exit $bad

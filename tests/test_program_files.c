@@ -9,12 +9,14 @@
 
 #include <cjson/cJSON.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "app/commands.h"
@@ -273,6 +275,62 @@ static void looking_whether_a_file_can_be_written_leaves_no_trace(void **state) 
     alarm(0);
 }
 
+/* ---- signals ---------------------------------------------------------------------------------------------------------------------- */
+
+/* Waits until the process handles a signal itself. */
+static void wait_for_handler(pid_t process, int signal_number) {
+    char name[64], line[200];
+    snprintf(name, sizeof name, "/proc/%d/status", (int)process);
+    for (int i = 0; i < 3000; i++) {
+        unsigned long long caught = 0;
+        FILE *file = fopen(name, "r");
+        while (file && fgets(line, sizeof line, file)) sscanf(line, "SigCgt: %llx", &caught);
+        if (file) fclose(file);
+        if (caught >> (signal_number - 1) & 1) return;
+        nanosleep(&(struct timespec){0, 10000000}, NULL);
+    }
+    fail_msg("signal %d is not handled", signal_number);
+}
+
+/* Without end. */
+static const char endless[] = "scenes/cornell-point.json -s 16x16 -m path --spp 100000000 -t 1";
+
+static void expect_kept(const char *rest, int signal_number, const char *picture) {
+    char line[300];
+    snprintf(line, sizeof line, "%s %s -o %%/%s", endless, rest, picture);
+    pid_t child = start(sl_command_render, line);
+    wait_for_handler(child, SIGTERM);
+    kill(child, signal_number);
+    int ended = end_of(child);
+    if (!WIFEXITED(ended) || WEXITSTATUS(ended) != 128 + signal_number) fail_msg("%s: ended with %x: %s", line, (unsigned)ended, err);
+    assert_int_equal(access(path_of(picture), F_OK), 0);
+}
+
+static void what_is_done_is_kept_whatever_ends_it_and_the_status_tells(void **state) {
+    (void)state;
+    expect_kept("", SIGINT, "int.pfm");
+    assert_true(says(err, "holds what was done"));
+    expect_kept("", SIGTERM, "term.pfm");
+    expect_kept("", SIGHUP, "hup.pfm");
+    expect_kept("--error 0.01% --quiet", SIGINT, "error.pfm");
+    expect_kept("--time 1000 --quiet", SIGHUP, "time.pfm");
+}
+
+static void who_ignores_that_the_terminal_closes_goes_on(void **state) { /* nohup */
+    (void)state;
+    char line[300];
+    snprintf(line, sizeof line, "%s -o %%/nohup.pfm", endless);
+    signal(SIGHUP, SIG_IGN);
+    pid_t child = start(sl_command_render, line);
+    signal(SIGHUP, SIG_DFL);
+    wait_for_handler(child, SIGTERM);
+    kill(child, SIGHUP);
+    kill(child, SIGTERM);
+    int ended = end_of(child);
+    assert_true(WIFEXITED(ended));
+    assert_int_equal(WEXITSTATUS(ended), 128 + SIGTERM);
+}
+
 static int make_folder(void **state) {
     (void)state;
     return mkdtemp(base) ? 0 : -1;
@@ -296,6 +354,8 @@ int main(void) {
         cmocka_unit_test(a_rendered_png_tells_its_exposure),
         cmocka_unit_test(what_cannot_be_written_is_noticed_before_the_work),
         cmocka_unit_test(looking_whether_a_file_can_be_written_leaves_no_trace),
+        cmocka_unit_test(what_is_done_is_kept_whatever_ends_it_and_the_status_tells),
+        cmocka_unit_test(who_ignores_that_the_terminal_closes_goes_on),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

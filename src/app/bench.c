@@ -27,7 +27,7 @@ static const char details[] =
     "set of light paths is made by the path tracer, and kept. DIR then holds report.html (one file with everything in it), report.md,\n"
     "results.csv, plots as SVG, the pictures, and journal.jsonl: what was measured, a line a run. Ctrl-C keeps it; the same command goes on from there.\n"
     "Times are the processor's, of all threads together; the clock's stand beside them. A trial that crashes or does not end is a row that says so.\n\n"
-    "exit status 0, 2 usage, 3 input (no scene could be read), 4 output, 5 resources\n\n"
+    "exit status 0, 2 usage, 3 input (no scene could be read), 4 output, 5 resources, 128 + N cut short by signal N (Ctrl-C: 130)\n\n"
     "example: softlux bench scenes/cornell.json -o build/report";
 
 typedef struct request {
@@ -322,7 +322,8 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
     }
     if (o->json) sl_report_json(r, stdout);
     else if (!o->quiet && !o->trials_only && !o->references_only) sl_report_terminal(r, stdout);
-    return measured || r->interrupted ? 0 : SL_ERROR_INPUT;
+    if (r->interrupted) return sl_interrupted_status();
+    return measured ? 0 : SL_ERROR_INPUT;
 }
 
 int sl_command_bench(int argc, char **argv) {

@@ -18,8 +18,7 @@ double sl_process_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 static volatile sig_atomic_t interrupted;
 
 static void on_interrupt(int signal_number) {
-    (void)signal_number;
-    interrupted = 1;
+    interrupted = signal_number;
 }
 
 void sl_watch_for_interrupt(void) {
@@ -29,9 +28,12 @@ void sl_watch_for_interrupt(void) {
     action.sa_flags = (int)SA_RESETHAND; /* a second Ctrl-C ends the program at once */
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    struct sigaction before;
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, NULL);
 }
 
 bool sl_interrupted(void) { return interrupted != 0; }
+int sl_interrupted_status(void) { return 128 + (int)interrupted; }
 
 /* In small steps: the signal may have gone to another thread. */
 void sl_sleep_until(double now) {

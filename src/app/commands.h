@@ -1,9 +1,9 @@
 /* The program's subcommands: each takes the arguments after its own name and returns the exit status:
- * 0, 1 (comparison failed), 2 (usage), 3 (input), 4 (output), 5 (resources). */
+ * 0, 1 (comparison failed), 2 (usage), 3 (input), 4 (output), 5 (resources), above 128 (cut short by a signal, 128 + its number). */
 #ifndef SL_APP_COMMANDS_H
 #define SL_APP_COMMANDS_H
 
-enum { SL_EXIT_COMPARISON_FAILED = 1 };
+enum { SL_EXIT_COMPARISON_FAILED = 1, SL_EXIT_SIGNAL = 128 };
 
 int sl_command_render(int argc, char **argv);
 int sl_command_compare(int argc, char **argv);

@@ -52,7 +52,8 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         "softlux live SCENE [-o FILES] [options]",
         "Plays a scene's keyframes in real time: frames never wait for light, which comes from a thread of its own.",
         "The method is the shading cache where --method names no other: it alone shows what moves at once.\n"
-        "What frames show depends on the clock; for the same pictures twice: softlux render --frames.\n\n"
+        "What frames show depends on the clock; for the same pictures twice: softlux render --frames.\n"
+        "Ctrl-C ends the show as its --seconds do: what was shown is whole, and the exit status 0.\n\n"
         "example: softlux live scenes/moving-light.json --seconds 10 -o - | ffplay -",
         options, 1, 1};
     int operands;

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -30,7 +31,8 @@ static void print_help(FILE *out) {
                  "Global illumination of triangle scenes on a CPU: deterministic, without a GPU.\n\ncommands:\n");
     for (size_t i = 0; i < COMMANDS; i++) fprintf(out, "  %-15s %s\n", commands[i].name, commands[i].summary);
     fprintf(out, "\n`softlux COMMAND --help` tells more; `softlux --version` prints the version.\n"
-                 "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources.\n\n"
+                 "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources; 128 + N where signal N (Ctrl-C: 2)\n"
+                 "cut the work short: what was done by then is written.\n\n"
                  "example: softlux render scenes/cornell.json -o cornell.png\n");
 }
 
@@ -83,7 +85,16 @@ static int run(int argc, char **argv) {
     return SL_ERROR_USAGE;
 }
 
+/* As if the signal had not been handled: a shell sees 128 + its number, and leaves its loop. */
+static int end_by_signal(int status) {
+    if (status <= SL_EXIT_SIGNAL) return status;
+    signal(status - SL_EXIT_SIGNAL, SIG_DFL);
+    raise(status - SL_EXIT_SIGNAL);
+    return status;
+}
+
 int main(int argc, char **argv) {
     hold_standard_streams();
-    return conclude(run(argc, argv));
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an output error, told in a line */
+    return end_by_signal(conclude(run(argc, argv)));
 }

@@ -184,7 +184,11 @@ static void print_picture(const sl_render_options *o, const sl_scene *scene, con
     sl_picture_print_json(json);
 }
 
-sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_error *error) {
+static bool was_stopped(const sl_render_options *o, const sl_progress *progress) {
+    return sl_interrupted() && !progress->done && !(o->batches && progress->batches >= o->batches);
+}
+
+sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, sl_render_end *end, sl_error *error) {
     double start = sl_seconds_now();
     sl_method *method = NULL;
     sl_progress progress = {0};
@@ -194,6 +198,7 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
     if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
     if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &w, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
+    if (was_stopped(o, &progress)) *end = SL_RENDER_STOPPED;
     if (status == SL_OK) {
         if (!progress.done && !o->quiet)
             fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
@@ -238,10 +243,10 @@ static sl_status render_frame(const sl_render_options *o, sl_method *method, uns
     return status;
 }
 
-sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error *error) {
+sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_render_end *end, sl_error *error) {
     double begin = sl_seconds_now();
     sl_method *method = NULL;
-    unsigned long long frame = 0;
+    unsigned long long frame = 0, whole = 0;
     sl_watch_for_interrupt();
     sl_status status = sl_scene_set_time(scene, o->at_seconds, NULL, error);
     if (status == SL_OK) status = create(o, scene, &method, error);
@@ -250,7 +255,9 @@ sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_error
         if (frame) status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
         if (status == SL_OK && changes) status = sl_method_edit(method, changes, error);
         if (status == SL_OK) status = render_frame(o, method, frame, begin, error);
+        whole += !sl_interrupted();
     }
+    if (whole < o->frames) *end = SL_RENDER_STOPPED;
     if (!o->quiet && isatty(STDERR_FILENO)) fputc('\n', stderr);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (status == SL_OK && sl_interrupted() && !o->quiet)

@@ -27,10 +27,17 @@ typedef struct sl_render_options {
 bool sl_output_is_known(const sl_render_options *options, sl_error *error);
 /* Fails where the picture, the first of a series or the cache could not be written. */
 sl_status sl_output_is_open(const sl_render_options *options, sl_error *error);
-/* One picture of the scene as it stands. */
-sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_error *error);
+/* How a render ended that did not fail. */
+typedef enum sl_render_end {
+    SL_RENDER_DONE,
+    SL_RENDER_MISSED, /* the error that was asked for */
+    SL_RENDER_STOPPED /* by a signal, with work left */
+} sl_render_end;
+
+/* One picture of the scene as it stands. *end is left alone where all is done. */
+sl_status sl_render_picture(const sl_render_options *options, const sl_scene *scene, sl_render_end *end, sl_error *error);
 /* A series: the scene at at_seconds, then a frame's time later, and so on. What the method keeps between frames it keeps. */
-sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_error *error);
+sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl_render_end *end, sl_error *error);
 
 /* ---- what pictures made in other ways share (app/target.c) ---- */
 

@@ -1,5 +1,6 @@
 /* softlux render: a picture of a scene, or a series of an animated one. */
 #include "app/auto_method.h"
+#include "app/clock.h"
 #include "app/commands.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
@@ -49,7 +50,8 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         "more samples); options that are given stay as they are, and --error begins at a given --quality. The error is that\n"
         "against a converged picture of the same light paths, estimated from path traced probe pixels: no reference is needed.\n"
         "Where a method does not get within E its best picture is written all the same, and the exit status is 1.\n\n"
-        "Ctrl-C writes what is done so far. A picture stopped by --time can be had again, bit for bit, with the settings\n"
+        "Ctrl-C (SIGINT), SIGTERM and SIGHUP write what is done so far and say so by the exit status: 128 + the signal's number\n"
+        "(130 for Ctrl-C), also of a series, whose whole frames are kept. A second one ends the program at once. A picture stopped by --time can be had again, bit for bit, with the settings\n"
         "that its metadata tells, and --batches with the number in softlux.batches.\n\n"
         "example: softlux render scenes/cornell.json -q high -o cornell.exr",
         options, 1, 1};
@@ -109,13 +111,12 @@ static sl_status choose_method(sl_render_options *o, sl_scene *scene, sl_error *
     return status == SL_OK ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error) : status;
 }
 
-static sl_status render(sl_render_options *o, sl_scene *scene, bool *reached, sl_error *error) {
-    *reached = true;
+static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *end, sl_error *error) {
     sl_status status = choose_method(o, scene, error);
     if (status != SL_OK) return status;
-    if (o->frames) return sl_render_frames(o, scene, error);
-    if (sl_target_wanted(o)) return sl_render_to_target(o, scene, reached, error);
-    return sl_render_picture(o, scene, error);
+    if (o->frames) return sl_render_frames(o, scene, end, error);
+    if (sl_target_wanted(o)) return sl_render_to_target(o, scene, end, error);
+    return sl_render_picture(o, scene, end, error);
 }
 
 /* A cache may be kept in the file that it came from. */
@@ -127,7 +128,8 @@ static bool loses_nothing(const sl_render_options *o) {
 int sl_command_render(int argc, char **argv) {
     sl_render_options o;
     int exit_status;
-    bool at_given, reached = true;
+    bool at_given;
+    sl_render_end end = SL_RENDER_DONE;
     const char *error_text;
     if (!parse(argc, argv, &o, &at_given, &error_text, &exit_status)) return exit_status;
     if (!take_error(&o, error_text) || !take_frames(&o)) return SL_ERROR_USAGE;
@@ -142,9 +144,9 @@ int sl_command_render(int argc, char **argv) {
     if (status == SL_OK && at_given) status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
     if (status == SL_OK) {
         if (!o.quiet) print_warnings(scene);
-        status = render(&o, scene, &reached, &error);
+        status = render(&o, scene, &end, &error);
     }
     sl_scene_destroy(scene);
     if (status != SL_OK) return report(&error);
-    return reached ? 0 : SL_EXIT_COMPARISON_FAILED;
+    return end == SL_RENDER_STOPPED ? sl_interrupted_status() : end == SL_RENDER_MISSED ? SL_EXIT_COMPARISON_FAILED : 0;
 }

@@ -261,7 +261,7 @@ static void say_how_it_ended(const climb *c) {
                 100.0 * p->progress.fraction, o->output);
 }
 
-sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, bool *reached, sl_error *error) {
+sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, sl_render_end *end, sl_error *error) {
     climb c = {.o = o, .scene = scene, .asked = o->settings, .start = sl_seconds_now()};
     double stops = 0.0;
     sl_watch_for_interrupt();
@@ -279,7 +279,8 @@ sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene,
             c.best.json = NULL;
         }
     }
-    *reached = c.reached || !(o->error > 0.0);
+    if (!c.reached && o->error > 0.0) *end = SL_RENDER_MISSED;
+    if (!c.reached && sl_interrupted()) *end = SL_RENDER_STOPPED;
     release(&c.best);
     sl_error_probe_destroy(c.probe);
     return status;

@@ -33,6 +33,7 @@ static _Noreturn void be_child(sl_child_work *work, void *context, const sl_chil
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody would read what it finds out */
     if (getppid() != parent) _exit(EXIT_FAILED);
     signal(SIGINT, SIG_IGN); /* the parent, who got it too, decides */
+    signal(SIGHUP, SIG_IGN);
     signal(SIGTERM, SIG_DFL);
     signal(SIGPIPE, SIG_DFL);
     const struct rlimit none = {0, 0};
