@@ -108,11 +108,11 @@ static sl_status read_header(exr_reader *reader, sl_error *error) {
     reader->data_width = box_width(&reader->data);
     reader->data_height = box_height(&reader->data);
     if (status == SL_OK) {
-        status = sl_check_claimed_size(reader->source.bytes, reader->data_width, reader->data_height, expansion, error);
+        status = sl_check_claimed_channels(reader->source.bytes, reader->data_width, reader->data_height, reader->channels->num_channels, expansion, error);
     }
     if (status == SL_OK) {
-        status = sl_check_claimed_size(reader->source.bytes, box_width(&reader->display), box_height(&reader->display),
-                                       expansion, error);
+        status = sl_check_claimed_channels(reader->source.bytes, box_width(&reader->display), box_height(&reader->display),
+                                           reader->channels->num_channels, expansion, error);
     }
     return status;
 }
@@ -334,6 +334,7 @@ sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
     start.size_fn = source_size;
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION; /* a file cut short is an error, not half a picture */
     sl_status status = SL_OK;
+    if (!sl_exr_header_is_sound(bytes)) return sl_fail(error, SL_ERROR_INPUT, "%s: damaged EXR: its header's sizes cannot be", bytes->path);
     exr_result_t result = exr_start_read(&reader.context, bytes->path, &start);
     if (result == EXR_ERR_OUT_OF_MEMORY) reader.source.starved = true;
     if (result != EXR_ERR_SUCCESS) status = fail_reading(&reader, error);

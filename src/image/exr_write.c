@@ -37,18 +37,25 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *f
 /* OpenEXR wants channels in the order of their names. */
 static int compare_names(const void *a, const void *b) { return strcmp(*(const char *const *)a, *(const char *const *)b); }
 
-static exr_result_t add_channels(exr_context_t context, const sl_image *image) {
-    size_t count = (size_t)image->channels;
-    const char **names = sl_allocate(count, sizeof *names);
-    if (!names) return EXR_ERR_OUT_OF_MEMORY;
-    for (size_t c = 0; c < count; c++) names[c] = image->channel_name[c];
-    qsort(names, count, sizeof *names, compare_names); /* names are distinct, so the order is total */
+static const char **sort_names(const sl_image *image) {
+    const char **names = sl_allocate((size_t)image->channels, sizeof *names);
+    for (int c = 0; names && c < image->channels; c++) names[c] = image->channel_name[c];
+    if (names) qsort(names, (size_t)image->channels, sizeof *names, compare_names); /* names are distinct, so the order is total */
+    return names;
+}
+
+static exr_result_t add_channels(exr_context_t context, const char *const *names, int count) {
     exr_result_t result = EXR_ERR_SUCCESS;
-    for (size_t c = 0; c < count && result == EXR_ERR_SUCCESS; c++) {
+    for (int c = 0; c < count && result == EXR_ERR_SUCCESS; c++) {
         result = exr_add_channel(context, 0, names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     }
-    sl_free(names);
     return result;
+}
+
+/* Of a channel by its place among the sorted ones. */
+static const float *plane_of(const sl_image *image, const char *const *names, int c) {
+    size_t channel = (size_t)(names[c] - image->channel_name[0]) / SL_CHANNEL_NAME_MAX;
+    return image->planes + channel * (size_t)image->width * (size_t)image->height;
 }
 
 static exr_result_t add_metadata(exr_context_t context, const sl_image *image) {
@@ -78,7 +85,7 @@ static const char *reserved_key(const sl_image *image) {
     return NULL;
 }
 
-static exr_result_t write_header(exr_context_t context, const sl_image *image) {
+static exr_result_t write_header(exr_context_t context, const sl_image *image, const char *const *names) {
     int part;
     exr_result_t result = exr_set_longname_support(context, 1); /* names of up to 255 bytes; only a version flag if unused */
     if (result == EXR_ERR_SUCCESS) result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
@@ -88,7 +95,7 @@ static exr_result_t write_header(exr_context_t context, const sl_image *image) {
         result = exr_initialize_required_attr(context, 0, &window, &window, 1.0f, &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
                                               EXR_COMPRESSION_ZIP);
     }
-    if (result == EXR_ERR_SUCCESS) result = add_channels(context, image);
+    if (result == EXR_ERR_SUCCESS) result = add_channels(context, names, image->channels);
     if (result == EXR_ERR_SUCCESS) result = add_metadata(context, image);
     return result == EXR_ERR_SUCCESS ? exr_write_header(context) : result;
 }
@@ -109,7 +116,7 @@ static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
     return result;
 }
 
-static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, int y, exr_encode_pipeline_t *encoder,
+static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, const char *const *names, int y, exr_encode_pipeline_t *encoder,
                                  compress_function **compress) {
     exr_chunk_info_t info;
     exr_result_t result = exr_write_scanline_chunk_info(context, 0, y, &info);
@@ -119,7 +126,7 @@ static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, i
     if (result != EXR_ERR_SUCCESS) return result;
     for (int c = 0; c < encoder->channel_count; c++) {
         exr_coding_channel_info_t *channel = &encoder->channels[c];
-        const float *plane = sl_image_channel(image, channel->channel_name);
+        const float *plane = plane_of(image, names, c); /* the file has them in the order of their names */
         channel->encode_from_ptr = (const uint8_t *)(plane + (size_t)y * (size_t)image->width);
         channel->user_bytes_per_element = 4;
         channel->user_data_type = EXR_PIXEL_FLOAT;
@@ -135,13 +142,13 @@ static exr_result_t encode_chunk(exr_context_t context, const sl_image *image, i
     return result == EXR_ERR_SUCCESS ? exr_encoding_run(context, 0, encoder) : result;
 }
 
-static exr_result_t write_pixels(exr_context_t context, const sl_image *image) {
+static exr_result_t write_pixels(exr_context_t context, const sl_image *image, const char *const *names) {
     int32_t lines;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     compress_function *compress = NULL;
     exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
     for (int y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += lines) {
-        result = encode_chunk(context, image, y, &encoder, &compress);
+        result = encode_chunk(context, image, names, y, &encoder, &compress);
     }
     if (encoder.channels) exr_encoding_destroy(context, &encoder);
     return result;
@@ -160,9 +167,11 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
     start.write_fn = sink_write;
     start.zip_level = 4; /* said, so that the bytes do not change with the library's defaults */
     exr_context_t context = NULL;
-    exr_result_t result = exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start);
-    if (result == EXR_ERR_SUCCESS) result = write_header(context, image);
-    if (result == EXR_ERR_SUCCESS) result = write_pixels(context, image);
+    const char **names = sort_names(image);
+    exr_result_t result = names ? exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start) : EXR_ERR_OUT_OF_MEMORY;
+    if (result == EXR_ERR_SUCCESS) result = write_header(context, image, names);
+    if (result == EXR_ERR_SUCCESS) result = write_pixels(context, image, names);
+    sl_free(names);
     if (context) {
         exr_result_t finished = exr_finish(&context); /* writes the table of chunks */
         if (result == EXR_ERR_SUCCESS) result = finished;

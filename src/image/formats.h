@@ -16,11 +16,14 @@ sl_status sl_bytes_read(const char *path, sl_bytes *bytes, sl_error *error);
 /* Refuses a size that no file of so few bytes can mean, before memory is asked for. `expansion`: the most pixels that
  * a byte can hold in the format. */
 sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t height, uint64_t expansion, sl_error *error);
+/* The same of all its channels. */
+sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels, uint64_t expansion, sl_error *error);
 
 /* sl_image_read() of a file that is in memory already. */
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
 bool sl_exr_recognise(const sl_bytes *bytes);
+bool sl_exr_header_is_sound(const sl_bytes *bytes);
 sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);
 

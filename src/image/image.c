@@ -34,6 +34,19 @@ static sl_status fail_nameless(int channels, sl_error *error) {
     return sl_fail(error, SL_ERROR_USAGE, "an image of %d channels needs their names", channels);
 }
 
+static int compare_names(const void *a, const void *b) { return strcmp(*(const char *const *)a, *(const char *const *)b); }
+
+/* Sorted, since there may be tens of thousands. */
+static sl_status check_distinct(const sl_image *image, sl_error *error) {
+    const char *twice = NULL, **sorted = sl_allocate((size_t)image->channels, sizeof *sorted);
+    if (!sorted) return sl_fail_memory(error, "an image");
+    for (int c = 0; c < image->channels; c++) sorted[c] = image->channel_name[c];
+    qsort(sorted, (size_t)image->channels, sizeof *sorted, compare_names);
+    for (int c = 1; c < image->channels && !twice; c++) twice = strcmp(sorted[c - 1], sorted[c]) == 0 ? sorted[c] : NULL;
+    sl_free(sorted);
+    return twice ? sl_fail(error, SL_ERROR_USAGE, "two channels are called '%s'", twice) : SL_OK;
+}
+
 static sl_status name_channels(sl_image *image, const char *const *names, sl_error *error) {
     for (int c = 0; c < image->channels; c++) {
         const char *name = names ? names[c] : default_channel_name(image->channels, c);
@@ -43,14 +56,9 @@ static sl_status name_channels(sl_image *image, const char *const *names, sl_err
             return sl_fail(error, SL_ERROR_USAGE, "a channel name has 1 to %d bytes, '%s' has %zu", SL_CHANNEL_NAME_MAX - 1,
                            name, length);
         }
-        for (int other = 0; other < c; other++) {
-            if (strcmp(image->channel_name[other], name) == 0) {
-                return sl_fail(error, SL_ERROR_USAGE, "two channels are called '%s'", name);
-            }
-        }
         memcpy(image->channel_name[c], name, length + 1);
     }
-    return SL_OK;
+    return check_distinct(image, error);
 }
 
 static sl_status create(int width, int height, int channels, const char *const *channel_names, bool clear, sl_image **image,

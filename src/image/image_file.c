@@ -65,6 +65,16 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
     return SL_OK;
 }
 
+sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels, uint64_t expansion, sl_error *error) {
+    const uint64_t small = (uint64_t)1 << 22;
+    sl_status status = sl_check_claimed_size(bytes, width, height, expansion, error);
+    if (status != SL_OK) return status;
+    uint64_t values = (uint64_t)width * (uint64_t)height * (uint64_t)channels; /* 2^29 pixels at most */
+    if (values <= small || values / expansion <= bytes->size) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: claims %lld x %lld pixels of %d channels, too many for its %zu bytes", bytes->path, (long long)width,
+                   (long long)height, channels, bytes->size);
+}
+
 /* ---- 8-bit pictures ---------------------------------------------------------------------------------------------- */
 
 sl_status sl_decode_texels(const char *path, const void *memory, size_t size, int *width, int *height, bool *has_alpha,
