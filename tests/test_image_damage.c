@@ -15,9 +15,6 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image_write.h>
 
-#include <sys/resource.h>
-
-#include "base/sanitized.h"
 #include "base/random.h"
 #include "image/decode.h"
 #include "image/formats.h"
@@ -226,38 +223,6 @@ static void a_huge_exr_window_is_refused(void **state) {
     }
 }
 
-/* Sizes and corners that cannot be make the library ask for memory that nobody has. */
-static void a_damaged_exr_header_is_no_want_of_memory(void **state) {
-    static const float value[16] = {0};
-    static const uint32_t absurd[] = {0x80000000u, 0x7fffffffu, 0xffffffffu, 0x10000000u};
-    const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, value, 1}};
-    exr_test_file file = {.width = 4, .height = 4, .channels = channels, .channel_count = 1};
-    const char *path = temporary_path(state, "header.exr");
-    size_t size;
-    write_exr(path, &file);
-    uint8_t *bytes = read_file(path, &size);
-    struct rlimit before, little = {(rlim_t)1 << 30, (rlim_t)1 << 30};
-    assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
-    little.rlim_max = before.rlim_max;
-    if (!SL_SANITIZED) assert_int_equal(setrlimit(RLIMIT_AS, &little), 0); /* what nobody has is then less */
-    for (size_t at = 8; at + 4 <= size && at < 400; at++) {
-        uint8_t kept[4];
-        memcpy(kept, bytes + at, 4);
-        for (size_t k = 0; k < sizeof absurd / sizeof *absurd; k++) {
-            sl_error error = {0};
-            sl_image *image = NULL;
-            memcpy(bytes + at, &absurd[k], 4);
-            write_file(path, bytes, size);
-            sl_status status = sl_image_read(path, &image, &error);
-            if (status != SL_OK && (status != SL_ERROR_INPUT || !strstr(error.message, "header.exr"))) fail_msg("%x at %zu: %s", absurd[k], at, error.message);
-            sl_image_destroy(image);
-        }
-        memcpy(bytes + at, kept, 4);
-    }
-    setrlimit(RLIMIT_AS, &before);
-    free(bytes);
-}
-
 /* A small file of many channels may not claim a large picture in each. */
 static void the_channels_of_an_exr_count_in_its_claim(void **state) {
     enum { CHANNELS = 1000 };
@@ -310,7 +275,6 @@ int main(void) {
         cmocka_unit_test(changed_bytes_never_crash_a_reader),
         cmocka_unit_test(absurd_sizes_are_refused_before_memory_is_asked_for),
         cmocka_unit_test(a_huge_exr_window_is_refused),
-        cmocka_unit_test(a_damaged_exr_header_is_no_want_of_memory),
         cmocka_unit_test(the_channels_of_an_exr_count_in_its_claim),
         cmocka_unit_test(a_jpeg_behind_fill_bytes_is_checked_too),
         cmocka_unit_test(what_cannot_be_opened_is_named),

@@ -334,7 +334,6 @@ sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
     start.size_fn = source_size;
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION; /* a file cut short is an error, not half a picture */
     sl_status status = SL_OK;
-    if (!sl_exr_header_is_sound(bytes)) return sl_fail(error, SL_ERROR_INPUT, "%s: damaged EXR: its header's sizes cannot be", bytes->path);
     exr_result_t result = exr_start_read(&reader.context, bytes->path, &start);
     if (result == EXR_ERR_OUT_OF_MEMORY) reader.source.starved = true;
     if (result != EXR_ERR_SUCCESS) status = fail_reading(&reader, error);

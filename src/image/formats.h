@@ -23,7 +23,6 @@ sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
 bool sl_exr_recognise(const sl_bytes *bytes);
-bool sl_exr_header_is_sound(const sl_bytes *bytes);
 sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);
 

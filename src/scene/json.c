@@ -111,12 +111,60 @@ static const char *find_zero(const char *text) {
     return NULL;
 }
 
+static const char *skip_digits(const char *at) {
+    while (*at >= '0' && *at <= '9') at++;
+    return at;
+}
+
+/* -? (0 | 1-9 digits) (. digits)? ([eE] [+-]? digits)?; returns where it ends, NULL: it is none. */
+static const char *end_of_number(const char *at) {
+    at += *at == '-';
+    const char *end = *at == '0' ? at + 1 : skip_digits(at);
+    if (end == at) return NULL;
+    if (*end == '.' && skip_digits(end + 1) == end + 1) return NULL;
+    if (*end == '.') end = skip_digits(end + 1);
+    if (*end != 'e' && *end != 'E') return end;
+    end += end[1] == '+' || end[1] == '-' ? 2 : 1;
+    return skip_digits(end) == end ? NULL : skip_digits(end);
+}
+
+static const char *skip_text(const char *at) {
+    for (at++; *at && *at != '"'; at++) at += *at == '\\' && at[1];
+    return *at ? at : at - 1;
+}
+
+/* What the parser takes though it is no JSON, or takes for the end of the file: numbers as 012 and 2., commas before a closing bracket. NULL: nothing. */
+static const char *find_loose(const char *text) {
+    for (const char *at = text; *at; at++) {
+        if (*at == '"') {
+            at = skip_text(at);
+        } else if (*at == ',') {
+            const char *next = at + 1 + strspn(at + 1, " \t\r\n");
+            if (*next == ']' || *next == '}') return at;
+        } else if (strchr("+-.0123456789", *at)) {
+            const char *end = end_of_number(at);
+            if (!end || (*end && !strchr(" \t\r\n,]}", *end))) return at;
+            at = end - 1;
+        } else if ((*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z')) {
+            at += strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ") - 1; /* true, null, or what the parser refuses */
+        }
+    }
+    return NULL;
+}
+
 static sl_status check_limits(const sl_json *json, size_t size) {
     if (size > SL_JSON_BYTES) return sl_fail(json->error, SL_ERROR_INPUT, "%s: expected a scene file of at most %d bytes, got %zu", json->path, SL_JSON_BYTES, size);
     const char *deep = find_too_deep(json->text), *zero = find_zero(json->text);
     if (zero) return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected strings without \\u0000", json->path, line_of(json->text, zero));
     if (!deep) return SL_OK;
     return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected brackets nested at most %d deep", json->path, line_of(json->text, deep), SL_JSON_NESTING);
+}
+
+static sl_status fail_syntax(const sl_json *json, const char *at) {
+    while (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r') at++;
+    int shown = (int)strcspn(at, "\r\n");
+    return sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: expected valid JSON, got %s%.*s", json->path, line_of(json->text, at),
+                   *at ? "" : "the end of the file", shown < 40 ? shown : 40, at);
 }
 
 sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
@@ -127,17 +175,15 @@ sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
     if (json->status != SL_OK) return json->status;
     const char *start = json->text, *end = NULL;
     if (size >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3); /* a byte order mark says nothing */
+    end = find_loose(start);
+    if (end) return json->status = fail_syntax(json, end);
     json->root = strlen(start) == size ? cJSON_ParseWithOpts(start, &end, 1) : NULL;
     /* It does not tell want of memory from bad text: which is bad again. */
     if (!json->root && strlen(start) == size) json->root = cJSON_ParseWithOpts(start, &end, 1);
     if (!json->root && sl_memory_has_ended()) {
         json->status = sl_fail_memory(error, path);
     } else if (!json->root) {
-        const char *at = end ? end : start + strlen(start);
-        while (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r') at++;
-        int shown = (int)strcspn(at, "\r\n");
-        json->status = sl_fail(error, SL_ERROR_INPUT, "%s:%lu: expected valid JSON, got %s%.*s", path, line_of(start, at),
-                               *at ? "" : "the end of the file", shown < 40 ? shown : 40, at);
+        json->status = fail_syntax(json, end ? end : start + strlen(start));
     }
     return json->status;
 }
