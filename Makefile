@@ -13,6 +13,7 @@ CC := gcc
 endif
 PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
+LIBEXECDIR ?= $(PREFIX)/libexec
 MANDIR ?= $(PREFIX)/share/man
 DESTDIR ?=
 
@@ -62,7 +63,8 @@ KERNEL_OPTIMISE := $(if $(filter release baseline,$(CONFIG)),-O3) -Wno-psabi # v
 
 PACKAGES := OpenEXR assimp libcjson libpng
 PACKAGE_CFLAGS = $(shell pkg-config --cflags $(PACKAGES) 2>/dev/null)
-PACKAGE_LIBS = $(shell pkg-config --libs-only-L assimp libcjson libpng 2>/dev/null) -lOpenEXRCore -lassimp -lcjson -lpng
+PACKAGE_LIBS = $(shell pkg-config --libs-only-L libcjson libpng 2>/dev/null) -lOpenEXRCore -lcjson -lpng
+IMPORT_LIBS = $(shell pkg-config --libs-only-L assimp 2>/dev/null) -lassimp -lm # of the program that imports mesh files, and of it alone
 EMBREE := $(if $(wildcard /usr/include/embree4/rtcore.h /usr/local/include/embree4/rtcore.h),embree4,embree3)
 DEFINES += $(if $(filter embree4,$(EMBREE)),-DSL_EMBREE4)
 
@@ -72,8 +74,9 @@ LIBS = $(PACKAGE_LIBS) -l$(EMBREE) -lm -lpthread
 
 # ---- sources -----------------------------------------------------------------------------------------------------
 
-LIBRARY_SOURCES := $(filter-out src/app/% %_kernels.c,$(wildcard src/*/*.c src/*/*/*.c src/*/*/*/*.c))
+LIBRARY_SOURCES := $(filter-out src/app/% src/import/% %_kernels.c,$(wildcard src/*/*.c src/*/*/*.c src/*/*/*/*.c))
 KERNEL_SOURCES := $(wildcard src/*/*_kernels.c src/*/*/*_kernels.c src/*/*/*/*_kernels.c)
+IMPORT_SOURCES := $(wildcard src/import/*.c)
 APP_SOURCES := $(wildcard src/app/*.c src/app/*/*.c)
 TEST_SOURCES := $(wildcard tests/test_*.c)
 BENCH_SOURCES := $(wildcard bench/bench_*.c)
@@ -82,6 +85,7 @@ GENERATE_SOURCES := $(wildcard scenes/generate/*.c)
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/o/%.o) \
                    $(foreach isa,$(ISAS),$(KERNEL_SOURCES:%.c=$(BUILD)/o/%.$(isa).o))
 APP_FILES := $(wildcard src/app/*/*.css src/app/*/*.js)
+IMPORT_OBJECTS := $(IMPORT_SOURCES:%.c=$(BUILD)/o/%.o)
 APP_OBJECTS := $(APP_SOURCES:%.c=$(BUILD)/o/%.o) $(APP_FILES:%=$(BUILD)/o/%.o)
 TESTS := $(TEST_SOURCES:tests/%.c=$(BUILD)/tests/%)
 BENCHES := $(BENCH_SOURCES:bench/%.c=$(BUILD)/bench/%)
@@ -99,10 +103,16 @@ RASTER_BENCH := $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(wildcar
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $(BUILD)/softlux $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
+all: $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
 
 $(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) $(LIBS)
+
+$(BUILD)/softlux-import: $(IMPORT_OBJECTS) $(BUILD)/libsoftlux.a
+	$(CC) $(OPTIMISE) -o $@ $^ $(LDFLAGS) $(IMPORT_LIBS)
+
+# Where the library looks for that program: here, or where it is installed, which the installed library has another object for.
+$(BUILD)/o/src/scene/importer_path.o: override DEFINES += -DSL_IMPORTER='"$(abspath $(BUILD))/softlux-import"'
 
 $(BUILD)/libsoftlux.a: $(LIBRARY_OBJECTS)
 	@rm -f $@
@@ -134,6 +144,8 @@ $(BUILD)/o/%.$(1).o: %.c
 	$$(CC) $$(ALL_CFLAGS) $$(KERNEL_OPTIMISE) $$(FLAGS_$(1)) -c $$< -o $$@
 endef
 $(foreach isa,$(ISAS),$(eval $(call kernel_rule,$(isa))))
+
+$(BUILD)/softlux $(TESTS) $(BENCHES): | $(BUILD)/softlux-import
 
 $(BUILD)/tests/%: $(BUILD)/o/tests/%.o $(HELPERS) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
@@ -174,6 +186,11 @@ PROGRAM_TESTS := $(filter $(BUILD)/tests/test_bench_% $(BUILD)/tests/test_progra
 $(PROGRAM_TESTS): $(BUILD)/tests/%: $(BUILD)/o/tests/%.o $(filter-out %/main.o,$(APP_OBJECTS)) $(HELPERS) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
 	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
+
+# In it Assimp's part is played by one of its own.
+$(BUILD)/tests/test_import_process: $(BUILD)/o/tests/test_import_process.o $(filter-out %/main.o,$(IMPORT_OBJECTS)) $(HELPERS) $(BUILD)/libsoftlux.a
+	@mkdir -p $(@D)
+	$(CC) $(OPTIMISE) $(OPENMP) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS) $(IMPORT_LIBS)
 
 # The rival in the experiments on the shading cache is held to what it promises, too.
 $(BUILD)/tests/test_render_cache: $(BUILD)/o/tests/test_render_cache.o $(BUILD)/o/bench/render_cache.o $(HELPERS) $(BUILD)/libsoftlux.a
@@ -217,6 +234,7 @@ FUZZ_TARGETS := $(patsubst tests/fuzz/target_%.c,%,$(wildcard tests/fuzz/target_
 FUZZ_DRIVER := $(if $(filter fuzz,$(CONFIG)),,$(BUILD)/o/tests/fuzz/replay.o)
 FUZZ_APP_command_line := $(filter-out %/main.o,$(APP_OBJECTS))
 FUZZ_MUTATOR_scene_file := $(if $(filter fuzz,$(CONFIG)),$(BUILD)/o/tests/fuzz/json_mutator.o)
+$(FUZZ_TARGETS:%=$(BUILD)/fuzz/%): | $(BUILD)/softlux-import
 .SECONDEXPANSION:
 $(FUZZ_TARGETS:%=$(BUILD)/fuzz/%): $(BUILD)/fuzz/%: $(BUILD)/o/tests/fuzz/target_%.o $(BUILD)/o/tests/fuzz/support.o $(FUZZ_DRIVER) $$(FUZZ_APP_$$*) $$(FUZZ_MUTATOR_$$*) $(BUILD)/libsoftlux.a
 	@mkdir -p $(@D)
@@ -309,12 +327,23 @@ bench-shading-cache: all $(SHADING_BENCHES)
 VERSION := $(shell sed -n 's/^.define SL_VERSION "\(.*\)"/\1/p' include/softlux.h)
 COMMANDS = $(shell $(BUILD)/softlux --help | sed -n '/^commands:/,/^$$/s/^  \([a-z-]*\) .*/\1/p')
 
+# What is installed is linked anew, with an object that says where softlux-import then is.
+STAGE := $(BUILD)/install
+PATH_OBJECT := $(BUILD)/o/src/scene/importer_path.o
+
 install: all
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1
-	install -m 755 $(BUILD)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
+	@mkdir -p $(STAGE)
+	$(CC) $(ALL_CFLAGS) -DSL_IMPORTER='"$(LIBEXECDIR)/softlux-import"' -c src/scene/importer_path.c -o $(STAGE)/importer_path.o
+	cp $(BUILD)/libsoftlux.a $(STAGE)/libsoftlux.a && $(AR) rs $(STAGE)/libsoftlux.a $(STAGE)/importer_path.o
+	$(CC) $(OPTIMISE) $(OPENMP) -o $(STAGE)/softlux $(APP_OBJECTS) $(STAGE)/libsoftlux.a $(LDFLAGS) $(LIBS)
+	$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,--no-undefined -Wl,-soname,libsoftlux.so.0 -o $(STAGE)/libsoftlux.so \
+	  $(filter-out $(PATH_OBJECT),$(LIBRARY_OBJECTS)) $(STAGE)/importer_path.o $(LDFLAGS) $(LIBS)
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBEXECDIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1
+	install -m 755 $(STAGE)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
+	install -m 755 $(BUILD)/softlux-import $(DESTDIR)$(LIBEXECDIR)/softlux-import
 	install -m 644 include/softlux.h $(DESTDIR)$(PREFIX)/include/softlux.h
-	install -m 644 $(BUILD)/libsoftlux.a $(DESTDIR)$(LIBDIR)/libsoftlux.a
-	install -m 755 $(BUILD)/libsoftlux.so $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(VERSION)
+	install -m 644 $(STAGE)/libsoftlux.a $(DESTDIR)$(LIBDIR)/libsoftlux.a
+	install -m 755 $(STAGE)/libsoftlux.so $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(VERSION)
 	ln -sf libsoftlux.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(firstword $(subst ., ,$(VERSION)))
 	ln -sf libsoftlux.so.$(firstword $(subst ., ,$(VERSION))) $(DESTDIR)$(LIBDIR)/libsoftlux.so
 	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|; s|@LIBS@|$(LIBS) $(OPENMP)|' packaging/softlux.pc.in \
@@ -323,7 +352,7 @@ install: all
 	for c in $(COMMANDS); do $(BUILD)/softlux $$c --man > $(DESTDIR)$(MANDIR)/man1/softlux-$$c.1 || exit; done
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/softlux $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(LIBDIR)/libsoftlux.* \
+	rm -f $(DESTDIR)$(PREFIX)/bin/softlux $(DESTDIR)$(LIBEXECDIR)/softlux-import $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(LIBDIR)/libsoftlux.* \
 	  $(DESTDIR)$(LIBDIR)/pkgconfig/softlux.pc $(DESTDIR)$(MANDIR)/man1/softlux.1 $(DESTDIR)$(MANDIR)/man1/softlux-*.1
 
 # The contract of every public function as pages, into build/doc/html; a warning is a failure.
@@ -335,7 +364,7 @@ clean:
 	rm -rf build scenes/generated
 
 help:
-	@echo 'make            build/softlux, build/libsoftlux.a and build/libsoftlux.so'
+	@echo 'make            build/softlux, build/softlux-import, build/libsoftlux.a and build/libsoftlux.so'
 	@echo 'make demo       install what is missing, build, render a scene and print its error'
 	@echo 'make check      install what is missing, build, run all tests'
 	@echo 'make check-all  that, and what takes longer: two hours on two cores'

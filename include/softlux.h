@@ -239,7 +239,10 @@ SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *referen
 typedef struct sl_scene sl_scene;
 
 /** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller destroys the scene. The files that it
- * names must lie in the folder of `path` or below. INPUT: a file is missing, damaged, or beyond the limits (docs/scene-format.md). USAGE: an empty path. */
+ * names must lie in the folder of `path` or below. INPUT: a file is missing, damaged, or beyond the limits (docs/scene-format.md). USAGE: an empty path.
+ * Mesh files are read by a program of their own, softlux-import, which runs for each of them, under limits of memory and time: one that crashes it, or that it does not come
+ * to the end of, is an INPUT error as other damaged ones are. The caller's signals, children, descriptors and environment stay as they are. It is where the library was
+ * installed to have it, or where the environment's SOFTLUX_IMPORTER says; RESOURCES: it is not there. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
 /** What loading a scene may do. {0} is what sl_scene_load() does. */
 typedef struct sl_load_options {

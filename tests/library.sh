@@ -17,6 +17,8 @@ for f in $(sed -n 's/^SL_API[^(]*[ *]\(sl_[a-z_]*\)(.*/\1/p' include/softlux.h);
 done
 readelf -d "$lib/libsoftlux.so" | grep -q 'SONAME.*libsoftlux\.so\.[0-9]*\]' || { echo 'the shared library has no version'; exit 1; }
 
+if readelf -d "$lib/libsoftlux.so" | grep -q assimp; then echo 'the shared library links Assimp, which is softlux-import'"'"'s alone'; exit 1; fi
+
 PKG_CONFIG_PATH=$lib/pkgconfig PKG_CONFIG_SYSROOT_DIR=$folder
 export PKG_CONFIG_PATH PKG_CONFIG_SYSROOT_DIR
 [ "$(pkg-config --modversion softlux)" = "$("$build/softlux" --version | cut -d' ' -f2)" ]
@@ -29,6 +31,12 @@ shared="$(pkg-config --cflags --libs softlux) -Wl,-rpath,$lib"
     gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/static" $(pkg-config --cflags softlux) "$lib/libsoftlux.a" \
         $(pkg-config --static --libs-only-l softlux | sed 's/-lsoftlux//') -fopenmp
 }
+# The importer is looked for where it will be, not where this folder is; both libraries say so in one line.
+for program in c static; do
+    if "$folder/$program" scenes/cornell.json "$folder/golden.exr" >"$folder/out" 2>&1; then echo 'nothing was installed there'; exit 1; fi
+    [ "$(grep -c "$prefix/libexec/softlux-import, cannot be started" "$folder/out")" -eq 1 ] || { cat "$folder/out"; exit 1; }
+done
+export SOFTLUX_IMPORTER="$folder$prefix/libexec/softlux-import"
 "$folder/c" scenes/cornell.json "$folder/golden.exr"
 for program in c c++ static; do "$folder/$program" scenes/cornell.json "$folder/golden.exr" | grep -q identical; done
 if "$folder/c" scenes/two-rooms.json "$folder/golden.exr" >"$folder/out"; then

@@ -178,6 +178,14 @@ static void files_that_are_no_meshes_are_refused_by_name(void **state) {
     refuse(scene_file_text("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ": no triangles");
 }
 
+/* Of the groups' nodes Assimp makes the last one alone. */
+static void all_groups_of_a_raw_file_are_there(void **state) {
+    (void)state;
+    sl_scene *s = load(scene_file_text("groups.raw", "a\n0 0 0 1 0 0 0 1 0\nb\n0 0 1 1 0 1 0 1 1\n"));
+    assert_int_equal(sl_scene_triangle_count(s), 2);
+    sl_scene_destroy(s);
+}
+
 static void headers_that_announce_too_much_are_refused(void **state) {
     (void)state;
     const char *head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -188,7 +196,7 @@ static void headers_that_announce_too_much_are_refused(void **state) {
     assert_int_equal(sl_scene_triangle_count(s), 1);
     sl_scene_destroy(s);
     snprintf(text, sizeof text, "%send_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", head);
-    refuse(scene_file_text("range.ply", text), ": expected vertex numbers below 3: face 0 of mesh '' names 7");
+    refuse(scene_file_text("range.ply", text), ": expected vertex numbers below 3: a face of mesh '' names 7");
     refuse(scene_file_text("cut.ply", head), ":9: expected a PLY header that ends with 'end_header'");
     refuse(scene_file_text("type.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\nend_header\n"), ":4: expected a property type");
     refuse(scene_file_text("long.ply", "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),
@@ -474,6 +482,7 @@ int main(void) {
         cmocka_unit_test(obj_mistakes_are_told_by_line),
         cmocka_unit_test(odd_but_good_obj_files_load),
         cmocka_unit_test(files_that_are_no_meshes_are_refused_by_name),
+        cmocka_unit_test(all_groups_of_a_raw_file_are_there),
         cmocka_unit_test(headers_that_announce_too_much_are_refused),
         cmocka_unit_test(the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people_do),
         cmocka_unit_test(gltf_gives_camera_lights_and_materials),

@@ -6,7 +6,6 @@
 #include "app/bench/report.h"
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/load.h"
 #include "app/options.h"
 #include "app/same_file.h"
 #include "image/output_file.h"
@@ -135,7 +134,7 @@ static bool describe_work(void *context, char **report) {
     sl_error error;
     char text[160];
     int width = 0, height = 0;
-    if (sl_load_scene(d->path, &d->load, &scene, &error) != SL_OK) {
+    if (sl_scene_load_with(d->path, &d->load, &scene, &error) != SL_OK) {
         *report = strdup(error.message);
         return false;
     }

@@ -1,7 +1,6 @@
 /* softlux info: what is in a scene, and the plan of a method. */
 #include "app/auto_method.h"
 #include "app/commands.h"
-#include "app/load.h"
 #include "app/settings_options.h"
 #include "scene/features.h"
 #include "softlux.h"
@@ -64,7 +63,7 @@ int sl_command_info(int argc, char **argv) {
     sl_settings settings = sl_settings_taken(&raw);
     sl_error error;
     sl_scene *scene;
-    sl_status status = sl_load_scene(path, &load, &scene, &error);
+    sl_status status = sl_scene_load_with(path, &load, &scene, &error);
     if (status == SL_OK) {
         print_scene(scene);
         for (size_t i = 0; i < sl_scene_warning_count(scene); i++) printf("warning      %s\n", sl_scene_warning(scene, i));

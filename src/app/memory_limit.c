@@ -1,6 +1,5 @@
 #include "app/memory_limit.h"
 
-#include "app/load.h"
 #include "base/sanitized.h"
 
 #include <math.h>
@@ -29,7 +28,7 @@ static double while_rendering(const sl_settings *settings) {
 
 sl_status sl_load_within_memory(const char *path, const sl_load_options *load, const sl_settings *settings, sl_scene **scene, sl_error *error) {
     if (settings->memory_bytes) limit_data(fmax((double)settings->memory_bytes - of_files, of_files));
-    sl_status status = sl_load_scene(path, load, scene, error);
+    sl_status status = sl_scene_load_with(path, load, scene, error);
     if (settings->memory_bytes) limit_data(while_rendering(settings));
     bool by_reader = status == SL_ERROR_INPUT && (strstr(error->message, "bad_alloc") || strstr(error->message, "llocation") || strstr(error->message, "memory"));
     if (!settings->memory_bytes || (status != SL_ERROR_RESOURCES && !by_reader)) return status;

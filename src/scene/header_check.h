@@ -1,4 +1,4 @@
-/* A look at the headers of PLY and OFF files before they are imported: the importer trusts them. */
+/* A look at the headers of PLY and OFF files before they are imported: the importer trusts them, and makes up what they promise and the file has not. */
 #ifndef SL_SCENE_HEADER_CHECK_H
 #define SL_SCENE_HEADER_CHECK_H
 

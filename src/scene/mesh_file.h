@@ -1,26 +1,23 @@
-/* Mesh files of any kind the importer (Assimp) reads, and bicubic surfaces (.bpt), appended to a model. */
+/* Mesh files of any kind that the importer (Assimp, in a process of its own) reads, and bicubic surfaces
+ * (.bpt), appended to a model. */
 #ifndef SL_SCENE_MESH_FILE_H
 #define SL_SCENE_MESH_FILE_H
 
+#include "scene/import_reply.h"
 #include "scene/model.h"
 
 /* `placement` comes after the file's own node transforms. Objects, materials, lights and the file's first camera (if the model has none) are added. */
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
 
-struct aiScene;
 struct sl_gltf;
 
-/* What the importer made of a file, appended to a model, whatever is wrong with it. Faces that have not three corners are skipped. `path` is
- * where textures are looked for; gltf: NULL where the file is no glTF. */
-sl_status sl_mesh_file_add(const char *path, const struct aiScene *file, const struct sl_gltf *gltf, const sl_affine *placement,
-                           sl_model *model, sl_error *error);
+/* What the importer made of a file, appended to a model. `path` is where textures are looked for; gltf: NULL
+ * where the file is no glTF. */
+sl_status sl_mesh_file_add(const char *path, const sl_import *file, const struct sl_gltf *gltf,
+                           const sl_affine *placement, sl_model *model, sl_error *error);
 
-/* ---- between mesh_file.c and mesh_material.c ---- */
-
-/* The file's materials, in its order. gltf: NULL where the file is no glTF. */
-sl_status sl_mesh_materials(const char *path, const struct aiScene *file, const struct sl_gltf *gltf, sl_model *model,
-                            sl_error *error);
-/* Which set of texture coordinates the material's colour texture uses. */
-unsigned sl_mesh_uv_set(const struct aiScene *file, unsigned material);
+/* The file's materials, in its order: between mesh_file.c and mesh_material.c. */
+sl_status sl_mesh_materials(const char *path, const sl_import *file, const struct sl_gltf *gltf,
+                            sl_model *model, sl_error *error);
 
 #endif

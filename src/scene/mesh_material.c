@@ -1,9 +1,5 @@
 /* From an imported file's materials to ours: MTL and its like by name, glTF's metallic-roughness by the mapping
  *     kd = base (1 - metallic), ks = 0.04 + (base - 0.04) metallic, n = clamp(2 / roughness^4 - 2, 1, 10000). */
-#include <assimp/material.h>
-#include <assimp/scene.h>
-#include <assimp/GltfMaterial.h>
-#include <assimp/ObjMaterial.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,36 +12,27 @@
 
 typedef struct source {
     const char *path;
-    const struct aiScene *file;
-    const struct aiMaterial *material;
+    const sl_import *file;
+    const sl_import_material *material;
     const char *name;
     sl_model *model;
     sl_error *error;
 } source;
 
-static bool get_float(const source *s, const char *key, unsigned type, unsigned index, float *value) {
-    unsigned one = 1;
-    return aiGetMaterialFloatArray(s->material, key, type, index, value, &one) == AI_SUCCESS && one == 1;
+static float float_or(const source *s, sl_import_field field, float otherwise) {
+    return s->material->has >> field & 1 ? s->material->value[field][0] : otherwise;
 }
-static float float_or(const source *s, const char *key, unsigned type, unsigned index, float otherwise) {
-    float value;
-    return get_float(s, key, type, index, &value) ? value : otherwise;
-}
-static sl_rgb color_or(const source *s, const char *key, unsigned type, unsigned index, sl_rgb otherwise) {
-    struct aiColor4D c;
-    return aiGetMaterialColor(s->material, key, type, index, &c) == AI_SUCCESS ? (sl_rgb){c.r, c.g, c.b} : otherwise;
-}
-static int int_or(const source *s, const char *key, unsigned type, unsigned index, int otherwise) {
-    int value;
-    unsigned one = 1;
-    return aiGetMaterialIntegerArray(s->material, key, type, index, &value, &one) == AI_SUCCESS ? value : otherwise;
+static sl_rgb color_or(const source *s, sl_import_field field, sl_rgb otherwise) {
+    const float *c = s->material->value[field];
+    return s->material->has >> field & 1 ? (sl_rgb){c[0], c[1], c[2]} : otherwise;
 }
 
 /* ---- textures --------------------------------------------------------------------------------------------------------- */
 
-/* An image inside the file: compressed bytes, or BGRA texels that only have to change places. */
-static sl_status embedded_texture(const source *s, const struct aiTexture *t, const char *name, uint32_t *index) {
-    if (t->mHeight == 0) return sl_model_texture(s->model, name, t->pcData, t->mWidth, index, s->error);
+/* An image inside the file: compressed bytes, or texels. */
+static sl_status embedded_texture(const source *s, const sl_import_texture *t, const char *name,
+                                  uint32_t *index) {
+    if (t->compressed) return sl_model_texture(s->model, name, t->data, t->bytes, index, s->error);
     sl_model_warn(s->model, "%s: texture left out: uncompressed embedded images are not read", name);
     *index = SL_NO_INDEX;
     return SL_OK;
@@ -85,19 +72,18 @@ static char *find_texture_file(const source *s, char *name) {
     return candidates[best];
 }
 
-static sl_status find_texture(const source *s, unsigned type, uint32_t *index) {
+static sl_status find_texture(const source *s, sl_import_map map, uint32_t *index) {
+    char *name = s->material->map[map];
     *index = SL_NO_INDEX;
-    struct aiString name;
-    if (aiGetMaterialTextureCount(s->material, (enum aiTextureType)type) == 0) return SL_OK;
-    if (aiGetMaterialString(s->material, AI_MATKEY_TEXTURE((enum aiTextureType)type, 0), &name) != AI_SUCCESS) return SL_OK;
-    if (name.data[0] == '*') {
+    if (!name) return SL_OK;
+    if (name[0] == '*') {
         unsigned number = 0;
-        if (sscanf(name.data + 1, "%u", &number) != 1 || number >= s->file->mNumTextures) return SL_OK;
+        if (sscanf(name + 1, "%u", &number) != 1 || number >= s->file->texture_count) return SL_OK;
         char label[1200];
-        snprintf(label, sizeof label, "%.*s%.100s", 1000, s->path, name.data);
-        return embedded_texture(s, s->file->mTextures[number], label, index);
+        snprintf(label, sizeof label, "%.*s%.100s", 1000, s->path, name);
+        return embedded_texture(s, &s->file->textures[number], label, index);
     }
-    char *path = find_texture_file(s, name.data);
+    char *path = find_texture_file(s, name);
     if (!path) return sl_fail_memory(s->error, "a file name");
     sl_error problem;
     sl_status status = sl_model_texture(s->model, path, NULL, 0, index, &problem);
@@ -115,25 +101,26 @@ static const sl_texture *texture_at(const source *s, uint32_t index) {
 
 static sl_status classic_material(const source *s, sl_material *m) {
     bool is_obj = sl_file_has_extension(s->path, ".obj");
-    m->diffuse = color_or(s, AI_MATKEY_COLOR_DIFFUSE, sl_grey(0.6f));
-    m->specular = color_or(s, AI_MATKEY_COLOR_SPECULAR, sl_grey(0.0f));
-    m->emission = color_or(s, AI_MATKEY_COLOR_EMISSIVE, sl_grey(0.0f));
-    m->exponent = float_or(s, AI_MATKEY_SHININESS, 0.0f);
+    m->diffuse = color_or(s, SL_IMPORT_DIFFUSE, sl_grey(0.6f));
+    m->specular = color_or(s, SL_IMPORT_SPECULAR, sl_grey(0.0f));
+    m->emission = color_or(s, SL_IMPORT_EMISSIVE, sl_grey(0.0f));
+    m->exponent = float_or(s, SL_IMPORT_SHININESS, 0.0f);
     if (!is_obj) { /* other formats say "no gloss" by a shininess of 0, and may scale the colour */
-        m->specular = sl_rgb_scale(m->specular, m->exponent > 0.0f ? float_or(s, AI_MATKEY_SHININESS_STRENGTH, 1.0f) : 0.0f);
+        m->specular =
+            sl_rgb_scale(m->specular, m->exponent > 0.0f ? float_or(s, SL_IMPORT_STRENGTH, 1.0f) : 0.0f);
     }
-    int illum = int_or(s, AI_MATKEY_OBJ_ILLUM, 0);
-    if ((illum == 3 || illum == 5) && !(sl_rgb_max(m->diffuse) > 0.0f)) {
+    float illum = float_or(s, SL_IMPORT_ILLUM, 0.0f);
+    if ((illum == 3.0f || illum == 5.0f) && !(sl_rgb_max(m->diffuse) > 0.0f)) {
         m->mirror = m->specular;
         m->specular = sl_grey(0.0f);
     }
-    if (float_or(s, AI_MATKEY_OPACITY, 1.0f) < 1.0f) {
+    if (float_or(s, SL_IMPORT_OPACITY, 1.0f) < 1.0f) {
         sl_model_warn(s->model, "%s: material '%s' is transparent, which is not modelled: it is drawn opaque", s->path, s->name);
     }
-    sl_status status = find_texture(s, aiTextureType_DIFFUSE, &m->texture);
-    if (status == SL_OK) status = find_texture(s, aiTextureType_OPACITY, &m->alpha_texture);
+    sl_status status = find_texture(s, SL_IMPORT_MAP_DIFFUSE, &m->texture);
+    if (status == SL_OK) status = find_texture(s, SL_IMPORT_MAP_OPACITY, &m->alpha_texture);
     uint32_t heights = SL_NO_INDEX;
-    if (status == SL_OK && is_obj) status = find_texture(s, aiTextureType_HEIGHT, &heights);
+    if (status == SL_OK && is_obj) status = find_texture(s, SL_IMPORT_MAP_HEIGHT, &heights);
     m->height_map = heights == SL_NO_INDEX ? 0 : heights + 1;
     m->bump_depth = SL_BUMP_DEPTH;
     return status;
@@ -167,8 +154,8 @@ static float clamp_unit(float value) { return fminf(fmaxf(value, 0.0f), 1.0f); }
 /* A texture that modulates a constant of ours enters by its mean. */
 static sl_status modulate(const source *s, float *metallic, float *roughness) {
     uint32_t index;
-    sl_status status = find_texture(s, aiTextureType_METALNESS, &index);
-    if (status == SL_OK && index == SL_NO_INDEX) status = find_texture(s, aiTextureType_UNKNOWN, &index);
+    sl_status status = find_texture(s, SL_IMPORT_MAP_METALNESS, &index);
+    if (status == SL_OK && index == SL_NO_INDEX) status = find_texture(s, SL_IMPORT_MAP_UNKNOWN, &index);
     const sl_texture *texture = texture_at(s, index);
     if (status != SL_OK || !texture) return status;
     sl_rgb mean = sl_texture_mean_data(texture);
@@ -179,11 +166,11 @@ static sl_status modulate(const source *s, float *metallic, float *roughness) {
 }
 
 static sl_status gltf_emission(const source *s, double strength, sl_material *m) {
-    m->emission = sl_rgb_scale(color_or(s, AI_MATKEY_COLOR_EMISSIVE, sl_grey(0.0f)), (float)strength);
-    m->emission_two_sided = int_or(s, AI_MATKEY_TWOSIDED, 0) != 0;
+    m->emission = sl_rgb_scale(color_or(s, SL_IMPORT_EMISSIVE, sl_grey(0.0f)), (float)strength);
+    m->emission_two_sided = float_or(s, SL_IMPORT_TWO_SIDED, 0.0f) != 0.0f;
     if (!sl_material_is_emitter(m)) return SL_OK;
     uint32_t index;
-    sl_status status = find_texture(s, aiTextureType_EMISSIVE, &index);
+    sl_status status = find_texture(s, SL_IMPORT_MAP_EMISSIVE, &index);
     if (status != SL_OK || index == SL_NO_INDEX) return status;
     m->emission = sl_rgb_mul(m->emission, sl_texture_mean_color(texture_at(s, index)));
     sl_model_warn(s->model, "%s: material '%s': emission is that of its texture's mean", s->path, s->name);
@@ -191,20 +178,21 @@ static sl_status gltf_emission(const source *s, double strength, sl_material *m)
 }
 
 static void gltf_alpha(const source *s, sl_material *m) {
-    struct aiString mode;
-    if (aiGetMaterialString(s->material, AI_MATKEY_GLTF_ALPHAMODE, &mode) != AI_SUCCESS || strcmp(mode.data, "OPAQUE") == 0) return;
+    const char *mode = s->material->alpha_mode;
+    if (!mode || strcmp(mode, "OPAQUE") == 0) return;
     const sl_texture *texture = texture_at(s, m->texture);
     if (texture && texture->has_alpha) m->alpha_texture = m->texture;
-    bool blend = strcmp(mode.data, "BLEND") == 0;
-    if (blend || float_or(s, AI_MATKEY_GLTF_ALPHACUTOFF, 0.5f) != 0.5f) {
+    bool blend = strcmp(mode, "BLEND") == 0;
+    if (blend || float_or(s, SL_IMPORT_CUTOFF, 0.5f) != 0.5f) {
         sl_model_warn(s->model, "%s: material '%s': alpha is a mask, tested at 0.5", s->path, s->name);
     }
 }
 
 static sl_status gltf_material(const source *s, double strength, sl_material *m) {
-    sl_rgb base = color_or(s, AI_MATKEY_BASE_COLOR, color_or(s, AI_MATKEY_COLOR_DIFFUSE, sl_grey(1.0f)));
-    float metallic = float_or(s, AI_MATKEY_METALLIC_FACTOR, 1.0f), roughness = float_or(s, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f);
-    sl_status status = find_texture(s, aiTextureType_DIFFUSE, &m->texture);
+    sl_rgb base = color_or(s, SL_IMPORT_BASE, color_or(s, SL_IMPORT_DIFFUSE, sl_grey(1.0f)));
+    float metallic = float_or(s, SL_IMPORT_METALLIC, 1.0f),
+          roughness = float_or(s, SL_IMPORT_ROUGHNESS, 1.0f);
+    sl_status status = find_texture(s, SL_IMPORT_MAP_DIFFUSE, &m->texture);
     if (status == SL_OK) status = modulate(s, &metallic, &roughness);
     if (status != SL_OK) return status;
     const sl_texture *texture = texture_at(s, m->texture);
@@ -216,27 +204,20 @@ static sl_status gltf_material(const source *s, double strength, sl_material *m)
 
 /* KHR_texture_transform and its like would need texture coordinates of their own for every material. */
 static void warn_of_transform(const source *s) {
-    struct aiUVTransform t;
-    if (aiGetMaterialUVTransform(s->material, AI_MATKEY_UVTRANSFORM(aiTextureType_DIFFUSE, 0), &t) != AI_SUCCESS) return;
-    if (t.mTranslation.x == 0.0f && t.mTranslation.y == 0.0f && t.mScaling.x == 1.0f && t.mScaling.y == 1.0f && t.mRotation == 0.0f) return;
+    const float *t = s->material->value[SL_IMPORT_UV_TRANSFORM];
+    if (!(s->material->has >> SL_IMPORT_UV_TRANSFORM & 1)) return;
+    if (t[0] == 0.0f && t[1] == 0.0f && t[2] == 1.0f && t[3] == 1.0f && t[4] == 0.0f) return;
     sl_model_warn(s->model, "%s: material '%s': the texture's offset, scale and rotation are not applied", s->path, s->name);
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------------------------ */
 
-unsigned sl_mesh_uv_set(const struct aiScene *file, unsigned material) {
-    source s = {.material = file->mMaterials[material]};
-    int set = int_or(&s, AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), 0);
-    return set > 0 && set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? (unsigned)set : 0;
-}
-
-sl_status sl_mesh_materials(const char *path, const struct aiScene *file, const struct sl_gltf *gltf, sl_model *model,
-                            sl_error *error) {
-    for (unsigned i = 0; i < file->mNumMaterials; i++) {
-        struct aiString name = {.data = ""};
-        aiGetMaterialString(file->mMaterials[i], AI_MATKEY_NAME, &name);
-        source s = {path, file, file->mMaterials[i], name.data, model, error};
-        sl_material material = {.name = name.data, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
+sl_status sl_mesh_materials(const char *path, const sl_import *file, const struct sl_gltf *gltf,
+                            sl_model *model, sl_error *error) {
+    for (uint32_t i = 0; i < file->material_count; i++) {
+        const sl_import_material *from = &file->materials[i];
+        source s = {path, file, from, from->name, model, error};
+        sl_material material = {.name = from->name, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
         double strength = gltf && i < gltf->material_count ? gltf->emissive_strength[i] : 1.0;
         sl_status status = gltf ? gltf_material(&s, strength, &material) : classic_material(&s, &material);
         uint32_t index;

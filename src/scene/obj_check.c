@@ -328,13 +328,14 @@ static void put_libraries_first(checker *c) {
     sl_text_prepend(c->plain, libraries);
 }
 
-sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_error *error) {
-    *plain = (sl_text){0};
+sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_text *libraries,
+                       sl_error *error) {
+    *plain = *libraries = (sl_text){0};
     char *data;
     size_t size;
     sl_status status = sl_file_read(path, &data, &size, error);
     if (status != SL_OK) return status;
-    sl_obj_materials materials = {.path = path, .model = model};
+    sl_obj_materials materials = {.path = path, .model = model, .texts = libraries};
     checker c = {path, data, data + size, 1,
                  {{"v", "vertex", "3, 4 or 6", 1 << 3 | 1 << 4 | 1 << 6, 0, 0, 0},
                   {"vt", "texture coordinate", "1, 2 or 3", 1 << 1 | 1 << 2 | 1 << 3, 0, 0, 0},
@@ -352,5 +353,6 @@ sl_status sl_obj_check(const char *path, sl_model *model, sl_text *plain, sl_err
     sl_free(data);
     sl_obj_materials_release(&materials);
     if (status != SL_OK) sl_text_release(plain);
+    if (status != SL_OK) sl_text_release(libraries);
     return status;
 }

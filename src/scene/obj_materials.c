@@ -8,6 +8,7 @@
 #include "base/grow.h"
 #include "base/memory.h"
 #include "scene/file.h"
+#include "scene/import_process.h"
 #include "scene/mtl_text.h"
 
 enum { LONGEST_TOLD = 512 /* bytes of a name in a warning */ };
@@ -42,6 +43,7 @@ static sl_status read_library(sl_obj_materials *m, const char *path, sl_error *e
     sl_status status = sl_mtl_text_read(path, m->model, &plain, error);
     if (status != SL_OK) return status;
     add_names(m, &plain);
+    if (plain.size) sl_import_add_text(m->texts, path, plain.data, plain.size);
     if (plain.size) m->readable++;
     else m->unreadable++; /* perhaps for being in UTF-16 */
     sl_text_release(&plain);

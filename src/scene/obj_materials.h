@@ -12,10 +12,11 @@ typedef struct sl_obj_material {
     unsigned long line;
 } sl_obj_material;
 
-/* Zero but for the first two; release it. */
+/* Zero but for the first three; release it. */
 typedef struct sl_obj_materials {
     const char *path; /* of the OBJ file */
     sl_model *model;
+    sl_text *texts;    /* what each library is to be read as, for sl_import_run() */
     sl_text libraries; /* a statement for each that exists, a line each: mtllib and one name */
     sl_text names;
     sl_obj_material *material;

@@ -1,0 +1,257 @@
+#include "scene/import_process.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "scene/import_reply.h"
+#include "scene/importer_path.h"
+
+extern char **environ;
+
+enum { ENDED_BY_ITSELF_SECONDS = 2 }; /* after its end of the line is closed: it has nothing more to do */
+
+/* One process and the line to it. */
+typedef struct helper {
+    const char *path, *program;
+    sl_import_limits limits;
+    pid_t id;
+    int line;
+    double deadline;
+    bool late; /* the deadline has passed */
+    sl_error *error;
+} helper;
+
+static double seconds_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+sl_import_limits sl_import_limits_of(const char *path) {
+    struct stat about;
+    double bytes = stat(path, &about) == 0 ? (double)about.st_size : 0.0;
+    double processor = 60.0 + bytes / 1e6;
+    const uint64_t addresses = ((uint64_t)8 << 30) + 64 * (uint64_t)bytes;
+    return (sl_import_limits){10.0 * processor, (unsigned)processor, addresses};
+}
+
+void sl_import_add_text(sl_text *texts, const char *path, const char *data, size_t size) {
+    const uint32_t lengths[2] = {(uint32_t)strlen(path), (uint32_t)size};
+    sl_text_add(texts, (const char *)lengths, sizeof lengths);
+    sl_text_add(texts, path, lengths[0] + 1);
+    sl_text_add(texts, data, size);
+}
+
+/* ---- starting ------------------------------------------------------------------------------------------ */
+
+static const char *program_path(void) {
+    const char *named = getenv("SOFTLUX_IMPORTER");
+    return named && *named ? named : sl_importer_path;
+}
+
+/* No signal of the caller's is ignored or blocked there, and what its terminal sends goes to the caller
+ * alone. What libraries have to say of their own end goes nowhere. */
+static int describe(int end, posix_spawn_file_actions_t *files, posix_spawnattr_t *attributes) {
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(attributes, &none);
+    posix_spawnattr_setsigdefault(attributes, &all);
+    posix_spawnattr_setpgroup(attributes, 0);
+    posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    int failed = posix_spawn_file_actions_adddup2(files, end, STDIN_FILENO);
+    if (!failed) failed = posix_spawn_file_actions_adddup2(files, STDIN_FILENO, STDOUT_FILENO);
+    if (failed) return failed;
+    return posix_spawn_file_actions_addopen(files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+}
+
+static int spawn(helper *h, int end, char *const arguments[]) {
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t attributes;
+    int failed = posix_spawn_file_actions_init(&files);
+    if (failed) return failed;
+    failed = posix_spawnattr_init(&attributes);
+    if (!failed) {
+        failed = describe(end, &files, &attributes);
+        if (!failed) failed = posix_spawn(&h->id, h->program, &files, &attributes, arguments, environ);
+        posix_spawnattr_destroy(&attributes);
+    }
+    posix_spawn_file_actions_destroy(&files);
+    return failed;
+}
+
+static sl_status start(helper *h, const char *folder) {
+    int ends[2], failed;
+    char version[16], processor[16], addresses[32];
+    snprintf(version, sizeof version, "%u", SL_IMPORT_VERSION);
+    snprintf(processor, sizeof processor, "%u", h->limits.processor_seconds);
+    snprintf(addresses, sizeof addresses, "%llu", (unsigned long long)h->limits.address_bytes);
+    const char *arguments[] = {h->program, version, processor, addresses, h->path, folder, NULL};
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+        return sl_fail(h->error, SL_ERROR_RESOURCES,
+                       "%s: cannot be read: no line to the importer of mesh files: %s", h->path,
+                       strerror(errno));
+    }
+    h->deadline = seconds_now() + h->limits.seconds;
+    failed = spawn(h, ends[1], (char *const *)(void *)arguments);
+    close(ends[1]);
+    h->line = ends[0];
+    if (!failed) return SL_OK;
+    close(h->line);
+    return sl_fail(h->error, SL_ERROR_RESOURCES,
+                   "%s: cannot be read: the program that imports mesh files, %s, cannot be started: %s; "
+                   "SOFTLUX_IMPORTER may name another",
+                   h->path, h->program, strerror(failed));
+}
+
+/* ---- talking ------------------------------------------------------------------------------------------- */
+
+/* Whether something can be sent or received, or the line has ended, before the deadline. */
+static bool wait_for(helper *h, short event) {
+    for (;;) {
+        double left = h->deadline - seconds_now();
+        struct pollfd line = {.fd = h->line, .events = event};
+        h->late = !(left > 0.0);
+        if (h->late) return false;
+        int ready = poll(&line, 1, (int)fmin(ceil(1e3 * left), 1e6));
+        if (ready > 0) return true;
+        if (ready < 0 && errno != EINTR) return false;
+    }
+}
+
+/* False: the process has ended, or time has. */
+static bool send_all(helper *h, const char *data, size_t size) {
+    while (size) {
+        if (!wait_for(h, POLLOUT)) return false;
+        ssize_t sent = send(h->line, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+        if (sent <= 0) return false;
+        data += sent;
+        size -= (size_t)sent;
+    }
+    return true;
+}
+
+/* Returns how many bytes came before the line ended, or time did. */
+static size_t receive(helper *h, void *to, size_t size) {
+    size_t got = 0;
+    while (got < size && wait_for(h, POLLIN)) {
+        ssize_t more = recv(h->line, (char *)to + got, size - got, MSG_DONTWAIT);
+        if (more < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+        if (more <= 0) break;
+        got += (size_t)more;
+    }
+    return got;
+}
+
+static void tell(helper *h, const sl_text *plain, const sl_text *texts) {
+    bool there = true;
+    if (plain->size) {
+        const uint32_t lengths[2] = {(uint32_t)strlen(h->path), (uint32_t)plain->size};
+        there = send_all(h, (const char *)lengths, sizeof lengths) && send_all(h, h->path, lengths[0] + 1) &&
+                send_all(h, plain->data, plain->size);
+    }
+    if (there && texts->size) send_all(h, texts->data, texts->size);
+    shutdown(h->line, SHUT_WR);
+}
+
+/* ---- the end ------------------------------------------------------------------------------------------- */
+
+/* Whether it is known how the process ended: a caller may have its children waited for by others. */
+static bool reap(helper *h, int *how) {
+    close(h->line);
+    if (h->late) kill(h->id, SIGKILL);
+    const double end = seconds_now() + ENDED_BY_ITSELF_SECONDS;
+    for (struct timespec rest = {0, 100000};; rest.tv_nsec += rest.tv_nsec < 10000000 ? rest.tv_nsec : 0) {
+        pid_t ended = waitpid(h->id, how, WNOHANG);
+        if (ended != 0) return ended == h->id;
+        if (seconds_now() > end) kill(h->id, SIGKILL);
+        nanosleep(&rest, NULL);
+    }
+}
+
+static sl_status fail_of_end(const helper *h, bool known, int how) {
+    if (h->late) {
+        return sl_fail(
+            h->error, SL_ERROR_INPUT,
+            "%s: cannot be read: the importer of mesh files took more than %g seconds; expected a sound file",
+            h->path, h->limits.seconds);
+    }
+    if (known && WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU) {
+        return sl_fail(h->error, SL_ERROR_INPUT,
+                       "%s: cannot be read: the importer of mesh files was ended, as it is after %u seconds "
+                       "of work; expected a sound file",
+                       h->path, h->limits.processor_seconds);
+    }
+    if (known && WIFSIGNALED(how) && WTERMSIG(how) == SIGKILL) {
+        return sl_fail(h->error, SL_ERROR_RESOURCES,
+                       "%s: cannot be read: the importer of mesh files was killed, as the system does where "
+                       "memory ends",
+                       h->path);
+    }
+    if (known && WIFSIGNALED(how)) {
+        return sl_fail(h->error, SL_ERROR_INPUT,
+                       "%s: cannot be read: the importer of mesh files crashed on it or on a file that it "
+                       "names (signal %d), as it does on some damaged ones; expected sound files",
+                       h->path, WTERMSIG(how));
+    }
+    return sl_fail(h->error, SL_ERROR_INPUT,
+                   "%s: cannot be read: the importer of mesh files, %s, ended without a whole answer; "
+                   "expected a sound file",
+                   h->path, h->program);
+}
+
+/* SL_OK: a whole reply is there. *size: what it says it has. */
+static sl_status hear(helper *h, void **reply, size_t *size, bool *whole) {
+    char header[SL_IMPORT_HEADER_BYTES], beyond;
+    *whole = false;
+    if (receive(h, header, sizeof header) < sizeof header) return SL_OK;
+    uint64_t bytes = sl_import_reply_bytes(header);
+    if (bytes == 0) return SL_OK;
+    *size = (size_t)bytes;
+    *reply = sl_allocate_unset(*size, 1);
+    if (!*reply) {
+        return sl_fail(h->error, SL_ERROR_RESOURCES, "%s: not enough memory for the %zu bytes that are in it",
+                       h->path, *size);
+    }
+    memcpy(*reply, header, sizeof header);
+    size_t rest = *size - sizeof header;
+    *whole =
+        receive(h, (char *)*reply + sizeof header, rest) == rest && receive(h, &beyond, 1) == 0 && !h->late;
+    return SL_OK;
+}
+
+sl_status sl_import_run(const char *path, const char *folder, sl_text *plain, sl_text *texts,
+                        sl_import_limits limits, void **reply, size_t *size, sl_error *error) {
+    helper h = {.path = path, .program = program_path(), .limits = limits, .error = error};
+    bool whole;
+    int how = 0;
+    *reply = NULL;
+    sl_status status = sl_text_check(texts, path, error);
+    if (status == SL_OK) status = start(&h, folder);
+    bool started = status == SL_OK;
+    if (started) tell(&h, plain, texts);
+    sl_text_release(plain);
+    sl_text_release(texts);
+    if (!started) return status;
+    status = hear(&h, reply, size, &whole);
+    bool known = reap(&h, &how);
+    if (status == SL_OK && whole) return SL_OK;
+    sl_free(*reply);
+    *reply = NULL;
+    return status == SL_OK ? fail_of_end(&h, known, how) : status;
+}
