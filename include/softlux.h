@@ -244,9 +244,29 @@ typedef struct sl_scene sl_scene;
  * to the end of, is an INPUT error as other damaged ones are. The caller's signals, children, descriptors and environment stay as they are. It is where the library was
  * installed to have it, or where the environment's SOFTLUX_IMPORTER says; RESOURCES: it is not there. */
 SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *error);
+/** A camera that stands still, in place of the file's and its keyframes. What is not given is that of the file's camera, or of the framed one; an eye
+ * without a target looks at the middle of the scene's box. */
+typedef struct sl_viewpoint {
+    bool has_eye;           /**< eye counts; and so on */
+    bool has_target;
+    bool has_up;
+    bool has_fov;
+    float eye[3];           /**< in the scene's world, y up */
+    float target[3];        /**< likewise */
+    float up[3];            /**< need not be perpendicular to the view */
+    float vertical_fov_rad; /**< between 0 and pi */
+} sl_viewpoint;
+/** Which axis of a mesh file points up. */
+typedef enum sl_up_axis {
+    SL_UP_AUTO, /**< as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up, but where the shape tells that they are z up */
+    SL_UP_Y,
+    SL_UP_Z     /**< (x, y, z) becomes (x, z, -y) */
+} sl_up_axis;
 /** What loading a scene may do. {0} is what sl_scene_load() does. */
 typedef struct sl_load_options {
     bool allow_outside; /**< files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else they are refused */
+    sl_up_axis up_axis; /**< of a mesh file that is loaded alone; a scene file says it itself ("up"), and other than AUTO is refused for one (USAGE) */
+    const sl_viewpoint *view; /**< or NULL; read while loading alone. USAGE: an eye at its target, an up vector along the view */
 } sl_load_options;
 /** The same as it is told to; options must not be NULL. */
 SL_API sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error);

@@ -36,6 +36,27 @@ expect 3 'bad.json:3: .*camera' render "$folder/bad.json" -o "$folder/a.exr"
 expect 4 'no-such-folder' render scenes/cornell.json -s 8x8 -q draft --quiet -o "$folder/no-such-folder/a.exr"
 [ -z "$(ls "$folder" | grep '^a\.')" ] || { echo 'a failed render left a file'; bad=1; }
 
+# The camera is placed, and a picture in which nothing is seen says so, once.
+blank() { # blank PATTERN ARGUMENTS...: one warning of that kind and no other; none where the pattern is empty
+    wanted=$1; shift
+    "$program" render "$@" -s 16x16 -q draft -m path --spp 4 >/dev/null 2>"$folder/err" || { echo "softlux render $*: failed"; bad=1; }
+    told=$(grep -E 'the picture is black|of the pixels are' "$folder/err")
+    case $told in *"$wanted"*) [ -n "$wanted" ] || [ -z "$told" ];; *) false;; esac && [ "$(echo "$told" | wc -l)" -eq 1 ] ||
+        { echo "softlux render $*: expected '$wanted', got '$told'"; bad=1; }
+}
+expect 0 'eye 0 1 5, looking along -?0 -?0 -1, 30 degrees' info scenes/cornell.json --eye 0,1,5 --target 0,1,0 --up 0,1,0 --fov 30
+expect 2 'expected three numbers' info scenes/cornell.json --eye 0,1
+expect 2 'expected an eye apart' info scenes/cornell.json --eye 0,1,5 --target 0,1,5
+expect 2 '"up" in it' info scenes/cornell.json --up-axis z
+expect 0 'box +0 0 -548.8 .. 556 559.2 0' info scenes/cornell-empty.obj --up-axis z
+expect 0 ' 20 degrees high' info scenes/cornell-empty.obj --fov 20
+blank '' scenes/cornell.json -o "$folder/seen.png"
+blank 'the picture is black: the camera sees nothing' scenes/cornell.json -o "$folder/seen.exr" --eye 0,1,-50 --target 0,1,-90
+blank 'are white: a lower --exposure' scenes/cornell.json -o "$folder/seen.png" --exposure 30 --tone clip
+blank 'are black: a higher --exposure' scenes/cornell.json -o "$folder/seen.png" --exposure -30
+printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "point", "position": [0, 900, 0], "intensity": 1}]}' "$PWD" >"$folder/dark.json"
+blank 'no light reaches' "$folder/dark.json" --allow-outside -o "$folder/seen.png" --eye 278,273,-200 --target 278,273,0
+
 # What cannot be written is one line, and leaves nothing: neither half a file nor a temporary one.
 refused() { # refused NAME REASON: what "$folder/err" says, and "$folder/place" holds
     grep -q "cannot [a-z ]* .*: $2" "$folder/err" && [ "$(wc -l <"$folder/err")" -eq 1 ] || { echo "$1:"; cat "$folder/err"; bad=1; }

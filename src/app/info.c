@@ -1,6 +1,7 @@
 /* softlux info: what is in a scene, and the plan of a method. */
 #include "app/auto_method.h"
 #include "app/commands.h"
+#include "app/load_options.h"
 #include "app/settings_options.h"
 #include "scene/features.h"
 #include "softlux.h"
@@ -52,15 +53,16 @@ int sl_command_info(int argc, char **argv) {
     const char *path;
     int operands, exit_status;
     sl_raw_settings raw;
-    sl_load_options load = {0};
-    sl_option options[1 + SL_SETTINGS_OPTIONS];
-    options[0] = (sl_option){"allow-outside", 0, SL_OPTION_FLAG, &load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL};
-    sl_settings_options(&raw, options + 1);
+    sl_load_request reading = {0};
+    sl_option options[SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
+    sl_load_options_table(&reading, options);
+    sl_settings_options(&raw, options + SL_LOAD_OPTIONS);
     const sl_command_line line = {"softlux info SCENE [options]",
                                   "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
                                   NULL, options, 1, 1};
     if (!sl_options_parse(&line, argc, argv, &path, &operands, &exit_status)) return exit_status;
     sl_settings settings = sl_settings_taken(&raw);
+    const sl_load_options load = sl_load_options_taken(&reading);
     sl_error error;
     sl_scene *scene;
     sl_status status = sl_scene_load_with(path, &load, &scene, &error);

@@ -4,6 +4,7 @@
 #include "app/commands.h"
 #include "app/live/film.h"
 #include "app/live/report.h"
+#include "app/load_options.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/same_file.h"
@@ -23,13 +24,14 @@ typedef struct show_options {
     bool exposure_given, json, quiet;
     int tone;
     sl_settings settings;
+    sl_load_request reading;
     sl_load_options load;
 } show_options;
 
 static bool parse(int argc, char **argv, show_options *o, int *status) {
     enum { OWN = 12 };
     sl_raw_settings raw;
-    sl_option options[OWN + SL_SETTINGS_OPTIONS];
+    sl_option options[OWN + SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
     *o = (show_options){.tone = SL_TONE_REINHARD, .seconds = 5.0, .frames_per_second = 25.0};
     const sl_option own[] = {
         {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILES", "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]", 0, 0, NULL},
@@ -39,13 +41,14 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
         {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
         {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0, tone_names},
-        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no report, no warnings", 0, 0, NULL},
     };
     _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
+    sl_load_options_table(&o->reading, options + count);
+    count += SL_LOAD_OPTIONS;
     sl_settings_options(&raw, options + count);
     raw.settings.method = "shading-cache";
     const sl_command_line line = {
@@ -59,6 +62,7 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
     int operands;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
     o->settings = sl_settings_taken(&raw);
+    o->load = sl_load_options_taken(&o->reading);
     return true;
 }
 

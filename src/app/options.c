@@ -133,6 +133,18 @@ static bool parse_size(const sl_option *o, const char *text, int *status) {
     return true;
 }
 
+static bool parse_vector(const sl_option *o, const char *text, int *status) {
+    const char *at = text;
+    for (int i = 0; i < 3; i++) {
+        char *end;
+        double value = strtod(at, &end);
+        if (end == at || !isfinite(value) || *end != (i < 2 ? ',' : '\0')) return mistake(status, "--%s: expected three numbers, as 1,2.5,-3, got '%s'", o->name, text);
+        ((double *)o->value)[i] = value;
+        at = end + 1;
+    }
+    return true;
+}
+
 /* K, M, G and T are powers of 1024; a B or iB after them is allowed. */
 static bool parse_bytes(const sl_option *o, const char *text, int *status) {
     static const char units[] = "kmgt";
@@ -160,6 +172,7 @@ static bool take_value(const sl_option *o, const char *text, int *status) {
     case SL_OPTION_CHOICE: return parse_choice(o, text, status);
     case SL_OPTION_BYTES: return parse_bytes(o, text, status);
     case SL_OPTION_SIZE: return parse_size(o, text, status);
+    case SL_OPTION_VECTOR: return parse_vector(o, text, status);
     case SL_OPTION_HEADING: break;
     }
     return false;

@@ -15,6 +15,7 @@ typedef enum sl_option_kind {
     SL_OPTION_CHOICE,  /* int *: the index into choices */
     SL_OPTION_BYTES,   /* uint64_t *: 512M, 2G, 900000000; within [minimum, maximum] */
     SL_OPTION_SIZE,    /* int[2]: WxH, each 1 to 32768 */
+    SL_OPTION_VECTOR,  /* double[3]: X,Y,Z, finite */
     SL_OPTION_HEADING  /* no option: a line of the help page above those that follow; its name is "" */
 } sl_option_kind;
 

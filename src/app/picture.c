@@ -1,6 +1,7 @@
 /* Running a method with a progress bar, writing pictures, saying what was done. */
 #include "app/picture.h"
 
+#include "app/blank_picture.h"
 #include "app/clock.h"
 #include "app/frame_name.h"
 #include "image/output_file.h"
@@ -18,6 +19,8 @@ static bool ends_with(const char *text, const char *end) {
     size_t n = strlen(text), m = strlen(end);
     return n >= m && strcmp(text + n - m, end) == 0;
 }
+
+bool sl_picture_is_png(const char *path) { return ends_with(path, ".png"); }
 
 bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
     bool known = ends_with(o->output, ".exr") || ends_with(o->output, ".png") || ends_with(o->output, ".pfm");
@@ -71,16 +74,16 @@ sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progr
 
 /* ---- writing ---- */
 
-static sl_tone tone_of(const sl_render_options *o) { return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}; }
+sl_tone sl_picture_tone(const sl_render_options *o) { return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}; }
 
 /* Nothing of the clock goes into the file: the same picture is the same file. */
 sl_status sl_picture_write(const sl_render_options *o, const sl_image *image, const char *path, double *stops, sl_error *error) {
-    *stops = ends_with(path, ".png") ? sl_tone_stops(image, tone_of(o)) : 0.0;
-    return ends_with(path, ".png") ? sl_image_write_png(image, path, tone_of(o), error) : sl_image_write(image, path, error);
+    *stops = sl_picture_is_png(path) ? sl_tone_stops(image, sl_picture_tone(o)) : 0.0;
+    return sl_picture_is_png(path) ? sl_image_write_png(image, path, sl_picture_tone(o), error) : sl_image_write(image, path, error);
 }
 
 void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) {
-    if (!ends_with(o->output, ".png")) return;
+    if (!sl_picture_is_png(o->output)) return;
     cJSON *tone = cJSON_AddObjectToObject(json, "tone");
     cJSON_AddStringToObject(tone, "curve", sl_tone_curve_name((size_t)o->tone));
     cJSON_AddNumberToObject(tone, "exposure", stops);
@@ -96,12 +99,13 @@ static const char *next_warning(const char **rest, int *length) {
     return line;
 }
 
-void sl_picture_warn(const sl_render_options *o, const sl_image *image) {
+void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl_image *image) {
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
     int length;
     while (!o->quiet && (line = next_warning(&rest, &length))) fprintf(stderr, "softlux: warning: %.*s\n", length, line);
     const char *conceded = sl_image_metadata(image, "softlux.concession");
     if (conceded && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", conceded);
+    if (!o->quiet) sl_tell_blank_picture(o, scene, image);
 }
 
 /* The warnings of a picture, as an array of lines. */
@@ -124,12 +128,12 @@ typedef struct written {
 } written;
 
 /* warn: of what the method found out on its way. The caller destroys the picture. */
-static sl_status write_picture(const sl_render_options *o, sl_method *method, double start, const char *path, bool warn, written *w,
-                               sl_error *error) {
+static sl_status write_picture(const sl_render_options *o, const sl_scene *scene, sl_method *method, double start,
+                               const char *path, bool warn, written *w, sl_error *error) {
     sl_status status = sl_method_resolve(method, &w->image, error);
     if (status != SL_OK) return status;
     w->seconds = sl_seconds_now() - start;
-    if (warn) sl_picture_warn(o, w->image);
+    if (warn) sl_picture_warn(o, scene, w->image);
     return sl_picture_write(o, w->image, path, &w->stops, error);
 }
 
@@ -196,7 +200,7 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
     sl_watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
-    if (status == SL_OK) status = write_picture(o, method, start, o->output, true, &w, error);
+    if (status == SL_OK) status = write_picture(o, scene, method, start, o->output, true, &w, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (was_stopped(o, &progress)) *end = SL_RENDER_STOPPED;
     if (status == SL_OK) {
@@ -228,7 +232,8 @@ static void print_frame(const sl_render_options *o, unsigned long long frame, co
 }
 
 /* Frame number `frame` of the method's scene as it stands. */
-static sl_status render_frame(const sl_render_options *o, sl_method *method, unsigned long long frame, double begin, sl_error *error) {
+static sl_status render_frame(const sl_render_options *o, const sl_scene *scene, sl_method *method,
+                              unsigned long long frame, double begin, sl_error *error) {
     double start = sl_seconds_now();
     char name[4096];
     written w = {0};
@@ -236,7 +241,7 @@ static sl_status render_frame(const sl_render_options *o, sl_method *method, uns
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
     sl_frame_name(o->output, frame, name, sizeof name);
     sl_status status = sl_picture_run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, method, start, name, frame == 0, &w, error);
+    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, scene, method, start, name, frame == 0, &w, error);
     if (status == SL_OK && !sl_interrupted() && o->json)
         print_frame(o, frame, name, &w, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
     sl_image_destroy(w.image);
@@ -254,7 +259,7 @@ sl_status sl_render_frames(const sl_render_options *o, sl_scene *scene, sl_rende
         unsigned changes = 0;
         if (frame) status = sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
         if (status == SL_OK && changes) status = sl_method_edit(method, changes, error);
-        if (status == SL_OK) status = render_frame(o, method, frame, begin, error);
+        if (status == SL_OK) status = render_frame(o, scene, method, frame, begin, error);
         whole += !sl_interrupted();
     }
     if (whole < o->frames) *end = SL_RENDER_STOPPED;

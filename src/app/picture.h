@@ -2,6 +2,7 @@
 #ifndef SL_APP_PICTURE_H
 #define SL_APP_PICTURE_H
 
+#include "app/load_options.h"
 #include "softlux.h"
 
 #include <cjson/cJSON.h>
@@ -20,7 +21,8 @@ typedef struct sl_render_options {
     int tone;                  /* as sl_tone_curve */
     double exposure;
     bool exposure_given, json, quiet;
-    sl_load_options load;
+    sl_load_request reading;
+    sl_load_options load;      /* points into it */
 } sl_render_options;
 
 /* Whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where the frame's number goes. */
@@ -44,12 +46,14 @@ sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl
 /* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C; with a progress bar. */
 sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl_progress *progress, double start, double done_before,
                          sl_error *error);
-/* What the method found out on its way, on stderr. */
-void sl_picture_warn(const sl_render_options *options, const sl_image *image);
+/* What the method found out on its way, and whether there is anything to be seen, on stderr. */
+void sl_picture_warn(const sl_render_options *options, const sl_scene *scene, const sl_image *image);
 /* *stops: the exposure that a PNG was given. */
 sl_status sl_picture_write(const sl_render_options *options, const sl_image *image, const char *path, double *stops, sl_error *error);
 /* Adds to --json how radiance became the 8 bits of a PNG; nothing for other formats. */
 void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
+bool sl_picture_is_png(const char *path);
+sl_tone sl_picture_tone(const sl_render_options *options);
 /* What was done, for --json; printing deletes it. */
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method, const sl_image *image,
                        const sl_progress *progress, double seconds);

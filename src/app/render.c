@@ -17,7 +17,7 @@ static const char *const tone_names[] = {"clip", "reinhard", NULL}; /* as sl_ton
 static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text, int *status) {
     enum { OWN = 18 };
     sl_raw_settings raw;
-    sl_option options[OWN + SL_SETTINGS_OPTIONS];
+    sl_option options[OWN + SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
     *o = (sl_render_options){.tone = SL_TONE_REINHARD, .output = "out.exr", .frames_per_second = 25.0};
     const sl_option own[] = {
         {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILE", "picture to write: .exr, .png or .pfm [out.exr]", 0, 0, NULL},
@@ -35,13 +35,14 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "PNG: times 2^STOPS [automatic]", -64, 64,
          NULL},
         {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0, tone_names},
-        {"allow-outside", 0, SL_OPTION_FLAG, &o->load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
     _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
+    sl_load_options_table(&o->reading, options + count);
+    count += SL_LOAD_OPTIONS;
     sl_settings_options(&raw, options + count);
     const sl_command_line line = {
         "softlux render SCENE [-o FILE] [options]",
@@ -60,6 +61,7 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
     *error_text = NULL;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
     o->settings = sl_settings_taken(&raw);
+    o->load = sl_load_options_taken(&o->reading);
     o->quality_given = raw.quality_given;
     return true;
 }

@@ -288,28 +288,48 @@ static bool camera_is_valid(const sl_camera *c) {
            sl_camera_look_at(&check, sl_v3(0, 0, 0), sl_neg(c->back), c->up, c->vertical_fov);
 }
 
-static sl_status place_camera(const sl_scene_parts *parts, sl_scene *s, sl_error *error) {
-    if (parts->camera) {
-        s->camera = *parts->camera;
-        if (camera_is_valid(parts->camera)) return SL_OK;
+/* What the view asks for in place of the camera's own; an eye alone looks at the middle of the scene. */
+static bool take_view(const sl_viewpoint *v, const sl_scene *s, sl_camera *camera) {
+    sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
+    sl_vec3 middle = sl_to_float(sl_scaled(sl_addd(low, high), 0.5));
+    sl_vec3 eye = v->has_eye ? sl_v3(v->eye[0], v->eye[1], v->eye[2]) : camera->eye;
+    sl_vec3 target = v->has_target ? sl_v3(v->target[0], v->target[1], v->target[2]) : v->has_eye ? middle : sl_sub(eye, camera->back);
+    sl_vec3 up = v->has_up ? sl_v3(v->up[0], v->up[1], v->up[2]) : sl_v3(0, 1, 0);
+    float fov = v->has_fov ? v->vertical_fov_rad : camera->vertical_fov;
+    if (!v->has_eye && !v->has_target) { /* looking from the origin keeps all bits of the direction */
+        bool good = sl_camera_look_at(camera, sl_v3(0, 0, 0), sl_neg(camera->back), v->has_up ? up : camera->up, fov);
+        camera->eye = eye;
+        return good;
+    }
+    return sl_camera_look_at(camera, eye, target, up, fov);
+}
+
+static sl_status place_camera(const sl_scene_parts *parts, sl_scene *s, bool *shut_out, sl_error *error) {
+    bool inside = false;
+    const sl_viewpoint *view = parts->view;
+    if (parts->camera && !camera_is_valid(parts->camera)) {
         return sl_fail(error, SL_ERROR_INPUT, "camera: expected a finite frame and a vertical field of view between 0 and 180 degrees");
     }
-    s->camera = sl_camera_framed(s);
-    sl_vec3 eye = s->camera.eye;
-    sl_scene_warn(s, "no camera: the whole scene is framed from outside, slightly above, looking along -z "
-                  "(eye %g %g %g, 45 degrees)", (double)eye.x, (double)eye.y, (double)eye.z);
+    s->camera = parts->camera ? *parts->camera : sl_camera_framed(s, &inside, shut_out);
+    if (view && !take_view(view, s, &s->camera)) {
+        return sl_fail(error, SL_ERROR_USAGE, "camera: expected an eye apart from its target, an up vector not along the view "
+                                              "and a vertical field of view between 0 and 180 degrees");
+    }
+    *shut_out = *shut_out && !(view && view->has_eye);
+    if (parts->camera || (view && view->has_eye)) return SL_OK;
+    sl_vec3 eye = s->camera.eye, back = s->camera.back;
+    sl_scene_warn(s, "no camera: %s (eye %g %g %g, looking along %.3g %.3g %.3g, %.3g degrees)",
+                  inside ? "one is put into the room" : "the whole scene is framed from outside", (double)eye.x, (double)eye.y, (double)eye.z, -(double)back.x,
+                  -(double)back.y, -(double)back.z, (double)s->camera.vertical_fov * 57.29577951308232);
     return SL_OK;
 }
 
-static void light_if_dark(const sl_scene_parts *parts, sl_scene *s) {
-    if (s->light_count || s->emitter_count || s->environment.present) return;
-    if (!parts->default_light) {
-        sl_scene_warn(s, "no light: the picture will be black");
-        return;
-    }
-    s->environment.present = true;
-    s->environment.constant = sl_grey(1.0f);
-    sl_scene_warn(s, "no light: an environment of constant radiance 1 W/(m^2 sr) is added");
+static sl_status light_if_dark(const sl_scene_parts *parts, sl_scene *s, bool shut_out, sl_error *error) {
+    bool any = s->light_count || s->emitter_count || s->environment.present;
+    if (any && !shut_out) return SL_OK;
+    if (parts->default_light) return sl_scene_light_by_default(s, error);
+    if (!any) sl_scene_warn(s, "no light: the picture will be black");
+    return SL_OK;
 }
 
 static sl_status set_film(const sl_scene_parts *parts, sl_scene *s, sl_error *error) {
@@ -328,8 +348,9 @@ static sl_status fill_scene(const sl_scene_parts *parts, sl_scene *s, sl_error *
     }
     sl_status status = sl_scene_make_emitters(s, error);
     if (status != SL_OK) return status;
-    light_if_dark(parts, s);
-    status = place_camera(parts, s, error);
+    bool shut_out = false;
+    status = place_camera(parts, s, &shut_out, error);
+    if (status == SL_OK) status = light_if_dark(parts, s, shut_out, error);
     sl_scene_measure_from(s, s->camera.eye);
     return status;
 }

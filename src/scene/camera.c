@@ -1,4 +1,4 @@
-/* Cameras: an orthonormal frame from eye, target and up; and the framed one of a file that brings none. */
+/* Cameras: an orthonormal frame from eye, target and up. */
 #include <math.h>
 
 #include "base/error.h"
@@ -18,24 +18,6 @@ bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 u
     right = sl_scaled(right, 1.0 / sine);
     *camera = (sl_camera){eye, sl_to_float(right), sl_to_float(sl_crossd(back, right)), sl_to_float(back), vertical_fov};
     return true;
-}
-
-/* The sphere around the box just fits the narrower side of the film. */
-sl_camera sl_camera_framed(const sl_scene *scene) {
-    const double tangent = 0.41421356237309503; /* of half of 45 degrees */
-    const float fov = 0.78539816339744828f;
-    double aspect = (double)scene->film_width / (double)scene->film_height;
-    double narrow = aspect < 1.0 ? tangent * aspect : tangent;
-    double sine = narrow / sqrt(1.0 + narrow * narrow);
-    double distance = 0.5 * (double)scene->diagonal / sine;
-    sl_vec3d low = sl_to_double(scene->box_min), high = sl_to_double(scene->box_max);
-    sl_vec3d centre = sl_scaled(sl_addd(low, high), 0.5);
-    sl_vec3d outwards = sl_scaled(sl_v3d(0.0, 0.25, 1.0), 1.0 / sqrt(1.0625));
-    sl_vec3 eye = sl_to_float(sl_addd(centre, sl_scaled(outwards, distance)));
-    sl_camera camera = {eye, sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), fov};
-    /* A scene so small beside its distance from the origin that eye and centre round to the same point keeps the plain frame. */
-    sl_camera_look_at(&camera, eye, sl_to_float(centre), sl_v3(0, 1, 0), fov);
-    return camera;
 }
 
 sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],

@@ -18,8 +18,10 @@ void sl_scene_measure(sl_scene *scene);
 /* The same for another vantage, where nothing has moved. */
 void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage);
 
-/* The picture of the whole scene that a file without a camera gets: from outside, a little above, along -z. */
-sl_camera sl_camera_framed(const sl_scene *scene);
+/* The camera that a file without one gets: the whole scene from outside, or a room from inside. *shut_out: it is outside, and no light of the scene is. */
+sl_camera sl_camera_framed(const sl_scene *scene, bool *inside, bool *shut_out);
+/* Adds the lights that a scene without any gets, or one without any where the camera is, by what that sees: sun and sky, or a lamp in a room. */
+sl_status sl_scene_light_by_default(sl_scene *scene, sl_error *error);
 
 /* Copies what the environment holds, clears what is not light, and makes the sums that sampling needs. */
 sl_status sl_environment_copy(const sl_environment *from, sl_environment *to, size_t *repaired, sl_error *error);

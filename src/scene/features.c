@@ -1,5 +1,7 @@
 #include "scene/features.h"
 
+#include "scene/sight.h"
+
 static void count_triangles(sl_features *features, const sl_material *material, size_t count) {
     if (sl_material_is_diffuse(material)) features->diffuse_triangles += count;
     if (sl_material_is_glossy(material)) features->glossy_triangles += count;
@@ -26,4 +28,11 @@ sl_features sl_scene_features(const sl_scene *scene) {
     }
     features.light = scene->light_count > 0 || features.emitters > 0 || features.environment || (features.animated && features.emissive_triangles > 0);
     return features;
+}
+
+bool sl_scene_is_in_view(const sl_scene *scene) {
+    sl_sight sight;
+    sl_sight_view(&sight, &scene->camera, (double)scene->film_width / (double)scene->film_height);
+    sl_sight_cast(&sight, scene);
+    return sl_sight_counted(&sight, scene).hit > 0;
 }

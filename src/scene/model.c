@@ -333,6 +333,7 @@ sl_status sl_model_build(sl_model *m, sl_scene **scene, sl_error *error) {
                             .lights = m->lights,
                             .environment = m->environment.present ? &m->environment : NULL,
                             .camera = m->has_camera ? &m->camera : NULL,
+                            .view = m->view,
                             .film_width = m->film_width,
                             .film_height = m->film_height,
                             .default_light = true,

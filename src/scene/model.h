@@ -25,6 +25,7 @@ typedef struct sl_model {
     char **warnings;
     bool has_camera;
     sl_camera camera;
+    const sl_viewpoint *view; /* of the caller, in place of what the camera has; or NULL */
     sl_environment environment; /* texels owned */
     int film_width, film_height;
     size_t file_count, file_room;

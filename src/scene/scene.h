@@ -249,6 +249,7 @@ typedef struct sl_scene_parts {
     const sl_light *lights;
     const sl_environment *environment; /* CDFs are made here; NULL: none */
     const sl_camera *camera;     /* or NULL: framed */
+    const sl_viewpoint *view;         /* in place of what the camera has; or NULL */
     int film_width, film_height; /* 0: 512 */
     bool default_light;          /* if nothing gives light, add the stated default */
     size_t object_count;         /* 0: as many as object_index names */

@@ -153,7 +153,7 @@ static sl_status build(sl_scene_file *file, sl_scene **scene) {
 
 sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene, sl_error *error) {
     *scene = NULL;
-    sl_scene_file file = {.animation = sl_allocate(1, sizeof(sl_animation))};
+    sl_scene_file file = {.model = {.view = options->view}, .animation = sl_allocate(1, sizeof(sl_animation))};
     if (!file.animation) return sl_fail_memory(error, "the scene file");
     sl_status opened = sl_json_open(path, &file.json, error);
     if (opened == SL_OK && !options->allow_outside) file.json.status = sl_model_confine(&file.model, path, error);

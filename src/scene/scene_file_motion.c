@@ -192,4 +192,5 @@ void sl_scene_file_camera(sl_scene_file *file, const cJSON *item) {
         read_camera(file, key, &state);
         a->camera_keys[a->camera_key_count++] = state;
     }
+    if (file->model.view) a->camera_key_count = 0; /* that camera stands still */
 }

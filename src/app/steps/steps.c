@@ -1,6 +1,7 @@
 /* softlux steps: a method pass by pass, as one page. */
 #include "app/clock.h"
 #include "app/commands.h"
+#include "app/load_options.h"
 #include "app/memory_limit.h"
 #include "app/same_file.h"
 #include "app/settings_options.h"
@@ -19,13 +20,14 @@ typedef struct steps_command {
     uint64_t reference_samples;
     double at_seconds;
     bool quiet;
+    sl_load_request reading;
     sl_load_options load;
 } steps_command;
 
 static bool parse(int argc, char **argv, steps_command *s, int *status) {
     enum { OWN = 8 };
     sl_raw_settings raw;
-    sl_option options[OWN + SL_SETTINGS_OPTIONS];
+    sl_option options[OWN + SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
     *s = (steps_command){.folder = "steps", .reference_samples = 64};
     const sl_option own[] = {
         {"output", 'o', SL_OPTION_TEXT, &s->folder, NULL, "DIR", "folder for the page, index.html [steps]", 0, 0, NULL},
@@ -33,11 +35,12 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
         {"reference-spp", 0, SL_OPTION_COUNT, &s->reference_samples, NULL, "N",
          "samples a pixel of the path-traced reference; 0: no errors are told [64]", 0, 1e6, NULL},
         {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
-        {"allow-outside", 0, SL_OPTION_FLAG, &s->load.allow_outside, NULL, NULL, "files that the scene names may lie outside of its folder", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &s->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
+    sl_load_options_table(&s->reading, options + count);
+    count += SL_LOAD_OPTIONS;
     sl_settings_options(&raw, options + count);
     for (sl_option *o = options + count; o->name; o++) {
         if (strcmp(o->name, "method") == 0) o->help = "splatting, direct-radiance, light-octree, multi-mesh or shading-cache [splatting]";
@@ -52,6 +55,7 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
     int operands;
     if (!sl_options_parse(&line, argc, argv, &s->scene, &operands, status)) return false;
     s->settings = sl_settings_taken(&raw);
+    s->load = sl_load_options_taken(&s->reading);
     return true;
 }
 
