@@ -1,5 +1,5 @@
-/* Processes that fork once the library has worked on several threads, as test runners and Python's multiprocessing do: the child has none of those threads, and
- * works all the same, to the same bits. */
+/* Processes that fork once the library has worked on several threads, as test runners and Python's
+ * multiprocessing do: the child has none of those threads, and works all the same, to the same bits. */
 #define _DEFAULT_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -46,7 +46,8 @@ static bool gives(sl_method *method, const sl_image *expected) {
     return same;
 }
 
-static _Noreturn void be_a_child(const sl_scene *scene, const char *name, sl_method *begun, const sl_image *expected) {
+static _Noreturn void be_a_child(const sl_scene *scene, const char *name, sl_method *begun,
+                                 const sl_image *expected) {
     signal(SIGALRM, SIG_DFL);
     alarm(SECONDS);
     bool same = gives(begun, expected);
@@ -57,7 +58,9 @@ static _Noreturn void be_a_child(const sl_scene *scene, const char *name, sl_met
 static void assert_ends_well(pid_t child, const char *name) {
     int how = 0;
     assert_int_equal(waitpid(child, &how, 0), child);
-    if (WIFSIGNALED(how)) fail_msg("%s: %s", name, WTERMSIG(how) == SIGALRM ? "the child hangs" : "the child crashes");
+    if (WIFSIGNALED(how)) {
+        fail_msg("%s: %s", name, WTERMSIG(how) == SIGALRM ? "the child hangs" : "the child crashes");
+    }
     if (WEXITSTATUS(how) != 0) fail_msg("%s: the child has another picture, or none", name);
 }
 
@@ -86,9 +89,13 @@ static sl_scene *hills(void) {
     enum { SIDE = 60, LINE = 64 };
     static char text[((SIDE + 1) * (SIDE + 1) + SIDE * SIDE) * LINE];
     size_t size = 0;
-    for (int i = 0; i < (SIDE + 1) * (SIDE + 1); i++) size += (size_t)sprintf(text + size, "v %d %d %d\n", i % (SIDE + 1), i * 7 % 5, i / (SIDE + 1));
+    for (int i = 0; i < (SIDE + 1) * (SIDE + 1); i++) {
+        size += (size_t)sprintf(text + size, "v %d %d %d\n", i % (SIDE + 1), i * 7 % 5, i / (SIDE + 1));
+    }
     for (int y = 0; y < SIDE; y++) {
-        for (int x = 0, i = y * (SIDE + 1) + 1; x < SIDE; x++, i++) size += (size_t)sprintf(text + size, "f %d %d %d %d\n", i, i + SIDE + 1, i + SIDE + 2, i + 1);
+        for (int x = 0, i = y * (SIDE + 1) + 1; x < SIDE; x++, i++) {
+            size += (size_t)sprintf(text + size, "f %d %d %d %d\n", i, i + SIDE + 1, i + SIDE + 2, i + 1);
+        }
     }
     return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}]}", text);
 }
@@ -147,8 +154,9 @@ static void a_show_plays_in_the_child_of_a_process_that_has_played_one(void **st
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_forked_child_renders_the_same_bits_by_every_method_at_any_threads),
-                                       cmocka_unit_test(a_forked_child_builds_hierarchies_of_many_triangles),
-                                       cmocka_unit_test(a_show_plays_in_the_child_of_a_process_that_has_played_one)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_forked_child_renders_the_same_bits_by_every_method_at_any_threads),
+        cmocka_unit_test(a_forked_child_builds_hierarchies_of_many_triangles),
+        cmocka_unit_test(a_show_plays_in_the_child_of_a_process_that_has_played_one)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

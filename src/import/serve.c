@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* prctl() */
 #include "import/serve.h"
 
 #include <assimp/cimport.h>
@@ -18,6 +17,8 @@
 #include "import/files.h"
 #include "import/write.h"
 
+enum { MOST_DESCRIPTORS = 1024 }; /* that are closed */
+
 static void limit(int resource, rlim_t soft, rlim_t hard) {
     struct rlimit now;
     if (getrlimit(resource, &now) != 0) return;
@@ -33,9 +34,15 @@ static void keep_within(unsigned long processor_seconds, unsigned long long addr
     limit(RLIMIT_CPU, processor_seconds, processor_seconds + 1);
     if (!SL_SANITIZED) limit(RLIMIT_AS, (rlim_t)address_bytes, (rlim_t)address_bytes);
 #ifdef __linux__
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  /* who waits for the answer is gone */
+    prctl(PR_SET_PDEATHSIG, SIGKILL);   /* who waits for the answer is gone */
     prctl(PR_SET_DUMPABLE, 0, 0, 0, 0); /* nor is a core handed to a program that collects them */
 #endif
+}
+
+/* What the caller has open and does not keep from its children: a pipe of its own would not end before this
+ * process does. */
+static void close_what_came_along(void) {
+    for (int descriptor = 3; descriptor < MOST_DESCRIPTORS; descriptor++) close(descriptor);
 }
 
 static char *read_input(size_t *size) {
@@ -83,6 +90,7 @@ static bool import(const char *path, sl_import_files *files) {
 /* Ends at once: there is nothing that anybody would see released. */
 int sl_import_serve(int argc, char **argv) {
     if (argc < 5 || strtoul(argv[1], NULL, 10) != SL_IMPORT_VERSION) _exit(2);
+    close_what_came_along();
     keep_within(strtoul(argv[2], NULL, 10), strtoull(argv[3], NULL, 10));
     sl_import_files files;
     size_t size;
