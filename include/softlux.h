@@ -247,10 +247,10 @@ SL_API sl_status sl_scene_load(const char *path, sl_scene **scene, sl_error *err
 /** A camera that stands still, in place of the file's and its keyframes. What is not given is that of the file's camera, or of the framed one; an eye
  * without a target looks at the middle of the scene's box. */
 typedef struct sl_viewpoint {
-    bool has_eye;           /**< eye counts; and so on */
-    bool has_target;
-    bool has_up;
-    bool has_fov;
+    bool has_eye;           /**< eye counts */
+    bool has_target;        /**< target counts */
+    bool has_up;            /**< up counts */
+    bool has_fov;           /**< vertical_fov_rad counts */
     float eye[3];           /**< in the scene's world, y up */
     float target[3];        /**< likewise */
     float up[3];            /**< need not be perpendicular to the view */

@@ -140,6 +140,8 @@ void write_exr(const char *path, const exr_test_file *file) {
                                          EXR_PERCEPTUALLY_LOGARITHMIC, sampling, sampling), EXR_ERR_SUCCESS);
     }
     assert_int_equal(exr_attr_set_string(context, 0, "comments", "hand-made"), EXR_ERR_SUCCESS);
+    if (file->chromaticities) assert_int_equal(exr_attr_set_chromaticities(context, 0, "chromaticities", file->chromaticities), EXR_ERR_SUCCESS);
+    if (file->envmap) assert_int_equal(exr_attr_set_envmap(context, 0, "envmap", *file->envmap), EXR_ERR_SUCCESS);
     assert_int_equal(exr_write_header(context), EXR_ERR_SUCCESS);
     if (tiled) encode_tiles(context, file);
     else encode_scan_lines(context, file);

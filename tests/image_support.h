@@ -34,6 +34,8 @@ typedef struct exr_test_file {
     int tile_width, tile_height;      /* 0: scan lines */
     const exr_test_channel *channels; /* sorted by name */
     int channel_count;
+    const exr_attr_chromaticities_t *chromaticities; /* NULL: it says nothing of them; likewise */
+    const exr_envmap_t *envmap;
 } exr_test_file;
 
 void write_exr(const char *path, const exr_test_file *file);

@@ -12,16 +12,19 @@
 #include "scene/scene.h"
 #include "scene_files.h"
 
-/* ---- boxes as OBJ text: vertices 1 to 8, x fastest, then y, then z ------------------------------------------------------- */
+/* ---- boxes as OBJ text: vertices 1 to 8, x fastest, then y, then z ------------------------------------- */
 
-#define SIDES "f 1 5 7 3\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n" /* left, below, above, back, front: fronts outwards */
+#define SIDES                                                                                                \
+    "f 1 5 7 3\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n" /* left, below, above, back, front: fronts     \
+                                                                 outwards */
 #define SIDES_INWARDS "f 3 7 5 1\nf 5 6 2 1\nf 4 8 7 3\nf 2 4 3 1\nf 7 8 6 5\n"
 #define RIGHT "f 2 4 8 6\n"
 #define RIGHT_INWARDS "f 6 8 4 2\n"
 
 #define ROOM "v 0 0 0\nv 4 0 0\nv 0 3 0\nv 4 3 0\nv 0 0 6\nv 4 0 6\nv 0 3 6\nv 4 3 6\n"
 /* Eight vertices more, so numbers count back. */
-#define WALLS_AROUND "v -1 -1 -1\nv 5 -1 -1\nv -1 4 -1\nv 5 4 -1\nv -1 -1 7\nv 5 -1 7\nv -1 4 7\nv 5 4 7\n" \
+#define WALLS_AROUND                                                                                         \
+    "v -1 -1 -1\nv 5 -1 -1\nv -1 4 -1\nv 5 4 -1\nv -1 -1 7\nv 5 -1 7\nv -1 4 7\nv 5 4 7\n"                   \
     "f -8 -4 -2 -6\nf -8 -7 -3 -4\nf -6 -2 -1 -5\nf -8 -6 -5 -7\nf -4 -3 -1 -2\nf -7 -5 -1 -3\n"
 #define LAMP "v 1 2.5 2\nv 3 2.5 2\nv 1 2.5 4\nusemtl lamp\nf -3 -2 -1\n"
 static const char lamp_library[] = "newmtl lamp\nKd 0\nKe 5\n";
@@ -47,13 +50,14 @@ static bool is_within(sl_vec3 p, sl_vec3 low, sl_vec3 high) {
 }
 static const sl_vec3 room_low = {0, 0, 0}, room_high = {4, 3, 6};
 
-/* ---- the camera ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the camera ---------------------------------------------------------------------------------------- */
 
 static void a_solid_is_framed_from_outside_at_an_angle_under_sun_and_sky(void **state) {
     (void)state;
     sl_scene *s = obj(ROOM SIDES RIGHT);
     sl_vec3 back = s->camera.back;
-    assert_true(back.x > 0.3f && back.y > 0.3f && back.z > 0.3f && !is_within(s->camera.eye, s->box_min, s->box_max));
+    assert_true(back.x > 0.3f && back.y > 0.3f && back.z > 0.3f &&
+                !is_within(s->camera.eye, s->box_min, s->box_max));
     assert_int_equal(s->light_count, 1);
     assert_int_equal(s->lights[0].type, SL_LIGHT_DIRECTIONAL);
     assert_true(s->environment.present && s->environment.constant.r < 0.2f * s->lights[0].intensity.r);
@@ -98,8 +102,10 @@ static void lamps_that_are_all_shut_in_are_looked_for_inside(void **state) {
 static void a_room_whose_outside_is_blank_is_seen_from_inside(void **state) {
     (void)state;
     scene_file_text("four.mtl", "newmtl a\nKd 0.1\nnewmtl b\nKd 0.2\nnewmtl c\nKd 0.3\n");
-    sl_scene *s = obj("mtllib four.mtl\n" ROOM "usemtl a\nf 3 7 5 1\nf 5 6 2 1\nusemtl b\nf 4 8 7 3\nf 2 4 3 1\nusemtl c\nf 7 8 6 5\n" RIGHT_INWARDS
-                      "usemtl a\n" WALLS_AROUND);
+    sl_scene *s = obj(
+        "mtllib four.mtl\n" ROOM
+        "usemtl a\nf 3 7 5 1\nf 5 6 2 1\nusemtl b\nf 4 8 7 3\nf 2 4 3 1\nusemtl c\nf 7 8 6 5\n" RIGHT_INWARDS
+        "usemtl a\n" WALLS_AROUND);
     assert_true(is_within(s->camera.eye, room_low, room_high));
     sl_scene_destroy(s);
 }
@@ -114,7 +120,7 @@ static void what_has_its_lamps_in_a_solid_is_lit_from_outside(void **state) {
     sl_scene_destroy(s);
 }
 
-/* ---- the light ------------------------------------------------------------------------------------------------------------------- */
+/* ---- the light ----------------------------------------------------------------------------------------- */
 
 static void the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks(void **state) {
     (void)state;
@@ -122,7 +128,10 @@ static void the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks(voi
     char json[300];
     scene_file_text("first.obj", ROOM SIDES RIGHT);
     for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
-        snprintf(json, sizeof json, "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": {\"eye\": [0,1,30], \"target\": [%s]}}", targets[i]);
+        snprintf(json, sizeof json,
+                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": {\"eye\": [0,1,30], "
+                 "\"target\": [%s]}}",
+                 targets[i]);
         sl_scene *s = load(scene_file_text("first.json", json));
         sl_vec3 sun = s->lights[0].direction, behind = sl_v3(-s->camera.right.z, 0.0f, s->camera.right.x);
         assert_true(fabsf(sl_length(sun) - 1.0f) < 1e-6f && sun.y < -0.5f);
@@ -133,29 +142,40 @@ static void the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks(voi
 
 static void a_camera_that_stands_in_a_dark_room_gets_a_lamp_there(void **state) {
     (void)state;
-    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": {\"eye\": [1,1,1], \"target\": [3,1,5]}}";
+    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": "
+                               "{\"eye\": [1,1,1], \"target\": [3,1,5]}}";
     scene_file_text("first.obj", ROOM SIDES_INWARDS RIGHT_INWARDS WALLS_AROUND);
     sl_scene *s = load(scene_file_text("first.json", json));
     assert_true(s->light_count == 1 && s->lights[0].type == SL_LIGHT_POINT && !s->environment.present);
     assert_true(is_within(s->lights[0].position, room_low, room_high));
     sl_scene_destroy(s);
-    scene_file_text("first.obj", ROOM SIDES_INWARDS "v 4 1 2\nv 4 1 4\nv 4 3 2\nv 4 3 4\nf 6 10 9 2\nf 2 9 11 4\nf 6 8 12 10\nf 4 11 12 8\n"); /* a window to the right */
+    scene_file_text(
+        "first.obj", ROOM SIDES_INWARDS
+        "v 4 1 2\nv 4 1 4\nv 4 3 2\nv 4 3 4\nf 6 10 9 2\nf 2 9 11 4\nf 6 8 12 10\nf 4 11 12 8\n"); /* a window
+                                                                                                      to the
+                                                                                                      right */
     s = load(scene_file_text("first.json", json));
-    assert_true(s->light_count == 2 && s->lights[0].type == SL_LIGHT_POINT && s->lights[1].type == SL_LIGHT_DIRECTIONAL && s->environment.present);
+    assert_true(s->light_count == 2 && s->lights[0].type == SL_LIGHT_POINT &&
+                s->lights[1].type == SL_LIGHT_DIRECTIONAL && s->environment.present);
     sl_scene_destroy(s);
 }
 
-/* ---- which axis is up ------------------------------------------------------------------------------------------------------------ */
+/* ---- which axis is up ---------------------------------------------------------------------------------- */
 
-#define SPIRE_ON_Z "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
-#define SPIRE_ON_Y "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv 0 3 0\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
-static const char spire_ply[] = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 5\n"
-                                "property list uchar int vertex_indices\nend_header\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n0 0 3\n4 3 2 1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+#define SPIRE_ON_Z                                                                                           \
+    "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
+#define SPIRE_ON_Y                                                                                           \
+    "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv 0 3 0\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
+static const char spire_ply[] = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float "
+                                "y\nproperty float z\nelement face 5\n"
+                                "property list uchar int vertex_indices\nend_header\n-1 -1 0\n1 -1 0\n1 1 "
+                                "0\n-1 1 0\n0 0 3\n4 3 2 1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
 
 static void what_stands_on_z_is_turned_where_its_format_does_not_say(void **state) {
     (void)state;
     for (int ply = 0; ply < 2; ply++) {
-        const char *path = ply ? scene_file_text("spire.ply", spire_ply) : scene_file_text("spire.obj", SPIRE_ON_Z);
+        const char *path =
+            ply ? scene_file_text("spire.ply", spire_ply) : scene_file_text("spire.obj", SPIRE_ON_Z);
         sl_scene *s = load(path);
         assert_true(s->box_max.y == 3.0f && s->box_min.y == 0.0f && s->box_max.z == 1.0f);
         assert_true(s->geometric_normal_y[0] == -1.0f && s->normal_y[s->vertex[0][0]] == -1.0f);
@@ -169,8 +189,11 @@ static void what_stands_on_z_is_turned_where_its_format_does_not_say(void **stat
 
 static void what_may_stand_on_y_is_left_as_it_is(void **state) {
     (void)state;
-    static const char *const left[] = {SPIRE_ON_Y, ROOM SIDES RIGHT, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n" /* hangs on a wall */,
-                                       "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nv 0 1 -1\nv 1 1 -1\nf 1 2 3 4\nf 4 3 6 5\n" /* a floor and a wall */};
+    static const char *const left[] = {SPIRE_ON_Y, ROOM SIDES RIGHT,
+                                       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n" /* hangs on a wall */
+                                       ,
+                                       "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nv 0 1 -1\nv 1 1 -1\nf 1 2 3 "
+                                       "4\nf 4 3 6 5\n" /* a floor and a wall */};
     for (size_t i = 0; i < sizeof left / sizeof *left; i++) {
         sl_scene *s = obj(left[i]);
         assert_false(warns_of(s, "z points up"));
@@ -179,30 +202,40 @@ static void what_may_stand_on_y_is_left_as_it_is(void **state) {
     sl_scene *s = load_with(scene_file_text("first.obj", SPIRE_ON_Y), &(sl_load_options){.up_axis = SL_UP_Z});
     assert_true(s->box_min.z == -3.0f && s->box_max.y == 1.0f);
     sl_scene_destroy(s);
-    s = load(scene_file_text("first.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"spire.obj\"}]}")); /* a scene file says "up", or y is */
+    s = load(scene_file_text(
+        "first.json",
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"spire.obj\"}]}")); /* a scene file says "up", or y is */
     assert_true(s->box_max.z == 3.0f);
     sl_scene_destroy(s);
     sl_error error;
-    assert_int_equal(sl_scene_load_with(scene_file_path("first.json"), &(sl_load_options){.up_axis = SL_UP_Z}, &s, &error), SL_ERROR_USAGE);
+    assert_int_equal(
+        sl_scene_load_with(scene_file_path("first.json"), &(sl_load_options){.up_axis = SL_UP_Z}, &s, &error),
+        SL_ERROR_USAGE);
     assert_non_null(strstr(error.message, "\"up\""));
 }
 
-/* ---- a viewpoint of the caller's ------------------------------------------------------------------------------------------------- */
+/* ---- a viewpoint of the caller's ----------------------------------------------------------------------- */
 
 static void a_viewpoint_takes_the_place_of_the_files_camera_and_its_keyframes(void **state) {
     (void)state;
-    static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": {\"eye\": [0,1,30], \"target\": [0,1,0], \"fov_deg\": 30,\n"
-                               "\"keyframes\": [{\"time\": 0, \"eye\": [0,1,30]}, {\"time\": 1, \"eye\": [0,1,60]}]}}";
+    static const char json[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": {\"eye\": [0,1,30], "
+        "\"target\": [0,1,0], \"fov_deg\": 30,\n"
+        "\"keyframes\": [{\"time\": 0, \"eye\": [0,1,30]}, {\"time\": 1, \"eye\": [0,1,60]}]}}";
     scene_file_text("first.obj", ROOM SIDES RIGHT);
     const char *path = scene_file_text("first.json", json);
-    const sl_viewpoint whole = {true, true, true, true, {9, 2, 0}, {8, 2, 0}, {0, 0, 2}, 1.0f}, eye = {.has_eye = true, .eye = {2, 1.5f, 40}}, fov = {.has_fov = true, .vertical_fov_rad = 0.25f};
+    const sl_viewpoint whole = {true, true, true, true, {9, 2, 0}, {8, 2, 0}, {0, 0, 2}, 1.0f},
+                       eye = {.has_eye = true, .eye = {2, 1.5f, 40}},
+                       fov = {.has_fov = true, .vertical_fov_rad = 0.25f};
     sl_scene *s = load_with(path, &(sl_load_options){.view = &whole});
-    assert_true(s->camera.eye.x == 9.0f && s->camera.back.x == 1.0f && s->camera.up.z == 1.0f && s->camera.vertical_fov == 1.0f);
+    assert_true(s->camera.eye.x == 9.0f && s->camera.back.x == 1.0f && s->camera.up.z == 1.0f &&
+                s->camera.vertical_fov == 1.0f);
     assert_int_equal(sl_scene_set_time(s, 1.0, NULL, NULL), SL_OK);
     assert_true(s->camera.eye.x == 9.0f);
     sl_scene_destroy(s);
     s = load_with(path, &(sl_load_options){.view = &eye}); /* towards the middle of the box */
-    assert_true(s->camera.eye.z == 40.0f && s->camera.back.z == 1.0f && fabsf(s->camera.vertical_fov - 0.5235988f) < 1e-6f);
+    assert_true(s->camera.eye.z == 40.0f && s->camera.back.z == 1.0f &&
+                fabsf(s->camera.vertical_fov - 0.5235988f) < 1e-6f);
     sl_scene_destroy(s);
     s = load_with(path, &(sl_load_options){.view = &fov});
     assert_true(s->camera.eye.z == 30.0f && s->camera.back.z == 1.0f && s->camera.vertical_fov == 0.25f);
@@ -211,18 +244,28 @@ static void a_viewpoint_takes_the_place_of_the_files_camera_and_its_keyframes(vo
 
 static void a_viewpoint_that_shows_nothing_is_refused(void **state) {
     (void)state;
-    const sl_viewpoint bad[] = {{.has_eye = true, .has_target = true, .eye = {1, 2, 3}, .target = {1, 2, 3}}, {.has_fov = true, .vertical_fov_rad = 4.0f},
-                                {.has_eye = true, .eye = {NAN, 0, 0}}, {.has_eye = true, .has_target = true, .has_up = true, .eye = {1, 2, 3}, .target = {1, 2, 4}, .up = {0, 0, 1}}};
+    const sl_viewpoint bad[] = {{.has_eye = true, .has_target = true, .eye = {1, 2, 3}, .target = {1, 2, 3}},
+                                {.has_fov = true, .vertical_fov_rad = 4.0f},
+                                {.has_eye = true, .eye = {NAN, 0, 0}},
+                                {.has_eye = true,
+                                 .has_target = true,
+                                 .has_up = true,
+                                 .eye = {1, 2, 3},
+                                 .target = {1, 2, 4},
+                                 .up = {0, 0, 1}}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         sl_scene *s = NULL;
-        assert_int_equal(sl_scene_load_with(scene_file_text("first.obj", ROOM SIDES RIGHT), &(sl_load_options){.view = &bad[i]}, &s, NULL), SL_ERROR_USAGE);
+        assert_int_equal(sl_scene_load_with(scene_file_text("first.obj", ROOM SIDES RIGHT),
+                                            &(sl_load_options){.view = &bad[i]}, &s, NULL),
+                         SL_ERROR_USAGE);
         assert_null(s);
     }
 }
 
 static void a_lamp_is_put_where_the_viewpoint_stands_in_the_dark(void **state) {
     (void)state;
-    const sl_viewpoint inside = {.has_eye = true, .eye = {1, 1, 1}}, outside = {.has_eye = true, .eye = {9, 9, 9}};
+    const sl_viewpoint inside = {.has_eye = true, .eye = {1, 1, 1}},
+                       outside = {.has_eye = true, .eye = {9, 9, 9}};
     const char *path = scene_file_text("first.obj", ROOM SIDES_INWARDS RIGHT_INWARDS WALLS_AROUND);
     sl_scene *s = load_with(path, &(sl_load_options){.view = &inside});
     assert_true(s->lights[0].type == SL_LIGHT_POINT && !s->environment.present && !warns_of(s, "no camera"));

@@ -11,6 +11,7 @@
 
 #include "base/math.h"
 #include "scene/scene.h"
+#include "image_support.h"
 #include "scene_files.h"
 
 static const char box_obj[] = "mtllib box.mtl\n"
@@ -128,6 +129,25 @@ static void height_maps_come_from_mtl_and_scene_files(void **state) {
         sl_scene_destroy(s);
     }
     write_box();
+}
+
+static void a_normal_map_is_no_height_map_and_is_told(void **state) {
+    (void)state;
+    sl_image *map;
+    assert_int_equal(sl_image_create(2, 1, 3, NULL, &map, NULL), SL_OK);
+    for (int blue = 1; blue >= 0; blue--) { /* encoded, (0.5, 0.5, 1) and (0.7, 0.3, 0.93); or grey as bright as their blue */
+        const float texels[6] = {blue ? 0.214f : 0.85f, blue ? 0.448f : 0.85f, blue ? 0.214f : 0.85f, blue ? 0.073f : 0.85f, blue ? 1.0f : 0.85f, 0.85f};
+        memcpy(map->planes, texels, sizeof texels);
+        scene_file_text("n.png", "");
+        assert_int_equal(sl_image_write(map, scene_file_path("n.png"), NULL), SL_OK);
+        scene_file_text("n.mtl", "newmtl a\nKd 0.3\nmap_Bump n.png\nnorm n.png\nmap_Ks n.png\nnewmtl b\nKd 0.3\nnorm n.png\n");
+        sl_scene *s = load(scene_file_text("n.obj", "mtllib n.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
+        assert_int_equal(material(s, "a")->height_map != 0, !blue);
+        assert_int_equal(warns_of(s, "material 'a': its bump map holds normals, not heights, and is not used"), blue);
+        assert_true(warns_of(s, "n.mtl:4: norm, a normal map, is not used") && !warns_of(s, "n.mtl:8: norm") && warns_of(s, "n.mtl:5: map_Ks, a texture of Ks, is not used"));
+        sl_scene_destroy(s);
+    }
+    sl_image_destroy(map);
 }
 
 static void missing_textures_and_libraries_are_warnings(void **state) {
@@ -386,6 +406,45 @@ static void an_environment_picture_keeps_its_top_row_up(void **state) {
     sl_scene_destroy(s);
 }
 
+/* A sky of 2 x 1 texels: red left and green right, or what else the file says of them. */
+static const char *sky_file(const exr_test_file *from) {
+    static const float red[2] = {0.9505f, 0.0f}, green[2] = {1.0f, 1.0f}, blue[2] = {1.0891f, 0.0f};
+    const exr_test_channel channels[] = {{"B", EXR_PIXEL_FLOAT, blue, 1}, {"G", EXR_PIXEL_FLOAT, green, 1}, {"R", EXR_PIXEL_FLOAT, red, 1}};
+    exr_test_file file = *from;
+    file.width = 2, file.height = 1, file.channels = channels, file.channel_count = 3;
+    write_exr(scene_file_text("sky.exr", ""), &file);
+    return "{\"softlux\": 1,\n\"meshes\": [{\"file\": \"box.obj\"}], \"environment\": {\"file\": \"sky.exr\"}}";
+}
+
+static void a_sky_with_primaries_of_its_own_becomes_rec_709(void **state) {
+    (void)state;
+    write_box();
+    const exr_attr_chromaticities_t xyz = {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3}, rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}, none = {0};
+    sl_scene *s = load_json(sky_file(&(exr_test_file){.chromaticities = &xyz}));
+    const float *t = s->environment.texels;
+    for (int c = 0; c < 3; c++) assert_true(fabsf(t[c] - 1.0f) < 2e-3f); /* D65 is white */
+    assert_true(t[3] == 0.0f && t[4] > 1.5f && warns_of(s, "negative")); /* and a Y alone lies outside of what three lamps can do */
+    sl_scene_destroy(s);
+    s = load_json(sky_file(&(exr_test_file){.chromaticities = &rec709}));
+    assert_true(s->environment.texels[0] == 0.9505f && s->environment.texels[4] == 1.0f);
+    sl_scene_destroy(s);
+    refuse_json(sky_file(&(exr_test_file){.chromaticities = &none}), ":2: environment: ");
+}
+
+static void a_sky_lies_in_its_data_window_only_if_it_says_that_it_is_one(void **state) {
+    (void)state;
+    write_box();
+    const exr_envmap_t round = EXR_ENVMAP_LATLONG, cube = EXR_ENVMAP_CUBE;
+    const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 3, .y = 1}};
+    sl_scene *s = load_json(sky_file(&(exr_test_file){.left = 2, .display = &display, .envmap = &round}));
+    assert_true(s->environment.width == 2 && s->environment.height == 1 && s->environment.texels[0] == 0.9505f);
+    sl_scene_destroy(s);
+    s = load_json(sky_file(&(exr_test_file){.left = 2, .display = &display}));
+    assert_true(s->environment.width == 4 && s->environment.height == 2 && s->environment.texels[0] == 0.0f && s->environment.texels[6] == 0.9505f);
+    sl_scene_destroy(s);
+    refuse_json(sky_file(&(exr_test_file){.envmap = &cube}), ":2: environment: ");
+}
+
 static void reflectance_beyond_one_warns_in_a_scene_file_too(void **state) {
     (void)state;
     sl_scene *s = load_json("{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": {\"wall\": {\"diffuse\": 0.8, \"specular\": 0.8}}}");
@@ -478,6 +537,7 @@ int main(void) {
         cmocka_unit_test(mtl_mirrors_are_illum_3_or_5_without_diffuse),
         cmocka_unit_test(equal_corners_are_welded_within_an_object),
         cmocka_unit_test(height_maps_come_from_mtl_and_scene_files),
+        cmocka_unit_test(a_normal_map_is_no_height_map_and_is_told),
         cmocka_unit_test(missing_textures_and_libraries_are_warnings),
         cmocka_unit_test(obj_mistakes_are_told_by_line),
         cmocka_unit_test(odd_but_good_obj_files_load),
@@ -493,6 +553,8 @@ int main(void) {
         cmocka_unit_test(a_scene_file_is_known_by_its_content_too),
         cmocka_unit_test(z_up_is_turned_once),
         cmocka_unit_test(an_environment_picture_keeps_its_top_row_up),
+        cmocka_unit_test(a_sky_with_primaries_of_its_own_becomes_rec_709),
+        cmocka_unit_test(a_sky_lies_in_its_data_window_only_if_it_says_that_it_is_one),
         cmocka_unit_test(reflectance_beyond_one_warns_in_a_scene_file_too),
         cmocka_unit_test(scene_file_mistakes_are_told_by_line),
         cmocka_unit_test(strings_with_brackets_do_not_mislead_the_line_count),

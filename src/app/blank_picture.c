@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of all pixels, how many black ones make a picture blank; and of those that are not black, how many white ones. */
+/* Of all pixels, how many black ones make a picture blank; and of those that are not black, how many white
+ * ones. */
 static const double nearly_all = 0.98, most = 0.9;
 
 static bool is_black(const sl_image *image) {
@@ -24,10 +25,13 @@ static bool is_black(const sl_image *image) {
 static const char *reason(const sl_render_options *o, const sl_scene *scene) {
     const sl_features f = sl_scene_features(scene);
     if (!f.light) return "the scene has no light";
-    if (!sl_scene_is_in_view(scene)) return "the camera sees nothing of the scene: --eye and --target place it";
+    if (!sl_scene_is_in_view(scene))
+        return "the camera sees nothing of the scene: --eye and --target place it";
     bool sky_alone = f.environment && !f.emitters && !scene->light_count;
-    if (sky_alone && strcmp(o->settings.method, "direct-radiance") == 0) return "the environment is the only light, and direct-radiance takes none from it";
-    return "no light reaches what the camera sees: lamps may be behind walls, or shine the other way (softlux info tells where it stands, --eye and --target place it)";
+    if (sky_alone && strcmp(o->settings.method, "direct-radiance") == 0)
+        return "the environment is the only light, and direct-radiance takes none from it";
+    return "no light reaches what the camera sees: lamps may be behind walls, or shine the other way "
+           "(softlux info tells where it stands, --eye and --target place it)";
 }
 
 /* The shares of pixels that are 0 as a PNG shows them, and of 255 among the others. */
@@ -55,6 +59,10 @@ void sl_tell_blank_picture(const sl_render_options *o, const sl_scene *scene, co
         return;
     }
     if (!sl_picture_is_png(o->output) || !measure(o, image, &black, &white)) return;
-    if (white >= most) fprintf(stderr, "softlux: warning: %.3g %% of the pixels are white: a lower --exposure shows more\n", 100.0 * white * (1.0 - black));
-    if (black >= nearly_all && o->exposure_given) fprintf(stderr, "softlux: warning: %.3g %% of the pixels are black: a higher --exposure shows more\n", 100.0 * black);
+    if (white >= most)
+        fprintf(stderr, "softlux: warning: %.3g %% of the pixels are white: a lower --exposure shows more\n",
+                100.0 * white * (1.0 - black));
+    if (black >= nearly_all && o->exposure_given)
+        fprintf(stderr, "softlux: warning: %.3g %% of the pixels are black: a higher --exposure shows more\n",
+                100.0 * black);
 }

@@ -99,13 +99,14 @@ static const char *next_warning(const char **rest, int *length) {
     return line;
 }
 
-void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl_image *image) {
+void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl_progress *progress,
+                     const sl_image *image) {
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
     int length;
     while (!o->quiet && (line = next_warning(&rest, &length))) fprintf(stderr, "softlux: warning: %.*s\n", length, line);
     const char *conceded = sl_image_metadata(image, "softlux.concession");
     if (conceded && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", conceded);
-    if (!o->quiet) sl_tell_blank_picture(o, scene, image);
+    if (!o->quiet && (progress->done || progress->frame_done)) sl_tell_blank_picture(o, scene, image);
 }
 
 /* The warnings of a picture, as an array of lines. */
@@ -127,13 +128,13 @@ typedef struct written {
     double stops;   /* of a PNG */
 } written;
 
-/* warn: of what the method found out on its way. The caller destroys the picture. */
+/* progress: NULL, or there are to be warnings. The caller destroys the picture. */
 static sl_status write_picture(const sl_render_options *o, const sl_scene *scene, sl_method *method, double start,
-                               const char *path, bool warn, written *w, sl_error *error) {
+                               const char *path, const sl_progress *progress, written *w, sl_error *error) {
     sl_status status = sl_method_resolve(method, &w->image, error);
     if (status != SL_OK) return status;
     w->seconds = sl_seconds_now() - start;
-    if (warn) sl_picture_warn(o, scene, w->image);
+    if (progress) sl_picture_warn(o, scene, progress, w->image);
     return sl_picture_write(o, w->image, path, &w->stops, error);
 }
 
@@ -200,7 +201,7 @@ sl_status sl_render_picture(const sl_render_options *o, const sl_scene *scene, s
     sl_watch_for_interrupt();
     sl_status status = create(o, scene, &method, error);
     if (status == SL_OK) status = sl_picture_run(o, method, &progress, start, 0.0, error);
-    if (status == SL_OK) status = write_picture(o, scene, method, start, o->output, true, &w, error);
+    if (status == SL_OK) status = write_picture(o, scene, method, start, o->output, &progress, &w, error);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
     if (was_stopped(o, &progress)) *end = SL_RENDER_STOPPED;
     if (status == SL_OK) {
@@ -241,7 +242,9 @@ static sl_status render_frame(const sl_render_options *o, const sl_scene *scene,
     uint64_t before = sl_method_counters(method)->value[SL_COUNT_RECORDS];
     sl_frame_name(o->output, frame, name, sizeof name);
     sl_status status = sl_picture_run(o, method, &progress, begin, (double)frame / (double)o->frames, error);
-    if (status == SL_OK && !sl_interrupted()) status = write_picture(o, scene, method, start, name, frame == 0, &w, error);
+    if (status == SL_OK && !sl_interrupted()) {
+        status = write_picture(o, scene, method, start, name, frame == 0 ? &progress : NULL, &w, error);
+    }
     if (status == SL_OK && !sl_interrupted() && o->json)
         print_frame(o, frame, name, &w, sl_method_counters(method)->value[SL_COUNT_RECORDS] - before, &progress);
     sl_image_destroy(w.image);

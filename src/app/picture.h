@@ -46,8 +46,9 @@ sl_status sl_render_frames(const sl_render_options *options, sl_scene *scene, sl
 /* Updates until the picture (or the frame) is done, time or batches run out, or somebody presses Ctrl-C; with a progress bar. */
 sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl_progress *progress, double start, double done_before,
                          sl_error *error);
-/* What the method found out on its way, and whether there is anything to be seen, on stderr. */
-void sl_picture_warn(const sl_render_options *options, const sl_scene *scene, const sl_image *image);
+/* Tells on stderr what the method found out on its way, and of a finished picture whether there is anything to be seen. */
+void sl_picture_warn(const sl_render_options *options, const sl_scene *scene, const sl_progress *progress,
+                     const sl_image *image);
 /* *stops: the exposure that a PNG was given. */
 sl_status sl_picture_write(const sl_render_options *options, const sl_image *image, const char *path, double *stops, sl_error *error);
 /* Adds to --json how radiance became the 8 bits of a PNG; nothing for other formats. */

@@ -268,7 +268,7 @@ sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene,
     sl_status status = prepare(&c, error);
     if (status == SL_OK) status = climb_all(&c, error);
     if (status == SL_OK) {
-        sl_picture_warn(o, scene, c.best.image);
+        sl_picture_warn(o, scene, &c.best.progress, c.best.image);
         status = sl_picture_write(o, c.best.image, o->output, &stops, error);
     }
     if (status == SL_OK) {

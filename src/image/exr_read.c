@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "image/primaries.h"
 
 #include <limits.h>
 #include <openexr.h>
@@ -325,7 +326,33 @@ static void spread_gray(const exr_reader *reader) {
     for (size_t c = 1; c < 3; c++) memcpy(planes + c * plane, planes, plane * sizeof *planes);
 }
 
-sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+/* ---- skies --------------------------------------------------------------------------------------------------------- */
+
+static bool has_attribute(const exr_reader *reader, const char *name) {
+    const exr_attribute_t *attribute;
+    return exr_get_attribute_by_name(reader->context, 0, name, &attribute) == EXR_ERR_SUCCESS;
+}
+
+/* A sky that is marked as one fills its data window, wherever that lies. */
+static sl_status place_sky(exr_reader *reader, sl_error *error) {
+    exr_envmap_t kind;
+    if (!has_attribute(reader, "envmap") || exr_attr_get_envmap(reader->context, 0, "envmap", &kind) != EXR_ERR_SUCCESS) return SL_OK;
+    if (kind != EXR_ENVMAP_LATLONG) return sl_fail(error, SL_ERROR_INPUT, "%s: is a cube map: expected a latitude-longitude picture", reader->source.bytes->path);
+    reader->display = reader->data;
+    return SL_OK;
+}
+
+static sl_status convert_sky(const exr_reader *reader, sl_error *error) {
+    exr_attr_chromaticities_t c;
+    if (!has_attribute(reader, "chromaticities") || exr_attr_get_chromaticities(reader->context, 0, "chromaticities", &c) != EXR_ERR_SUCCESS) return SL_OK;
+    const sl_primaries from = {{(double)c.red_x, (double)c.red_y}, {(double)c.green_x, (double)c.green_y}, {(double)c.blue_x, (double)c.blue_y}, {(double)c.white_x, (double)c.white_y}};
+    if (reader->gray >= 0 || sl_to_rec709(reader->image, &from)) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: expected R, G and B, and chromaticities that span colours", reader->source.bytes->path);
+}
+
+/* ---- the whole ----------------------------------------------------------------------------------------------------- */
+
+static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image, sl_error *error) {
     exr_reader reader = {.source = {.bytes = bytes}};
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = on_error;
@@ -338,10 +365,12 @@ sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
     if (result == EXR_ERR_OUT_OF_MEMORY) reader.source.starved = true;
     if (result != EXR_ERR_SUCCESS) status = fail_reading(&reader, error);
     if (status == SL_OK) status = read_header(&reader, error);
+    if (status == SL_OK && sky) status = place_sky(&reader, error);
     if (status == SL_OK) status = create_image(&reader, error);
     if (status == SL_OK) status = copy_metadata(&reader, error);
     if (status == SL_OK) status = read_pixels(&reader, error);
     if (status == SL_OK && reader.gray >= 0) spread_gray(&reader);
+    if (status == SL_OK && sky) status = convert_sky(&reader, error);
     if (status == SL_OK && reader.source.starved) status = fail_reading(&reader, error); /* it went on, with something left out */
     if (reader.context) exr_finish(&reader.context);
     sl_free(reader.chunk);
@@ -350,3 +379,6 @@ sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
     else sl_image_destroy(reader.image);
     return status;
 }
+
+sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) { return read_picture(bytes, false, image, error); }
+sl_status sl_exr_read_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) { return read_picture(bytes, true, image, error); }

@@ -19,11 +19,16 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
 /* The same of all its channels. */
 sl_status sl_check_claimed_channels(const sl_bytes *bytes, int64_t width, int64_t height, int channels, uint64_t expansion, sl_error *error);
 
+/* sl_image_read() of a latitude-longitude picture of a sky: an EXR that says so holds it in its data window, and one with primaries of its own is turned to
+ * Rec. 709. Cube maps are refused. */
+sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error);
+
 /* sl_image_read() of a file that is in memory already. */
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
 bool sl_exr_recognise(const sl_bytes *bytes);
 sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
+sl_status sl_exr_read_sky(const sl_bytes *bytes, sl_image **image, sl_error *error);
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);
 
 bool sl_pfm_recognise(const sl_bytes *bytes);

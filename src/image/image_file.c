@@ -147,16 +147,26 @@ sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *err
     return sl_fail(error, SL_ERROR_INPUT, "%s: not an EXR, PFM, Radiance HDR, PNG or JPEG picture", bytes->path);
 }
 
-sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
+typedef sl_status decoder(const sl_bytes *bytes, sl_image **image, sl_error *error);
+
+static sl_status read_with(decoder *decode, const char *path, sl_image **image, sl_error *error) {
     if (!image) return sl_fail_null(error, "a place for an image");
     *image = NULL;
     if (!path) return sl_fail_null(error, "the name of a picture's file");
     sl_bytes bytes;
     sl_status status = sl_bytes_read(path, &bytes, error);
-    if (status == SL_OK) status = sl_image_decode(&bytes, image, error);
+    if (status == SL_OK) status = decode(&bytes, image, error);
     sl_free(bytes.data);
     return status;
 }
+
+sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) { return read_with(sl_image_decode, path, image, error); }
+
+static sl_status decode_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
+    return sl_exr_recognise(bytes) ? sl_exr_read_sky(bytes, image, error) : sl_image_decode(bytes, image, error);
+}
+
+sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error) { return read_with(decode_sky, path, image, error); }
 
 typedef sl_status write_function(const sl_image *image, sl_output_file *file, sl_error *error);
 

@@ -55,7 +55,7 @@ static void put_textures(writer *w) {
     }
 }
 
-typedef enum kind { COLOUR, NUMBER, WHOLE, TRANSFORM } kind;
+typedef enum kind { COLOUR, NUMBER, WHOLE, WRAPPING, TRANSFORM } kind;
 static const struct {
     const char *key;
     unsigned type, index;
@@ -73,12 +73,17 @@ static const struct {
     [SL_IMPORT_CUTOFF] = {AI_MATKEY_GLTF_ALPHACUTOFF, NUMBER},
     [SL_IMPORT_ILLUM] = {AI_MATKEY_OBJ_ILLUM, WHOLE},
     [SL_IMPORT_TWO_SIDED] = {AI_MATKEY_TWOSIDED, WHOLE},
+    [SL_IMPORT_GLOSSINESS] = {AI_MATKEY_GLOSSINESS_FACTOR, NUMBER},
+    [SL_IMPORT_UV_SET] = {AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), WHOLE},
+    [SL_IMPORT_WRAP_U] = {AI_MATKEY_MAPPINGMODE_U(aiTextureType_DIFFUSE, 0), WRAPPING},
+    [SL_IMPORT_WRAP_V] = {AI_MATKEY_MAPPINGMODE_V(aiTextureType_DIFFUSE, 0), WRAPPING},
     [SL_IMPORT_UV_TRANSFORM] = {AI_MATKEY_UVTRANSFORM(aiTextureType_DIFFUSE, 0), TRANSFORM},
 };
 
 static const enum aiTextureType maps[SL_IMPORT_MAPS] = {aiTextureType_DIFFUSE, aiTextureType_OPACITY,
                                                         aiTextureType_HEIGHT,  aiTextureType_METALNESS,
-                                                        aiTextureType_UNKNOWN, aiTextureType_EMISSIVE};
+                                                        aiTextureType_UNKNOWN, aiTextureType_EMISSIVE,
+                                                        aiTextureType_SPECULAR};
 
 static bool get_whole(const struct aiMaterial *m, const char *key, unsigned type, unsigned index,
                       int *value) {
@@ -101,6 +106,12 @@ static bool get_field(const struct aiMaterial *m, int field, float to[SL_IMPORT_
     case WHOLE:
         if (!get_whole(m, key, type, index, &whole)) return false;
         to[0] = (float)whole;
+        return true;
+    case WRAPPING:
+        if (!get_whole(m, key, type, index, &whole)) return false;
+        to[0] = whole == aiTextureMapMode_Wrap     ? SL_IMPORT_REPEATED
+                : whole == aiTextureMapMode_Mirror ? SL_IMPORT_MIRRORED
+                                                   : SL_IMPORT_CLAMPED;
         return true;
     default:
         if (aiGetMaterialUVTransform(m, key, type, index, &t) != AI_SUCCESS) return false;
@@ -139,32 +150,30 @@ static void put_material(writer *w, const struct aiMaterial *m) {
 
 /* ---- meshes -------------------------------------------------------------------------------------------- */
 
-static const struct aiVector3D *uvs_of(const writer *w, const struct aiMesh *mesh) {
-    int set = 0;
-    bool given = get_whole(w->scene->mMaterials[mesh->mMaterialIndex],
-                           AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), &set);
-    const struct aiVector3D *uvs =
-        given && set > 0 && set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh->mTextureCoords[set] : NULL;
-    return uvs ? uvs : mesh->mTextureCoords[0];
+static void put_uvs(writer *w, const struct aiVector3D *uvs, unsigned count) {
+    for (unsigned v = 0; uvs && v < count; v++) put(w, (const float[2]){uvs[v].x, uvs[v].y}, 2 * sizeof(float));
+}
+
+static uint32_t flags_of(const struct aiMesh *mesh) {
+    uint32_t flags = (mesh->mNormals ? SL_IMPORT_NORMALS : 0u) | (mesh->mColors[0] ? SL_IMPORT_COLOURS : 0u) |
+                     (mesh->mNumBones ? SL_IMPORT_BONES : 0u);
+    for (int i = 0; i < SL_IMPORT_UV_SETS; i++) flags |= mesh->mTextureCoords[i] ? (uint32_t)SL_IMPORT_UVS << i : 0u;
+    return flags;
 }
 
 static bool is_triangle(const struct aiFace *face) { return face->mNumIndices == 3 && face->mIndices; }
 
 static void put_mesh(writer *w, const struct aiMesh *mesh) {
-    const struct aiVector3D *uvs = uvs_of(w, mesh);
     uint32_t triangles = 0;
     for (unsigned f = 0; f < mesh->mNumFaces; f++) triangles += is_triangle(&mesh->mFaces[f]);
     put_text(w, mesh->mName.data);
     put_word(w, mesh->mMaterialIndex);
-    put_word(w, (mesh->mNormals ? SL_IMPORT_NORMALS : 0u) | (uvs ? SL_IMPORT_UVS : 0u) |
-                    (mesh->mColors[0] ? SL_IMPORT_COLOURS : 0u) | (mesh->mNumBones ? SL_IMPORT_BONES : 0u));
+    put_word(w, flags_of(mesh));
     put_word(w, mesh->mNumVertices);
     put_word(w, triangles);
     put_vectors(w, mesh->mVertices, mesh->mNumVertices);
     put_vectors(w, mesh->mNormals, mesh->mNumVertices);
-    for (unsigned v = 0; uvs && v < mesh->mNumVertices; v++) {
-        put(w, (const float[2]){uvs[v].x, uvs[v].y}, 2 * sizeof(float));
-    }
+    for (int i = 0; i < SL_IMPORT_UV_SETS; i++) put_uvs(w, mesh->mTextureCoords[i], mesh->mNumVertices);
     for (unsigned f = 0; f < mesh->mNumFaces; f++) {
         if (is_triangle(&mesh->mFaces[f])) put(w, mesh->mFaces[f].mIndices, 3 * sizeof(uint32_t));
     }

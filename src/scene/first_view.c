@@ -1,5 +1,6 @@
-/* The camera of a file that brings none. Things are framed from outside, at a three-quarter view unless that shows more backs than fronts. Rooms are shown
- * from inside: where walls face inwards, where all lamps are shut in, and where there is more to be seen within than without. */
+/* The camera of a file that brings none. Things are framed from outside, at a three-quarter view unless that
+ * shows more backs than fronts. Rooms are shown from inside: where walls face inwards, where all lamps are
+ * shut in, and where there is more to be seen within than without. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -12,20 +13,25 @@ typedef struct view_angle {
 } view_angle;
 
 /* In the order in which they are preferred. */
-static const view_angle angles[] = {{30, 20}, {-30, 20}, {0, 12}, {150, 20}, {-150, 20}, {180, 12}, {90, 12}, {-90, 12}, {30, 55}, {150, 55}};
+static const view_angle angles[] = {{30, 20},  {-30, 20}, {0, 12},   {150, 20}, {-150, 20},
+                                    {180, 12}, {90, 12},  {-90, 12}, {30, 55},  {150, 55}};
 enum { ANGLES = sizeof angles / sizeof angles[0], STARTS = 10, VIEWS = 4 };
 
-static const double outside_fov = 0.78539816339744828, inside_fov = 1.1344640137963142; /* 45 and 65 degrees */
-/* Of what is seen from outside so much may be backs; beyond the second another view, or one from inside, is looked for. */
+static const double outside_fov = 0.78539816339744828,
+                    inside_fov = 1.1344640137963142; /* 45 and 65 degrees */
+/* Of what is seen from outside so much may be backs; beyond the second another view, or one from inside, is
+ * looked for. */
 static const double few_backs = 0.25, many_backs = 0.5;
 /* A point is inside where so many rays hit something, and so many of these a front. */
 enum { MORE_MATERIALS = 2 };
 static const double inside_hits = 0.92, inside_fronts = 0.75;
 
 static double aspect_of(const sl_scene *s) { return (double)s->film_width / (double)s->film_height; }
-static sl_vec3d centre_of(const sl_scene *s) { return sl_scaled(sl_addd(sl_to_double(s->box_min), sl_to_double(s->box_max)), 0.5); }
+static sl_vec3d centre_of(const sl_scene *s) {
+    return sl_scaled(sl_addd(sl_to_double(s->box_min), sl_to_double(s->box_max)), 0.5);
+}
 
-/* ---- from outside ---------------------------------------------------------------------------------------------------------- */
+/* ---- from outside -------------------------------------------------------------------------------------- */
 
 static sl_vec3d outwards(view_angle a) {
     double turn = a.azimuth * (SL_PI / 180.0), rise = a.elevation * (SL_PI / 180.0);
@@ -51,7 +57,8 @@ static sl_camera from_outside(const sl_scene *s, view_angle angle) {
     right = sl_scaled(right, 1.0 / sl_lengthd(right));
     const sl_vec3d up = sl_crossd(back, right);
     sl_vec3 eye = sl_to_float(sl_addd(centre, sl_scaled(back, fitting_distance(s, right, up, back))));
-    /* The frame does not depend on how eye and centre round, however small the scene beside its distance from the origin. */
+    /* The frame does not depend on how eye and centre round, however small the scene beside its distance from
+     * the origin. */
     return (sl_camera){eye, sl_to_float(right), sl_to_float(up), sl_to_float(back), (float)outside_fov};
 }
 
@@ -64,7 +71,8 @@ static double backs_seen(const sl_scene *s, const sl_camera *camera, int *materi
     return count.hit ? 1.0 - (double)count.front / count.hit : 0.0;
 }
 
-/* The first that shows few backs; or that with the fewest, if those are fewer by far than the first one shows. */
+/* The first that shows few backs; or that with the fewest, if those are fewer by far than the first one
+ * shows. */
 static sl_camera best_outside(const sl_scene *s, sl_camera first, double first_backs) {
     sl_camera best = first;
     double least = first_backs - few_backs;
@@ -78,9 +86,10 @@ static sl_camera best_outside(const sl_scene *s, sl_camera first, double first_b
     return best;
 }
 
-/* ---- from inside ----------------------------------------------------------------------------------------------------------- */
+/* ---- from inside --------------------------------------------------------------------------------------- */
 
-/* The lamp in whose light a picture would be taken; false where light comes from outside, or there is none. */
+/* The lamp in whose light a picture would be taken; false where light comes from outside, or there is
+ * none. */
 static bool lamp_at(const sl_scene *s, size_t index, sl_vec3 *place) {
     if (index < s->light_count) {
         *place = s->lights[index].position;
@@ -107,7 +116,10 @@ static bool lamps_are_shut_in(const sl_scene *s, sl_vec3 *place) {
         sl_sight_cast(&sight, s);
         bool leaves = false;
         for (int k = 0; k < SL_SIGHT_RAYS; k++) {
-            bool shines = some[i] < s->light_count || sl_dot(sl_sight_direction(&sight, k), sl_scene_geometric_normal(s, s->emitters[some[i] - s->light_count].triangle)) > 0.0f;
+            bool shines =
+                some[i] < s->light_count ||
+                sl_dot(sl_sight_direction(&sight, k),
+                       sl_scene_geometric_normal(s, s->emitters[some[i] - s->light_count].triangle)) > 0.0f;
             leaves |= shines && !isfinite(sight.distance[k]);
         }
         if (leaves) return false;
@@ -140,12 +152,15 @@ static sl_vec3 middle_of_room(const sl_scene *s, sl_vec3 point) {
 
 /* The roomiest of some points; false where none is inside. */
 static bool find_room(const sl_scene *s, const sl_vec3 *lamp, int materials, sl_vec3 *middle) {
-    static const double offset[STARTS / 2][2] = {{0, 0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}};
+    static const double offset[STARTS / 2][2] = {
+        {0, 0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}};
     const sl_vec3d centre = centre_of(s), size = sl_subd(sl_to_double(s->box_max), sl_to_double(s->box_min));
     double most = lamp ? room_around(s, *lamp, materials) : 0.0;
     if (most > 0.0) *middle = *lamp;
     for (int i = 0; i < STARTS && !(lamp && most > 0.0); i++) {
-        sl_vec3 point = sl_to_float(sl_addd(centre, sl_v3d(offset[i / 2][0] * size.x, i % 2 ? 0.2 * size.y : 0.0, offset[i / 2][1] * size.z)));
+        sl_vec3 point =
+            sl_to_float(sl_addd(centre, sl_v3d(offset[i / 2][0] * size.x, i % 2 ? 0.2 * size.y : 0.0,
+                                               offset[i / 2][1] * size.z)));
         double room = room_around(s, point, materials);
         if (room > most) most = room, *middle = point;
     }
@@ -161,10 +176,12 @@ static bool look_along(const sl_sight *horizon, int ray, sl_camera *camera) {
     const float behind = isfinite(horizon->distance[opposite]) ? horizon->distance[opposite] : 0.0f;
     sl_vec3 along = sl_sight_direction(horizon, ray), eye = sl_mad(horizon->origin, -0.85f * behind, along);
     along.y = -0.1f;
-    return sl_camera_look_at(camera, eye, sl_mad(eye, behind + fminf(horizon->distance[ray], 1e30f), along), sl_v3(0, 1, 0), (float)inside_fov);
+    return sl_camera_look_at(camera, eye, sl_mad(eye, behind + fminf(horizon->distance[ray], 1e30f), along),
+                             sl_v3(0, 1, 0), (float)inside_fov);
 }
 
-/* How much of a view is far from its eye: fronts count by their distance, up to the span; what is close up or a back, less than nothing. */
+/* How much of a view is far from its eye: fronts count by their distance, up to the span; what is close up or
+ * a back, less than nothing. */
 static double worth_of_view(const sl_scene *s, const sl_camera *camera, double span) {
     sl_sight sight;
     double sum = 0.0;
@@ -179,7 +196,8 @@ static double worth_of_view(const sl_scene *s, const sl_camera *camera, double s
 }
 
 static double span_of(const sl_sight *horizon, int ray) {
-    return fmin((double)horizon->distance[ray], 1e30) + fmin((double)horizon->distance[(ray + SL_SIGHT_RAYS / 2) % SL_SIGHT_RAYS], 1e30);
+    return fmin((double)horizon->distance[ray], 1e30) +
+           fmin((double)horizon->distance[(ray + SL_SIGHT_RAYS / 2) % SL_SIGHT_RAYS], 1e30);
 }
 
 /* The longest lines through the middle, an eighth of a turn apart at least, each from both of its ends. */
@@ -189,7 +207,8 @@ static void longest_lines(const sl_sight *horizon, int ray[VIEWS]) {
     for (int i = 1; i < half; i++) first = span_of(horizon, i) > span_of(horizon, first) ? i : first;
     for (int i = 0; i < half; i++) {
         int apart = abs(i - first) < half / 2 ? abs(i - first) : half - abs(i - first);
-        if (apart >= SL_SIGHT_RAYS / 8 && (second < 0 || span_of(horizon, i) > span_of(horizon, second))) second = i;
+        if (apart >= SL_SIGHT_RAYS / 8 && (second < 0 || span_of(horizon, i) > span_of(horizon, second)))
+            second = i;
     }
     ray[0] = first, ray[1] = first + half, ray[2] = second, ray[3] = second + half;
 }
@@ -230,7 +249,8 @@ sl_camera sl_camera_framed(const sl_scene *scene, bool *inside, bool *shut_out) 
     sl_vec3 lamp;
     bool shut_in = lamps_are_shut_in(scene, &lamp), is_room = shut_in || backs > many_backs;
     int more = is_room ? 0 : MORE_MATERIALS * materials;
-    *inside = (is_room || more <= (int)fmin((double)scene->material_count, SL_SIGHT_RAYS)) && from_inside(scene, shut_in ? &lamp : NULL, more, &camera);
+    *inside = (is_room || more <= (int)fmin((double)scene->material_count, SL_SIGHT_RAYS)) &&
+              from_inside(scene, shut_in ? &lamp : NULL, more, &camera);
     *shut_out = shut_in && !*inside;
     if (*inside) return camera;
     return backs <= few_backs ? outside : best_outside(scene, outside, backs);

@@ -7,12 +7,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/file.h"
-
-/* Required extensions that change no geometry, or that are read here or by the importer. */
-static const char *const understood[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
-                                         "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_specular",
-                                         "KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_volume",
-                                         "KHR_texture_transform"};
+#include "scene/gltf_features.h"
+#include "scene/gltf_order.h"
 
 static uint32_t little_endian(const char *at) {
     const unsigned char *b = (const unsigned char *)at;
@@ -30,45 +26,59 @@ static bool find_json(const char *data, size_t size, const char **json, size_t *
     return *length <= size - 20;
 }
 
-static sl_status check_extensions(const char *path, const cJSON *root, sl_error *error) {
-    const cJSON *name;
-    cJSON_ArrayForEach(name, cJSON_GetObjectItemCaseSensitive(root, "extensionsRequired")) {
-        bool known = false;
-        if (!cJSON_IsString(name)) continue;
-        for (size_t i = 0; i < sizeof understood / sizeof understood[0]; i++) known |= strcmp(name->valuestring, understood[i]) == 0;
-        if (known) continue;
-        return sl_fail(error, SL_ERROR_INPUT, "%s: requires the glTF extension %s, which is not supported: expected plain "
-                       "(uncompressed) glTF 2.0", path, name->valuestring);
-    }
-    return SL_OK;
-}
-
 static double number_or(const cJSON *item, double otherwise) {
     return cJSON_IsNumber(item) && isfinite(item->valuedouble) ? item->valuedouble : otherwise;
 }
 
-static sl_status read_lists(const cJSON *root, sl_gltf *gltf, sl_error *error) {
-    const cJSON *materials = cJSON_GetObjectItemCaseSensitive(root, "materials"), *cameras = cJSON_GetObjectItemCaseSensitive(root, "cameras");
-    gltf->material_count = cJSON_IsArray(materials) ? (size_t)cJSON_GetArraySize(materials) : 0;
-    gltf->camera_count = cJSON_IsArray(cameras) ? (size_t)cJSON_GetArraySize(cameras) : 0;
+static const cJSON *member(const cJSON *item, const char *name) { return cJSON_GetObjectItemCaseSensitive(item, name); }
+
+static void read_pair(const cJSON *list, double otherwise, double pair[2]) {
+    for (int i = 0; i < 2; i++) pair[i] = number_or(cJSON_GetArrayItem(list, i), otherwise);
+}
+
+static sl_gltf_transform read_transform(const cJSON *material) {
+    const cJSON *extensions = member(material, "extensions");
+    const cJSON *texture = member(member(material, "pbrMetallicRoughness"), "baseColorTexture");
+    const cJSON *diffuse = member(member(extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture");
+    const cJSON *from = member(member(diffuse ? diffuse : texture, "extensions"), "KHR_texture_transform");
+    sl_gltf_transform t = {.given = cJSON_IsObject(from), .rotation = number_or(member(from, "rotation"), 0.0)};
+    double set = number_or(member(from, "texCoord"), -1.0);
+    t.set = set >= 0.0 && set < 100.0 ? (int)set : -1;
+    read_pair(member(from, "offset"), 0.0, t.offset);
+    read_pair(member(from, "scale"), 1.0, t.scale);
+    return t;
+}
+
+static void read_material(const cJSON *item, size_t i, sl_gltf *gltf) {
+    const cJSON *extensions = member(item, "extensions");
+    gltf->emissive_strength[i] = number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);
+    gltf->unlit[i] = member(extensions, "KHR_materials_unlit") != NULL;
+    gltf->base_transform[i] = read_transform(item);
+}
+
+static sl_status fill_lists(const sl_gltf_list *materials, const sl_gltf_list *cameras, sl_gltf *gltf, sl_error *error) {
+    gltf->material_count = materials->count;
+    gltf->camera_count = cameras->count;
     gltf->emissive_strength = sl_allocate(gltf->material_count, sizeof(double));
+    gltf->unlit = sl_allocate(gltf->material_count, sizeof(bool));
+    gltf->base_transform = sl_allocate(gltf->material_count, sizeof(sl_gltf_transform));
     gltf->vertical_fov = sl_allocate(gltf->camera_count, sizeof(double));
-    if (!gltf->emissive_strength || !gltf->vertical_fov) return sl_fail_memory(error, "a glTF file");
-    const cJSON *item = gltf->material_count ? materials->child : NULL;
-    for (size_t i = 0; item; item = item->next, i++) {
-        const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(item, "extensions");
-        const cJSON *emissive = cJSON_GetObjectItemCaseSensitive(extensions, "KHR_materials_emissive_strength");
-        gltf->emissive_strength[i] = number_or(cJSON_GetObjectItemCaseSensitive(emissive, "emissiveStrength"), 1.0);
-    }
-    item = gltf->camera_count ? cameras->child : NULL;
-    for (size_t i = 0; item; item = item->next, i++) {
-        const cJSON *perspective = cJSON_GetObjectItemCaseSensitive(item, "perspective");
-        gltf->vertical_fov[i] = number_or(cJSON_GetObjectItemCaseSensitive(perspective, "yfov"), 0.0);
-    }
+    if (!gltf->emissive_strength || !gltf->unlit || !gltf->base_transform || !gltf->vertical_fov) return sl_fail_memory(error, "a glTF file");
+    for (size_t i = 0; i < materials->count; i++) read_material(materials->item[i], i, gltf);
+    for (size_t i = 0; i < cameras->count; i++) gltf->vertical_fov[i] = number_or(member(member(cameras->item[i], "perspective"), "yfov"), 0.0);
     return SL_OK;
 }
 
-sl_status sl_gltf_read(const char *path, sl_gltf *gltf, sl_error *error) {
+static sl_status read_lists(const cJSON *root, sl_gltf *gltf, sl_error *error) {
+    sl_gltf_list materials = {0}, cameras = {0};
+    sl_status status = sl_gltf_used(root, &materials, &cameras, error);
+    if (status == SL_OK) status = fill_lists(&materials, &cameras, gltf, error);
+    sl_free(materials.item);
+    sl_free(cameras.item);
+    return status;
+}
+
+sl_status sl_gltf_read(const char *path, sl_model *model, sl_gltf *gltf, sl_error *error) {
     *gltf = (sl_gltf){0};
     char *data;
     size_t size, length;
@@ -83,9 +93,10 @@ sl_status sl_gltf_read(const char *path, sl_gltf *gltf, sl_error *error) {
     } else if (!cJSON_IsObject(root)) {
         status = sl_fail(error, SL_ERROR_INPUT, "%s: expected a glTF file: its JSON cannot be read", path);
     } else {
-        status = check_extensions(path, root, error);
+        status = sl_gltf_check_required(path, root, error);
         if (status == SL_OK) status = read_lists(root, gltf, error);
-        if (status != SL_OK) sl_gltf_release(gltf);
+        if (status == SL_OK) sl_gltf_tell_features(path, root, model);
+        else sl_gltf_release(gltf);
     }
     cJSON_Delete(root);
     sl_free(data);
@@ -94,6 +105,8 @@ sl_status sl_gltf_read(const char *path, sl_gltf *gltf, sl_error *error) {
 
 void sl_gltf_release(sl_gltf *gltf) {
     sl_free(gltf->emissive_strength);
+    sl_free(gltf->unlit);
+    sl_free(gltf->base_transform);
     sl_free(gltf->vertical_fov);
     *gltf = (sl_gltf){0};
 }

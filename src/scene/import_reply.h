@@ -11,7 +11,7 @@
  *     materials: name, which fields it has (a bit each), SL_IMPORT_FIELDS times 5 numbers,
  *                which texts it has (a bit each), alpha mode, names of textures
  *     meshes:    name, material, flags, vertices, triangles, positions (3 a vertex),
- *                where flags say so normals (3) and texture coordinates (2), corners
+ *                where flags say so normals (3) and sets of texture coordinates (2), corners
  *     nodes:     parent (before it; SL_NO_INDEX: none), name, transform (3 rows of 4), list of meshes
  *     lights:    name, type, position, direction, colour, quadratic attenuation, inner and outer angle
  *     cameras:   name, position, direction, up, horizontal field of view, aspect, orthographic width
@@ -50,6 +50,10 @@ typedef enum sl_import_field {
     SL_IMPORT_CUTOFF,
     SL_IMPORT_ILLUM,
     SL_IMPORT_TWO_SIDED,
+    SL_IMPORT_GLOSSINESS,
+    SL_IMPORT_UV_SET, /* of the diffuse map, as are the next three */
+    SL_IMPORT_WRAP_U, /* SL_IMPORT_REPEATED and so on */
+    SL_IMPORT_WRAP_V,
     SL_IMPORT_UV_TRANSFORM, /* five: offset, scale, rotation */
     SL_IMPORT_FIELDS
 } sl_import_field;
@@ -61,16 +65,19 @@ typedef enum sl_import_map {
     SL_IMPORT_MAP_METALNESS,
     SL_IMPORT_MAP_UNKNOWN,
     SL_IMPORT_MAP_EMISSIVE,
+    SL_IMPORT_MAP_SPECULAR,
     SL_IMPORT_MAPS
 } sl_import_map;
 
 enum {
     SL_IMPORT_NORMALS = 1,
-    SL_IMPORT_UVS = 2,
-    SL_IMPORT_COLOURS = 4,
-    SL_IMPORT_BONES = 8,
-    SL_IMPORT_MESH_FLAGS = 16
+    SL_IMPORT_COLOURS = 2,
+    SL_IMPORT_BONES = 4,
+    SL_IMPORT_UVS = 8, /* and the bits above it: of each set */
+    SL_IMPORT_UV_SETS = 4,
+    SL_IMPORT_MESH_FLAGS = 128
 };
+enum { SL_IMPORT_REPEATED, SL_IMPORT_CLAMPED, SL_IMPORT_MIRRORED };
 enum { SL_IMPORT_POINT, SL_IMPORT_SPOT, SL_IMPORT_DIRECTIONAL, SL_IMPORT_OTHER_LIGHT, SL_IMPORT_LIGHT_TYPES };
 
 typedef struct sl_import_texture {
@@ -87,7 +94,7 @@ typedef struct sl_import_material {
 typedef struct sl_import_mesh {
     const char *name;
     uint32_t material, flags, vertex_count, triangle_count;
-    const float *positions, *normals, *uvs; /* NULL: none */
+    const float *positions, *normals, *uvs[SL_IMPORT_UV_SETS]; /* NULL: none */
     const uint32_t *corners;
 } sl_import_mesh;
 

@@ -36,6 +36,7 @@ static sl_affine to_affine(const float m[12]) {
 static void copy_vertices(const importer *in, const sl_import_mesh *mesh, const sl_affine *to_world,
                           size_t first) {
     sl_affine to_world_normal = sl_affine_normal_map(to_world);
+    sl_mesh_copy_uvs(in->path, in->file, in->gltf, mesh, in->model->uvs + 2 * first, in->model);
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         size_t to = first + v;
         sl_vec3 p = sl_to_float(sl_affine_point(to_world, to_vec3d(mesh->positions + 3 * (size_t)v)));
@@ -43,9 +44,6 @@ static void copy_vertices(const importer *in, const sl_import_mesh *mesh, const 
         if (!mesh->normals) continue;
         sl_vec3 n = sl_affine_unit(&to_world_normal, sl_to_float(to_vec3d(mesh->normals + 3 * (size_t)v)));
         memcpy(in->model->normals + 3 * to, (float[3]){n.x, n.y, n.z}, 3 * sizeof(float));
-    }
-    if (mesh->uvs) {
-        memcpy(in->model->uvs + 2 * first, mesh->uvs, 2 * (size_t)mesh->vertex_count * sizeof(float));
     }
 }
 
@@ -247,7 +245,7 @@ static sl_status import(const char *path, const sl_gltf *gltf, sl_text *plain, s
 /* What the importer would read wrong or tell less well. */
 static sl_status check_first(const char *path, sl_model *model, bool is_gltf, sl_gltf *gltf, sl_text *plain,
                              sl_text *libraries, sl_error *error) {
-    if (is_gltf) return sl_gltf_read(path, gltf, error);
+    if (is_gltf) return sl_gltf_read(path, model, gltf, error);
     if (sl_file_has_extension(path, ".obj")) return sl_obj_check(path, model, plain, libraries, error);
     return sl_header_check(path, error);
 }

@@ -16,8 +16,13 @@ struct sl_gltf;
 sl_status sl_mesh_file_add(const char *path, const sl_import *file, const struct sl_gltf *gltf,
                            const sl_affine *placement, sl_model *model, sl_error *error);
 
-/* The file's materials, in its order: between mesh_file.c and mesh_material.c. */
+/* ---- between mesh_file.c, mesh_material.c and mesh_uv.c ---- */
+
+/* Adds the file's materials, in its order. gltf: NULL where the file is no glTF. */
 sl_status sl_mesh_materials(const char *path, const sl_import *file, const struct sl_gltf *gltf,
                             sl_model *model, sl_error *error);
+/* Copies the texture coordinates by which the mesh's colour texture is looked up, 2 a vertex. */
+void sl_mesh_copy_uvs(const char *path, const sl_import *file, const struct sl_gltf *gltf,
+                      const sl_import_mesh *mesh, float *uvs, sl_model *model);
 
 #endif

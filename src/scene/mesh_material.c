@@ -93,6 +93,18 @@ static sl_status find_texture(const source *s, sl_import_map map, uint32_t *inde
     return status;
 }
 
+/* Whether a picture's colours are unit normals, as (n + 1) / 2, that mostly point away from the surface: exporters put such maps where heights are meant. */
+static bool holds_normals(const sl_texture *t) {
+    const size_t texels = (size_t)t->width * (size_t)t->height;
+    size_t unit = 0;
+    for (size_t i = 0; i < texels; i++) {
+        const uint8_t *p = t->texels + 4 * i;
+        const double x = p[0] / 127.5 - 1.0, y = p[1] / 127.5 - 1.0, z = p[2] / 127.5 - 1.0, square = x * x + y * y + z * z;
+        unit += z > 0.0 && square > 0.7 && square < 1.3 && p[2] > p[0] && p[2] > p[1];
+    }
+    return (double)unit > 0.9 * (double)texels;
+}
+
 static const sl_texture *texture_at(const source *s, uint32_t index) {
     return index == SL_NO_INDEX ? NULL : &s->model->textures[index];
 }
@@ -121,6 +133,10 @@ static sl_status classic_material(const source *s, sl_material *m) {
     if (status == SL_OK) status = find_texture(s, SL_IMPORT_MAP_OPACITY, &m->alpha_texture);
     uint32_t heights = SL_NO_INDEX;
     if (status == SL_OK && is_obj) status = find_texture(s, SL_IMPORT_MAP_HEIGHT, &heights);
+    if (heights != SL_NO_INDEX && holds_normals(texture_at(s, heights))) {
+        sl_model_warn(s->model, "%s: material '%s': its bump map holds normals, not heights, and is not used", s->path, s->name);
+        heights = SL_NO_INDEX;
+    }
     m->height_map = heights == SL_NO_INDEX ? 0 : heights + 1;
     m->bump_depth = SL_BUMP_DEPTH;
     return status;
@@ -136,10 +152,7 @@ static float exponent_of(float roughness) {
     return (float)fmin(fmax(2.0 / fmax(r2 * r2, 1e-12) - 2.0, 1.0), 10000.0);
 }
 
-static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base, float metallic, float roughness) {
-    m->diffuse = sl_rgb_scale(base, 1.0f - metallic);
-    m->specular = (sl_rgb){lerp(0.04f, textured_base.r, metallic), lerp(0.04f, textured_base.g, metallic),
-                           lerp(0.04f, textured_base.b, metallic)};
+static void set_roughness(sl_material *m, float roughness) {
     m->exponent = exponent_of(roughness);
     /* A mirror has no other lobe, so only what is mostly a mirror becomes one. */
     if (roughness < 0.03f && sl_rgb_max(m->specular) > sl_rgb_max(m->diffuse)) {
@@ -147,6 +160,13 @@ static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base
         m->diffuse = m->specular = sl_grey(0.0f);
         m->exponent = 0.0f;
     }
+}
+
+static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base, float metallic, float roughness) {
+    m->diffuse = sl_rgb_scale(base, 1.0f - metallic);
+    m->specular = (sl_rgb){lerp(0.04f, textured_base.r, metallic), lerp(0.04f, textured_base.g, metallic),
+                           lerp(0.04f, textured_base.b, metallic)};
+    set_roughness(m, roughness);
 }
 
 static float clamp_unit(float value) { return fminf(fmaxf(value, 0.0f), 1.0f); }
@@ -188,21 +208,59 @@ static void gltf_alpha(const source *s, sl_material *m) {
     }
 }
 
-static sl_status gltf_material(const source *s, double strength, sl_material *m) {
+/* The alpha of a texture, which find_texture() takes for a mask's. */
+static float mean_alpha(const sl_texture *t) {
+    uint64_t sum = 0;
+    size_t texels = (size_t)t->width * (size_t)t->height;
+    for (size_t i = 0; i < texels; i++) sum += t->texels[4 * i + 3];
+    return (float)((double)sum / (255.0 * (double)texels));
+}
+
+/* KHR_materials_pbrSpecularGlossiness: kd = diffuse (1 - max(specular)), ks = specular, roughness = 1 - glossiness. */
+static sl_status specular_glossiness(const source *s, float glossiness, sl_material *m) {
+    uint32_t index;
+    m->diffuse = color_or(s, SL_IMPORT_DIFFUSE, sl_grey(1.0f));
+    m->specular = color_or(s, SL_IMPORT_SPECULAR, sl_grey(1.0f));
+    sl_status status = find_texture(s, SL_IMPORT_MAP_SPECULAR, &index);
+    const sl_texture *texture = status == SL_OK ? texture_at(s, index) : NULL;
+    if (texture) {
+        m->specular = sl_rgb_mul(m->specular, sl_texture_mean_color(texture));
+        glossiness *= mean_alpha(texture);
+        sl_model_warn(s->model, "%s: material '%s': specular colour and glossiness are those of its texture's mean", s->path, s->name);
+    }
+    m->diffuse = sl_rgb_scale(m->diffuse, 1.0f - clamp_unit(sl_rgb_max(m->specular)));
+    set_roughness(m, 1.0f - clamp_unit(glossiness));
+    return status;
+}
+
+static sl_status metallic_workflow(const source *s, sl_material *m) {
     sl_rgb base = color_or(s, SL_IMPORT_BASE, color_or(s, SL_IMPORT_DIFFUSE, sl_grey(1.0f)));
-    float metallic = float_or(s, SL_IMPORT_METALLIC, 1.0f),
-          roughness = float_or(s, SL_IMPORT_ROUGHNESS, 1.0f);
-    sl_status status = find_texture(s, SL_IMPORT_MAP_DIFFUSE, &m->texture);
-    if (status == SL_OK) status = modulate(s, &metallic, &roughness);
+    float metallic = float_or(s, SL_IMPORT_METALLIC, 1.0f), roughness = float_or(s, SL_IMPORT_ROUGHNESS, 1.0f);
+    sl_status status = modulate(s, &metallic, &roughness);
     if (status != SL_OK) return status;
     const sl_texture *texture = texture_at(s, m->texture);
-    sl_rgb textured = texture && metallic > 0.0f ? sl_rgb_mul(base, sl_texture_mean_color(texture)) : base;
+    sl_rgb textured = base;
+    if (texture && metallic > 0.0f) {
+        textured = sl_rgb_mul(base, sl_texture_mean_color(texture));
+        sl_model_warn(s->model, "%s: material '%s': the colour of its metal is that of its base texture's mean", s->path, s->name);
+    }
     metallic_roughness(m, base, textured, clamp_unit(metallic), clamp_unit(roughness));
+    return SL_OK;
+}
+
+static sl_status gltf_material(const source *s, bool unlit, double strength, sl_material *m) {
+    sl_status status = find_texture(s, SL_IMPORT_MAP_DIFFUSE, &m->texture);
+    if (status != SL_OK) return status;
+    if (unlit) m->diffuse = color_or(s, SL_IMPORT_BASE, sl_grey(1.0f));
+    else if (s->material->has >> SL_IMPORT_GLOSSINESS & 1)
+        status = specular_glossiness(s, float_or(s, SL_IMPORT_GLOSSINESS, 1.0f), m);
+    else status = metallic_workflow(s, m);
+    if (status != SL_OK) return status;
     gltf_alpha(s, m);
     return gltf_emission(s, strength, m);
 }
 
-/* KHR_texture_transform and its like would need texture coordinates of their own for every material. */
+/* Of other formats than glTF; they are rare. */
 static void warn_of_transform(const source *s) {
     const float *t = s->material->value[SL_IMPORT_UV_TRANSFORM];
     if (!(s->material->has >> SL_IMPORT_UV_TRANSFORM & 1)) return;
@@ -219,9 +277,10 @@ sl_status sl_mesh_materials(const char *path, const sl_import *file, const struc
         source s = {path, file, from, from->name, model, error};
         sl_material material = {.name = from->name, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
         double strength = gltf && i < gltf->material_count ? gltf->emissive_strength[i] : 1.0;
-        sl_status status = gltf ? gltf_material(&s, strength, &material) : classic_material(&s, &material);
+        bool unlit = gltf && gltf->unlit && i < gltf->material_count && gltf->unlit[i];
+        sl_status status = gltf ? gltf_material(&s, unlit, strength, &material) : classic_material(&s, &material);
         uint32_t index;
-        warn_of_transform(&s);
+        if (!gltf) warn_of_transform(&s);
         if (status == SL_OK) status = sl_model_add_material(model, &material, &index, error);
         if (status != SL_OK) return status;
     }

@@ -17,6 +17,7 @@ typedef struct reader {
     unsigned long line, next_line; /* of the statement, behind it */
     sl_text statement, *plain;
     bool named;                    /* a newmtl has been */
+    unsigned told;                 /* which of the unused statements, bit by bit */
     sl_model *model;
     sl_error *error;
 } reader;
@@ -184,6 +185,18 @@ static void add_name(reader *r, const char *name) {
     add(r, *name ? name : SL_NAMELESS_MATERIAL);
 }
 
+/* Of what is seen in other renderers' pictures and not in ours: one line for each kind and library. */
+static void tell_unused(reader *r, const char *at) {
+    static const char *const unused[][2] = {{"norm", "a normal map"}, {"disp", "a displacement map"}, {"refl", "a reflection map"},
+                                            {"map_Ks", "a texture of Ks"}, {"map_Ns", "a texture of Ns"}, {"map_Ke", "a texture of Ke"},
+                                            {"map_Pr", "a texture of roughness"}, {"map_Pm", "a texture of metalness"}};
+    for (unsigned i = 0; r->model && i < sizeof unused / sizeof unused[0]; i++) {
+        if (!is_word(at, unused[i][0]) || (r->told >> i & 1u)) continue;
+        r->told |= 1u << i;
+        sl_model_warn(r->model, "%s:%lu: %s, %s, is not used", r->path, r->line, unused[i][0], unused[i][1]);
+    }
+}
+
 /* What no material here has is left out, whatever its values. */
 static sl_status add_statement(reader *r, const char *at) {
     static const char *const colours[] = {"Kd", "Ks", "Ke"}, *const textures[] = {"map_Kd", "map_d", "map_bump", "bump"};
@@ -200,6 +213,7 @@ static sl_status add_statement(reader *r, const char *at) {
     if (is_word(at, "d")) return add_opacity(r, "d", rest);
     if (is_word(at, "Tr")) return add_opacity(r, "Tr", rest);
     if (is_word(at, "illum")) return add_number(r, "illum", rest, 0.0, 10.0, "an illumination model illum: a number from 0 to 10");
+    tell_unused(r, at);
     return SL_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "image/formats.h"
 #include "scene/file.h"
 #include "scene/scene_file.h"
 
@@ -200,7 +201,7 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     sl_error problem = {0};
     sl_status status = path ? sl_model_may_read(&file->model, path, &problem) : sl_fail_memory(&problem, "a file name");
     if (status == SL_OK) status = sl_model_note_file(&file->model, path, &problem);
-    if (status == SL_OK) status = sl_image_read(path, &image, &problem);
+    if (status == SL_OK) status = sl_sky_read(path, &image, &problem);
     sl_free(path);
     const float *plane[3] = {NULL};
     static const char *const channels[3] = {"R", "G", "B"};

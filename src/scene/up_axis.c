@@ -1,5 +1,6 @@
-/* What stands has its centre of mass above its feet. So the axis that points up is one along which the middle of the surface lies within the box of what
- * is lowest; legs and floors make that box a good part of the model's, a tail that hangs down or a wall's edge does not. */
+/* What stands has its centre of mass above its feet. So the axis that points up is one along which the middle
+ * of the surface lies within the box of what is lowest; legs and floors make that box a good part of the
+ * model's, a tail that hangs down or a wall's edge does not. */
 #include "scene/up_axis.h"
 
 #include <math.h>
@@ -7,7 +8,8 @@
 #include "base/math.h"
 #include "scene/file.h"
 
-/* Of the height, how much counts as lowest; of the ground, how much that covers at least; how many times the same for y that is. */
+/* Of the height, how much counts as lowest; of the ground, how much that covers at least; how many times the
+ * same for y that is. */
 static const double lowest = 0.02, least_support = 0.1, far_more = 4.0;
 /* What is flatter than that share of its width hangs on a wall as well as it lies on the ground. */
 static const double flat = 0.05;
@@ -15,7 +17,8 @@ static const double flat = 0.05;
 static const double level = 0.95;
 
 bool sl_up_axis_is_unsaid(const char *path) {
-    return sl_file_has_extension(path, ".obj") || sl_file_has_extension(path, ".stl") || sl_file_has_extension(path, ".ply") || sl_file_has_extension(path, ".off");
+    return sl_file_has_extension(path, ".obj") || sl_file_has_extension(path, ".stl") ||
+           sl_file_has_extension(path, ".ply") || sl_file_has_extension(path, ".off");
 }
 
 typedef struct shape {
@@ -25,7 +28,8 @@ typedef struct shape {
 
 static void corners_of(const sl_model *m, size_t triangle, double p[3][3]) {
     for (int c = 0; c < 3; c++) {
-        for (size_t a = 0; a < 3; a++) p[c][a] = (double)m->positions[3 * (size_t)m->indices[3 * triangle + (size_t)c] + a];
+        for (size_t a = 0; a < 3; a++)
+            p[c][a] = (double)m->positions[3 * (size_t)m->indices[3 * triangle + (size_t)c] + a];
     }
 }
 
@@ -41,7 +45,8 @@ static void add_triangle(shape *s, double p[3][3]) {
     for (int a = 0; a < 3; a++) {
         s->level[a] += fabs(normal[a]) > level * area ? area : 0.0;
         s->middle[a] += area * (p[0][a] + p[1][a] + p[2][a]) / 3.0;
-        for (int c = 0; c < 3; c++) s->low[a] = fmin(s->low[a], p[c][a]), s->high[a] = fmax(s->high[a], p[c][a]);
+        for (int c = 0; c < 3; c++)
+            s->low[a] = fmin(s->low[a], p[c][a]), s->high[a] = fmax(s->high[a], p[c][a]);
     }
 }
 
@@ -68,7 +73,8 @@ static support support_along(const sl_model *m, const shape *s, int axis) {
     for (size_t i = 0; i < 3 * m->triangle_count; i++) {
         const float *p = m->positions + 3 * (size_t)m->indices[i];
         if (!((double)p[axis] <= limit)) continue;
-        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], (double)p[across[k]]), high[k] = fmax(high[k], (double)p[across[k]]);
+        for (int k = 0; k < 2; k++)
+            low[k] = fmin(low[k], (double)p[across[k]]), high[k] = fmax(high[k], (double)p[across[k]]);
     }
     support found = {1.0, true};
     for (int k = 0; k < 2; k++) {
@@ -83,7 +89,8 @@ bool sl_model_stands_on_z(const sl_model *m) {
     const shape s = shape_of(m);
     const support y = support_along(m, &s, 1), z = support_along(m, &s, 2);
     const double height = s.high[2] - s.low[2], width = fmax(s.high[0] - s.low[0], s.high[1] - s.low[1]);
-    return height > flat * width && !y.stable && z.stable && z.share >= least_support && z.share >= far_more * y.share && s.level[2] >= s.level[1];
+    return height > flat * width && !y.stable && z.stable && z.share >= least_support &&
+           z.share >= far_more * y.share && s.level[2] >= s.level[1];
 }
 
 static void turn(float *xyz) {

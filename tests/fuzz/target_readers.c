@@ -13,7 +13,7 @@ static sl_status check_with(unsigned kind, sl_error *error) {
     if (kind == 1) status = sl_obj_check(fuzz_path("r.obj"), &model, &plain, &libraries, error);
     if (kind == 2) status = sl_header_check(fuzz_path("r.ply"), error);
     if (kind == 3) status = sl_header_check(fuzz_path("r.off"), error);
-    if (kind == 4) status = sl_gltf_read(fuzz_path("r.gltf"), &gltf, error);
+    if (kind == 4) status = sl_gltf_read(fuzz_path("r.gltf"), &model, &gltf, error);
     sl_text_release(&plain);
     sl_text_release(&libraries);
     sl_gltf_release(&gltf);

@@ -1,0 +1,110 @@
+#include "scene/gltf_features.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+
+/* Extensions that are read here or by the importer, as they are meant. */
+static const char *const had[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+                                  "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform"};
+
+static const cJSON *member(const cJSON *item, const char *name) {
+    return cJSON_GetObjectItemCaseSensitive(item, name);
+}
+
+static bool is_had(const char *name) {
+    for (size_t i = 0; i < sizeof had / sizeof had[0]; i++) {
+        if (strcmp(name, had[i]) == 0) return true;
+    }
+    return false;
+}
+
+sl_status sl_gltf_check_required(const char *path, const cJSON *root, sl_error *error) {
+    const cJSON *name;
+    cJSON_ArrayForEach(name, member(root, "extensionsRequired")) {
+        if (!cJSON_IsString(name) || is_had(name->valuestring)) continue;
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s: requires the glTF extension %s, which is not supported: expected plain "
+                       "(uncompressed) glTF 2.0",
+                       path, name->valuestring);
+    }
+    return SL_OK;
+}
+
+/* ---- what one material has ----------------------------------------------------------------------------- */
+
+typedef bool material_test(const cJSON *material, const char *name);
+
+static bool has_extension(const cJSON *material, const char *name) {
+    return member(member(material, "extensions"), name) != NULL;
+}
+static bool has_texture(const cJSON *material, const char *name) {
+    return cJSON_IsObject(member(material, name));
+}
+
+/* " (material 'glass' and 2 more)"; "" where no material has it. */
+static void name_materials(const cJSON *root, material_test *test, const char *name, char *text,
+                           size_t size) {
+    const cJSON *material, *first = NULL;
+    int count = 0, index = 0, first_index = 0;
+    cJSON_ArrayForEach(material, member(root, "materials")) {
+        if (test(material, name) && count++ == 0) first = material, first_index = index;
+        index++;
+    }
+    const cJSON *label = member(first, "name");
+    char more[32] = "", number[32];
+    snprintf(number, sizeof number, "%d", first_index);
+    if (count > 1) snprintf(more, sizeof more, " and %d more", count - 1);
+    *text = 0;
+    if (count == 0) return;
+    snprintf(text, size, " (material '%.100s'%s)", cJSON_IsString(label) ? label->valuestring : number, more);
+}
+
+/* ---- the lines ----------------------------------------------------------------------------------------- */
+
+static const char *in_place_of(const char *extension) {
+    if (strcmp(extension, "KHR_materials_unlit") == 0) return "it is drawn as diffuse, and lit";
+    if (strcmp(extension, "KHR_materials_transmission") == 0) return "it is drawn opaque";
+    return "it is left out";
+}
+
+static void tell_extension(const char *path, const cJSON *root, const char *name, sl_model *model) {
+    char materials[160];
+    if (is_had(name)) return;
+    name_materials(root, has_extension, name, materials, sizeof materials);
+    sl_model_warn(model, "%s: the extension %s is not supported: %s%s", path, name, in_place_of(name),
+                  materials);
+}
+
+static void tell_extensions(const char *path, const cJSON *root, sl_model *model) {
+    const cJSON *name, *material, *extension;
+    cJSON_ArrayForEach(name, member(root, "extensionsUsed")) {
+        if (cJSON_IsString(name)) tell_extension(path, root, name->valuestring, model);
+    }
+    cJSON_ArrayForEach(material, member(root, "materials")) { /* which may use what is not listed */
+        cJSON_ArrayForEach(extension, member(material, "extensions")) {
+            if (extension->string) tell_extension(path, root, extension->string, model);
+        }
+    }
+}
+
+static bool has_morphs(const cJSON *root) {
+    const cJSON *mesh, *primitive;
+    cJSON_ArrayForEach(mesh, member(root, "meshes")) {
+        cJSON_ArrayForEach(primitive, member(mesh, "primitives")) {
+            if (cJSON_GetArraySize(member(primitive, "targets")) > 0) return true;
+        }
+    }
+    return false;
+}
+
+void sl_gltf_tell_features(const char *path, const cJSON *root, sl_model *model) {
+    char materials[160];
+    tell_extensions(path, root, model);
+    name_materials(root, has_texture, "normalTexture", materials, sizeof materials);
+    if (*materials) sl_model_warn(model, "%s: normal maps are not used%s", path, materials);
+    if (has_morphs(root)) sl_model_warn(model, "%s: morph targets are not applied", path);
+    if (cJSON_GetArraySize(member(root, "animations")) > 0)
+        sl_model_warn(model, "%s: animations are not played", path);
+}
