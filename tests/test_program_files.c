@@ -231,6 +231,25 @@ static void a_rendered_png_tells_its_exposure(void **state) {
     assert_false(says(out, "\"tone\""));
 }
 
+/* ---- JSON --------------------------------------------------------------------------------------------------------------------------- */
+
+static void json_is_utf_8_whatever_files_are_called(void **state) {
+    (void)state;
+    static const char *const names[][2] = {
+        {"\xff\xfe.pfm", "/??.pfm"}, {"a\xc3.pfm", "/a?.pfm"}, {"\xc0\xaf.pfm", "/??.pfm"}, {"\xed\xa0\x80.pfm", "/???.pfm"},
+        {"\xf4\x90\x80\x80.pfm", "/????.pfm"}, {"\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80.pfm", "/\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80.pfm"},
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char line[300];
+        snprintf(line, sizeof line, "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json -o %%/%s", names[i][0]);
+        expect(0, sl_command_render, line);
+        if (!says(out, names[i][1])) fail_msg("expected %s in %s", names[i][1], out);
+        assert_int_equal(access(path_of(names[i][0]), F_OK), 0);
+    }
+    expect(0, sl_command_render, "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json --frames 1 -o %/\xff%d.pfm");
+    assert_true(says(out, "/?0.pfm"));
+}
+
 /* ---- what cannot be written ------------------------------------------------------------------------------------------------------- */
 
 /* Each has another mistake, too, which comes to light later: the scene, the picture or the method is not there. */
@@ -352,6 +371,7 @@ int main(void) {
         cmocka_unit_test(a_png_and_an_exr_are_compared_after_the_pngs_tone),
         cmocka_unit_test(a_png_that_tells_no_tone_is_not_compared_with_radiance),
         cmocka_unit_test(a_rendered_png_tells_its_exposure),
+        cmocka_unit_test(json_is_utf_8_whatever_files_are_called),
         cmocka_unit_test(what_cannot_be_written_is_noticed_before_the_work),
         cmocka_unit_test(looking_whether_a_file_can_be_written_leaves_no_trace),
         cmocka_unit_test(what_is_done_is_kept_whatever_ends_it_and_the_status_tells),

@@ -4,6 +4,7 @@
 #include "app/blank_picture.h"
 #include "app/clock.h"
 #include "app/frame_name.h"
+#include "app/utf8.h"
 #include "image/output_file.h"
 #include "image/tone.h"
 
@@ -164,7 +165,7 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
 
 void sl_picture_print_json(cJSON *root) {
     char *text = cJSON_Print(root);
-    if (text) puts(text);
+    if (text) puts(sl_utf8_mend(text));
     cJSON_free(text);
     cJSON_Delete(root);
 }
@@ -226,7 +227,7 @@ static void print_frame(const sl_render_options *o, unsigned long long frame, co
     add_warnings(line, w->image);
     sl_picture_add_tone(o, w->stops, line);
     char *text = cJSON_PrintUnformatted(line);
-    if (text) puts(text);
+    if (text) puts(sl_utf8_mend(text));
     cJSON_free(text);
     cJSON_Delete(line);
     fflush(stdout);

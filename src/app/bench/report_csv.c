@@ -1,6 +1,8 @@
 /* One line a row: for programs. And the same as JSON. */
 #include "app/bench/report.h"
 
+#include "app/utf8.h"
+
 #include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,7 +127,7 @@ void sl_report_json(const sl_bench_results *results, FILE *out) {
         cJSON_AddItemToArray(scenes, o);
     }
     char *text = cJSON_Print(root);
-    if (text) fprintf(out, "%s\n", text);
+    if (text) fprintf(out, "%s\n", sl_utf8_mend(text));
     cJSON_free(text);
     cJSON_Delete(root);
 }

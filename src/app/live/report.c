@@ -1,5 +1,7 @@
 #include "app/live/report.h"
 
+#include "app/utf8.h"
+
 #include <cjson/cJSON.h>
 #include <stdio.h>
 
@@ -60,7 +62,7 @@ void sl_show_report_json(const sl_show_report *r) {
     cJSON *counters = cJSON_AddObjectToObject(root, "counters");
     for (int i = 0; i < SL_COUNTERS; i++) cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)r->counters.value[i]);
     char *text = cJSON_Print(root);
-    if (text) puts(text);
+    if (text) puts(sl_utf8_mend(text));
     cJSON_free(text);
     cJSON_Delete(root);
 }
