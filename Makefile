@@ -15,6 +15,7 @@ PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
 LIBEXECDIR ?= $(PREFIX)/libexec
 MANDIR ?= $(PREFIX)/share/man
+DOCDIR ?= $(PREFIX)/share/doc/softlux
 DESTDIR ?=
 
 COMPILER := $(if $(findstring clang,$(CC)),clang,gcc)
@@ -338,7 +339,8 @@ install: all
 	$(CC) $(OPTIMISE) $(OPENMP) -o $(STAGE)/softlux $(APP_OBJECTS) $(STAGE)/libsoftlux.a $(LDFLAGS) $(LIBS)
 	$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,--no-undefined -Wl,-soname,libsoftlux.so.0 -o $(STAGE)/libsoftlux.so \
 	  $(filter-out $(PATH_OBJECT),$(LIBRARY_OBJECTS)) $(STAGE)/importer_path.o $(LDFLAGS) $(LIBS)
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBEXECDIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBEXECDIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1 $(DESTDIR)$(DOCDIR)
+	install -m 644 LICENSE NOTICES CHANGELOG.md $(DESTDIR)$(DOCDIR)
 	install -m 755 $(STAGE)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
 	install -m 755 $(BUILD)/softlux-import $(DESTDIR)$(LIBEXECDIR)/softlux-import
 	install -m 644 include/softlux.h $(DESTDIR)$(PREFIX)/include/softlux.h
@@ -354,6 +356,7 @@ install: all
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/softlux $(DESTDIR)$(LIBEXECDIR)/softlux-import $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(LIBDIR)/libsoftlux.* \
 	  $(DESTDIR)$(LIBDIR)/pkgconfig/softlux.pc $(DESTDIR)$(MANDIR)/man1/softlux.1 $(DESTDIR)$(MANDIR)/man1/softlux-*.1
+	rm -rf $(DESTDIR)$(DOCDIR)
 
 # The contract of every public function as pages, into build/doc/html; a warning is a failure.
 doc:

@@ -10,6 +10,7 @@ prefix=/opt/softlux
 make -s BUILD="$build" DESTDIR="$folder" PREFIX=$prefix install
 
 lib=$folder$prefix/lib
+for f in LICENSE NOTICES; do cmp -s $f "$folder$prefix/share/doc/softlux/$f" || { echo "$f is not installed"; exit 1; }; done
 foreign=$(nm -D --defined-only "$lib/libsoftlux.so" | awk '{print $3}' | grep -v '^sl_' || true)
 [ -z "$foreign" ] || { echo "the shared library exports $foreign"; exit 1; }
 for f in $(sed -n 's/^SL_API[^(]*[ *]\(sl_[a-z_]*\)(.*/\1/p' include/softlux.h); do
