@@ -29,12 +29,8 @@ static double mean_of(const sl_image *image) {
     return finite ? sum / (double)finite : 0.0;
 }
 
-static sl_status mean_light(const sl_scene *scene, const sl_settings *base, const char *method, const char *transport, double *mean,
-                            sl_error *error) {
+static sl_settings small_picture(const sl_scene *scene, const sl_settings *base, const char *method, const char *transport) {
     sl_settings s = sl_settings_default();
-    sl_method *m = NULL;
-    sl_image *image = NULL;
-    sl_progress progress = {0};
     int width = base->width, height = base->height;
     if (!width || !height) sl_scene_film(scene, &width, &height);
     double shrink = sqrt(1024.0 / ((double)width * (double)height));
@@ -47,13 +43,26 @@ static sl_status mean_light(const sl_scene *scene, const sl_settings *base, cons
     s.spp = 16;
     s.bounces = 64;
     s.glossy_hits = true;
-    sl_status status = sl_method_create(scene, &s, &m, error);
+    return s;
+}
+
+static sl_status mean_of_picture(const sl_scene *scene, const sl_settings *s, double *mean, sl_error *error) {
+    sl_method *m = NULL;
+    sl_image *image = NULL;
+    sl_progress progress = {0};
+    sl_status status = sl_method_create(scene, s, &m, error);
     while (status == SL_OK && !progress.done) status = sl_method_update(m, &progress, error);
     if (status == SL_OK) status = sl_method_resolve(m, &image, error);
     if (status == SL_OK) *mean = mean_of(image);
     sl_image_destroy(image);
     sl_method_destroy(m);
     return status;
+}
+
+static sl_status mean_light(const sl_scene *scene, const sl_settings *base, const char *method, const char *transport, double *mean,
+                            sl_error *error) {
+    const sl_settings s = small_picture(scene, base, method, transport);
+    return mean_of_picture(scene, &s, mean, error);
 }
 
 static double at_least(double a, double b) { return a > b ? a : b; }
@@ -78,6 +87,19 @@ sl_status sl_auto_look(const sl_scene *scene, const sl_settings *base, sl_auto_k
     kind->second = (one - direct) / all;
     kind->further = (surfaces - one) / all;
     kind->mirrored = (all - surfaces) / all;
+    return status;
+}
+
+/* What the eye sees in mirrors of light by one surface at most: multi-mesh caching declares the same light paths, but for these. As a share of that
+ * light. */
+static sl_status look_into_mirrors(const sl_scene *scene, const sl_settings *base, double *seen, sl_error *error) {
+    sl_settings with = small_picture(scene, base, "path", "one-bounce"), without = small_picture(scene, base, "path", "matched:multi-mesh");
+    double all = 0.0, plain = 0.0;
+    with.filter = without.filter = SL_FILTER_CENTRE;
+    without.bounces = 1;
+    sl_status status = mean_of_picture(scene, &with, &all, error);
+    if (status == SL_OK) status = mean_of_picture(scene, &without, &plain, error);
+    *seen = all > plain ? (all - plain) / all : 0.0;
     return status;
 }
 
@@ -110,12 +132,14 @@ static void explain(const sl_auto_verdict *v, sl_auto_class class, char text[160
                   v->cost[SL_AUTO_PATH]);
 }
 
-static void tell(const sl_auto_kind *kind, const char *because, sl_auto_choice *choice) {
+/* seen: the share that is seen in mirrors. */
+static void tell(const sl_auto_kind *kind, double seen, const char *because, sl_auto_choice *choice) {
     int used = snprintf(choice->why, sizeof choice->why, "%s", choice->method);
     if (choice->bounces) used += snprintf(choice->why + used, sizeof choice->why - (size_t)used, ", %u bounces", choice->bounces);
     if (kind->lit)
         used += snprintf(choice->why + used, sizeof choice->why - (size_t)used, ": of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by more, %.0f %% by mirrors",
                          100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further, 100.0 * kind->mirrored);
+    if (kind->lit && kind->mirrors) used += snprintf(choice->why + used, sizeof choice->why - (size_t)used, ", and %.0f %% is seen in them", 100.0 * seen);
     snprintf(choice->why + used, sizeof choice->why - (size_t)used, "%s %s", kind->lit ? ";" : ":", because);
 }
 
@@ -143,8 +167,10 @@ sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, con
         choice->bounces = v.best == SL_AUTO_SPLATTING_ON ? BOUNCES : 0;
         explain(&v, class, because);
     }
-    tell(&kind, because, choice);
-    return SL_OK;
+    double seen = 0.0;
+    if (kind.lit && kind.mirrors) status = look_into_mirrors(scene, settings, &seen, error);
+    tell(&kind, seen, because, choice);
+    return status;
 }
 
 sl_status sl_auto_settle(const sl_scene *scene, const sl_auto_budget *budget, bool quiet, sl_settings *settings, sl_error *error) {
