@@ -184,6 +184,20 @@ static void glossy_receiver_has_the_modified_phong_lobe(void **state) {
     assert_true(fabs((double)got.r - expected) < 1e-5 * expected);
 }
 
+/* A lamp of side 0.8 whole, and cut into 20 x 20: what its highlight is above the floor, below a lamp of two sides too. */
+static void highlight_of_an_area_light_is_as_wide_as_the_light(void **state) {
+    enum { N = 20 };
+    for (int below = 0; below < 2; below++) {
+        const sl_vec3 eye = sl_v3(0, 0, 3), normal = sl_v3(0, 0, below ? 1 : -1);
+        double whole = (double)radiance_at(*state, area_light(sl_v3(0, 0, 2), normal, 0.64f, below), origin, up, eye, GLOSSY_MATERIAL).r, parts = 0.0;
+        for (int i = 0; i < N * N; i++) {
+            sl_vec3 at = sl_v3(0.8f * (((float)(i % N) + 0.5f) / N - 0.5f), 0.8f * (((float)(i / N) + 0.5f) / N - 0.5f), 2);
+            parts += (double)radiance_at(*state, area_light(at, normal, 0.64f / (N * N), below), origin, up, eye, GLOSSY_MATERIAL).r;
+        }
+        if (!(fabs(whole / parts - 1.0) < 0.12)) fail_msg("%g instead of %g", whole, parts);
+    }
+}
+
 /* The brightest pixel of a glossy floor lies where the mirrored eye sees the light; two eyes in one picture, path by path. */
 static void highlight_moves_with_the_eye(void **state) {
     enum { N = 200 };
@@ -348,6 +362,7 @@ int main(void) {
         cmocka_unit_test(directional_light_is_the_same_in_a_scene_of_any_size),
         cmocka_unit_test(lights_add_up),
         cmocka_unit_test(glossy_receiver_has_the_modified_phong_lobe),
+        cmocka_unit_test(highlight_of_an_area_light_is_as_wide_as_the_light),
         cmocka_unit_test(highlight_moves_with_the_eye),
         cmocka_unit_test(lobe_of_exponent_0_is_lambertian),
         cmocka_unit_test(mirrors_black_surfaces_and_background_stay_as_they_are),

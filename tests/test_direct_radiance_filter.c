@@ -100,6 +100,30 @@ static void a_block_across_an_edge_has_a_photon_on_each_side(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Shelves, one behind another, more than a block has photons: none of these hovers between two, and no flux is lost. */
+static void photons_of_more_surfaces_than_a_block_has_lie_on_some_of_them(void **state) {
+    (void)state;
+    sl_scene *scene = room_with_table(0.5f);
+    double sum[3], expected = 0.0;
+    hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
+    for (size_t i = 0; i < 16; i++) {
+        hand_texel(h, i, 0, sl_v3(0.3f + 0.1f * (float)(i / 2), 0.01f * (float)(i % 2), 0.05f), sl_v3(-1, 0, 0), sl_grey(0.5f));
+        expected += 2.0 * 0.5 * (double)h->map.block_angle[i] / SL_PI;
+    }
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX, false);
+    sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+    assert_int_equal(photons->count, 4);
+    for (size_t j = 0; j < photons->count; j++) {
+        float shelf = (photons->photon[j].position.x - 0.3f) / 0.1f;
+        assert_true(fabsf(shelf - roundf(shelf)) < 1e-4f);
+    }
+    sum_flux(photons, sum);
+    assert_true(fabs(sum[0] / expected - 1.0) < 1e-5);
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
+    sl_scene_destroy(scene);
+}
+
 static void a_table_and_the_floor_below_it_are_two_photons(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
@@ -340,6 +364,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grouping_leaves_the_sum_of_flux_as_it_is),
         cmocka_unit_test(a_block_across_an_edge_has_a_photon_on_each_side),
+        cmocka_unit_test(photons_of_more_surfaces_than_a_block_has_lie_on_some_of_them),
         cmocka_unit_test(a_table_and_the_floor_below_it_are_two_photons),
         cmocka_unit_test(facets_of_a_curved_surface_are_one_photon),
         cmocka_unit_test(a_block_of_many_surfaces_has_four_photons),

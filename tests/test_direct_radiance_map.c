@@ -428,6 +428,26 @@ static void in_a_closed_room_all_of_the_flux_arrives(void **state) {
     }
 }
 
+/* A roof of 20 x 20 with a hole of 1 x 0.9: the sun's patch on the floor below has that area in the sun's picture. */
+static void the_suns_picture_sees_what_falls_through_a_window(void **state) {
+    (void)state;
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(0, 0, 20), sl_v3(20, 0, 0), sl_v3(0, 0, -20), grey);
+    trace_mesh_quad(&mesh, sl_v3(0, 3, 20), sl_v3(20, 0, 0), sl_v3(0, 0, -12), grey);
+    trace_mesh_quad(&mesh, sl_v3(0, 3, 7.1f), sl_v3(20, 0, 0), sl_v3(0, 0, -7.1f), grey);
+    trace_mesh_quad(&mesh, sl_v3(0, 3, 8), sl_v3(6, 0, 0), sl_v3(0, 0, -0.9f), grey);
+    trace_mesh_quad(&mesh, sl_v3(7, 3, 8), sl_v3(13, 0, 0), sl_v3(0, 0, -0.9f), grey);
+    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
+    how h = by_default();
+    world w = world_of(&mesh, &h);
+    double area = 0.0;
+    for (size_t i = 0; i < w.map->texels; i++)
+        area += w.map->triangle[i] != SL_NO_INDEX && w.map->position[1][i] < 0.1f ? (double)w.map->block_angle[i] : 0.0;
+    if (!(fabs(area / 0.9 - 1.0) < 0.2)) fail_msg("%g instead of 0.9", area);
+    discard(&w);
+}
+
 static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -776,6 +796,7 @@ int main(void) {
         cmocka_unit_test(any_number_of_samples_cuts_faces_into_whole_blocks),
         cmocka_unit_test(the_captured_share_of_the_flux_is_what_each_shape_can_hold),
         cmocka_unit_test(in_a_closed_room_all_of_the_flux_arrives),
+        cmocka_unit_test(the_suns_picture_sees_what_falls_through_a_window),
         cmocka_unit_test(a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels),
         cmocka_unit_test(an_area_light_does_not_see_itself_and_what_lies_behind_it),
         cmocka_unit_test(a_two_sided_light_has_a_hemicube_on_either_side),

@@ -10,6 +10,8 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "receiver_support.h"
+#include "rendering.h"
+#include "trace_scenes.h"
 
 static sl_vec3d unit_direction(uint64_t key, uint64_t i) {
     double z = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, turn = 2.0 * SL_PI * (double)sl_random_unit(key, 2 * i + 1);
@@ -192,7 +194,7 @@ static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
     p->quad = calloc(1, sizeof *p->quad);
     assert_non_null(p->quad);
     for (int turn = 0; turn < 2; turn++) {
-        p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f};
+        p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f, 0.0f};
         if (turn) p->quad[0].corner[1] = sl_v3(-1, 1, 0), p->quad[0].corner[3] = sl_v3(1, -1, 0);
         for (double r = 1e-3; r < 1e3; r *= 1.9) {
             double q = 1.0 / sqrt(1.0 + r * r), exact = 4.0 * q * atan(q), got = ahead(p, SL_WEIGHT_POLYGON, r);
@@ -204,6 +206,29 @@ static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
         if (!(fabs(upright / exact - 1.0) < 1e-4)) fail_msg("upright %g instead of %g", upright, exact);
     }
     free_photons(p);
+}
+
+/* A lamp in a hollow ball: polygons jut out of it between its corners, and light nothing on its outside. */
+static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state) {
+    (void)state;
+    for (unsigned rings = 6; rings <= 16; rings += 5) {
+        trace_mesh mesh = trace_mesh_begin();
+        trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false, trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.1f, 0.3f, 0.05f}, .intensity = {1, 1, 1}};
+        mesh.has_camera = true;
+        mesh.camera = (sl_camera){.eye = {0, 0, 4}, .right = {1, 0, 0}, .up = {0, 1, 0}, .back = {0, 0, 1}, .vertical_fov = 0.6f};
+        sl_scene *scene = trace_mesh_build(&mesh);
+        sl_settings settings = small_settings("direct-radiance", 48, 48);
+        settings.radiance_map.weight = SL_WEIGHT_POLYGON;
+        settings.radiance_map.samples = 8;
+        sl_image *image = render(scene, &settings, NULL);
+        const float *indirect = sl_image_channel(image, "indirect.G");
+        double brightest = 0.0;
+        for (size_t i = 0; i < 48 * 48; i++) brightest = fmax(brightest, (double)indirect[i]);
+        if (brightest > 1e-3) fail_msg("%u rings: %g outside", rings, brightest);
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
 }
 
 static void polygon_weight_falls_back_to_flux_without_a_polygon(void **state) {
@@ -252,7 +277,7 @@ static void receivers_that_cannot_be_lit_get_nothing(void **state) {
     sl_map_photons *p = one_photon(1e-3);
     p->quad = calloc(1, sizeof *p->quad);
     assert_non_null(p->quad);
-    p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f};
+    p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f, 0.0f};
     const sl_vec3 up = {0, 0, 1}, down = {0, 0, -1};
     const struct {
         sl_vec3 x, n, shading;
@@ -332,6 +357,7 @@ int main(void) {
         cmocka_unit_test(polygons_hold_close_to_the_floor_where_other_weights_fail),
         cmocka_unit_test(flux_weight_is_a_coaxial_disc_and_printed_14_is_not),
         cmocka_unit_test(polygon_weight_is_exact_for_a_uniform_square),
+        cmocka_unit_test(polygons_of_a_curved_sheet_do_not_light_its_other_side),
         cmocka_unit_test(polygon_weight_falls_back_to_flux_without_a_polygon),
         cmocka_unit_test(printed_11_and_15_know_neither_distance_nor_facing),
         cmocka_unit_test(receivers_that_cannot_be_lit_get_nothing),

@@ -28,6 +28,18 @@ static void arrive(const sl_direct_light *d, const sl_light_points *points, cons
     }
 }
 
+/* An area light's point stands for a part of its area, as large as the point's share of the intensity. */
+static sl_lobe_target target_of(const sl_map_light *light, const sl_map_light_point *point) {
+    const bool parallel = light->kind == SL_MAP_LIGHT_DIRECTIONAL;
+    sl_lobe_target target = {.towards = parallel ? sl_neg(light->direction) : point->position, .direction = parallel};
+    const float whole = sl_rgb_max(light->intensity), share = whole > 0.0f ? sl_rgb_max(point->intensity) / whole : 0.0f;
+    if (light->kind != SL_MAP_LIGHT_AREA || !(share <= 1.0f)) return target;
+    target.normal = light->direction;
+    target.extent = light->area * share * (float)(0.25 / SL_PI);
+    target.two_sided = light->two_sided;
+    return target;
+}
+
 static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy, size_t index, sl_tile_light *light,
                             sl_counters *counters) {
     const sl_map_light_point *point = &d->pass->lights->point[index];
@@ -46,7 +58,7 @@ static void add_light_point(const sl_direct_light *d, const sl_receiver_tile *ti
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
     if (!glossy) return;
     float power[SL_TILE_PIXELS];
-    const sl_lobe_target target = {.towards = parallel ? sl_neg(of->direction) : point->position, .direction = parallel};
+    const sl_lobe_target target = target_of(of, point);
     d->kernels.receiver_lobe(tile, &target, power);
     d->kernels.multiply(tile->padded, power, lit);
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, l[0], l[1], l[2]);

@@ -145,7 +145,8 @@ static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photo
     const sl_map_photon *photon = &p->pass->photons->photon[j];
     bool disc = p->pass->weight == SL_WEIGHT_FLUX || p->pass->weight == SL_WEIGHT_POLYGON;
     float extent = disc && photon->cos_alpha > 0.0f ? photon->footprint / photon->cos_alpha * (float)(0.25 / SL_PI) : 0.0f;
-    return (sl_lobe_target){{r->x, r->y, r->z}, false, {r->nx, r->ny, r->nz}, extent > 0.0f && isfinite(extent) ? extent : 0.0f};
+    if (!(extent > 0.0f) || !isfinite(extent)) extent = 0.0f;
+    return (sl_lobe_target){.towards = {r->x, r->y, r->z}, .normal = {r->nx, r->ny, r->nz}, .extent = extent};
 }
 
 static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_sight *around,

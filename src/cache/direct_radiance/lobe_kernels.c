@@ -14,9 +14,9 @@ void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_
     }
 }
 
-/* A receiver's stands along the mirrored direction of the eye. A photon is no point: a sharp lobe would show each of them as a spot. The
- * lobe's mean over the photon's disc is a wider lobe: near its axis cos^n is a Gaussian of variance 1 / n, the disc of angular radius a
- * adds a^2 / 4, so
+/* A receiver's stands along the mirrored direction of the eye. Photons and the points of area lights stand for discs:
+ * a sharp lobe would show each of them as a spot. The lobe's mean over the disc is a wider lobe: near its axis cos^n is
+ * a Gaussian of variance 1 / n, the disc of angular radius a adds a^2 / 4, so
  *
  *     n' = n / (1 + n a^2 / 4),    a^2 = A cos theta' / (pi r^2),    scaled by (n' + 2) / (n + 2) to keep its integral. */
 static inline float wider_exponent(float n, float extent, float there, float squared) {
@@ -27,13 +27,14 @@ static inline float wider_exponent(float n, float extent, float there, float squ
 
 void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_target *target, float *restrict power) {
     const sl_vec3 p = target->towards, m = target->normal;
-    const float keep = target->direction ? 0.0f : 1.0f, extent = target->extent;
+    const float keep = target->direction ? 0.0f : 1.0f, extent = target->extent, behind = target->two_sided ? 1.0f : 0.0f;
     const size_t count = t->padded;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float dx = p.x - keep * t->x[i], dy = p.y - keep * t->y[i], dz = p.z - keep * t->z[i];
         float squared = dx * dx + dy * dy + dz * dz, along = t->mirrored_x[i] * dx + t->mirrored_y[i] * dy + t->mirrored_z[i] * dz;
-        float n = t->exponent[i], wide = wider_exponent(n, extent, -(m.x * dx + m.y * dy + m.z * dz), squared);
+        float n = t->exponent[i], there = -(m.x * dx + m.y * dy + m.z * dz);
+        float wide = wider_exponent(n, extent, there < 0.0f ? -behind * there : there, squared);
         power[i] = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
     }
 }

@@ -81,11 +81,19 @@ static sl_frame frame_of(const sl_map_light *light, sl_map_shape shape, sl_vec3 
 
 /* ---- parallel ---- */
 
+int sl_parallel_texels(int samples, int texels) {
+    const int finer = 8 * texels, most = 512 / samples;
+    return finer <= most ? finer : texels > most ? texels : most;
+}
+
 /* The picture lies as far before the box's middle as the box is deep. */
 static void add_parallel(face_list *list, const sl_scene *scene) {
     sl_parallel_picture p = sl_parallel_picture_of(scene, list->light);
     if (list->shape->steady) p = sl_parallel_picture_along(scene, sl_steady_roll(p.frame));
-    add(list, &p.frame, 1.0, list->shape->samples, false);
+    sl_face_shape finer = *list->shape;
+    finer.texels = sl_parallel_texels(finer.samples, finer.texels);
+    list->shape = &finer;
+    add(list, &p.frame, 1.0, finer.samples, false);
     sl_map_face *f = &list->face[list->count - 1].face;
     f->eye = sl_mad(p.centre, -2.0f * p.reach_z, p.frame.z);
     f->left = -(double)p.reach_x;

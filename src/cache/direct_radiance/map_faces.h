@@ -28,6 +28,9 @@ sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings);
  * dark all over (behind, outside a cone) are not among them; *dark says how many. A directional light has one face, which needs the scene. */
 int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_face_shape *shape, sl_vec3 aim, const float clearance[2],
                    sl_planned_face *face, int *dark);
+/* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole scene, and the sun
+ * that falls through a window is a small part of it. 8 times as many, up to 512 a side of the picture. */
+int sl_parallel_texels(int samples, int texels);
 /* What draws a face. */
 sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned);
 /* A face of directional light is as deep as the scene's box looks from there, and begins that far before the box. */

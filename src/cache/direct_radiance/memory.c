@@ -1,6 +1,6 @@
 /* What Direct Radiance Mapping takes: pictures from the lights, for the most part. */
 #include "cache/budget.h"
-#include "cache/direct_radiance/lights.h"
+#include "cache/direct_radiance/map_faces.h"
 #include "cache/direct_radiance/plan.h"
 #include "scene/features.h"
 
@@ -18,9 +18,10 @@ static double light_points(const sl_scene *scene, const sl_radiance_map_settings
     return points;
 }
 
-static double map_bytes(const sl_radiance_map_settings *m, double pictures) {
+static double map_bytes(const sl_radiance_map_settings *m, double pictures, double directional) {
     const double texels = (double)m->map_size * m->map_size, samples = (double)m->samples * m->samples;
-    return pictures * FACES * (texels * A_TEXEL + samples * A_PHOTON);
+    const double wide = (double)m->samples * sl_parallel_texels(m->samples, m->map_size / m->samples + 1);
+    return pictures * FACES * (texels * A_TEXEL + samples * A_PHOTON) + directional * wide * wide * A_TEXEL;
 }
 
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings) {
@@ -33,9 +34,10 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
     const bool rays = m->visibility != SL_VISIBILITY_NONE || m->traced_light_mirrors;
     /* Where light comes by planar mirrors each light has a picture more for each of them; a few at most count. */
     const double pictures = smaller(points, SL_MAP_POINTS_MAX) * (f.mirror_triangles ? 3.0 : 1.0);
+    const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
     return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
                                                 : sl_raster_memory_need(scene->triangle_count),
-                            .caches = points * cube + map_bytes(m, pictures) + curved + sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
+                            .caches = points * cube + map_bytes(m, pictures, suns) + curved + sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
                             .picture = sl_need_of_pixels(settings, A_PIXEL + 4.0 * layers + (m->visibility != SL_VISIBILITY_NONE ? BY_PASSES : 0) +
                                                                        (f.mirror_triangles ? OF_MIRRORS : 0))};
 }

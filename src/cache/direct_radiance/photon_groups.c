@@ -17,13 +17,23 @@ static bool on_surface_of(const sl_photon_sum *group, const sl_map_texel *t, boo
            fabs(sl_dotd(group->first_normal, way)) <= GROUP_SINE * sl_lengthd(way);
 }
 
-/* The group that the texel joins: the first one of its surface, or a new one, or where there are four already the one most like it. */
-static sl_photon_sum *group_of(sl_photon_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian) {
+/* How little a texel is of a group's surface: its normal turned away, its place off the group's plane. */
+static double strangeness(const sl_photon_sum *group, const sl_map_texel *t) {
+    const sl_vec3d way = sl_subd(t->position, group->first_position);
+    const double length = sl_lengthd(way), off = length > 0.0 ? fabs(sl_dotd(group->first_normal, way)) / length : 0.0;
+    return off - sl_dotd(group->first_normal, t->normal);
+}
+
+/* The group that the texel joins: the first one of its surface, or a new one, or where there are four already the one most
+ * like it, to which it is a stranger. */
+static sl_photon_sum *group_of(sl_photon_sum group[SL_PHOTON_GROUPS], const sl_map_texel *t, bool lambertian, bool *stranger) {
     sl_photon_sum *nearest = group;
+    *stranger = false;
     for (sl_photon_sum *g = group; g < group + SL_PHOTON_GROUPS; g++) {
         if (!(g->luminance > 0.0) || on_surface_of(g, t, lambertian)) return g;
-        if (sl_dotd(g->first_normal, t->normal) > sl_dotd(nearest->first_normal, t->normal)) nearest = g;
+        if (strangeness(g, t) < strangeness(nearest, t)) nearest = g;
     }
+    *stranger = true;
     return nearest;
 }
 
@@ -48,8 +58,11 @@ static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
     sum->exponent += glossy * (double)t->material->exponent;
 }
 
-static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, double angle, double of_block) {
-    double weight = t->luminance;
+/* A stranger adds its flux and its area, so that no light is lost, and does not move the photon: between a roof and the
+ * lawn there is a room. */
+static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger, double angle,
+                      double of_block) {
+    double weight = stranger ? 0.0 : t->luminance;
     add_scaled(&sum->position, t->position, weight);
     add_scaled(&sum->normal, t->normal, weight);
     add_scaled(&sum->to_light, t->to_light, weight);
@@ -69,7 +82,7 @@ static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_m
 static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photon_sum *sum, double angle) {
     double mean = 1.0 / sum->luminance;
     sl_photon_sample s = {.position = sl_scaled(sum->position, mean), .normal = unit_or(sum->normal, sum->first_normal),
-                          .way = sum->way * mean, .object = sum->object, .rectangle = sum->rectangle};
+                          .way = sum->way * mean, .object = sum->object, .bent = sum->bent, .rectangle = sum->rectangle};
     s.shading = unit_or(sum->shading, s.normal);
     s.to_light = unit_or(sum->to_light, s.normal);
     s.cos_alpha = fmax(sl_dotd(s.normal, s.to_light), SL_GROUP_COS_MIN);
@@ -94,13 +107,15 @@ void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, i
     groups->rectangle = groups->angle > 0.0 ? sl_texel_rectangle_join(groups->rectangle, place) : place;
     groups->angle += angle;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
-    sl_photon_sum *g = group_of(groups->group, &t, list->map->lambertian);
+    bool stranger;
+    sl_photon_sum *g = group_of(groups->group, &t, list->map->lambertian, &stranger);
     if (!(g->luminance > 0.0)) {
         *g = (sl_photon_sum){.first_position = t.position, .first_normal = t.normal, .object = t.object, .material = t.material,
                              .rectangle = place};
     }
-    add_texel(g, list->map, &t, angle, angle / block);
-    g->rectangle = sl_texel_rectangle_join(g->rectangle, place);
+    add_texel(g, list->map, &t, stranger, angle, angle / block);
+    g->bent = g->bent || sl_dotd(g->first_normal, t.normal) < 1.0 - 1e-6;
+    if (!stranger) g->rectangle = sl_texel_rectangle_join(g->rectangle, place);
 }
 
 bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_photon_groups *groups) {

@@ -13,6 +13,7 @@ typedef struct sl_photon_sum {
     double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
     sl_vec3d first_position, first_normal; /* of the texel that opened it */
     uint32_t object;                       /* likewise */
+    bool bent;                             /* others' normals differ from that one */
     const sl_material *material;
     sl_texel_rectangle rectangle;
 } sl_photon_sum;

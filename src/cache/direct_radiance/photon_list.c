@@ -47,6 +47,12 @@ static bool photon_is_sound(const sl_map_photon *p) {
            sl_rgb_max(p->flux) > 0.0f;
 }
 
+/* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the polygon is far smaller than what
+ * they cover: its radiance would be that much too large. */
+static bool holds_surface(const sl_photon_quad *quad, const sl_photon_sample *s) {
+    return 2.0 * (double)quad->area * s->cos_alpha >= s->footprint;
+}
+
 void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *s) {
     sl_map_photons *photons = list->photons;
     if (photons->count == photons->room) return;
@@ -59,6 +65,11 @@ void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photo
         photons->lobe[photons->count] = (sl_photon_lobe){rgb_of(s->diffuse), rgb_of(s->specular), (float)s->exponent,
                                                          sl_to_float(s->to_light), sl_to_float(s->shading)};
     }
-    if (photons->quad) sl_photon_quad_find(list->map, face, s, &photons->quad[photons->count]);
+    if (photons->quad) {
+        sl_photon_quad *quad = &photons->quad[photons->count];
+        sl_photon_quad_find(list->map, face, s, quad);
+        if (!holds_surface(quad, s)) *quad = (sl_photon_quad){0};
+        quad->depth = sqrtf(quad->area) * (s->bent ? 0.05f : 1e-4f); /* 0.09 of the radius, as in visibility.c; or rounding */
+    }
     photons->count++;
 }

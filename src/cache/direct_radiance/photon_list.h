@@ -20,6 +20,7 @@ typedef struct sl_photon_sample {
     double flux[3], radiance[3];
     double diffuse[3], specular[3], exponent; /* with lobes */
     uint32_t object;
+    bool bent;               /* of several texels whose normals differ */
     sl_texel_rectangle rectangle;
 } sl_photon_sample;
 

@@ -31,7 +31,8 @@ typedef struct sl_photon_lobe {
 typedef struct sl_photon_quad {
     int count; /* 0 or 4 */
     sl_vec3 corner[4];
-    float area; /* A_q > 0 */
+    float area;  /* A_q > 0 */
+    float depth; /* by how much the plane may miss the surface */
 } sl_photon_quad;
 
 typedef struct sl_map_photons {

@@ -43,12 +43,14 @@ typedef void sl_photon_compute_kernel(const sl_receiver_tile *tile, const sl_map
 typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, bool cosine, float *weight);
 typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
                                      const float *pi, float *weight);
-/* Where a receiver's lobe looks: a point, or a direction. What has an area is a disc of that normal; extent: area / (4 pi), else 0. */
+/* Where a receiver's lobe looks: a point, or a direction. What has an area is a disc of that normal, seen from its front or from both
+ * sides; extent: area / (4 pi), else 0. */
 typedef struct sl_lobe_target {
     sl_vec3 towards;
     bool direction;
     sl_vec3 normal;
     float extent;
+    bool two_sided;
 } sl_lobe_target;
 
 /* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards what lights them. */

@@ -78,6 +78,7 @@ void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photo
     const sl_photon_quad *q = &photons->quad[photon];
     sl_vec3 normal = photons->photon[photon].normal;
     for (int c = 0; c < 4; c++) polygon->corner[c] = q->corner[c];
+    polygon->depth = q->depth;
     polygon->over_area = q->area > 0.0f ? 1.0f / q->area : 0.0f;
     for (int t = 0; t < 2; t++) polygon->triangle[t] = triangle_of(q->corner[0], q->corner[1 + t], q->corner[2 + t], normal);
 }

@@ -110,22 +110,27 @@ static inline float sl_cosine_weight(const sl_photon_registers *p, sl_vec3 x, sl
 typedef struct sl_photon_polygon {
     sl_vec3 corner[4];
     float over_area; /* 1 / A_q */
+    float depth;     /* by how much its plane may miss the surface */
     sl_polygon_light triangle[2];
 } sl_photon_polygon;
 
 /* Pi / A_q, where the receiver is before the polygon and some of that above the receiver's plane. pi: Lambert's formula, above the
- * shading normal's horizon. */
+ * shading normal's horizon. A polygon is the tangent plane of what it stands for: of a curved sheet it juts out over the sheet's other side.
+ * What faces it from as close as the plane is to the sheet, or sees corners and not the middle from nearby, is that other side. */
 static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_photon_polygon *polygon, sl_vec3 x, sl_vec3 geometric,
                                       float pi) {
     float dx = p->x - x.x, dy = p->y - x.y, dz = p->z - x.z;
     float squared = dx * dx + dy * dy + dz * dz, there = -(p->nx * dx + p->ny * dy + p->nz * dz);
-    bool above = false;
+    float middle = geometric.x * dx + geometric.y * dy + geometric.z * dz;
+    float facing = geometric.x * p->nx + geometric.y * p->ny + geometric.z * p->nz;
+    bool touching = there < polygon->depth, beyond = (middle <= 0.0f) & (squared * polygon->over_area < 4.0f);
+    bool above = false, other_side = (touching | beyond) & (facing < -0.5f);
     for (int c = 0; c < 4; c++) {
         const sl_vec3 q = polygon->corner[c];
         above |= geometric.x * (q.x - x.x) + geometric.y * (q.y - x.y) + geometric.z * (q.z - x.z) > 0.0f;
     }
     float value = pi * polygon->over_area;
-    bool good = above & (there > 0.0f) & (squared > p->nearest) & (value <= 0x1p126f);
+    bool good = above & !other_side & (there > 0.0f) & (squared > p->nearest) & (value <= 0x1p126f);
     return good ? value : 0.0f;
 }
 
