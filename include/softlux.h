@@ -413,7 +413,8 @@ typedef struct sl_radiance_map_settings {
     int cube_size;                   /**< texels a side of a curved mirror's environment cube, 4 to 4096; 128 */
     bool traced_light_mirrors;       /**< light by way of curved mirrors, traced */
     int shadow_size;                 /**< texels a side of a face of a depth cube, 16 to 8192; 512 */
-    int emitter_samples;             /**< an area light shines from n x n points of it, n 1 to 64, and each takes pictures; 1, the paper's, at draft, or 2 */
+    int emitter_samples;             /**< an area light shines from n x n points of it, n 1 to 64, and each takes pictures; 1, the paper's, at draft, or 2.
+                                          What stands close before a point moves it to where the light gets out */
     bool eight_bit_positions;        /**< the map's positions as 8-bit colours, scaled into the scene's box */
     bool texture_photons;            /**< fragments fetch photons from textures, instead of finding them in registers: the same bits */
     bool separate_passes;            /**< a geometry pass for each of the map's pictures, as without multiple render targets */

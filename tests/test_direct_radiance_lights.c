@@ -7,6 +7,7 @@
 
 #include "base/math.h"
 #include "cache/direct_radiance/footprint.h"
+#include "cache/direct_radiance/light_openings.h"
 #include "cache/direct_radiance/radiance_map.h"
 #include "trace_scenes.h"
 
@@ -37,6 +38,56 @@ static void add_panel(trace_mesh *mesh, float x0, float y, int n, uint32_t mater
         float side = 1.0f / (float)n, x = x0 + side * (float)(i % n), z = side * (float)(i / n);
         trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(side, 0, 0), sl_v3(0, 0, side), material);
     }
+}
+
+/* ---- behind bars ---- */
+
+/* A panel of side 1 that shines down at height 2, and a bar of that width across its middle, so far below it; open: the point that the light
+ * has, and its share of the intensity. */
+static sl_map_light_point point_behind_bar(float width, float below, sl_light_openings *found) {
+    trace_mesh mesh = floor_mesh();
+    add_panel(&mesh, 0, 2, 1, trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, 2 - below, 0.5f - 0.5f * width), sl_v3(2, 0, 0), sl_v3(0, 0, width), 0);
+    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_raster *raster;
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    sl_map_lights *lights = find(scene, 1);
+    sl_map_light_point point = lights->point[0];
+    const float whole = point.intensity.g;
+    assert_int_equal(sl_map_lights_find_openings(scene, raster, 1, 1, lights, found, &counters, NULL), SL_OK);
+    point = lights->point[0];
+    assert_memory_equal(&lights->light[0].position, &point.position, sizeof point.position);
+    point.intensity = sl_rgb_scale(point.intensity, 1.0f / whole);
+    sl_map_lights_destroy(lights);
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+    return point;
+}
+
+static void a_point_behind_a_bar_moves_to_where_the_light_gets_out(void **state) {
+    (void)state;
+    sl_light_openings found;
+    sl_map_light_point point = point_behind_bar(0.3f, 0.02f, &found);
+    assert_true(found.points == 1 && found.moved == 1 && found.shut == 0);
+    assert_true(fabsf(point.position.z - 0.5f) > 0.15f && point.position.z > 0 && point.position.z < 1);
+    assert_true(point.intensity.g > 0.5f && point.intensity.g < 0.95f); /* 0.7 gets out */
+}
+
+static void a_point_before_which_nothing_stands_close_stays_where_it_is(void **state) {
+    (void)state;
+    sl_light_openings found;
+    sl_map_light_point point = point_behind_bar(0.3f, 1.2f, &found);
+    assert_true(found.points == 1 && found.moved == 0 && found.shut == 0);
+    assert_true(point.position.x == 0.5f && point.position.z == 0.5f && point.intensity.g == 1.0f);
+}
+
+static void a_lamp_that_is_shut_in_is_told_of(void **state) {
+    (void)state;
+    sl_light_openings found;
+    sl_map_light_point point = point_behind_bar(1.4f, 0.02f, &found);
+    assert_true(found.points == 1 && found.moved == 0 && found.shut == 1);
+    assert_true(point.position.z == 0.5f && point.intensity.g == 1.0f);
 }
 
 /* ---- what lights give ---- */
@@ -386,6 +437,9 @@ static void the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_point_behind_a_bar_moves_to_where_the_light_gets_out),
+        cmocka_unit_test(a_point_before_which_nothing_stands_close_stays_where_it_is),
+        cmocka_unit_test(a_lamp_that_is_shut_in_is_told_of),
         cmocka_unit_test(irradiance_at_distance_r_is_the_flux_over_4_pi_r_squared),
         cmocka_unit_test(every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere),
         cmocka_unit_test(an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone),

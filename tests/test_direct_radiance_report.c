@@ -31,10 +31,10 @@ static double told(const sl_scene *scene, const sl_settings *settings, const cha
     return value;
 }
 
-static bool warns(const sl_scene *scene, const sl_settings *settings) {
+static bool warns_of(const sl_scene *scene, const sl_settings *settings, const char *what) {
     sl_image *image = render(scene, settings, NULL);
     const char *text = sl_image_metadata(image, "softlux.warning");
-    bool warned = text && strstr(text, "weight 15");
+    bool warned = text && strstr(text, what);
     sl_image_destroy(image);
     return warned;
 }
@@ -102,7 +102,11 @@ static void a_picture_tells_how_much_of_the_flux_its_map_holds(void **state) {
     assert_true(fabs(told(scene, &s, "softlux.flux_captured") - 1.0 / 6.0) < 1e-4);
     s.radiance_map.map_fov = 2.0 * SL_PI / 3.0;
     assert_true(fabs(told(scene, &s, "softlux.flux_captured") - 0.270) < 1e-3);
+    assert_true(warns_of(scene, &s, "the maps hold 27 % of the lights' flux"));
+    s.radiance_map.shape = SL_MAP_CUBE;
+    assert_false(warns_of(scene, &s, "the maps hold"));
     s.radiance_map.direct_light_only = true; /* no map: nothing to tell */
+    s.radiance_map.shape = SL_MAP_FRUSTUM;
     assert_true(isnan(told(scene, &s, "softlux.flux_captured")));
     sl_scene_destroy(scene);
 }
@@ -162,6 +166,30 @@ static void a_wall_across_the_room_makes_light_arrive_again(void **state) {
     sl_scene_destroy(scene);
 }
 
+static void light_through_walls_is_warned_of(void **state) {
+    (void)state;
+    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
+    for (int walls = 0; walls < 4; walls += 3) {
+        trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 0.5f));
+        for (int i = 0; i < walls; i++) trace_mesh_quad(&mesh, sl_v3(0, 0, 1.0f + (float)i), sl_v3(4, 0, 0), sl_v3(0, 3, 0), 0);
+        sl_scene *scene = trace_mesh_build(&mesh);
+        assert_true(warns_of(scene, &s, "passes through walls") == (walls > 0));
+        s.radiance_map.visibility = SL_VISIBILITY_RAYS;
+        assert_false(warns_of(scene, &s, "passes through walls"));
+        s.radiance_map.visibility = SL_VISIBILITY_NONE;
+        sl_scene_destroy(scene);
+    }
+}
+
+static void a_sky_that_lights_nothing_is_warned_of(void **state) {
+    (void)state;
+    sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
+    sl_scene *sky = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]}}",
+                                    "v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n");
+    assert_true(warns_of(sky, &s, "the sky is seen, but lights nothing"));
+    sl_scene_destroy(sky);
+}
+
 static void a_floor_in_the_open_receives_nothing_of_its_own(void **state) {
     (void)state;
     trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1, 2));
@@ -182,8 +210,8 @@ static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **s
         if (far) trace_mesh_quad(&mesh, sl_v3(60, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0); /* outside, and far away */
         sl_scene *scene = trace_mesh_build(&mesh);
         sl_settings box = settings_with(SL_WEIGHT_BOX, 4), disc = settings_with(SL_WEIGHT_DISC, 4);
-        assert_true(warns(scene, &box) == (far == 1));
-        assert_false(warns(scene, &disc));
+        assert_true(warns_of(scene, &box, "weight 15") == (far == 1));
+        assert_false(warns_of(scene, &disc, "weight 15"));
         sl_scene_destroy(scene);
     }
 }
@@ -196,6 +224,8 @@ int main(void) {
         cmocka_unit_test(several_lights_count_by_their_flux),
         cmocka_unit_test(in_a_convex_room_all_reflected_flux_arrives_once),
         cmocka_unit_test(a_wall_across_the_room_makes_light_arrive_again),
+        cmocka_unit_test(light_through_walls_is_warned_of),
+        cmocka_unit_test(a_sky_that_lights_nothing_is_warned_of),
         cmocka_unit_test(a_floor_in_the_open_receives_nothing_of_its_own),
         cmocka_unit_test(weight_15_warns_where_the_scene_is_ten_times_the_lights_way),
     };

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "cache/announce.h"
 #include "cache/direct_radiance/emission.h"
+#include "cache/direct_radiance/light_openings.h"
 #include "cache/direct_radiance/light_receivers.h"
 #include "cache/direct_radiance/map_report.h"
 #include "cache/direct_radiance/mirrors.h"
@@ -27,6 +28,7 @@ typedef struct radiance_state {
     sl_mirrors *planar;
 
     sl_map_lights *lights, *divided; /* divided: each point of them as a light that takes pictures of its own; or NULL */
+    sl_light_openings openings;    /* what stands before them */
     sl_shadow_cubes *cubes;        /* pass 1 */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
@@ -159,7 +161,8 @@ static sl_light_pass lighting(const radiance_state *s) {
 /* With visibility no light arrives that ought not to. */
 static sl_status report_map(radiance_state *s, sl_error *error) {
     s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map), .received = NAN,
-                                .way = sl_radiance_map_mean_way(s->map), .diagonal = (double)s->scene->diagonal};
+                                .way = sl_radiance_map_mean_way(s->map), .diagonal = (double)s->scene->diagonal,
+                                .openings = s->openings};
     if (s->settings.radiance_map.visibility != SL_VISIBILITY_NONE) return SL_OK;
     sl_light_pass light = lighting(s);
     sl_status status = s->points ? SL_OK : sl_report_points_spread(s->scene, &s->points, error);
@@ -169,6 +172,9 @@ static sl_status report_map(radiance_state *s, sl_error *error) {
 static sl_status light_up(radiance_state *s, sl_error *error) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
     sl_status status = sl_map_lights_find(s->scene, m->emitter_samples, &s->lights, error);
+    if (status == SL_OK && s->plan.shadows)
+        status = sl_map_lights_find_openings(s->scene, s->raster, (unsigned)m->emitter_samples, s->settings.threads, s->lights, &s->openings,
+                                             &s->counters, error);
     if (status == SL_OK && s->plan.shadows) {
         status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, m->shadow_size, s->settings.threads, &s->cubes, &s->counters, error);
         sl_announce_pass(&s->announcer, "depth cubes", "shadows in (5), (9)");
@@ -343,6 +349,7 @@ static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error
     sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
     if (status == SL_OK) status = give_picture(s, image, error);
     if (status == SL_OK && s->map) status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
+    if (status == SL_OK && s->plan.environment) status = sl_warn(*image, error, "the sky is seen, but lights nothing");
     return status;
 }
 

@@ -5,7 +5,7 @@
  *   direct_radiance.c   the passes of one frame
  *
  *   lights.c            the lights as points from which pictures are taken, (3), (6); light_groups.c, light_points.c: emissive triangles as
- *                       few lights, and lights divided
+ *                       few lights, and lights divided; light_openings.c points behind bars
  *   shadow_cubes.c      pass 1: depth cubes, and what they say
  *   radiance_map.c      pass 2: the direct radiance map; map_faces.c which pictures a light takes, map_pictures.c the pictures,
  *                       map_mirrors.c and map_traced.c light by way of mirrors

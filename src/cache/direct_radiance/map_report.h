@@ -4,6 +4,7 @@
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_REPORT_H
 #define SL_CACHE_DIRECT_RADIANCE_MAP_REPORT_H
 
+#include "cache/direct_radiance/light_openings.h"
 #include "cache/direct_radiance/light_receivers.h"
 
 typedef struct sl_map_report {
@@ -12,6 +13,7 @@ typedef struct sl_map_report {
                         it 1 (less what the weight loses), beyond that excess. NaN where there is nothing to divide by */
     double way;      /* mean b of the map's texels; 0 without any */
     double diagonal; /* of the scene */
+    sl_light_openings openings; /* of area lights */
 } sl_map_report;
 
 /* Points all over a scene's receiving surfaces, as many to a square metre everywhere, that stay where they are on their triangles when
@@ -31,7 +33,8 @@ sl_status sl_flux_received(const sl_light_pass *pass, sl_report_points *points, 
 /* (15) divides by the square of the scene's diagonal: in a scene more than ten times as large as the way of the light there is next to
  * nothing left. One line; empty where there is nothing to say. */
 void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size);
-/* Metadata of a picture: softlux.flux_captured, softlux.flux_received, softlux.warning. */
+/* Metadata of a picture: softlux.flux_captured, softlux.flux_received, softlux.warning. The latter tells also of maps that hold less
+ * than half of the flux, of photons whose flux arrives more than 1.25 times, and of points that bars have moved. */
 sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image, sl_error *error);
 
 #endif
