@@ -170,6 +170,39 @@ static void pixels_that_no_block_fits_ask_themselves(void **state) {
     end_stage(&s);
 }
 
+/* Pixels in the plate's shadow, each like the lit pixels that stand for the blocks around in all but one thing. */
+typedef enum { OTHER_OBJECT, OTHER_SHADING, OTHER_SIDE, OTHER_PLANE, FAR_AWAY, DIFFERENCES } difference;
+
+static void put_into_shadow(const stage *s, size_t i, float z, difference d) {
+    const sl_vec3 up = sl_v3(0, 1, 0), tilted = sl_v3(0, 0.8f, 0.6f);
+    const sl_vec3 p = sl_v3(d == FAR_AWAY ? 0.62f : 0.674f, d == OTHER_PLANE ? 0.05f : 0.0f, z);
+    set_receiver(s->receivers, i, p, d == OTHER_SIDE ? tilted : up, d == OTHER_SHADING ? tilted : up, sl_grey(0.5f), 0);
+    if (d == OTHER_OBJECT) s->receivers->gbuffer->id[i] = 11;
+}
+
+static void blocks_of_another_surface_do_not_light_a_pixel_in_shadow(void **state) {
+    (void)state;
+    enum { COLUMN = 70, FIRST = 29, LAST = 49 }; /* rows of pixels that stand for blocks; beside a column of such */
+    for (int d = 0; d < DIFFERENCES; d++) {
+        stage s = make_stage(true);
+        sl_map_photons *photons = ceiling_photons(1);
+        s.scene->object_index[11] = 1;
+        for (int y = FIRST; y <= LAST; y += 4)
+            put_into_shadow(&s, (size_t)(y * WIDTH + COLUMN), floor_point(COLUMN, y).z, (difference)d);
+        sl_counters costs = {{0}};
+        planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs), blocks = light_up(&s, photons, SL_VISIBILITY_BLOCKS, 1, &costs);
+        for (int y = FIRST; y <= LAST; y += 4) {
+            assert_true(blocks.value[0][y * WIDTH + COLUMN - 1] > 0.0f); /* stands for its block, and is lit */
+            assert_true(open.value[0][y * WIDTH + COLUMN] > 0.0f);
+            if (blocks.value[0][y * WIDTH + COLUMN] != 0.0f) fail_msg("difference %d: lit", d);
+        }
+        free_planes(&open);
+        free_planes(&blocks);
+        free_photons(photons);
+        end_stage(&s);
+    }
+}
+
 /* The mean of a group of texels on a ball lies inside the ball. */
 static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
     (void)state;
@@ -226,6 +259,7 @@ int main(void) {
         cmocka_unit_test(no_ray_is_traced_where_no_light_would_arrive),
         cmocka_unit_test(blocks_give_the_same_shadow_for_fewer_rays),
         cmocka_unit_test(pixels_that_no_block_fits_ask_themselves),
+        cmocka_unit_test(blocks_of_another_surface_do_not_light_a_pixel_in_shadow),
         cmocka_unit_test(photon_a_little_inside_its_curved_surface_is_seen),
         cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };
