@@ -140,7 +140,7 @@ static sl_status visit(const looking *l, unsigned subdivision, size_t first, siz
                        sl_light_openings *found, sl_error *error) {
     const sl_map_light *light = &lights->light[lights->point[first].light];
     const double side = sqrt((double)light->area / (double)(end - first));
-    double own[FINEST * FINEST], wide;
+    double own[FINEST * FINEST], wide = 0.0;
     bool near = false;
     sl_status status = SL_OK;
     if (light->kind != SL_MAP_LIGHT_AREA || subdivision > FINEST || !(side > 0.0)) return SL_OK;

@@ -208,13 +208,16 @@ static sl_status stamp_share(sl_image *image, const char *key, double share, sl_
     return isfinite(share) ? sl_image_set_metadata(image, key, text, error) : SL_OK;
 }
 
+/* One lamp in ten. */
+static bool are_many(size_t points, size_t of) { return points > 0 && 10 * points >= of; }
+
 static sl_status warn_of_lights(const sl_map_report *report, sl_image *image, sl_error *error) {
     const sl_light_openings *o = &report->openings;
     sl_status status = SL_OK;
-    if (o->moved)
+    if (are_many(o->moved, o->points))
         status = sl_warn(image, error, "area lights stand close behind bars or frames: %zu of %zu points of theirs were moved to where light gets out, "
                                        "and few points cast rough shadows; --emitter-samples 8 takes more", o->moved, o->points);
-    if (status == SL_OK && o->shut)
+    if (status == SL_OK && are_many(o->shut, o->points))
         status = sl_warn(image, error, "area lights are shut in: from %zu of %zu points of theirs next to no light gets farther than the light is "
                                        "wide", o->shut, o->points);
     return status;
