@@ -481,6 +481,71 @@ static void no_light_leaks_under_a_wall_that_stands_on_the_floor(void **state) {
     assert_walls_hold("a divided floor", "2.5, 1, 1", divided_obj);
 }
 
+static void assert_all_is_dark(const char *obj, const char *light, const char *const from[2],
+                               sl_quality quality) {
+    static const char view[] =
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}],\n"
+        " \"materials\": {\"m\": {\"diffuse\": 0.7}},\n"
+        " \"lights\": [{\"type\": \"point\", \"position\": [%s], \"intensity\": 3}],\n"
+        " \"camera\": {\"eye\": [%s], \"target\": [%s, 0.9, 0], \"fov_deg\": 75}}";
+    char json[1024];
+    snprintf(json, sizeof json, view, light, from[0], from[1]);
+    sl_scene *scene = scene_from_text(json, obj);
+    sl_settings settings = small_settings("splatting", 64, 48);
+    settings.quality = quality;
+    sl_image *image = render(scene, &settings, NULL);
+    const float *direct = channel_of(image, "direct.G"), *indirect = channel_of(image, "indirect.G");
+    for (int p = 0; p < 64 * 48; p++) {
+        if (direct[p] > 0.0f || indirect[p] > 1e-3f)
+            fail_msg("from %s: pixel (%d, %d) has %g direct, %g indirect light", from[0], p % 64, p / 64,
+                     (double)direct[p], (double)indirect[p]);
+    }
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+/* A folding screen without thickness parts a room from wall to wall; the light is behind it. Records touch it,
+ * and at its outlines the rasterizer, whose vertices are snapped, shows pixels of what is behind it. */
+static void no_light_comes_through_a_folding_screen_without_thickness(void **state) {
+    (void)state;
+    static const char *const cameras[][2] = {{"0.8498448, 1.11755972, 1.72571254", "-0.354102"},
+                                             {"-0.4170288, 1.14097268, 1.89332926", "0.173762"},
+                                             {"-0.2517072, 1.89315692, 1.78283794", "0.104878"}};
+    enum { PANELS = 6 };
+    char obj[4096];
+    int n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 2.5, 2});
+    for (int i = 0; i <= PANELS; i++) {
+        double x = -2.0 + 4.0 * i / PANELS, z = i % 2 ? 0.35 : -0.2;
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %g 0 %g\nv %g 2.5 %g\n", x, z, x, z);
+    }
+    for (int a = 9; a < 9 + 2 * PANELS; a += 2)
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "f %d %d %d %d\n", a, a + 2, a + 3, a + 1);
+    for (int i = 0; i < 6; i++)
+        assert_all_is_dark(obj, "0.3, 2, -1", cameras[i / 2], i % 2 ? SL_QUALITY_NORMAL : SL_QUALITY_DRAFT);
+}
+
+/* A closed cylinder of 24 facets on a floor, a lamp inside: at its outline facets turn their insides to the eye. */
+static void no_facet_of_a_cylinder_around_a_lamp_shows_its_inside(void **state) {
+    (void)state;
+    enum { FACETS = 24, TOP = 2 * FACETS + 1 };
+    static const char *const cameras[][2] = {{"-0.41796, 3.23511944, 5.190418", "0.083592"},
+                                             {"1.94272, 3.24682592, 1.587224", "-0.388544"}};
+    char obj[8192];
+    int n = 0;
+    for (int i = 0; i < FACETS; i++) {
+        double x = cos(2.0 * pi * i / FACETS), z = sin(2.0 * pi * i / FACETS);
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g 0 %.9g\nv %.9g 2 %.9g\n", x, z, x, z);
+    }
+    n += snprintf(obj + n, sizeof obj - (size_t)n,
+                  "v 0 2 0\nv -3 0 -3\nv 3 0 -3\nv 3 0 3\nv -3 0 3\nf -1 -2 -3 -4\n");
+    for (int i = 0; i < FACETS; i++) {
+        int a = 2 * i + 1, b = 2 * ((i + 1) % FACETS) + 1;
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "f %d %d %d %d\nf %d %d %d\n", a, b, b + 1, a + 1, a + 1,
+                      b + 1, TOP);
+    }
+    for (int i = 0; i < 2; i++) assert_all_is_dark(obj, "0.1, 0.6, 0.05", cameras[i], SL_QUALITY_DRAFT);
+}
+
 /* ---- nothing there ---- */
 
 static void pixels_without_geometry_ask_for_nothing(void **state) {
@@ -528,6 +593,8 @@ int main(void) {
         cmocka_unit_test(shading_normals_that_cancel_or_are_none_give_light_all_the_same),
         cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),
         cmocka_unit_test(no_light_leaks_under_a_wall_that_stands_on_the_floor),
+        cmocka_unit_test(no_light_comes_through_a_folding_screen_without_thickness),
+        cmocka_unit_test(no_facet_of_a_cylinder_around_a_lamp_shows_its_inside),
         cmocka_unit_test(pixels_without_geometry_ask_for_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

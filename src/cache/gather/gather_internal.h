@@ -91,7 +91,8 @@ typedef struct sl_gather_view {
     sl_vec3 eye;
 } sl_gather_view;
 
-/* The raster's near plane: what stands before the eye is seen however near it is, or light would come through a sheet that the point touches. */
+/* The raster's near plane: what stands before the eye is seen however near it is, or light would come through
+ * a sheet that the point touches. */
 static inline float sl_gather_near(const sl_gather *gather) { return 1e-3f * gather->offset; }
 
 /* Visibility alone, by the instrument chosen. */

@@ -89,23 +89,26 @@ static reflected first_ray(const reflecting *c, size_t slot) {
     return (reflected){slot, p, out, g->id[i]};
 }
 
-static void show_nothing(const reflecting *c, const reflected *ray) {
-    sl_gbuffer *g = c->gbuffer;
-    size_t i = c->reflections->pixel[ray->slot];
+void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t triangle, const sl_surface *s) {
     g->id[i] = g->material[i] = SL_NO_INDEX;
     g->diffuse_r[i] = g->diffuse_g[i] = g->diffuse_b[i] = 0.0f;
-}
-
-static void show_surface(const reflecting *c, const reflected *ray, uint32_t triangle, const sl_surface *s) {
-    sl_gbuffer *g = c->gbuffer;
-    size_t i = c->reflections->pixel[ray->slot];
+    if (triangle == SL_NO_INDEX) return;
     g->id[i] = triangle;
-    g->material[i] = c->scene->material_index[triangle];
+    g->material[i] = scene->material_index[triangle];
     g->position_x[i] = s->position.x, g->position_y[i] = s->position.y, g->position_z[i] = s->position.z;
     g->normal_x[i] = s->normal.x, g->normal_y[i] = s->normal.y, g->normal_z[i] = s->normal.z;
     g->geometric_x[i] = s->geometric_normal.x, g->geometric_y[i] = s->geometric_normal.y, g->geometric_z[i] = s->geometric_normal.z;
     g->diffuse_r[i] = s->diffuse.r, g->diffuse_g[i] = s->diffuse.g, g->diffuse_b[i] = s->diffuse.b;
-    g->seen_from[i] = ray->origin;
+}
+
+static void show_nothing(const reflecting *c, const reflected *ray) {
+    sl_gbuffer_show(c->scene, c->gbuffer, c->reflections->pixel[ray->slot], SL_NO_INDEX, NULL);
+}
+
+static void show_surface(const reflecting *c, const reflected *ray, uint32_t triangle, const sl_surface *s) {
+    size_t i = c->reflections->pixel[ray->slot];
+    sl_gbuffer_show(c->scene, c->gbuffer, i, triangle, s);
+    c->gbuffer->seen_from[i] = ray->origin;
 }
 
 /* Where the ray ends; or, at a mirror, the ray that goes on from there. */

@@ -1,6 +1,6 @@
 /* Algorithm 2 of Gautron et al. 2005, corrected where the paper errs:
  *
- *   1  G-buffer, mirrors followed by rays     update 0
+ *   1  G-buffer, edges and mirrors by rays    update 0
  *   1b emission and direct light              one update for every DIRECT_ROWS rows
  *   2  splat existing records                 none are there at the start; after a camera edit all of them
  *   3  coverage                               kept as records are committed; the same sums, so nothing to read back
@@ -101,6 +101,8 @@ static sl_status follow_mirrors(sl_splat_state *s, sl_error *error) {
 static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
+    if (status == SL_OK && s->tracer)
+        status = sl_look_at_edges(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK) status = follow_mirrors(s, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "Algorithm 2, step 1", s->gbuffer);

@@ -3,6 +3,7 @@
  *   plan.c           which passes a scene needs, and the qualities
  *   splatting.c      Algorithm 2: the passes of one picture
  *   create.c         what it needs, made when it is needed
+ *   edges.c          step 1: pixels at edges, looked at again by rays
  *   ../direct/       step 1b: direct light of every pixel
  *   traversal.c      step 4: which pixels get new records, in which order, in parallel and yet as if one by one
  *   record.c         a record and how far it reaches
@@ -25,6 +26,12 @@
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/mirrors.h"
 #include "cache/splatting/record.h"
+
+/* ---- step 1 ---- */
+
+/* Pixels beside another surface than their own show what a ray through their middle finds. Depth stays. */
+sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
+                           sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
 
 /* ---- which pixels get records ---- */
 

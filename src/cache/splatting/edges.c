@@ -1,0 +1,113 @@
+/* Pixels at edges, looked at again by rays. The rasterizer snaps vertices to 1/256 of a pixel, as hardware does: at
+ * the outline of a thing one pixel of a thousand shows what lies behind it, or its far side. That place may be on
+ * the other side of a sheet, in another light, and a record there would tell its neighbours of it. */
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cache/reflect/reflect.h"
+#include "cache/splatting/splatting.h"
+
+typedef struct {
+    const sl_scene *scene;
+    const sl_tracer *tracer;
+    sl_gbuffer *gbuffer;
+    sl_view view;
+    uint8_t *edge;         /* 1: looked at again */
+    sl_counters *counters; /* one a row */
+} edge_pass;
+
+/* ---- which pixels ---- */
+
+static sl_vec3 position_of(const sl_gbuffer *g, size_t i) {
+    return sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]);
+}
+
+/* Does the neighbour j show another surface than i? Not where both lie in one plane, or in a finely
+ * tessellated surface. */
+static bool is_edge_between(const sl_gbuffer *g, size_t i, size_t j) {
+    const float flat = 0.1f; /* sine of what j may rise above the plane of i */
+    if (g->id[i] == g->id[j]) return false;
+    if (g->id[i] == SL_NO_INDEX || g->id[j] == SL_NO_INDEX) return true;
+    const sl_vec3 d = sl_sub(position_of(g, j), position_of(g, i));
+    float rise = sl_dot(d, sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
+    return !(rise * rise <= flat * flat * sl_dot(d, d));
+}
+
+static void find_edges(void *context, size_t y, unsigned worker) {
+    (void)worker;
+    const edge_pass *p = context;
+    const sl_gbuffer *g = p->gbuffer;
+    const size_t width = (size_t)g->width, row = y * width, end = row + width;
+    const bool below = y > 0, above = y + 1 < (size_t)g->height;
+    for (size_t i = row; i < end; i++) {
+        const bool beside = (i > row && is_edge_between(g, i, i - 1)) || (i + 1 < end && is_edge_between(g, i, i + 1));
+        p->edge[i] = beside || (below && is_edge_between(g, i, i - width)) ||
+                     (above && is_edge_between(g, i, i + width));
+    }
+}
+
+/* ---- what they show ---- */
+
+static void set_ray(const edge_pass *p, uint32_t pixel, unsigned k, sl_ray16 *rays) {
+    const uint32_t width = (uint32_t)p->gbuffer->width;
+    const sl_vec3 eye = p->scene->camera.eye;
+    const uint32_t x = pixel % width, y = pixel / width;
+    const sl_vec3 d = sl_view_direction(&p->view, (double)x + 0.5, (double)y + 0.5);
+    rays->origin_x[k] = eye.x, rays->origin_y[k] = eye.y, rays->origin_z[k] = eye.z;
+    rays->direction_x[k] = d.x, rays->direction_y[k] = d.y, rays->direction_z[k] = d.z;
+    rays->near[k] = 1e-5f * p->scene->scale; /* the view's near plane */
+    rays->far[k] = INFINITY;
+    rays->skip[k] = SL_NO_INDEX;
+}
+
+/* Where the triangle is the ray's, the rasterizer's position is as good. */
+static void look_at(const edge_pass *p, const uint32_t *pixels, unsigned count, sl_counters *counters) {
+    sl_ray16 rays;
+    sl_hit16 hits;
+    memset(&rays, 0, sizeof rays);
+    for (unsigned k = 0; k < count; k++) set_ray(p, pixels[k], k, &rays);
+    sl_trace(p->tracer, &rays, count, true, &hits, counters);
+    for (unsigned k = 0; k < count; k++) {
+        const uint32_t triangle = hits.triangle[k];
+        const sl_vec3 to_eye = sl_v3(-rays.direction_x[k], -rays.direction_y[k], -rays.direction_z[k]);
+        sl_surface s;
+        if (triangle == p->gbuffer->id[pixels[k]]) continue;
+        if (triangle != SL_NO_INDEX) sl_scene_surface(p->scene, triangle, hits.w1[k], hits.w2[k], to_eye, &s);
+        sl_gbuffer_show(p->scene, p->gbuffer, pixels[k], triangle, &s);
+    }
+}
+
+static void look_again(void *context, size_t y, unsigned worker) {
+    (void)worker;
+    const edge_pass *p = context;
+    const size_t width = (size_t)p->gbuffer->width, row = y * width;
+    uint32_t pixels[SL_PACKET];
+    unsigned count = 0;
+    for (size_t i = row; i < row + width; i++) {
+        if (p->edge[i]) pixels[count++] = (uint32_t)i;
+        if (count < SL_PACKET && i + 1 < row + width) continue;
+        if (count) look_at(p, pixels, count, &p->counters[y]);
+        count = 0;
+    }
+}
+
+sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
+                           sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
+    const size_t rows = (size_t)gbuffer->height;
+    edge_pass pass = {.scene = scene, .tracer = tracer, .gbuffer = gbuffer,
+                      .view = sl_view_scene(scene, gbuffer->width, gbuffer->height),
+                      .edge = sl_allocate((size_t)gbuffer->width * rows, sizeof *pass.edge),
+                      .counters = sl_allocate(rows, sizeof *pass.counters)};
+    sl_status status = pass.edge && pass.counters ? SL_OK : sl_fail_memory(error, "pixels at edges");
+    if (status == SL_OK) {
+        sl_parallel_for(threads, rows, find_edges, &pass);
+        sl_parallel_for(threads, rows, look_again, &pass);
+        for (size_t y = 0; y < rows; y++) sl_counters_add(counters, &pass.counters[y]);
+    }
+    sl_free(pass.edge);
+    sl_free(pass.counters);
+    return status;
+}
