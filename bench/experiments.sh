@@ -1,7 +1,8 @@
 #!/bin/sh
 # bench/experiments.sh NAME PROGRAMS BUILD [--brief|--once] [--docs] [EXPERIMENT ...]: the experiments on one method, all of PROGRAMS or those
 # named; what splatting.sh and direct_radiance.sh share. Tables go to the terminal and, as Markdown and CSV, to build/NAME/ (brief ones to
-# build/NAME-brief/). With --docs the Markdown also replaces what stands between the markers of docs/NAME-experiments.md.
+# build/NAME-brief/). With --docs the Markdown, without columns that hold nothing, also replaces what stands between the markers of
+# docs/NAME-experiments.md.
 set -eu
 cd "$(dirname "$0")/.."
 name=$1 programs=$2 build=$3
@@ -22,7 +23,8 @@ for experiment in ${experiments:-$programs}; do
         "$(nproc) processors,$(sed -n 's/^model name[^:]*:/ /p' /proc/cpuinfo | head -n 1)"
     "$build/bench/bench_$experiment" $options --pictures --out "$folder"
     [ -n "$docs" ] || continue
-    awk -v name="$experiment" -v file="$folder/$experiment.md" '
+    awk -f bench/full_columns.awk "$folder/$experiment.md" >"$folder/$experiment-full.md"
+    awk -v name="$experiment" -v file="$folder/$experiment-full.md" '
         $0 == "<!-- end " name " -->" { while ((getline line < file) > 0) print line; print ""; inside = 0 }
         !inside { print }
         $0 == "<!-- begin " name " -->" { inside = 1 }' "$docs" >"$docs.new"
