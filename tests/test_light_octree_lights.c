@@ -269,20 +269,166 @@ static void both_sides_of_thin_things_have_their_own_light(void **state) {
         o.neighbours = 400;
         o.split_by_normal = kind == 1; /* the wall's voxels have no normal of their own */
         lit l = light_up(scene, 4, list, &o, 1);
-        double front = 0.0, back = 0.0, count = 0.0;
+        double sum[2] = {0.0}, count[2] = {0.0};
         for (size_t s = 0; s < l.lights->set_count; s++) {
-            if (sl_length(l.lights->set[s].normal) == 0.0f) continue; /* where the two windings of the third meet */
-            assert_true(l.lights->set[s].both_sides);
-            front += irradiance_on(l.lights, s, up);
-            back += irradiance_on(l.lights, s, sl_neg(up));
-            count += 1.0;
+            const sl_voxel_set *set = &l.lights->set[s];
+            if (sl_length(set->normal) == 0.0f) continue; /* where the two windings of the third meet */
+            assert_true(set->both_sides == !set->opposed && (kind == 1 || !set->opposed)); /* faces of the wall in one voxel have a set each */
+            for (int side = 0; side < 2; side++) {
+                double e = irradiance_on(l.lights, s, side ? sl_neg(up) : up);
+                sum[side] += e;
+                count[side] += e > 0.0;
+            }
         }
-        assert_true(count > 100.0);
-        if (fabs(front / count - 4.0) > 0.15 || fabs(back / count - 1.0) > 0.08) fail_msg("kind %d: %.3f and %.3f", kind, front / count, back / count);
+        assert_true(count[0] > 100.0 && count[1] > 100.0);
+        if (fabs(sum[0] / count[0] - 4.0) > 0.15 || fabs(sum[1] / count[1] - 1.0) > 0.08)
+            fail_msg("kind %d: %.3f and %.3f", kind, sum[0] / count[0], sum[1] / count[1]);
         end_lit(&l);
         sl_scene_destroy(scene);
     }
 }
+
+/* ---- several surfaces in one voxel ---- */
+
+/* Two faces of 4 x 4 at two heights, and photons of irradiance 3 on that side of the first on which `up` is. */
+static lit light_two_faces(float first, float second, bool first_turned, bool second_turned, sl_vec3 up, sl_scene **scene) {
+    const sl_vec3 a = sl_v3(0, 0, 4), b = sl_v3(4, 0, 0);
+    const float speck[9] = {0, 2.5f, 0, 0.01f, 2.5f, 0, 0, 2.5f, 0.01f}; /* far above: so that one voxel holds both */
+    float xyz[9 * 5];
+    memcpy(xyz + 36, speck, sizeof speck);
+    add_quad(xyz, 0, sl_v3(0, first, 0), first_turned ? b : a, first_turned ? a : b);
+    add_quad(xyz, 2, sl_v3(0, second, 0), second_turned ? b : a, second_turned ? a : b);
+    *scene = scene_of_triangles(xyz, 5);
+    sl_photon_list *list = new_list(60000);
+    strew_evenly(list, 60000, sl_v3(0, first, 0), a, b, up, 3.0f, 7);
+    sl_voxel_light_options o = plain_options(4);
+    o.neighbours = 300;
+    o.split_by_normal = o.estimated_radius = true;
+    return light_up(*scene, 1, list, &o, 1);
+}
+
+/* A pixel's irradiance, at the nearest voxel alone or filtered. */
+static double seen_on(const lit *l, sl_vec3 at, sl_vec3 n, bool filtered) {
+    sl_voxel_texture *texture = texture_of(l->octree, l->lights, true);
+    sl_octree_scratch *scratch = NULL;
+    float out[3];
+    sl_octree_points p = {.count = 1, .x = &at.x, .y = &at.y, .z = &at.z, .normal_x = &n.x, .normal_y = &n.y, .normal_z = &n.z};
+    sl_octree_shading shading = {.texture = texture, .filter = filtered ? SL_VOXEL_TRILINEAR : SL_VOXEL_NEAREST, .facing = true};
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
+    sl_octree_scratch_destroy(scratch);
+    sl_voxel_texture_destroy(texture);
+    return (double)out[0];
+}
+
+/* A voxel may hold a floor and the ground below it: far enough apart for a gather between them to miss both, each has a set of its own. The floor
+ * makes all the light that its photons brought. */
+static void a_floor_above_dark_ground_keeps_its_light(void **state) {
+    (void)state;
+    const float below[] = {0.1f, 0.2f, 0.3f, 0.45f, 0.55f, 0.7f};
+    const sl_vec3 up = sl_v3(0, 1, 0);
+    for (int k = 0; k < 6; k++) {
+        sl_scene *scene;
+        lit l = light_two_faces(0.8f, 0.8f - below[k], false, false, up, &scene);
+        for (int filtered = 0; filtered < 2; filtered++) {
+            double on_floor = seen_on(&l, sl_v3(1.7f, 0.8f, 1.9f), up, filtered), on_ground = seen_on(&l, sl_v3(1.7f, 0.8f - below[k], 1.9f), up, filtered);
+            if (fabs(on_floor / 3.0 - 1.0) > 0.25) fail_msg("ground %g below: %.3f, not 3", (double)below[k], on_floor);
+            if (below[k] > 0.5f && on_ground > 0.1) fail_msg("%.3f on the ground %g below", on_ground, (double)below[k]);
+        }
+        end_lit(&l);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* Where a voxel holds both faces of a wall, each has the light of its own side: what reaches through from the lit one must not turn the other
+ * face's normal to it, and then stand for it. A wall that is wound the wrong way is lit nevertheless. */
+static void the_dark_face_of_a_wall_does_not_stand_for_the_lit_one(void **state) {
+    (void)state;
+    const sl_vec3 down = sl_v3(0, -1, 0);
+    for (int k = 0; k < 6; k++) {
+        float thick = 0.05f + 0.05f * (float)k;
+        sl_scene *scene;
+        lit l = light_two_faces(0.5f, 0.5f + thick, true, false, down, &scene);
+        for (int filtered = 0; filtered < 2; filtered++) {
+            double inside = seen_on(&l, sl_v3(1.7f, 0.5f, 1.9f), down, filtered), outside = seen_on(&l, sl_v3(1.7f, 0.5f + thick, 1.9f), sl_neg(down), filtered);
+            if (fabs(inside / 3.0 - 1.0) > 0.25 || outside != 0.0) fail_msg("%g thick: %.3f and %.3f, not 3 and 0", (double)thick, inside, outside);
+        }
+        size_t opposed = 0;
+        for (size_t s = 0; s < l.lights->set_count; s++) opposed += l.lights->set[s].opposed && !l.lights->set[s].both_sides;
+        assert_int_equal(opposed, 8); /* of four voxels */
+        end_lit(&l);
+        sl_scene_destroy(scene);
+    }
+    sl_scene *scene;
+    lit l = light_two_faces(0.5f, 0.8f, false, true, down, &scene);
+    assert_true(fabs(seen_on(&l, sl_v3(1.7f, 0.5f, 1.9f), down, true) / 3.0 - 1.0) < 0.25);
+    end_lit(&l);
+    sl_scene_destroy(scene);
+}
+
+/* A sheet's n lights go to its sides by their irradiances; each side that is lit has one at least. */
+static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
+    (void)state;
+    const struct {
+        float front, back;
+        int lights, in_front, behind;
+    } cases[] = {{7, 1, 8, 7, 1}, {1, 7, 8, 1, 7}, {1, 1, 8, 4, 4}, {300, 1, 8, 7, 1}, {1, 300, 8, 1, 7}, {3, 1, 4, 3, 1}, {1, 300, 2, 1, 1}, {3, 1, 1, 1, 0}, {1, 3, 1, 0, 1}};
+    const sl_vec3 o = sl_v3(0, 0, 0), a = sl_v3(0, 0, 4), b = sl_v3(4, 0, 0), up = sl_v3(0, 1, 0);
+    float xyz[18];
+    add_quad(xyz, 0, o, a, b);
+    sl_scene *scene = scene_of_triangles(xyz, 2);
+    for (int k = 0; k < 9; k++) {
+        sl_photon_list *list = new_list(40000);
+        strew_evenly(list, 20000, o, a, b, up, cases[k].front, 5);
+        strew_evenly(list, 20000, o, a, b, sl_neg(up), cases[k].back, 6);
+        sl_voxel_light_options options = plain_options(cases[k].lights);
+        options.neighbours = 2000;
+        lit l = light_up(scene, 1, list, &options, 1);
+        for (size_t s = 0; s < l.lights->set_count; s++) {
+            int sides[2] = {0, 0};
+            for (int j = 0; j < l.lights->set[s].lights; j++) {
+                sides[sl_direction_unpack(l.lights->light[s * (size_t)l.lights->texels + (size_t)j].packed, false).y < 0.0f]++;
+            }
+            if (sides[0] != cases[k].in_front || sides[1] != cases[k].behind) fail_msg("case %d: %d and %d lights", k, sides[0], sides[1]);
+            for (int side = 0; side < 2; side++) {
+                double truth = (double)(side ? cases[k].back : cases[k].front), e = irradiance_on(l.lights, s, side ? sl_neg(up) : up);
+                if (sides[side] > 0) assert_true(fabs(e / truth - 1.0) < 0.2);
+                else assert_true(e == 0.0);
+            }
+        }
+        end_lit(&l);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Too few photons tell no directions, but they do tell how much: kappa sum Phi / A of the voxel itself. */
+static void borrowed_directions_carry_the_energy_of_the_voxels_own_photons(void **state) {
+    (void)state;
+    float xyz[18];
+    add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    sl_scene *scene = scene_of_triangles(xyz, 2);
+    sl_photon_list *list = new_list(60);
+    strew_evenly(list, 60, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 2.0f, 3);
+    double flux = (double)list->photon[0].flux[0];
+    sl_voxel_light_options o = plain_options(4);
+    o.radius = 0.5;
+    lit l = light_up(scene, 4, list, &o, 1);
+    size_t borrowed = 0;
+    for (size_t s = 0; s < l.lights->set_count; s++) {
+        const sl_voxel_set *set = &l.lights->set[s];
+        if (!set->from_parent) continue;
+        double truth = set->photons * flux / (double)set->area, e = irradiance_on(l.lights, s, sl_v3(0, 1, 0));
+        if (fabs(e / truth - 1.0) > 0.15) fail_msg("%.4f, not %.4f", e, truth);
+        assert_true(fabs((double)set->irradiance / (truth * (0.2126 + 0.5 * 0.7152 + 0.25 * 0.0722)) - 1.0) < 1e-3);
+        borrowed++;
+    }
+    assert_true(borrowed > 50);
+    end_lit(&l);
+    sl_scene_destroy(scene);
+}
+
+/* ---- windings ---- */
 
 /* Triangles wound away from the light are as bright as others. */
 static void the_winding_does_not_matter(void **state) {
@@ -710,6 +856,10 @@ int main(void) {
         cmocka_unit_test(the_mean_over_many_voxels_has_no_bias),
         cmocka_unit_test(corners_are_neither_dark_nor_bleed_where_voxels_are_split),
         cmocka_unit_test(both_sides_of_thin_things_have_their_own_light),
+        cmocka_unit_test(a_floor_above_dark_ground_keeps_its_light),
+        cmocka_unit_test(the_dark_face_of_a_wall_does_not_stand_for_the_lit_one),
+        cmocka_unit_test(the_brighter_side_of_a_sheet_has_more_of_the_lights),
+        cmocka_unit_test(borrowed_directions_carry_the_energy_of_the_voxels_own_photons),
         cmocka_unit_test(the_winding_does_not_matter),
         cmocka_unit_test(next_to_nothing_gives_finite_lights_or_none),
         cmocka_unit_test(a_bright_photon_among_dim_ones_is_reported),

@@ -367,6 +367,19 @@ static void coplanar_duplicates_count_once(void **state) {
     }
 }
 
+/* The end of a wall against another's face, listed before it: a share holds all over a triangle, so that it must be the small one's. */
+static void a_face_loses_no_area_to_the_end_of_a_wall_that_meets_it(void **state) {
+    (void)state;
+    static float xyz[9 * 4];
+    size_t end = add_sheet(xyz, 0, 0, 1, 1, true), count = end + add_sheet(xyz, end, 0, 4, 1, false);
+    sl_scene *scene = scene_of_triangles(xyz, count);
+    sl_octree *octree = octree_of(scene, 3, 1);
+    assert_non_null(octree->share);
+    for (size_t t = 0; t < count; t++) assert_true(octree->share[t] == (t < end ? 0.0f : 1.0f));
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
 static void any_number_of_threads_builds_the_same_octree(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(10, 12);
@@ -445,6 +458,7 @@ int main(void) {
         cmocka_unit_test(opposite_surfaces_leave_a_voxel_without_a_normal),
         cmocka_unit_test(grown_voxels_are_more),
         cmocka_unit_test(coplanar_duplicates_count_once),
+        cmocka_unit_test(a_face_loses_no_area_to_the_end_of_a_wall_that_meets_it),
         cmocka_unit_test(any_number_of_threads_builds_the_same_octree),
         cmocka_unit_test(cells_with_black_or_mirroring_surfaces_alone_are_no_leaves),
         cmocka_unit_test(what_lies_under_a_black_or_mirroring_surface_has_no_area),

@@ -302,6 +302,46 @@ static void what_faces_the_other_way_gives_no_weight(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* A sheet's back, when all that is lit near is its front: no voxel faces the point, and its own one is asked alone. Where that is void, too, all
+ * around are, by distance. */
+static void a_point_that_nothing_faces_takes_the_light_of_its_own_voxel(void **state) {
+    (void)state;
+    const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0, 0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f}; /* and a speck above */
+    sl_scene *scene = scene_of_triangles(xyz, 3);
+    sl_octree *octree = octree_of(scene, 3, 1);
+    sl_voxel_light_options options = plain_options(1);
+    options.split_by_normal = true;
+    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    for (size_t i = 0; i < lights->set_count; i++) {
+        set_light(lights, i, 0, sl_v3d(0, -1, 0), (float)(i + 1), 1, 1);
+        lights->set[i].flat = false; /* else that light's direction would be the normal */
+    }
+    sl_voxel_texture *texture = texture_of(octree, lights, true);
+    sl_octree_scratch *scratch = NULL;
+    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
+    sl_octree_shading shading = {.texture = texture, .facing = true};
+    uint64_t key = sl_random_key(8, 6);
+    size_t blended = 0;
+    for (uint64_t i = 0; i < 400; i++) {
+        bool beside = i & 1; /* in the empty voxel below the sheet's */
+        float x = 4.0f * sl_random_unit(key, 2 * i), z = 4.0f * sl_random_unit(key, 2 * i + 1), out[3], n[3] = {0, -1, 0};
+        uint32_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, 0, z)));
+        float y = beside ? -0.3f : 0.0f;
+        sl_octree_points p = {.count = 1, .x = &x, .y = &y, .z = &z, .normal_x = &n[0], .normal_y = &n[1], .normal_z = &n[2]};
+        sl_counters counters = {{0}};
+        sl_octree_shade(&shading, &p, scratch, &out[0], &out[1], &out[2], &counters);
+        blended += beside && fabsf(out[0] - roundf(out[0])) > 1e-3f;
+        if (!beside && fabsf(out[0] - (float)(leaf + 1)) > 1e-3f) fail_msg("%g, not its own voxel's %u", (double)out[0], leaf + 1);
+        if (beside) assert_true(sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, y, z))) == SL_NO_INDEX && out[0] >= 1.0f);
+    }
+    assert_true(blended > 150);
+    sl_octree_scratch_destroy(scratch);
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
+}
+
 /* A box's edge: each wall takes the light of its own group, right up to the edge. */
 static void split_voxels_give_each_normal_its_own_lights(void **state) {
     (void)state;
@@ -489,6 +529,7 @@ int main(void) {
         cmocka_unit_test(what_is_no_surface_point_is_black),
         cmocka_unit_test(facing_voxels_alone_count_where_asked),
         cmocka_unit_test(what_faces_the_other_way_gives_no_weight),
+        cmocka_unit_test(a_point_that_nothing_faces_takes_the_light_of_its_own_voxel),
         cmocka_unit_test(split_voxels_give_each_normal_its_own_lights),
         cmocka_unit_test(harmonics_give_the_irradiance_of_their_bands),
         cmocka_unit_test(a_glossy_surface_under_an_even_sky_reflects_its_share),

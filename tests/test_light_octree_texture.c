@@ -188,7 +188,7 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
                 sl_vec3 n = lights->set[s].normal;
                 const float *d = texture->unpacked[at].direction;
                 assert_int_equal(head.lights, lights->set[s].lights);
-                assert_true(head.more == (s + 1 < end) && head.texels == !(lights->set[s].flat && head.lights == 1 && !wide));
+                assert_true(head.more == (s + 1 < end) && head.texels == !(lights->set[s].flat && !lights->set[s].layered && head.lights == 1 && !wide));
                 if (head.texels == 1) assert_true(head.has_normal == (sl_dot(n, n) > 0) && sl_dot(sl_v3(d[0], d[1], d[2]), n) > 0.9999f * sl_dot(n, n));
                 at += (size_t)head.texels;
                 for (int j = 0; j < head.lights; j++, at++) {
@@ -209,6 +209,32 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
     }
     sl_octree_destroy(octree);
     sl_scene_destroy(scene);
+}
+
+/* A sheet's normal stands for both of its sides; where a voxel holds both faces of a wall, each for its own alone. */
+static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void **state) {
+    (void)state;
+    const float xyz[9 * 5] = {0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f,                              /* far above: so that one voxel holds both */
+                              0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,                    /* up */
+                              0, 0.1f, 0, 4, 0.1f, 0, 4, 0.1f, 4, 0, 0.1f, 0, 4, 0.1f, 4, 0, 0.1f, 4}; /* down */
+    for (int faces = 1; faces <= 2; faces++) {
+        sl_scene *scene = scene_of_triangles(xyz, 1 + 2 * (size_t)faces);
+        sl_octree *octree = octree_of(scene, 3, 1);
+        sl_voxel_light_options options = plain_options(1);
+        options.split_by_normal = true;
+        sl_voxel_lights *lights = lights_of(scene, octree, &options);
+        for (size_t i = 0; i < lights->set_count; i++) set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
+        sl_voxel_texture *texture = texture_of(octree, lights, false);
+        uint32_t address;
+        uint64_t fetches = 0;
+        assert_int_equal(sl_voxel_texture_find(texture, sl_v3(1.3f, 0.05f, 1.2f), &address, &fetches) >> 24, SL_TEXEL_LEAF);
+        sl_set_head head = sl_voxel_texture_head(texture, sl_voxel_texture_place(texture, address));
+        assert_true(head.turn == (faces == 1) && head.more == (faces == 2) && head.lights == 1);
+        sl_voxel_texture_destroy(texture);
+        sl_voxel_lights_destroy(lights);
+        sl_octree_destroy(octree);
+        sl_scene_destroy(scene);
+    }
 }
 
 static void dark_leaves_share_one_array(void **state) {
@@ -270,6 +296,7 @@ int main(void) {
         cmocka_unit_test(a_hundred_thousand_leaves_take_what_was_derived),
         cmocka_unit_test(sets_of_every_length_come_back_from_their_address),
         cmocka_unit_test(dark_leaves_share_one_array),
+        cmocka_unit_test(the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not),
         cmocka_unit_test(more_arrays_than_addresses_are_refused_with_their_number),
         cmocka_unit_test(an_octree_without_leaves_is_void),
     };

@@ -168,12 +168,18 @@ static int by_left(const void *a, const void *b) {
     return p->triangle < q->triangle ? -1 : p->triangle > q->triangle;
 }
 
-/* The higher number of two gives way. */
+/* The smaller of two gives way, since what a share tells of a triangle holds all over it: of a wall's face the end of another that meets it takes
+ * nothing. Of equal ones the higher number does. */
+static bool gives_way(const flat_triangle *a, const flat_triangle *b) {
+    if (fabs(a->area - b->area) > 1e-6 * b->area) return a->area < b->area;
+    return a->triangle > b->triangle;
+}
+
 static void cover(const shares_pass *pass, flat_triangle *a, flat_triangle *b) {
     if (fabs(sl_dotd(a->normal, b->normal)) < 1.0 - 1e-6 || fabs(a->offset - b->offset) > 1e-6 * pass->size) return;
     if (!(a->area > 0.0 && b->area > 0.0) || separated(a, b) || separated(b, a)) return;
-    flat_triangle *upper = a->triangle > b->triangle ? a : b;
-    upper->covered += overlap(a, b) / upper->area;
+    flat_triangle *lesser = gives_way(a, b) ? a : b;
+    lesser->covered += overlap(a, b) / lesser->area;
 }
 
 static bool cover_group(const shares_pass *pass, const plane_entry *entry, size_t count) {

@@ -55,8 +55,12 @@ static size_t collect(const sl_cell_space *space, const sl_octree *geometry, lea
     return count;
 }
 
+/* Of a voxel: layers of one normal that lie farther apart are two groups. A flat gather as wide as the voxel is no thicker. */
+static const double layers_apart = 0.25;
+
 typedef struct group_sum {
     sl_vec3d seed, vector, moment;
+    double height;            /* of the seed along its normal */
     double area;
     bool flat;
 } group_sum;
@@ -69,31 +73,54 @@ static void join_group(group_sum *sums, int group, sl_voxel_piece *piece) {
     sums[group].moment = sl_addd(sums[group].moment, piece->moment);
 }
 
-static void join_nearest(group_sum *sums, int groups, sl_voxel_piece *piece) {
+/* Above the seed, in cells. */
+static double height_above(const group_sum *sum, const sl_voxel_piece *piece) { return sl_dotd(sum->seed, piece->moment) / piece->area - sum->height; }
+
+static bool belongs_to(const group_sum *sum, const sl_voxel_piece *piece, double apart) {
+    return sl_dotd(piece->normal, sum->seed) >= COS_45 && fabs(height_above(sum, piece)) <= apart;
+}
+
+static void join_nearest(group_sum *sums, int groups, double cells, sl_voxel_piece *piece) {
     int best = 0;
-    for (int g = 1; g < groups; g++) {
-        if (sl_dotd(sums[g].seed, piece->normal) > sl_dotd(sums[best].seed, piece->normal)) best = g;
+    double most = -INFINITY;
+    for (int g = 0; g < groups; g++) {
+        double nearness = sl_dotd(sums[g].seed, piece->normal) - fabs(height_above(&sums[g], piece)) / cells;
+        if (nearness > most) best = g;
+        most = fmax(most, nearness);
     }
     join_group(sums, best, piece);
 }
 
 /* Returns whether a group was started and is worth keeping; what is not goes to others at the end. */
-static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least) {
+static bool start_group(group_sum *sums, int groups, sl_voxel_piece *pieces, size_t count, double least, double apart) {
     size_t seed = count;
     for (size_t i = 0; i < count; i++) {
         if (pieces[i].group < 0 && (seed == count || pieces[i].area > pieces[seed].area)) seed = i;
     }
     if (seed == count) return false;
     sums[groups] = (group_sum){.seed = pieces[seed].normal, .flat = true};
+    sums[groups].height = height_above(&sums[groups], &pieces[seed]);
     double area = 0.0;
     for (size_t i = 0; i < count; i++) {
-        if (pieces[i].group < 0 && sl_dotd(pieces[i].normal, sums[groups].seed) >= COS_45) area += pieces[i].area;
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i], apart)) area += pieces[i].area;
     }
     if (groups > 0 && area < least) return false;
     for (size_t i = 0; i < count; i++) {
-        if (pieces[i].group < 0 && sl_dotd(pieces[i].normal, sums[groups].seed) >= COS_45) join_group(sums, groups, &pieces[i]);
+        if (pieces[i].group < 0 && belongs_to(&sums[groups], &pieces[i], apart)) join_group(sums, groups, &pieces[i]);
     }
     return true;
+}
+
+/* Pieces by their centroids: what is one plane has no height. */
+static void measure_heights(const sl_voxel_piece *pieces, size_t count, sl_vec3d centre, double scale, int number, sl_normal_group *group) {
+    sl_vec3d n = sl_to_double(group->normal);
+    group->low = group->high = 0.0f;
+    for (size_t i = 0; i < count; i++) {
+        if (pieces[i].group != number) continue;
+        float height = (float)(sl_dotd(n, sl_subd(sl_scaled(pieces[i].moment, 1.0 / pieces[i].area), centre)) / scale);
+        group->low = fminf(group->low, height);
+        group->high = fmaxf(group->high, height);
+    }
 }
 
 int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry, size_t index, sl_voxel_piece *pieces,
@@ -106,15 +133,16 @@ int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const 
     for (size_t i = 0; i < pieces_here; i++) total += pieces[i].area;
     group_sum sums[SL_VOXEL_SETS_MAX];
     int count = 0;
-    while (count < SL_VOXEL_SETS_MAX && start_group(sums, count, pieces, pieces_here, 0.01 * total)) count++;
+    while (count < SL_VOXEL_SETS_MAX && start_group(sums, count, pieces, pieces_here, 0.01 * total, layers_apart * cells)) count++;
     for (size_t i = 0; count > 0 && i < pieces_here; i++) {
-        if (pieces[i].group < 0) join_nearest(sums, count, &pieces[i]);
+        if (pieces[i].group < 0) join_nearest(sums, count, cells, &pieces[i]);
     }
     for (int g = 0; g < count; g++) {
         double length = sl_lengthd(sums[g].vector);
-        sl_vec3d centre = sl_addd(base, sl_scaled(sums[g].moment, 1.0 / sums[g].area));
+        sl_vec3d from_base = sl_scaled(sums[g].moment, 1.0 / sums[g].area), centre = sl_addd(base, from_base);
         groups[g].normal = sl_to_float(length > 0.2 * sums[g].area ? sl_scaled(sums[g].vector, 1.0 / length) : sums[g].seed);
         groups[g].centroid = sl_to_float(sl_addd(sl_scaled(centre, 1.0 / space->scale), space->origin));
+        measure_heights(pieces, pieces_here, from_base, space->scale, g, &groups[g]);
         groups[g].flat = sums[g].flat;
         groups[g].area = (float)(sums[g].area / (space->scale * space->scale));
     }

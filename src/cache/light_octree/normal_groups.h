@@ -7,6 +7,7 @@
 
 typedef struct sl_normal_group {
     sl_vec3 normal, centroid; /* by area, of what lies in the voxel */
+    float low, high;          /* of its pieces above the centroid, along the normal */
     float area;
     bool flat;                /* one shading normal, and it reflects light of all directions alike */
 } sl_normal_group;
@@ -19,7 +20,8 @@ typedef struct sl_voxel_piece {
     bool flat;               /* as of groups */
 } sl_voxel_piece;
 
-/* Greedy: the largest piece not yet in a group starts one, and all within 45 degrees of it join; what is left after SL_VOXEL_SETS_MAX, and
+/* Greedy: the largest piece not yet in a group starts one, and all within 45 degrees of it join that lie at about its height: a floor and the
+ * ground below it see different light. What is left after SL_VOXEL_SETS_MAX, and
  * groups below a hundredth of the area, go to the nearest. Returns how many, largest first seed first; 0 where nothing has an area. The
  * pieces of leaf `index` of `octree` are those of its leaves in `geometry`. */
 int sl_normal_groups(const sl_cell_space *space, const sl_octree *octree, const sl_octree *geometry, size_t index, sl_voxel_piece *pieces,

@@ -147,7 +147,7 @@ static void fetch_corner(const sl_voxel_texture *t, size_t at, sl_shade_corner *
     const sl_unpacked_light *light = t->unpacked + at;
     if (!t->split) {
         const sl_array_facing *facing = &t->facing[at / (size_t)t->lights];
-        corner->set[corner->sets++] = (sl_shade_set){light, used_lights(t, light), facing->normal, facing->turn, !facing->turn};
+        corner->set[corner->sets++] = (sl_shade_set){light, used_lights(t, light), facing->normal, facing->turn, !facing->turn, false, 0.0f};
         *fetches += (uint64_t)t->lights;
         return;
     }
@@ -155,7 +155,7 @@ static void fetch_corner(const sl_voxel_texture *t, size_t at, sl_shade_corner *
         sl_set_head head = sl_voxel_texture_head(t, at);
         const float *d = t->unpacked[at].direction;
         sl_vec3 normal = head.has_normal ? sl_v3(d[0], d[1], d[2]) : sl_v3(0.0f, 0.0f, 0.0f);
-        corner->set[corner->sets++] = (sl_shade_set){t->unpacked + at + head.texels, head.lights, normal, head.turn, head.one_sided};
+        corner->set[corner->sets++] = (sl_shade_set){t->unpacked + at + head.texels, head.lights, normal, head.turn, head.one_sided, head.layer, head.height};
         at += (size_t)(head.texels + head.lights);
         *fetches += (uint64_t)(head.texels + head.lights);
         more = head.more;

@@ -112,15 +112,26 @@ static inline lanes cosine_to(const point_lanes *p, const sl_shade_set *set) {
     return set->turn ? (lanes)((masks)c & 0x7fffffff) : c;
 }
 
-/* A split voxel: each point takes the group whose normal is nearest to its own; ties go to the first. */
+/* How well a set suits the points: by its normal, and of layers by how far above or below them it lies, in voxels. */
+static inline lanes suits(const point_lanes *p, const sl_shade_corner *corner, const sl_shade_set *set) {
+    lanes cosine = cosine_to(p, set);
+    if (!set->layer) return cosine;
+    const sl_shade_cells *cells = p->cells;
+    int k = (int)(corner - cells->corner);
+    float x = cells->corners == 1 ? 0.5f : (float)(k & 1), y = cells->corners == 1 ? 0.5f : (float)(k >> 1 & 1), z = cells->corners == 1 ? 0.5f : (float)(k >> 2);
+    lanes above = (p->tx - x) * set->normal.x + (p->ty - y) * set->normal.y + (p->tz - z) * set->normal.z - set->height;
+    return cosine - (lanes)((masks)above & 0x7fffffff);
+}
+
+/* A split voxel: each point takes the group that suits it best; ties go to the first. */
 static inline light_sum of_corner(const point_lanes *p, const sl_shade_corner *corner) {
     light_sum best = of_set(p, &corner->set[0]);
-    lanes nearest = cosine_to(p, &corner->set[0]);
+    lanes nearest = suits(p, corner, &corner->set[0]);
     for (int k = 1; k < corner->sets; k++) {
-        lanes cosine = cosine_to(p, &corner->set[k]);
-        masks closer = cosine > nearest;
+        lanes here = suits(p, corner, &corner->set[k]);
+        masks closer = here > nearest;
         light_sum s = of_set(p, &corner->set[k]);
-        nearest = choose(closer, cosine, nearest);
+        nearest = choose(closer, here, nearest);
         for (int c = 0; c < 3; c++) {
             best.irradiance[c] = choose(closer, s.irradiance[c], best.irradiance[c]);
             best.lobe[c] = choose(closer, s.lobe[c], best.lobe[c]);
@@ -137,16 +148,18 @@ static inline lanes trilinear(const point_lanes *p, int corner) {
     return x * y * z;
 }
 
+static inline lanes facing_cosine(const point_lanes *p, const sl_shade_set *set) { return set->one_sided ? signed_cosine(p, set) : cosine_to(p, set); }
+
 /* (n . n_v)+, of a split voxel that of the group that the point takes; 1 where there is no normal. */
 static inline lanes facing_factor(const point_lanes *p, const sl_shade_corner *corner) {
     const sl_vec3 n = corner->set[0].normal;
     if (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f) return p->tx * 0.0f + 1.0f;
-    lanes nearest = cosine_to(p, &corner->set[0]), factor = corner->set[0].one_sided ? signed_cosine(p, &corner->set[0]) : nearest;
+    lanes nearest = suits(p, corner, &corner->set[0]), factor = facing_cosine(p, &corner->set[0]);
     for (int k = 1; k < corner->sets; k++) {
-        lanes cosine = cosine_to(p, &corner->set[k]);
-        masks closer = cosine > nearest;
-        nearest = choose(closer, cosine, nearest);
-        factor = choose(closer, corner->set[k].one_sided ? signed_cosine(p, &corner->set[k]) : cosine, factor);
+        lanes here = suits(p, corner, &corner->set[k]);
+        masks closer = here > nearest;
+        nearest = choose(closer, here, nearest);
+        factor = choose(closer, facing_cosine(p, &corner->set[k]), factor);
     }
     return positive(factor);
 }

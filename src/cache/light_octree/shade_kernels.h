@@ -13,6 +13,8 @@ typedef struct sl_shade_set {
     sl_vec3 normal;
     bool turn;             /* its normal turns to the viewer */
     bool one_sided;        /* but what faces the other way gives it no weight */
+    bool layer;            /* among sets of one normal points take the one at their height */
+    float height;          /* above the voxel's centre */
 } sl_shade_set;
 
 typedef struct sl_shade_corner {

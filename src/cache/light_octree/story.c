@@ -32,15 +32,25 @@ static double weight_of(const telling *t, int corner) {
     return (double)t->pixel->block.irradiance[0][0];
 }
 
-/* The group of a split voxel that the kernel takes: nearest normal, the first of equals. */
-static int set_of(const telling *t, const sl_shade_corner *corner) {
+/* How far a layer lies from the pixel, as the kernel has it. */
+static float height_off(const telling *t, int corner, const sl_shade_set *set) {
     const sl_shade_block *b = &t->pixel->block;
-    float nearest = -2.0f;
+    bool one = t->pixel->cells.corners == 1;
+    float x = b->tx[0] - (one ? 0.5f : (float)(corner & 1)), y = b->ty[0] - (one ? 0.5f : (float)(corner >> 1 & 1)), z = b->tz[0] - (one ? 0.5f : (float)(corner >> 2));
+    return set->layer ? fabsf(x * set->normal.x + y * set->normal.y + z * set->normal.z - set->height) : 0.0f;
+}
+
+/* The group of a split voxel that the kernel takes: nearest normal, of layers the nearest one, the first of equals. */
+static int set_of(const telling *t, int number) {
+    const sl_shade_block *b = &t->pixel->block;
+    const sl_shade_corner *corner = &t->pixel->cells.corner[number];
+    float nearest = -INFINITY;
     int best = 0;
     for (int k = 0; k < corner->sets; k++) {
         const sl_shade_set *set = &corner->set[k];
         float cosine = b->nx[0] * set->normal.x + b->ny[0] * set->normal.y + b->nz[0] * set->normal.z;
         if (set->turn) cosine = fabsf(cosine);
+        cosine -= height_off(t, number, set);
         if (!(cosine > nearest)) continue;
         nearest = cosine;
         best = k;
@@ -86,7 +96,7 @@ static void tell_voxels(const telling *t) {
     for (int k = 0; k < cells->corners; k++) {
         if (cells->corner[k].sets == 0) continue;
         double weight = weight_of(t, k);
-        const sl_shade_set *set = &cells->corner[k].set[set_of(t, &cells->corner[k])];
+        const sl_shade_set *set = &cells->corner[k].set[set_of(t, k)];
         if (weight == 0.0) continue;
         if (together) tell_lights(t, k, set, 0, set->lights, weight, "spherical harmonics of a voxel: irradiance");
         for (int j = 0; !together && j < set->lights; j++)

@@ -102,13 +102,20 @@ static void scale_lights(sl_directional_light *light, int count, double factor) 
     }
 }
 
+static sl_photon_query query_of_set(const sl_voxel_work *work, const sl_voxel_light_options *o, const sl_voxel_set *set, sl_vec3 centre,
+                                    double radius) {
+    sl_photon_query query = sl_voxel_query(work, o, centre, set->normal, radius);
+    query.both_sides = query.both_sides && !set->opposed;
+    return query;
+}
+
 /* Too few photons to tell directions by: those of the cell above, twice as large, scaled to the voxel's own irradiance. */
 static void borrow_directions(const sl_voxel_work *work, const sl_voxel_lights *lights, const sl_voxel_set *set, sl_voxel_worker *w,
                               voxel_result *own, sl_directional_light *light, bool *borrowed) {
     const sl_voxel_light_options *o = &lights->options;
     uint32_t parent = work->parents ? sl_octree_find(work->parents, work->octree->leaf[set->leaf].morton >> 3) : SL_NO_INDEX;
     if (parent == SL_NO_INDEX) return;
-    sl_photon_query query = sl_voxel_query(work, o, work->parents->leaf[parent].centroid, set->normal, 2.0 * o->radius);
+    sl_photon_query query = query_of_set(work, o, set, work->parents->leaf[parent].centroid, 2.0 * o->radius);
     sl_voxel_gather gather = sl_voxel_gather_photons(work, &query, w);
     if (gather.found <= set->photons) return;
     sl_directional_light wider[SL_LOBE_HARMONICS_MAX] = {{{0}, 0}};
@@ -141,7 +148,7 @@ static void report_set(sl_voxel_set *set, const voxel_result *result) {
     set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
     set->mean_angle = s->weight > 0.0 ? (float)(s->angle / s->weight) : 0.0f;
     set->both_sides = result->irradiance[0] > 0.0 && result->irradiance[1] > 0.0;
-    if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) set->normal = sl_neg(set->normal);
+    if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) sl_voxel_turn(set);
 }
 
 static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
@@ -152,7 +159,8 @@ static void compute_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     memset(light, 0, (size_t)lights->texels * sizeof *light);
     set->done = true;
     if (!work->tree) return;
-    sl_photon_query query = sl_voxel_query(work, o, set->centroid, set->normal, o->radius);
+    sl_voxel_choose_side(work, o, set, w);
+    sl_photon_query query = query_of_set(work, o, set, set->centroid, o->radius);
     sl_voxel_gather gather = o->own_photons ? sl_voxel_own_photons(work, set, &query, w) : o->estimated_radius ? sl_voxel_gather_estimated(work, o, &query, w) : sl_voxel_gather_photons(work, &query, w);
     set->photons = (uint32_t)gather.found;
     set->radius = (float)gather.ellipsoid.radius;

@@ -38,6 +38,8 @@ enum { SL_VOXEL_FEW = 8, SL_VOXEL_SETS_MAX = 6 };
 typedef struct sl_voxel_set {
     sl_vec3 centroid;      /* the gather's centre */
     sl_vec3 normal;        /* turned to the side on which the photons lie; (0,0,0): none */
+    float height;          /* of the centroid above the voxel's centre along the normal, in voxels */
+    float low, high;       /* its surfaces lie between these heights above the centroid, along the normal; 0 and 0 where it is not split */
     uint32_t leaf;
     uint32_t photons;      /* gathered */
     float radius;          /* R */
@@ -47,6 +49,8 @@ typedef struct sl_voxel_set {
     float rms_angle, mean_angle; /* the spread of the clusters: radians, by weight */
     float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
+    bool opposed;          /* another of the voxel's sets faces the other way: light of that side is that one's */
+    bool layered;          /* another has about the same normal, but lies higher or lower */
     bool both_sides;       /* photons on both sides */
     bool flat;             /* light is seen by that normal alone: a light along it says all */
     bool from_parent;      /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */

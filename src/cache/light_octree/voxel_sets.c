@@ -107,6 +107,22 @@ static bool is_flat(const group_task *groups, size_t leaf) {
     return flat;
 }
 
+static void compare_sets(sl_voxel_set *sets, uint32_t count, uint32_t which) {
+    for (uint32_t g = 0; g < count; g++) {
+        float cosine = sl_dot(sets[g].normal, sets[which].normal);
+        sets[which].opposed = sets[which].opposed || cosine < -0.5f;
+        sets[which].layered = sets[which].layered || (g != which && cosine > 0.5f);
+    }
+}
+
+/* As pixels tell their own: from the middle of the voxel. */
+static float height_in_voxel(const sl_octree *octree, const sl_voxel_set *set) {
+    uint32_t cell[3];
+    sl_morton_decode(octree->leaf[set->leaf].morton, cell);
+    sl_vec3d at = sl_scaled(sl_subd(sl_to_double(set->centroid), octree->origin), 1.0 / sl_octree_voxel(octree));
+    return (float)sl_dotd(sl_to_double(set->normal), sl_subd(at, sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5)));
+}
+
 /* One set for a leaf of one group: then its own normal and centroid are as good. */
 static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl_error *error) {
     const sl_octree *octree = lights->work->octree;
@@ -129,7 +145,15 @@ static sl_status make_sets(sl_voxel_lights *lights, const group_task *groups, sl
             set->leaf = (uint32_t)i;
             set->normal = count > 1 ? groups->groups[i][g].normal : octree->leaf[i].normal;
             set->flat = is_flat(groups, i);
+            if (groups && groups->count[i] > 0) {
+                set->low = groups->groups[i][g].low;
+                set->high = groups->groups[i][g].high;
+            }
             set->centroid = count > 1 ? groups->groups[i][g].centroid : octree->leaf[i].centroid;
+        }
+        for (uint32_t g = 0; g < count; g++) {
+            compare_sets(&lights->set[first], count, g);
+            lights->set[first + g].height = height_in_voxel(octree, &lights->set[first + g]);
         }
     }
     return SL_OK;

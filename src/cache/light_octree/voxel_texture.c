@@ -95,7 +95,7 @@ static bool is_dark(const sl_voxel_lights *lights, size_t leaf) {
 }
 
 static bool stands_alone(const sl_voxel_texture *t, const sl_voxel_set *set) {
-    return set->flat && set->lights == 1 && t->lobes == SL_LOBES_PERPENDICULAR && !t->wide_directions;
+    return set->flat && !set->layered && set->lights == 1 && t->lobes == SL_LOBES_PERPENDICULAR && !t->wide_directions;
 }
 
 static size_t lights_of_set(const sl_voxel_texture *t, const sl_voxel_set *set) {
@@ -154,28 +154,20 @@ static sl_status create_lights(sl_voxel_texture *t, sl_error *error) {
     return t->light && t->unpacked && (t->facing || t->split) ? SL_OK : sl_fail_memory(error, "the texture of lights");
 }
 
-/* A normal may be turned to the viewer's side, unless another of the voxel's groups is there. */
-static bool may_turn(const sl_voxel_lights *lights, const sl_voxel_set *set) {
-    for (uint32_t s = lights->first_set[set->leaf]; s < lights->first_set[set->leaf + 1]; s++) {
-        if (sl_dot(lights->set[s].normal, set->normal) < -0.5f) return false;
-    }
-    return true;
-}
-
 /* Returns how many texels the set took. */
 static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t at, uint32_t number, bool more) {
     const sl_voxel_set *set = &lights->set[number];
     const sl_directional_light *light = lights->light + (size_t)number * (size_t)lights->texels;
     bool one_sided = set->lights > 0 && !set->both_sides;
-    int flags = (may_turn(lights, set) ? SL_SET_TURNS : 0) | (more ? SL_SET_MORE : 0) | (one_sided ? SL_SET_ONE_SIDED : 0);
+    int flags = (set->opposed ? 0 : SL_SET_TURNS) | (more ? SL_SET_MORE : 0) | (one_sided ? SL_SET_ONE_SIDED : 0);
     size_t count = lights_of_set(t, set);
     if (stands_alone(t, set)) {
         t->light[at] = *light;
         t->light[at].packed += (float)(65536 * flags);
         return 1;
     }
-    if (sl_dot(set->normal, set->normal) == 0.0f) flags |= SL_SET_NO_NORMAL;
-    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, 0.0f}, sl_direction_pack(sl_to_double(set->normal), t->wide_directions)};
+    flags |= (sl_dot(set->normal, set->normal) == 0.0f ? SL_SET_NO_NORMAL : 0) | (set->layered ? SL_SET_LAYER : 0);
+    t->light[at] = (sl_directional_light){{-1.0f - (float)count, (float)flags, set->height}, sl_direction_pack(sl_to_double(set->normal), t->wide_directions)};
     memcpy(t->light + at + 1, light, count * sizeof *light);
     return 1 + count;
 }
@@ -204,6 +196,8 @@ sl_set_head sl_voxel_texture_head(const sl_voxel_texture *t, size_t texel) {
                          .has_normal = !(flags & SL_SET_NO_NORMAL),
                          .turn = (flags & SL_SET_TURNS) != 0,
                          .one_sided = (flags & SL_SET_ONE_SIDED) != 0,
+                         .layer = (flags & SL_SET_LAYER) != 0,
+                         .height = head ? first->color[2] : 0.0f,
                          .more = (flags & SL_SET_MORE) != 0};
 }
 

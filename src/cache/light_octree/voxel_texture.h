@@ -43,15 +43,17 @@ typedef struct sl_voxel_texture {
     bool wide_directions;
 } sl_voxel_texture;
 
-/* The first texel of a split voxel's set. A head's red is -1 - lights, its green the flags; of a light alone they stand above the sixteen bits of its
+/* The first texel of a split voxel's set. A head's red is -1 - lights, its green the flags, its blue the height of a layer; of a light alone they stand above the sixteen bits of its
  * direction, for which 12 + 12 bits leave no room: then every set has a head. */
-enum { SL_SET_TURNS = 1, SL_SET_MORE = 2, SL_SET_NO_NORMAL = 4, SL_SET_ONE_SIDED = 8 };
+enum { SL_SET_TURNS = 1, SL_SET_MORE = 2, SL_SET_NO_NORMAL = 4, SL_SET_ONE_SIDED = 8, SL_SET_LAYER = 16 };
 typedef struct sl_set_head {
     int texels;                 /* of the head: 1, or 0 where the light stands alone */
     int lights;
     bool has_normal;            /* its direction */
     bool turn;                  /* which turns to the viewer, to choose among the voxel's sets */
     bool one_sided;             /* lit on that side alone: it tells nothing of what faces the other way, as a floor does below a sofa */
+    bool layer;                 /* another of the voxel's sets has its normal: points take the one at their height */
+    float height;               /* of a layer above the voxel's centre, in voxels */
     bool more;                  /* another set follows */
 } sl_set_head;
 sl_set_head sl_voxel_texture_head(const sl_voxel_texture *texture, size_t texel);
