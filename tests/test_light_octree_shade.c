@@ -82,7 +82,7 @@ static void add_voxel(const world *w, const sl_directional_light *light, const p
     sl_vec3d n = sl_v3d((double)p->plane[3][i], (double)p->plane[4][i], (double)p->plane[5][i]);
     sl_vec3d v = sl_v3d((double)p->plane[6][i], (double)p->plane[7][i], (double)p->plane[8][i]);
     sl_vec3d m = sl_subd(sl_scaled(n, 2.0 * sl_dotd(n, v)), v);
-    double e = (double)p->plane[15][i];
+    double e = fmin((double)p->plane[15][i], 2.0 * w->texture->lights - 2.0); /* sharper lobes are widened to what one light stands for */
     for (int j = 0; j < w->texture->lights; j++) {
         sl_vec3d d = sl_to_double(sl_direction_unpack(light[j].packed, w->texture->wide_directions));
         double cosine = sl_dotd(n, d), alpha = sl_dotd(m, d);

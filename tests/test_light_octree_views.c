@@ -210,6 +210,8 @@ static void pictures_say_what_they_were_made_from(void **state) {
     assert_true(number(image, "flux") > 0.0 && number(image, "power_ratio") >= 1.0);
     assert_true(fabs(number(image, "radius_in_voxels") / number(image, "radius") * 555.0 / 32.0 - 1.0) < 0.02);
     assert_true(number(image, "texture_bytes") > 6320.0 * 16.0 && number(image, "texture_bytes") < 2.2e5); /* flat and matt: one texel a wall */
+    /* The index of 32^3 cells, and each of the lights' texels once more, in 24 bytes instead of 16. */
+    assert_true(number(image, "resident_bytes") > number(image, "texture_bytes") + 131072.0 + 6320.0 * 24.0);
     assert_true(number(image, "coincident") == 0.0 && number(image, "small_objects") == 0.0);
     assert_null(sl_image_metadata(image, "softlux.warning"));
     sl_image_destroy(image);
@@ -234,6 +236,27 @@ static void few_photons_and_wide_gathers_are_warned_of(void **state) {
         const char *warning = sl_image_metadata(image, "softlux.warning");
         assert_non_null(warning);
         assert_non_null(strstr(warning, own ? "photons a voxel are few" : "voxels around"));
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Four lights stand for wide caps: gloss that is sharper shows indirect light blurred. Harmonics and the photons themselves are another matter. */
+static void gloss_that_is_widened_is_warned_of(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    for (int k = 0; k < 3; k++) {
+        sl_settings settings = octree_settings(8);
+        settings.light_octree.photons = 20000;
+        settings.light_octree.lobes = k == 1 ? SL_LOBES_HARMONICS : SL_LOBES_PERPENDICULAR;
+        settings.light_octree.photons_at_pixels = k == 2;
+        sl_image *image = render(scene, &settings, NULL);
+        const char *warning = sl_image_metadata(image, "softlux.warning");
+        char *plan;
+        assert_true((warning && strstr(warning, "above 6 reflect indirect light blurred")) == (k == 0));
+        assert_int_equal(sl_method_plan(scene, &settings, &plan, NULL), SL_OK);
+        assert_true((strstr(plan, "gloss sharper than that") != NULL) == (k == 0));
+        free(plan);
         sl_image_destroy(image);
     }
     sl_scene_destroy(scene);
@@ -277,6 +300,7 @@ int main(void) {
         cmocka_unit_test(a_frame_of_a_series_is_that_frame_alone),
         cmocka_unit_test(pictures_say_what_they_were_made_from),
         cmocka_unit_test(few_photons_and_wide_gathers_are_warned_of),
+        cmocka_unit_test(gloss_that_is_widened_is_warned_of),
         cmocka_unit_test(the_plan_tells_of_few_photons_and_of_specks),
     };
     return cmocka_run_group_tests_name("light octree: views", tests, NULL, NULL);

@@ -20,8 +20,9 @@ static const sl_narrative_pass passes[] = {
      "The scene's cube is cut in eight as long as a surface passes through a cell, down to depth 4, then 5, then 6: one picture after another, each from voxels half as large. A cell without a surface costs nothing.", NULL,
      "sl_octree_create(), src/cache/light_octree/octree.c", NULL, SL_SHOW_LIGHT},
     {"lights of the voxels", "Lights instead of photons",
-     "Around each voxel's middle the nearest photons are gathered, within a flat ellipsoid, and spread over the surface that it holds. K-means sorts their directions into a few groups; each group becomes one directional light, "
-     "drawn here as an arrow towards where the light comes from. Its colour is the irradiance on a plane perpendicular to it.",
+     "Around each voxel's middle the nearest photons are gathered, within a flat ellipsoid, and spread over the surface that it holds. A flat matt surface reflects light of all directions alike: there one directional light along its normal holds all. "
+     "Elsewhere K-means sorts the photons' directions into a few groups; each group becomes one directional light, drawn here as an arrow towards where the light comes from. "
+     "Its colour is the irradiance on a plane perpendicular to it.",
      M_SUB(M_I("V"), M_I("j")) M_O("=") M_SUM(M_I("i") M_O("&#x2208;") M_I("j")) M_FRAC(M_I("&#x3BA;") M_SUB(M_I("&#x3A6;"), M_I("i")), M_I("A") M_TIMES M_BRACED(M_SUB(M_I("n"), M_I("i")) M_TIMES M_SUB(M_I("&#x3C9;"), M_I("i"))))
          M_SUB(M_I("&#x3C9;"), M_I("i")),
      "sl_voxel_lights_compute(), src/cache/light_octree/voxel_lights.c", NULL, SL_SHOW_LIGHT},

@@ -106,6 +106,17 @@ size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
     return small;
 }
 
+/* Lobes narrower than what one of n lights stands for are widened (shade.c). */
+bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *o) {
+    bool widens = false;
+    if (o->photons_at_pixels || (o->lobes != SL_LOBES_PERPENDICULAR && o->lobes != SL_LOBES_SURFACE)) return false;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        const sl_material *m = &scene->materials[i];
+        widens = widens || (sl_material_is_glossy(m) && (double)m->exponent > 2.0 * o->lights - 2.0);
+    }
+    return widens;
+}
+
 static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p, sl_plan_writer *writer) {
     double voxel = sl_octree_root_of_core(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth), voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
     double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
@@ -135,7 +146,8 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
     else sl_plan_pass(writer, p.photons, "gathers", "the %s%d nearest photons of each %s, spread over %s", o->fixed_neighbours ? "" : "up to ", o->neighbours,
                  o->whole_voxels ? "voxel" : "group of normals in a voxel", areas[o->area]);
     bool directional = !o->photons_at_pixels && (o->lobes == SL_LOBES_PERPENDICULAR || o->lobes == SL_LOBES_SURFACE);
-    sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel", lobes[o->lobes], o->lights);
+    sl_plan_pass(writer, p.photons && directional, "clusters", "%s; at most %d a voxel%s", lobes[o->lobes], o->lights,
+                 sl_octree_widens_gloss(scene, o) ? "; gloss sharper than that shows indirect light blurred" : "");
     sl_plan_pass(writer, p.photons && o->atlas, "atlas", "%d x %d texels%s", o->atlas_size, o->atlas_size,
                  o->atlas && p.glossy ? "; glossy surfaces look into the octree" : "");
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height, scene->triangle_count);

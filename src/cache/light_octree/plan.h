@@ -26,6 +26,8 @@ static const double SL_OCTREE_FEW_PHOTONS = 0.1, SL_OCTREE_WIDE_GATHERS = 4.0;
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel);
 /* Objects that are smaller than two voxels: one set of lights is all that there is of them. */
 size_t sl_octree_small_objects(const sl_scene *scene, double voxel);
+/* Do directional lights show some of the scene's gloss blurred? */
+bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *settings);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 /* memory.c */

@@ -31,7 +31,8 @@ static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_stati
                    {"borrowed_directions", (double)v->from_parent},
                    {"coincident", (double)v->coincident},
                    {"small_objects", (double)sl_octree_small_objects(s->scene, sl_octree_voxel(octree))},
-                   {"texture_bytes", (double)sl_voxel_texture_bytes(s->shown.texture)}};
+                   {"texture_bytes", (double)sl_voxel_texture_bytes(s->shown.texture)},
+                   {"resident_bytes", (double)sl_voxel_texture_resident_bytes(s->shown.texture)}};
     sl_status status = SL_OK;
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0] && status == SL_OK; i++)
         status = write_number(image, numbers[i].name, numbers[i].value, error);
@@ -51,6 +52,8 @@ static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v
     else if (!o->own_photons && v->lit > 0 && reach > SL_OCTREE_WIDE_GATHERS)
         sl_print(text, size, "photons were gathered from %.3g voxels around: light is blurred by that, not by the voxels; more stored photons, fewer neighbours "
                              "or a smaller depth", reach);
+    else if (sl_octree_widens_gloss(s->scene, o))
+        sl_print(text, size, "%d lights a voxel cannot show sharp gloss: lobes of exponents above %d reflect indirect light blurred", o->lights, 2 * o->lights - 2);
 }
 
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error) {
@@ -68,7 +71,7 @@ sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_e
 static size_t level_bytes(const sl_octree_level *level) {
     size_t bytes = level->octree ? sl_octree_bytes(level->octree) : 0;
     if (level->lights) bytes += sl_voxel_lights_bytes(level->lights);
-    return bytes + (level->texture ? sl_voxel_texture_bytes(level->texture) : 0);
+    return bytes + (level->texture ? sl_voxel_texture_resident_bytes(level->texture) : 0);
 }
 
 size_t sl_octree_state_bytes(const sl_octree_state *s) {

@@ -177,7 +177,13 @@ static void fetch_cells(const sl_octree_shading *shading, const voxel_group *gro
 
 /* ---- blocks of a group's points ---- */
 
-static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy, sl_shade_block *b, size_t at) {
+/* One of n lights stands for what comes from a cap of 2 pi / n, whose mean squared chord to its axis is 1 / n; a lobe's is 2 / (e + 2). Sharper ones
+ * would fall between the lights, and show dots on black: they are widened to the cap, and reflect as much. */
+static float widest_exponent(const sl_voxel_texture *t) {
+    return t->lobes == SL_LOBES_PERPENDICULAR || t->lobes == SL_LOBES_SURFACE ? (float)(2 * t->lights - 2) : INFINITY;
+}
+
+static void load_point(const sl_octree_points *p, const voxel_place *place, size_t i, bool glossy, float widest, sl_shade_block *b, size_t at) {
     b->tx[at] = place->t[0];
     b->ty[at] = place->t[1];
     b->tz[at] = place->t[2];
@@ -191,7 +197,7 @@ static void load_point(const sl_octree_points *p, const voxel_place *place, size
     b->mx[at] = mirrored.x;
     b->my[at] = mirrored.y;
     b->mz[at] = mirrored.z;
-    b->exponent[at] = p->exponent[i];
+    b->exponent[at] = fminf(p->exponent[i], widest);
 }
 
 /* kd / pi E + ks lobes. */
@@ -200,14 +206,14 @@ static float reflect(const float *diffuse, const float *specular, size_t i, floa
     return specular ? radiance + specular[i] * lobe : radiance;
 }
 
-static void shade_block(const sl_octree_points *p, size_t first, const voxel_group *group, size_t from, size_t count, sl_octree_scratch *s,
-                        float *const out[3]) {
+static void shade_block(const sl_octree_points *p, size_t first, const voxel_group *group, size_t from, size_t count, float widest,
+                        sl_octree_scratch *s, float *const out[3]) {
     static const size_t LANES = SL_SHADE_LANES;
     const uint32_t *order = s->order + group->first + from;
     size_t padded = (count + LANES - 1) / LANES * LANES;
     for (size_t k = 0; k < padded; k++) {
         uint32_t i = order[k < count ? k : count - 1];
-        load_point(p, &s->place[i], first + i, group->glossy, &s->block, k);
+        load_point(p, &s->place[i], first + i, group->glossy, widest, &s->block, k);
     }
     s->kernel(&s->cells, padded, group->glossy, &s->block);
     const float *const diffuse[3] = {p->diffuse_r, p->diffuse_g, p->diffuse_b};
@@ -222,7 +228,7 @@ static void shade_block(const sl_octree_points *p, size_t first, const voxel_gro
 
 void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p, sl_octree_scratch *s, float *r, float *g, float *b,
                      sl_counters *counters) {
-    float *const out[3] = {r, g, b};
+    float *const out[3] = {r, g, b}, widest = widest_exponent(shading->texture);
     for (size_t first = 0; first < p->count; first += SL_OCTREE_BATCH) {
         size_t count = p->count - first < SL_OCTREE_BATCH ? p->count - first : SL_OCTREE_BATCH;
         group_points(shading, p, first, count, s);
@@ -234,7 +240,7 @@ void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *p
             sl_count(counters, SL_COUNT_TEXTURE_FETCHES, fetches * group->count); /* as each fragment would */
             for (size_t from = 0; from < group->count; from += SL_SHADE_BLOCK) {
                 size_t left = group->count - from;
-                shade_block(p, first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, s, out);
+                shade_block(p, first, group, from, left < SL_SHADE_BLOCK ? left : SL_SHADE_BLOCK, widest, s, out);
             }
         }
     }
@@ -285,7 +291,7 @@ bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *sce
     voxel_group group = {.cell = {out->cell[0], out->cell[1], out->cell[2]}};
     out->glossy = is_glossy(&p, 0);
     fetch_cells(shading, &group, &out->cells, &fetches);
-    for (size_t k = 0; k < SL_SHADE_LANES; k++) load_point(&p, &place, 0, out->glossy, &out->block, k);
+    for (size_t k = 0; k < SL_SHADE_LANES; k++) load_point(&p, &place, 0, out->glossy, widest_exponent(shading->texture), &out->block, k);
     memcpy(out->diffuse, v + 9, sizeof out->diffuse);
     memcpy(out->specular, v + 12, sizeof out->specular);
     return true;

@@ -279,6 +279,12 @@ size_t sl_voxel_texture_bytes(const sl_voxel_texture *t) {
     return 4 * texels + (size_t)t->width * (size_t)t->height * sizeof *t->light;
 }
 
+size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *t) {
+    size_t lights = (size_t)t->width * (size_t)t->height, cells = (size_t)1 << 3 * t->depth;
+    return sizeof *t + sl_voxel_texture_bytes(t) + lights * sizeof *t->unpacked + (t->facing ? lights / (size_t)t->lights * sizeof *t->facing : 0) +
+           (t->index ? cells * sizeof *t->index : 0);
+}
+
 /* ---- the descent ---- */
 
 /* cell = floor(2 frac(p 2^D)) is a bit of floor(p 2^d). Void ends it. */

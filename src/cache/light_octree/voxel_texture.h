@@ -62,7 +62,8 @@ sl_set_head sl_voxel_texture_head(const sl_voxel_texture *texture, size_t texel)
 sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights, bool dense_index, sl_voxel_texture **texture,
                                   sl_error *error);
 void sl_voxel_texture_destroy(sl_voxel_texture *texture);
-size_t sl_voxel_texture_bytes(const sl_voxel_texture *texture); /* bricks and lights alone */
+size_t sl_voxel_texture_bytes(const sl_voxel_texture *texture); /* bricks and lights alone: what the hardware would hold */
+size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *texture); /* and the CPU's short cuts: unpacked lights, normals of whole voxels, the index */
 /* The descent: the texel at which it ends, and the array's address where that is a leaf. fetches is added to. */
 uint32_t sl_voxel_texture_find(const sl_voxel_texture *texture, sl_vec3 p, uint32_t *address, uint64_t *fetches);
 const sl_directional_light *sl_voxel_texture_lights(const sl_voxel_texture *texture, uint32_t address);
