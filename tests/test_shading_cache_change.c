@@ -248,6 +248,22 @@ static void what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them(voi
     world_discard(&w);
 }
 
+/* What has been refined since is not coarsened again while the same change goes on, whatever else is found of it. */
+static void what_is_refined_during_a_change_stays(void **state) {
+    (void)state;
+    world w = world_of(1);
+    sl_changes_compare(w.changes, 0, 10.0f, 2);
+    for (int run = 0; run < 2; run++) {
+        split_levels(&w.h, want_root(&w.h, 0), 4);
+        float *area = areas_of(w.h.patches, 1000.0);
+        size_t gone = sl_changes_drop(w.changes, w.h.patches, area, 1e6f, 1e6f);
+        assert_true((gone > 0) == (run == 0));
+        free(area);
+        sl_changes_compare(w.changes, 0, 10.0f, 3);
+    }
+    world_discard(&w);
+}
+
 static void areas_that_are_no_numbers_and_patches_at_the_eye_are_left_alone(void **state) {
     (void)state;
     world w = world_of(1);
@@ -272,6 +288,7 @@ int main(void) {
         cmocka_unit_test(a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before),
         cmocka_unit_test(an_object_in_motion_does_not_settle_before_its_last_move),
         cmocka_unit_test(how_coarse_depends_on_what_there_is_time_for),
+        cmocka_unit_test(what_is_refined_during_a_change_stays),
         cmocka_unit_test(what_changes_loses_its_fine_patches_once_and_the_rest_keeps_them),
         cmocka_unit_test(areas_that_are_no_numbers_and_patches_at_the_eye_are_left_alone),
     };
