@@ -34,7 +34,7 @@ static inline sl_mesh_gather_settings usual_settings(void) {
 /* Takes the scene over. */
 static inline gathering gathering_of(sl_scene *scene, float edge, int depth, const sl_mesh_gather_settings *settings) {
     gathering g = {.scene = scene};
-    sl_coarse_settings coarse = {edge, depth};
+    sl_coarse_settings coarse = {edge, depth, NULL};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
     assert_int_equal(sl_topology_create(scene, false, &g.topology, NULL), SL_OK);
     assert_int_equal(sl_coarse_create(scene, g.topology, &coarse, &g.coarse, NULL), SL_OK);

@@ -12,7 +12,7 @@ typedef struct meshed {
 
 static meshed mesh_of(sl_scene *scene, float edge, int depth) {
     meshed m = {.scene = scene};
-    sl_coarse_settings settings = {edge, depth};
+    sl_coarse_settings settings = {edge, depth, NULL};
     assert_int_equal(sl_topology_create(scene, false, &m.topology, NULL), SL_OK);
     assert_int_equal(sl_coarse_create(scene, m.topology, &settings, &m.coarse, NULL), SL_OK);
     return m;
@@ -238,6 +238,29 @@ static void small_faces_share_a_sample_in_each_cell_and_side(void **state) {
     meshed_destroy(&m);
 }
 
+/* Vertex 1 of a square of two triangles is a corner of one or of both; all reflect 1/2. */
+static void faces_whose_corners_differ_in_what_they_reflect_want_more_levels(void **state) {
+    (void)state;
+    meshed m = mesh_of(quad_scene(0.5f), 0.3f, 2);
+    uint8_t *levels;
+    size_t count = sl_coarse_vertex_count(m.coarse);
+    for (int k = 0; k < 2; k++) {
+        for (size_t v = 0; v < count; v++) sl_coarse_set(m.coarse, v, sl_grey(2.0f));
+        sl_coarse_set(m.coarse, 1, sl_grey(k ? 4.0f : 2.0f));
+        sl_coarse_finish(m.coarse, 1);
+        assert_int_equal(sl_coarse_find_contrasts(m.coarse, 0.9f, &levels, NULL), SL_OK);
+        assert_true((levels != NULL) == (k == 1));
+    }
+    sl_coarse *finer;
+    assert_int_equal(sl_coarse_create(m.scene, m.topology, &(sl_coarse_settings){0.3f, 2, levels}, &finer, NULL), SL_OK);
+    assert_true(sl_coarse_triangle_count(finer) > 4 * sl_coarse_triangle_count(m.coarse));
+    sl_free(levels);
+    assert_int_equal(sl_coarse_find_contrasts(m.coarse, 1.1f, &levels, NULL), SL_OK); /* (4 - 2) / 2 = 1 */
+    assert_null(levels);
+    sl_coarse_destroy(finer);
+    meshed_destroy(&m);
+}
+
 static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **state) {
     (void)state;
     meshed m = mesh_of(quad_scene(0.5f), 10.0f, 0);
@@ -327,7 +350,7 @@ static void settings_out_of_range_are_refused(void **state) {
     sl_coarse *coarse;
     sl_error error;
     assert_int_equal(sl_topology_create(scene, false, &topology, NULL), SL_OK);
-    const sl_coarse_settings bad[4] = {{NAN, 3}, {-1.0f, 3}, {1.0f, -1}, {1.0f, SL_MESH_DEPTH_MAX + 1}};
+    const sl_coarse_settings bad[4] = {{NAN, 3, NULL}, {-1.0f, 3, NULL}, {1.0f, -1, NULL}, {1.0f, SL_MESH_DEPTH_MAX + 1, NULL}};
     for (int k = 0; k < 4; k++) assert_int_equal(sl_coarse_create(scene, topology, &bad[k], &coarse, &error), SL_ERROR_USAGE);
     sl_topology_destroy(topology);
     sl_scene_destroy(scene);
@@ -383,6 +406,7 @@ int main(void) {
         cmocka_unit_test(light_is_asked_for_a_little_within_borders),
         cmocka_unit_test(the_narrower_a_face_the_longer_its_slices),
         cmocka_unit_test(small_faces_share_a_sample_in_each_cell_and_side),
+        cmocka_unit_test(faces_whose_corners_differ_in_what_they_reflect_want_more_levels),
         cmocka_unit_test(a_value_that_is_no_number_is_made_up_for_by_its_neighbours),
         cmocka_unit_test(colours_are_values_times_the_mean_of_the_texture),
         cmocka_unit_test(any_number_of_threads_makes_the_same_mesh),

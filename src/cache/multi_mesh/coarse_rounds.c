@@ -1,5 +1,6 @@
-/* The coarse mesh of the whole scene, some vertices an update: first the direct light of all of them; then, if two bounces are asked for, what each gathers
- * of that, which makes the light that it sends on (k_d / pi) (sum E_d + E_i). From then on indirect light has a mesh to gather from. */
+/* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under an environment what each gathers of that
+ * alone, past surfaces that are black as yet; then, if two bounces are asked for, what each gathers of all, which makes the light that it sends on
+ * (k_d / pi) (sum E_d + E_i). From then on indirect light has a mesh to gather from. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include "base/counters.h"
@@ -26,10 +27,18 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
 }
 
 static void light_coarse(sl_multi_mesh_state *s, size_t count) {
-    sl_rgb radiance[COARSE_VERTICES];
+    if (!s->coarse_light) return;
+    sl_rgb *radiance = s->coarse_direct + s->coarse_done;
     sl_coarse_light_take(s->coarse_light, count, sl_coarse_vertices(s->coarse) + s->coarse_done, radiance, &s->counters);
-    for (size_t i = 0; i < count; i++) sl_coarse_set(s->coarse, s->coarse_done + i, radiance[i]);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
+}
+
+/* U_dd, and E_i / pi where it is known, is what gathers see. */
+static void set_coarse(sl_multi_mesh_state *s) {
+    for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) {
+        sl_rgb more = s->coarse_indirect ? sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
+        sl_coarse_set(s->coarse, i, sl_rgb_add(s->coarse_direct[i], more));
+    }
 }
 
 /* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
@@ -44,22 +53,56 @@ static void leave_out_indirect(sl_multi_mesh_state *s) {
     s->plan.indirect = s->plan.coarse = false;
 }
 
-/* The direct light of the coarse mesh is there. A second bounce wants to know what light its vertices gather from it. */
-static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
+static void end_coarse(sl_multi_mesh_state *s) {
+    sl_free(s->coarse_direct);
+    sl_free(s->coarse_indirect);
+    s->coarse_direct = s->coarse_indirect = NULL;
+    s->coarse_whole = true;
+}
+
+/* Makes the coarse mesh anew where corners differ by more than a quarter of what bounces on the average; *again: it did. */
+static sl_status judge_coarse(sl_multi_mesh_state *s, bool *again, sl_error *error) {
+    uint8_t *finer = NULL;
+    float noticed = sl_rgb_mean(s->ambient) * (float)(0.25 / SL_PI);
+    *again = false;
+    if (s->coarse_judged || !s->coarse_light) return SL_OK;
+    s->coarse_judged = true;
+    sl_status status = sl_coarse_find_contrasts(s->coarse, noticed, &finer, error);
+    *again = finer != NULL;
+    if (finer) status = sl_multi_mesh_make_coarse(s, finer, error);
+    sl_free(finer);
+    return status;
+}
+
+/* The environment's light is gathered past surfaces that are black. */
+static void blacken_coarse(sl_multi_mesh_state *s) {
+    for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) sl_coarse_set(s->coarse, i, sl_grey(0.0f));
     sl_coarse_finish(s->coarse, s->settings.threads);
+}
+
+/* The light of lamps is there. The environment's wants to be gathered, and so does a second bounce. */
+static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
+    bool again, sky = s->scene->environment.present;
+    set_coarse(s);
+    sl_coarse_finish(s->coarse, s->settings.threads);
+    sl_status status = judge_coarse(s, &again, error);
+    if (status != SL_OK || again) return status;
     sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
     if (is_dark(s)) {
         leave_out_indirect(s);
         return SL_OK;
     }
-    sl_status status = ready_gather(s, error);
-    if (status != SL_OK || s->settings.bounces < 2) {
-        s->coarse_whole = status == SL_OK;
-        return status;
+    if (sky) blacken_coarse(s);
+    status = ready_gather(s, error);
+    s->coarse_gathers = s->settings.bounces - 1 + (sky ? 1 : 0);
+    if (status != SL_OK) return status;
+    if (s->coarse_gathers == 0) {
+        end_coarse(s);
+        return SL_OK;
     }
     s->coarse_done = 0;
     s->coarse_indirect = sl_allocate(sl_coarse_vertex_count(s->coarse), sizeof *s->coarse_indirect);
-    return s->coarse_indirect ? SL_OK : sl_fail_memory(error, "the second bounce");
+    return s->coarse_indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
 }
 
 static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
@@ -72,17 +115,13 @@ static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
     sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);
 }
 
-/* U_dd + E_i / pi is what gathers see from now on. */
-static void finish_second_bounce(sl_multi_mesh_state *s) {
-    for (size_t i = 0; i < sl_coarse_vertex_count(s->coarse); i++) {
-        sl_rgb second = sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI));
-        sl_coarse_set(s->coarse, i, sl_rgb_add(sl_coarse_get(s->coarse, i), second));
-    }
-    sl_free(s->coarse_indirect);
-    s->coarse_indirect = NULL;
+static void finish_gathers(sl_multi_mesh_state *s) {
+    bool sky = s->coarse_gathers == s->settings.bounces;
+    set_coarse(s);
     sl_coarse_finish(s->coarse, s->settings.threads);
-    sl_announce_pass(&s->announcer, "coarse mesh, second bounce", "for equation (7)");
-    s->coarse_whole = true;
+    sl_announce_pass(&s->announcer, sky ? "coarse mesh, the environment's light" : "coarse mesh, second bounce", "for equation (7)");
+    if (--s->coarse_gathers) s->coarse_done = 0;
+    else end_coarse(s);
 }
 
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
@@ -93,8 +132,9 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     else if (count) light_coarse(s, count);
     s->coarse_done += count;
     if (status != SL_OK || s->coarse_done < all) return status;
-    if (s->coarse_indirect) finish_second_bounce(s);
+    if (s->coarse_indirect) finish_gathers(s);
     else status = finish_direct(s, error);
+    if (status == SL_OK && s->coarse_done == 0 && all > 0 && !s->coarse_indirect) return sl_multi_mesh_extend_coarse(s, error); /* it was made anew */
     if (!s->coarse_whole) return status;
     sl_multi_mesh_announce_gather(s);
     s->phase = SL_PHASE_FIRST; /* of the indirect mesh */

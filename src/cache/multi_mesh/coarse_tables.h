@@ -35,6 +35,7 @@ typedef struct sl_coarse_face {
 struct sl_coarse {
     const sl_scene *scene;
     const sl_topology *topology;
+    float edge;                /* as long as edges may be where they need not be finer */
     uint8_t *level;            /* by face, or SL_COARSE_ABSENT */
     uint8_t *turn;             /* by scene triangle: its lattice's corner k is its own corner (k + turn) % 3 */
     uint8_t *edge_level;       /* by edge */
@@ -55,6 +56,9 @@ struct sl_coarse {
 };
 
 enum { SL_COARSE_BLOCK = 512 };
+
+/* Edges where light differs, to others: two levels. */
+#define SL_COARSE_FINER 0.25
 
 /* The site that stands for each: itself, or, where all faces about it are small (not cut), one of those in the same cell of a grid
  * and with much the same normal (coarse_clusters.c). */

@@ -8,9 +8,10 @@
 /* From the shares of one point's lights (sl_irradiance_at()). */
 sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share);
 
-/* Towards the eye, from the lights' directions at a point. An area light shrunk to a point inside the lobe outshines itself where the
- * lobe is narrower than the light; its term U is held below the lamp's own radiance L by L (1 - exp(-U / L)), which on the axis of a disc
- * is within 5.5 % of the exact value (n >= 10, radius up to 60 degrees). plain: as printed. */
+/* Towards the eye, from the lights' directions at a point. Equation (6) shrinks an area light to a point inside the lobe, which outshines the lamp itself
+ * where the lobe is narrower than it, and is black where the mirror direction meets the lamp beside its middle. So cos^n alpha is its mean over the light,
+ * by the irradiance that each part of it gives where nothing hides it: as dense a grid of points as the lobe is narrow, 16 to an edge at most.
+ * plain: as printed. */
 sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point, float exponent, sl_vec3 eye,
                           bool plain);
 

@@ -5,6 +5,7 @@
  *   coarse_clusters.c    ... which corners share a sample
  *   coarse_borders.c     ... and where
  *   coarse_colours.c     ... its values times the bounce's reflectance
+ *   coarse_contrast.c    ... where these tell that it is too coarse
  *   gather_weights.c     solid angle and cosine of a square picture's pixels, in closed form
  *   gather.c             where the point looks from, the render, the sums, what lies beyond the field of view
  *   gather_kernels.c     a picture's pixels: colours between the coarse mesh's vertices, times weights
@@ -22,6 +23,7 @@
 typedef struct sl_coarse_settings {
     float edge;                /* scene units: longer edges are split, */
     int depth;                 /* ... at most so often */
+    const uint8_t *finer;      /* by scene triangle: whether its edges are to be a quarter of that; NULL: none are */
 } sl_coarse_settings;
 typedef struct sl_coarse sl_coarse;
 sl_status sl_coarse_create(const sl_scene *scene, const sl_topology *topology, const sl_coarse_settings *settings, sl_coarse **coarse,
@@ -46,6 +48,9 @@ void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
 /* U_dd at a point of a face, between its coarse vertices. */
 sl_rgb sl_coarse_value(const sl_coarse *coarse, uint32_t face, float w1, float w2);
 sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
+/* Which scene triangles are to be finer, for sl_coarse_create() and sl_free(): where colours of neighbouring coarse vertices are further apart than
+ * `noticed` (coarse_contrast.c). NULL: none are. */
+sl_status sl_coarse_find_contrasts(const sl_coarse *coarse, float noticed, uint8_t **finer, sl_error *error);
 
 enum { SL_MESH_GATHER_LEAST = 8 }; /* pixels a side */
 

@@ -41,8 +41,10 @@ typedef struct sl_multi_mesh_state {
     sl_gather_worker *gatherer;     /* one a thread */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
-    sl_rgb *coarse_indirect;        /* two bounces: E_i at the coarse mesh's vertices; NULL: there is but one, or the coarse mesh is whole */
-    bool coarse_whole;
+    sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
+    sl_rgb *coarse_indirect;        /* ... E_i of the environment or a second bounce; NULL: not yet, or the coarse mesh is whole */
+    uint32_t coarse_gathers;        /* rounds of these that are left */
+    bool coarse_judged, coarse_whole; /* cut where its light says so */
 
     /* what depends on the view */
     uint32_t *id;
@@ -81,6 +83,8 @@ const char *sl_multi_mesh_filled(const void *state);
 /* ---- world.c ---- */
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error);
+/* The coarse mesh, its light not yet asked for; finer: sl_coarse_settings. */
+sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer, sl_error *error);
 /* After lights or objects have moved. */
 sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);

@@ -83,7 +83,7 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_setti
         .direct_diffuse = lights && f.diffuse_triangles,
         .direct_specular = lights && f.glossy_triangles,
         .indirect = f.diffuse_triangles && (falls || f.environment),
-        .coarse = falls,
+        .coarse = falls || f.environment,
         .emission = f.emitters || f.environment,
         .specular_seen = f.glossy_triangles > 0,
         .several_exponents = f.glossy_triangles && several_exponents(scene),
@@ -125,5 +125,7 @@ void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings
     sl_plan_pass(writer, p.indirect, "indirect mesh", "%d x %d pixels under %.0f degrees%s%s", settings->gather_size, settings->gather_size,
                  m->gather_fov * 180.0 / SL_PI, settings->bounces == 2 ? ", two bounces" : "", f.environment ? ", the environment in it" : "");
     sl_plan_pass(writer, p.emission, "emission", "%zu emissive triangles%s", f.emitters, f.environment ? ", environment" : "");
+    sl_plan_pass(writer, false, "highlights of what bounces", "%s", !f.glossy_triangles ? "nothing is glossy" : f.environment ?
+                 "lobes reflect lamps alone: neither the environment nor what bounces, as in the paper" : "lobes reflect lamps alone, as in the paper");
     sl_plan_pass(writer, f.mirror_triangles > 0, "mirrors", "%s", f.mirror_triangles ? "black: reflections are not computed" : "there are none");
 }

@@ -50,12 +50,13 @@ static void forget_pictures(sl_multi_mesh_state *s) {
     }
     for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++) sl_mesh_gather_scratch_destroy(s->gatherer[t].scratch);
     sl_free(s->gatherer);
+    sl_free(s->coarse_direct);
     sl_free(s->coarse_indirect);
     sl_mesh_gather_destroy(s->gather);
     sl_coarse_light_destroy(s->coarse_light);
     sl_coarse_destroy(s->coarse);
     s->gatherer = NULL;
-    s->coarse_indirect = NULL;
+    s->coarse_direct = s->coarse_indirect = NULL;
     s->gather = NULL;
     s->coarse_light = NULL;
     s->coarse = NULL;
@@ -125,10 +126,10 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     float coarser = part == SL_INDIRECT ? 2.0f : 1.0f; /* no shadow in it is as small as those of a lamp */
     float scale = pixel_scale(&s->settings), area = scale * scale * coarser * coarser * (float)m->leaf_area;
     bool small = scale < 1.0f;
-    bool probed = part != SL_INDIRECT && (m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE);
+    bool probed = part == SL_INDIRECT || m->leaf_area > (double)FINE_AREA || m->leaf_edge > (double)FINE_EDGE;
     sl_displayed_settings settings = {.component = part, .leaf_area = area, .leaf_edge = scale * coarser * (float)m->leaf_edge, .below_pixels = small,
                                       .few_pixels = small ? 0 : part_of(area, FEW, FEW_PIXELS),
-                                      .specks = small ? 0 : part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
+                                      .specks = small || part == SL_DIRECT_SPECULAR ? 0 : part == SL_INDIRECT ? INDIRECT_SPECKS : part_of(area, SPECK, SPECKS),
                                       .probed_area = probed ? FINE_AREA : 0.0f, .probed_edge = FINE_EDGE, .sharp = part != SL_INDIRECT,
                                       .specks_contrast = (part == SL_INDIRECT ? INDIRECT_SPECKS_CONTRAST : SPECKS_CONTRAST) / fmaxf(1.0f, (float)m->threshold_scale),
                                       .max_depth = m->max_depth, .selection = m->selection, .seed = s->settings.seed,
@@ -137,12 +138,19 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     return sl_displayed_create(topology, &settings, &s->part[part], error);
 }
 
-static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), s->settings.multi_mesh.coarse_depth};
+sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer, sl_error *error) {
+    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), s->settings.multi_mesh.coarse_depth, finer};
     s->coarse_done = 0;
+    s->coarse_judged = finer != NULL;
     s->coarse_whole = false;
+    sl_coarse_destroy(s->coarse);
+    sl_free(s->coarse_direct);
+    s->coarse_direct = NULL;
     sl_status status = sl_coarse_create(s->scene, s->topology, &coarse, &s->coarse, error);
     if (status != SL_OK || !s->plan.coarse) return status;
+    s->coarse_direct = sl_allocate(sl_coarse_vertex_count(s->coarse), sizeof *s->coarse_direct);
+    if (!s->coarse_direct) return sl_fail_memory(error, "the coarse mesh");
+    if (!s->plan.lights || s->coarse_light) return SL_OK;
     sl_coarse_light_settings light = {.scene = s->scene, .topology = s->topology, .tracer = s->tracer, .lights = s->lights, .sampling = s->sampling,
                                       .threads = s->settings.threads};
     return sl_coarse_light_create(&light, &s->coarse_light, error);
@@ -150,7 +158,7 @@ static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
 
 static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    if (s->plan.indirect) status = make_coarse(s, error);
+    if (s->plan.indirect) status = sl_multi_mesh_make_coarse(s, NULL, error);
     if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
     if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
     if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
