@@ -49,13 +49,14 @@ static sl_image *render(const sl_scene *scene, const sl_settings *settings) {
     return image;
 }
 
-/* sl_comparison.rel_rmse less what the reference's noise adds. *noise: that, relative too. */
-static double measured(const sl_image *image, const sl_image *reference, double *noise) {
+/* sl_comparison.rel_rmse over the pixels that show surfaces, less what the reference's noise adds. *noise: that, relative too. */
+static double measured(const sl_image *image, const sl_image *reference, const sl_image *surfaces, double *noise) {
+    const sl_compare_options of_surfaces = {.mask = surfaces};
     sl_error error;
     sl_comparison c;
     sl_error_estimate own;
-    check(sl_image_compare(image, reference, NULL, &c, NULL, &error), &error);
-    check(sl_error_estimate_from_halves(reference, &own, &error), &error);
+    check(sl_image_compare(image, reference, &of_surfaces, &c, NULL, &error), &error);
+    check(sl_error_estimate_from_halves(reference, surfaces, &own, &error), &error);
     double square = c.rmse * c.rmse - own.rmse * own.rmse, mean = fabs(c.mean_reference);
     *noise = mean > 0.0 ? own.rmse / mean : 0.0;
     return mean > 0.0 && square > 0.0 ? sqrt(square) / mean : 0.0;
@@ -93,10 +94,10 @@ static void judge(const sl_scene *scene, const sl_settings *settings, const sl_i
     sl_error_estimate e;
     if (!(truth > 0.02)) return; /* smaller ones take tens of millions of samples each */
     check(sl_error_probe_create(scene, settings, &probe, &error), &error);
-    check(sl_error_probe_judge(probe, image, 0.95 * truth, &e, &error), &error);
+    check(sl_error_probe_judge(probe, image, 0.95 * truth, 0, &e, &error), &error);
     t->judged++;
     t->false_promises += e.bound <= 0.95 * truth;
-    check(sl_error_probe_judge(probe, image, 1.25 * truth, &e, &error), &error);
+    check(sl_error_probe_judge(probe, image, 1.25 * truth, 0, &e, &error), &error);
     t->accepted += e.bound <= 1.25 * truth;
     t->samples += (double)e.samples;
     sl_error_probe_destroy(probe);
@@ -113,10 +114,12 @@ static void one_method(const options *o, const sl_scene *scene, const char *name
     truth.spp = o->spp;
     truth.seed = 1000003;
     sl_image *reference = render(scene, &truth);
+    sl_error_probe *viewer;
+    check(sl_error_probe_create(scene, &settings, &viewer, &error), &error);
     for (int q = 0; q < QUALITIES; q++) {
         settings.quality = (sl_quality)q;
         images[q] = render(scene, &settings);
-        rows[q].truth = measured(images[q], reference, &rows[q].noise);
+        rows[q].truth = measured(images[q], reference, sl_error_probe_surfaces(viewer), &rows[q].noise);
     }
     for (unsigned seed = 0; seed < o->seeds; seed++) {
         sl_error_probe *probe;
@@ -141,6 +144,7 @@ static void one_method(const options *o, const sl_scene *scene, const char *name
         sl_image_destroy(images[q]);
     }
     sl_image_destroy(reference);
+    sl_error_probe_destroy(viewer);
     print_rows(name, method, rows, o->seeds);
 }
 

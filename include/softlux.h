@@ -740,15 +740,17 @@ SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_st
 /* ---- the error of a picture, without a reference ------------------------------------------------------------------------ */
 
 /** How far a picture is from the converged picture of the same light paths: that of --method path with the same
- * transport and pixel filter, and no noise. */
+ * transport and pixel filter, and no noise. Judged are the pixels that show surfaces: those that show a lamp or the sky itself (not in a mirror) are in
+ * neither error nor mean, unless there are no others. */
 typedef struct sl_error_estimate {
-    double rel_rmse;    /**< an estimate of sl_comparison.rel_rmse; 0 where the picture is better than the probes can tell */
+    double rel_rmse;    /**< an estimate of sl_comparison.rel_rmse over these pixels; 0 where the picture is better than the probes can tell */
     double bound;       /**< with 95 % confidence the error is not above that; infinite where nothing can be promised */
     double least;       /**< with 95 % confidence it is not below that */
+    double resolution;  /**< the bound that a picture without any error would have by the same probes; 0 by a picture's own halves */
     double rmse;        /**< the estimate in units of radiance */
     double mean;        /**< of the converged picture, estimated */
     double noise;       /**< rmse of the probes' own values: what one half of their samples is off by */
-    uint64_t probes;    /**< pixels that were looked at: all of them where a picture's own halves tell */
+    uint64_t probes;    /**< pixels that were looked at: all that are judged where a picture's own halves tell */
     uint64_t samples;   /**< that the probes have traced so far, for this picture and others */
     uint64_t nonfinite; /**< pixels of the picture with a value that is NaN or infinite: left out, and nothing is promised */
     bool blind;         /**< light of lights without extent by way of mirrors would count, but no path from an eye finds it: the
@@ -771,13 +773,18 @@ SL_API void sl_error_probe_destroy(sl_error_probe *probe); /**< NULL is allowed 
 SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *image, uint64_t probes, uint32_t samples,
                                          sl_error_estimate *estimate, sl_error *error);
 /** The same with few probes, and more until it is clear whether the error is within rel_rmse: until bound <= rel_rmse; or least is not far
- * below rel_rmse, and it would take many more to tell; or a number of samples is reached that grows as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
-SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, sl_error_estimate *estimate,
-                                      sl_error *error);
+ * below rel_rmse, and it would take many more to tell; or the probe's counters would have more than so many rays and shadow rays. 0: a number that grows
+ * as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
+SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, uint64_t rays,
+                                      sl_error_estimate *estimate, sl_error *error);
+/** The pixels that are judged, as sl_compare_options.mask takes them: 1 where a surface is seen, 0 where a lamp or the sky is. Of a box pixel any part
+ * may show it. Owned by the probe. */
+SL_API const sl_image *sl_error_probe_surfaces(const sl_error_probe *probe);
 /** What tracing the probes has cost so far; owned by the probe. */
 SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
-/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. INPUT: it has none. */
-SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate *estimate, sl_error *error);
+/** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional are. mask: as sl_compare_options.mask, or
+ * NULL: all pixels. INPUT: it has none, or the mask is of another size. */
+SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask, sl_error_estimate *estimate, sl_error *error);
 
 #ifdef __cplusplus
 }

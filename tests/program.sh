@@ -198,6 +198,26 @@ expect 2 'expected a share' render scenes/cornell.json --error 5%%
 expect 2 'expected a share' render scenes/cornell.json --error nan
 expect 2 '[-]-batches does not go with it' render scenes/cornell.json --error 5% --batches 3
 
+# A room of thick walls that light enters by a window alone: what is promised holds for its surfaces, beside which the sky that is seen is bright.
+awk 'function box(m,x0,y0,z0,x1,y1,z1,  i,f) {
+    printf "v %g %g %g\nv %g %g %g\nv %g %g %g\nv %g %g %g\nv %g %g %g\nv %g %g %g\nv %g %g %g\nv %g %g %g\nusemtl %s\n", x0,y0,z0,x1,y0,z0,x1,y1,z0,x0,y1,z0,x0,y0,z1,x1,y0,z1,x1,y1,z1,x0,y1,z1,m
+    print "f -8 -5 -6 -7\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -5 -1 -2 -6\nf -8 -4 -1 -5\nf -7 -6 -2 -3" }
+BEGIN { print "mtllib none.mtl"
+    box("wood",-.3,-.3,-.3,4.3,0,5.3); box("white",-.3,2.6,-.3,4.3,2.9,5.3); box("white",-.3,0,-.3,0,2.6,5.3)
+    box("white",-.3,0,-.3,4.3,2.6,0); box("white",-.3,0,5,4.3,2.6,5.3)
+    box("white",4,0,-.3,4.3,.9,5.3); box("white",4,2,-.3,4.3,2.6,5.3); box("white",4,.9,-.3,4.3,2,1.2); box("white",4,.9,2.4,4.3,2,5.3)
+    box("wood",1.2,.7,1.4,2.6,.76,2.4); box("wood",1.25,0,1.45,1.31,.7,1.51); box("wood",2.49,0,2.29,2.55,.7,2.35) }' >"$folder/window.obj"
+echo '{"softlux": 1, "meshes": [{"file": "window.obj"}], "environment": {"radiance": [10, 11, 13]}, "materials": {"white": {"diffuse": 0.75},
+    "wood": {"diffuse": [0.5, 0.3, 0.15]}}, "camera": {"eye": [1, 1.5, 4.7], "target": [2.5, 1, 1], "fov_deg": 65}}' >"$folder/window.json"
+number() { sed -n "s/.*\"$1\":[^0-9]*\([0-9.]*\).*/\1/p" "$folder/out" | tail -n 1; } # number KEY: of the last --json
+expect 1 'not within 15 %.*at most 20 %.*can promise no more' render "$folder/window.json" -s 20x20 -m splatting --error 15% --quiet --json -o "$folder/w.exr"
+awk "BEGIN { most = 2 * $(number picture) + 3e6; exit !($(number probes) < 1.1 * most && $(number all_pictures) < most) }" ||
+    { echo '--error takes longer than twice the picture and a second:'; cat "$folder/out"; bad=1; }
+expect 0 '' render "$folder/window.json" -s 20x20 -m path --transport matched:splatting --spp 1024 --quiet -o "$folder/r.exr"
+expect 0 'rel_rmse_surfaces' compare "$folder/w.exr" "$folder/r.exr" --json
+awk "BEGIN { exit !($(number rel_rmse_surfaces) < 0.215 && $(number rel_rmse) < $(number rel_rmse_surfaces) / 2) }" || # 8 % are the reference's noise
+    { echo 'the room with a window:'; cat "$folder/out"; bad=1; }
+
 # --method auto where the answer is clear.
 plane() { # plane NAME LIGHT: a triangle seen from above
     printf 'v -1 0 -1\nv 0 0 1\nv 1 0 -1\nf 1 2 3\n' >"$folder/plane.obj"

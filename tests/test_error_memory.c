@@ -53,7 +53,7 @@ static sl_status estimate_more(void *context) {
 
 static sl_status from_halves(void *context) {
     judging *j = context;
-    return sl_error_estimate_from_halves(j->image, &j->estimate, &j->error);
+    return sl_error_estimate_from_halves(j->image, NULL, &j->estimate, &j->error);
 }
 
 static void probes_without_memory_leave_nothing(void **state) {

@@ -217,7 +217,7 @@ static void estimate(const fault_case *c, fault_outcome *o) {
     o->status = sl_image_create(24, 16, 3, NULL, &image, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_create(scene, &settings, &probe, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_estimate(probe, image, 30, 1, &e[0], &o->error);
-    if (o->status == SL_OK) o->status = sl_error_probe_judge(probe, image, 3.0, &e[1], &o->error);
+    if (o->status == SL_OK) o->status = sl_error_probe_judge(probe, image, 3.0, 0, &e[1], &o->error);
     if (o->status == SL_OK) o->hash = hash_bytes(hash_bytes(0, &e[0].rel_rmse, sizeof(double)), &e[1].rel_rmse, sizeof(double));
     sl_error_probe_destroy(probe);
     sl_image_destroy(image);

@@ -18,6 +18,8 @@ static const char details[] =
     "\n"
     "  rmse              sqrt(mean (x-r)^2)\n"
     "  rel_rmse          rmse / |mean(r)|\n"
+    "  rel_rmse_surfaces   the same without the pixels that show light sources or sky: where a layer emission.* of A or B is\n"
+    "                    not 0; told where there is such a layer. Lamps that are seen are most of mean(r)\n"
     "  rel_mse           mean((x-r)^2 / (r^2 + 0.01 mean(r)^2))\n"
     "  rel_mse_trimmed   the same without the largest 0.1 % of the terms\n"
     "  rel_mse_noise     what the noise of B adds to rel_mse, from its layers even.* and odd.*, if any\n"
@@ -128,6 +130,40 @@ static int read_pictures(const compare_request *q, compare_pictures *p) {
     return status;
 }
 
+/* ---- surfaces alone ---------------------------------------------------------------------------------------------- */
+
+static bool has_emission(const sl_image *image) {
+    return sl_image_channel(image, "emission.R") && sl_image_channel(image, "emission.G") && sl_image_channel(image, "emission.B");
+}
+
+static bool shows_light(const sl_image *image, size_t i) {
+    return has_emission(image) && (sl_image_channel(image, "emission.R")[i] != 0.0f || sl_image_channel(image, "emission.G")[i] != 0.0f ||
+                                   sl_image_channel(image, "emission.B")[i] != 0.0f);
+}
+
+/* NaN where neither picture tells what shines, or nothing is left. */
+static double rel_rmse_of_surfaces(const compare_pictures *p) {
+    static const char *const names[3] = {"R", "G", "B"};
+    const float *x[3], *r[3];
+    size_t pixels = (size_t)p->image->width * (size_t)p->image->height, count = 0;
+    double squares = 0.0, sum = 0.0;
+    if (!has_emission(p->image) && !has_emission(p->reference)) return (double)NAN;
+    for (int k = 0; k < 3; k++) x[k] = sl_image_channel(p->image, names[k]), r[k] = sl_image_channel(p->reference, names[k]);
+    for (size_t i = 0; i < pixels; i++) {
+        bool finite = true;
+        for (int k = 0; k < 3; k++) finite = finite && isfinite(x[k][i]) && isfinite(r[k][i]);
+        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || shows_light(p->image, i) || shows_light(p->reference, i)) continue;
+        for (int k = 0; k < 3; k++) {
+            double d = (double)x[k][i] - (double)r[k][i];
+            squares += d * d;
+            sum += (double)r[k][i];
+        }
+        count++;
+    }
+    if (!count) return (double)NAN;
+    return squares > 0.0 ? sqrt(squares * 3.0 * (double)count) / fabs(sum) : 0.0;
+}
+
 /* ---- the answer --------------------------------------------------------------------------------------------------- */
 
 static void print_real(bool json, const char *name, double value) {
@@ -140,11 +176,12 @@ static void print_count(bool json, const char *name, uint64_t value) {
     printf(json ? "\"%s\": %llu, " : "%-19s %llu\n", name, (unsigned long long)value);
 }
 
-static void print_comparison(const sl_comparison *r, const sl_shown shown[2], bool json) {
+static void print_comparison(const sl_comparison *r, const sl_shown shown[2], double surfaces, bool json) {
     if (json) putchar('{');
     for (int i = 0; i < 2 && (json || shown[0].is_shown || shown[1].is_shown); i++) sl_shown_print(i ? "tone_reference" : "tone_image", &shown[i], json);
     print_real(json, "rmse", r->rmse);
     print_real(json, "rel_rmse", r->rel_rmse);
+    if (!isnan(surfaces)) print_real(json, "rel_rmse_surfaces", surfaces);
     print_real(json, "rel_mse", r->rel_mse);
     print_real(json, "rel_mse_trimmed", r->rel_mse_trimmed);
     print_real(json, "rel_mse_noise", r->rel_mse_noise);
@@ -199,7 +236,7 @@ static int compare(const compare_request *q, compare_pictures *p) {
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
     if (status != SL_OK) return complain(error.message, status);
     sl_shown_warn(&shown[0], q->paths[0], &shown[1], q->paths[1]);
-    print_comparison(&result, shown, q->json);
+    print_comparison(&result, shown, rel_rmse_of_surfaces(p), q->json);
     return check_bounds(q, &result);
 }
 

@@ -4,12 +4,16 @@
 
 #include "softlux.h"
 
-/* How many rungs; 0: the method refines one picture for as long as it is let (path, bidirectional). */
+enum { SL_LADDER_MAX = 8 };
+
+/* How many rungs, SL_LADDER_MAX at most; 0: the method refines one picture for as long as it is let (path, bidirectional). */
 unsigned sl_ladder_rungs(const char *method);
 /* Where a quality stands on it. */
 unsigned sl_ladder_rung_of(const char *method, sl_quality quality);
 /* What was asked for, and for what was left open this rung's settings. */
 sl_settings sl_ladder_settings(const sl_settings *asked, unsigned rung);
+/* Whether all that finer rungs than the first change is finer in the second already, or as fine as it gets. */
+bool sl_ladder_differs(const char *method, unsigned coarse, unsigned fine);
 /* Its time, as a multiple of the first rung's, on a large picture: rather too long than too short. */
 double sl_ladder_cost(const char *method, unsigned rung);
 

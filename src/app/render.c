@@ -50,6 +50,7 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         "--error and --time without --quality begin with coarse settings and go on to finer ones (path and bidirectional:\n"
         "more samples); options that are given stay as they are, and --error begins at a given --quality. The error is that\n"
         "against a converged picture of the same light paths, estimated from path traced probe pixels: no reference is needed.\n"
+        "It is relative to the mean of the surfaces that are seen, without the pixels that show lamps or the sky themselves.\n"
         "Where a method does not get within E its best picture is written all the same, and the exit status is 1.\n\n"
         "Ctrl-C (SIGINT), SIGTERM and SIGHUP write what is done so far and say so by the exit status: 128 + the signal's number\n"
         "(130 for Ctrl-C), also of a series, whose whole frames are kept. A second one ends the program at once. A picture stopped by --time can be had again, bit for bit, with the settings\n"

@@ -4,6 +4,7 @@
 #include "app/target.h"
 
 #include "app/clock.h"
+#include "app/effort.h"
 #include "app/ladder.h"
 #include "scene/features.h"
 
@@ -15,10 +16,15 @@
 
 /* A rung's time is foretold from the one before; what is foretold to take more than that share of the time left is not begun. */
 static const double trusted_share = 0.8;
-/* Two rungs in a row that lower the error by less than this: the method's own limit, or that of the probes. */
-static const double worthwhile = 0.95;
-/* A rung has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far. */
-static const double error_a_rung = 1.7;
+/* A rung has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far: all rungs below one together take
+ * about as long as it, and one too far up takes several times that. */
+static const double error_a_rung = 1.7, cost_of_a_jump = 4.5;
+/* Probes may take as many rays as the picture costs beyond those before it: all together twice the picture. And about a second's in any case. */
+static const double probe_rays_at_least = 3e6;
+/* Where a picture without any error could hardly be promised to be within E by as many probes, bounds do not follow pictures. */
+static const double hardly_promised = 0.8;
+/* Two rungs that differ in all that limits the error, and in the error by less than this: the method's own limit. */
+static const double worthwhile = 0.9;
 
 typedef struct candidate {
     sl_image *image;
@@ -26,6 +32,7 @@ typedef struct candidate {
     sl_error_estimate estimate; /* with --error */
     sl_progress progress;
     unsigned rung;
+    double seconds, effort;
 } candidate;
 
 typedef struct climb {
@@ -33,11 +40,12 @@ typedef struct climb {
     const sl_scene *scene;
     sl_settings asked;     /* o's, with the film's size */
     unsigned rungs;        /* 0: one picture, refined for as long as it takes */
-    sl_error_probe *probe; /* NULL without --error, and for pictures that know their own error */
+    sl_error_probe *probe; /* NULL without --error */
     double start;
     candidate best;
-    double last_error;
-    unsigned idle;         /* rungs in a row that were not worthwhile */
+    sl_error_estimate judged[SL_LADDER_MAX]; /* by rung; those not tried have no probes */
+    double effort_before, effort; /* of all rungs before, and of this one, in rays */
+    char why[160];         /* it was not within the error */
     double rung_seconds[2], rung_cost[2]; /* of the last two finished */
     unsigned finished;
     bool reached, out_of_time;
@@ -73,9 +81,15 @@ static bool path_is_blind(const climb *c) {
     return strcmp(c->asked.method, "path") == 0 && full && f.mirror_triangles && f.point_lights + f.spot_lights + f.directional_lights > 0;
 }
 
+/* Pictures and probes together shall take no more than twice this rung's picture. */
+static uint64_t affordable_rays(const climb *c) {
+    double rays = c->effort - c->effort_before;
+    return (uint64_t)(rays > probe_rays_at_least ? rays : probe_rays_at_least);
+}
+
 static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl_error *error) {
-    if (c->probe) return sl_error_probe_judge(c->probe, image, c->o->error, e, error);
-    sl_status status = sl_error_estimate_from_halves(image, e, error);
+    if (!is_tracer(c)) return sl_error_probe_judge(c->probe, image, c->o->error, affordable_rays(c), e, error);
+    sl_status status = sl_error_estimate_from_halves(image, sl_error_probe_surfaces(c->probe), e, error);
     e->blind = path_is_blind(c);
     return status;
 }
@@ -117,7 +131,7 @@ static void release(candidate *p) {
 
 static bool is_better(const climb *c, const candidate *p) {
     if (!c->best.image || !(c->o->error > 0.0) || is_tracer(c)) return true; /* finer settings, more samples */
-    return p->estimate.bound < c->best.estimate.bound || (p->estimate.bound <= c->o->error);
+    return p->estimate.rel_rmse < c->best.estimate.rel_rmse || p->estimate.bound <= c->o->error; /* mostly the same probes: bounds share their noise */
 }
 
 static void tell(const climb *c, const candidate *p) {
@@ -134,7 +148,9 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
     candidate p = {.progress = *progress, .rung = rung};
     sl_status status = sl_method_resolve(method, &p.image, error);
     if (status != SL_OK) return status;
-    p.json = sl_picture_json(o, c->scene, method, p.image, progress, sl_seconds_now() - c->start);
+    p.seconds = sl_seconds_now() - c->start;
+    p.effort = c->effort = sl_effort_in_rays(sl_method_counters(method));
+    p.json = sl_picture_json(o, c->scene, method, p.image, progress, p.seconds);
     if (c->o->error > 0.0) {
         status = judge(c, p.image, &p.estimate, error);
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
@@ -189,8 +205,7 @@ static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
     c->rung_seconds[1] = sl_seconds_now() - begun;
     c->rung_cost[1] = sl_ladder_cost(c->asked.method, rung);
     c->finished++;
-    c->idle = c->finished > 1 && e.rel_rmse > worthwhile * c->last_error ? c->idle + 1 : 0;
-    c->last_error = e.rel_rmse;
+    if (c->rungs) c->judged[rung] = e;
     return SL_OK;
 }
 
@@ -210,7 +225,9 @@ static double foretold_seconds(const climb *c, unsigned rung) {
 static unsigned next_rung(const climb *c, unsigned rung) {
     unsigned next = rung + 1;
     if (c->o->error > 0.0) {
-        for (double ratio = c->best.estimate.bound / c->o->error; ratio > error_a_rung * error_a_rung && next + 1 < c->rungs; next++)
+        const double most = cost_of_a_jump * sl_ladder_cost(c->asked.method, rung);
+        double ratio = c->judged[rung].rel_rmse / c->o->error;
+        for (; ratio > error_a_rung * error_a_rung && next + 1 < c->rungs && sl_ladder_cost(c->asked.method, next + 1) <= most; next++)
             ratio /= error_a_rung;
     } else {
         next = c->rungs - 1;
@@ -222,6 +239,57 @@ static unsigned next_rung(const climb *c, unsigned rung) {
     return next > rung ? next : c->rungs;
 }
 
+/* ---- whether there is any use in it -------------------------------------------------------------------------------------- */
+
+/* Whether by its estimate the picture is within the error, as far as the probes' own noise lets that be told. */
+static bool may_do(const climb *c, const sl_error_estimate *e) {
+    double asked = c->o->error;
+    return e->probes && e->rel_rmse * e->rel_rmse <= asked * asked + 0.5 * e->resolution * e->resolution && e->least <= 0.75 * asked;
+}
+
+static double probe_rays(const climb *c) {
+    const sl_counters *probes = sl_error_probe_counters(c->probe);
+    return (double)(probes->value[SL_COUNT_RAYS] + probes->value[SL_COUNT_SHADOW_RAYS]);
+}
+
+/* The picture may do, and for what the probes may trace a better one could hardly be promised, or the last that might have done was promised no less.
+ * Pictures that have cost less than the probes go on all the same. */
+static bool bound_cannot_follow(const climb *c, unsigned rung) {
+    const sl_error_estimate *e = &c->judged[rung], *last = e;
+    for (unsigned i = 0; i < rung; i++) last = may_do(c, &c->judged[i]) ? &c->judged[i] : last;
+    bool stays = last != e && e->bound > hardly_promised * last->bound;
+    return may_do(c, e) && (stays || e->resolution > hardly_promised * c->o->error) && c->effort_before + c->effort >= probe_rays(c);
+}
+
+/* The picture is told apart from one within E; and if every rung that is left lowers the error as much as this one, the last is not either. Both were
+ * judged by mostly the same probes, whose noise does not show in the ratio. */
+static bool ends_above(const climb *c, unsigned before, unsigned rung) {
+    double last = c->judged[rung].rel_rmse, share = last / c->judged[before].rel_rmse;
+    for (unsigned i = rung + 1; i < c->rungs && share < 1.0; i++) last *= share;
+    return !may_do(c, &c->judged[rung]) && last > c->o->error;
+}
+
+static bool hardly_gets_closer(climb *c, unsigned rung) {
+    unsigned before = rung;
+    while (before-- > 0) {
+        const sl_error_estimate *b = &c->judged[before], *e = &c->judged[rung];
+        if (!b->probes || !sl_ladder_differs(c->asked.method, before, rung)) continue;
+        if (!(e->rel_rmse > worthwhile * b->rel_rmse) || !ends_above(c, before, rung)) return false;
+        snprintf(c->why, sizeof c->why, "and finer settings hardly lower it (about %.3g %%, then %.3g %%)", 100.0 * b->rel_rmse, 100.0 * e->rel_rmse);
+        return true;
+    }
+    return false;
+}
+
+/* Notes why; false where another rung may do. */
+static bool is_in_vain(climb *c, unsigned rung) {
+    if (!(c->o->error > 0.0)) return false;
+    if (c->judged[rung].nonfinite) snprintf(c->why, sizeof c->why, "with values that are no numbers, for which nothing is promised");
+    else if (bound_cannot_follow(c, rung)) snprintf(c->why, sizeof c->why, "and probes that take no longer than the pictures can promise no more");
+    else return hardly_gets_closer(c, rung);
+    return true;
+}
+
 /* ---- all together -------------------------------------------------------------------------------------------------------- */
 
 static sl_status prepare(climb *c, sl_error *error) {
@@ -229,7 +297,7 @@ static sl_status prepare(climb *c, sl_error *error) {
     if (!c->asked.width) sl_scene_film(c->scene, &c->asked.width, &c->asked.height);
     c->rungs = sl_ladder_rungs(c->asked.method);
     if (!c->rungs && !c->asked.spp) c->asked.spp = NO_END;
-    return c->rungs && c->o->error > 0.0 ? sl_error_probe_create(c->scene, &c->asked, &c->probe, error) : SL_OK;
+    return c->o->error > 0.0 ? sl_error_probe_create(c->scene, &c->asked, &c->probe, error) : SL_OK;
 }
 
 static sl_status climb_all(climb *c, sl_error *error) {
@@ -237,10 +305,21 @@ static sl_status climb_all(climb *c, sl_error *error) {
     sl_status status;
     do {
         status = climb_rung(c, rung, error);
-        if (status != SL_OK || !c->rungs || c->reached || c->out_of_time || sl_interrupted() || (c->o->error > 0.0 && c->idle >= 2)) break;
+        if (status != SL_OK || !c->rungs || c->reached || c->out_of_time || sl_interrupted() || is_in_vain(c, rung)) break;
+        c->effort_before += c->effort;
+        c->effort = 0.0;
+        snprintf(c->why, sizeof c->why, rung + 1 == c->rungs ? "by its finest settings" : "and finer settings would not be done in time");
         rung = next_rung(c, rung);
     } while (rung < c->rungs);
     return status;
+}
+
+/* By counts, so that it is the same on every machine: of the picture written, of all rungs together, and of the probes. */
+static void add_effort(const climb *c) {
+    cJSON *object = cJSON_AddObjectToObject(cJSON_GetObjectItem(c->best.json, "error"), "effort_in_rays");
+    cJSON_AddNumberToObject(object, "picture", c->best.effort);
+    cJSON_AddNumberToObject(object, "all_pictures", c->effort_before + c->effort);
+    cJSON_AddNumberToObject(object, "probes", probe_rays(c));
 }
 
 static void say_how_it_ended(const climb *c) {
@@ -251,11 +330,7 @@ static void say_how_it_ended(const climb *c) {
     if (o->error > 0.0 && !c->reached)
         fprintf(stderr, "softlux: not within %.3g %%: %s came to about %.3g %%, at most %.3g %%, %s; %s holds that\n", 100.0 * o->error,
                 o->settings.method, 100.0 * p->estimate.rel_rmse, 100.0 * p->estimate.bound,
-                sl_interrupted()   ? "when it was stopped"
-                : c->out_of_time   ? "when time was up"
-                : o->time_seconds > 0.0 && c->idle < 2 ? "and finer settings would not be done in time"
-                                   : "and does not get closer",
-                o->output);
+                sl_interrupted() ? "when it was stopped" : c->out_of_time ? "when time was up" : c->why, o->output);
     else if (!p->progress.done && !o->quiet && !(o->error > 0.0))
         fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n", (unsigned long long)p->progress.batches,
                 100.0 * p->progress.fraction, o->output);
@@ -275,6 +350,7 @@ sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene,
         say_how_it_ended(&c);
         if (o->json) {
             sl_picture_add_tone(o, stops, c.best.json);
+            if (c.probe) add_effort(&c);
             sl_picture_print_json(c.best.json);
             c.best.json = NULL;
         }

@@ -11,13 +11,10 @@ sl_path_lens sl_path_lens_of(const sl_scene *scene, int width, int height) {
     return (sl_path_lens){width, height, (float)(tangent * aspect), (float)tangent};
 }
 
-void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key, uint32_t index, sl_ray16 *rays,
-                        unsigned i) {
-    float point[3] = {0.5f, 0.5f, 0.0f};
-    if (walk->transport.filter == SL_FILTER_BOX) sl_sequence_point(walk->sequence, key, SL_SET_PIXEL, index, point);
-    float u = (2.0f * ((float)x + point[0]) / (float)lens->width - 1.0f) * lens->tan_x;
-    float v = (1.0f - 2.0f * ((float)y + point[1]) / (float)lens->height) * lens->tan_y;
-    const sl_camera *c = &walk->scene->camera;
+void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, float x, float y, sl_ray16 *rays, unsigned i) {
+    float u = (2.0f * x / (float)lens->width - 1.0f) * lens->tan_x;
+    float v = (1.0f - 2.0f * y / (float)lens->height) * lens->tan_y;
+    const sl_camera *c = &scene->camera;
     sl_vec3 direction = sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
     rays->origin_x[i] = c->eye.x;
     rays->origin_y[i] = c->eye.y;
@@ -28,6 +25,13 @@ void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int 
     rays->near[i] = 0.0f;
     rays->far[i] = INFINITY;
     rays->skip[i] = SL_NO_INDEX;
+}
+
+void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key, uint32_t index, sl_ray16 *rays,
+                        unsigned i) {
+    float point[3] = {0.5f, 0.5f, 0.0f};
+    if (walk->transport.filter == SL_FILTER_BOX) sl_sequence_point(walk->sequence, key, SL_SET_PIXEL, index, point);
+    sl_path_lens_ray(walk->scene, lens, (float)x + point[0], (float)y + point[1], rays, i);
 }
 
 sl_rgb sl_path_finite_or_black(sl_rgb radiance, sl_counters *counters) {

@@ -29,6 +29,8 @@ typedef struct sl_path_lens {
 } sl_path_lens;
 
 sl_path_lens sl_path_lens_of(const sl_scene *scene, int width, int height);
+/* Ray i, through a place on the film, in pixels from its upper left corner. */
+void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, float x, float y, sl_ray16 *rays, unsigned i);
 /* Ray i, through pixel (x, y): where in it, point (key, ., index) says, if the transport's filter is the box. */
 void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key, uint32_t index, sl_ray16 *rays,
                         unsigned i);

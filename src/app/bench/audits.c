@@ -24,13 +24,14 @@ typedef struct audit {
 static sl_status estimate(const audit *a, const sl_scene *scene, const sl_image *picture, sl_error_estimate *e, sl_error *error) {
     sl_settings settings = sl_settings_default();
     sl_error_probe *probe = NULL;
-    if (sl_image_channel(picture, "even.R")) return sl_error_estimate_from_halves(picture, e, error);
     sl_trial_settings(a->row->arguments, &settings);
     settings.width = a->width;
     settings.height = a->height;
     settings.threads = a->threads;
     sl_status status = sl_error_probe_create(scene, &settings, &probe, error);
-    if (status == SL_OK) status = sl_error_probe_estimate(probe, picture, PROBES, SAMPLES, e, error);
+    if (status == SL_OK && sl_image_channel(picture, "even.R"))
+        status = sl_error_estimate_from_halves(picture, sl_error_probe_surfaces(probe), e, error);
+    else if (status == SL_OK) status = sl_error_probe_estimate(probe, picture, PROBES, SAMPLES, e, error);
     sl_error_probe_destroy(probe);
     return status;
 }
@@ -84,7 +85,7 @@ sl_status sl_audits_run(const sl_bench_options *o, sl_bench_scene *s, sl_journal
         char key[1024];
         sl_bench_row *row = &s->rows[i];
         if (row->end != SL_BENCH_RAN || access(row->picture, R_OK) != 0) continue;
-        snprintf(key, sizeof key, "%s %dx%d, %s %s, %s, audit", s->hash, s->width, s->height, SL_VERSION, o->program, row->arguments);
+        snprintf(key, sizeof key, "%s %dx%d, %s %s, %s, audit of surfaces", s->hash, s->width, s->height, SL_VERSION, o->program, row->arguments);
         if (!sl_journal_find(journal, key) && !sl_interrupted()) {
             if (!o->quiet && isatty(STDERR_FILENO)) fprintf(stderr, "\r\033[K%s, error without a reference: %s, %s", s->name, row->curve, row->name);
             status = run(o, s, row, key, journal, error);

@@ -117,18 +117,13 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
 
 /* ---- the answers ---- */
 
-/* Over all pixels, as estimates are. What is lost in the reference's noise can check none. */
+/* Over the pixels that estimates judge. What is lost in the reference's noise can check none. */
 static void check_promise(sl_bench_row *row, const sl_image *picture, const sl_image *reference, const sl_image *mask) {
-    sl_image *all = NULL;
     sl_bench_error e;
     sl_error error;
-    if (!row->promise.known || sl_image_create(mask->width, mask->height, 1, NULL, &all, &error) != SL_OK) return;
-    for (size_t i = 0; i < (size_t)mask->width * (size_t)mask->height; i++) all->planes[i] = 1.0f;
-    if (sl_judge_quickly(picture, reference, all, &e, &error) == SL_OK && e.known && !e.lost) {
-        row->promise.measured_known = true;
-        row->promise.measured = e.rel_rmse;
-    }
-    sl_image_destroy(all);
+    if (!row->promise.known || sl_judge_quickly(picture, reference, mask, &e, &error) != SL_OK || !e.known || e.lost) return;
+    row->promise.measured_known = true;
+    row->promise.measured = e.rel_rmse;
 }
 
 static void judge_row(sl_bench_row *row, const sl_bench_reference *r, const sl_image *reference, const sl_image *mask) {

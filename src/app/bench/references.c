@@ -226,38 +226,23 @@ sl_status sl_reference_extend(const sl_bench_options *o, const sl_bench_scene *s
 
 /* ---- the mask ---- */
 
-/* 1 - what shines, of direct radiance mapping's layers: the cheapest of all pictures. Where nearly all shines (a furnace), the few pixels
- * that do not are no measure of anything: all count. */
+/* The pixels that show surfaces, which --error judges too. */
 static bool mask_work(void *context, char **report) {
     const extension *e = context;
-    const char *const layers[] = {"emission.R", "emission.G", "emission.B"};
     sl_settings settings = sl_settings_default();
-    sl_progress progress = {0};
     sl_scene *scene = NULL;
-    sl_method *method = NULL;
-    sl_image *picture = NULL, *mask = NULL;
+    sl_error_probe *probe = NULL;
     sl_error error;
-    settings.method = "direct-radiance";
+    settings.method = "path";
+    settings.filter = SL_FILTER_CENTRE;
     settings.threads = e->threads;
-    settings.radiance_map.direct_light_only = true;
     settings.width = e->width;
     settings.height = e->height;
     sl_status status = sl_scene_load_with(e->scene_path, &e->load, &scene, &error);
-    if (status == SL_OK) status = sl_method_create(scene, &settings, &method, &error);
-    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
-    if (status == SL_OK) status = sl_method_resolve(method, &picture, &error);
-    if (status == SL_OK) status = sl_image_create(e->width, e->height, 1, NULL, &mask, &error);
-    size_t pixels = (size_t)e->width * (size_t)e->height, kept = 0;
-    for (size_t i = 0; status == SL_OK && i < pixels; i++) {
-        mask->planes[i] = 1.0f;
-        for (int k = 0; k < 3; k++) {
-            const float *layer = sl_image_channel(picture, layers[k]);
-            if (layer && layer[i] > 0.0f) mask->planes[i] = 0.0f;
-        }
-        kept += mask->planes[i] > 0.5f;
-    }
-    for (size_t i = 0; status == SL_OK && 100 * kept < pixels && i < pixels; i++) mask->planes[i] = 1.0f;
-    if (status == SL_OK) status = sl_image_write(mask, e->path, &error);
+    if (status == SL_OK) status = sl_error_probe_create(scene, &settings, &probe, &error);
+    if (status == SL_OK) status = sl_image_write(sl_error_probe_surfaces(probe), e->path, &error);
+    sl_error_probe_destroy(probe);
+    sl_scene_destroy(scene);
     *report = strdup(status == SL_OK ? "{}" : error.message);
     return status == SL_OK;
 }
@@ -268,7 +253,7 @@ sl_image *sl_reference_mask(const sl_bench_options *o, const sl_bench_scene *s, 
     extension e = {s->path, "", path, s->width, s->height, o->reference_threads, 0, o->load};
     sl_image *mask = NULL;
     sl_child_end end;
-    sl_reference_path(o->references, s, "mask", path);
+    sl_reference_path(o->references, s, "surfaces", path);
     if (sl_image_read(path, &mask, NULL) == SL_OK) return mask;
     if (sl_reference_make_folder(o->references, error) != SL_OK || sl_child_run(mask_work, &e, &limits, &end, error) != SL_OK) return NULL;
     free(end.text);

@@ -204,7 +204,7 @@ static void put_overview(FILE *out, const sl_bench_results *r) {
 }
 
 static void put_promises(FILE *out, const sl_bench_results *r) {
-    fputs("<h2>Errors told without a reference</h2>\n<p>Of the whole picture, against the method's own light paths: how often the measured error is within the bound that "
+    fputs("<h2>Errors told without a reference</h2>\n<p>Against the method's own light paths: how often the measured error is within the bound that "
           "<code>softlux render --error</code> stops by, which is to hold in 95 %.</p>\n<div class=\"wide\"><table><tr><th>method</th><th>pictures judged</th><th>within the bound</th><th>bound over measured, median</th></tr>\n", out);
     for (size_t m = 0;; m++) {
         const char *name = sl_method_name(m);

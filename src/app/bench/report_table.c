@@ -145,7 +145,7 @@ static void put_report(FILE *out, const sl_bench_results *results) {
     put_leads(out, results, 0.05);
     put_leads(out, results, 0.02);
     put_leads(out, results, 0.01);
-    fputs("\nErrors told without a reference (`softlux render --error`), of the whole picture: how often the measured one is within the bound, which is to hold in "
+    fputs("\nErrors told without a reference (`softlux render --error`): how often the measured one is within the bound, which is to hold in "
           "95 %.\n\n", out);
     sl_report_promises(out, results);
     for (size_t s = 0; s < results->scene_count; s++) put_scene(out, &results->scenes[s]);

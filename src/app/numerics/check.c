@@ -125,7 +125,7 @@ static verdict judged(const checking *c, const sl_hard_case *hard, double differ
 static double own_noise(const sl_image *image, const sl_comparison *result) {
     sl_error error;
     sl_error_estimate own;
-    bool told = sl_image_channel(image, "even.R") && sl_error_estimate_from_halves(image, &own, &error) == SL_OK;
+    bool told = sl_image_channel(image, "even.R") && sl_error_estimate_from_halves(image, NULL, &own, &error) == SL_OK;
     return told && result->mean_reference > 0.0 ? own.rmse / result->mean_reference : 0.0;
 }
 

@@ -14,6 +14,9 @@
  * not lower the bound. */
 #include "cache/audit/audit.h"
 
+#include "base/error.h"
+#include "image/metrics.h"
+
 #include <math.h>
 
 enum { RULE_OF_THREE = 3 };
@@ -37,7 +40,7 @@ static double larger(double a, double b) { return a > b ? a : b; }
 
 sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight) {
     sl_audit_pixel a = {.weight = weight};
-    double square_deviation = 0.0, difference_deviation = 0.0;
+    double square_deviation = 0.0, difference_deviation = 0.0; /* a.perfect_deviation: the same for d = 0 */
     for (int c = 0; c < 3; c++) {
         double d = x[c] - 0.5 * (p[c] + q[c]), s2 = 0.5 * square_of(p[c] - q[c]); /* s2: an estimate of p's variance */
         a.square += (x[c] - p[c]) * (x[c] - q[c]) / 3.0;
@@ -46,6 +49,7 @@ sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const dou
         /* Var (x-p)(x-q) = 2 (x-r)^2 s2 + s2^2; the three channels as if their noise were one. */
         square_deviation += sqrt(2.0 * d * d * s2 + s2 * s2) / 3.0;
         difference_deviation += sqrt(0.5 * s2) / 3.0;
+        a.perfect_deviation += s2 / 3.0;
     }
     a.square_variance = square_of(square_deviation);
     a.difference_variance = square_of(difference_deviation);
@@ -101,6 +105,19 @@ static double ratio(double a, double b) {
     return q >= 0.0 ? q : INFINITY;
 }
 
+/* What the mean of squares is bounded by for a picture without error: the noise of the probes alone, and the rule of three over the largest. */
+static double perfect_square(const sl_audit_pixel *pixels, size_t count, double population) {
+    double variance = 0.0, squares = 0.0, unseen = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        double share = square_of(pixels[i].weight * pixels[i].perfect_deviation);
+        variance += share;
+        squares += share * share;
+        unseen = larger(unseen, (pixels[i].weight - 1.0) * pixels[i].perfect_deviation);
+    }
+    double degrees = squares > 0.0 ? variance / squares * variance : INFINITY;
+    return (student_95(degrees) * sqrt(variance) + RULE_OF_THREE * unseen) / larger(population, 1.0);
+}
+
 void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *e) {
     double unseen = 0.0, noise = 0.0, weights = 0.0;
     for (size_t i = 0; i < count; i++) {
@@ -117,21 +134,30 @@ void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double popula
     e->noise = sqrt(noise / larger(weights, 1.0));
     e->rel_rmse = ratio(e->rmse, fabs(e->mean));
     e->bound = ratio(sqrt(upper), fabs(e->mean) - difference.spread);
+    e->resolution = ratio(sqrt(perfect_square(pixels, count, population)), fabs(e->mean) - difference.spread);
     e->least = ratio(sqrt(larger(square.mean - square.spread, 0.0)), fabs(e->mean) + difference.spread);
     if (e->nonfinite || !(weights > 0.0)) e->bound = INFINITY;
 }
 
-bool sl_audit_is_finite(const float *const planes[3], size_t i) {
+static bool is_finite(const float *const planes[3], size_t i) {
     return isfinite(planes[0][i]) && isfinite(planes[1][i]) && isfinite(planes[2][i]);
 }
 
-double sl_audit_mean(const float *const planes[3], size_t pixels, uint64_t *nonfinite) {
+bool sl_audit_is_judged(const sl_audit_view *v, size_t i) { return (!v->mask || v->mask[i] > 0.5f) && is_finite(v->planes, i); }
+
+sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit_view *v, sl_error *error) {
     double sum = 0.0;
-    *nonfinite = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        if (sl_audit_is_finite(planes, i)) sum += (double)planes[0][i] + (double)planes[1][i] + (double)planes[2][i];
-        else *nonfinite += 1;
+    *v = (sl_audit_view){.mask = mask ? mask->planes : NULL, .pixels = (size_t)image->width * (size_t)image->height};
+    sl_status status = sl_image_colour_planes(image, "image", v->planes, error);
+    if (status != SL_OK) return status;
+    if (mask && (mask->width != image->width || mask->height != image->height))
+        return sl_fail(error, SL_ERROR_INPUT, "the mask has %d x %d pixels, the image %d x %d", mask->width, mask->height, image->width, image->height);
+    for (size_t i = 0; i < v->pixels; i++) {
+        v->nonfinite += !is_finite(v->planes, i);
+        if (!sl_audit_is_judged(v, i)) continue;
+        sum += (double)v->planes[0][i] + (double)v->planes[1][i] + (double)v->planes[2][i];
+        v->judged++;
     }
-    size_t finite = pixels - (size_t)*nonfinite;
-    return finite ? sum / (3.0 * (double)finite) : 0.0;
+    v->mean = v->judged ? sum / (3.0 * (double)v->judged) : 0.0;
+    return SL_OK;
 }

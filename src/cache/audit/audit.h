@@ -11,17 +11,27 @@ typedef struct sl_audit_pixel {
     double difference;        /* x - (p + q)/2 */
     double difference_variance;
     double noise;             /* (p - q)^2 / 2, of p's and q's own error squared */
+    double perfect_deviation; /* what `square` is off by, root mean square, of a picture without error */
     double weight;            /* for how many pixels it stands: 1 over the probability that it was chosen, >= 1 */
     double unseen;            /* the square of all pixels for which it stands, itself not counted */
 } sl_audit_pixel;
 
 sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight);
 
-/* rel_rmse, bound, least, rmse, mean and noise. population: of how many pixels these are some; mean_image: of all their values. */
+/* rel_rmse, bound, least, rmse, mean, noise and resolution. population: of how many pixels these are some; mean_image: of all their values. */
 void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *estimate);
 
-/* The mean of all values of the pixels whose three are finite, and how many pixels are not so. */
-double sl_audit_mean(const float *const planes[3], size_t pixels, uint64_t *nonfinite);
-bool sl_audit_is_finite(const float *const planes[3], size_t pixel);
+/* What of a picture is judged: the pixels whose three values are finite, of a mask's (NULL: of all). */
+typedef struct sl_audit_view {
+    const float *planes[3];
+    const float *mask;
+    size_t pixels, judged;
+    double mean;        /* of all values judged */
+    uint64_t nonfinite; /* pixels of the whole picture */
+} sl_audit_view;
+
+/* INPUT: neither R, G, B nor Y, or a mask of another size. */
+sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit_view *view, sl_error *error);
+bool sl_audit_is_judged(const sl_audit_view *view, size_t pixel);
 
 #endif

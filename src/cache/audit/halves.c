@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/audit/audit.h"
-#include "image/metrics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,22 +41,23 @@ static bool has_two_halves(const sl_image *image) {
     return !batches || strtoull(batches, NULL, 10) >= 2;
 }
 
-sl_status sl_error_estimate_from_halves(const sl_image *image, sl_error_estimate *estimate, sl_error *error) {
-    const float *planes[3], *halves[2][3];
+sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask, sl_error_estimate *estimate, sl_error *error) {
+    const float *halves[2][3];
+    sl_audit_view view;
     if (estimate) *estimate = (sl_error_estimate){0};
     if (!image || !estimate) return sl_fail_null(error, "an image and a place for an estimate");
-    sl_status status = sl_image_colour_planes(image, "image", planes, error);
+    sl_status status = sl_audit_view_of(image, mask, &view, error);
     if (status == SL_OK) status = half_planes(image, halves, error);
     if (status != SL_OK) return status;
-    size_t pixels = (size_t)image->width * (size_t)image->height, count = 0;
-    sl_audit_pixel *list = sl_allocate_unset(pixels, sizeof *list);
+    size_t count = 0;
+    sl_audit_pixel *list = sl_allocate_unset(view.judged + 1, sizeof *list);
     if (!list) return sl_fail_memory(error, "an estimate of an error");
-    for (size_t i = 0; i < pixels; i++) {
-        if (sl_audit_is_finite(planes, i)) list[count++] = audit_pixel(halves, i);
+    for (size_t i = 0; i < view.pixels; i++) {
+        if (sl_audit_is_judged(&view, i)) list[count++] = audit_pixel(halves, i);
     }
-    double mean = sl_audit_mean(planes, pixels, &estimate->nonfinite);
-    estimate->probes = pixels;
-    sl_audit_conclude(list, count, (double)count, mean, estimate);
+    estimate->probes = count;
+    estimate->nonfinite = view.nonfinite;
+    sl_audit_conclude(list, count, (double)count, view.mean, estimate);
     sl_free(list);
     if (!has_two_halves(image)) estimate->rel_rmse = estimate->bound = estimate->rmse = INFINITY, estimate->least = 0.0;
     return SL_OK;

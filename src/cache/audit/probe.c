@@ -11,9 +11,9 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/audit/audit.h"
+#include "cache/audit/surfaces.h"
 #include "cache/audit/trace_probes.h"
 #include "cache/method.h"
-#include "image/metrics.h"
 
 #include <math.h>
 
@@ -21,6 +21,7 @@ static const uint64_t probe_salt = 0x70726f6265u; /* probes must not repeat the 
 
 struct sl_error_probe {
     sl_probe_tracer tracer;
+    sl_image *surfaces; /* the pixels that are judged */
     bool blind;
 };
 
@@ -45,6 +46,7 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
     p->blind = is_blind(scene, &transport);
     status = sl_probe_tracer_create(&p->tracer, scene, &transport, asked.width, asked.height, asked.threads,
                                     sl_hash64(asked.seed ^ probe_salt), error);
+    if (status == SL_OK) status = sl_audit_surfaces(&p->tracer.walk, &p->tracer.lens, p->tracer.threads, &p->surfaces, error);
     if (status != SL_OK) {
         sl_error_probe_destroy(p);
         return status;
@@ -56,8 +58,11 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
 void sl_error_probe_destroy(sl_error_probe *p) {
     if (!p) return;
     sl_probe_tracer_release(&p->tracer);
+    sl_image_destroy(p->surfaces);
     sl_free(p);
 }
+
+const sl_image *sl_error_probe_surfaces(const sl_error_probe *p) { return p->surfaces; }
 
 const sl_counters *sl_error_probe_counters(const sl_error_probe *p) { return &p->tracer.counters; }
 
@@ -65,22 +70,20 @@ const sl_counters *sl_error_probe_counters(const sl_error_probe *p) { return &p-
 
 typedef struct audit {
     sl_error_probe *p;
-    const float *planes[3];
-    double mean;           /* of the picture */
-    uint64_t nonfinite;
+    sl_audit_view view;    /* of the picture */
     double *chance;        /* of each pixel, for one probe; they sum to 1 */
     uint32_t *chosen;
     sl_audit_pixel *pixel; /* of each chosen one */
     size_t count;
 } audit;
 
-/* Mean over the channels of (x - pilot)^2; 0 where x is no number. */
+/* Mean over the channels of (x - pilot)^2; 0 where x is not judged. */
 static double score(const audit *a, size_t i) {
     const sl_probe_tracer *t = &a->p->tracer;
     double sum = 0.0;
-    if (!sl_audit_is_finite(a->planes, i)) return 0.0;
+    if (!sl_audit_is_judged(&a->view, i)) return 0.0;
     for (size_t c = 0; c < 3; c++) {
-        double d = (double)a->planes[c][i] - (double)t->pilot[c * t->blocks + sl_probe_tracer_block(t, i)];
+        double d = (double)a->view.planes[c][i] - (double)t->pilot[c * t->blocks + sl_probe_tracer_block(t, i)];
         sum += d * d;
     }
     return sum / 3.0;
@@ -88,17 +91,17 @@ static double score(const audit *a, size_t i) {
 
 static void set_chances(audit *a) {
     size_t pixels = a->p->tracer.pixels;
-    double sum = 0.0, finite = (double)(pixels - (size_t)a->nonfinite);
+    double sum = 0.0, judged = (double)a->view.judged;
     for (size_t i = 0; i < pixels; i++) sum += a->chance[i] = score(a, i);
     for (size_t i = 0; i < pixels; i++) {
-        double even = sl_audit_is_finite(a->planes, i) ? 1.0 / finite : 0.0;
+        double even = sl_audit_is_judged(&a->view, i) ? 1.0 / judged : 0.0;
         a->chance[i] = sum > 0.0 ? 0.5 * (even + a->chance[i] / sum) : even;
     }
 }
 
-/* All that are finite are looked at where as many are asked for as there are. */
+/* All that are judged are looked at where as many are asked for as there are. */
 static double probability(const audit *a, size_t i, uint64_t probes) {
-    if (probes >= a->p->tracer.pixels - a->nonfinite) return a->chance[i] > 0.0 ? 1.0 : 0.0;
+    if (probes >= a->view.judged) return a->chance[i] > 0.0 ? 1.0 : 0.0;
     double p = (double)probes * a->chance[i];
     return p < 1.0 ? p : 1.0;
 }
@@ -117,7 +120,7 @@ static sl_status audit_begin(audit *a, sl_error_probe *p, const sl_image *image,
     if (image->width != lens->width || image->height != lens->height)
         return sl_fail(error, SL_ERROR_INPUT, "the image has %d x %d pixels, the probes are of one with %d x %d", image->width, image->height,
                        lens->width, lens->height);
-    sl_status status = sl_image_colour_planes(image, "image", a->planes, error);
+    sl_status status = sl_audit_view_of(image, p->surfaces, &a->view, error);
     if (status == SL_OK) status = sl_probe_tracer_pilot(&p->tracer, error);
     if (status != SL_OK) return status;
     size_t pixels = p->tracer.pixels;
@@ -125,7 +128,6 @@ static sl_status audit_begin(audit *a, sl_error_probe *p, const sl_image *image,
     a->chosen = sl_allocate_unset(pixels, sizeof *a->chosen);
     a->pixel = sl_allocate_unset(pixels, sizeof *a->pixel);
     if (!a->chance || !a->chosen || !a->pixel) return sl_fail_memory(error, "an estimate of an error");
-    a->mean = sl_audit_mean(a->planes, pixels, &a->nonfinite);
     set_chances(a);
     return SL_OK;
 }
@@ -138,20 +140,20 @@ static void audit_end(audit *a) {
 
 /* ---- what they say ------------------------------------------------------------------------------------------------------- */
 
+/* By those that are chosen. */
 static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_error_estimate *e, sl_error *error) {
-    choose(a, probes);
     sl_status status = sl_probe_tracer_trace(&a->p->tracer, a->chosen, a->count, samples, error);
     if (status != SL_OK) return status;
     for (size_t i = 0; i < a->count; i++) {
         double x[3], p[3], q[3];
         uint32_t pixel = a->chosen[i];
-        for (int c = 0; c < 3; c++) x[c] = (double)a->planes[c][pixel];
+        for (int c = 0; c < 3; c++) x[c] = (double)a->view.planes[c][pixel];
         sl_probe_tracer_means(&a->p->tracer, pixel, p, q);
         a->pixel[i] = sl_audit_pixel_of(x, p, q, 1.0 / probability(a, pixel, probes));
     }
-    *e = (sl_error_estimate){.blind = a->p->blind, .nonfinite = a->nonfinite, .probes = a->count,
+    *e = (sl_error_estimate){.blind = a->p->blind, .nonfinite = a->view.nonfinite, .probes = a->count,
                              .samples = a->p->tracer.counters.value[SL_COUNT_SAMPLES]};
-    sl_audit_conclude(a->pixel, a->count, (double)(a->p->tracer.pixels - (size_t)a->nonfinite), a->mean, e);
+    sl_audit_conclude(a->pixel, a->count, (double)a->view.judged, a->view.mean, e);
     return SL_OK;
 }
 
@@ -162,6 +164,7 @@ sl_status sl_error_probe_estimate(sl_error_probe *p, const sl_image *image, uint
     if (!p || !image || !estimate) return sl_fail_null(error, "error probes, an image and a place for an estimate");
     if (!probes || !samples) return sl_fail(error, SL_ERROR_USAGE, "an estimate takes at least one probe and one sample of it");
     sl_status status = audit_begin(&a, p, image, error);
+    if (status == SL_OK) choose(&a, probes);
     if (status == SL_OK) status = audit_estimate(&a, probes, samples, estimate, error);
     audit_end(&a);
     return status;
@@ -181,7 +184,22 @@ static bool wants_samples(const audit *a, const sl_error_estimate *e, double rel
     return e->noise > (e->rmse > wanted ? e->rmse : wanted) || probes / 2 >= a->p->tracer.pixels;
 }
 
-sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double rel_rmse, sl_error_estimate *e, sl_error *error) {
+static double rays_of(const sl_counters *c) { return (double)(c->value[SL_COUNT_RAYS] + c->value[SL_COUNT_SHADOW_RAYS]); }
+
+/* In rays: what is traced already for those that are chosen, and what so many samples of each would take besides. */
+static double price(const audit *a, uint32_t samples) {
+    const sl_counters *c = &a->p->tracer.counters;
+    double rays = rays_of(c), traced = (double)c->value[SL_COUNT_SAMPLES];
+    return rays + rays / traced * sl_probe_tracer_missing(&a->p->tracer, a->chosen, a->count, samples);
+}
+
+/* As many samples as that precision is worth, where nobody says what the picture is. */
+static double usual_price(const audit *a, double rel_rmse) {
+    const sl_counters *c = &a->p->tracer.counters;
+    return (5e5 + 5e2 / (rel_rmse * rel_rmse)) * rays_of(c) / (double)c->value[SL_COUNT_SAMPLES];
+}
+
+sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double rel_rmse, uint64_t rays, sl_error_estimate *e, sl_error *error) {
     audit a;
     if (e) *e = (sl_error_estimate){0};
     if (!p || !image || !e) return sl_fail_null(error, "error probes, an image and a place for an estimate");
@@ -189,12 +207,14 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
     uint64_t probes = FIRST_PROBES;
     uint32_t samples = FIRST_SAMPLES;
     sl_status status = audit_begin(&a, p, image, error);
-    double most = 5e5 + 5e2 / (rel_rmse * rel_rmse);
+    double most = status != SL_OK ? 0.0 : rays ? (double)rays : usual_price(&a, rel_rmse);
+    if (status == SL_OK) choose(&a, probes);
     if (status == SL_OK) status = audit_estimate(&a, probes, samples, e, error);
     while (status == SL_OK && !(e->bound <= rel_rmse) && !(e->least > too_near * rel_rmse) && !e->nonfinite) {
         if (wants_samples(&a, e, rel_rmse, probes)) samples *= 2;
         else probes *= 2;
-        if (2.0 * (double)a.count * (double)samples > most || samples > UINT32_MAX / 4) break;
+        choose(&a, probes);
+        if (price(&a, samples) > most || samples > UINT32_MAX / 4) break;
         status = audit_estimate(&a, probes, samples, e, error);
     }
     audit_end(&a);

@@ -191,6 +191,15 @@ sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size
     return SL_OK;
 }
 
+double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples) {
+    double missing = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t slot = t->slot[pixels[i]], has = slot == SL_NO_INDEX ? 0 : t->samples[slot];
+        if (has < samples) missing += SL_HALVES * (double)(samples - has);
+    }
+    return missing;
+}
+
 void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]) {
     size_t slot = t->slot[pixel];
     double scale = t->samples[slot] ? 1.0 / (double)t->samples[slot] : 0.0;

@@ -37,6 +37,8 @@ static inline size_t sl_probe_tracer_block(const sl_probe_tracer *t, size_t pixe
 }
 /* Each of the pixels, which differ, has at least so many samples a half afterwards. */
 sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples, sl_error *error);
+/* Samples of both halves together that this would trace. */
+double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels, size_t count, uint32_t samples);
 /* The two halves' means at a pixel that has been traced. */
 void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]);
 
