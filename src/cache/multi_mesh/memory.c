@@ -13,7 +13,7 @@ static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
     const double edge = sl_multi_mesh_coarse_edge(scene, settings), d = (double)scene->diagonal;
     double pieces = 4.0 * 6.0 * d * d / (edge * edge), finest = (double)scene->triangle_count;
     for (int i = 0; i < settings->multi_mesh.coarse_depth; i++) finest *= 4.0;
-    return (pieces < finest ? pieces : finest) * A_COARSE;
+    return 2.0 * (pieces < finest ? pieces : finest) * A_COARSE; /* as many again where light differs */
 }
 
 sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
