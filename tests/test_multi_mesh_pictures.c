@@ -364,6 +364,25 @@ static void after_a_lamp_has_moved_only_its_own_samples_are_taken_again(void **s
     sl_scene_destroy(scene);
 }
 
+/* ---- limits ---- */
+
+static bool warns_of_gloss(const char *scene_file) {
+    sl_scene *scene = load_scene(scene_file);
+    sl_settings settings = mesh_settings(24, 24);
+    sl_image *picture = render(scene, &settings, NULL);
+    const char *warning = sl_image_metadata(picture, "softlux.warning");
+    bool warned = warning && strstr(warning, "% of the pixels show gloss, which reflects lamps alone");
+    sl_image_destroy(picture);
+    sl_scene_destroy(scene);
+    return warned;
+}
+
+static void gloss_that_reflects_lamps_alone_is_told(void **state) {
+    (void)state;
+    assert_true(warns_of_gloss("scenes/cornell-glossy.json"));
+    assert_false(warns_of_gloss("scenes/cornell.json"));
+}
+
 /* ---- determinism ---- */
 
 static void bits_do_not_depend_on_threads(void **state) {
@@ -390,6 +409,7 @@ int main(void) {
         cmocka_unit_test(a_diffuse_scene_has_no_specular_mesh_and_a_point_light_no_pictures),
         cmocka_unit_test(after_a_ball_has_moved_most_samples_of_light_still_hold),
         cmocka_unit_test(after_a_lamp_has_moved_only_its_own_samples_are_taken_again),
+        cmocka_unit_test(gloss_that_reflects_lamps_alone_is_told),
         cmocka_unit_test(bits_do_not_depend_on_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

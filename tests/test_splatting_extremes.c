@@ -213,7 +213,8 @@ static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **
     (void)state;
     sl_settings settings = small_settings("splatting", 16, 16);
     sl_scene *dark = room(1.0, 0.0, shiny, "", "");
-    dark->environment.present = false; /* the sky that scene files without light are given */
+    dark->environment.present = false; /* what scene files without light are given */
+    dark->light_count = 0;
     sl_scene *black = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": {\"m\": {\"diffuse\": 0}},\n"
                                       " \"environment\": {\"radiance\": 1}, \"camera\": {\"eye\": [0, 5, 0], \"target\": [0, 0, 0.001], \"fov_deg\": 40}}", plain_obj);
     sl_scene *const scenes[] = {dark, black};

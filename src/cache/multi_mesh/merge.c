@@ -106,6 +106,15 @@ void sl_materials_destroy(sl_materials_seen *m) {
     sl_free(m);
 }
 
+double sl_materials_glossy_share(const sl_materials_seen *m) {
+    size_t pixels = (size_t)m->width * (size_t)m->height, glossy = 0;
+    for (size_t i = 0; m->specular[0] && i < pixels; i++) {
+        float ks = m->specular[0][i] + m->specular[1][i] + m->specular[2][i];
+        glossy += ks > m->diffuse[0][i] + m->diffuse[1][i] + m->diffuse[2][i];
+    }
+    return (double)glossy / (double)pixels;
+}
+
 /* ---- P4 ---- */
 
 enum { PICTURE = 0, DIRECT = 3, SPECULAR = 6, INDIRECT = 9, EMISSION = 12, KD = 15, KS = 18, CHANNELS = 21 };

@@ -22,6 +22,8 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
                                sl_materials_wanted wanted, unsigned threads, sl_materials_seen **materials, sl_counters *counters,
                                sl_error *error);
 void sl_materials_destroy(sl_materials_seen *materials);
+/* Returns the share of the picture's pixels whose lobe reflects more than their diffuse part does. */
+double sl_materials_glossy_share(const sl_materials_seen *materials);
 
 typedef struct sl_merge {
     const sl_materials_seen *materials;

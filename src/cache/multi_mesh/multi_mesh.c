@@ -343,12 +343,21 @@ static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
     }
 }
 
+/* Tells of what lobes leave out where enough is seen of it: a twentieth of the picture. */
+static sl_status warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error) {
+    double share = sl_materials_glossy_share(s->materials);
+    if (!(share > 0.05)) return SL_OK;
+    return sl_warn(image, error, "%.0f %% of the pixels show gloss, which reflects lamps alone: what surfaces and the sky would "
+                                 "add to it is missing", 100.0 * share);
+}
+
 static sl_status multi_mesh_resolve(void *state, sl_image **image, sl_error *error) {
     sl_multi_mesh_state *s = state;
     if (!s->materials) return sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error); /* nothing is seen yet */
     sl_merge merge = {.materials = s->materials, .threads = s->settings.threads};
     draw_parts(s, &merge);
     sl_status status = sl_merge_picture(&merge, image, error);
+    if (status == SL_OK) status = warn_of_lobes(s, *image, error);
     sl_multi_mesh_announce_lights(s);
     const float *planes = status == SL_OK ? (*image)->planes : NULL;
     sl_announce(&s->announcer, "merge", "image pass 4", s->settings.width, s->settings.height, planes ? 3 : 0, planes, false);
