@@ -227,7 +227,7 @@ static void a_huge_exr_window_is_refused(void **state) {
 static void the_channels_of_an_exr_count_in_its_claim(void **state) {
     enum { CHANNELS = 1000 };
     static const float value[1] = {0};
-    static char names[CHANNELS][8];
+    static char names[CHANNELS][16];
     static exr_test_channel channels[CHANNELS];
     const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 999, .y = 999}};
     for (int c = 0; c < CHANNELS; c++) {
