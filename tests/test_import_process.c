@@ -140,6 +140,7 @@ static void the_importer_leaves_no_core_and_says_nothing_itself(void **state) {
     (void)state;
     use_own_importer();
     const char *program = getenv("SOFTLUX") ? getenv("SOFTLUX") : "build/softlux";
+    if (access(program, X_OK) != 0) skip(); /* sanitized builds may be of the tests alone */
     char command[1024], said[4096] = "";
     snprintf(command, sizeof command, "%s info %s 2>&1", program, scene_file_text("abort.stl", sound));
     FILE *out = popen(command, "r");

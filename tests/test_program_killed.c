@@ -123,10 +123,16 @@ int fsync(int descriptor) {
     return is_last("fsync", false) ? errno = EIO, -1 : real(descriptor);
 }
 
+/* Tells whether anything can be lost: not of a file that was made to see whether one can be made. */
+static bool holds_bytes(int descriptor) {
+    struct stat s;
+    return is_file(descriptor) && fstat(descriptor, &s) == 0 && s.st_size > 0;
+}
+
 /* What is refused has been closed: nobody may try again. */
 int close(int descriptor) {
     REAL(of_descriptor, "close");
-    bool refused = is_file(descriptor) && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_last("close", false);
+    bool refused = holds_bytes(descriptor) && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_last("close", false);
     int result = real(descriptor);
     return refused ? errno = EDQUOT, -1 : result;
 }
