@@ -90,7 +90,7 @@ sl_status sl_auto_look(const sl_scene *scene, const sl_settings *base, sl_auto_k
     return status;
 }
 
-/* What the eye sees in mirrors of light by one surface at most: multi-mesh caching declares the same light paths, but for these. As a share of that
+/* Measures light that the eye sees in mirrors, by one surface at most: multi-mesh caching declares the same light paths, but for these. As a share of that
  * light. */
 static sl_status look_into_mirrors(const sl_scene *scene, const sl_settings *base, double *seen, sl_error *error) {
     sl_settings with = small_picture(scene, base, "path", "one-bounce"), without = small_picture(scene, base, "path", "matched:multi-mesh");

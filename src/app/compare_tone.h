@@ -1,4 +1,4 @@
-/* What `softlux compare` knows of the tone of 8-bit pictures: they show radiance after an exposure and a curve, which their metadata may tell. */
+/* The tone of 8-bit pictures, for `softlux compare`: they show radiance after an exposure and a curve, which their metadata may tell. */
 #ifndef SL_APP_COMPARE_TONE_H
 #define SL_APP_COMPARE_TONE_H
 

@@ -122,7 +122,7 @@ static void add_warnings(cJSON *root, const sl_image *image) {
     }
 }
 
-/* What --json tells of a picture beside its method. */
+/* Facts of a picture for --json, beside its method. */
 typedef struct written {
     sl_image *image;
     double seconds; /* from its start until it was there, writing it not included */

@@ -116,7 +116,7 @@ static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *
     return status;
 }
 
-/* What the picture tells of its tone. */
+/* The tone as the picture's metadata tell it. */
 static sl_status set_tone(const sl_bytes *bytes, sl_image *image, sl_error *error) {
     static const char *const keys[] = {SL_TONE_KEY, SL_TONE_EXPOSURE_KEY, SL_TONE_AUTOMATIC_KEY};
     sl_status status = sl_image_set_metadata(image, SL_TONE_KEY, "unknown", error);

@@ -13,7 +13,7 @@ double sl_tone_exposure(const sl_image *image, sl_tone tone);
 double sl_tone_stops(const sl_image *image, sl_tone tone);
 /* The picture that a PNG of the image shows, read back: R, G, B in linear light, after 2^stops and the curve. */
 sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed, sl_error *error);
-/* What pictures of 8 bits tell of the tone that made them, as metadata: the curve's name, or "unknown" where the file does not tell; the exposure
+/* The tone of 8-bit pictures, as metadata: the curve's name, or "unknown" where the file does not tell; the exposure
  * in stops; "true" where that was automatic. */
 #define SL_TONE_KEY "softlux.tone"
 #define SL_TONE_EXPOSURE_KEY "softlux.exposure"

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <sys/stat.h>
 
-/* What is read in place of a file, whatever names it. */
+/* Text that is read in place of a file, whatever names it. */
 typedef struct sl_import_text {
     const char *data;
     size_t size;

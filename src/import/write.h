@@ -1,4 +1,4 @@
-/* What Assimp made of a file, as scene/import_reply.h has it. */
+/* Writes an imported file as scene/import_reply.h describes it. */
 #ifndef SL_IMPORT_WRITE_H
 #define SL_IMPORT_WRITE_H
 

@@ -288,7 +288,7 @@ static bool camera_is_valid(const sl_camera *c) {
            sl_camera_look_at(&check, sl_v3(0, 0, 0), sl_neg(c->back), c->up, c->vertical_fov);
 }
 
-/* What the view asks for in place of the camera's own; an eye alone looks at the middle of the scene. */
+/* Parts of a view that replace the camera's own; an eye alone looks at the middle of the scene. */
 static bool take_view(const sl_viewpoint *v, const sl_scene *s, sl_camera *camera) {
     sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
     sl_vec3 middle = sl_to_float(sl_scaled(sl_addd(low, high), 0.5));

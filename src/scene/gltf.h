@@ -1,4 +1,4 @@
-/* What the importer does not pass on from a glTF file, or not exactly. */
+/* Facts of a glTF file that the importer does not pass on, or not exactly. */
 #ifndef SL_SCENE_GLTF_H
 #define SL_SCENE_GLTF_H
 

@@ -1,4 +1,4 @@
-/* What a glTF file asks for that is not had: told in one line for each feature. */
+/* Features that a glTF file asks for and that are not had: told in one line for each feature. */
 #ifndef SL_SCENE_GLTF_FEATURES_H
 #define SL_SCENE_GLTF_FEATURES_H
 

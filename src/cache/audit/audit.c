@@ -105,7 +105,7 @@ static double ratio(double a, double b) {
     return q >= 0.0 ? q : INFINITY;
 }
 
-/* What the mean of squares is bounded by for a picture without error: the noise of the probes alone, and the rule of three over the largest. */
+/* Returns the bound of the mean of squares for a picture without error: the noise of the probes alone, and the rule of three over the largest. */
 static double perfect_square(const sl_audit_pixel *pixels, size_t count, double population) {
     double variance = 0.0, squares = 0.0, unseen = 0.0;
     for (size_t i = 0; i < count; i++) {

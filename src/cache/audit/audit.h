@@ -21,7 +21,7 @@ sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const dou
 /* rel_rmse, bound, least, rmse, mean, noise and resolution. population: of how many pixels these are some; mean_image: of all their values. */
 void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *estimate);
 
-/* What of a picture is judged: the pixels whose three values are finite, of a mask's (NULL: of all). */
+/* The judged part of a picture: the pixels whose three values are finite, of a mask's (NULL: of all). */
 typedef struct sl_audit_view {
     const float *planes[3];
     const float *mask;

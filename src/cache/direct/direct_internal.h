@@ -100,7 +100,7 @@ void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t 
 void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
                        sl_counters *counters);
 
-/* What a worker needs for a block, too large for a thread's stack: a third of a megabyte. Not set. */
+/* A worker's memory for a block, too large for a thread's stack: a third of a megabyte. Not set. */
 typedef struct sl_direct_scratch sl_direct_scratch;
 struct sl_lamps;
 size_t sl_direct_scratch_bytes(void);

@@ -87,7 +87,7 @@ static const char *why_cubes(const sl_scene *scene, const sl_radiance_plan *p, c
     return p->receivers ? words[sl_scene_shadow_casters(scene)] : "nothing is lit";
 }
 
-/* What the paper leaves out, as far as the scene has it. */
+/* Tells what the paper leaves out, as far as the scene has it. */
 static void write_limits(const sl_scene *scene, const sl_radiance_plan *p, const sl_radiance_map_settings *m, sl_plan_writer *writer) {
     if (p->environment) sl_plan_limit(writer, "the environment is seen, but lights nothing");
     if (!p->map) return;

@@ -115,7 +115,7 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
     return all ? CORNERS_SEE_ALL : nothing ? CORNERS_SEE_NOTHING : CORNERS_DIFFER;
 }
 
-/* What one light alone shows, if it is more than the mesh does: a highlight between corners that are beside it. */
+/* Light of one lamp alone, if it is more than the mesh shows: a highlight between corners that are beside it. */
 static bool outshines(const probed_leaf *leaf, size_t light, float w1, float w2, sl_rgb value, const sl_mesh_point *point) {
     sl_lit_point lit = sl_lit_point_of(point);
     sl_rgb own = value_of_light(leaf, light, (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit), point);
