@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../tests/osmesa.h"
+#include "osmesa.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "common.h"

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../tests/osmesa.h"
+#include "osmesa.h"
 #include "raster_shaders.h"
 
 enum { TARGETS = 16, MAX_PLANES = OSMESA_PLANES + 1 };

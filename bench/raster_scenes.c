@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../tests/raster_support.h"
+#include "raster_support.h"
 
 #include "base/math.h"
 #include "base/memory.h"

@@ -1,5 +1,5 @@
 /* Elementary functions that give the same bits on every machine: libm's may differ between versions and CPUs, these are
- * built of + - * / and sqrt only. Error bounds are tested (tests/test_base_math.c) and hold for all finite arguments
+ * built of + - * / and sqrt only. Error bounds are tested (tests/base/test_base_math.c) and hold for all finite arguments
  * in the stated ranges; guarded arguments are said per function. */
 #ifndef SL_BASE_MATH_H
 #define SL_BASE_MATH_H

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "../least_settings.h"
+#include "least_settings.h"
 
 #include "scene/animation.h"
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # tests/hard/allocations.sh BUILD [NAME]: every call path that allocates is refused memory once, alone and with all that follow, in all methods and
-# whatever else tests/test_every_allocation*.c do (or what NAME names of it). EVERY=N: every N-th call instead, whatever its path (EVERY=50: minutes).
+# whatever else tests/library/test_every_allocation*.c do (or what NAME names of it). EVERY=N: every N-th call instead, whatever its path (EVERY=50: minutes).
 # BUILD with sanitizers: leaks are faults, too. A case has one thread, so each core has a case of its own.
 # The longest takes half an hour, all together three quarters of one on two cores.
 set -u

@@ -15,7 +15,7 @@
  *   E <= pi L_o. It comes and goes. With the area of the whole block, as if all of the block were on its surface, the bound is the
  *   group's share of pi L_o, and so grows with each texel that joins. Its price is light that receivers very near to edges lose.
  *
- * Measured: the room of tests/test_direct_radiance_steady.c, but 100 steps, m = 4, and 244 receivers, some of them on the box; the difference
+ * Measured: the room of tests/cache/direct_radiance/test_direct_radiance_steady.c, but 100 steps, m = 4, and 244 receivers, some of them on the box; the difference
  * between the irradiance's change in a frame and that of 38,400 photons (at most 0.087), and that of the irradiance itself, of its mean:
  *
  *                              largest flash     root mean square     error

@@ -102,7 +102,7 @@ void sl_moved_lobe_look_up(const sl_moved_lobe *lobe, sl_vec3 r, sl_vec3 n, floa
 /* ---- rotation (rotation.c) ---- */
 
 /* The papers' way to another frame. The renderer moves lobes instead, which is as accurate and costs less; bench/bench_harmonics.c and
- * tests/test_harmonics_tilt.c set the two side by side.
+ * tests/cache/hemisphere/test_harmonics_tilt.c set the two side by side.
  * Directions that turn up from below the horizon of the frame that the coefficients were gathered in are unknown: */
 typedef enum sl_hsh_fill {
     SL_HSH_MIRROR, /* they look like their mirror images above it */

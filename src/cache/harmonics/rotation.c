@@ -18,7 +18,7 @@
 #include <string.h>
 
 /* Nodes along the common axis, and about it in what lies above both horizons, grow with the order; so do those in what lies above
- * one alone, with the angle. Entries are then within 1e-7 of their integrals (tests/test_harmonics_rotation.c). */
+ * one alone, with the angle. Entries are then within 1e-7 of their integrals (tests/cache/hemisphere/test_harmonics_rotation.c). */
 enum { AXIS_MAX = (2 * SL_HSH_ORDER_MAX + 4 + 3) / 4 * 4 };
 static int axis_count(int order) { return (2 * order + 4 + 3) / 4 * 4; } /* whole groups of four */
 static int above_count(int order) { return 4 * order + 12; }

@@ -1,5 +1,5 @@
 /* Memory that ends anywhere while scenes and pictures are read, compared and written, caches kept, shows shown and errors estimated. As
- * tests/test_every_allocation.c, which does methods. */
+ * tests/library/test_every_allocation.c, which does methods. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>

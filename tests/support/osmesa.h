@@ -1,4 +1,4 @@
-/* OpenGL on the CPU: Mesa's llvmpipe rasterizer, as judge of ours (tests/test_osmesa_*.c) and as its rival
+/* OpenGL on the CPU: Mesa's llvmpipe rasterizer, as judge of ours (tests/raster/test_osmesa_*.c) and as its rival
  * (bench/bench_raster*.c). A small harness in terms of what those need, so that they hold no OpenGL calls and build without it.
  *
  *     osmesa_open() ── osmesa_target_create() ── osmesa_draw_to() ── osmesa_clear() ── osmesa_draw(program, mesh) ── osmesa_read()

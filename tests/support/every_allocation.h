@@ -6,7 +6,7 @@
 #define SL_TESTS_EVERY_ALLOCATION_H
 
 #ifndef _GNU_SOURCE
-#error "tests/every_allocation.h needs _GNU_SOURCE"
+#error "tests/support/every_allocation.h needs _GNU_SOURCE"
 #endif
 #include <dlfcn.h>
 #include <errno.h>

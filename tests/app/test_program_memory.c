@@ -1,5 +1,5 @@
 /* --memory, from outside: what a command takes, as the system counts it, is not more than that, the scene's loading and what is written included.
- * What cannot be done with so little is refused, and how much is needed is said. As tests/test_memory_budget.c, which asks the library. */
+ * What cannot be done with so little is refused, and how much is needed is said. As tests/cache/frame/test_memory_budget.c, which asks the library. */
 #define _GNU_SOURCE /* wait4() */
 #include <setjmp.h>
 #include <stdarg.h>
