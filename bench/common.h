@@ -14,7 +14,7 @@
 #include <stdio.h>
 
 #include "cache/gather/gather.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 /* ---- options and output (bench_report.c) ---- */
 

@@ -18,24 +18,25 @@ allow trace '(base|image|scene|trace)/'
 allow cache '(base|image|scene|raster|trace|cache)/'
 # What methods share, from the bottom up; then splatting, whose records bounces keeps where no eye sees them.
 below='base|image|scene|raster|trace'
+allow cache/frame "($below|cache/frame)/"
 allow cache/harmonics '(base|cache/harmonics)/'
 allow cache/light "($below|cache/light)/"
-allow cache/direct "($below|cache/(direct/|light/|picture_value))"
+allow cache/direct "($below|cache/(direct|light|frame))/"
 allow cache/gather "($below|cache/(gather|light|harmonics))/"
 allow cache/reflect "($below|cache/reflect)/"
-allow cache/bounces "($below|cache/(bounces|gather|light|harmonics|splatting/record|cache_file))"
-allow cache/splatting "($below|cache/(splatting|bounces|gather|direct|reflect|light|harmonics|method|budget|announce|cache_file|picture_value))"
-allow cache/direct_radiance "($below|cache/(direct_radiance|light|method|budget|announce|picture_value))"
-allow cache/light_octree "($below|cache/(light_octree|direct|reflect|light|method|budget|announce|picture_value))"
+allow cache/bounces "($below|cache/(bounces|gather|light|harmonics|splatting/record|frame/))"
+allow cache/splatting "($below|cache/(splatting|bounces|gather|direct|reflect|light|harmonics|frame/))"
+allow cache/direct_radiance "($below|cache/(direct_radiance|light|frame/))"
+allow cache/light_octree "($below|cache/(light_octree|direct|reflect|light|frame/))"
 allow cache/light_sample "($below|cache/light_sample)/"
-allow cache/multi_mesh "($below|cache/(multi_mesh|light_sample|method|budget|announce|picture_value))"
-allow cache/shading_cache "($below|cache/(shading_cache|light_sample|method|budget|announce|picture_value))"
-allow cache/reference "($below|cache/(reference|method|budget))"
+allow cache/multi_mesh "($below|cache/(multi_mesh|light_sample|frame/))"
+allow cache/shading_cache "($below|cache/(shading_cache|light_sample|frame/))"
+allow cache/reference "($below|cache/(reference|frame/))"
 # What judges pictures knows no method, only what light paths each declares.
-allow cache/audit "($below|cache/(audit|method))"
+allow cache/audit "($below|cache/(audit|frame/))"
 # Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden; what measures methods asks which light paths
 # each declares. Pictures in pages are encoded and pages written as those in files are.
-allow app '(app/|scene/(features|scene)|base/(vec|error|sanitized)|image/(color|formats|output_file|tone)|trace/trace|cache/method\.h)'
+allow app '(app/|scene/(features|scene)|base/(vec|error|sanitized)|image/(color|formats|output_file|tone)|trace/trace|cache/frame/method\.h)'
 # Nobody can look up numbers of a document that is not here: features, formulas in boxes, pages by their names; in tests and experiments no more than
 # in the library. A section's number stands in one line with the year of the paper that has it, or "of the paper" where its experiments are repeated,
 # or with OpenGL's version; flip.c says once whose they are; a pass announces its own paper's. The light octree's header names its passes (G1 to R2).

@@ -9,7 +9,7 @@
 #include "app/options.h"
 #include "app/same_file.h"
 #include "app/settings_options.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "scene/features.h"
 
 #include <stdio.h>

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "app/settings_options.h"
-#include "cache/settings.h"
+#include "cache/frame/settings.h"
 #include "rendering.h"
 
 enum { WORDS = 300, WORD = 64 };

@@ -1,7 +1,7 @@
 #include "app/bench/references.h"
 
 #include "app/clock.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "image/output_file.h"
 
 #include <cjson/cJSON.h>

@@ -13,7 +13,7 @@
 #include "cache/audit/audit.h"
 #include "cache/audit/surfaces.h"
 #include "cache/audit/trace_probes.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 #include <math.h>
 

@@ -19,7 +19,7 @@
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H
 
-#include "cache/cache_file.h"
+#include "cache/frame/cache_file.h"
 #include "cache/splatting/record.h"
 
 typedef struct sl_hidden_settings {

@@ -3,7 +3,7 @@
  * them mostly has all but no noise. */
 #include "base/math.h"
 #include "cache/direct/direct_lamps.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 #include "trace/bsdf.h"
 
 /* Both kinds of samples of a pixel wait here for their rays. */

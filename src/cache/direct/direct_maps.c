@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/direct/direct_internal.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 
 typedef struct {
     const sl_direct *direct;

@@ -14,7 +14,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "cache/direct/direct_internal.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 
 enum {
     PILOT_MIN = 4,

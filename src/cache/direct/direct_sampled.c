@@ -2,7 +2,7 @@
  * or masked: plain light samples. */
 #include "base/random.h"
 #include "cache/direct/direct_internal.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 
 /* ---- lights without extent ---- */
 

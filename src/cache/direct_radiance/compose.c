@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "cache/direct_radiance/compose_kernels.h"
 #include "cache/direct_radiance/direct_radiance.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 #include "image/unset.h"
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, SPREAD = 12, LAYERS };

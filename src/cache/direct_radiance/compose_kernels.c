@@ -1,6 +1,6 @@
 #include "cache/direct_radiance/compose_kernels.h"
 
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 
 /* sl_picture_value(), without a branch. */
 static inline float value(float v) {

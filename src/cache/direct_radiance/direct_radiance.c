@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/direct_radiance/emission.h"
 #include "cache/direct_radiance/light_openings.h"
 #include "cache/direct_radiance/light_receivers.h"

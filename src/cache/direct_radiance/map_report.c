@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/print.h"
 #include "cache/direct_radiance/receiver_kernels.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 }; /* each point is two receivers, one on either side */
 

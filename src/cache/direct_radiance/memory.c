@@ -1,5 +1,5 @@
 /* What Direct Radiance Mapping takes: pictures from the lights, for the most part. */
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 #include "cache/direct_radiance/map_faces.h"
 #include "cache/direct_radiance/plan.h"
 #include "scene/features.h"

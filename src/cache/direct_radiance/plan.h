@@ -3,7 +3,7 @@
 #define SL_CACHE_DIRECT_RADIANCE_PLAN_H
 
 #include "cache/direct_radiance/lights.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 typedef struct sl_radiance_plan {
     bool receivers;      /* some surface is diffuse or glossy */

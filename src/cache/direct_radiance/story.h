@@ -2,9 +2,9 @@
 #ifndef SL_CACHE_DIRECT_RADIANCE_STORY_H
 #define SL_CACHE_DIRECT_RADIANCE_STORY_H
 
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/direct_radiance/light_tiles.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 /* What all stories of a picture share. */
 typedef struct sl_radiance_story sl_radiance_story;

@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cache/light_octree/light_octree.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 
 enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, LAYERS = 12 };
 

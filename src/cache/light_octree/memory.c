@@ -1,5 +1,5 @@
 /* What the light octree takes: photons, and what its voxels hold. */
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 #include "cache/light_octree/octree.h"
 #include "cache/light_octree/photons.h"
 #include "cache/light_octree/plan.h"

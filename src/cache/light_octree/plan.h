@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_PLAN_H
 #define SL_CACHE_LIGHT_OCTREE_PLAN_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 typedef struct sl_octree_plan {
     bool photons;      /* something shines and something reflects */

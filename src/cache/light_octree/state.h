@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_STATE_H
 #define SL_CACHE_LIGHT_OCTREE_STATE_H
 
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/light_octree/light_octree.h"
 
 enum { SL_OCTREE_PLANES = 6 }; /* direct, indirect */

@@ -2,10 +2,10 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_STORY_H
 #define SL_CACHE_LIGHT_OCTREE_STORY_H
 
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/light_octree/photons.h"
 #include "cache/light_octree/shade.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "cache/reflect/reflect.h"
 
 typedef struct sl_octree_told {

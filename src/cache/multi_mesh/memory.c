@@ -1,5 +1,5 @@
 /* What multi-mesh caching takes, and where refinement ends if memory does. */
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <stdio.h>

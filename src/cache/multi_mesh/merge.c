@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/math.h"
 #include "base/parallel.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 #include "image/unset.h"
 
 #include <string.h>

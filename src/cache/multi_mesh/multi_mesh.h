@@ -25,7 +25,7 @@
 #ifndef SL_MULTI_MESH_MULTI_MESH_H
 #define SL_MULTI_MESH_MULTI_MESH_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 /* How large the meshes of a method's state are: the three that the eye sees, in the order of sl_component, all lights' together, and the coarse mesh.
  *

@@ -2,7 +2,7 @@
 #ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/multi_mesh/coarse_light.h"
 #include "cache/multi_mesh/displayed.h"
 #include "cache/multi_mesh/gather.h"

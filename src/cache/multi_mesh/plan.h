@@ -2,7 +2,7 @@
 #ifndef SL_MULTI_MESH_PLAN_H
 #define SL_MULTI_MESH_PLAN_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 typedef struct sl_multi_mesh_plan {
     bool lights;             /* any light with a place or a direction */

@@ -2,7 +2,7 @@
 #ifndef SL_MULTI_MESH_STORY_H
 #define SL_MULTI_MESH_STORY_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 /* See sl_method_story(). */

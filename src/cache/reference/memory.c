@@ -1,5 +1,5 @@
 /* What the reference tracers take. */
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 #include "cache/reference/sampled_method.h"
 
 /* Sums of two halves in double and the picture with its halves in float: 84 bytes a pixel; emitters and their tree. */

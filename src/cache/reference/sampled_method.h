@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_REFERENCE_SAMPLED_METHOD_H
 #define SL_CACHE_REFERENCE_SAMPLED_METHOD_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "trace/trace.h"
 
 typedef struct sl_sampled_film {

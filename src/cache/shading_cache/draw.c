@@ -2,7 +2,7 @@
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/parallel.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 #include "cache/shading_cache/leaf_lookup.h"
 #include "cache/shading_cache/story.h"
 #include "scene/surface_rules.h"

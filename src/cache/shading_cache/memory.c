@@ -1,5 +1,5 @@
 /* What the shading cache takes. It has a limit of its own, patches to a pixel (of small pictures as if they were larger), beyond which patches go that were not used for long. */
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 #include "cache/shading_cache/plan.h"
 #include "scene/features.h"
 

@@ -2,7 +2,7 @@
 #ifndef SL_SHADING_CACHE_PLAN_H
 #define SL_SHADING_CACHE_PLAN_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 typedef struct sl_shading_plan {
     bool direct;        /* some light can be sampled */

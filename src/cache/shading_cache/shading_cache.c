@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 #include "cache/shading_cache/state.h"
 #include "cache/shading_cache/story.h"
 #include "scene/ambient.h"

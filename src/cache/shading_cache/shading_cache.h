@@ -18,6 +18,6 @@
 #ifndef SL_SHADING_CACHE_SHADING_CACHE_H
 #define SL_SHADING_CACHE_SHADING_CACHE_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 #endif

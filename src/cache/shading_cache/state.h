@@ -2,7 +2,7 @@
 #ifndef SL_SHADING_CACHE_STATE_H
 #define SL_SHADING_CACHE_STATE_H
 
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/shading_cache/change.h"
 #include "cache/shading_cache/display.h"
 #include "cache/shading_cache/fade.h"

@@ -4,7 +4,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/picture_value.h"
+#include "cache/frame/picture_value.h"
 #include "cache/splatting/splatting.h"
 
 const char *const sl_layer_names[SL_LAYERS_GLOSSY] = {

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/cache_file.h"
+#include "cache/frame/cache_file.h"
 #include "cache/splatting/state.h"
 
 /* Records are written word by word. */

@@ -1,5 +1,5 @@
 /* What radiance cache splatting takes, and where records end if memory does. */
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 #include "cache/gather/projection.h"
 #include "cache/splatting/state.h"
 

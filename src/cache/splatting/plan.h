@@ -3,7 +3,7 @@
 #define SL_CACHE_SPLATTING_PLAN_H
 
 #include "cache/gather/gather.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 typedef struct sl_splat_quality {
     double accuracy;        /* a of irradiance records */

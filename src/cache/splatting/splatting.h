@@ -22,7 +22,7 @@
 
 #include "cache/direct/direct.h"
 #include "cache/gather/gather.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/mirrors.h"
 #include "cache/splatting/record.h"

@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_SPLATTING_STATE_H
 #define SL_CACHE_SPLATTING_STATE_H
 
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 #include "cache/bounces/bounces.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/plan.h"

@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_SPLATTING_STORY_H
 #define SL_CACHE_SPLATTING_STORY_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "cache/splatting/state.h"
 
 /* See sl_method_story(). */

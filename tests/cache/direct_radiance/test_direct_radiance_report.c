@@ -12,7 +12,7 @@
 
 #include "base/math.h"
 #include "cache/direct_radiance/lights.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "rendering.h"
 #include "trace_scenes.h"
 

@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "rendering.h"
 
 /* The library asks for memory here; allocation number `failing` fails, once. */

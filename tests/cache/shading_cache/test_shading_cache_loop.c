@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "cache/shading_cache/state.h"
 #include "matched.h"
 #include "rendering.h"

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "base/random.h"
-#include "cache/cache_file.h"
+#include "cache/frame/cache_file.h"
 #include "rendering.h"
 
 typedef struct {

@@ -1,6 +1,6 @@
 /* The settings of all methods: whether they make sense, and how a picture tells of them. */
-#ifndef SL_CACHE_SETTINGS_H
-#define SL_CACHE_SETTINGS_H
+#ifndef SL_FRAME_SETTINGS_H
+#define SL_FRAME_SETTINGS_H
 
 #include "softlux.h"
 

@@ -1,7 +1,7 @@
 /* How methods tell observers of their passes: each with the picture that it made, and with what the counters have grown by since the
  * last one. Without an observer it costs nothing. */
-#ifndef SL_CACHE_ANNOUNCE_H
-#define SL_CACHE_ANNOUNCE_H
+#ifndef SL_FRAME_ANNOUNCE_H
+#define SL_FRAME_ANNOUNCE_H
 
 #include "raster/raster.h"
 

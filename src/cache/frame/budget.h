@@ -1,9 +1,9 @@
 /* Memory within bounds: what a picture would take is worked out from counts before anything is made, and settings are lowered until that
  * fits. Each method tells what it needs (memory.c in its folder) and which settings may be lowered; the rule by which they are is here. */
-#ifndef SL_CACHE_BUDGET_H
-#define SL_CACHE_BUDGET_H
+#ifndef SL_FRAME_BUDGET_H
+#define SL_FRAME_BUDGET_H
 
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "raster/raster.h"
 #include "trace/trace.h"
 

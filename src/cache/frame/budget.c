@@ -1,4 +1,4 @@
-#include "cache/budget.h"
+#include "cache/frame/budget.h"
 
 #include "base/error.h"
 #include "base/print.h"

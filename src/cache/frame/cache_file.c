@@ -1,4 +1,4 @@
-#include "cache/cache_file.h"
+#include "cache/frame/cache_file.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* The story of a pixel: what a method tells is collected here, and held against the picture. */
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 #include "base/error.h"
 #include "base/memory.h"

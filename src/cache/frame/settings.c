@@ -1,4 +1,4 @@
-#include "cache/settings.h"
+#include "cache/frame/settings.h"
 
 #include "base/error.h"
 #include "base/math.h"

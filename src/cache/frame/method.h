@@ -1,7 +1,7 @@
 /* The one interface that all methods and the reference tracers implement, so that the program, the step pages, the benchmarks
  * and the tests drive them all alike. */
-#ifndef SL_CACHE_METHOD_H
-#define SL_CACHE_METHOD_H
+#ifndef SL_FRAME_METHOD_H
+#define SL_FRAME_METHOD_H
 
 #include "scene/scene.h"
 #include "softlux.h"
@@ -33,7 +33,7 @@ typedef struct sl_window_class {
     sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters, sl_error *error);
 } sl_window_class;
 
-/* What a method takes, in bytes, beside the scene: an upper estimate by counts, before anything is there (cache/budget.h). */
+/* What a method takes, in bytes, beside the scene: an upper estimate by counts, before anything is there (cache/frame/budget.h). */
 typedef struct sl_memory_need {
     double hierarchies; /* clusters of the rasterizer, the rays' */
     double caches;      /* of which those that grow count with the least that is of use */

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/thread.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 #include "scene/animation.h"
 #include "scene/twin.h"
 

@@ -1,9 +1,9 @@
 /* The public face of the methods: a table of classes, settings completed, metadata stamped on every picture. */
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 #include "base/print.h"
-#include "cache/budget.h"
-#include "cache/settings.h"
+#include "cache/frame/budget.h"
+#include "cache/frame/settings.h"
 
 #include "base/counters.h"
 #include "base/error.h"

@@ -1,7 +1,7 @@
 /* What a picture holds where radiance is beyond floats (a light of 1e37 W/sr a millimetre away): the largest float; and nothing where an
  * infinite light met a zero, which is no number. */
-#ifndef SL_CACHE_PICTURE_VALUE_H
-#define SL_CACHE_PICTURE_VALUE_H
+#ifndef SL_FRAME_PICTURE_VALUE_H
+#define SL_FRAME_PICTURE_VALUE_H
 
 #include <float.h>
 #include <math.h>

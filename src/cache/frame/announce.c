@@ -1,7 +1,7 @@
-#include "cache/announce.h"
+#include "cache/frame/announce.h"
 
 #include "base/memory.h"
-#include "cache/method.h"
+#include "cache/frame/method.h"
 
 #include <string.h>
 

@@ -10,8 +10,8 @@
  *     checksum               u64, of all before
  *
  * It appears whole or not at all, and is read whole or not at all. */
-#ifndef SL_CACHE_FILE_H
-#define SL_CACHE_FILE_H
+#ifndef SL_FRAME_CACHE_FILE_H
+#define SL_FRAME_CACHE_FILE_H
 
 #include "softlux.h"
 
