@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "base/math.h"
-#include "cache/direct/direct.h"
+#include "cache/light/direct.h"
 
 typedef struct {
     sl_scene *scene;

@@ -17,8 +17,8 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/harmonics/harmonics.h"
-#include "cache/harmonics/quadrature.h"
+#include "cache/hemisphere/harmonics.h"
+#include "cache/hemisphere/quadrature.h"
 
 enum { POLAR = 64, AZIMUTHS = 128, NODES = POLAR * AZIMUTHS, RINGS = 16, SPOKES = 32, DISC = RINGS * SPOKES };
 enum { LIGHTS = 8, WORLDS = 12, VIEWS = 24, DISCS = 400, STRIDE = SL_HSH_STRIDE_MAX };

@@ -13,7 +13,7 @@
 
 #include <stdio.h>
 
-#include "cache/gather/gather.h"
+#include "cache/hemisphere/gather.h"
 #include "cache/frame/method.h"
 
 /* ---- options and output (bench_report.c) ---- */

@@ -2,8 +2,8 @@
 #ifndef SL_BENCH_GATHER_H
 #define SL_BENCH_GATHER_H
 
-#include "cache/gather/gather_cost.h"
-#include "cache/gather/gather_internal.h"
+#include "cache/hemisphere/gather_cost.h"
+#include "cache/hemisphere/gather_internal.h"
 
 enum { POINTS = 200, SIZES = 5 };
 

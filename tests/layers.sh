@@ -19,18 +19,15 @@ allow cache '(base|image|scene|raster|trace|cache)/'
 # What methods share, from the bottom up; then splatting, whose records bounces keeps where no eye sees them.
 below='base|image|scene|raster|trace'
 allow cache/frame "($below|cache/frame)/"
-allow cache/harmonics '(base|cache/harmonics)/'
-allow cache/light "($below|cache/light)/"
-allow cache/direct "($below|cache/(direct|light|frame))/"
-allow cache/gather "($below|cache/(gather|light|harmonics))/"
+allow cache/light "($below|cache/(light/|frame/picture_value))"
+allow cache/hemisphere "($below|cache/(hemisphere|light))/"
 allow cache/reflect "($below|cache/reflect)/"
-allow cache/bounces "($below|cache/(bounces|gather|light|harmonics|splatting/record|frame/))"
-allow cache/splatting "($below|cache/(splatting|bounces|gather|direct|reflect|light|harmonics|frame/))"
+allow cache/bounces "($below|cache/(bounces|hemisphere|light|splatting/record|frame/))"
+allow cache/splatting "($below|cache/(splatting|bounces|hemisphere|reflect|light|frame/))"
 allow cache/direct_radiance "($below|cache/(direct_radiance|light|frame/))"
-allow cache/light_octree "($below|cache/(light_octree|direct|reflect|light|frame/))"
-allow cache/light_sample "($below|cache/light_sample)/"
-allow cache/multi_mesh "($below|cache/(multi_mesh|light_sample|frame/))"
-allow cache/shading_cache "($below|cache/(shading_cache|light_sample|frame/))"
+allow cache/light_octree "($below|cache/(light_octree|reflect|light|frame/))"
+allow cache/multi_mesh "($below|cache/(multi_mesh|light|frame/))"
+allow cache/shading_cache "($below|cache/(shading_cache|light|frame/))"
 allow cache/reference "($below|cache/(reference|frame/))"
 # What judges pictures knows no method, only what light paths each declares.
 allow cache/audit "($below|cache/(audit|frame/))"

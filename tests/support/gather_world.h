@@ -2,7 +2,7 @@
 #ifndef SL_TESTS_GATHER_WORLD_H
 #define SL_TESTS_GATHER_WORLD_H
 
-#include "cache/gather/gather.h"
+#include "cache/hemisphere/gather.h"
 
 enum { WORLD_VERTICES_MAX = 70000, WORLD_TRIANGLES_MAX = 140000, WORLD_MATERIALS_MAX = 512, WORLD_LIGHTS_MAX = 16 };
 

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "cache/light_sample/light_sample.h"
+#include "cache/light/light_sample.h"
 #include "trace_scenes.h"
 
 typedef struct light_world {

@@ -10,7 +10,7 @@ static const sl_narrative_pass passes[] = {
      "sl_raster_gbuffer(), src/raster/resolve/gbuffer.c", NULL, SL_SHOW_NORMALS},
     {"G-buffer: albedo", "What each pixel reflects", "The diffuse reflectance, textures included. The octree holds light alone.", NULL, "sl_raster_gbuffer(), src/raster/resolve/gbuffer.c", NULL, SL_SHOW_COLOUR},
     {"direct light", "Direct light", "Light that comes straight from a lamp has sharp shadows, which no voxel could hold: it is another pass's affair, with rays to samples of the lamps.", NULL,
-     "sl_direct_rows(), src/cache/direct/direct.c", "direct", SL_SHOW_LIGHT},
+     "sl_direct_rows(), src/cache/light/direct.c", "direct", SL_SHOW_LIGHT},
     {"photons", "Photons leave the lamps",
      "Each carries an equal part of the power. Where it hits a surface after at least one bounce it is stored: place, direction, power. Then it is reflected, or absorbed by Russian roulette.",
      M_SUB(M_I("&#x3A6;"), M_I("i")) M_O("=") M_FRAC(M_I("&#x3A6;"), M_SUB(M_I("N"), M_T("emitted"))), "sl_photons_trace(), src/cache/light_octree/photons.c", NULL, SL_SHOW_LIGHT},

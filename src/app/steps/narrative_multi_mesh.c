@@ -60,7 +60,7 @@ static const sl_narrative_pass passes[] = {
      "The scene is drawn from the vertex into the frustum that just holds the lamp. Every pixel in which the lamp is in front counts by its solid angle and its cosine, all others are black: a shadow's border is sampled 4,096 times at once. "
      "This is a vertex that sees about half of the first light.",
      M_I("F") M_O("=") M_SUM(M_T("pixels that see the lamp")) M_FRAC(M_I("h") M_TIMES M_T("cos") M_I("&#x3B8;"), M_I("&#x3C0;") M_TIMES M_SUP(M_I("r"), M_N("3"))) M_TIMES M_I("&#x394;A"),
-     "sl_light_sample_take(), src/cache/light_sample/light_sample.c", NULL, SL_SHOW_SCALAR},
+     "sl_light_sample_take(), src/cache/light/light_sample.c", NULL, SL_SHOW_SCALAR},
     {"... reduced to 16 x 16", "... added up", "Two by two pixels become one, again and again, until 16 by 16 are left: only these are read back and added by the processor.", NULL, "sl_raster_reduce(), src/raster/fragments/reduce.c", NULL,
      SL_SHOW_SCALAR},
     {"merge", "The picture", "One pass over the screen multiplies light by what is reflected, and adds up. While the eye rests it is all that is done for a new picture, whatever the meshes' size.",

@@ -17,7 +17,7 @@ static const sl_narrative_pass passes[] = {
     {"direct light", "Direct light",
      "Light that comes straight from the lamps. It changes fast, at the edges of shadows, and so is not cached: every pixel finds its own, by rays to the lamps or by shadow maps.",
      M_SUB(M_I("L"), M_I("d")) M_O("=") M_FRAC(M_I("&#x3C1;"), M_I("&#x3C0;")) M_SUM(M_T("lamps")) M_SUB(M_I("E"), M_I("l")) M_TIMES M_SUB(M_I("V"), M_I("l")),
-     "sl_direct_rows(), src/cache/direct/direct.c", "direct", SL_SHOW_LIGHT},
+     "sl_direct_rows(), src/cache/light/direct.c", "direct", SL_SHOW_LIGHT},
     {"coverage: sum of w", "What is covered",
      "The sum of the weights of all records at each pixel. Where it stays below the accuracy's threshold nothing is near enough, and the pixel asks for a record of its own: a whole hemisphere is gathered there. "
      "Visited from coarse to fine, few pixels have to ask.",
@@ -26,7 +26,7 @@ static const sl_narrative_pass passes[] = {
     {"gather of one record", "What a record sees",
      "The hemisphere above one point, the one nearest to the middle of the picture: as many cells as rays (or as pixels, where it is rasterized on one plane or on the five faces of half a cube), each with the light that comes from there. "
      "Their weighted sum is the record's irradiance; how it changes from cell to cell tells its gradients.",
-     M_I("E") M_O("=") M_FRAC(M_I("&#x3C0;"), M_SUP(M_I("N"), M_N("2"))) M_SUM(M_I("i") M_O(",") M_I("j")) M_SUB(M_I("L"), M_I("i") M_I("j")), "sl_gather_irradiance(), src/cache/gather/gather.c", NULL,
+     M_I("E") M_O("=") M_FRAC(M_I("&#x3C0;"), M_SUP(M_I("N"), M_N("2"))) M_SUM(M_I("i") M_O(",") M_I("j")) M_SUB(M_I("L"), M_I("i") M_I("j")), "sl_gather_irradiance(), src/cache/hemisphere/gather.c", NULL,
      SL_SHOW_LIGHT},
     {"gather of one record: where", "Where that is", "The point whose hemisphere that was.", NULL, "sl_splat_announce_gather(), src/cache/splatting/story.c", NULL, SL_SHOW_LIGHT},
     {"records", "The records",

@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "cache/gather/gather_tables.h"
+#include "cache/hemisphere/gather_tables.h"
 
 enum { RAYS_A_SIDE = 8, RAYS = RAYS_A_SIDE * RAYS_A_SIDE };
 

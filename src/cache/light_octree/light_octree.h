@@ -27,7 +27,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_H
 
-#include "cache/direct/direct.h"
+#include "cache/light/direct.h"
 #include "cache/light_octree/pixels.h"
 #include "cache/light_octree/plan.h"
 #include "cache/reflect/reflect.h"

@@ -4,7 +4,7 @@
 #ifndef SL_MULTI_MESH_CHANGES_H
 #define SL_MULTI_MESH_CHANGES_H
 
-#include "cache/light_sample/lights.h"
+#include "cache/light/lights.h"
 #include "cache/multi_mesh/topology.h"
 #include "scene/object_places.h"
 

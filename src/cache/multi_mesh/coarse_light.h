@@ -4,7 +4,7 @@
 #ifndef SL_MULTI_MESH_COARSE_LIGHT_H
 #define SL_MULTI_MESH_COARSE_LIGHT_H
 
-#include "cache/light_sample/light_sample.h"
+#include "cache/light/light_sample.h"
 #include "cache/multi_mesh/gather.h"
 
 typedef struct sl_coarse_light_settings {

@@ -11,7 +11,7 @@
 #ifndef SL_MULTI_MESH_IRRADIANCE_H
 #define SL_MULTI_MESH_IRRADIANCE_H
 
-#include "cache/light_sample/light_sample.h"
+#include "cache/light/light_sample.h"
 #include "cache/multi_mesh/changes.h"
 #include "cache/multi_mesh/mesh.h"
 #include "cache/multi_mesh/perception.h"

@@ -2,7 +2,7 @@
 #ifndef SL_MULTI_MESH_LIT_POINTS_H
 #define SL_MULTI_MESH_LIT_POINTS_H
 
-#include "cache/light_sample/light_sample.h"
+#include "cache/light/light_sample.h"
 #include "cache/multi_mesh/mesh.h"
 
 /* How much of the way to its leaf's middle a point is moved that lies inside other geometry: these one after another. */

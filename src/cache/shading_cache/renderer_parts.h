@@ -2,7 +2,7 @@
 #ifndef SL_SHADING_CACHE_RENDERER_PARTS_H
 #define SL_SHADING_CACHE_RENDERER_PARTS_H
 
-#include "cache/light_sample/light_sample.h"
+#include "cache/light/light_sample.h"
 #include "cache/shading_cache/renderers.h"
 #include "trace/bsdf.h"
 

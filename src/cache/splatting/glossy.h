@@ -8,7 +8,7 @@
 #ifndef SL_CACHE_SPLATTING_GLOSSY_H
 #define SL_CACHE_SPLATTING_GLOSSY_H
 
-#include "cache/harmonics/harmonics.h"
+#include "cache/hemisphere/harmonics.h"
 #include "cache/splatting/record.h"
 #include "scene/scene.h"
 

@@ -1,6 +1,6 @@
 /* What radiance cache splatting takes, and where records end if memory does. */
 #include "cache/frame/budget.h"
-#include "cache/gather/projection.h"
+#include "cache/hemisphere/projection.h"
 #include "cache/splatting/state.h"
 
 #include <stdio.h>

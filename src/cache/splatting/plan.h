@@ -2,7 +2,7 @@
 #ifndef SL_CACHE_SPLATTING_PLAN_H
 #define SL_CACHE_SPLATTING_PLAN_H
 
-#include "cache/gather/gather.h"
+#include "cache/hemisphere/gather.h"
 #include "cache/frame/method.h"
 
 typedef struct sl_splat_quality {

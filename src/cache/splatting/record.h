@@ -4,7 +4,7 @@
 #define SL_CACHE_SPLATTING_RECORD_H
 
 #include "base/isa.h"
-#include "cache/gather/gather.h"
+#include "cache/hemisphere/gather.h"
 #include "cache/splatting/reach_tree.h"
 
 /* A wall that stands near a record: what lies behind it is another room's. */

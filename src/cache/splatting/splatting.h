@@ -20,8 +20,8 @@
 #ifndef SL_CACHE_SPLATTING_H
 #define SL_CACHE_SPLATTING_H
 
-#include "cache/direct/direct.h"
-#include "cache/gather/gather.h"
+#include "cache/light/direct.h"
+#include "cache/hemisphere/gather.h"
 #include "cache/frame/method.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/mirrors.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/math.h"
-#include "cache/harmonics/harmonics.h"
+#include "cache/hemisphere/harmonics.h"
 
 static const double degree = SL_PI / 180.0;
 

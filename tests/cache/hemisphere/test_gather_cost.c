@@ -10,8 +10,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/gather/gather_cost.h"
-#include "cache/gather/gather_internal.h"
+#include "cache/hemisphere/gather_cost.h"
+#include "cache/hemisphere/gather_internal.h"
 #include "gather_world.h"
 
 static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/gather/hemisphere_tables.h"
+#include "cache/hemisphere/hemisphere_tables.h"
 #include "gather_world.h"
 
 static void assert_near(double a, double b, double eps) {

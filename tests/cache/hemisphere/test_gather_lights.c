@@ -8,8 +8,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/gather/gather_internal.h"
-#include "cache/gather/hemisphere_tables.h"
+#include "cache/hemisphere/gather_internal.h"
+#include "cache/hemisphere/hemisphere_tables.h"
 #include "gather_world.h"
 
 /* ---- a floor under lamps, some of them covered from below ---- */

@@ -10,8 +10,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/gather/projection_integrals.h"
-#include "cache/harmonics/harmonics.h"
+#include "cache/hemisphere/projection_integrals.h"
+#include "cache/hemisphere/harmonics.h"
 #include "gather_world.h"
 
 static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};

@@ -7,8 +7,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/gather/gather_tables.h"
-#include "cache/gather/hemisphere_tables.h"
+#include "cache/hemisphere/gather_tables.h"
+#include "cache/hemisphere/hemisphere_tables.h"
 
 static void assert_near(double a, double b, double eps) {
     if (!(fabs(a - b) <= eps)) fail_msg("%.15g is not %.15g (+- %g)", a, b, eps);

@@ -1,7 +1,7 @@
 /* Hemispherical harmonics: orthonormal, as in the paper, and safe at the zenith, at the horizon and off the hemisphere. The basis is
  * compiled here once more with a higher largest order than the library's. */
 #define SL_HSH_ORDER_MAX 20
-#include "cache/harmonics/basis.c"
+#include "cache/hemisphere/basis.c"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "cache/harmonics/quadrature.h"
+#include "cache/hemisphere/quadrature.h"
 
 enum { POLAR = 48, AZIMUTHS = 96, ORDER = SL_HSH_ORDER_MAX };
 

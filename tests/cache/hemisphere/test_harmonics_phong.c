@@ -10,7 +10,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/harmonics/harmonics.h"
+#include "cache/hemisphere/harmonics.h"
 
 static const double degree = SL_PI / 180.0;
 

@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "cache/harmonics/quadrature.h"
+#include "cache/hemisphere/quadrature.h"
 #include "harmonics_support.h"
 
 enum { POLAR = 48, AZIMUTHS = 96, NODES = POLAR * AZIMUTHS, LIGHTS = 8, WORLDS = 16, VIEWS = 32, ORDER_TOP = 10 };

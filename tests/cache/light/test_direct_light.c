@@ -13,8 +13,8 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "cache/gather/hemisphere_tables.h"
-#include "cache/direct/direct.h"
+#include "cache/hemisphere/hemisphere_tables.h"
+#include "cache/light/direct.h"
 #include "rendering.h"
 #include "trace_scenes.h"
 

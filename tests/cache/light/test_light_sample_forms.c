@@ -2,7 +2,7 @@
 #include "light_sample_support.h"
 
 #include "base/math.h"
-#include "cache/light_sample/light_sample_internal.h"
+#include "cache/light/light_sample_internal.h"
 
 static const sl_vec3 up = {0, 1, 0};
 

@@ -7,7 +7,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/light_sample/sample_kernels.h"
+#include "cache/light/sample_kernels.h"
 
 static const sl_vec3 up = {0, 1, 0};
 

@@ -12,7 +12,7 @@
 #include <math.h>
 
 #include "base/random.h"
-#include "cache/gather/hemisphere_tables.h"
+#include "cache/hemisphere/hemisphere_tables.h"
 #include "cache/light/shadow_maps.h"
 #include "gather_world.h"
 

@@ -1,0 +1,280 @@
+#include "cache/hemisphere/glossy_hits.h"
+#include "cache/hemisphere/light_scratch.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/hemisphere/harmonics.h"
+
+enum { EVERY_LIGHT_MAX = 8 };
+
+sl_gather_settings sl_gather_defaults(void) {
+    return (sl_gather_settings){.kind = SL_GATHER_AUTO, .size = 64, .plane_fov = (float)(140.0 / 180.0 * SL_PI),
+                                .border = SL_BORDER_RADIAL, .jitter = true, .more_rays = 0.5f, .direct = SL_DIRECT_AUTO, .hit_samples = 1};
+}
+
+/* ---- decisions ------------------------------------------------------------------------------------------------------ */
+
+/* Rays wherever there is a tracer: a shadow map lets light through walls and corners that are thinner than its bias. */
+static void decide_direct(const sl_tracer *tracer, sl_gather_settings *s) {
+    if (s->direct == SL_DIRECT_AUTO) s->direct = tracer ? SL_DIRECT_RAYS : SL_DIRECT_SHADOW_MAPS;
+}
+
+static sl_status check(const sl_gather_settings *s, const sl_raster *raster, const sl_tracer *tracer, sl_error *error) {
+    if (!raster && (s->kind == SL_GATHER_PLANE || s->kind == SL_GATHER_HEMICUBE || s->direct == SL_DIRECT_SHADOW_MAPS)) {
+        return sl_fail(error, SL_ERROR_USAGE, "this gather needs the rasterizer");
+    }
+    if (!tracer && (s->kind == SL_GATHER_RAYS || s->direct == SL_DIRECT_RAYS)) {
+        return sl_fail(error, SL_ERROR_USAGE, "this gather needs the ray tracer");
+    }
+    if (!(s->plane_fov > 0.0f && s->plane_fov < 3.12f)) {
+        return sl_fail(error, SL_ERROR_USAGE, "the gather plane's field of view must lie between 0 and 178 degrees");
+    }
+    return SL_OK;
+}
+
+/* ---- creation --------------------------------------------------------------------------------------------------------- */
+
+/* Lights without extent light every hit, unless they are many; samples are drawn from what is left. */
+static sl_status make_sources(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    const sl_scene *scene = gather->scene;
+    gather->extended = *scene;
+    gather->every_light = scene->light_count <= EVERY_LIGHT_MAX;
+    if (gather->every_light) gather->extended.light_count = 0;
+    size_t sources = gather->extended.light_count + scene->emitter_count + (scene->environment.present ? 1 : 0);
+    if (sources == 0) return SL_OK;
+    if (sources > SL_LIGHT_SOURCES_MAX) {
+        sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
+        return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
+    }
+    sl_status status = sl_light_sources_create(&gather->extended, &gather->sources, error);
+    return status == SL_OK ? sl_gather_learn_lights(gather, threads, counters, error) : status;
+}
+
+static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    const sl_environment *environment = &gather->scene->environment;
+    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, NULL, environment->present ? environment : NULL, threads};
+    gather->maps = gather->settings.maps;
+    if (gather->maps) return SL_OK;
+    sl_status status = sl_shadow_maps_create(gather->scene, gather->raster, &maps, &gather->own_maps, counters, error);
+    gather->maps = gather->own_maps;
+    return status;
+}
+
+static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS) {
+        return make_maps(gather, threads, counters, error);
+    }
+    return make_sources(gather, threads, counters, error);
+}
+
+static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+    sl_gather_settings *s = &gather->settings;
+    sl_status status = make_light(gather, threads, counters, error);
+    if (status == SL_OK && s->kind == SL_GATHER_AUTO) status = sl_gather_choose(gather, &s->kind, &s->size, error);
+    if (status != SL_OK) return status;
+    status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border, &gather->tables, error);
+    if (status != SL_OK || s->harmonics_order == 0) return status;
+    return sl_projection_create(gather->tables, (double)gather->half_tangent, s->border, s->harmonics_order, threads,
+                                &gather->projection, error);
+}
+
+sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                           const sl_gather_settings *settings, unsigned threads, sl_gather **out, sl_counters *counters,
+                           sl_error *error) {
+    *out = NULL;
+    sl_gather *gather = sl_allocate(1, sizeof *gather);
+    if (!gather) return sl_fail_memory(error, "the gather");
+    gather->scene = scene;
+    gather->raster = raster;
+    gather->tracer = tracer;
+    gather->settings = *settings;
+    decide_direct(tracer, &gather->settings);
+    if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
+    if (!(gather->settings.more_rays >= 0.0f)) gather->settings.more_rays = 0.0f;
+    if (gather->settings.more_rays > 4.0f) gather->settings.more_rays = 4.0f;
+    gather->offset = 1e-5f * scene->scale;
+    gather->isa = sl_isa_best();
+    gather->kernels = sl_gather_kernels_for(gather->isa);
+    gather->light_kernels = sl_hit_light_kernels_for(sl_isa_best());
+    sl_status status = check(&gather->settings, raster, tracer, error);
+    gather->half_tangent = status == SL_OK ? (float)sl_tan(0.5 * (double)settings->plane_fov) : 1.0f;
+    if (status == SL_OK) status = make_parts(gather, threads, counters, error);
+    if (status != SL_OK) {
+        sl_gather_destroy(gather);
+        return status;
+    }
+    *out = gather;
+    return SL_OK;
+}
+
+void sl_gather_destroy(sl_gather *gather) {
+    if (!gather) return;
+    sl_gather_tables_destroy(gather->tables);
+    sl_projection_destroy(gather->projection);
+    sl_shadow_maps_destroy(gather->own_maps);
+    sl_visible_lights_destroy(gather->visible);
+    sl_light_sources_destroy(gather->sources);
+    sl_light_sampler_destroy(gather->sampler);
+    sl_free(gather);
+}
+
+sl_gather_kind sl_gather_kind_used(const sl_gather *gather) { return gather->settings.kind; }
+
+size_t sl_gather_memory_bytes(const sl_gather *gather) {
+    return sizeof *gather + sl_gather_tables_bytes(gather->tables) + (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
+           (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
+           (gather->sources ? sl_light_sources_bytes(gather->sources) + sl_visible_lights_bytes(gather->visible) : 0);
+}
+
+size_t sl_gather_coefficient_count(const sl_gather *gather) {
+    return gather->projection ? SL_PROJECTION_VECTORS * sl_hsh_stride(gather->projection->order) : 0;
+}
+
+/* ---- scratch ------------------------------------------------------------------------------------------------------------ */
+
+enum { HIT_PLANES = 24, SLOT_PLANES = 5, CELL_PLANES = 7, RASTER_PLANES = 8 };
+
+/* Planes of `stride` floats from one block, one after the other. */
+typedef struct cutter {
+    float *next;
+    size_t stride;
+} cutter;
+
+static float *cut(cutter *c) {
+    float *plane = c->next;
+    c->next += c->stride;
+    return plane;
+}
+
+static void cut_hits(cutter *c, sl_gather_hits *h) {
+    float **planes[HIT_PLANES - 1] = {
+        &h->depth,       &h->w1,          &h->w2,          &h->direction_x, &h->direction_y,  &h->direction_z,
+        &h->position_x,  &h->position_y,  &h->position_z,  &h->normal_x,    &h->normal_y,     &h->normal_z,
+        &h->geometric_x, &h->geometric_y, &h->geometric_z, &h->cosine,      &h->diffuse_r,    &h->diffuse_g,
+        &h->diffuse_b,   &h->irradiance_r, &h->irradiance_g, &h->irradiance_b, &h->back};
+    for (int i = 0; i < HIT_PLANES - 1; i++) *planes[i] = cut(c);
+    h->triangle = (uint32_t *)(void *)cut(c);
+}
+
+static void cut_slots(cutter *c, sl_gather_scratch *s) {
+    s->slot_cell = (uint32_t *)(void *)cut(c);
+    s->slot_share = cut(c);
+    s->more_a = cut(c);
+    s->more_b = cut(c);
+    s->more_bits = (uint32_t *)(void *)cut(c);
+}
+
+static void cut_raster(cutter *c, sl_gather_scratch *s) {
+    s->target_id = (uint32_t *)(void *)cut(c);
+    s->target_depth = cut(c);
+    s->target_w1 = cut(c);
+    s->target_w2 = cut(c);
+    s->cell_id = (uint32_t *)(void *)cut(c);
+    s->cell_depth = cut(c);
+    s->cell_w1 = cut(c);
+    s->cell_w2 = cut(c);
+}
+
+sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **out, sl_error *error) {
+    const sl_gather_tables *t = gather->tables;
+    *out = NULL;
+    sl_gather_scratch *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "a gather's buffers");
+    s->gather = gather;
+    size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first, and the cell before it */
+    bool more = t->kind == SL_GATHER_RAYS && gather->settings.jitter;
+    s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
+    size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded, stride = lead + (slots + 15) / 16 * 16;
+    s->block = sl_allocate(stride * (HIT_PLANES + SLOT_PLANES + CELL_PLANES + RASTER_PLANES), sizeof(float));
+    s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
+    s->texel = sl_allocate(slots, sizeof *s->texel);
+    sl_status status = s->block && s->pixels && s->texel ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    if (status == SL_OK && gather->sources) status = sl_light_scratch_create(gather, slots, false, &s->light, error);
+    if (status == SL_OK && sl_glossy_hits_wanted(gather)) status = sl_glossy_hits_create(slots, &s->glossy, error);
+    if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
+        status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
+    }
+    if (status != SL_OK) {
+        sl_gather_scratch_destroy(s);
+        return status;
+    }
+    cutter c = {s->block, stride};
+    cut_hits(&c, &s->hits);
+    cut_slots(&c, s);
+    cut_raster(&c, s);
+    float **planes[CELL_PLANES] = {&s->planes.r, &s->planes.g, &s->planes.b, &s->planes.nearness, &s->planes.distance,
+                                    &s->planes.first, &s->planes.mean};
+    for (int i = 0; i < CELL_PLANES; i++) *planes[i] = cut(&c) + lead;
+    for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
+    for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
+    *out = s;
+    return SL_OK;
+}
+
+void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
+    if (!scratch) return;
+    sl_raster_scratch_destroy(scratch->raster);
+    sl_light_scratch_destroy(scratch->light);
+    sl_glossy_hits_destroy(scratch->glossy);
+    sl_free(scratch->block);
+    sl_free(scratch->pixels);
+    sl_free(scratch->texel);
+    sl_free(scratch);
+}
+
+sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *s) {
+    const sl_gather_tables *t = s->gather->tables;
+    return (sl_gather_picture){t->width, t->height, s->planes.r, s->planes.g, s->planes.b, s->planes.distance};
+}
+
+/* ---- one gather ----------------------------------------------------------------------------------------------------------- */
+
+/* The picture's plane stands on the shading normal; the eye lies off the surface along the geometric one. */
+static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch) {
+    sl_vec3 normal = sl_normalize_or(point->normal, sl_normalize_or(point->geometric_normal, sl_v3(0.0f, 0.0f, 1.0f)));
+    float offset = sl_scene_offset_at(gather->scene, gather->offset, point->position);
+    return (sl_gather_view){.gather = gather, .point = point, .scratch = scratch, .frame = sl_frame_from_normal(normal),
+                            .eye = sl_mad(point->position, offset, point->geometric_normal)};
+}
+
+sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                             sl_counters *counters) {
+    sl_gather_view view = make_view(gather, point, scratch);
+    scratch->slots = gather->tables->used;
+    for (size_t k = 0; k < scratch->slots; k++) scratch->slot_share[k] = 1.0f;
+    switch (gather->settings.kind) {
+    case SL_GATHER_PLANE: sl_gather_see_plane(&view, counters); break;
+    case SL_GATHER_HEMICUBE: sl_gather_see_hemicube(&view, counters); break;
+    default: sl_gather_see_rays(&view, counters); break;
+    }
+    return view;
+}
+
+void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                          sl_irradiance *irradiance, sl_counters *counters) {
+    const sl_gather_planes *p = &scratch->planes;
+    sl_gather_sums sums;
+    sl_gather_curvature curvature;
+    float nearest;
+    double back_weight;
+    sl_count(counters, SL_COUNT_GATHERS, 1);
+    sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
+    sl_gather_shade(&view, &nearest, &back_weight, counters);
+    gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
+    gather->kernels.curvature(gather->tables, p->r, p->g, p->b, p->nearness, p->mean, &curvature);
+    sl_gather_finish(&view, &sums, &curvature, irradiance);
+    irradiance->nearest = nearest;
+    irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);
+}
+
+void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                        sl_irradiance *irradiance, float *coefficients, sl_counters *counters) {
+    const sl_gather_planes *p = &scratch->planes;
+    sl_gather_irradiance(gather, point, scratch, irradiance, counters);
+    const float *const picture[4] = {p->r, p->g, p->b, p->nearness};
+    if (gather->projection) sl_project(gather->projection, gather->isa, picture, coefficients);
+}

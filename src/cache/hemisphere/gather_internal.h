@@ -1,0 +1,127 @@
+/* What the parts of a gather share: the steps of one gather are
+ *
+ *     see      plane_gather.c, hemicube_gather.c or ray_gather.c: which triangle, where, in every cell
+ *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces (hidden_light.c)
+ *     sum      gather_kernels.c and gradients.c: irradiance, gradients, mean distance
+ *     project  projection.c: coefficients of radiance, where asked for
+ */
+#ifndef SL_CACHE_GATHER_INTERNAL_H
+#define SL_CACHE_GATHER_INTERNAL_H
+
+#include "cache/hemisphere/gather_kernels.h"
+#include "cache/hemisphere/gather_tables.h"
+#include "cache/hemisphere/hit_light_kernels.h"
+#include "cache/hemisphere/projection.h"
+#include "cache/light/shadow_maps.h"
+
+typedef struct sl_light_scratch sl_light_scratch;
+
+struct sl_gather {
+    const sl_scene *scene;
+    const sl_raster *raster;
+    const sl_tracer *tracer;
+    sl_gather_settings settings; /* kind and direct decided */
+    sl_gather_tables *tables;
+    float half_tangent;
+    float offset;                /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
+    sl_gather_kernels kernels;
+    sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
+    sl_isa isa;
+
+    const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
+    sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
+    sl_scene extended;           /* the scene without its lights without extent: what samples are drawn from */
+    sl_light_sources *sources;   /* emitters and environment (and lights without extent where they are many), if they are few enough */
+    sl_visible_lights *visible;  /* what is known of them */
+    sl_light_sampler *sampler;   /* the same where they are many */
+    bool every_light;            /* lights without extent are few: each lights every hit */
+    sl_hit_light_kernels light_kernels;
+};
+
+/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells (more_rays.c). */
+typedef struct sl_gather_hits {
+    uint32_t *triangle;                             /* SL_NO_INDEX: nothing */
+    float *depth, *w1, *w2;                         /* position = eye + depth * direction */
+    float *direction_x, *direction_y, *direction_z; /* world, in units of depth */
+    float *position_x, *position_y, *position_z;
+    float *normal_x, *normal_y, *normal_z;          /* shading, towards the gather */
+    float *geometric_x, *geometric_y, *geometric_z; /* towards the gather */
+    float *cosine;                                  /* of the geometric normal with the way back, times the direction's length */
+    float *diffuse_r, *diffuse_g, *diffuse_b;
+    float *irradiance_r, *irradiance_g, *irradiance_b;
+    float *back;                                    /* 1: seen from the clockwise side */
+} sl_gather_hits;
+
+/* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be read. */
+typedef struct sl_gather_planes {
+    float *r, *g, *b, *nearness; /* radiance; 1 / depth of the nearest thing seen, with which the cell's walls move (0: nothing) */
+    float *first, *distance;     /* 1 / depth and distance of what the first ray saw */
+    float *mean;                            /* of r, g, b */
+} sl_gather_planes;
+
+typedef struct sl_glossy_hits sl_glossy_hits; /* glossy_hits.h */
+
+struct sl_gather_scratch {
+    const sl_gather *gather;
+    float *block;
+    size_t slots, slots_max;
+    uint32_t *slot_cell;
+    float *slot_share;       /* 1 over the rays of the slot's cell */
+    float *more_a, *more_b;  /* slots beyond the cells: as slot_a, slot_b of the tables; and the jitter, 16 bits each */
+    uint32_t *more_bits;
+    sl_gather_hits hits;
+    sl_gather_planes planes;
+    sl_light_scratch *light; /* or NULL */
+    sl_glossy_hits *glossy;  /* or NULL: what is seen reflects by its diffuse lobe alone */
+    sl_raster_scratch *raster;
+    uint32_t *target_id;
+    float *target_depth, *target_w1, *target_w2;
+    uint32_t *pixels; /* 0, 1, 2, ... */
+    const uint8_t **texel; /* by slot: of the surface's texture, or NULL */
+    uint32_t *cell_id;
+    float *cell_depth, *cell_w1, *cell_w2;
+};
+
+/* The gather under way. */
+typedef struct sl_gather_view {
+    const sl_gather *gather;
+    const sl_gather_point *point;
+    sl_gather_scratch *scratch;
+    sl_frame frame;
+    sl_vec3 eye;
+} sl_gather_view;
+
+/* The raster's near plane: what stands before the eye is seen however near it is, or light would come through
+ * a sheet that the point touches. */
+static inline float sl_gather_near(const sl_gather *gather) { return 1e-3f * gather->offset; }
+
+/* Visibility alone, by the instrument chosen. */
+sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                             sl_counters *counters);
+void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
+/* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c). */
+void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
+/* After a raster render: fills slots from cell_id, cell_depth, cell_w1, cell_w2. */
+void sl_gather_hits_of_cells(const sl_gather_view *view);
+
+/* Adds the light of more bounces to the hits' irradiance (hidden_light.c). */
+void sl_gather_add_hidden_light(const sl_gather_view *view, sl_counters *counters);
+
+/* What slot k sees shine by itself. */
+sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
+/* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as in sl_irradiance. */
+void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
+
+/* Adds the walls that the grid does not hold, turns the sums into the world. */
+void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gather_curvature *curvature, sl_irradiance *irradiance);
+
+/* What can be seen of the light sources where, by a few gathers on trial (light_trials.c); they are on the bill. */
+sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error);
+
+/* The choice AUTO: the cheapest instrument at equal expected error, and its size (gather_choice.c). */
+sl_status sl_gather_choose(const sl_gather *gather, sl_gather_kind *kind, int *size, sl_error *error);
+
+#endif

@@ -1,0 +1,243 @@
+#include "cache/hemisphere/gather_kernels.h"
+
+#include "base/random.h"
+
+/* ---- directions of rays ------------------------------------------------------------------------------------------- */
+
+/* sin and cos for |x| <= pi / 4: Taylor, errors below 4e-7 and 3e-8. */
+static inline float sine(float x) {
+    float q = x * x;
+    return x * (1.0f + q * (-1.0f / 6.0f + q * (1.0f / 120.0f - q * (1.0f / 5040.0f))));
+}
+static inline float cosine_of(float x) {
+    float q = x * x;
+    return 1.0f + q * (-0.5f + q * (1.0f / 24.0f + q * (-1.0f / 720.0f + q * (1.0f / 40320.0f))));
+}
+
+/* The concentric map (sl_concentric_disc()): the larger coordinate is the radius, the other one's share of it the azimuth. */
+void SL_KERNEL(sl_gather_directions)(const sl_ray_cells *c) {
+    const float *restrict corner_a = c->slot_a, *restrict corner_b = c->slot_b;
+    float *restrict out_x = c->x, *restrict out_y = c->y, *restrict out_z = c->z;
+    sl_frame f = c->frame;
+    for (size_t k = 0; k < c->count; k++) { /* one random number makes both jitters */
+        uint32_t bits = c->bits ? c->bits[k] : c->jitter ? sl_random_bits(c->key, k) : 0x80008000u;
+        out_x[k] = (float)(bits >> 16) * 0x1p-16f;
+        out_y[k] = (float)(bits & 0xffffu) * 0x1p-16f;
+    }
+#pragma omp simd
+    for (size_t k = 0; k < c->count; k++) {
+        float a = corner_a[k] + c->cell * out_x[k], b = corner_b[k] + c->cell * out_y[k];
+        bool a_larger = fabsf(a) > fabsf(b);
+        float radius = a_larger ? a : b, other = a_larger ? b : a;
+        float share = other / (radius != 0.0f ? radius : 1.0f);
+        float angle = share * 0.785398163397f, s = radius * sine(angle), t = radius * cosine_of(angle);
+        float x = a_larger ? t : s, y = a_larger ? s : t;
+        float height = 1.0f - radius * radius;
+        float z = sqrtf(height > 1e-8f ? height : 1e-8f);
+        out_x[k] = f.x.x * x + f.y.x * y + f.z.x * z;
+        out_y[k] = f.x.y * x + f.y.y * y + f.z.y * z;
+        out_z[k] = f.x.z * x + f.y.z * y + f.z.z * z;
+    }
+}
+
+/* ---- how radiance varies -------------------------------------------------------------------------------------------- */
+
+static inline float square(float x) { return x * x; }
+
+/* Of eight numbers. */
+static inline float deviation(float a, float b, float c, float d, float e, float f, float g, float h) {
+    float mean = 0.125f * (((a + b) + (c + d)) + ((e + f) + (g + h)));
+    float low = (square(a - mean) + square(b - mean)) + (square(c - mean) + square(d - mean));
+    float high = (square(e - mean) + square(f - mean)) + (square(g - mean) + square(h - mean));
+    return sqrtf(0.125f * (low + high));
+}
+
+static void spread_of_row(size_t width, const float *restrict below, const float *restrict here, const float *restrict above, float *restrict to) {
+    for (size_t x = 1; x < width - 1; x++) {
+        to[x] = deviation(below[x - 1], below[x], below[x + 1], here[x - 1], here[x + 1], above[x - 1], above[x], above[x + 1]);
+    }
+    for (int end = 0; end < 2; end++) { /* mirrored */
+        size_t x = end ? width - 1 : 0, in = end ? width - 2 : 1;
+        to[x] = deviation(below[in], below[x], below[in], here[in], here[in], above[in], above[x], above[in]);
+    }
+}
+
+void SL_KERNEL(sl_gather_spread)(int width, int height, const float *value, float *spread) {
+    size_t w = (size_t)width, h = (size_t)height;
+    for (size_t y = 0; y < h; y++) {
+        spread_of_row(w, value + w * (y > 0 ? y - 1 : 1), value + w * y, value + w * (y + 1 < h ? y + 1 : h - 2), spread + w * y);
+    }
+}
+
+/* ---- surfaces ---------------------------------------------------------------------------------------------------------- */
+
+/* As sl_scene_surface() decides: normals turned to the gather's side, the shading normal into the geometric one's hemisphere. */
+void SL_KERNEL(sl_gather_surfaces)(const sl_surface_cells *c) {
+    const float *restrict depth = c->depth;
+    const float *restrict dx = c->direction_x, *restrict dy = c->direction_y, *restrict dz = c->direction_z;
+    float *restrict px = c->position_x, *restrict py = c->position_y, *restrict pz = c->position_z;
+    float *restrict nx = c->normal_x, *restrict ny = c->normal_y, *restrict nz = c->normal_z;
+    float *restrict gx = c->geometric_x, *restrict gy = c->geometric_y, *restrict gz = c->geometric_z;
+    float *restrict cosine = c->cosine, *restrict back = c->back;
+    sl_vec3 eye = c->eye;
+#pragma omp simd
+    for (size_t k = 0; k < c->count; k++) {
+        px[k] = eye.x + depth[k] * dx[k];
+        py[k] = eye.y + depth[k] * dy[k];
+        pz[k] = eye.z + depth[k] * dz[k];
+        float towards = -(gx[k] * dx[k] + gy[k] * dy[k] + gz[k] * dz[k]);
+        float side = towards < 0.0f ? -1.0f : 1.0f;
+        float x = side * gx[k], y = side * gy[k], z = side * gz[k];
+        float squared = nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k];
+        float agreement = nx[k] * x + ny[k] * y + nz[k] * z;
+        bool good = squared > 1e-20f && squared < 1e20f && agreement != 0.0f; /* else the geometric normal */
+        float scale = (agreement < 0.0f ? -1.0f : 1.0f) / sqrtf(good ? squared : 1.0f);
+        nx[k] = good ? nx[k] * scale : x;
+        ny[k] = good ? ny[k] * scale : y;
+        nz[k] = good ? nz[k] * scale : z;
+        gx[k] = x;
+        gy[k] = y;
+        gz[k] = z;
+        cosine[k] = side * towards;
+        back[k] = towards < 0.0f ? 1.0f : 0.0f;
+    }
+}
+
+/* ---- sums --------------------------------------------------------------------------------------------------------------- */
+
+enum { LANES = SL_GATHER_LANES };
+
+/* The fixed shape of every sum: eight lanes, then pairs. */
+static double lanes_sum(const double *s) {
+    return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+}
+
+/* E = sum W L; grad_r E = sum L (n x V) = sum L (-V_y, V_x), V the integral of omega over the cell: E(n) = integral of L n . omega, and a
+ * rotation alpha makes n + alpha x n of n. (Where n . omega = 0 the integrand vanishes, so that the horizon itself adds nothing.) */
+static void sum_cells(const sl_gather_tables *t, size_t cells, const float *restrict radiance, double *irradiance,
+                      double rotational[2]) {
+    const float *restrict w = t->weight, *restrict vx = t->vector_x, *restrict vy = t->vector_y;
+    double e[LANES] = {0}, rx[LANES] = {0}, ry[LANES] = {0};
+    for (size_t i = 0; i < cells; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) {
+            double l = (double)radiance[i + lane];
+            e[lane] += (double)w[i + lane] * l;
+            rx[lane] -= (double)vy[i + lane] * l;
+            ry[lane] += (double)vx[i + lane] * l;
+        }
+    }
+    *irradiance = lanes_sum(e);
+    rotational[0] = lanes_sum(rx);
+    rotational[1] = lanes_sum(ry);
+}
+
+static double sum_products(size_t cells, const float *restrict a, const float *restrict b) {
+    double sum[LANES] = {0};
+    for (size_t i = 0; i < cells; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) sum[lane] += (double)a[i + lane] * (double)b[i + lane];
+    }
+    return lanes_sum(sum);
+}
+
+/* The principle of walls: L is one value in each cell, so E changes because the boundaries between cells move, and such a wall moves
+ * with the nearer of its two surfaces, whose outline or texture it is (as Ward and Heckbert 1992 have it for polar strata):
+ *
+ *     grad_t E = sum over walls of (L_j - L_i) max(1 / Z_j, 1 / Z_i) g_ij
+ *
+ * nearness is 1 / Z, Z the depth in whose units the table's g (sl_wall_vector()) is given; 0 where nothing is seen, so that infinitely
+ * far light does not move. column_: walls between j and the cell on its left; row_: between j and the cell below. */
+static void sum_walls(const sl_gather_tables *t, size_t cells, const float *restrict radiance, const float *restrict nearness,
+                      double translational[2]) {
+    const float *restrict column_x = t->column_x, *restrict column_y = t->column_y;
+    const float *restrict row_x = t->row_x, *restrict row_y = t->row_y;
+    const float *restrict left = radiance - 1, *restrict below = radiance - t->width;
+    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - t->width;
+    double x[LANES] = {0}, y[LANES] = {0};
+    for (size_t i = 0; i < cells; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) {
+            size_t j = i + lane;
+            double near = (double)nearness[j], near_a = (double)near_left[j], near_b = (double)near_below[j];
+            double across = ((double)radiance[j] - (double)left[j]) * (near > near_a ? near : near_a);
+            double up = ((double)radiance[j] - (double)below[j]) * (near > near_b ? near : near_b);
+            x[lane] += across * (double)column_x[j] + up * (double)row_x[j];
+            y[lane] += across * (double)column_y[j] + up * (double)row_y[j];
+        }
+    }
+    translational[0] = lanes_sum(x);
+    translational[1] = lanes_sum(y);
+}
+
+void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
+                               const float *nearness, const float *first, sl_gather_sums *sums) {
+    const float *channel[3] = {r, g, b};
+    for (int c = 0; c < 3; c++) {
+        sum_cells(t, t->padded, channel[c], &sums->irradiance[c], sums->rotational[c]);
+        sum_walls(t, t->padded, channel[c], nearness, sums->translational[c]);
+    }
+    sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, first);
+}
+
+/* ---- second derivatives ----------------------------------------------------------------------------------------------------- */
+
+/* Where four walls meet: the ends of a and b, which continue each other, move with the walls c and d that cross them, not with their
+ * own depth. A wall that separates equals does not say where it is, so c and d count by their steps; if neither does, a goes on
+ * into b. Half of it, as c and d are corrected by a and b in turn. With step s (of L across the wall) and nearness 1 / Z:
+ *
+ *     x = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|),   factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x - 1 / Z_b)) / 2 */
+static inline double corner_factor(double step_a, double near_a, double step_b, double near_b, double step_c, double near_c,
+                                   double step_d, double near_d) {
+    double weight_c = fabs(step_c), weight_d = fabs(step_d), sum = weight_c + weight_d;
+    double crossing = (weight_c * near_c + weight_d * near_d) / (sum > 0.0 ? sum : 1.0);
+    crossing = sum > 0.0 ? crossing : 0.5 * (near_a + near_b);
+    return 0.5 * (step_a * near_a * (crossing - near_a) - step_b * near_b * (crossing - near_b));
+}
+
+static inline double nearer(float a, float b) { return (double)(a > b ? a : b); }
+
+/* Of the walls as they stand, and of the corners between them:
+ *
+ *     d2E = sum over walls of s / Z^2 K_wall + sum over corners of (factor(up, down; right, back) + factor(right, back; up, down)) K_corner
+ *
+ * with K of sl_wall_curvature(), sl_vertex_curvature(). The corner is cell j's lower left one; around it lie
+ *
+ *      left  | j           up    = L_j - L_left         (column wall above the corner)
+ *     -------+-------      down  = L_below - L_behind   (column wall beneath it)
+ *     behind | below       right = L_j - L_below        (row wall to its right)
+ *                          back  = L_left - L_behind    (row wall to its left)
+ *
+ * and near_up, ... are the larger 1 / Z of the two cells on either side of that wall. */
+static void sum_curvature(const sl_gather_tables *t, const float *restrict light, const float *restrict nearness,
+                          sl_gather_curvature *curvature) {
+    const size_t row = (size_t)t->width;
+    const float *restrict left = light - 1, *restrict below = light - row, *restrict behind = light - row - 1;
+    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - row, *restrict near_behind = nearness - row - 1;
+    double xx[LANES] = {0}, xy[LANES] = {0}, yy[LANES] = {0};
+    for (size_t i = 0; i < t->padded; i += LANES) {
+#pragma omp simd
+        for (size_t lane = 0; lane < LANES; lane++) {
+            size_t j = i + lane;
+            double up = (double)light[j] - (double)left[j], down = (double)below[j] - (double)behind[j];
+            double right = (double)light[j] - (double)below[j], back = (double)left[j] - (double)behind[j];
+            double near_up = nearer(nearness[j], near_left[j]), near_down = nearer(near_below[j], near_behind[j]);
+            double near_right = nearer(nearness[j], near_below[j]), near_back = nearer(near_left[j], near_behind[j]);
+            double column = up * near_up * near_up, across = right * near_right * near_right;
+            double vertex = corner_factor(up, near_up, down, near_down, right, near_right, back, near_back) +
+                            corner_factor(right, near_right, back, near_back, up, near_up, down, near_down);
+            xx[lane] += column * (double)t->column_xx[j] + across * (double)t->row_xx[j] + vertex * (double)t->vertex_xx[j];
+            xy[lane] += column * (double)t->column_xy[j] + across * (double)t->row_xy[j] + vertex * (double)t->vertex_xy[j];
+            yy[lane] += column * (double)t->column_yy[j] + across * (double)t->row_yy[j] + vertex * (double)t->vertex_yy[j];
+        }
+    }
+    curvature->xx = lanes_sum(xx);
+    curvature->xy = lanes_sum(xy);
+    curvature->yy = lanes_sum(yy);
+}
+
+void SL_KERNEL(sl_gather_curvature)(const sl_gather_tables *t, const float *r, const float *g, const float *b, const float *nearness,
+                                    float *mean, sl_gather_curvature *curvature) {
+    for (size_t i = 0; i < t->padded; i++) mean[i] = (r[i] + g[i] + b[i]) * (1.0f / 3.0f);
+    sum_curvature(t, mean, nearness, curvature);
+}

@@ -1,0 +1,84 @@
+/* The loops over a gather's cells that are compiled for every instruction set. */
+#ifndef SL_CACHE_GATHER_KERNELS_H
+#define SL_CACHE_GATHER_KERNELS_H
+
+#include "base/isa.h"
+#include "cache/hemisphere/gather_tables.h"
+
+typedef struct sl_gather_sums {
+    double irradiance[3];
+    double rotational[3][2];    /* local x, y */
+    double translational[3][2];
+    double inverse_distance;    /* sum of W / r */
+} sl_gather_sums;
+
+/* Of the channels' mean. */
+typedef struct sl_gather_curvature {
+    double xx, xy, yy;
+} sl_gather_curvature;
+
+typedef struct sl_ray_cells {
+    size_t count;
+    const float *slot_a, *slot_b;
+    float cell;       /* side of a cell in [-1,1]^2 */
+    bool jitter;
+    uint64_t key;
+    const uint32_t *bits; /* two jitters of 16 bits each, or NULL: drawn by the key */
+    sl_frame frame;
+    float *x, *y, *z; /* unit directions in the world */
+} sl_ray_cells;
+
+typedef struct sl_surface_cells {
+    size_t count;
+    sl_vec3 eye;
+    const float *depth;
+    const float *direction_x, *direction_y, *direction_z;
+    float *position_x, *position_y, *position_z;
+    float *normal_x, *normal_y, *normal_z;          /* in: interpolated; out: unit, on the gather's side */
+    float *geometric_x, *geometric_y, *geometric_z; /* in: by winding; out: on the gather's side */
+    float *cosine, *back;
+} sl_surface_cells;
+
+typedef void sl_gather_directions_kernel(const sl_ray_cells *cells);
+/* The standard deviation of a cell's eight neighbours (mirrored at the picture's edges), without the cell itself. At least 2 x 2 cells. */
+typedef void sl_gather_spread_kernel(int width, int height, const float *value, float *spread);
+typedef void sl_gather_surfaces_kernel(const sl_surface_cells *cells);
+typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
+                                   const float *nearness, const float *first, sl_gather_sums *sums);
+
+/* mean: a plane to work in, laid out as the others. */
+typedef void sl_gather_curvature_kernel(const sl_gather_tables *tables, const float *r, const float *g, const float *b,
+                                        const float *nearness, float *mean, sl_gather_curvature *curvature);
+
+typedef struct sl_gather_kernels {
+    sl_gather_directions_kernel *directions;
+    sl_gather_surfaces_kernel *surfaces;
+    sl_gather_sums_kernel *sums;
+    sl_gather_curvature_kernel *curvature;
+    sl_gather_spread_kernel *spread;
+} sl_gather_kernels;
+
+#define SL_DECLARE_GATHER_KERNELS(isa)                        \
+    sl_gather_directions_kernel sl_gather_directions_##isa;   \
+    sl_gather_surfaces_kernel sl_gather_surfaces_##isa;       \
+    sl_gather_sums_kernel sl_gather_sums_##isa;               \
+    sl_gather_curvature_kernel sl_gather_curvature_##isa;     \
+    sl_gather_spread_kernel sl_gather_spread_##isa
+
+SL_DECLARE_GATHER_KERNELS(baseline);
+SL_DECLARE_GATHER_KERNELS(avx2);
+SL_DECLARE_GATHER_KERNELS(avx512);
+
+static inline sl_gather_kernels sl_gather_kernels_for(sl_isa isa) {
+#define SL_GATHER_KERNELS_OF(name) \
+    (sl_gather_kernels) { sl_gather_directions_##name, sl_gather_surfaces_##name, sl_gather_sums_##name, sl_gather_curvature_##name, \
+                          sl_gather_spread_##name }
+#ifndef SL_BASELINE_ONLY
+    if (isa == SL_ISA_AVX512) return SL_GATHER_KERNELS_OF(avx512);
+    if (isa == SL_ISA_AVX2) return SL_GATHER_KERNELS_OF(avx2);
+#endif
+    (void)isa;
+    return SL_GATHER_KERNELS_OF(baseline);
+}
+
+#endif

@@ -1,0 +1,317 @@
+#include "cache/hemisphere/gather_tables.h"
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/hemisphere/hemisphere_tables.h"
+
+enum { TILE = 4, PLANES = 23 };
+
+/* ---- memory ---------------------------------------------------------------------------------------------------------- */
+
+static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
+    float **planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
+                              &t->column_x, &t->column_y,        &t->row_x,       &t->row_y,
+                              &t->direction_x, &t->direction_y,  &t->direction_z, &t->length,
+                              &t->slot_a,   &t->slot_b,
+                              &t->column_xx, &t->column_xy, &t->column_yy, &t->row_xx, &t->row_xy, &t->row_yy,
+                              &t->vertex_xx, &t->vertex_xy, &t->vertex_yy};
+    t->block = sl_allocate(t->padded * PLANES, sizeof(float));
+    t->order = sl_allocate(t->cells, sizeof(uint32_t));
+    t->seams = sl_allocate((size_t)2 * (size_t)t->size, sizeof(sl_gather_seam));
+    if (!t->block || !t->order || !t->seams) return sl_fail_memory(error, "the gather's tables");
+    for (int i = 0; i < PLANES; i++) *planes[i] = t->block + (size_t)i * t->padded;
+    return SL_OK;
+}
+
+void sl_gather_tables_destroy(sl_gather_tables *t) {
+    if (!t) return;
+    sl_free(t->block);
+    sl_free(t->order);
+    sl_free(t->seams);
+    sl_free(t);
+}
+
+size_t sl_gather_tables_bytes(const sl_gather_tables *t) {
+    return sizeof *t + t->padded * PLANES * sizeof(float) + t->cells * sizeof(uint32_t) +
+           (size_t)2 * (size_t)t->size * sizeof(sl_gather_seam);
+}
+
+/* ---- common to all ------------------------------------------------------------------------------------------------------ */
+
+static void set_cell(sl_gather_tables *t, size_t i, sl_vec3d vector, sl_vec3d direction) {
+    double length = sl_lengthd(direction);
+    t->weight[i] = (float)vector.z;
+    t->weight_by_depth[i] = (float)(vector.z / length);
+    t->vector_x[i] = (float)vector.x;
+    t->vector_y[i] = (float)vector.y;
+    t->direction_x[i] = (float)direction.x;
+    t->direction_y[i] = (float)direction.y;
+    t->direction_z[i] = (float)direction.z;
+    t->length[i] = (float)length;
+    t->weight_sum += vector.z;
+}
+
+/* Tiles of 4 x 4 in rows: packets of 16 rays stay together, neighbours in memory are neighbours in the picture. */
+static void order_cells(sl_gather_tables *t) {
+    for (int ty = 0; ty < t->height; ty += TILE) {
+        for (int tx = 0; tx < t->width; tx += TILE) {
+            for (int y = ty; y < ty + TILE && y < t->height; y++) {
+                for (int x = tx; x < tx + TILE && x < t->width; x++) {
+                    size_t i = (size_t)y * (size_t)t->width + (size_t)x;
+                    if (!(t->length[i] > 0.0f)) continue; /* blank */
+                    t->slot_a[t->used] = (float)(2.0 * x / t->width - 1.0);
+                    t->slot_b[t->used] = (float)(2.0 * y / t->height - 1.0);
+                    t->order[t->used++] = (uint32_t)i;
+                }
+            }
+        }
+    }
+}
+
+/* ---- the plane ------------------------------------------------------------------------------------------------------------- */
+
+/* Integral of omega over the pixel's border extension on the four sides; a corner pixel owns two edges. The side at v = t is
+ * given by sl_border_vector(); the others are it turned. */
+static sl_vec3d radial_extension(int n, double t, int x, int y, double u0, double u1, double v0, double v1) {
+    sl_vec3d sum = {0.0, 0.0, 0.0}, side;
+    if (y == n - 1) sum = sl_addd(sum, sl_border_vector(t, u0, u1));
+    if (y == 0) {
+        side = sl_border_vector(t, u0, u1);
+        sum = sl_addd(sum, sl_v3d(side.x, -side.y, side.z));
+    }
+    if (x == n - 1) {
+        side = sl_border_vector(t, v0, v1);
+        sum = sl_addd(sum, sl_v3d(side.y, side.x, side.z));
+    }
+    if (x == 0) {
+        side = sl_border_vector(t, v0, v1);
+        sum = sl_addd(sum, sl_v3d(-side.y, side.x, side.z));
+    }
+    return sum;
+}
+
+/* Grid line i of n + 1 from -t to t; the outermost lines go to infinity where the border is extended along the axes. */
+static double plane_line(int n, double t, int i, bool to_infinity) {
+    const double infinity = 1e30; /* its square is finite; beyond it the primitives have reached their limits */
+    if (to_infinity && i == 0) return -infinity;
+    if (to_infinity && i == n) return infinity;
+    return t * (2.0 * i / n - 1.0);
+}
+
+static void fill_plane(sl_gather_tables *tables, double t, sl_border border) {
+    int n = tables->size;
+    bool axial = border == SL_BORDER_AXIAL;
+    for (int y = 0; y < n; y++) {
+        for (int x = 0; x < n; x++) {
+            double u0 = plane_line(n, t, x, false), u1 = plane_line(n, t, x + 1, false);
+            double v0 = plane_line(n, t, y, false), v1 = plane_line(n, t, y + 1, false);
+            size_t i = (size_t)y * (size_t)n + (size_t)x;
+            sl_vec3d vector = sl_plane_vector(plane_line(n, t, x, axial), plane_line(n, t, x + 1, axial),
+                                              plane_line(n, t, y, axial), plane_line(n, t, y + 1, axial));
+            if (border == SL_BORDER_RADIAL) vector = sl_addd(vector, radial_extension(n, t, x, y, u0, u1, v0, v1));
+            set_cell(tables, i, vector, sl_v3d(0.5 * (u0 + u1), 0.5 * (v0 + v1), 1.0));
+            if (x) tables->column_x[i] = (float)sl_plane_wall(u0, v0, v1);
+            if (y) tables->row_y[i] = (float)sl_plane_wall(v0, u0, u1);
+        }
+    }
+}
+
+static sl_vec3d plane_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    return sl_v3d(plane_line(t->size, half_tangent, x, false), plane_line(t->size, half_tangent, y, false), 1.0);
+}
+
+/* [LC04]: everything over the share F of the cosine-weighted hemisphere that the plane covers. */
+static void divide_by_coverage(sl_gather_tables *t) {
+    double scale = SL_PI / t->weight_sum;
+    float *planes[] = {t->weight,    t->weight_by_depth, t->vector_x,  t->vector_y,  t->column_x, t->column_y,
+                       t->row_x,     t->row_y,           t->column_xx, t->column_xy, t->column_yy, t->row_xx,
+                       t->row_xy,    t->row_yy,          t->vertex_xx, t->vertex_xy, t->vertex_yy};
+    for (size_t p = 0; p < sizeof planes / sizeof *planes; p++) {
+        for (size_t i = 0; i < t->cells; i++) planes[p][i] = (float)(scale * (double)planes[p][i]);
+    }
+    t->weight_sum = SL_PI;
+}
+
+/* ---- the hemicube ------------------------------------------------------------------------------------------------------------ */
+
+typedef enum face { FACE_TOP, FACE_RIGHT, FACE_LEFT, FACE_UP, FACE_DOWN, FACE_BLANK } face;
+
+static face hemicube_face(int n, int x, int y) {
+    bool middle_x = x >= n / 2 && x < n / 2 + n, middle_y = y >= n / 2 && y < n / 2 + n;
+    if (middle_x && middle_y) return FACE_TOP;
+    if (middle_y) return x < n / 2 ? FACE_LEFT : FACE_RIGHT;
+    if (middle_x) return y < n / 2 ? FACE_DOWN : FACE_UP;
+    return FACE_BLANK;
+}
+
+/* Point (a, b) of the unfolded picture in units where the top is [-1,1]^2 and the sides reach to 2: the side's height is what is
+ * missing to 2. */
+static sl_vec3d hemicube_direction(face f, double a, double b) {
+    switch (f) {
+    case FACE_RIGHT: return sl_v3d(1.0, b, 2.0 - a);
+    case FACE_LEFT: return sl_v3d(-1.0, b, 2.0 + a);
+    case FACE_UP: return sl_v3d(a, 1.0, 2.0 - b);
+    case FACE_DOWN: return sl_v3d(a, -1.0, 2.0 + b);
+    default: return sl_v3d(a, b, 1.0);
+    }
+}
+
+/* Where side faces meet, at (+-1, +-1, z): the wall from height z0 to z1 between a cell of a side x = sx and one of y = sy. */
+static void add_side_seams(sl_gather_tables *t, int sx, int sy) {
+    int n = t->size, half = n / 2, first = half, last = half + n - 1;
+    for (int k = 0; k < half; k++) { /* k-th row of cells from the top face outwards */
+        double z1 = 1.0 - 2.0 * k / n, z0 = 1.0 - 2.0 * (k + 1) / n;
+        int ax = sx > 0 ? last + 1 + k : first - 1 - k, ay = sy > 0 ? last : first;
+        int bx = sx > 0 ? last : first, by = sy > 0 ? last + 1 + k : first - 1 - k;
+        sl_vec3d lower = sl_v3d(sx, sy, z0), upper = sl_v3d(sx, sy, z1), wall = sl_wall_vector(lower, upper);
+        sl_curvature curvature = sl_wall_curvature(lower, upper);
+        bool to_b = wall.x * -sx + wall.y * sy > 0.0; /* the way from a to b is (-sx, sy) */
+        double sign = to_b ? 1.0 : -1.0;
+        t->seams[t->seam_count++] = (sl_gather_seam){(uint32_t)(ay * t->width + ax), (uint32_t)(by * t->width + bx),
+                                                     (float)(sign * wall.x), (float)(sign * wall.y), (float)(sign * curvature.xx),
+                                                     (float)(sign * curvature.xy), (float)(sign * curvature.yy)};
+    }
+}
+
+static void fill_hemicube(sl_gather_tables *t) {
+    int n = t->size;
+    double step = 2.0 / n;
+    for (int y = 0; y < t->height; y++) {
+        for (int x = 0; x < t->width; x++) {
+            face f = hemicube_face(n, x, y);
+            if (f == FACE_BLANK) continue;
+            size_t i = (size_t)y * (size_t)t->width + (size_t)x;
+            double a = x * step - 2.0, b = y * step - 2.0;
+            sl_vec3d corners[4] = {hemicube_direction(f, a, b), hemicube_direction(f, a + step, b),
+                                   hemicube_direction(f, a + step, b + step), hemicube_direction(f, a, b + step)};
+            /* Folded out, every face has its corners in the same order as the top. */
+            set_cell(t, i, sl_cell_vector(corners, 4), hemicube_direction(f, a + 0.5 * step, b + 0.5 * step));
+            if (x > 0 && hemicube_face(n, x - 1, y) != FACE_BLANK) {
+                sl_vec3d wall = sl_wall_vector(corners[0], corners[3]);
+                t->column_x[i] = (float)wall.x;
+                t->column_y[i] = (float)wall.y;
+            }
+            if (y > 0 && hemicube_face(n, x, y - 1) != FACE_BLANK) {
+                sl_vec3d wall = sl_wall_vector(corners[1], corners[0]);
+                t->row_x[i] = (float)wall.x;
+                t->row_y[i] = (float)wall.y;
+            }
+        }
+    }
+    for (int sy = -1; sy <= 1; sy += 2) {
+        for (int sx = -1; sx <= 1; sx += 2) add_side_seams(t, sx, sy);
+    }
+}
+
+/* Where faces meet they agree. */
+static sl_vec3d hemicube_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    int n = t->size;
+    face f = FACE_BLANK;
+    (void)half_tangent;
+    for (int i = 0; i < 4 && f == FACE_BLANK; i++) f = hemicube_face(n, i & 1 ? x - 1 : x, i & 2 ? y - 1 : y);
+    return hemicube_direction(f, x * (2.0 / n) - 2.0, y * (2.0 / n) - 2.0);
+}
+
+/* ---- rays: the concentric map ---------------------------------------------------------------------------------------------------- */
+
+void sl_concentric_disc(double a, double b, double *x, double *y) {
+    double radius = 0.0, azimuth = 0.0;
+    if (fabs(a) > fabs(b)) {
+        radius = a;
+        azimuth = 0.25 * SL_PI * b / a;
+    } else if (b != 0.0) {
+        radius = b;
+        azimuth = 0.5 * SL_PI - 0.25 * SL_PI * a / b;
+    }
+    *x = radius * sl_cos(azimuth);
+    *y = radius * sl_sin(azimuth);
+}
+
+/* Any strata on Nusselt's disc, where equal areas are equal cosine weights. A point q of it moves by (s q - delta) / r, s = q . delta,
+ * when the receiver moves by delta; so the cell on the right of the wall from a to b gains the area g . delta / r from the one on its
+ * left: g = N - (q . N) q, q the wall's middle, N its length turned to the right. */
+static void disc_wall(double ax, double ay, double bx, double by, float *out_x, float *out_y) {
+    double normal_x = by - ay, normal_y = ax - bx, x = 0.5 * (ax + bx), y = 0.5 * (ay + by);
+    double inward = x * normal_x + y * normal_y;
+    *out_x = (float)(normal_x - inward * x);
+    *out_y = (float)(normal_y - inward * y);
+}
+
+/* A cell is a piece of the annulus between its ring's radii; its vector has the annulus' mean sine, finite at the
+ * horizon where a ray's tangent is not. */
+static sl_vec3d disc_cell_vector(int n, double a, double b) {
+    double middle = fmax(fabs(a), fabs(b)), outer = fmin(1.0, middle + 1.0 / n), inner = fmax(0.0, middle - 1.0 / n), x, y;
+    double area = SL_PI / ((double)n * n);
+    double azimuth_range = 2.0 * area / (outer * outer - inner * inner);
+    double sines = 0.5 * (sl_asin(outer) - outer * sqrt(fmax(0.0, 1.0 - outer * outer))) -
+                   0.5 * (sl_asin(inner) - inner * sqrt(fmax(0.0, 1.0 - inner * inner)));
+    sl_concentric_disc(a, b, &x, &y);
+    double radius = sqrt(x * x + y * y);
+    if (!(radius > 0.0)) return sl_v3d(0.0, 0.0, area); /* the one middle cell of an odd grid */
+    double length = 2.0 * sl_sin(0.5 * azimuth_range) * sines / radius;
+    return sl_v3d(length * x, length * y, area);
+}
+
+static void fill_rays(sl_gather_tables *t) {
+    int n = t->size;
+    double step = 2.0 / n;
+    for (int y = 0; y < n; y++) {
+        for (int x = 0; x < n; x++) {
+            size_t i = (size_t)y * (size_t)n + (size_t)x;
+            double a = x * step - 1.0, b = y * step - 1.0, px, py, corner[4][2];
+            sl_concentric_disc(a, b, &corner[0][0], &corner[0][1]);
+            sl_concentric_disc(a + step, b, &corner[1][0], &corner[1][1]);
+            sl_concentric_disc(a, b + step, &corner[3][0], &corner[3][1]);
+            sl_concentric_disc(a + 0.5 * step, b + 0.5 * step, &px, &py);
+            double pz = sqrt(fmax(0.0, 1.0 - px * px - py * py));
+            set_cell(t, i, disc_cell_vector(n, a + 0.5 * step, b + 0.5 * step), sl_v3d(px, py, pz));
+            if (x) disc_wall(corner[0][0], corner[0][1], corner[3][0], corner[3][1], &t->column_x[i], &t->column_y[i]);
+            if (y) disc_wall(corner[1][0], corner[1][1], corner[0][0], corner[0][1], &t->row_x[i], &t->row_y[i]);
+        }
+    }
+}
+
+static sl_vec3d disc_corner(const sl_gather_tables *t, double half_tangent, int x, int y) {
+    double px, py;
+    (void)half_tangent;
+    sl_concentric_disc(x * (2.0 / t->size) - 1.0, y * (2.0 / t->size) - 1.0, &px, &py);
+    return sl_v3d(px, py, sqrt(fmax(0.0, 1.0 - px * px - py * py)));
+}
+
+/* ---- creation ---------------------------------------------------------------------------------------------------------------------- */
+
+sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
+                                  sl_gather_tables **tables, sl_error *error) {
+    *tables = NULL;
+    if (size < 4 || size > 1024) return sl_fail(error, SL_ERROR_USAGE, "a gather has 4 to 1024 cells a side, not %d", size);
+    if (kind == SL_GATHER_PLANE && !(half_tangent > 0.0 && half_tangent < 100.0)) {
+        return sl_fail(error, SL_ERROR_USAGE, "the gather plane's field of view must lie between 0 and 178 degrees");
+    }
+    sl_gather_tables *t = sl_allocate(1, sizeof *t);
+    if (!t) return sl_fail_memory(error, "the gather's tables");
+    t->kind = kind;
+    t->size = kind == SL_GATHER_HEMICUBE ? size + size % 2 : size;
+    t->width = t->height = kind == SL_GATHER_HEMICUBE ? 2 * t->size : t->size;
+    t->cells = (size_t)t->width * (size_t)t->height;
+    t->padded = (t->cells + SL_GATHER_LANES - 1) / SL_GATHER_LANES * SL_GATHER_LANES;
+    sl_status status = allocate_tables(t, error);
+    if (status != SL_OK) {
+        sl_gather_tables_destroy(t);
+        return status;
+    }
+    if (kind == SL_GATHER_HEMICUBE) {
+        fill_hemicube(t);
+        sl_gather_fill_curvatures(t, hemicube_corner, half_tangent);
+    } else if (kind == SL_GATHER_PLANE) {
+        fill_plane(t, half_tangent, border);
+        sl_gather_fill_curvatures(t, plane_corner, half_tangent);
+        if (border == SL_BORDER_LC04) divide_by_coverage(t);
+    } else {
+        fill_rays(t);
+        sl_gather_fill_curvatures(t, disc_corner, half_tangent);
+    }
+    order_cells(t);
+    *tables = t;
+    return SL_OK;
+}

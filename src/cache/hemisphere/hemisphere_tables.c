@@ -1,0 +1,236 @@
+#include "cache/hemisphere/hemisphere_tables.h"
+
+#include "base/math.h"
+
+/* ---- closed forms for pixels of the plane at unit distance ------------------------------------------------------- */
+
+/* A primitive is a function F(u, v); the integral over a pixel is the sum of F over its corners with alternating signs. */
+typedef double primitive(double u, double v);
+
+static double box(primitive *f, double u0, double u1, double v0, double v1) {
+    return f(u1, v1) - f(u0, v1) - f(u1, v0) + f(u0, v0);
+}
+
+/* d omega = du dv / l^3, l^2 = 1 + u^2 + v^2. */
+static double solid_angle_primitive(double u, double v) { return sl_atan(u * v / sqrt(1.0 + u * u + v * v)); }
+
+/* cos theta d omega = du dv / l^4. */
+static double cosine_primitive(double u, double v) {
+    double pu = sqrt(1.0 + u * u), pv = sqrt(1.0 + v * v);
+    return 0.5 * (u / pu * sl_atan(v / pu) + v / pv * sl_atan(u / pv));
+}
+
+/* omega_x d omega = u du dv / l^4; the same function makes the hemicube's side faces, where the cosine is z / l. */
+static double tangential_primitive(double u, double v) {
+    double pu = sqrt(1.0 + u * u);
+    return -0.5 * sl_atan(v / pu) / pu;
+}
+static double tangential_transposed(double u, double v) { return tangential_primitive(v, u); }
+
+double sl_plane_solid_angle(double u0, double u1, double v0, double v1) {
+    return box(solid_angle_primitive, u0, u1, v0, v1);
+}
+
+double sl_plane_cosine_weight(double u0, double u1, double v0, double v1) {
+    return box(cosine_primitive, u0, u1, v0, v1);
+}
+
+sl_vec3d sl_plane_vector(double u0, double u1, double v0, double v1) {
+    return sl_v3d(box(tangential_primitive, u0, u1, v0, v1), box(tangential_transposed, u0, u1, v0, v1),
+                  box(cosine_primitive, u0, u1, v0, v1));
+}
+
+double sl_side_cosine_weight(double u0, double u1, double z0, double z1) {
+    return box(tangential_transposed, u0, u1, z0, z1);
+}
+
+/* I(c; v0, v1) = integral of dv / (1 + c^2 + v^2)^2: a wall between two columns of the plane. */
+static double wall_primitive(double q, double v) {
+    return v / (2.0 * q * q * (q * q + v * v)) + sl_atan(v / q) / (2.0 * q * q * q);
+}
+
+double sl_plane_wall(double c, double v0, double v1) {
+    double q = sqrt(1.0 + c * c);
+    return wall_primitive(q, v1) - wall_primitive(q, v0);
+}
+
+/* ---- the radial border extension: from an outer edge along the meridians to the horizon ----------------------------- */
+
+double sl_border_solid_angle(double t, double u0, double u1) {
+    return sl_atan(u1 / (t * sqrt(1.0 + t * t + u1 * u1))) - sl_atan(u0 / (t * sqrt(1.0 + t * t + u0 * u0)));
+}
+
+double sl_border_cosine_weight(double t, double u0, double u1) {
+    double p = sqrt(1.0 + t * t);
+    return 0.5 * (sl_atan(u1 / t) - t / p * sl_atan(u1 / p)) - 0.5 * (sl_atan(u0 / t) - t / p * sl_atan(u0 / p));
+}
+
+sl_vec3d sl_border_vector(double t, double u0, double u1) {
+    sl_vec3d corners[4] = {sl_v3d(u0, t, 1.0), sl_v3d(u1, t, 1.0), sl_v3d(u1, t, 0.0), sl_v3d(u0, t, 0.0)};
+    return sl_cell_vector(corners, 4);
+}
+
+/* ---- any cell bounded by great circles ------------------------------------------------------------------------------- */
+
+/* The integral of omega over a spherical polygon is a sum over its edges: half the angle along the normal of the edge's plane. */
+sl_vec3d sl_cell_vector(const sl_vec3d *corners, int count) {
+    sl_vec3d sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i < count; i++) {
+        sl_vec3d a = corners[i], b = corners[(i + 1) % count], normal = sl_crossd(a, b);
+        double length = sl_lengthd(normal);
+        if (!(length > 0.0)) continue; /* no edge, or one through the eye: its plane is undefined */
+        sum = sl_addd(sum, sl_scaled(normal, 0.5 * sl_atan2(length, sl_dotd(a, b)) / length));
+    }
+    return sum;
+}
+
+/* Van Oosterom and Strackee's half-angle formula, by a fan of triangles. */
+double sl_cell_solid_angle(const sl_vec3d *corners, int count) {
+    double sum = 0.0;
+    for (int i = 1; i + 1 < count; i++) {
+        sl_vec3d a = corners[0], b = corners[i], c = corners[i + 1];
+        double la = sl_lengthd(a), lb = sl_lengthd(b), lc = sl_lengthd(c);
+        double volume = sl_dotd(a, sl_crossd(b, c));
+        sum += 2.0 * sl_atan2(volume, la * lb * lc + sl_dotd(a, b) * lc + sl_dotd(b, c) * la + sl_dotd(c, a) * lb);
+    }
+    return sum;
+}
+
+/* ---- edges: what moves when the receiver moves ------------------------------------------------------------------------ */
+
+/* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k / (h^2 + s^2)^2
+ * along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its line. */
+typedef struct edge {
+    sl_vec3d foot, along;
+    double distance, angle, j1, j2;
+} edge;
+
+static bool make_edge(sl_vec3d a, sl_vec3d b, edge *e) {
+    sl_vec3d difference = sl_subd(b, a);
+    double length = sl_lengthd(difference);
+    if (!(length > 0.0)) return false;
+    e->along = sl_scaled(difference, 1.0 / length);
+    double s0 = sl_dotd(a, e->along), s1 = s0 + length;
+    e->foot = sl_subd(a, sl_scaled(e->along, s0));
+    double h = sl_lengthd(e->foot);
+    if (!(h >= 1e-9 * length)) return false;
+    double r0 = h * h + s0 * s0, r1 = h * h + s1 * s1;
+    e->distance = h;
+    e->angle = sl_atan2(length * h, h * h + s0 * s1);
+    e->j1 = 0.5 * (1.0 / r0 - 1.0 / r1);
+    e->j2 = (s1 / r1 - s0 / r0) / (2.0 * h * h) + e->angle / (2.0 * h * h * h);
+    return true;
+}
+
+/* A point d of the wall, |d| = l, is seen to move by -delta_perp / l (depth 1), and sweeps (e x d) . delta / l^3 of solid angle
+ * an element; times the cosine n . d / l. e x d is the same all along the edge, n . d is linear on it. */
+sl_vec3d sl_wall_vector(sl_vec3d a, sl_vec3d b) {
+    edge e;
+    if (!make_edge(a, b, &e)) return sl_v3d(0.0, 0.0, 0.0);
+    return sl_scaled(sl_crossd(e.along, e.foot), e.foot.z * e.j2 + e.along.z * e.j1);
+}
+
+/* ---- second derivatives ----------------------------------------------------------------------------------------------- */
+
+/* Nusselt's disc, q = the tangential part of the direction, has equal areas where cosine weights are equal, so that second
+ * derivatives are those of areas and need none of a kernel. A point at distance l is seen at
+ *     q(delta) = q + (s q - delta) / l + (q (3 s^2 - delta^2) / 2 - s delta) / l^2 + ...,   s = q . delta. */
+typedef struct disc_point {
+    double x, y, distance;
+} disc_point;
+
+static disc_point on_disc(sl_vec3d direction) {
+    double length = sl_lengthd(direction);
+    return (disc_point){direction.x / length, direction.y / length, length};
+}
+
+/* A segment from q0 to q1 sweeps half the cross product of the diagonals (q1' - q0) x (q0' - q1) to its left: with D = q1 - q0,
+ * first order d and second order e of each end, that is half of D x (d0 + d1) + D x (e0 + e1) + d1 x d0. The last two, for
+ * one displacement. */
+static double swept(disc_point a, disc_point b, double x, double y) {
+    double sum[2] = {0.0, 0.0}, d[2][2];
+    const disc_point ends[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+        const disc_point q = ends[i];
+        double near = 1.0 / q.distance, s = q.x * x + q.y * y, along = 0.5 * (3.0 * s * s - x * x - y * y);
+        d[i][0] = (s * q.x - x) * near;
+        d[i][1] = (s * q.y - y) * near;
+        sum[0] += (along * q.x - s * x) * near * near;
+        sum[1] += (along * q.y - s * y) * near * near;
+    }
+    double crossed = (b.x - a.x) * sum[1] - (b.y - a.y) * sum[0];
+    return 0.5 * (crossed + d[1][0] * d[0][1] - d[1][1] * d[0][0]);
+}
+
+/* A wall is straight in space and an arc on the disc: short pieces of it are straight enough. */
+sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b) {
+    enum { PIECES = 8 };
+    sl_curvature sum = {0.0, 0.0, 0.0};
+    disc_point from = on_disc(a);
+    for (int i = 1; i <= PIECES; i++) {
+        double share = (double)i / PIECES;
+        disc_point to = on_disc(sl_addd(sl_scaled(a, 1.0 - share), sl_scaled(b, share)));
+        double xx = swept(from, to, 1.0, 0.0), yy = swept(from, to, 0.0, 1.0), both = swept(from, to, 1.0, 1.0);
+        sum.xx += 2.0 * xx;
+        sum.yy += 2.0 * yy;
+        sum.xy += both - xx - yy;
+        from = to;
+    }
+    return sum;
+}
+
+/* The corner moves by m = s q - delta over its wall's distance; a line of direction v is crossed by one of direction h where that one
+ * is, so that the corner slides along it by m x h / (v x h). The area between: (m x v)(m x h) / (v x h). */
+sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up, sl_vec3d down) {
+    disc_point q = on_disc(direction), r = on_disc(right), l = on_disc(left), u = on_disc(up), d = on_disc(down);
+    double hx = r.x - l.x, hy = r.y - l.y, vx = u.x - d.x, vy = u.y - d.y, area = vx * hy - vy * hx;
+    if (!(fabs(area) > 0.0)) return (sl_curvature){0.0, 0.0, 0.0};
+    /* m = M delta, M symmetric; (m x v) = delta . cv, (m x h) = delta . ch. */
+    double mxx = (q.x * q.x - 1.0) / q.distance, mxy = q.x * q.y / q.distance, myy = (q.y * q.y - 1.0) / q.distance;
+    double cvx = mxx * vy - mxy * vx, cvy = mxy * vy - myy * vx, chx = mxx * hy - mxy * hx, chy = mxy * hy - myy * hx;
+    return (sl_curvature){2.0 * cvx * chx / area, (cvx * chy + cvy * chx) / area, 2.0 * cvy * chy / area};
+}
+
+/* ---- Lambert's polygon ------------------------------------------------------------------------------------------------- */
+
+enum { POLYGON_MAX = 16, CLIPPED_MAX = 2 * POLYGON_MAX };
+
+/* Sutherland and Hodgman: what of the polygon lies above the horizon n . v = 0. */
+static int clip_to_horizon(sl_vec3d n, const sl_vec3d *in, int count, sl_vec3d *out) {
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+        sl_vec3d a = in[i], b = in[(i + 1) % count];
+        double ha = sl_dotd(n, a), hb = sl_dotd(n, b);
+        if (ha >= 0.0) out[kept++] = a;
+        if ((ha >= 0.0) != (hb >= 0.0)) out[kept++] = sl_addd(a, sl_scaled(sl_subd(b, a), ha / (ha - hb)));
+    }
+    return kept;
+}
+
+/* Twice the area along the normal of the shining side. */
+static sl_vec3d polygon_normal(const sl_vec3d *v, int count) {
+    sl_vec3d sum = {0.0, 0.0, 0.0};
+    for (int i = 1; i + 1 < count; i++) sum = sl_addd(sum, sl_crossd(sl_subd(v[i], v[0]), sl_subd(v[i + 1], v[0])));
+    return sum;
+}
+
+double sl_polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *vertices, int count, sl_vec3d *gradient) {
+    sl_vec3d relative[POLYGON_MAX], v[CLIPPED_MAX], sum = {0.0, 0.0, 0.0};
+    if (gradient) *gradient = sum;
+    if (count < 3 || count > POLYGON_MAX) return 0.0;
+    for (int i = 0; i < count; i++) relative[i] = sl_subd(vertices[i], p);
+    if (!(sl_dotd(polygon_normal(relative, count), relative[0]) < 0.0)) return 0.0; /* seen from behind, or edge-on */
+    int kept = clip_to_horizon(n, relative, count, v);
+    for (int i = 0; gradient && i < kept; i++) {
+        /* Lambert's formula wants the order that is clockwise for the receiver: each edge backwards. */
+        edge e;
+        if (!make_edge(v[(i + 1) % kept], v[i], &e)) continue;
+        sl_vec3d turn = sl_scaled(sl_crossd(n, e.along), e.angle / e.distance);
+        double swing = 2.0 * sl_dotd(n, sl_crossd(e.foot, e.along));
+        sl_vec3d slide = sl_addd(sl_scaled(e.foot, e.j2), sl_scaled(e.along, e.j1));
+        sum = sl_addd(sum, sl_addd(turn, sl_scaled(slide, swing)));
+    }
+    if (gradient) *gradient = sl_scaled(sum, 0.5);
+    double irradiance = -sl_dotd(n, sl_cell_vector(v, kept));
+    return irradiance > 0.0 ? irradiance : 0.0;
+}

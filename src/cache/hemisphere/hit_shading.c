@@ -1,0 +1,195 @@
+/* What the gather sees, lit by direct light (hit_light.c, or shadow maps) and by what more bounces bring: outgoing radiance
+ * L = kd / pi * E of a Lambertian bounce; and where asked for, what glossy lobes reflect of the direct light (glossy_hits.c). */
+#include "cache/hemisphere/hit_light.h"
+
+#include "base/counters.h"
+#include "base/math.h"
+#include "scene/texture.h"
+
+/* Radiance below this is 0 (its products would be denormal), above that it is cut, so that sums of w L stay finite in floats. */
+#define RADIANCE_MIN 1e-30f
+#define RADIANCE_MAX 1e20f
+
+/* ---- surfaces ------------------------------------------------------------------------------------------------------- */
+
+static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
+    float first = values[corner[0]];
+    return first + w1 * (values[corner[1]] - first) + w2 * (values[corner[2]] - first);
+}
+
+static void clear_slot(const sl_gather_hits *h, size_t k) {
+    h->depth[k] = 0.0f;
+    h->normal_x[k] = h->normal_y[k] = h->normal_z[k] = 0.0f;
+    h->geometric_x[k] = h->geometric_y[k] = h->geometric_z[k] = 0.0f;
+    h->diffuse_r[k] = h->diffuse_g[k] = h->diffuse_b[k] = 0.0f;
+}
+
+static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k, const uint8_t **texel) {
+    const sl_scene *s = gather->scene;
+    uint32_t triangle = h->triangle[k], corner[3] = {s->vertex[0][triangle], s->vertex[1][triangle], s->vertex[2][triangle]};
+    float w1 = h->w1[k], w2 = h->w2[k];
+    h->normal_x[k] = interpolate(s->normal_x, corner, w1, w2);
+    h->normal_y[k] = interpolate(s->normal_y, corner, w1, w2);
+    h->normal_z[k] = interpolate(s->normal_z, corner, w1, w2);
+    h->geometric_x[k] = s->geometric_normal_x[triangle];
+    h->geometric_y[k] = s->geometric_normal_y[triangle];
+    h->geometric_z[k] = s->geometric_normal_z[triangle];
+    const sl_material *material = &s->materials[s->material_index[triangle]];
+    h->diffuse_r[k] = material->diffuse.r;
+    h->diffuse_g[k] = material->diffuse.g;
+    h->diffuse_b[k] = material->diffuse.b;
+    *texel = NULL;
+    if (material->texture == SL_NO_INDEX) return;
+    float u = interpolate(s->texture_u, corner, w1, w2), v = interpolate(s->texture_v, corner, w1, w2);
+    *texel = sl_texture_nearest_texel(&s->textures[material->texture], u, v);
+    __builtin_prefetch(*texel);
+}
+
+/* A texel that a ray finds is mostly in no cache: all are sent for before the first is read. */
+static void make_surfaces(const sl_gather_view *view, size_t first, size_t count) {
+    const uint8_t **texel = view->scratch->texel;
+    const sl_gather *gather = view->gather;
+    const sl_gather_hits *h = &view->scratch->hits;
+    for (size_t k = first; k < first + count; k++) {
+        texel[k] = NULL;
+        if (h->triangle[k] == SL_NO_INDEX) clear_slot(h, k);
+        else load_slot(gather, h, k, &texel[k]);
+        h->irradiance_r[k] = h->irradiance_g[k] = h->irradiance_b[k] = 0.0f;
+    }
+    for (size_t k = first; k < first + count; k++) {
+        if (!texel[k]) continue;
+        h->diffuse_r[k] *= sl_srgb_to_linear[texel[k][0]];
+        h->diffuse_g[k] *= sl_srgb_to_linear[texel[k][1]];
+        h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
+    }
+    sl_surface_cells cells = {
+        .count = count, .eye = view->eye, .depth = h->depth + first,
+        .direction_x = h->direction_x + first, .direction_y = h->direction_y + first, .direction_z = h->direction_z + first,
+        .position_x = h->position_x + first, .position_y = h->position_y + first, .position_z = h->position_z + first,
+        .normal_x = h->normal_x + first, .normal_y = h->normal_y + first, .normal_z = h->normal_z + first,
+        .geometric_x = h->geometric_x + first, .geometric_y = h->geometric_y + first, .geometric_z = h->geometric_z + first,
+        .cosine = h->cosine + first, .back = h->back + first};
+    gather->kernels.surfaces(&cells);
+}
+
+/* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from the surface itself nor
+ * from what lies behind it. */
+static bool is_below_horizon(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    return !(sl_dot(view->point->geometric_normal, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k])) > 0.0f);
+}
+
+static void drop_below_horizon(const sl_gather_view *view, size_t first, size_t count) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    if (sl_dot(view->point->geometric_normal, view->frame.z) >= 1.0f - 1e-6f) return; /* not tilted */
+    for (size_t k = first; k < first + count; k++) {
+        if (is_below_horizon(view, k)) h->triangle[k] = SL_NO_INDEX;
+    }
+}
+
+/* ---- direct light by shadow maps ------------------------------------------------------------------------------------------ */
+
+static void light_by_maps(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const unsigned parts = SL_MAPPED_LIGHTS | SL_MAPPED_SKY | SL_MAPPED_FEW;
+    for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
+        size_t rest = first + count - k;
+        sl_light_points block = {rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK, h->position_x + k, h->position_y + k, h->position_z + k,
+                                 h->geometric_x + k, h->geometric_y + k, h->geometric_z + k, h->normal_x + k, h->normal_y + k, h->normal_z + k};
+        sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
+                                  h->irradiance_b + k, counters);
+        if (view->scratch->glossy) sl_glossy_hits_add_maps(view, &block, k, parts, counters);
+    }
+}
+
+/* ---- radiance of the cells --------------------------------------------------------------------------------------------------- */
+
+static float sane(float radiance, uint64_t *nonfinite) {
+    if (radiance != radiance) {
+        ++*nonfinite;
+        return 0.0f;
+    }
+    if (radiance > RADIANCE_MAX) return RADIANCE_MAX;
+    return radiance >= RADIANCE_MIN ? radiance : 0.0f;
+}
+
+sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_scene *scene = view->gather->scene;
+    const sl_gather_settings *settings = &view->gather->settings;
+    if (h->triangle[k] == SL_NO_INDEX) {
+        const sl_environment *environment = settings->emission ? &scene->environment : settings->background;
+        if (!environment || is_below_horizon(view, k)) return sl_grey(0.0f);
+        sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+        return sl_environment_radiance(environment, sl_normalize_or(d, view->frame.z));
+    }
+    if (!settings->emission) return sl_grey(0.0f);
+    const sl_material *material = &scene->materials[scene->material_index[h->triangle[k]]];
+    return h->back[k] > 0.0f && !material->emission_two_sided ? sl_grey(0.0f) : material->emission;
+}
+
+/* The mean of the rays of a cell; the nearest thing that they met, and what the first one did. */
+static void write_slot(const sl_gather_view *view, size_t k, float length, uint64_t *nonfinite) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_gather_planes *p = &view->scratch->planes;
+    uint32_t cell = view->scratch->slot_cell[k];
+    float share = view->scratch->slot_share[k];
+    const float inverse_pi = (float)(1.0 / SL_PI);
+    sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k], h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
+                       h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
+    radiance = sl_rgb_add(radiance, sl_gather_emission(view, k));
+    if (view->scratch->glossy) radiance = sl_rgb_add(radiance, view->scratch->glossy->radiance[k]);
+    radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite), share * sane(radiance.b, nonfinite)};
+    float nearest_depth = 2.0f * view->gather->offset;
+    bool hit = h->triangle[k] != SL_NO_INDEX;
+    float nearness = hit ? 1.0f / (h->depth[k] > nearest_depth ? h->depth[k] : nearest_depth) : 0.0f;
+    if (k >= view->gather->tables->used) {
+        p->r[cell] += radiance.r;
+        p->g[cell] += radiance.g;
+        p->b[cell] += radiance.b;
+        p->nearness[cell] = nearness > p->nearness[cell] ? nearness : p->nearness[cell];
+        return;
+    }
+    p->r[cell] = radiance.r;
+    p->g[cell] = radiance.g;
+    p->b[cell] = radiance.b;
+    p->nearness[cell] = p->first[cell] = nearness;
+    p->distance[cell] = hit ? h->depth[k] * length : INFINITY;
+}
+
+/* ---- all of it ---- */
+
+/* Slots first to first + count: what they see, lit by all but samples. */
+static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
+    drop_below_horizon(view, first, count);
+    make_surfaces(view, first, count);
+    if (view->scratch->glossy) sl_glossy_hits_begin(view, first, count);
+    if (view->gather->maps) light_by_maps(view, first, count, counters);
+    else sl_gather_light_first(view, first, count, counters);
+}
+
+void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters) {
+    const sl_gather *gather = view->gather;
+    const sl_gather_tables *t = gather->tables;
+    const sl_gather_scratch *s = view->scratch;
+    const sl_gather_hits *h = &s->hits;
+    uint64_t nonfinite = 0;
+    *nearest = INFINITY;
+    *back_weight = 0.0;
+    begin_slots(view, 0, t->used, counters);
+    sl_gather_add_rays(view, counters);
+    begin_slots(view, t->used, s->slots - t->used, counters);
+    if (!gather->maps) sl_gather_light_sampled(view, counters);
+    if (gather->settings.hidden) sl_gather_add_hidden_light(view, counters);
+    for (size_t k = 0; k < s->slots; k++) {
+        float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
+        write_slot(view, k, length, &nonfinite);
+        if (k >= t->used || h->triangle[k] == SL_NO_INDEX) continue; /* geometry by the first rays alone, whatever the light */
+        *back_weight += (double)(h->back[k] * t->weight[s->slot_cell[k]]);
+        sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+        if (!(h->cosine[k] > 0.0f) || !(sl_dot(d, view->point->geometric_normal) > 0.0f)) continue;
+        float reach = h->depth[k] * length * length / h->cosine[k]; /* r / cos theta' */
+        if (reach < *nearest) *nearest = reach;
+    }
+    if (nonfinite) sl_count(counters, SL_COUNT_NONFINITE, nonfinite);
+}

@@ -1,0 +1,206 @@
+/* Direct light of every pixel, diffuse and glossy lobes. */
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/light/direct_internal.h"
+
+#include <float.h>
+
+enum { SUN_TEXELS_MAX = 64 };
+
+/* ---- creation ---- */
+
+static size_t sides_of(const sl_scene *scene) {
+    size_t sides = 0;
+    for (size_t i = 0; i < scene->emitter_count; i++) sides += scene->emitters[i].two_sided ? 2 : 1;
+    return sides;
+}
+
+/* The closed form knows no masks. */
+static bool any_masked(const sl_scene *scene) {
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        if (sl_scene_has_alpha(scene, scene->emitters[i].triangle)) return true;
+    }
+    return false;
+}
+
+static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
+    size_t k = d->exact_count++;
+    sl_polygon_light *p = &d->polygons[k];
+    *p = sl_polygon_light_of(d->scene, e, back);
+    d->emitter[k] = (uint32_t)(e - d->scene->emitters);
+    float luminance = sl_luminance(e->radiance), *t = d->triangles + k * SL_SIDE_VALUES;
+    sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]), p->normal};
+    for (int i = 0; i < 4; i++) {
+        t[3 * i] = parts[i].x;
+        t[3 * i + 1] = parts[i].y;
+        t[3 * i + 2] = parts[i].z;
+    }
+    t[12] = p->area;
+    t[13] = luminance > 0.0f ? e->radiance.r / luminance : 0.0f; /* 1 / luminance may be infinite */
+    t[14] = luminance > 0.0f ? e->radiance.g / luminance : 0.0f;
+    t[15] = luminance > 0.0f ? e->radiance.b / luminance : 0.0f;
+    d->luminances[k] = luminance;
+}
+
+static sl_status make_sides(sl_direct *d, sl_error *error) {
+    const sl_scene *scene = d->scene;
+    size_t sides = sides_of(scene);
+    if (sides == 0 || sides > SL_EXACT_EMITTERS_MAX || any_masked(scene)) return SL_OK;
+    d->polygons = sl_allocate(sides, sizeof *d->polygons);
+    d->triangles = sl_allocate(sides * SL_SIDE_VALUES, sizeof *d->triangles);
+    d->luminances = sl_allocate(sides, sizeof *d->luminances);
+    d->emitter = sl_allocate(sides, sizeof *d->emitter);
+    if (!d->polygons || !d->triangles || !d->luminances || !d->emitter) return sl_fail_memory(error, "direct light");
+    for (size_t i = 0; i < scene->emitter_count; i++) {
+        add_side(d, &scene->emitters[i], false);
+        if (scene->emitters[i].two_sided) add_side(d, &scene->emitters[i], true);
+    }
+    return SL_OK;
+}
+
+static void add_texel(sl_direct *d, int row, int column) {
+    const sl_environment *sun = d->settings.sun;
+    sl_rgb radiance;
+    float solid_angle;
+    sl_vec3 direction = sl_environment_texel(sun, row, column, &radiance, &solid_angle);
+    double top = sl_cos(SL_PI * (double)row / (double)sun->height),
+           bottom = sl_cos(SL_PI * (double)(row + 1) / (double)sun->height);
+    float luminance = sl_luminance(radiance), scale = luminance > 0.0f ? luminance : 1.0f;
+    size_t k = d->sun_texels++;
+    d->sun_direction[k] = direction;
+    d->sun_light[k] = sl_rgb_scale(radiance, solid_angle);
+    d->sun_table[k] = (sl_sun_texel){.sum = luminance * solid_angle + (k ? d->sun_table[k - 1].sum : 0.0f),
+                                     .u = (float)column / (float)sun->width,
+                                     .width = 1.0f / (float)sun->width,
+                                     .top = (float)top,
+                                     .height = (float)(top - bottom),
+                                     .r = radiance.r / scale,
+                                     .g = radiance.g / scale,
+                                     .b = radiance.b / scale};
+}
+
+/* The texels of the sun, if they are few: then its unoccluded light is known. */
+static sl_status make_sun(sl_direct *d, sl_error *error) {
+    const sl_environment *sun = d->settings.sun;
+    size_t lit = 0;
+    for (size_t i = 0; i < (size_t)sun->width * (size_t)sun->height; i++) {
+        const float *t = sun->texels + 3 * i;
+        lit += t[0] > 0.0f || t[1] > 0.0f || t[2] > 0.0f;
+    }
+    if (lit == 0 || lit > SUN_TEXELS_MAX) return SL_OK;
+    d->sun_direction = sl_allocate(lit, sizeof *d->sun_direction);
+    d->sun_light = sl_allocate(lit, sizeof *d->sun_light);
+    d->sun_table = sl_allocate(lit, sizeof *d->sun_table);
+    if (!d->sun_direction || !d->sun_light || !d->sun_table) return sl_fail_memory(error, "the sun");
+    for (int row = 0; row < sun->height; row++) {
+        for (int column = 0; column < sun->width; column++) {
+            const float *t = sun->texels + 3 * ((size_t)row * (size_t)sun->width + (size_t)column);
+            if (t[0] > 0.0f || t[1] > 0.0f || t[2] > 0.0f) add_texel(d, row, column);
+        }
+    }
+    return SL_OK;
+}
+
+/* Powers of two change no bit of a share. */
+static void choose_unit(sl_direct *d) {
+    float strongest = d->sun_texels ? d->sun_table[d->sun_texels - 1].sum : 0.0f;
+    int exponent = 0;
+    for (size_t k = 0; k < d->exact_count; k++) strongest = fmaxf(strongest, d->luminances[k]);
+    if (strongest > 0.0f && isfinite(strongest)) (void)frexpf(strongest, &exponent);
+    exponent = exponent > FLT_MAX_EXP - 1 ? FLT_MAX_EXP - 1 : exponent;
+    d->unit = ldexpf(1.0f, exponent);
+    for (size_t k = 0; k < d->exact_count; k++) d->luminances[k] = ldexpf(d->luminances[k], -exponent);
+    for (size_t k = 0; k < d->sun_texels; k++) {
+        sl_rgb *light = &d->sun_light[k];
+        *light = (sl_rgb){ldexpf(light->r, -exponent), ldexpf(light->g, -exponent), ldexpf(light->b, -exponent)};
+        d->sun_table[k].sum = ldexpf(d->sun_table[k].sum, -exponent);
+    }
+}
+
+static sl_status make_sampler(sl_direct *d, sl_error *error) {
+    d->extended = *d->scene;
+    d->extended.light_count = 0;
+    d->extended.environment = d->settings.sun ? *d->settings.sun : (sl_environment){0};
+    if (d->scene->emitter_count == 0 && !d->settings.sun) return SL_OK;
+    sl_status status = sl_light_sampler_create(&d->extended, &d->sampler, error);
+    if (status != SL_OK || d->exact_count) return status;
+    return sl_light_sampler_plant_tree(d->sampler, error);
+}
+
+sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
+                           sl_direct **direct, sl_error *error) {
+    *direct = NULL;
+    sl_direct *d = sl_allocate(1, sizeof *d);
+    if (!d) return sl_fail_memory(error, "direct light");
+    d->scene = scene;
+    d->tracer = tracer;
+    d->settings = *settings;
+    d->light = sl_light_kernels_for(sl_isa_best());
+    d->kernels = sl_direct_kernels_for(sl_isa_best());
+    d->offset = 1e-5f * scene->scale;
+    for (size_t i = 0; i < scene->material_count; i++) d->glossy |= sl_material_is_glossy(&scene->materials[i]);
+    sl_status status = settings->maps ? SL_OK : make_sides(d, error);
+    if (status == SL_OK && settings->sun && !settings->maps) status = make_sun(d, error);
+    choose_unit(d);
+    if (status == SL_OK && !settings->maps) status = make_sampler(d, error);
+    if (status != SL_OK) {
+        sl_direct_destroy(d);
+        return status;
+    }
+    *direct = d;
+    return SL_OK;
+}
+
+void sl_direct_destroy(sl_direct *direct) {
+    if (!direct) return;
+    sl_light_sampler_destroy(direct->sampler);
+    sl_free(direct->polygons);
+    sl_free(direct->triangles);
+    sl_free(direct->luminances);
+    sl_free(direct->emitter);
+    sl_free(direct->sun_direction);
+    sl_free(direct->sun_light);
+    sl_free(direct->sun_table);
+    sl_free(direct);
+}
+
+/* ---- pixels ---- */
+
+sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *g, size_t i) {
+    sl_receiver at = {
+        .position = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
+        .normal = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]),
+        .geometric_normal = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
+        .triangle = g->id[i],
+        .material = &direct->scene->materials[g->material[i]],
+    };
+    sl_vec3 viewer = g->seen_from ? g->seen_from[i] : direct->scene->camera.eye;
+    at.to_viewer = sl_normalize_or(sl_sub(viewer, at.position), at.geometric_normal);
+    return at;
+}
+
+bool sl_pixel_is_glossy(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
+    return g->material[i] != SL_NO_INDEX && sl_material_is_glossy(&scene->materials[g->material[i]]);
+}
+
+bool sl_pixel_reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
+    if (g->material[i] == SL_NO_INDEX) return false;
+    return g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f || sl_pixel_is_glossy(g, scene, i);
+}
+
+sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light) {
+    if (!sl_material_is_glossy(at->material)) return sl_grey(0.0f);
+    float n_v = sl_dot(at->normal, at->to_viewer);
+    sl_vec3 mirrored = sl_sub(sl_scale(at->normal, 2.0f * n_v), at->to_viewer);
+    float cos_alpha = sl_dot(mirrored, to_light);
+    if (!(cos_alpha > 0.0f)) return sl_grey(0.0f);
+    float n = at->material->exponent, lobe = sl_powf(cos_alpha < 1.0f ? cos_alpha : 1.0f, n);
+    return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
+}
+
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                         float *b, sl_counters *counters, sl_error *error) {
+    if (direct->settings.maps) return sl_direct_by_maps(direct, gbuffer, row0, row1, r, g, b, counters, error);
+    return sl_direct_by_rays(direct, gbuffer, row0, row1, r, g, b, counters, error);
+}

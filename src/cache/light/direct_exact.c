@@ -1,0 +1,207 @@
+/* Emitters: the irradiance of each is known in closed form where nothing is in the way (Lambert's formula); light samples
+ * only tell which share of it arrives, sum(V f) / sum(f) (the ratio estimator of Heitz, Hill and McGuire 2018, "Combining
+ * analytic direct illumination and stochastic shadows"). The closed forms also are the best weights for choosing an emitter:
+ * the samples of many differ in nothing but visibility, and what is seen whole or not at all has no noise. */
+#include "cache/light/direct_internal.h"
+#include "cache/light/direct_lamps.h"
+
+#include "base/random.h"
+
+typedef struct {
+    size_t sides;                                            /* that light some pixel of the block */
+    uint32_t side[SL_EXACT_EMITTERS_MAX];
+    bool near[SL_EXACT_EMITTERS_MAX], any_near;              /* to some pixel of the block */
+    float share[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];     /* irradiance for radiance 1 */
+    float sums[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];      /* cumulative, in luminance */
+} weighed;
+
+/* Weighs all sides for all points, and adds up what arrives unoccluded. */
+static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w, float exact[3][SL_LIGHT_BLOCK]) {
+    sl_light_points points = sl_lit_points(block);
+    sl_block_box box = sl_lit_block_box(block);
+    w->sides = 0;
+    w->any_near = false;
+    for (size_t s = 0; s < direct->exact_count; s++) {
+        float *share = w->share + w->sides * SL_LIGHT_BLOCK, *sum = w->sums + w->sides * SL_LIGHT_BLOCK;
+        direct->light.polygon(&points, &direct->polygons[s], share);
+        float largest = 0.0f, luminance = direct->luminances[s];
+        for (size_t i = 0; i < block->count; i++) largest = share[i] > largest ? share[i] : largest;
+        if (!(largest > 0.0f)) continue;
+        const float *colour = direct->triangles + s * SL_SIDE_VALUES + 13;
+        for (size_t i = 0; i < block->count; i++) {
+            float e = share[i] * luminance;
+            sum[i] = (w->sides ? sum[(ptrdiff_t)i - SL_LIGHT_BLOCK] : 0.0f) + e;
+            exact[0][i] += colour[0] * e;
+            exact[1][i] += colour[1] * e;
+            exact[2][i] += colour[2] * e;
+        }
+        w->near[w->sides] = sl_emitter_is_near(&direct->polygons[s], &box);
+        w->any_near |= w->near[w->sides];
+        w->side[w->sides++] = (uint32_t)s;
+    }
+}
+
+enum { CHUNK = 8, LANES = CHUNK * SL_LIGHT_BLOCK };
+
+/* Some samples of every pixel of the block, sample by sample: SL_LIGHT_BLOCK lanes each. */
+typedef struct {
+    uint32_t samples;
+    float u0[LANES], u1[LANES], u2[LANES];
+    int32_t chosen[LANES];
+    float x[LANES], y[LANES], z[LANES];
+    float r[LANES], g[LANES], b[LANES];
+    float weight[LANES], wanted[LANES], visible[LANES];
+} light_samples;
+
+static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first, light_samples *s) {
+    sl_light_points points = sl_lit_points(block);
+    sl_aim_block aims[CHUNK];
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 0, SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
+    for (uint32_t k = 0; k < s->samples; k++) {
+        size_t lane = (size_t)k * SL_LIGHT_BLOCK;
+        aims[k] = (sl_aim_block){&points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
+                                 s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
+                                 s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
+        direct->kernels.aim(&aims[k]);
+    }
+    if (w->any_near) sl_direct_aim_near(direct, block, w->near, aims, s->samples);
+}
+
+/* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and pixels. */
+static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const light_samples *s, uint32_t order[LANES]) {
+    uint32_t start[SL_EXACT_EMITTERS_MAX + 1] = {0};
+    for (uint32_t k = 0; k < s->samples; k++) {
+        for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
+            if (s->wanted[lane] > 0.0f) start[s->chosen[lane] + 1]++;
+        }
+    }
+    for (size_t side = 0; side < sides; side++) start[side + 1] += start[side];
+    size_t count = start[sides];
+    for (uint32_t k = 0; k < s->samples; k++) {
+        for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
+            if (s->wanted[lane] > 0.0f) order[start[s->chosen[lane]]++] = lane;
+        }
+    }
+    return count;
+}
+
+/* seen: how many samples of a pixel were, of: of how many. */
+static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums, float *seen,
+                        float *of) {
+    for (size_t i = 0; i < block->count; i++) {
+        size_t p = block->pixel[i] - sums->first;
+        for (size_t lane = i; lane < s->samples * SL_LIGHT_BLOCK; lane += SL_LIGHT_BLOCK) {
+            float weight = s->weight[lane] * scale, visible = s->wanted[lane] > 0.0f ? s->visible[lane] : 0.0f,
+                  arrives = weight * visible;
+            sums->all[0][p] += s->r[lane] * weight;
+            sums->all[1][p] += s->g[lane] * weight;
+            sums->all[2][p] += s->b[lane] * weight;
+            sums->seen[0][p] += s->r[lane] * arrives;
+            sums->seen[1][p] += s->g[lane] * arrives;
+            sums->seen[2][p] += s->b[lane] * arrives;
+            if (lane / SL_LIGHT_BLOCK % 2) {
+                float light = s->r[lane] + s->g[lane] + s->b[lane];
+                sums->odd_seen[p] += light * arrives;
+                sums->odd_all[p] += light * weight;
+            }
+            seen[i] += weight > 0.0f ? visible : 0.0f;
+            of[i] += weight > 0.0f ? 1.0f : 0.0f;
+        }
+    }
+}
+
+typedef struct {
+    float seen[SL_LIGHT_BLOCK], of[SL_LIGHT_BLOCK]; /* samples */
+} answers;
+
+struct sl_direct_scratch {
+    weighed weighed;
+    light_samples samples;
+    uint32_t order[LANES];
+    sl_lamps lamps;
+};
+
+size_t sl_direct_scratch_bytes(void) { return sizeof(sl_direct_scratch); }
+sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker) { return (sl_direct_scratch *)blocks + worker; }
+sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch) { return &scratch->lamps; }
+
+/* Traces and adds up samples that are drawn. */
+static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides, bool far_away, sl_direct_scratch *scratch,
+                 sl_direct_sums *sums, answers *a, sl_counters *counters) {
+    light_samples *s = &scratch->samples;
+    size_t rays = order_by_emitter(block, sides, s, scratch->order);
+    sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, far_away}, s->visible, counters);
+    add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
+}
+
+static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a, float exact[3][SL_LIGHT_BLOCK],
+                     sl_direct_sums *sums) {
+    for (size_t i = 0; i < block->count; i++) {
+        size_t p = block->pixel[i] - sums->first;
+        sums->samples[p] += (float)(range.end - range.first);
+        if (range.first > 0) continue;
+        for (int c = 0; c < 3; c++) sums->exact[c][p] += exact[c][i];
+        /* Where no sample tells anything of light that arrives, more may. */
+        bool unknown = a->of[i] == 0.0f && exact[0][i] + exact[1][i] + exact[2][i] > 0.0f;
+        if (unknown || (a->seen[i] > 0.0f && a->seen[i] < a->of[i])) sums->partly[p] = 1.0f;
+    }
+}
+
+void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
+                     sl_counters *counters) {
+    weighed *w = &scratch->weighed;
+    light_samples *s = &scratch->samples;
+    answers a = {{0.0f}, {0.0f}};
+    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
+    weigh(direct, block, w, exact);
+    if (w->sides == 0) return;
+    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
+        s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw(direct, block, w, first, s);
+        take(direct, block, w->sides, false, scratch, sums, &a, counters);
+    }
+    conclude(block, range, &a, exact, sums);
+}
+
+/* ---- the sun, where it is a few texels: their light is known as well ---- */
+
+static void weigh_sun(const sl_direct *direct, const sl_lit_block *block, float exact[3][SL_LIGHT_BLOCK]) {
+    for (size_t t = 0; t < direct->sun_texels; t++) {
+        sl_vec3 d = direct->sun_direction[t];
+        sl_rgb light = direct->sun_light[t];
+        for (size_t i = 0; i < block->count; i++) {
+            float cosine = block->normal_x[i] * d.x + block->normal_y[i] * d.y + block->normal_z[i] * d.z;
+            cosine = cosine > 0.0f ? cosine : 0.0f;
+            exact[0][i] += light.r * cosine;
+            exact[1][i] += light.g * cosine;
+            exact[2][i] += light.b * cosine;
+        }
+    }
+}
+
+static void draw_sun(const sl_direct *direct, const sl_lit_block *block, uint32_t first, light_samples *s) {
+    sl_light_points points = sl_lit_points(block);
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 1, SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
+    for (uint32_t k = 0; k < s->samples; k++) {
+        size_t lane = (size_t)k * SL_LIGHT_BLOCK;
+        sl_aim_block aim = {.points = &points, .u0 = s->u0 + lane, .u1 = s->u1 + lane, .u2 = s->u2 + lane,
+                            .chosen = s->chosen + lane, .x = s->x + lane, .y = s->y + lane, .z = s->z + lane,
+                            .weight = s->weight + lane, .r = s->r + lane, .g = s->g + lane, .b = s->b + lane,
+                            .wanted = s->wanted + lane};
+        direct->kernels.sun(&aim, direct->sun_table, direct->sun_texels);
+    }
+}
+
+void sl_direct_sun(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, sl_direct_scratch *scratch, sl_direct_sums *sums,
+                   sl_counters *counters) {
+    light_samples *s = &scratch->samples;
+    answers a = {{0.0f}, {0.0f}};
+    float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
+    weigh_sun(direct, block, exact);
+    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
+        s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+        draw_sun(direct, block, first, s);
+        take(direct, block, 1, true, scratch, sums, &a, counters);
+    }
+    conclude(block, range, &a, exact, sums);
+}

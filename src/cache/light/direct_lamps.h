@@ -1,0 +1,34 @@
+/* Emitters as a glossy lobe sees them. */
+#ifndef SL_CACHE_DIRECT_LAMPS_H
+#define SL_CACHE_DIRECT_LAMPS_H
+
+#include "cache/light/direct_internal.h"
+#include "cache/light/spherical_triangle.h"
+#include "trace/bsdf.h"
+
+/* A side of an emitter, above the horizon. */
+typedef struct sl_lamp {
+    uint32_t side;
+    int parts;                      /* 0: too small for angles, it is sampled by its area */
+    sl_spherical_triangle part[2];
+    double solid_angle;             /* of all parts */
+    float sum, chance;              /* the sum of the importances up to and with this one; this one's share of all */
+} sl_lamp;
+
+typedef struct sl_lamps {
+    const sl_direct *direct;
+    sl_vec3 position;
+    size_t count;
+    double solid_angle;             /* of all lamps */
+    float closest;                  /* the lobe's largest value on any of them, 1 at its axis */
+    sl_lamp lamp[SL_EXACT_EMITTERS_MAX];
+} sl_lamps;
+
+/* All that the lobe of a surface may see. False: none. */
+bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 position, sl_lamps *lamps);
+/* A sample from two numbers in [0,1); as of sl_light_sampler_sample_2d(). */
+bool sl_lamps_draw(const sl_lamps *lamps, const float u[2], sl_light_sample *sample);
+/* The density with which that would have drawn the direction that hit this triangle of an emitter. */
+float sl_lamps_pdf(const sl_lamps *lamps, sl_vec3 direction, uint32_t triangle, float distance);
+
+#endif

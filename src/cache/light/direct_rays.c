@@ -1,0 +1,300 @@
+/* Direct light of pixels by shadow rays: the passes over a strip of rows.
+ *
+ *   1  every pixel             a ray to each light without extent, light samples of the others
+ *   2  penumbrae               pixels that see a part of the lights only, and those near them: more samples, since nearly
+ *                              all of the noise is there
+ *   3  the visible share       smoothed where it is noise (direct_filter.c)
+ *   4  radiance
+ *
+ * Every pass reads a few rows around those of the next one. */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "cache/light/direct_internal.h"
+#include "cache/frame/picture_value.h"
+
+enum {
+    PILOT_MIN = 4,
+    PENUMBRA_FACTOR = 4,
+    PENUMBRA_EMITTERS_MAX = 16, /* under many emitters every pixel lies in some penumbra */
+    /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not would darken the
+     * faint edges of shadows and brighten the others. So pixels this near to a known penumbra are refined as well. */
+    PENUMBRA_MARGIN = 2,
+    FILTER_MARGIN = 2
+};
+
+static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static uint32_t samples_with_refinement(const sl_direct *direct) {
+    uint32_t samples = direct->settings.light_samples;
+    return direct->exact_count > PENUMBRA_EMITTERS_MAX ? samples : (1 + PENUMBRA_FACTOR) * samples;
+}
+
+/* Of the first pass: what all agree on needs few, the others get more anyway. */
+static uint32_t pilot_samples(const sl_direct *direct) {
+    uint32_t samples = direct->settings.light_samples, quarter = (samples + 3) / 4;
+    if (direct->exact_count > PENUMBRA_EMITTERS_MAX) return samples;
+    return quarter < PILOT_MIN ? smaller_count(samples, PILOT_MIN) : quarter;
+}
+
+/* ---- blocks of pixels ---- */
+
+sl_light_points sl_lit_points(const sl_lit_block *b) {
+    return (sl_light_points){b->count,       b->x,           b->y,        b->z,        b->geometric_x,
+                             b->geometric_y, b->geometric_z, b->normal_x, b->normal_y, b->normal_z};
+}
+
+/* The bits of x and y in turn. */
+static uint32_t z_order(uint32_t x, uint32_t y) {
+    uint32_t rank = 0;
+    for (uint32_t bit = 0; 1u << bit < SL_SAMPLE_TILE; bit++)
+        rank |= (x >> bit & 1u) << 2 * bit | (y >> bit & 1u) << (2 * bit + 1);
+    return rank;
+}
+
+void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl_lit_block *b) {
+    size_t i = b->count++;
+    uint32_t x = (uint32_t)(p % (size_t)g->width), y = (uint32_t)(p / (size_t)g->width);
+    b->pixel[i] = (uint32_t)p;
+    b->triangle[i] = g->id[p];
+    b->x[i] = g->position_x[p], b->y[i] = g->position_y[p], b->z[i] = g->position_z[p];
+    b->geometric_x[i] = g->geometric_x[p], b->geometric_y[i] = g->geometric_y[p], b->geometric_z[i] = g->geometric_z[p];
+    b->normal_x[i] = g->normal_x[p], b->normal_y[i] = g->normal_y[p], b->normal_z[i] = g->normal_z[p];
+    b->rank[i] = z_order(x % SL_SAMPLE_TILE, y % SL_SAMPLE_TILE);
+    b->tile_key[i] =
+        sl_random_key(direct->settings.seed ^ 0xd1ecu, (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
+}
+
+/* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of every size
+ * share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then tells most. */
+void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range, uint64_t stream, size_t stride, float *u0, float *u1,
+                      float *u2) {
+    static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u}; /* powers of 1/g, g^4 = g + 1 */
+    float *const u[3] = {u0, u1, u2};
+    const uint32_t all = samples_with_refinement(direct);
+    for (uint64_t d = 0; d < 3; d++) {
+        uint32_t start[SL_LIGHT_BLOCK];
+        for (size_t i = 0; i < block->count; i++) {
+            bool same_tile = i > 0 && block->tile_key[i] == block->tile_key[i - 1];
+            start[i] = same_tile ? start[i - 1] : sl_random_bits(block->tile_key[i], 3 * stream + d);
+        }
+        for (uint32_t sample = range.first; sample < range.end; sample++) {
+            float *restrict to = u[d] + (sample - range.first) * stride;
+            for (size_t i = 0; i < block->count; i++) {
+                uint32_t index = block->rank[i] * all + sample;
+                to[i] = (float)((start[i] + index * step[d]) >> 8) * 0x1p-24f;
+            }
+        }
+    }
+}
+
+void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample, uint64_t stream,
+                        float u[2]) {
+    static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
+    uint32_t index = block->rank[i] * 2 * direct->settings.light_samples + sample;
+    for (uint64_t d = 0; d < 2; d++)
+        u[d] = (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
+}
+
+/* ---- rays, sixteen at a time ---- */
+
+/* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface cannot come
+ * between; its end stops short of the light. */
+static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims, unsigned k,
+                    sl_ray16 *rays) {
+    uint32_t i = lane % SL_LIGHT_BLOCK;
+    float offset = sl_scene_offset_at(direct->scene, direct->offset, sl_v3(block->x[i], block->y[i], block->z[i])), back = aims.far_away ? 0.0f : offset;
+    rays->origin_x[k] = block->x[i] + offset * block->geometric_x[i];
+    rays->origin_y[k] = block->y[i] + offset * block->geometric_y[i];
+    rays->origin_z[k] = block->z[i] + offset * block->geometric_z[i];
+    rays->direction_x[k] = aims.x[lane] - back * block->geometric_x[i];
+    rays->direction_y[k] = aims.y[lane] - back * block->geometric_y[i];
+    rays->direction_z[k] = aims.z[lane] - back * block->geometric_z[i];
+    rays->near[k] = 0.0f;
+    rays->far[k] = aims.far_away ? INFINITY : 0.9999f;
+    rays->skip[k] = block->triangle[i];
+}
+
+void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes, sl_aims aims,
+                     float *visible, sl_counters *counters) {
+    sl_ray16 rays;
+    for (size_t first = 0; first < count; first += SL_PACKET) {
+        unsigned size = count - first < SL_PACKET ? (unsigned)(count - first) : SL_PACKET;
+        for (unsigned k = 0; k < size; k++) set_ray(direct, block, lanes[first + k], aims, k, &rays);
+        uint32_t occluded = sl_trace_occluded(direct->tracer, &rays, size, true, counters);
+        for (unsigned k = 0; k < size; k++) visible[lanes[first + k]] = occluded >> k & 1u ? 0.0f : 1.0f;
+    }
+}
+
+void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted, float *visible,
+                       sl_counters *counters) {
+    uint32_t lanes[SL_LIGHT_BLOCK];
+    size_t count = 0;
+    for (uint32_t i = 0; i < block->count; i++) {
+        visible[i] = 0.0f;
+        if (wanted[i] > 0.0f) lanes[count++] = i;
+    }
+    sl_direct_trace(direct, block, count, lanes, aims, visible, counters);
+}
+
+/* ---- passes ---- */
+
+typedef struct {
+    const sl_direct *direct;
+    const sl_gbuffer *gbuffer;
+    int first, row;         /* of the strip with its margin; of the pass */
+    sl_direct_sums *sums;
+    float *out[3];
+    sl_counters *counters;  /* one a row of the strip */
+    void *scratch;          /* of all workers */
+} pass;
+
+static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - p->first]; }
+
+static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
+    const sl_direct *direct = p->direct;
+    sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
+    sl_sample_range pilot = {0, pilot_samples(direct)}, all = {0, direct->settings.light_samples};
+    if (block->count == 0) return;
+    sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
+    if (direct->exact_count) sl_direct_exact(direct, block, pilot, scratch, p->sums, counters);
+    else if (direct->scene->emitter_count) sl_direct_sampled(direct, block, all, p->sums, counters);
+    if (direct->sun_texels) sl_direct_sun(direct, block, pilot, scratch, p->sums, counters);
+    else if (direct->settings.sun) sl_direct_wide_sun(direct, block, all, p->sums, counters);
+}
+
+static void sample_row(void *context, size_t index, unsigned worker) {
+    const pass *p = context;
+    const sl_gbuffer *g = p->gbuffer;
+    int y = p->row + (int)index;
+    sl_lit_block block = {.count = 0};
+    for (int x = 0; x < g->width; x++) {
+        size_t i = (size_t)y * (size_t)g->width + (size_t)x;
+        if (!sl_pixel_reflects(g, p->direct->scene, i)) continue;
+        sl_lit_block_add(p->direct, g, i, &block);
+        if (block.count < SL_LIGHT_BLOCK) continue;
+        light_block(p, &block, worker, counters_of(p, y));
+        block.count = 0;
+    }
+    light_block(p, &block, worker, counters_of(p, y));
+}
+
+static bool near_penumbra(const pass *p, int x, int y) {
+    int width = p->gbuffer->width, height = p->gbuffer->height;
+    for (int v = y - PENUMBRA_MARGIN; v <= y + PENUMBRA_MARGIN; v++) {
+        for (int u = x - PENUMBRA_MARGIN; u <= x + PENUMBRA_MARGIN; u++) {
+            if (u < 0 || v < 0 || u >= width || v >= height) continue;
+            if (p->sums->partly[(size_t)v * (size_t)width + (size_t)u - p->sums->first] > 0.0f) return true;
+        }
+    }
+    return false;
+}
+
+static void refine_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
+    const sl_direct *direct = p->direct;
+    sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
+    sl_sample_range range = {pilot_samples(direct), samples_with_refinement(direct)};
+    if (block->count == 0) return;
+    if (direct->exact_count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
+    if (direct->sun_texels) sl_direct_sun(direct, block, range, scratch, p->sums, counters);
+}
+
+static void refine_row(void *context, size_t index, unsigned worker) {
+    const pass *p = context;
+    const sl_gbuffer *g = p->gbuffer;
+    int y = p->row + (int)index;
+    sl_lit_block block = {.count = 0};
+    for (int x = 0; x < g->width; x++) {
+        size_t i = (size_t)y * (size_t)g->width + (size_t)x;
+        if (!(p->sums->samples[i - p->sums->first] > 0.0f) || !near_penumbra(p, x, y)) continue;
+        sl_lit_block_add(p->direct, g, i, &block);
+        if (block.count < SL_LIGHT_BLOCK) continue;
+        refine_block(p, &block, worker, counters_of(p, y));
+        block.count = 0;
+    }
+    refine_block(p, &block, worker, counters_of(p, y));
+}
+
+static void scatter_row(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const pass *p = context;
+    size_t width = (size_t)p->gbuffer->width;
+    sl_direct_find_scatter(p->sums, ((size_t)p->row + index) * width - p->sums->first, width);
+}
+
+static void finish_row(void *context, size_t index, unsigned worker) {
+    const pass *p = context;
+    const sl_gbuffer *g = p->gbuffer;
+    const sl_direct *direct = p->direct;
+    int y = p->row + (int)index;
+    size_t width = (size_t)g->width, row = (size_t)y * width;
+    const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
+    float *share[3] = {p->out[0] + row, p->out[1] + row, p->out[2] + row};
+    sl_direct_filter_row(p->sums, g, y, share);
+    for (size_t i = row; i < row + width; i++) {
+        size_t k = i - p->sums->first;
+        bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
+        sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]}, glossy = {0.0f, 0.0f, 0.0f};
+        if (lobe)
+            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit, direct->settings.light_samples,
+                                    sl_direct_scratch_of(p->scratch, worker), counters_of(p, y));
+        const float lobes[3] = {glossy.r, glossy.g, glossy.b};
+        for (int c = 0; c < 3; c++) {
+            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->unit;
+            float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e); /* black times infinite is black */
+            p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
+        }
+    }
+    sl_count(counters_of(p, y), SL_COUNT_FRAGMENTS_SHADED, width);
+}
+
+/* ---- a strip ---- */
+
+static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
+    enum { PLANES = 20 };
+    float **planes[PLANES] = {&sums->exact[0], &sums->exact[1], &sums->exact[2],  &sums->seen[0],   &sums->seen[1],
+                              &sums->seen[2],  &sums->all[0],   &sums->all[1],    &sums->all[2],    &sums->plain[0],
+                              &sums->plain[1], &sums->plain[2], &sums->glossy[0], &sums->glossy[1], &sums->glossy[2],
+                              &sums->odd_seen, &sums->odd_all,  &sums->samples,   &sums->partly,    &sums->scatter};
+    sums->first = first;
+    sums->count = count;
+    sums->block = sl_allocate(PLANES * count, sizeof *sums->block);
+    for (size_t k = 0; k < PLANES && sums->block; k++) *planes[k] = sums->block + k * count;
+    return sums->block != NULL;
+}
+
+static int larger(int a, int b) { return a > b ? a : b; }
+static int smaller(int a, int b) { return a < b ? a : b; }
+
+/* Rows [row0 - margin, row1 + margin), as far as there are any. */
+static void run(pass *p, sl_task *task, int row0, int row1, int margin) {
+    p->row = larger(row0 - margin, 0);
+    int end = smaller(row1 + margin, p->gbuffer->height);
+    sl_parallel_for(p->direct->settings.threads, (size_t)(end - p->row), task, p);
+}
+
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r, float *g,
+                            float *b, sl_counters *counters, sl_error *error) {
+    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
+    int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
+    size_t width = (size_t)gbuffer->width, rows = (size_t)(end - first);
+    sl_direct_sums sums;
+    sl_counters *costs = sl_allocate(rows, sizeof *costs);
+    void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
+    bool made = make_sums((size_t)first * width, rows * width, &sums) && costs && scratch;
+    if (made) {
+        pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs, scratch};
+        run(&p, sample_row, row0, row1, margin);
+        if (samples_with_refinement(direct) > pilot_samples(direct)) run(&p, refine_row, row0, row1, FILTER_MARGIN);
+        run(&p, scatter_row, row0, row1, FILTER_MARGIN);
+        run(&p, finish_row, row0, row1, 0);
+        for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
+    }
+    sl_free(sums.block);
+    sl_free(costs);
+    sl_free(scratch);
+    return made ? SL_OK : sl_fail_memory(error, "direct light");
+}

@@ -1,0 +1,348 @@
+/* A sample of one light at one point: which way it is taken (light_sample.h), and what all samples share.
+ *
+ *     no extent ------------------------------------------------ one shadow ray
+ *     turned away, below the horizon --------------------------- 0
+ *     tiny ------------------------------------------------------ closed form x one shadow ray
+ *     nothing in the frustum ------------------------------------ closed form
+ *     planar ---------- N x N pixels of its own plane, N doubled where it is so near that weights differ much from pixel to pixel
+ *     solid ----------- N x N pixels of the frustum that looks at it
+ *     too near for either --------------------------------------- closed form x share of rays
+ */
+#include "cache/light/light_sample.h"
+
+#include <math.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/light/light_sample_internal.h"
+#include "raster/views/cone.h"
+
+sl_light_sample_settings sl_light_sample_defaults(void) {
+    return (sl_light_sample_settings){.estimator = SL_LIGHT_RATIO, .size = 64, .largest = 256, .reduced = 16, .rays = 16};
+}
+
+/* ---- what all samples share ---- */
+
+static bool power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
+
+static sl_status check(const sl_light_sample_settings *s, sl_error *error) {
+    if (!power_of_two(s->size) || !power_of_two(s->largest) || !power_of_two(s->reduced) || s->reduced > s->size ||
+        s->size > s->largest || s->largest > 2048) {
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a light's picture of %d x %d pixels, at most %d x %d, reduced to %d x %d: powers of two in order, up to 2048", s->size,
+                       s->size, s->largest, s->largest, s->reduced, s->reduced);
+    }
+    if (s->rays < 1 || s->rays > 1024) return sl_fail(error, SL_ERROR_USAGE, "%d x %d rays to a light: from 1 to 1024", s->rays, s->rays);
+    return SL_OK;
+}
+
+static bool has_extent(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
+
+static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_to_double(light->corner[k]); }
+
+/* Of one-sided triangles: all corners behind the plane of each, but for roundings. */
+static bool is_convex(const sl_sampled_light *light, double size) {
+    enum { TRIANGLES_MAX = 4096 };
+    if (light->two_sided || light->triangles > TRIANGLES_MAX) return false;
+    for (size_t t = 0; t < light->triangles; t++) {
+        sl_vec3d a = corner_of(light, 3 * t);
+        sl_vec3d cross = sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
+        double room = 1e-4 * size * sl_lengthd(cross);
+        for (size_t k = 0; k < 3 * light->triangles; k++) {
+            if (sl_dotd(cross, sl_subd(corner_of(light, k), a)) > room) return false;
+        }
+    }
+    return true;
+}
+
+/* Two triangles that share an edge, their other corners opposite to each other. */
+static void find_parallelogram(const sl_sampled_light *light, sl_light_shape_info *shape) {
+    if (light->kind != SL_SAMPLED_AREA || light->triangles != 2) return;
+    for (size_t i = 0; i < 3; i++) {
+        for (size_t j = 0; j < 3; j++) {
+            sl_vec3d a = corner_of(light, i), b = corner_of(light, (i + 1) % 3), c = corner_of(light, (i + 2) % 3);
+            sl_vec3d p = corner_of(light, 3 + j), q = corner_of(light, 3 + (j + 1) % 3), r = corner_of(light, 3 + (j + 2) % 3);
+            double room = 1e-5 * shape->size;
+            sl_vec3d opposite = sl_subd(sl_addd(b, c), a);
+            if (sl_lengthd(sl_subd(q, c)) > room || sl_lengthd(sl_subd(r, b)) > room || sl_lengthd(sl_subd(p, opposite)) > room) continue;
+            shape->parallelogram = true;
+            shape->corner = a;
+            shape->e1 = sl_subd(b, a);
+            shape->e2 = sl_subd(c, a);
+            return;
+        }
+    }
+}
+
+static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
+    double coordinates = 0.0, off = 0.0;
+    sl_vec3d origin = corner_of(light, 0), normal = sl_to_double(light->normal), middle = sl_to_double(light->position);
+    for (size_t k = 0; k < 3 * light->triangles; k++) {
+        sl_vec3 c = light->corner[k];
+        coordinates = fmax(coordinates, (double)fmaxf(fabsf(c.x), fmaxf(fabsf(c.y), fabsf(c.z))));
+        off = fmax(off, fabs(sl_dotd(sl_subd(sl_to_double(c), origin), normal)));
+        shape->size = fmax(shape->size, 2.0 * sl_lengthd(sl_subd(sl_to_double(c), middle)));
+    }
+    shape->flatness = off + 6e-7 * coordinates;
+    for (size_t t = 0; t < light->triangles; t++) {
+        sl_vec3d a = corner_of(light, 3 * t);
+        shape->area += 0.5 * sl_lengthd(sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a)));
+        shape->area_before[t] = shape->area;
+    }
+    shape->closed_form = light->kind == SL_SAMPLED_AREA || is_convex(light, shape->size);
+}
+
+/* The light's triangles as a mesh of their own. */
+static sl_status make_raster(const sl_sampled_light *light, sl_light_shape_info *shape, unsigned threads, sl_error *error) {
+    size_t corners = 3 * light->triangles;
+    shape->mesh_x = sl_allocate(3 * corners, sizeof *shape->mesh_x);
+    shape->mesh_corner = sl_allocate(corners, sizeof *shape->mesh_corner);
+    if (!shape->mesh_x || !shape->mesh_corner) return sl_fail_memory(error, "a lamp");
+    float *x = shape->mesh_x, *y = x + corners, *z = y + corners;
+    uint32_t *vertex[3] = {shape->mesh_corner, shape->mesh_corner + light->triangles, shape->mesh_corner + 2 * light->triangles};
+    for (size_t k = 0; k < corners; k++) {
+        x[k] = light->corner[k].x;
+        y[k] = light->corner[k].y;
+        z[k] = light->corner[k].z;
+        vertex[k % 3][k / 3] = (uint32_t)k;
+    }
+    const sl_raster_mesh mesh = {.vertex_count = corners, .triangle_count = light->triangles, .x = x, .y = y, .z = z,
+                                 .vertex = {vertex[0], vertex[1], vertex[2]}};
+    return sl_raster_create_mesh(&mesh, threads, &shape->raster, error);
+}
+
+static sl_status make_shape(sl_light_sampling *s, size_t index, sl_error *error) {
+    const sl_sampled_light *light = &s->lights->light[index];
+    const sl_light_sample_settings *settings = &s->settings;
+    sl_light_shape_info *shape = &s->shape[index];
+    if (!has_extent(light)) return SL_OK;
+    shape->area_before = sl_allocate(light->triangles, sizeof *shape->area_before);
+    if (!shape->area_before) return sl_fail_memory(error, "a lamp");
+    measure(light, shape);
+    find_parallelogram(light, shape);
+    if (settings->estimator == SL_LIGHT_RAYS) return SL_OK;
+    if (light->kind == SL_SAMPLED_AREA && settings->estimator != SL_LIGHT_LOOK_AT) {
+        return sl_light_window_make(light, settings, &shape->window, error);
+    }
+    sl_status status = make_raster(light, shape, settings->threads, error);
+    bool wider = status == SL_OK && (!s->widest || sl_raster_cluster_count(shape->raster) > sl_raster_cluster_count(s->widest));
+    if (wider) s->widest = shape->raster;
+    if (light->triangles > s->most_triangles) s->most_triangles = light->triangles;
+    return status;
+}
+
+sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer, const sl_sampled_lights *lights,
+                                   const sl_light_sample_settings *settings, sl_light_sampling **sampling, sl_error *error) {
+    *sampling = NULL;
+    sl_status status = check(settings, error);
+    if (status != SL_OK) return status;
+    sl_light_sampling *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "sampling of lights");
+    *s = (sl_light_sampling){.scene = scene, .raster = raster, .tracer = tracer, .lights = lights, .settings = *settings,
+                             .kernels = sl_light_pixel_kernels_for(sl_isa_best()), .near = 1e-5f * scene->scale,
+                             .lift = SL_LIGHT_LIFT * sl_scene_coordinate_near(scene, scene->core_min)};
+    s->step = fmaxf(2e-6f * scene->scale, s->lift);
+    s->shape = sl_allocate(lights->count, sizeof *s->shape);
+    if (!s->shape) status = sl_fail_memory(error, "sampling of lights");
+    for (size_t i = 0; i < lights->count && status == SL_OK; i++) status = make_shape(s, i, error);
+    if (status != SL_OK) sl_light_sampling_destroy(s);
+    else *sampling = s;
+    return status;
+}
+
+void sl_light_sampling_destroy(sl_light_sampling *s) {
+    if (!s) return;
+    for (size_t i = 0; s->shape && i < s->lights->count; i++) {
+        sl_light_shape_info *shape = &s->shape[i];
+        for (int level = 0; level < SL_WINDOW_LEVELS; level++) sl_free(shape->window.inside[level]);
+        sl_raster_destroy(shape->raster);
+        sl_free(shape->mesh_x);
+        sl_free(shape->mesh_corner);
+        sl_free(shape->area_before);
+    }
+    sl_free(s->shape);
+    sl_free(s);
+}
+
+double sl_light_sampling_step(const sl_light_sampling *s) { return (double)s->step; }
+
+size_t sl_light_sampling_memory_bytes(const sl_light_sampling *s) {
+    size_t bytes = sizeof *s + s->lights->count * sizeof *s->shape;
+    for (size_t i = 0; i < s->lights->count; i++) {
+        const sl_light_shape_info *shape = &s->shape[i];
+        size_t triangles = s->lights->light[i].triangles;
+        bytes += triangles * sizeof *shape->area_before;
+        for (int level = 0; level < SL_WINDOW_LEVELS; level++) {
+            if (shape->window.inside[level]) bytes += (sl_window_words(1 << level) << level) * sizeof(uint32_t);
+        }
+        if (!shape->raster) continue;
+        bytes += sl_raster_memory_bytes(shape->raster) + 9 * triangles * sizeof *shape->mesh_x + 3 * triangles * sizeof *shape->mesh_corner;
+    }
+    return bytes;
+}
+
+/* ---- a worker's pictures ---- */
+
+static bool allocate_planes(const sl_light_sampling *sampling, sl_light_sample_scratch *s) {
+    size_t side = (size_t)sampling->settings.largest, pixels = side * side;
+    size_t reduced = (size_t)sampling->settings.reduced * (size_t)sampling->settings.reduced;
+    bool look_at = sampling->widest != NULL;
+    s->id = sl_allocate(pixels, sizeof *s->id);
+    s->planes = sl_allocate(2 * pixels, sizeof *s->planes);
+    s->halves = sl_allocate(pixels / 2 + 1, sizeof *s->halves);
+    s->sums = sl_allocate(2 * reduced, sizeof *s->sums);
+    s->row_x = sl_allocate(4 * side, sizeof *s->row_x);
+    bool ok = s->id && s->planes && s->halves && s->sums && s->row_x;
+    if (!ok) return false;
+    s->row_y = s->row_x + side;
+    s->column_x = s->row_y + side;
+    s->column_y = s->column_x + side;
+    if (!look_at) return true;
+    s->depth = sl_allocate(pixels, sizeof *s->depth);
+    s->light_id = sl_allocate(pixels, sizeof *s->light_id);
+    s->light_depth = sl_allocate(pixels, sizeof *s->light_depth);
+    s->facing = sl_allocate(sampling->most_triangles, sizeof *s->facing);
+    return s->depth && s->light_id && s->light_depth && s->facing;
+}
+
+sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_light_sample_scratch **scratch, sl_error *error) {
+    *scratch = NULL;
+    int side = sampling->settings.largest;
+    sl_light_sample_scratch *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "pictures of lights");
+    sl_status status = allocate_planes(sampling, s) ? SL_OK : sl_fail_memory(error, "pictures of lights");
+    if (status == SL_OK) status = sl_raster_scratch_create(sampling->raster, side, side, &s->raster, error);
+    if (status == SL_OK && sampling->widest) status = sl_raster_scratch_create(sampling->widest, side, side, &s->light_raster, error);
+    if (status != SL_OK) sl_light_sample_scratch_destroy(s);
+    else *scratch = s;
+    return status;
+}
+
+void sl_light_sample_scratch_destroy(sl_light_sample_scratch *s) {
+    if (!s) return;
+    void *blocks[] = {s->id, s->planes, s->halves, s->sums, s->row_x, s->depth, s->light_id, s->light_depth, s->facing};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
+    sl_raster_scratch_destroy(s->raster);
+    sl_raster_scratch_destroy(s->light_raster);
+    sl_free(s);
+}
+
+sl_light_picture sl_light_last_picture(const sl_light_sample_scratch *s) {
+    return (sl_light_picture){s->picture_size, s->picture_size > 0 ? s->planes : NULL};
+}
+
+/* ---- a sample ---- */
+
+typedef struct {
+    sl_light_query query;
+    const sl_light_sample_settings *settings;
+    const sl_sampled_light *light;
+    const sl_light_shape_info *shape;
+    double unoccluded;
+    bool one_ray;
+} sample;
+
+static double value_of(const sample *s, sl_light_sums sums, bool ratio) {
+    if (!ratio || !s->shape->closed_form) return sums.seen;
+    return s->unoccluded * fmin(sums.seen / sums.all, 1.0);
+}
+
+/* Where no weight is known, though light arrives: the middle of what is above the horizon stands for all of it. */
+static double by_one_ray(const sample *s) { return sl_light_middle_hidden(&s->query) ? 0.0 : s->unoccluded; }
+
+static double by_rays(const sample *s) {
+    sl_light_sums sums = sl_light_rays(&s->query);
+    return sums.all > 0.0 ? value_of(s, sums, true) : by_one_ray(s);
+}
+
+/* Twice as many pixels until one is no larger than half the distance to the light's plane: the midpoint rule's error depends on that. */
+static int picture_size(const sample *s, bool *fine) {
+    const sl_light_window *w = &s->shape->window;
+    int size = s->settings->size;
+    *fine = true;
+    if (s->shape->raster) return size;
+    double h = fabs(sl_dotd(sl_subd(sl_to_double(s->query.point->position), w->origin), sl_to_double(s->light->normal)));
+    while ((double)size * h < 2.0 * w->side && size < s->settings->largest) size *= 2;
+    *fine = (double)size * h >= 2.0 * w->side;
+    return size;
+}
+
+static double by_pictures(const sample *s) {
+    bool ratio = s->settings->estimator == SL_LIGHT_RATIO, fine;
+    int size = picture_size(s, &fine);
+    if (!fine) return by_rays(s);
+    for (; size <= s->settings->largest; size *= 2) {
+        sl_light_sums sums = {0.0, 0.0};
+        sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums) : sl_window_shoot(&s->query, size, &sums);
+        if (shot == SL_SHOT_IMPOSSIBLE) return by_rays(s);
+        if (shot == SL_SHOT_HIDDEN) return 0.0;
+        if (shot == SL_SHOT_NOTHING_BETWEEN) {
+            sl_count(s->query.counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+            return s->unoccluded;
+        }
+        if (sums.all > 0.0) return value_of(s, sums, ratio);
+    }
+    return by_one_ray(s);
+}
+
+/* Edge-on, or all but below the horizon: next to nothing of what the light could give at its distance. */
+static bool is_nothing(const sample *s, double distance) {
+    return !(s->unoccluded > 1e-12 * fmin(1.0, s->shape->area / (SL_PI * distance * distance)));
+}
+
+static double area_light(sample *s) {
+    sl_light_query *q = &s->query;
+    double distance = sl_lengthd(sl_subd(sl_to_double(s->light->position), sl_to_double(q->point->position)));
+    s->unoccluded = sl_light_unoccluded(s->light, q->point);
+    if (is_nothing(s, distance)) {
+        sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        return 0.0;
+    }
+    q->middle = sl_light_middle(s->light, q->point);
+    q->lifted = sl_light_lifted(q->sampling, q->point);
+    q->eye = sl_light_eye(q->sampling, q->lifted, q->middle);
+    if (s->one_ray || s->shape->size < SL_TINY_LIGHT * distance) return by_one_ray(s);
+    return s->settings->estimator == SL_LIGHT_RAYS || !q->scratch ? by_rays(s) : by_pictures(s);
+}
+
+static float value_or_nothing(double value) {
+    float f = (float)value;
+    return f > 0.0f && isfinite(f) ? f : 0.0f;
+}
+
+static sample sample_of(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_light_sample_scratch *scratch,
+                        sl_counters *counters) {
+    return (sample){.query = {.sampling = sampling, .light = light, .point = point, .rays = rays, .scratch = scratch, .counters = counters},
+                    .settings = &sampling->settings, .light = &sampling->lights->light[light], .shape = &sampling->shape[light]};
+}
+
+static float take(sample *s) {
+    const sl_light_query *q = &s->query;
+    sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES, 1);
+    if (!sl_is_finite(q->point->position) || !sl_is_finite(q->point->normal) || !sl_is_finite(q->point->geometric_normal)) {
+        sl_count(q->counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        return 0.0f;
+    }
+    return value_or_nothing(has_extent(s->light) ? area_light(s) : sl_light_without_extent(q->sampling, s->light, q->point, q->counters));
+}
+
+float sl_light_sample_take(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, sl_light_sample_scratch *scratch,
+                           sl_counters *counters) {
+    sample s = sample_of(sampling, light, point, sampling->settings.rays, scratch, counters);
+    return take(&s);
+}
+
+float sl_light_sample_by_rays(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
+    sample s = sample_of(sampling, light, point, rays, NULL, counters);
+    return take(&s);
+}
+
+float sl_light_probe(const sl_light_sampling *sampling, size_t light, const sl_lit_point *point, int rays, sl_counters *counters) {
+    sl_counters own = {{0}};
+    sample s = sample_of(sampling, light, point, rays, NULL, &own);
+    s.one_ray = rays == 1;
+    float value = take(&s);
+    sl_count(counters, SL_COUNT_SHADOW_RAYS, own.value[SL_COUNT_SHADOW_RAYS]);
+    return value;
+}

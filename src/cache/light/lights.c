@@ -1,0 +1,406 @@
+/* Which lights there are (lights.h). Emissive triangles of one object and radiance belong together. Where they lie in one plane they are one
+ * planar light, wherever in it they are. Where they do not, what hangs together by common corners is a light of its own (a lamp of four bulbs
+ * is four lights, each of which a frustum can hold), planar or solid, or, where it is a hollow of few planes, as many planar ones; but where that would be
+ * a swarm, all of it is one solid light. */
+#include "cache/light/lights.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+
+enum { PIECES_MAX = 64 };
+
+/* An emissive triangle, as it is sorted: by what may make it one light with others, then by the piece, then by its number. */
+typedef struct {
+    uint32_t object, two_sided;
+    uint32_t radiance[3]; /* bits */
+    uint32_t triangle;
+    uint32_t piece;       /* the lowest place in the run of what it hangs together with */
+} source;
+
+/* A corner's position as bits, and the place in the run of its triangle. */
+typedef struct {
+    uint32_t bits[3], place;
+} corner_place;
+
+static int compare_words(const uint32_t *a, const uint32_t *b, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
+    }
+    return 0;
+}
+
+static int by_kind(const void *a, const void *b) {
+    const source *s = a, *t = b;
+    const uint32_t x[6] = {s->object, s->two_sided, s->radiance[0], s->radiance[1], s->radiance[2], s->triangle};
+    const uint32_t y[6] = {t->object, t->two_sided, t->radiance[0], t->radiance[1], t->radiance[2], t->triangle};
+    return compare_words(x, y, 6);
+}
+
+static int by_piece(const void *a, const void *b) {
+    const source *s = a, *t = b;
+    const uint32_t x[2] = {s->piece, s->triangle}, y[2] = {t->piece, t->triangle};
+    return compare_words(x, y, 2);
+}
+
+static int by_position(const void *a, const void *b) {
+    const corner_place *s = a, *t = b;
+    int order = compare_words(s->bits, t->bits, 3);
+    return order ? order : compare_words(&s->place, &t->place, 1);
+}
+
+static int by_first_triangle(const void *a, const void *b) {
+    const sl_sampled_light *s = a, *t = b;
+    return compare_words(s->triangle, t->triangle, 1);
+}
+
+static bool one_kind(const source *a, const source *b) {
+    return a->object == b->object && a->two_sided == b->two_sided && memcmp(a->radiance, b->radiance, sizeof a->radiance) == 0;
+}
+
+/* ---- one plane? ---- */
+
+/* The triangle's corners as it shines; cross: its normal, twice its area long. */
+static void corners_of(const sl_scene *scene, uint32_t triangle, sl_vec3 corner[3], sl_vec3d *cross) {
+    for (int k = 0; k < 3; k++) corner[k] = sl_scene_position(scene, scene->vertex[k][triangle]);
+    sl_vec3d a = sl_to_double(corner[0]);
+    *cross = sl_crossd(sl_subd(sl_to_double(corner[1]), a), sl_subd(sl_to_double(corner[2]), a));
+}
+
+/* The plane of the largest triangle must hold all corners, but for a hundred-thousandth of the light's size and the roundings of its
+ * coordinates, and all must shine to the same side. */
+static bool one_plane(const sl_scene *scene, const source *s, size_t count, sl_vec3 *normal) {
+    double largest = -1.0, size = 0.0, extent = 0.0;
+    sl_vec3 corner[3], origin = {0, 0, 0};
+    sl_vec3d cross, n = {0, 0, 0};
+    for (size_t i = 0; i < count; i++) {
+        corners_of(scene, s[i].triangle, corner, &cross);
+        double length = sl_lengthd(cross);
+        if (!(length > largest)) continue;
+        largest = length;
+        origin = corner[0];
+        n = length > 0.0 ? sl_scaled(cross, 1.0 / length) : cross;
+    }
+    double off = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        corners_of(scene, s[i].triangle, corner, &cross);
+        double turned = sl_dotd(cross, n);
+        if (s[i].two_sided ? !(fabs(turned) > 0.0) : !(turned > 0.0)) return false;
+        for (int k = 0; k < 3; k++) {
+            sl_vec3d d = sl_subd(sl_to_double(corner[k]), sl_to_double(origin));
+            off = fmax(off, fabs(sl_dotd(d, n)));
+            extent = fmax(extent, sl_lengthd(d));
+            size = fmax(size, (double)fmaxf(fabsf(corner[k].x), fmaxf(fabsf(corner[k].y), fabsf(corner[k].z))));
+        }
+    }
+    *normal = sl_normalize_or(sl_to_float(n), sl_v3(0, 1, 0));
+    return off <= 1e-5 * extent + 4e-7 * size;
+}
+
+/* ---- pieces that hang together ---- */
+
+static uint32_t root_of(uint32_t *parent, uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+static uint32_t position_bits(float x) { return sl_float_bits(x == 0.0f ? 0.0f : x); }
+
+/* Sorts the run by pieces; returns how many there are. */
+static sl_status find_pieces(const sl_scene *scene, source *s, size_t count, size_t *pieces, sl_error *error) {
+    uint32_t *parent = sl_allocate(count, sizeof *parent);
+    corner_place *corners = sl_allocate(3 * count, sizeof *corners);
+    if (!parent || !corners) {
+        sl_free(parent);
+        sl_free(corners);
+        return sl_fail_memory(error, "the scene's lamps");
+    }
+    for (size_t i = 0; i < count; i++) {
+        parent[i] = (uint32_t)i;
+        for (size_t k = 0; k < 3; k++) {
+            sl_vec3 p = sl_scene_position(scene, scene->vertex[k][s[i].triangle]);
+            corners[3 * i + k] = (corner_place){{position_bits(p.x), position_bits(p.y), position_bits(p.z)}, (uint32_t)i};
+        }
+    }
+    qsort(corners, 3 * count, sizeof *corners, by_position);
+    for (size_t i = 1; i < 3 * count; i++) {
+        if (memcmp(corners[i].bits, corners[i - 1].bits, sizeof corners[i].bits) != 0) continue;
+        uint32_t a = root_of(parent, corners[i - 1].place), b = root_of(parent, corners[i].place);
+        if (a != b) parent[a > b ? a : b] = a < b ? a : b; /* the lowest is the root */
+    }
+    *pieces = 0;
+    for (size_t i = 0; i < count; i++) {
+        s[i].piece = root_of(parent, (uint32_t)i);
+        *pieces += s[i].piece == (uint32_t)i;
+    }
+    if (*pieces <= PIECES_MAX) qsort(s, count, sizeof *s, by_piece);
+    sl_free(parent);
+    sl_free(corners);
+    return SL_OK;
+}
+
+/* ---- edges ---- */
+
+/* A side of a triangle, told from its lower end to its higher one, by bits. */
+typedef struct {
+    uint32_t low[3], high[3];
+    uint32_t side;        /* 3 triangle + corner that it starts from */
+    uint32_t turned;      /* it starts at its higher end */
+} light_side;
+
+static void bits_of(sl_vec3 p, uint32_t bits[3]) {
+    bits[0] = position_bits(p.x);
+    bits[1] = position_bits(p.y);
+    bits[2] = position_bits(p.z);
+}
+
+static int by_ends(const void *a, const void *b) {
+    const light_side *s = a, *t = b;
+    int order = compare_words(s->low, t->low, 3);
+    if (!order) order = compare_words(s->high, t->high, 3);
+    return order ? order : compare_words(&s->side, &t->side, 1);
+}
+
+static bool same_ends(const light_side *s, const light_side *t) {
+    return memcmp(s->low, t->low, sizeof s->low) == 0 && memcmp(s->high, t->high, sizeof s->high) == 0;
+}
+
+static light_side side_of(const sl_sampled_light *light, uint32_t side) {
+    light_side s = {.side = side};
+    uint32_t a[3], b[3];
+    bits_of(light->corner[side], a);
+    bits_of(light->corner[side % 3 == 2 ? side - 2 : side + 1], b);
+    s.turned = compare_words(a, b, 3) > 0;
+    memcpy(s.low, s.turned ? b : a, sizeof s.low);
+    memcpy(s.high, s.turned ? a : b, sizeof s.high);
+    return s;
+}
+
+/* Two sides that run along each other in opposite ways, and no others along them, are an edge between two triangles; every other is an edge of one.
+ * Returns how many edges there are. */
+static size_t find_edges(const sl_sampled_light *light, light_side *sides, sl_light_edge *edge) {
+    const uint32_t count = (uint32_t)(3 * light->triangles);
+    size_t edges = 0;
+    for (uint32_t k = 0; k < count; k++) sides[k] = side_of(light, k);
+    qsort(sides, count, sizeof *sides, by_ends);
+    for (uint32_t first = 0, end; first < count; first = end) {
+        for (end = first + 1; end < count && same_ends(&sides[first], &sides[end]);) end++;
+        bool pair = end - first == 2 && sides[first].turned != sides[first + 1].turned;
+        if (pair && light->kind == SL_SAMPLED_AREA) continue;
+        for (uint32_t k = first; k < (pair ? first + 1 : end); k++) {
+            uint32_t side = sides[k].side;
+            edge[edges++] = (sl_light_edge){light->corner[side], light->corner[side % 3 == 2 ? side - 2 : side + 1], side / 3,
+                                            pair ? sides[k + 1].side / 3 : SL_NO_INDEX};
+        }
+    }
+    return edges;
+}
+
+/* ---- lights ---- */
+
+typedef struct {
+    const sl_scene *scene;
+    sl_sampled_lights *lights;
+    size_t triangles;           /* stored so far */
+} collection;
+
+/* The sources are in ascending order of triangles. */
+static void add_area_light(collection *c, const source *s, size_t count, bool planar, sl_vec3 normal) {
+    const sl_emitter *emitter = &c->scene->emitters[c->scene->emitter_of_triangle[s->triangle]];
+    sl_vec3 *corners = c->lights->corners + 3 * c->triangles;
+    uint32_t *triangles = c->lights->triangles + c->triangles;
+    sl_vec3d centre = {0, 0, 0};
+    double area = 0.0, opaque = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        sl_vec3 *corner = corners + 3 * i;
+        sl_vec3d cross;
+        corners_of(c->scene, s[i].triangle, corner, &cross);
+        if (planar && sl_dotd(cross, sl_to_double(normal)) < 0.0) { /* of two-sided ones: all the same way round */
+            sl_vec3 first = corner[1];
+            corner[1] = corner[2];
+            corner[2] = first;
+        }
+        double weight = sl_lengthd(cross);
+        sl_vec3d sum = sl_addd(sl_addd(sl_to_double(corner[0]), sl_to_double(corner[1])), sl_to_double(corner[2]));
+        centre = sl_addd(centre, sl_scaled(sum, weight / 3.0));
+        area += weight;
+        opaque += weight * (double)c->scene->emitters[c->scene->emitter_of_triangle[s[i].triangle]].opaque;
+        triangles[i] = s[i].triangle;
+    }
+    const float left = area > 0.0 ? (float)(opaque / area) : 1.0f;
+    c->lights->light[c->lights->count++] = (sl_sampled_light){
+        .kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID, .colour = sl_rgb_scale(sl_rgb_scale(emitter->radiance, (float)SL_PI), left),
+        .radiance = emitter->radiance, .opaque = left, .two_sided = emitter->two_sided, .triangles = count, .corner = corners, .triangle = triangles,
+        .normal = planar ? normal : sl_v3(0, 0, 0), .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
+        .scene_light = SL_NO_INDEX, .object = s->object};
+    c->triangles += count;
+}
+
+/* Whether a triangle has a corner before another's plane, by more than a ten-thousandth of the two and roundings: it shines on it. */
+static bool is_before(const sl_scene *scene, uint32_t plane, uint32_t triangle) {
+    sl_vec3 a[3], b[3];
+    sl_vec3d cross, other;
+    corners_of(scene, plane, a, &cross);
+    corners_of(scene, triangle, b, &other);
+    for (int k = 0; k < 3; k++) {
+        sl_vec3d d = sl_subd(sl_to_double(b[k]), sl_to_double(a[0]));
+        double size = (double)fmaxf(fabsf(b[k].x), fmaxf(fabsf(b[k].y), fabsf(b[k].z)));
+        if (sl_dotd(cross, d) > sl_lengthd(cross) * (1e-4 * (sl_lengthd(d) + sqrt(sl_lengthd(cross))) + 4e-7 * size)) return true;
+    }
+    return false;
+}
+
+/* A hollow of few planes, such as a room whose walls shine: no picture holds it, seen from within. Each of its planes is a light then. Marks them as pieces;
+ * false: it is convex, or has too many. */
+static bool find_planes_of_hollow(const sl_scene *scene, source *s, size_t count) {
+    enum { PLANES_MAX = 16 };
+    uint32_t first[PLANES_MAX];
+    size_t planes = 0;
+    bool hollow = false;
+    if (s->two_sided) return false;
+    for (size_t i = 0; i < count; i++) {
+        size_t k = 0;
+        sl_vec3 normal;
+        for (; k < planes; k++) {
+            const source pair[2] = {s[first[k]], s[i]};
+            if (one_plane(scene, pair, 2, &normal)) break;
+        }
+        if (k == PLANES_MAX) return false;
+        if (k == planes) first[planes++] = (uint32_t)i;
+        s[i].piece = first[k];
+    }
+    for (size_t i = 0; i < count && !hollow; i++) {
+        for (size_t k = 0; k < planes && !hollow; k++) hollow = s[i].piece != first[k] && is_before(scene, s[first[k]].triangle, s[i].triangle);
+    }
+    return hollow;
+}
+
+/* What hangs together. */
+static void add_piece(collection *c, source *s, size_t count) {
+    sl_vec3 normal;
+    bool planar = one_plane(c->scene, s, count, &normal);
+    if (planar || !find_planes_of_hollow(c->scene, s, count)) {
+        add_area_light(c, s, count, planar, normal);
+        return;
+    }
+    qsort(s, count, sizeof *s, by_piece);
+    for (size_t first = 0, end; first < count; first = end) {
+        for (end = first + 1; end < count && s[end].piece == s[first].piece;) end++;
+        planar = one_plane(c->scene, s + first, end - first, &normal);
+        add_area_light(c, s + first, end - first, planar, normal);
+    }
+}
+
+/* A run of one object and radiance. */
+static sl_status add_run(collection *c, source *s, size_t count, sl_error *error) {
+    sl_vec3 normal;
+    size_t pieces = 1;
+    if (one_plane(c->scene, s, count, &normal)) {
+        add_area_light(c, s, count, true, normal);
+        return SL_OK;
+    }
+    sl_status status = find_pieces(c->scene, s, count, &pieces, error);
+    if (status != SL_OK) return status;
+    if (pieces > PIECES_MAX) {
+        add_area_light(c, s, count, false, normal);
+        return SL_OK;
+    }
+    for (size_t first = 0, end; first < count; first = end) {
+        for (end = first + 1; end < count && s[end].piece == s[first].piece;) end++;
+        add_piece(c, s + first, end - first);
+    }
+    return SL_OK;
+}
+
+static sl_status add_emitters(collection *c, sl_error *error) {
+    const sl_scene *scene = c->scene;
+    size_t count = scene->emitter_count;
+    source *s = sl_allocate(count, sizeof *s);
+    if (!s) return sl_fail_memory(error, "the scene's lamps");
+    for (size_t i = 0; i < count; i++) {
+        const sl_emitter *e = &scene->emitters[i];
+        s[i] = (source){.object = scene->object_index[e->triangle], .two_sided = e->two_sided, .triangle = e->triangle,
+                        .radiance = {sl_float_bits(e->radiance.r), sl_float_bits(e->radiance.g), sl_float_bits(e->radiance.b)}};
+    }
+    qsort(s, count, sizeof *s, by_kind);
+    sl_status status = SL_OK;
+    for (size_t first = 0, end; first < count && status == SL_OK; first = end) {
+        for (end = first + 1; end < count && one_kind(&s[first], &s[end]);) end++;
+        status = add_run(c, s + first, end - first, error);
+    }
+    sl_free(s);
+    return status;
+}
+
+/* Edges of all area lights; what they are made of is in place. */
+static sl_status add_edges(sl_sampled_lights *lights, sl_error *error) {
+    size_t most = 0, used = 0, area_lights = lights->count;
+    for (size_t i = 0; i < area_lights; i++) most = lights->light[i].triangles > most ? lights->light[i].triangles : most;
+    light_side *sides = sl_allocate(3 * most, sizeof *sides);
+    if (!sides) return sl_fail_memory(error, "the scene's lamps");
+    for (size_t i = 0; i < area_lights; i++) {
+        sl_sampled_light *light = &lights->light[i];
+        light->edge = lights->edges + used;
+        light->edges = find_edges(light, sides, lights->edges + used);
+        used += light->edges;
+        for (size_t k = 0; k < 3 * light->triangles; k++) {
+            light->extent = fmaxf(light->extent, sl_length(sl_sub(light->corner[k], light->position)));
+        }
+    }
+    sl_free(sides);
+    return SL_OK;
+}
+
+static void add_scene_light(sl_sampled_lights *lights, const sl_light *light, uint32_t index) {
+    static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT, [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
+                                            [SL_LIGHT_DIRECTIONAL] = SL_SAMPLED_DIRECTIONAL};
+    if (!(sl_rgb_max(light->intensity) > 0.0f)) return;
+    lights->light[lights->count++] = (sl_sampled_light){
+        .kind = kinds[light->type], .colour = light->intensity, .position = light->position, .direction = light->direction,
+        .cos_inner = light->cos_inner, .cos_outer = light->cos_outer, .scene_light = index, .object = SL_NO_INDEX};
+}
+
+sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error) {
+    *lights = NULL;
+    sl_sampled_lights *l = sl_allocate(1, sizeof *l);
+    if (l) {
+        l->light = sl_allocate(scene->emitter_count + scene->light_count, sizeof *l->light);
+        l->light_of_triangle = sl_allocate(scene->triangle_count, sizeof *l->light_of_triangle);
+        l->corners = sl_allocate(3 * scene->emitter_count, sizeof *l->corners);
+        l->triangles = sl_allocate(scene->emitter_count, sizeof *l->triangles);
+        l->edges = sl_allocate(3 * scene->emitter_count, sizeof *l->edges);
+    }
+    sl_status status = l && l->light && l->light_of_triangle && l->corners && l->triangles && l->edges
+                           ? SL_OK : sl_fail_memory(error, "the scene's lights");
+    collection c = {scene, l, 0};
+    if (status == SL_OK) status = add_emitters(&c, error);
+    if (status == SL_OK) {
+        qsort(l->light, l->count, sizeof *l->light, by_first_triangle);
+        status = add_edges(l, error);
+    }
+    if (status != SL_OK) {
+        sl_sampled_lights_destroy(l);
+        return status;
+    }
+    for (size_t t = 0; t < scene->triangle_count; t++) l->light_of_triangle[t] = SL_NO_INDEX;
+    for (size_t i = 0; i < l->count; i++) {
+        for (size_t k = 0; k < l->light[i].triangles; k++) l->light_of_triangle[l->light[i].triangle[k]] = (uint32_t)i;
+    }
+    for (size_t i = 0; i < scene->light_count; i++) add_scene_light(l, &scene->lights[i], (uint32_t)i);
+    *lights = l;
+    return SL_OK;
+}
+
+void sl_sampled_lights_destroy(sl_sampled_lights *l) {
+    if (!l) return;
+    sl_free(l->light);
+    sl_free(l->light_of_triangle);
+    sl_free(l->corners);
+    sl_free(l->triangles);
+    sl_free(l->edges);
+    sl_free(l);
+}

@@ -1,0 +1,52 @@
+/* Shadow rays to an area light, a packet at a time: where they are aimed, and what each is worth. */
+#include <float.h>
+
+#include "base/random.h"
+#include "cache/light/sample_kernels.h"
+
+/* One hash a ray: sixteen bits of it move the ray within its stratum's width, sixteen within its height. */
+void SL_KERNEL(sl_ray_jitter)(uint64_t key, int n, const int32_t *restrict column, const int32_t *restrict row, float *restrict u,
+                              float *restrict v) {
+    const float over = 1.0f / (float)n;
+#pragma omp simd
+    for (int i = 0; i < SL_AIMED; i++) {
+        uint32_t bits = sl_random_bits(key, (uint64_t)(uint32_t)(row[i] * n + column[i]));
+        u[i] = ((float)column[i] + (float)(int32_t)(bits >> 16) * 0x1p-16f) * over;
+        v[i] = ((float)row[i] + (float)(int32_t)(bits & 0xffff) * 0x1p-16f) * over;
+    }
+}
+
+void SL_KERNEL(sl_ray_places)(const float *restrict u, const float *restrict v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal,
+                              sl_aimed_rays *restrict r) {
+#pragma omp simd
+    for (int i = 0; i < SL_AIMED; i++) {
+        r->x[i] = (corner.x + u[i] * e1.x) + v[i] * e2.x;
+        r->y[i] = (corner.y + u[i] * e1.y) + v[i] * e2.y;
+        r->z[i] = (corner.z + u[i] * e1.z) + v[i] * e2.z;
+        r->normal_x[i] = normal.x;
+        r->normal_y[i] = normal.y;
+        r->normal_z[i] = normal.z;
+    }
+}
+
+/* (n . d)+ (-m . d)+ / |d|^4, each cosine over |d|^2 so that tiny distances do not overflow early. */
+void SL_KERNEL(sl_ray_weights)(const sl_ray_receiver *receiver, sl_aimed_rays *restrict r) {
+    const sl_vec3 n = receiver->normal, g = receiver->geometric;
+    const float scale = receiver->scale, flatness = receiver->flatness;
+    const bool two_sided = receiver->two_sided;
+#pragma omp simd
+    for (int i = 0; i < SL_AIMED; i++) {
+        float x = r->x[i], y = r->y[i], z = r->z[i], squared = (x * x + y * y) + z * z, over = 1.0f / (squared > 0.0f ? squared : 1.0f);
+        float high = (n.x * x + n.y * y) + n.z * z, above = (g.x * x + g.y * y) + g.z * z;
+        float front = -((r->normal_x[i] * x + r->normal_y[i] * y) + r->normal_z[i] * z);
+        front = two_sided ? fabsf(front) : front;
+        float w = (high * over) * (front * over) * scale, room = flatness / (front > 0.0f ? front : 1.0f);
+        w = high > 0.0f ? w : 0.0f;
+        w = above > 0.0f ? w : 0.0f;
+        w = front > 0.0f ? w : 0.0f;
+        w = squared > 0.0f ? w : 0.0f;
+        r->weight[i] = w < FLT_MAX ? w : 0.0f;
+        room = room < 0.5f ? room : 0.5f;
+        r->far[i] = 1.0f - (room > receiver->margin ? room : receiver->margin);
+    }
+}

@@ -1,0 +1,210 @@
+/* Rays: one to a light without extent, n x n jittered ones to an area light (the estimator that the paper's hardware competes with, and what
+ * is left where no picture can be taken). */
+#include <float.h>
+#include <math.h>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "cache/light/light_sample_internal.h"
+
+/* ---- lights without extent ---- */
+
+/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between. */
+static double spot_falloff(const sl_sampled_light *light, double cosine) {
+    double inner = (double)light->cos_inner, outer = (double)light->cos_outer;
+    if (cosine >= inner) return 1.0;
+    if (!(cosine > outer)) return 0.0;
+    double x = (cosine - outer) / (inner - outer);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light, double *distance) {
+    sl_vec3d axis = sl_to_double(light->direction);
+    double strength = 1.0;
+    *distance = INFINITY;
+    *to_light = sl_scaled(axis, -1.0);
+    if (light->kind != SL_SAMPLED_DIRECTIONAL) {
+        sl_vec3d d = sl_subd(sl_to_double(light->position), sl_to_double(point->position));
+        double squared = sl_dotd(d, d);
+        if (!(squared > 0.0) || !isfinite(squared)) return 0.0;
+        *distance = sqrt(squared);
+        *to_light = sl_scaled(d, 1.0 / *distance);
+        strength = 1.0 / squared;
+        if (light->kind == SL_SAMPLED_SPOT) strength *= spot_falloff(light, -sl_dotd(*to_light, axis));
+    }
+    double cosine = sl_dotd(sl_to_double(point->normal), *to_light);
+    if (!(cosine > 0.0) || !(sl_dotd(sl_to_double(point->geometric_normal), *to_light) > 0.0)) return 0.0;
+    return fmin(cosine * strength, (double)FLT_MAX);
+}
+
+/* ---- packets ---- */
+
+typedef struct {
+    const sl_light_sampling *sampling;
+    sl_counters *counters;
+    sl_vec3 eye;
+    uint32_t skip;
+    unsigned count;
+    sl_ray16 rays;
+    double weight[SL_PACKET], seen;
+} packet;
+
+static void flush(packet *p) {
+    uint32_t hidden = p->count ? sl_trace_occluded(p->sampling->tracer, &p->rays, p->count, true, p->counters) : 0;
+    for (unsigned i = 0; i < p->count; i++) {
+        if (!(hidden >> i & 1)) p->seen += p->weight[i];
+    }
+    p->count = 0;
+}
+
+/* d: of any length, the place aimed at being at far = 1. */
+static void add_ray(packet *p, sl_vec3 d, float far, double weight) {
+    unsigned i = p->count++;
+    p->rays.origin_x[i] = p->eye.x;
+    p->rays.origin_y[i] = p->eye.y;
+    p->rays.origin_z[i] = p->eye.z;
+    p->rays.direction_x[i] = d.x;
+    p->rays.direction_y[i] = d.y;
+    p->rays.direction_z[i] = d.z;
+    p->rays.near[i] = 0.0f;
+    p->rays.far[i] = far;
+    p->rays.skip[i] = p->skip;
+    p->weight[i] = weight;
+    if (p->count == SL_PACKET) flush(p);
+}
+
+sl_vec3 sl_light_lifted(const sl_light_sampling *sampling, const sl_lit_point *point) {
+    bool scattered = sl_scene_is_scattered(sampling->scene);
+    float lift = scattered ? SL_LIGHT_LIFT * sl_scene_coordinate_near(sampling->scene, point->position) : sampling->lift;
+    return sl_mad(point->position, lift, point->geometric_normal);
+}
+
+sl_vec3 sl_light_eye(const sl_light_sampling *sampling, sl_vec3 lifted, sl_vec3d to_light) {
+    double length = sl_lengthd(to_light), step = length > 0.0 ? fmin((double)sampling->step / length, 0.25) : 0.0;
+    return sl_to_float(sl_addd(sl_to_double(lifted), sl_scaled(to_light, step)));
+}
+
+static packet packet_at(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_counters *counters) {
+    return (packet){.sampling = sampling, .counters = counters, .eye = eye, .skip = point->triangle};
+}
+
+/* From the eye to a place, but for the last of the way; or, far being infinite, as far as it goes. */
+static bool is_hidden(const sl_light_sampling *sampling, const sl_lit_point *point, sl_vec3 eye, sl_vec3d d, double far, sl_counters *counters) {
+    packet p = packet_at(sampling, point, eye, counters);
+    if (!(sl_lengthd(d) > 0.0) || !sl_is_finite(sl_to_float(d))) return false;
+    add_ray(&p, sl_to_float(d), (float)far, 1.0);
+    flush(&p);
+    return !(p.seen > 0.0);
+}
+
+double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light, const sl_lit_point *point,
+                               sl_counters *counters) {
+    sl_vec3d to;
+    double distance, value = sl_light_point_form(light, point, &to, &distance);
+    if (!(value > 0.0)) {
+        sl_count(counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
+        return 0.0;
+    }
+    bool sun = light->kind == SL_SAMPLED_DIRECTIONAL;
+    sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point), sl_scaled(to, sun ? (double)sampling->scene->scale : distance));
+    sl_vec3d d = sun ? to : sl_subd(sl_to_double(light->position), sl_to_double(eye));
+    return is_hidden(sampling, point, eye, d, sun ? INFINITY : 1.0 - SL_LIGHT_MARGIN, counters) ? 0.0 : value;
+}
+
+/* ---- area lights ---- */
+
+/* A point of the light from two numbers in [0,1), evenly by area, neighbours to neighbours; which triangle it is on. */
+static sl_vec3d place_on(const sl_sampled_light *light, const sl_light_shape_info *shape, double u, double v, size_t *triangle) {
+    double at = u * shape->area, before;
+    size_t low = 0, high = light->triangles - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (at < shape->area_before[middle]) high = middle;
+        else low = middle + 1;
+    }
+    before = low > 0 ? shape->area_before[low - 1] : 0.0;
+    double own = shape->area_before[low] - before, s = sqrt(own > 0.0 ? fmin(fmax((at - before) / own, 0.0), 1.0) : 0.5);
+    sl_vec3d a = sl_to_double(light->corner[3 * low]), b = sl_to_double(light->corner[3 * low + 1]), c = sl_to_double(light->corner[3 * low + 2]);
+    *triangle = low;
+    return sl_addd(sl_scaled(a, 1.0 - s), sl_addd(sl_scaled(b, s * (1.0 - v)), sl_scaled(c, s * v)));
+}
+
+static sl_vec3 normal_of(const sl_sampled_light *light, size_t triangle) {
+    sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
+    sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
+    return sl_normalize_or(sl_to_float(cross), sl_v3(0, 0, 0));
+}
+
+/* The strata of packet k: 4 x 4 neighbours where n allows it, else a row's. Returns how many. */
+static unsigned strata_of(int n, int k, int32_t column[SL_AIMED], int32_t row[SL_AIMED]) {
+    unsigned count = 0;
+    for (int i = 0; i < SL_AIMED; i++) {
+        int at = k * SL_AIMED + i, tiles = n / 4;
+        bool tiled = n % 4 == 0;
+        column[i] = tiled ? 4 * (k % tiles) + i % 4 : at % n;
+        row[i] = tiled ? 4 * (k / tiles) + i / 4 : at / n;
+        count += at < n * n;
+    }
+    return count;
+}
+
+/* By the position's bits alone: a point asked again gets the same answer. */
+static uint64_t jitter_key(const sl_lit_point *point, size_t light) {
+    uint64_t hash = sl_hash64(sl_float_bits(point->position.x));
+    hash = sl_hash64(hash ^ sl_float_bits(point->position.y));
+    hash = sl_hash64(hash ^ sl_float_bits(point->position.z));
+    return sl_random_key(hash, light);
+}
+
+bool sl_light_middle_hidden(const sl_light_query *q) {
+    sl_vec3d d = sl_subd(sl_addd(sl_to_double(q->point->position), q->middle), sl_to_double(q->eye));
+    return is_hidden(q->sampling, q->point, q->eye, d, 1.0 - SL_LIGHT_MARGIN, q->counters);
+}
+
+/* Places and normals of a light of any shape, relative to the point. */
+static void aim(const sl_light_query *query, const float *u, const float *v, sl_aimed_rays *rays) {
+    const sl_sampled_light *light = &query->sampling->lights->light[query->light];
+    const sl_vec3d position = sl_to_double(query->point->position);
+    for (unsigned i = 0; i < SL_AIMED; i++) {
+        size_t triangle;
+        sl_vec3 d = sl_to_float(sl_subd(place_on(light, &query->sampling->shape[query->light], (double)u[i], (double)v[i], &triangle), position));
+        sl_vec3 normal = light->kind == SL_SAMPLED_AREA ? light->normal : normal_of(light, triangle);
+        rays->x[i] = d.x, rays->y[i] = d.y, rays->z[i] = d.z;
+        rays->normal_x[i] = normal.x, rays->normal_y[i] = normal.y, rays->normal_z[i] = normal.z;
+    }
+}
+
+sl_light_sums sl_light_rays(const sl_light_query *query) {
+    const sl_light_sampling *sampling = query->sampling;
+    const sl_light_pixel_kernels *kernels = &sampling->kernels;
+    const sl_light_shape_info *shape = &sampling->shape[query->light];
+    const sl_sampled_light *light = &sampling->lights->light[query->light];
+    const sl_lit_point *point = query->point;
+    const int n = query->rays;
+    const uint64_t key = jitter_key(point, query->light);
+    const sl_vec3d position = sl_to_double(point->position), back = sl_subd(position, sl_to_double(query->eye));
+    const sl_vec3 corner = sl_to_float(sl_subd(shape->corner, position)), e1 = sl_to_float(shape->e1), e2 = sl_to_float(shape->e2);
+    const sl_ray_receiver receiver = {.normal = point->normal, .geometric = point->geometric_normal, .two_sided = light->two_sided,
+                                      .scale = (float)(shape->area / ((double)n * (double)n * SL_PI)),
+                                      .flatness = (float)(2.0 * shape->flatness), .margin = (float)SL_LIGHT_MARGIN};
+    packet p = packet_at(sampling, point, query->eye, query->counters);
+    double all = 0.0;
+    for (int k = 0; k * SL_AIMED < n * n; k++) {
+        int32_t column[SL_AIMED], row[SL_AIMED];
+        float u[SL_AIMED], v[SL_AIMED];
+        sl_aimed_rays rays;
+        unsigned count = strata_of(n, k, column, row);
+        kernels->jitter(key, n, column, row, u, v);
+        if (shape->parallelogram) kernels->places(u, v, corner, e1, e2, light->normal, &rays);
+        else aim(query, u, v, &rays);
+        kernels->weights(&receiver, &rays);
+        for (unsigned i = 0; i < count; i++) {
+            if (!(rays.weight[i] > 0.0f)) continue;
+            all += (double)rays.weight[i];
+            add_ray(&p, sl_v3((float)((double)rays.x[i] + back.x), (float)((double)rays.y[i] + back.y), (float)((double)rays.z[i] + back.z)),
+                    rays.far[i], (double)rays.weight[i]);
+        }
+    }
+    flush(&p);
+    return (sl_light_sums){p.seen, all};
+}
