@@ -134,7 +134,7 @@ $(APP_FILES:%=$(BUILD)/o/%.o): $(BUILD)/o/%.o: %
 $(BUILD)/o/src/scene/importer_path.o: override DEFINES += -DSL_IMPORTER='"$(abspath $(BUILD))/softlux-import"'
 # stb_image's integers overflow in damaged JPEGs; this makes that defined.
 $(BUILD)/o/src/image/stb_image.o: override CFLAGS += -fwrapv -fno-sanitize=shift
-$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -Itests/support
+$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -I. -Itests/support
 $(BUILD)/o/tests/support/osmesa.o: override DEFINES += -DSL_HAVE_$(OSMESA)
 
 $(foreach s,$(TEST_SOURCES),$(eval $(BUILD)/tests/$(basename $(notdir $(s))): $(s:%.c=$(BUILD)/o/%.o)))

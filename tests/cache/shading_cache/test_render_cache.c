@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "../bench/render_cache.h"
+#include "bench/render_cache.h"
 #include "base/math.h"
 
 enum { SIZE = 64 };
