@@ -1,6 +1,6 @@
 /* The reference path tracer's film: pixels in tiles of 4 x 4, one packet each. Even and odd samples draw from sequences that are
  * scrambled apart, so the two halves are independent pictures. */
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -17,7 +17,6 @@ struct sl_path_tracer {
     sl_sequence sequence;
     sl_path_walk walk;
     sl_halves halves;
-    sl_counters *worker_counters;
 };
 
 sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, const sl_path_settings *settings,
@@ -37,8 +36,6 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, 
     path->settings.threads = sl_thread_count(settings->threads);
     sl_status status = sl_light_sampler_create_for(scene, &settings->transport, &path->lights, error);
     if (status == SL_OK) status = sl_halves_create(&path->halves, (size_t)settings->width * (size_t)settings->height, error);
-    path->worker_counters = sl_allocate(path->settings.threads, sizeof *path->worker_counters);
-    if (status == SL_OK && !path->worker_counters) status = sl_fail_memory(error, "the path tracer");
     if (status != SL_OK) {
         sl_path_tracer_destroy(path);
         return status;
@@ -52,7 +49,6 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer, 
 void sl_path_tracer_destroy(sl_path_tracer *path) {
     if (!path) return;
     sl_halves_release(&path->halves);
-    sl_free(path->worker_counters);
     sl_light_sampler_destroy(path->lights);
     sl_free(path);
 }
@@ -99,21 +95,20 @@ static size_t tile_count(const sl_path_tracer *path) {
     return across * down;
 }
 
-static void sample_tiles(void *context, size_t task, unsigned worker) {
+static void sample_tiles(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result;
     const sample_pass *pass = context;
     size_t first = task * TILES_A_TASK, end = first + TILES_A_TASK, tiles = tile_count(pass->path);
-    sl_counters counters = {{0}};
-    for (size_t tile = first; tile < end && tile < tiles; tile++) sample_tile(pass, tile, &counters);
-    sl_counters_add(&pass->path->worker_counters[worker], &counters);
+    for (size_t tile = first; tile < end && tile < tiles; tile++) sample_tile(pass, tile, counters);
 }
 
 sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters, sl_error *error) {
     if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
     sample_pass pass = {path, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES),
                         sl_path_lens_of(path->scene, path->settings.width, path->settings.height)};
-    for (unsigned i = 0; i < path->settings.threads; i++) path->worker_counters[i] = (sl_counters){{0}};
-    sl_parallel_for(path->settings.threads, (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK, sample_tiles, &pass);
-    for (unsigned i = 0; i < path->settings.threads; i++) sl_counters_add(counters, &path->worker_counters[i]);
+    const sl_batch batch = {.count = (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK, .work = sample_tiles,
+                            .context = &pass};
+    sl_batch_run(&batch, path->settings.threads, counters);
     path->halves.samples[pass.half]++;
     return SL_OK;
 }

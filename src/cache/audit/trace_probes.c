@@ -1,7 +1,7 @@
 /* A value depends on the pixel and the number of its samples alone, never on what else was traced, before or beside it. */
 #include "cache/audit/trace_probes.h"
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
@@ -21,9 +21,8 @@ sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, cons
         t->across = (width + t->block - 1) / t->block;
         t->blocks = (size_t)t->across * (size_t)((height + t->block - 1) / t->block);
     } while (t->blocks > PILOTS_MAX);
-    t->worker_counters = sl_allocate(t->threads, sizeof *t->worker_counters);
     t->slot = sl_allocate_unset(t->pixels, sizeof *t->slot);
-    if (!t->worker_counters || !t->slot) return sl_fail_memory(error, "error probes");
+    if (!t->slot) return sl_fail_memory(error, "error probes");
     memset(t->slot, 0xff, t->pixels * sizeof *t->slot);
     sl_status status = sl_tracer_create(scene, t->threads, NULL, &t->tracer, error);
     if (status == SL_OK) status = sl_light_sampler_create_for(scene, transport, &t->lights, error);
@@ -40,7 +39,6 @@ void sl_probe_tracer_release(sl_probe_tracer *t) {
     sl_free(t->slot);
     sl_free(t->pixel);
     sl_free(t->samples);
-    sl_free(t->worker_counters);
     *t = (sl_probe_tracer){0};
 }
 
@@ -60,10 +58,9 @@ static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsig
     for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(radiance[i], counters);
 }
 
-static void for_packets(sl_probe_tracer *t, size_t count, sl_task *task, void *context) {
-    for (unsigned i = 0; i < t->threads; i++) t->worker_counters[i] = (sl_counters){{0}};
-    sl_parallel_for(t->threads, (count + SL_PACKET * PACKETS_A_TASK - 1) / (SL_PACKET * PACKETS_A_TASK), task, context);
-    for (unsigned i = 0; i < t->threads; i++) sl_counters_add(&t->counters, &t->worker_counters[i]);
+static void for_packets(sl_probe_tracer *t, size_t count, sl_batch_work *work, void *context) {
+    const size_t tasks = (count + SL_PACKET * PACKETS_A_TASK - 1) / (SL_PACKET * PACKETS_A_TASK);
+    sl_batch_run(&(sl_batch){.count = tasks, .work = work, .context = context}, t->threads, &t->counters);
 }
 
 static unsigned packet_size(size_t first, size_t end) { return end - first < SL_PACKET ? (unsigned)(end - first) : SL_PACKET; }
@@ -79,7 +76,8 @@ static uint32_t pilot_pixel(const sl_probe_tracer *t, size_t block) {
     return (uint32_t)((top + (int)place / wide) * t->lens.width + left + (int)place % wide);
 }
 
-static void pilot_task(void *context, size_t task, unsigned worker) {
+static void pilot_task(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result;
     sl_probe_tracer *t = context;
     size_t first = task * PACKETS_A_TASK * SL_PACKET, end = first + PACKETS_A_TASK * SL_PACKET;
     if (end > t->blocks) end = t->blocks;
@@ -88,7 +86,7 @@ static void pilot_task(void *context, size_t task, unsigned worker) {
         sl_rgb radiance[SL_PACKET];
         unsigned count = packet_size(first, end);
         for (unsigned i = 0; i < count; i++) pixels[i] = pilot_pixel(t, first + i);
-        trace_packet(t, pixels, count, PILOT, 0, radiance, &t->worker_counters[worker]);
+        trace_packet(t, pixels, count, PILOT, 0, radiance, counters);
         for (unsigned i = 0; i < count; i++) {
             t->pilot[first + i] = radiance[i].r;
             t->pilot[t->blocks + first + i] = radiance[i].g;
@@ -147,12 +145,13 @@ static void trace_slots(const stretch *s, const uint32_t *slots, unsigned count,
     }
 }
 
-static void stretch_task(void *context, size_t task, unsigned worker) {
+static void stretch_task(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result;
     const stretch *s = context;
     size_t first = task * PACKETS_A_TASK * SL_PACKET, end = first + PACKETS_A_TASK * SL_PACKET;
     if (end > s->count) end = s->count;
     for (; first < end; first += SL_PACKET)
-        trace_slots(s, s->slots + first, packet_size(first, end), &s->t->worker_counters[worker]);
+        trace_slots(s, s->slots + first, packet_size(first, end), counters);
 }
 
 /* Those that have the fewest samples first, up to where the next have, and so on: all of a packet trace the same ones. */

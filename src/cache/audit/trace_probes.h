@@ -23,7 +23,7 @@ typedef struct sl_probe_tracer {
     uint32_t *pixel;     /* of each slot */
     uint32_t *samples;   /* of each half of each slot */
     sl_halves halves;    /* sums, for each slot */
-    sl_counters counters, *worker_counters;
+    sl_counters counters;
 } sl_probe_tracer;
 
 sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport, int width, int height,

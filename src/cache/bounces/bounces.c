@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -87,18 +87,12 @@ static sl_status find_places(sl_hidden_cache *cache, sl_counters *counters, sl_e
 
 /* ---- bounces ---- */
 
-typedef struct {
-    sl_hidden_cache *cache;
-    sl_record *next;       /* the records with the light of the next bounce */
-    sl_counters *counters; /* one a worker: sums of integers, in any order */
-} bounce_context;
-
-static void gather_again(void *context, size_t index, unsigned worker) {
-    const bounce_context *c = context;
-    sl_hidden_cache *cache = c->cache;
+/* result: the record with the light of the next bounce. */
+static void gather_again(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    sl_hidden_cache *cache = context;
     sl_irradiance e;
-    sl_gather_irradiance(cache->gather, &cache->list.points[index], cache->scratch[worker], &e, &c->counters[worker]);
-    sl_record *r = &c->next[index];
+    sl_gather_irradiance(cache->gather, &cache->list.points[index], cache->scratch[worker], &e, counters);
+    sl_record *r = result;
     *r = cache->list.records[index];
     r->irradiance = e.value;
     for (int channel = 0; channel < 3; channel++) {
@@ -126,23 +120,18 @@ static float largest_change(const sl_record *before, const sl_record *after, siz
 
 static sl_status next_bounce(sl_hidden_cache *cache, sl_counters *counters, sl_error *error) {
     size_t count = cache->list.count;
-    unsigned threads = cache->settings.threads;
     sl_record *next = sl_allocate(count, sizeof *next);
-    sl_counters *costs = sl_allocate(threads, sizeof *costs);
-    sl_status status = next && costs ? SL_OK : sl_fail_memory(error, "a bounce of hidden records");
-    if (status == SL_OK) {
-        bounce_context context = {cache, next, costs};
-        sl_parallel_for(threads, count, gather_again, &context);
-        for (unsigned i = 0; i < threads; i++) sl_counters_add(counters, &costs[i]);
-        cache->report.bounces++;
-        cache->report.change = largest_change(cache->list.records, next, count);
-        cache->report.converged = cache->report.change < SMALL_CHANGE;
-        if (count) memcpy(cache->list.records, next, count * sizeof *next);
-        for (size_t i = 0; i < count; i++) cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->field.rules);
-    }
+    if (!next) return sl_fail_memory(error, "a bounce of hidden records");
+    const sl_batch batch = {count, gather_again, cache, next, sizeof *next};
+    sl_batch_run(&batch, cache->settings.threads, counters);
+    cache->report.bounces++;
+    cache->report.change = largest_change(cache->list.records, next, count);
+    cache->report.converged = cache->report.change < SMALL_CHANGE;
+    if (count) memcpy(cache->list.records, next, count * sizeof *next);
+    for (size_t i = 0; i < count; i++)
+        cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->field.rules);
     sl_free(next);
-    sl_free(costs);
-    return status;
+    return SL_OK;
 }
 
 sl_status sl_hidden_cache_shine(sl_hidden_cache *cache, sl_error *error) {

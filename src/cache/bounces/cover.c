@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/golden.h"
 #include "base/grow.h"
@@ -99,39 +99,40 @@ void sl_hidden_tame(sl_record *record) {
 typedef struct {
     const sl_cover_pass *pass;
     const sl_gather_point *const *points;
-    sl_record *records;
-    sl_hidden_walls *walls;
-    sl_counters *counters; /* one a candidate */
 } gather_batch;
 
-static void gather_one(void *context, size_t index, unsigned worker) {
+typedef struct {
+    sl_record record;
+    sl_hidden_walls walls;
+} candidate;
+
+static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const gather_batch *b = context;
+    candidate *out = result;
     const sl_cover_pass *pass = b->pass;
     sl_irradiance irradiance;
-    sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, &b->counters[index]);
+    sl_gather_irradiance(pass->gather, b->points[index], pass->scratch[worker], &irradiance, counters);
     if (irradiance.back_share > 0.5f && irradiance.harmonic_mean < 1e-3f * sl_scene_core_diagonal(pass->scene))
         irradiance.harmonic_mean = irradiance.nearest = 0.0f; /* within an intersection of surfaces */
-    sl_record *record = &b->records[index];
-    *record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);
-    sl_hidden_tame(record);
-    sl_hidden_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, record, &b->walls[index],
-                         &b->counters[index]);
+    out->record = sl_record_make(b->points[index], &irradiance, &pass->radii, 0.0f);
+    sl_hidden_tame(&out->record);
+    sl_hidden_walls_find(pass->scene, pass->tracer, b->points[index], pass->rules.accuracy, &out->record, &out->walls,
+                         counters);
 }
 
-static sl_status commit(chunk *c, const size_t *members, const gather_batch *batch, size_t count, sl_hidden_list *list,
-                        sl_counters *counters, size_t *committed, sl_error *error) {
+static sl_status commit(chunk *c, const size_t *members, const candidate *candidates, size_t count,
+                        sl_hidden_list *list, sl_counters *counters, size_t *committed, sl_error *error) {
     *committed = 0;
     for (size_t i = 0; i < count; i++) {
-        sl_counters_add(counters, &batch->counters[i]);
         if (is_covered(c, members[i])) continue;
         bool full = list->count == list->capacity;
         sl_status status = full ? sl_hidden_list_reserve(list, 2 * list->capacity + 512, error) : SL_OK;
         if (status != SL_OK) return status;
         size_t k = list->count++;
-        list->records[k] = batch->records[i];
-        list->points[k] = *batch->points[i];
+        list->records[k] = candidates[i].record;
+        list->points[k] = *c->point[members[i]];
         list->terms[k] = sl_record_terms_of(&list->records[k], &c->pass->rules);
-        list->walls[k] = batch->walls[i];
+        list->walls[k] = candidates[i].walls;
         ++*committed;
         sl_count(counters, SL_COUNT_HIDDEN_RECORDS, 1);
     }
@@ -143,10 +144,8 @@ static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size,
                              sl_error *error) {
     const sl_gather_point *points[LARGEST_BATCH];
     size_t members[LARGEST_BATCH];
-    sl_record *records = sl_allocate(LARGEST_BATCH, sizeof *records);
-    sl_hidden_walls *walls = sl_allocate(LARGEST_BATCH, sizeof *walls);
-    sl_counters *costs = sl_allocate(LARGEST_BATCH, sizeof *costs);
-    sl_status status = records && walls && costs ? SL_OK : sl_fail_memory(error, "a batch of hidden records");
+    candidate *candidates = sl_allocate(LARGEST_BATCH, sizeof *candidates);
+    sl_status status = candidates ? SL_OK : sl_fail_memory(error, "a batch of hidden records");
     *uncovered = 0;
     for (size_t i = 0; i < c->count; i++) *uncovered += c->weight[i] < c->pass->covered_weight;
     for (size_t next = 0; status == SL_OK && next < c->count;) {
@@ -156,16 +155,14 @@ static sl_status cover_chunk(chunk *c, sl_hidden_list *list, size_t *batch_size,
             members[count] = next;
             points[count++] = c->point[next];
         }
-        gather_batch batch = {c->pass, points, records, walls, costs};
-        memset(costs, 0, LARGEST_BATCH * sizeof *costs);
-        sl_parallel_for(c->pass->threads, count, gather_one, &batch);
-        status = commit(c, members, &batch, count, list, counters, &committed, error);
+        gather_batch gathers = {c->pass, points};
+        const sl_batch batch = {count, gather_one, &gathers, candidates, sizeof *candidates};
+        sl_batch_run(&batch, c->pass->threads, counters);
+        status = commit(c, members, candidates, count, list, counters, &committed, error);
         if (committed * 8 >= count * 7 && *batch_size < LARGEST_BATCH) *batch_size *= 2;
         else if (committed * 3 < count * 2 && *batch_size > SMALLEST_BATCH) *batch_size /= 2;
     }
-    sl_free(records);
-    sl_free(walls);
-    sl_free(costs);
+    sl_free(candidates);
     return status;
 }
 

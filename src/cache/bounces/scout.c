@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -57,15 +57,14 @@ typedef struct {
     const sl_tracer *tracer;
     const sl_gather_point *origins;
     size_t count, used;
-    sl_gather_point *seen;
     uint64_t key;
-    sl_counters *counters; /* one a worker: sums of integers, in any order */
 } scout_context;
 
-static void scout_one(void *context, size_t index, unsigned worker) {
+static void scout_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const scout_context *c = context;
     const sl_gather_point *origin = &c->origins[(size_t)((uint64_t)index * c->count / c->used)];
-    sl_gather_point *seen = c->seen + index * RAYS;
+    (void)worker;
+    sl_gather_point *seen = result;
     for (unsigned i = 0; i < RAYS; i++) seen[i] = (sl_gather_point){.triangle = SL_NO_INDEX};
     if (origin->triangle == SL_NO_INDEX) return;
     uint64_t key = sl_random_key(c->key, index);
@@ -83,7 +82,7 @@ static void scout_one(void *context, size_t index, unsigned worker) {
             double z = sqrt(fmax(0.0, 1.0 - x * x - y * y));
             set_ray(&rays, i, eye, sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)z)), 0.0f, origin->triangle);
         }
-        look(c->scene, c->tracer, &rays, SL_PACKET, false, sl_random_key(key, 1000 + first), seen + first, &c->counters[worker]);
+        look(c->scene, c->tracer, &rays, SL_PACKET, false, sl_random_key(key, 1000 + first), seen + first, counters);
     }
 }
 
@@ -92,17 +91,12 @@ sl_status sl_scout_from(const sl_scene *scene, const sl_tracer *tracer, const sl
                         sl_counters *counters, sl_error *error) {
     size_t used = count < most ? count : most;
     sl_status status = make_room(used * RAYS, seen, error);
-    sl_counters *costs = sl_allocate(settings->threads, sizeof *costs);
-    if (status == SL_OK && !costs) status = sl_fail_memory(error, "places for hidden records");
-    if (status == SL_OK) {
-        uint64_t key = sl_random_key(settings->seed, 0x73636f7574u + generation);
-        scout_context context = {scene, tracer, origins, count, used, seen->points, key, costs};
-        sl_parallel_for(settings->threads, used, scout_one, &context);
-        for (unsigned i = 0; i < settings->threads; i++) sl_counters_add(counters, &costs[i]);
-    }
-    sl_free(costs);
-    if (status != SL_OK) sl_scouted_free(seen);
-    return status;
+    if (status != SL_OK) return status;
+    uint64_t key = sl_random_key(settings->seed, 0x73636f7574u + generation);
+    scout_context context = {scene, tracer, origins, count, used, key};
+    const sl_batch batch = {used, scout_one, &context, seen->points, RAYS * sizeof *seen->points};
+    sl_batch_run(&batch, settings->threads, counters);
+    return SL_OK;
 }
 
 /* ---- from the camera ---- */

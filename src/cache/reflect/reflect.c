@@ -1,6 +1,6 @@
 #include "cache/reflect/reflect.h"
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -64,7 +64,6 @@ typedef struct {
     const sl_tracer *tracer;
     sl_gbuffer *gbuffer;
     sl_reflections *reflections;
-    sl_counters *counters; /* of each packet */
 } reflecting;
 
 /* A ray that is on its way from a mirror. */
@@ -150,14 +149,14 @@ static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl
     return left;
 }
 
-static void reflect_packet(void *context, size_t index, unsigned worker) {
-    (void)worker;
+static void reflect_packet(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result;
     const reflecting *c = context;
     reflected rays[SL_PACKET];
     size_t first = index * SL_PACKET, count = c->reflections->count - first;
     unsigned left = count < SL_PACKET ? (unsigned)count : SL_PACKET;
     for (unsigned i = 0; i < left; i++) rays[i] = first_ray(c, first + i);
-    for (int k = 0; k < SL_REFLECTIONS_MAX && left; k++) left = advance(c, rays, left, &c->counters[index]);
+    for (int k = 0; k < SL_REFLECTIONS_MAX && left; k++) left = advance(c, rays, left, counters);
     for (unsigned i = 0; i < left; i++) show_nothing(c, &rays[i]);
 }
 
@@ -180,15 +179,8 @@ sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsi
     sl_status status = start_reflections(scene, gbuffer, reflections, error);
     if (status != SL_OK || !*reflections) return status;
     size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
-    reflecting c = {scene, tracer, gbuffer, *reflections, sl_allocate(packets, sizeof(sl_counters))};
-    if (!c.counters) {
-        sl_reflections_destroy(*reflections);
-        *reflections = NULL;
-        return sl_fail_memory(error, "reflections");
-    }
-    sl_parallel_for(threads, packets, reflect_packet, &c);
-    for (size_t i = 0; i < packets; i++) sl_counters_add(counters, &c.counters[i]);
-    sl_free(c.counters);
+    reflecting c = {scene, tracer, gbuffer, *reflections};
+    sl_batch_run(&(sl_batch){.count = packets, .work = reflect_packet, .context = &c}, threads, counters);
     return SL_OK;
 }
 

@@ -3,7 +3,7 @@
  * the other side of a sheet, in another light, and a record there would tell its neighbours of it. */
 #include <string.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -16,7 +16,6 @@ typedef struct {
     sl_gbuffer *gbuffer;
     sl_view view;
     uint8_t *edge;         /* 1: looked at again */
-    sl_counters *counters; /* one a row */
 } edge_pass;
 
 /* ---- which pixels ---- */
@@ -80,8 +79,8 @@ static void look_at(const edge_pass *p, const uint32_t *pixels, unsigned count, 
     }
 }
 
-static void look_again(void *context, size_t y, unsigned worker) {
-    (void)worker;
+static void look_again(void *context, size_t y, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result;
     const edge_pass *p = context;
     const size_t width = (size_t)p->gbuffer->width, row = y * width;
     uint32_t pixels[SL_PACKET];
@@ -89,7 +88,7 @@ static void look_again(void *context, size_t y, unsigned worker) {
     for (size_t i = row; i < row + width; i++) {
         if (p->edge[i]) pixels[count++] = (uint32_t)i;
         if (count < SL_PACKET && i + 1 < row + width) continue;
-        if (count) look_at(p, pixels, count, &p->counters[y]);
+        if (count) look_at(p, pixels, count, counters);
         count = 0;
     }
 }
@@ -99,15 +98,12 @@ sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsig
     const size_t rows = (size_t)gbuffer->height;
     edge_pass pass = {.scene = scene, .tracer = tracer, .gbuffer = gbuffer,
                       .view = sl_view_scene(scene, gbuffer->width, gbuffer->height),
-                      .edge = sl_allocate((size_t)gbuffer->width * rows, sizeof *pass.edge),
-                      .counters = sl_allocate(rows, sizeof *pass.counters)};
-    sl_status status = pass.edge && pass.counters ? SL_OK : sl_fail_memory(error, "pixels at edges");
+                      .edge = sl_allocate((size_t)gbuffer->width * rows, sizeof *pass.edge)};
+    sl_status status = pass.edge ? SL_OK : sl_fail_memory(error, "pixels at edges");
     if (status == SL_OK) {
         sl_parallel_for(threads, rows, find_edges, &pass);
-        sl_parallel_for(threads, rows, look_again, &pass);
-        for (size_t y = 0; y < rows; y++) sl_counters_add(counters, &pass.counters[y]);
+        sl_batch_run(&(sl_batch){.count = rows, .work = look_again, .context = &pass}, threads, counters);
     }
     sl_free(pass.edge);
-    sl_free(pass.counters);
     return status;
 }

@@ -5,7 +5,7 @@
  * A record's content does not depend on the cache, and coverage only grows; so a batch of candidates can be gathered
  * in parallel and committed in order, setting aside those that an earlier one of the batch has covered: the records are those
  * of the sequential algorithm, whatever the batch and the number of threads. The further apart, the fewer are set aside. */
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/golden.h"
 #include "base/memory.h"
@@ -80,10 +80,17 @@ static size_t next_candidates(sl_traversal *t, const sl_record_pass *pass, size_
 typedef struct {
     const sl_record_pass *pass;
     const size_t *pixels;
-    sl_record *records;
-    float *coefficients;   /* of all, or NULL */
-    sl_counters *counters; /* one a candidate */
 } gather_batch;
+
+/* A result of the batch, with the pass's number of coefficients. */
+typedef struct {
+    sl_record record;
+    float coefficients[];
+} candidate;
+
+static size_t candidate_bytes(const sl_record_pass *pass) {
+    return sizeof(candidate) + pass->coefficient_count * sizeof(float);
+}
 
 static sl_gather_point point_at(const sl_record_pass *pass, size_t pixel) {
     const sl_gbuffer *g = pass->gbuffer;
@@ -96,11 +103,11 @@ static sl_gather_point point_at(const sl_record_pass *pass, size_t pixel) {
     };
 }
 
-static void gather_at(const gather_batch *b, size_t index, unsigned worker, const sl_gather_point *point, sl_irradiance *irradiance) {
-    const sl_record_pass *pass = b->pass;
+static void gather_at(const sl_record_pass *pass, unsigned worker, const sl_gather_point *point,
+                      sl_irradiance *irradiance, candidate *out, sl_counters *counters) {
     sl_gather_scratch *scratch = pass->scratch[worker];
-    if (!b->coefficients) sl_gather_irradiance(pass->gather, point, scratch, irradiance, &b->counters[index]);
-    else sl_gather_radiance(pass->gather, point, scratch, irradiance, b->coefficients + index * pass->coefficient_count, &b->counters[index]);
+    if (!pass->coefficient_count) sl_gather_irradiance(pass->gather, point, scratch, irradiance, counters);
+    else sl_gather_radiance(pass->gather, point, scratch, irradiance, out->coefficients, counters);
 }
 
 /* Records that may reach past the guard look for the walls around them. */
@@ -125,26 +132,26 @@ static float depth_of(const sl_record_pass *pass, size_t pixel, sl_vec3 p) {
 
 /* A point that sees mostly the insides of things lies within an intersection of surfaces: it tries again a little further out, and
  * if that does not help it reaches no further than R_min, and only what it sees. */
-static void gather_one(void *context, size_t index, unsigned worker) {
+static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const gather_batch *b = context;
+    candidate *out = result;
     const sl_record_pass *pass = b->pass;
     sl_gather_point point = point_at(pass, b->pixels[index]);
     sl_irradiance irradiance;
-    gather_at(b, index, worker, &point, &irradiance);
+    gather_at(pass, worker, &point, &irradiance, out, counters);
     float close = 1e-3f * pass->scale;
     bool inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     if (inside) {
         sl_gather_point outer = point;
         outer.position = sl_mad(point.position, 1e-4f * pass->scale, point.geometric_normal);
-        gather_at(b, index, worker, &outer, &irradiance);
+        gather_at(pass, worker, &outer, &irradiance, out, counters);
         inside = irradiance.back_share > 0.5f && irradiance.harmonic_mean < close;
     }
     if (inside) irradiance.harmonic_mean = irradiance.nearest = 0.0f, irradiance.curvature[0] = INFINITY;
-    b->records[index] = make_record(pass, &point, &irradiance, depth_of(pass, b->pixels[index], point.position) * pass->footprint_per_depth, inside, &b->counters[index]);
-    if (b->coefficients) {
-        const float *coefficients = b->coefficients + index * pass->coefficient_count;
-        sl_record_limit_radius(&b->records[index], sl_glossy_length(pass->glossy.glossy, coefficients));
-    }
+    float footprint = depth_of(pass, b->pixels[index], point.position) * pass->footprint_per_depth;
+    out->record = make_record(pass, &point, &irradiance, footprint, inside, counters);
+    if (pass->coefficient_count)
+        sl_record_limit_radius(&out->record, sl_glossy_length(pass->glossy.glossy, out->coefficients));
 }
 
 /* ---- records behind walls ---- */
@@ -185,20 +192,21 @@ static bool covered_by_batch(const sl_record_pass *pass, const sl_record_list *l
     return sum >= pass->covered_weight;
 }
 
-static sl_status commit(const gather_batch *batch, size_t count, sl_record_list *list, sl_counters *counters, sl_error *error) {
+static sl_status commit(const gather_batch *batch, size_t count, void *candidates, sl_record_list *list,
+                        sl_counters *counters, sl_error *error) {
     const sl_record_pass *pass = batch->pass;
     const size_t *pixels = batch->pixels;
-    sl_record *candidates = batch->records;
     size_t first = list->count, floats = pass->coefficient_count;
     for (size_t i = 0; i < count; i++) {
+        candidate *c = (candidate *)((char *)candidates + i * candidate_bytes(pass));
         if (covered_by_batch(pass, list, first, pixels[i])) {
             sl_count(counters, SL_COUNT_RECORDS_DISCARDED, 1);
             continue;
         }
         if (pass->neighbour_clamp && list->reaches)
-            sl_record_set_radius(&candidates[i], sl_record_clamped_radius(list->reaches, &candidates[i]));
-        const float *coefficients = batch->coefficients ? batch->coefficients + i * floats : NULL;
-        sl_status status = sl_record_list_append(list, &candidates[i], coefficients, floats, error);
+            sl_record_set_radius(&c->record, sl_record_clamped_radius(list->reaches, &c->record));
+        const float *coefficients = floats ? c->coefficients : NULL;
+        sl_status status = sl_record_list_append(list, &c->record, coefficients, floats, error);
         if (status != SL_OK) return status;
         pass->owned[pixels[i]] = 1;
         sl_count(counters, SL_COUNT_RECORDS, 1);
@@ -211,24 +219,17 @@ sl_status sl_traversal_advance(sl_traversal *traversal, const sl_record_pass *pa
     size_t pixels[SL_BATCH_MAX];
     size_t count = next_candidates(traversal, pass, pixels);
     if (count == 0) return SL_OK;
-    sl_record *records = sl_allocate(count, sizeof *records);
-    sl_counters *costs = sl_allocate(count, sizeof *costs);
-    float *coefficients = pass->coefficient_count ? sl_allocate(count * pass->coefficient_count, sizeof *coefficients) : NULL;
-    bool enough = records && costs && (coefficients || !pass->coefficient_count);
-    sl_status status = enough ? SL_OK : sl_fail_memory(error, "a batch of records");
-    if (status == SL_OK) {
-        gather_batch batch = {pass, pixels, records, coefficients, costs};
-        sl_parallel_for(pass->threads, count, gather_one, &batch);
-        for (size_t i = 0; i < count; i++) sl_counters_add(counters, &costs[i]);
-        size_t before = list->count;
-        status = commit(&batch, count, list, counters, error);
-        /* The batch follows the waste; it never changes which records there are. */
-        size_t wasted = count - (list->count - before);
-        if (wasted * 32 <= count && traversal->batch < SL_BATCH_MAX) traversal->batch *= 2;
-        else if (wasted * 8 > count && traversal->batch > SMALLEST_BATCH) traversal->batch /= 2;
-    }
-    sl_free(coefficients);
-    sl_free(records);
-    sl_free(costs);
+    void *candidates = sl_allocate(count, candidate_bytes(pass));
+    if (!candidates) return sl_fail_memory(error, "a batch of records");
+    gather_batch gathers = {pass, pixels};
+    const sl_batch batch = {count, gather_one, &gathers, candidates, candidate_bytes(pass)};
+    sl_batch_run(&batch, pass->threads, counters);
+    size_t before = list->count;
+    sl_status status = commit(&gathers, count, candidates, list, counters, error);
+    /* The batch follows the waste; it never changes which records there are. */
+    size_t wasted = count - (list->count - before);
+    if (wasted * 32 <= count && traversal->batch < SL_BATCH_MAX) traversal->batch *= 2;
+    else if (wasted * 8 > count && traversal->batch > SMALLEST_BATCH) traversal->batch /= 2;
+    sl_free(candidates);
     return status;
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -31,7 +31,6 @@ typedef struct splat_list {
 /* Of one worker. */
 typedef struct workplace {
     sl_subpath eye[SL_PACKET], light[SL_PACKET];
-    sl_counters counters;
 } workplace;
 
 struct sl_bidirectional {
@@ -171,7 +170,7 @@ static sl_vec3 camera_ray(const sample_pass *pass, int x, int y, uint64_t key, d
     return sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
 }
 
-static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, splat_list *list) {
+static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, splat_list *list, sl_counters *counters) {
     const sl_bidirectional *film = pass->film;
     int width = film->settings.width, height = film->settings.height;
     int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE, top = (int)(tile / (size_t)across) * TILE;
@@ -194,16 +193,16 @@ static void sample_tile(const sample_pass *pass, size_t tile, workplace *place, 
         light[count] = &place->light[count];
         count++;
     }
-    packet p = {.film = film, .list = list, .counters = &place->counters};
-    sl_walk_from_lights(&film->maker, count, keys, indices, light, &place->counters);
-    sl_walk_from_eye(&film->maker, count, film->scene->camera.eye, direction, pdf, keys, indices, eye, &place->counters);
+    packet p = {.film = film, .list = list, .counters = counters};
+    sl_walk_from_lights(&film->maker, count, keys, indices, light, counters);
+    sl_walk_from_eye(&film->maker, count, film->scene->camera.eye, direction, pdf, keys, indices, eye, counters);
     for (unsigned i = 0; i < count; i++) {
         light_vertices[i] = light[i]->vertex;
         light_count[i] = light[i]->count;
     }
     const sl_path_receiver receiver = {&p, receive};
-    sl_connect_all(&film->maker, count, eye, light_vertices, light_count, keys, indices, &receiver, &place->counters);
-    sl_count(&place->counters, SL_COUNT_SAMPLES, count);
+    sl_connect_all(&film->maker, count, eye, light_vertices, light_count, keys, indices, &receiver, counters);
+    sl_count(counters, SL_COUNT_SAMPLES, count);
     for (unsigned i = 0; i < count; i++) sl_halves_add(&film->halves, pass->half, pixels[i], p.radiance[i]);
 }
 
@@ -214,13 +213,14 @@ static size_t tile_count(const sl_bidirectional *film) {
     return across * down;
 }
 
-static void sample_tiles(void *context, size_t task, unsigned worker) {
+static void sample_tiles(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const sample_pass *pass = context;
     splat_list *list = &pass->film->lists[task];
     size_t first = (pass->first_task + task) * TILES_A_TASK, end = first + TILES_A_TASK, tiles = tile_count(pass->film);
     list->count = 0;
     for (size_t tile = first; tile < end && tile < tiles; tile++) {
-        sample_tile(pass, tile, &pass->film->workplaces[worker], list);
+        sample_tile(pass, tile, &pass->film->workplaces[worker], list, counters);
     }
 }
 
@@ -243,14 +243,12 @@ sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_co
     if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
     sample_pass pass = {film, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES), 0};
     size_t tasks = (tile_count(film) + TILES_A_TASK - 1) / TILES_A_TASK;
-    for (unsigned i = 0; i < film->settings.threads; i++) film->workplaces[i].counters = (sl_counters){{0}};
     bool complete = true;
     for (; pass.first_task < tasks && complete; pass.first_task += TASKS_AT_ONCE) {
         size_t now = tasks - pass.first_task < TASKS_AT_ONCE ? tasks - pass.first_task : TASKS_AT_ONCE;
-        sl_parallel_for(film->settings.threads, now, sample_tiles, &pass);
+        sl_batch_run(&(sl_batch){.count = now, .work = sample_tiles, .context = &pass}, film->settings.threads, counters);
         complete = add_splats(&pass, now);
     }
-    for (unsigned i = 0; i < film->settings.threads; i++) sl_counters_add(counters, &film->workplaces[i].counters);
     if (!complete) return sl_fail_memory(error, "what light subpaths leave on the film");
     film->halves.samples[pass.half]++;
     return SL_OK;
