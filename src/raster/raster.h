@@ -76,6 +76,8 @@ typedef struct sl_view {
 sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far);
 /* A scene's camera as methods want it: inverse-w depth, no far plane, near plane at 1e-5 of the scene's scale. */
 sl_view sl_view_scene(const sl_scene *scene, int width, int height);
+/* The same from where another camera stands. */
+sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int width, int height);
 /* The unit direction in which a point of the viewport looks (x, y in pixels, centres at .5), whatever the view's matrix: mirrored views too. */
 sl_vec3 sl_view_direction(const sl_view *view, double x, double y);
 /* Any pyramid: frame x right, y up, looks along +z of the frame; tangents of the four sides at unit distance; clip at

@@ -87,12 +87,13 @@ static float plane_length(const float plane[4]) {
     return length > 1e-30 ? (float)length : INFINITY;
 }
 
-sl_view sl_view_scene(const sl_scene *scene, int width, int height) {
-    const sl_camera *camera = &scene->camera;
+sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int width, int height) {
     sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
     float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * (float)width / (float)height;
     return sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
 }
+
+sl_view sl_view_scene(const sl_scene *scene, int width, int height) { return sl_view_of_camera(scene, &scene->camera, width, height); }
 
 static sl_vec3d row_of(const sl_view *view, int row) {
     return sl_v3d((double)view->clip[row][0], (double)view->clip[row][1], (double)view->clip[row][2]);

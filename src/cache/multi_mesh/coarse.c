@@ -16,7 +16,7 @@ static const double STRETCH = 4.0;
 static bool is_wanted(const sl_scene *scene, const sl_topology *topology, uint32_t face) {
     uint32_t triangle = face / 2;
     if (topology->degenerate[triangle]) return false;
-    if (topology->solid[triangle] && face % 2 == (topology->solid[triangle] == 1 ? 0u : 1u)) return false;
+    if (face % 2 == 1 && sl_solids_hide_back(topology->solids, triangle)) return false;
     return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
 }
 

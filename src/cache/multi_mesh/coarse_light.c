@@ -97,7 +97,7 @@ static sl_rgb light_vertex(const sl_coarse_light *c, const sl_coarse_vertex *v, 
         sl_mesh_point at = point_of(c, v, i ? sl_nudge[i - 1] : 0.0), inside;
         sl_lit_point point = sl_lit_point_of(&at);
         bool lit = light_point(c, &point, w);
-        if (!lit && sl_topology_inside_solid(s->topology, s->tracer, at.position, at.normal, &w->counters)) continue;
+        if (!lit && sl_mesh_point_in_solid(s->topology, s->tracer, &at, &w->counters)) continue;
         if (!lit && i == 0 && is_walled_in(c, v, &at, &inside, w)) return light_before_wall(c, v, &inside, w);
         return sl_direct_diffuse(s->lights, w->share);
     }

@@ -23,7 +23,7 @@
 #define SL_MULTI_MESH_DISPLAYED_H
 
 #include "cache/multi_mesh/mesh.h"
-#include "cache/multi_mesh/perception.h"
+#include "cache/patches/perception.h"
 #include "cache/multi_mesh/pixels.h"
 
 typedef enum sl_component { SL_DIRECT_DIFFUSE, SL_DIRECT_SPECULAR, SL_INDIRECT, SL_COMPONENTS } sl_component;

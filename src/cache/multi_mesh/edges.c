@@ -15,7 +15,8 @@ static void counting_sort(const uint32_t *key, size_t count, size_t limit, const
     }
 }
 
-sl_status sl_order_pairs(const uint32_t *low, const uint32_t *high, size_t count, size_t limit, uint32_t *order, sl_error *error) {
+/* Gives the order of pairs by (low, high), equal ones as they come; both are below `limit`. */
+static sl_status order_pairs(const uint32_t *low, const uint32_t *high, size_t count, size_t limit, uint32_t *order, sl_error *error) {
     uint32_t *start = sl_allocate(limit + 1, sizeof *start), *by_high = sl_allocate(count, sizeof *by_high);
     bool good = start != NULL && by_high != NULL;
     if (good) {
@@ -60,7 +61,7 @@ static void list_edges(sl_topology *topology, const uint32_t *low, const uint32_
 static sl_status make_edges(sl_topology *topology, uint32_t *low, uint32_t *high, uint32_t *order, sl_error *error) {
     size_t count = 3 * topology->face_count;
     face_edges(topology, low, high);
-    sl_status status = sl_order_pairs(low, high, count, topology->site_count, order, error);
+    sl_status status = order_pairs(low, high, count, topology->site_count, order, error);
     if (status != SL_OK) return status;
     for (size_t i = 0; i < count; i++) topology->edge_count += begins_edge(low, high, order, i);
     topology->edge_start = sl_allocate(topology->edge_count + 1, sizeof(uint32_t));

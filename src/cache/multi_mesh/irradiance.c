@@ -323,11 +323,11 @@ static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_s
     sl_lit_point point = sl_lit_point_of(&at);
     const sl_topology *topology = m->settings.topology;
     if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0) ||
-        !sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
+        !sl_mesh_point_in_solid(topology, m->settings.tracer, &at, &w->counters))
         return (sample_result){0.0f, true};
     for (int i = 0; i < SL_NUDGES; i++) {
         sl_mesh_point_nudged(mesh, vertex, wanted->leaf, sl_nudge[i], &at);
-        if (!sl_topology_inside_solid(topology, m->settings.tracer, at.position, at.normal, &w->counters))
+        if (!sl_mesh_point_in_solid(topology, m->settings.tracer, &at, &w->counters))
             return (sample_result){take(m, light, &at, w), true};
     }
     return (sample_result){0.0f, false};

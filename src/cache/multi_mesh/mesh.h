@@ -177,6 +177,9 @@ typedef struct sl_mesh_point {
     uint32_t triangle;         /* SL_NO_INDEX where several meet */
     uint32_t face;             /* one of those that share it: the lowest */
 } sl_mesh_point;
+static inline bool sl_mesh_point_in_solid(const sl_topology *topology, const sl_tracer *tracer, const sl_mesh_point *at, sl_counters *counters) {
+    return sl_solids_hold(topology->solids, tracer, at->position, at->geometric_normal, at->triangle, NULL, counters);
+}
 void sl_mesh_point_of(const sl_mesh *mesh, uint32_t vertex, sl_mesh_point *point);
 /* The lowest face that has a vertex, and the vertex's weights of that face's corners 1 and 2 in 1/SL_MESH_DYADIC. */
 uint32_t sl_mesh_lowest_face(const sl_mesh *mesh, uint32_t vertex, uint16_t *p, uint16_t *q);

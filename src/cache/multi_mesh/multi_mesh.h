@@ -18,7 +18,6 @@
  *   coarse.c         the coarse mesh of the whole scene, which indirect gathers see
  *   coarse_light.c   ... direct light on it
  *   gather.c         the 160-degree gather
- *   perception.c     what an eye can tell
  *   merge.c          the five pictures into one                                                P4
  *
  * Single lights are sampled in cache/light_sample. */

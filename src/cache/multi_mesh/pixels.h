@@ -5,12 +5,11 @@
  * its children's are found by bisection. So one sort serves all meshes of a view, whatever their splits.
  *
  *   pixels.c          the sort
- *   screen_size.c     how large a patch is on the screen
  *   path_kernels.c    the ways down */
 #ifndef SL_MULTI_MESH_PIXELS_H
 #define SL_MULTI_MESH_PIXELS_H
 
-#include "raster/raster.h"
+#include "cache/patches/screen_size.h"
 
 typedef struct sl_visible_face {
     uint32_t face;
@@ -39,18 +38,5 @@ void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
 void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end);
 /* The first of pixels first .. end whose path is not below the given one. */
 uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path);
-
-/* Clip coordinates of a face's corners: those of any point of it are linear in between. */
-typedef struct sl_face_clip {
-    float corner[3][4];        /* x, y, distance from the near plane, w */
-} sl_face_clip;
-sl_face_clip sl_face_clip_of(const sl_scene *scene, const sl_view *view, uint32_t face);
-
-/* A patch on the screen, what lies beyond the picture cut away: pixels squared, and pixels of its longest side. */
-typedef struct sl_screen_size {
-    float area, edge;
-} sl_screen_size;
-/* Corner i's weights of the face's corners 1 and 2 are p[i] / unit, q[i] / unit. */
-sl_screen_size sl_screen_size_of(const sl_view *view, const sl_face_clip *face, const uint16_t p[3], const uint16_t q[3], float unit);
 
 #endif

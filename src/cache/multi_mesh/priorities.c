@@ -16,7 +16,7 @@ static const float CONTRAST_MAX = 25500.0f;
 /* ---- the size criterion ---- */
 
 sl_screen_size sl_displayed_size(const sl_displayed *d, const sl_face_clip *clip, const sl_mesh_place *leaf) {
-    return sl_screen_size_of(&d->pixels->view, clip, leaf->p, leaf->q, (float)SL_MESH_DYADIC);
+    return sl_face_part_size(&d->pixels->view, clip, leaf->p, leaf->q, (float)SL_MESH_DYADIC);
 }
 
 bool sl_displayed_meets_size(const sl_displayed *d, const sl_mesh_node *node, sl_screen_size size) {
@@ -53,17 +53,6 @@ int sl_displayed_wanted_depth(const sl_displayed *d, const sl_mesh_place *leaf) 
 
 /* ---- of a leaf ---- */
 
-static float contrast_of_levels(const sl_perception *perception, const float a[3], const float b[3]) {
-    float most = 0.0f;
-    for (int c = 0; c < 3; c++) {
-        float darker = a[c] < b[c] ? a[c] : b[c];
-        float difference = fabsf(a[c] - b[c]), threshold = sl_display_threshold(perception, darker);
-        float contrast = difference <= threshold * CONTRAST_MAX ? difference / threshold : CONTRAST_MAX;
-        most = difference > 0.0f && contrast > most ? contrast : most;
-    }
-    return most;
-}
-
 float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *leaf) {
     const sl_mesh *mesh = d->mesh;
     const sl_mesh_node *node = &mesh->node[leaf->node];
@@ -75,14 +64,13 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_mesh_place *l
         const float *value = &mesh->value[3 * (size_t)v], unit = 1.0f / (float)SL_MESH_DYADIC;
         sl_rgb shown = d->settings.shown.radiance(d->settings.shown.context, d->settings.component, leaf->face, (float)leaf->p[i] * unit,
                                                   (float)leaf->q[i] * unit, (sl_rgb){value[0], value[1], value[2]});
-        sl_display_colour(&d->settings.perception, shown, level[known]);
-        for (int j = 0; j < known; j++) {
-            float contrast = contrast_of_levels(&d->settings.perception, level[known], level[j]);
-            most = contrast > most ? contrast : most;
-        }
+        const float radiance[3] = {shown.r, shown.g, shown.b};
+        for (int c = 0; c < 3; c++) level[known][c] = sl_display_level(d->settings.perception.exposure, radiance[c]);
+        for (int j = 0; j < known; j++)
+            for (int c = 0; c < 3; c++) most = fmaxf(most, sl_levels_contrast(&d->settings.perception, level[known][c], level[j][c]));
         known++;
     }
-    return most;
+    return fminf(most, CONTRAST_MAX);
 }
 
 static bool is_speck(const sl_displayed *d, uint32_t pixels, float contrast) { return (float)pixels * contrast < d->settings.specks_contrast; }

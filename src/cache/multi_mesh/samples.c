@@ -78,10 +78,10 @@ void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_po
 /* Where the vertex gathers: a little inside its leaf if it lies within a solid, as direct light does (irradiance.c); false: there, too. */
 static bool find_gather_point(sl_multi_mesh_state *s, const sl_mesh *mesh, const sl_wanted_vertex *wanted, sl_mesh_point *point) {
     sl_mesh_point_of(mesh, wanted->vertex, point);
-    bool inside = s->tracer && sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
+    bool inside = s->tracer && sl_mesh_point_in_solid(s->topology, s->tracer, point, &s->counters);
     for (size_t i = 0; i < SL_NUDGES && inside; i++) {
         sl_mesh_point_nudged(mesh, wanted->vertex, wanted->leaf, sl_nudge[i], point);
-        inside = sl_topology_inside_solid(s->topology, s->tracer, point->position, point->normal, &s->counters);
+        inside = sl_mesh_point_in_solid(s->topology, s->tracer, point, &s->counters);
     }
     return !inside;
 }

@@ -22,7 +22,6 @@ typedef struct site {
     sl_vec3 position, normal;
     float exponent;
     uint32_t face;
-    uint32_t first;   /* the lowest site at this position */
     uint32_t next;    /* at this position with a normal in the same cell */
     normal_cell cell;
     bool shared;
@@ -32,8 +31,7 @@ typedef struct site_table {
     site *site;
     size_t count, capacity;
     size_t slots;
-    uint32_t *at_position;   /* the first site of each position, */
-    uint32_t *in_cell;       /* ... and of each position and cell; both at most half full */
+    uint32_t *in_cell;       /* the last site of each position and cell; at most half full */
 } site_table;
 
 static bool same_bits(sl_vec3 a, sl_vec3 b) {
@@ -43,13 +41,6 @@ static bool same_bits(sl_vec3 a, sl_vec3 b) {
 static uint64_t hash_position(sl_vec3 p) {
     uint64_t xy = (uint64_t)sl_float_bits(p.x) << 32 | sl_float_bits(p.y);
     return sl_hash64(sl_hash64(xy) ^ sl_float_bits(p.z));
-}
-
-static uint32_t *find_position(const site_table *table, sl_vec3 p) {
-    size_t i = (size_t)hash_position(p) & (table->slots - 1);
-    for (; table->at_position[i] != SL_NO_INDEX; i = (i + 1) & (table->slots - 1))
-        if (same_bits(table->site[table->at_position[i]].position, p)) break;
-    return &table->at_position[i];
 }
 
 static uint32_t *find_cell(const site_table *table, sl_vec3 p, normal_cell cell) {
@@ -101,12 +92,10 @@ static uint32_t site_of(site_table *table, const site *corner) {
         if (!sl_regrow(&table->site, table->count, capacity, sizeof *table->site)) return SL_NO_INDEX;
         table->capacity = capacity;
     }
-    uint32_t fresh = (uint32_t)table->count, *at_position = find_position(table, corner->position);
+    uint32_t fresh = (uint32_t)table->count;
     uint32_t *in_cell = find_cell(table, corner->position, corner->cell);
     table->site[fresh] = *corner;
-    table->site[fresh].first = *at_position == SL_NO_INDEX ? fresh : *at_position;
     table->site[fresh].next = *in_cell;
-    *at_position = table->site[fresh].first;
     *in_cell = fresh;
     table->count++;
     return fresh;
@@ -138,7 +127,7 @@ static bool find_sites(sl_topology *topology, bool by_exponent, site_table *tabl
     return true;
 }
 
-static bool keep_sites(sl_topology *topology, const site_table *table, uint32_t *first_there) {
+static bool keep_sites(sl_topology *topology, const site_table *table) {
     topology->site_count = table->count;
     topology->site_position = sl_allocate(table->count, sizeof(sl_vec3));
     topology->site_normal = sl_allocate(table->count, sizeof(sl_vec3));
@@ -150,24 +139,18 @@ static bool keep_sites(sl_topology *topology, const site_table *table, uint32_t 
         topology->site_normal[s] = table->site[s].normal;
         topology->site_face[s] = table->site[s].face;
         topology->site_shared[s] = table->site[s].shared;
-        first_there[s] = table->site[s].first;
     }
     return true;
 }
 
-sl_status sl_sites_make(sl_topology *topology, bool by_exponent, uint32_t **first_there, sl_error *error) {
+sl_status sl_sites_make(sl_topology *topology, bool by_exponent, sl_error *error) {
     site_table table = {.slots = 16};
-    *first_there = NULL;
     while (table.slots < 6 * topology->face_count) table.slots *= 2; /* sites: at most 3 a face */
-    table.at_position = sl_allocate_unset(table.slots, sizeof *table.at_position);
     table.in_cell = sl_allocate_unset(table.slots, sizeof *table.in_cell);
-    bool good = table.at_position != NULL && table.in_cell != NULL;
-    for (size_t i = 0; good && i < table.slots; i++) table.at_position[i] = table.in_cell[i] = SL_NO_INDEX;
-    good = good && find_sites(topology, by_exponent, &table);
-    if (good) *first_there = sl_allocate(table.count, sizeof **first_there);
-    good = good && *first_there != NULL && keep_sites(topology, &table, *first_there);
+    bool good = table.in_cell != NULL;
+    for (size_t i = 0; good && i < table.slots; i++) table.in_cell[i] = SL_NO_INDEX;
+    good = good && find_sites(topology, by_exponent, &table) && keep_sites(topology, &table);
     sl_free(table.site);
-    sl_free(table.at_position);
     sl_free(table.in_cell);
     return good ? SL_OK : sl_fail_memory(error, "shared corners");
 }

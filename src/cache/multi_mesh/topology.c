@@ -1,4 +1,4 @@
-/* The faces of all meshes: corners that they share (sites.c), edges (edges.c), closed bodies (solids.c). */
+/* The faces of all meshes: corners that they share (sites.c), edges (edges.c). */
 #include <math.h>
 
 #include "base/error.h"
@@ -21,9 +21,7 @@ static void find_degenerate(sl_topology *topology) {
 static bool allocate_faces(sl_topology *topology) {
     size_t triangles = topology->scene->triangle_count;
     topology->degenerate = sl_allocate(triangles, 1);
-    topology->solid = sl_allocate(triangles, 1);
-    topology->body = sl_allocate(triangles, sizeof(uint32_t));
-    bool good = topology->degenerate != NULL && topology->solid != NULL && topology->body != NULL;
+    bool good = topology->degenerate != NULL;
     for (int c = 0; c < 3; c++) {
         topology->site[c] = sl_allocate(topology->face_count, sizeof(uint32_t));
         topology->edge[c] = sl_allocate(topology->face_count, sizeof(uint32_t));
@@ -33,14 +31,11 @@ static bool allocate_faces(sl_topology *topology) {
 }
 
 static sl_status make_parts(sl_topology *topology, bool by_exponent, sl_error *error) {
-    uint32_t *first_there;
     if (!allocate_faces(topology)) return sl_fail_memory(error, "faces");
     find_degenerate(topology);
-    sl_status status = sl_sites_make(topology, by_exponent, &first_there, error);
+    sl_status status = sl_sites_make(topology, by_exponent, error);
     if (status == SL_OK) status = sl_edges_make(topology, error);
-    if (status == SL_OK) status = sl_solids_find(topology, first_there, error);
-    sl_free(first_there);
-    return status;
+    return status == SL_OK ? sl_solids_find(topology->scene, &topology->solids, error) : status;
 }
 
 sl_status sl_topology_create(const sl_scene *scene, bool by_exponent, sl_topology **topology, sl_error *error) {
@@ -68,14 +63,11 @@ void sl_topology_destroy(sl_topology *topology) {
     sl_free(topology->site_face);
     sl_free(topology->site_shared);
     sl_free(topology->degenerate);
-    sl_free(topology->solid);
+    sl_solids_destroy(topology->solids);
     sl_free(topology->edge_start);
     sl_free(topology->edge_face);
     sl_free(topology->edge_low);
     sl_free(topology->edge_high);
-    sl_free(topology->body);
-    sl_free(topology->body_low);
-    sl_free(topology->body_high);
     sl_free(topology);
 }
 
@@ -84,6 +76,5 @@ size_t sl_topology_memory_bytes(const sl_topology *topology) {
     size_t faces = topology->face_count * (6 + 3) * word; /* sites, edges, faces by edge */
     size_t sites = topology->site_count * (2 * sizeof(sl_vec3) + 2 * word + 1);
     size_t edges = topology->edge_count * 2 * word;
-    size_t bodies = triangles * (2 + word) + topology->body_count * 2 * sizeof(sl_vec3);
-    return sizeof *topology + faces + sites + edges + bodies;
+    return sizeof *topology + faces + sites + edges + triangles;
 }

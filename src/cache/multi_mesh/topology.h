@@ -7,14 +7,12 @@
  *
  *   topology.c       all of it; degenerate triangles
  *   sites.c          shared corners
- *   edges.c          which faces lie along the same two sites
- *   solids.c         closed surfaces without light inside
- *   inside.c         whether a point lies in one of these */
+ *   edges.c          which faces lie along the same two sites */
 #ifndef SL_MULTI_MESH_TOPOLOGY_H
 #define SL_MULTI_MESH_TOPOLOGY_H
 
 #include "scene/scene.h"
-#include "trace/trace.h"
+#include "cache/patches/solids.h"
 
 typedef struct sl_topology {
     const sl_scene *scene;
@@ -25,17 +23,12 @@ typedef struct sl_topology {
     uint32_t *site_face;         /* the lowest face that has it */
     uint8_t *site_shared;        /* whether others have it too */
     uint8_t *degenerate;         /* by triangle: of no area (below 1e-12 of the scene's scale squared): receives nothing, hides light all the same */
-    uint8_t *solid;              /* by triangle: 0; or part of a closed, consistently wound surface that has no light inside, and its inner side is the
-                                    front (1) or the back (2). Nobody sees that side unless from inside */
+    sl_solids *solids;
     /* Faces along an edge, whose two ends are sites: those of edge e are edge_face[edge_start[e] .. edge_start[e + 1]). */
     uint32_t *edge[3];           /* by face: the edge opposite to corner 0, 1, 2 */
     size_t edge_count;
     uint32_t *edge_start, *edge_face; /* faces ascending */
     uint32_t *edge_low, *edge_high; /* the sites at its ends; edges are in the order of the lower, then the higher */
-    /* The solids, and which of them a triangle is part of (or SL_NO_INDEX). */
-    size_t body_count;
-    uint32_t *body;
-    sl_vec3 *body_low, *body_high; /* bounding boxes */
 } sl_topology;
 
 /* by_exponent: sites of materials with different exponents are apart (radiance of lobes depends on them). The scene must outlive it. */
@@ -47,9 +40,5 @@ static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
     sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
     return face & 1u ? sl_v3(-n.x, -n.y, -n.z) : n;
 }
-
-/* Whether a point lies inside a solid (a table leg's end on the floor): light there is nobody's, and would darken what is around it. Not for
- * points on the solid's own surface. */
-bool sl_topology_inside_solid(const sl_topology *topology, const sl_tracer *tracer, sl_vec3 p, sl_vec3 normal, sl_counters *counters);
 
 #endif

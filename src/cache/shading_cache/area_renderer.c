@@ -18,7 +18,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/renderer_parts.h"
-#include "cache/shading_cache/enclosures.h"
+#include "cache/patches/solids.h"
 
 /* What lies within this share of the way to the light, at the light, is the light, or too near it to be told from it. */
 static const double light_margin = 1e-4;
@@ -29,7 +29,7 @@ typedef struct area_renderer {
     sl_area_light *area;       /* by light; of those without extent empty */
     size_t area_count;
     sl_halton lobe_points;
-    sl_enclosures *solids;
+    sl_solids *solids;
 } area_renderer;
 
 /* ---- at a point ----------------------------------------------------------------------------------------------------------- */
@@ -266,7 +266,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
     (void)worker;
     const area_renderer *r = state;
     const sl_root_point *p = &request->point;
-    sample->valid = !sl_enclosures_hold(r->solids, *r->settings.tracer, p, request->eye, counters);
+    sample->valid = !sl_solids_hold(r->solids, *r->settings.tracer, p->position, p->geometric_normal, p->triangle, &request->eye, counters);
     if (!sample->valid) return;
     lit at = {.renderer = r,
               .request = request,
@@ -322,20 +322,20 @@ static sl_status edit(void *state, unsigned changes, sl_error *error) {
     area_renderer *r = state;
     if (!(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return SL_OK;
     sl_status status = make_lights(r, error);
-    if (status == SL_OK) sl_enclosures_edit(r->solids);
+    if (status == SL_OK) sl_solids_edit(r->solids);
     return status;
 }
 
 static bool eye_matters(const void *state, sl_vec3 before, sl_vec3 now) {
     const area_renderer *r = state;
-    return sl_enclosures_eye_matters(r->solids, before, now);
+    return sl_solids_eye_matters(r->solids, before, now);
 }
 
 static void destroy(void *state) {
     area_renderer *r = state;
     if (!r) return;
     release_lights(r);
-    sl_enclosures_destroy(r->solids);
+    sl_solids_destroy(r->solids);
     sl_free(r);
 }
 
@@ -346,7 +346,7 @@ sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_rende
     r->settings = *settings;
     r->lobe_points = sl_halton_make(sl_random_key(settings->seed, 0x6c6f6265u));
     sl_status status = make_lights(r, error);
-    if (status == SL_OK) status = sl_enclosures_find(settings->scene, &r->solids, error);
+    if (status == SL_OK) status = sl_solids_find(settings->scene, &r->solids, error);
     if (status != SL_OK) {
         destroy(r);
         return status;

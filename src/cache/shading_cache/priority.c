@@ -12,13 +12,8 @@ float sl_curve_luminance(sl_rgb radiance) {
     return y > 0.0f ? fminf(y, FLT_MAX) : 0.0f;
 }
 
-/* With S(R) = (R + 1/k) / (R + k), (S - 1/k^2) / (1 - 1/k^2) is R / (R + k): what stands below. The power of floats of base/math.h is off by 1e-4
- * of a level at most. */
 float sl_curve_level_of(const sl_display_curve *curve, float luminance) {
-    const double k = 10.0;
-    if (!(luminance > 0.0f)) return 0.0f;
-    double y = fmin((double)luminance, (double)FLT_MAX), dark = curve->reference > 0.0f ? k * (double)curve->reference : 0.0;
-    return 255.0f * fminf(sl_exp2f(sl_log2f((float)(y / (y + dark))) * (1.0f / 2.2f)), 1.0f);
+    return sl_display_level(curve->reference > 0.0f ? 1.0f / (10.0f * curve->reference) : INFINITY, luminance);
 }
 
 float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) { return sl_curve_level_of(curve, sl_curve_luminance(radiance)); }

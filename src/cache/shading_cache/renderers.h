@@ -5,7 +5,7 @@
  *   bidirectional_renderer.c   indirect light (trace/bidirectional); direct light of the environment (sky_light.c); all that mirrors reflect
  *   caustic_renderer.c         caustics by a photon map of their own
  *   constant_renderer.c        one colour: for tests
- *   enclosures.c               points inside other geometry; batch.c  requests over threads
+ *   batch.c  requests over threads
  */
 #ifndef SL_SHADING_CACHE_RENDERERS_H
 #define SL_SHADING_CACHE_RENDERERS_H

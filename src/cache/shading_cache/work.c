@@ -146,7 +146,7 @@ static bool is_sharp(const sl_patches *p, const sl_work_settings *s, const sl_pa
     return s->sharp && polished && sl_patch_error(p, s->sharp, place->patch) >= (float)SL_SHARP_LEVELS;
 }
 
-static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, sl_patch_size size) {
+static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place, sl_screen_size size) {
     float area = s->split_above;
     if (s->coarsest > 0.0f && s->changing && s->changing[sl_root_object(p->primitives, place->root)]) {
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
@@ -199,7 +199,7 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
     uint32_t patch = place->patch;
     if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
     if (level == 0 && ask_for_missing(w, place)) return SL_OK;
-    sl_patch_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
+    sl_screen_size size = sl_patch_projected(w->patches, place, w->camera, w->width, w->height);
     bool noise = level == 0 && w->settings->variance_aware && w->patches->sets && is_noise(w, patch);
     if (!noise && is_large(w->patches, w->settings, place, size)) {
         if (is_full_size(w, 0.25f * size.area) && ask_for_dense(w, place)) return SL_OK;

@@ -2,6 +2,7 @@
 #ifndef SL_SHADING_CACHE_WORK_H
 #define SL_SHADING_CACHE_WORK_H
 
+#include "cache/patches/screen_size.h"
 #include "cache/shading_cache/selection.h"
 
 /* Where in its patch a chosen pixel lies. */
@@ -35,12 +36,8 @@ enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
  * were evaluated want one more set. */
 bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
 
-/* Projected area in pixels^2 of what the camera sees of a patch, from the polygon clipped to the picture, and its longest edge in pixels; infinite
- * where that reaches the eye's plane. Both 0: none of it is in the picture. */
-typedef struct sl_patch_size {
-    float area, edge;
-} sl_patch_size;
-sl_patch_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place, const sl_camera *camera, int width, int height);
+/* Returns the size of what the camera sees of a patch. */
+sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place, const sl_camera *camera, int width, int height);
 
 /* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split. Where that holds for all visible leaves a
  * picture of a still scene is done. */

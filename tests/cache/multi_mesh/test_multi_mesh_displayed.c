@@ -220,8 +220,7 @@ static void a_black_field_is_all_undone(void **state) {
 static void a_shadow_in_the_dark_is_not_split_at(void **state) {
     (void)state;
     disc s = {0.1f, 0.2f, 0.5f};
-    sl_perception eye = {1.0f, 1.0f};
-    assert_true(sl_display_level(&eye, 0.0005f) < 10.0f);
+        assert_true(sl_display_level(1.0f, 0.0005f) < 10.0f);
     assert_all_undone((field){dark_shadow, &s}, 1.0f);
 }
 

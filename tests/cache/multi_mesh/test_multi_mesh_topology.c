@@ -1,4 +1,4 @@
-/* Faces, the corners and edges that they share, and solids. */
+/* Faces, and the corners and edges that they share. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,7 +9,6 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "base/random.h"
 #include "cache/multi_mesh/topology.h"
 #include "trace_scenes.h"
 
@@ -216,159 +215,6 @@ static void needles_and_points_that_are_no_numbers_are_degenerate(void **state) 
     discard(&w);
 }
 
-/* ---- solids ----------------------------------------------------------------------------------------------------------- */
-
-/* The answer for all triangles of a component, which begins at `first` and has `count`. */
-static void assert_solid(const sl_topology *t, uint32_t first, uint32_t count, uint8_t solid) {
-    for (uint32_t i = first; i < first + count; i++) {
-        assert_int_equal(t->solid[i], solid);
-        assert_int_equal(t->body[i] != SL_NO_INDEX, solid != 0);
-    }
-}
-
-static void closed_boxes_are_solids_whichever_way_they_are_wound(void **state) {
-    (void)state;
-    for (int inside = 0; inside < 2; inside++) {
-        trace_mesh parts = begin();
-        trace_mesh_quad(&parts, sl_v3(-5, 0, 5), sl_v3(10, 0, 0), sl_v3(0, 0, -10), 0);
-        trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(1, 1, 1), inside == 1, 0);
-        trace_mesh_quad(&parts, sl_v3(-1, 4, 0), sl_v3(1, 0, 0), sl_v3(0, 0, 1), 1);
-        trace_mesh_sphere(&parts, sl_v3(3, 1, 0), 0.5f, 6, 0.1f, inside == 1, 0);
-        world w = world_of(&parts);
-        assert_solid(w.topology, 0, 2, 0);
-        assert_solid(w.topology, 2, 12, inside ? 1 : 2);
-        assert_solid(w.topology, 14, 2, 0);
-        assert_solid(w.topology, 16, (uint32_t)w.scene->triangle_count - 16, inside ? 1 : 2);
-        assert_int_equal(w.topology->body_count, 2);
-        discard(&w);
-    }
-}
-
-static void what_is_open_wound_both_ways_or_flat_is_no_solid(void **state) {
-    (void)state;
-    trace_mesh parts = begin();
-    trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
-    parts.triangle_count--;                              /* a hole */
-    trace_mesh_box(&parts, sl_v3(2, 0, 0), sl_v3(3, 1, 1), false, 0);
-    uint32_t *turned = &parts.indices[3 * (parts.triangle_count - 1)], corner = turned[0];
-    turned[0] = turned[1];
-    turned[1] = corner;
-    trace_mesh_quad(&parts, sl_v3(4, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0); /* two sheets back to back */
-    uint32_t base = 3 * (uint32_t)(parts.triangle_count - 2);
-    for (uint32_t i = 0; i < 2; i++)
-        trace_mesh_triangle(&parts, parts.indices[base + 3 * i], parts.indices[base + 3 * i + 2], parts.indices[base + 3 * i + 1], 0);
-    trace_mesh_box(&parts, sl_v3(0, 5, 0), sl_v3(1, 6, 1), false, 0);
-    trace_mesh_box(&parts, sl_v3(1, 5, 0), sl_v3(2, 6, 1), false, 0); /* they share a face's four corners: four triangles along its edges */
-    world w = world_of(&parts);
-    assert_solid(w.topology, 0, (uint32_t)w.scene->triangle_count, 0);
-    assert_int_equal(w.topology->body_count, 0);
-    discard(&w);
-}
-
-static void a_room_with_light_inside_is_no_solid(void **state) {
-    (void)state;
-    enum { LAMP_INSIDE, LAMP_OUTSIDE, LAMP_ON_WALL, POINT_INSIDE, POINT_OUTSIDE, SUN, CASES };
-    static const uint8_t wanted[CASES] = {0, 1, 1, 0, 1, 1};
-    for (int i = 0; i < CASES; i++) {
-        trace_mesh parts = begin();
-        trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(4, 3, 4), true, 0);
-        float height = i == LAMP_INSIDE ? 2.9f : i == LAMP_ON_WALL ? 3.0f : 3.5f;
-        trace_mesh_quad(&parts, sl_v3(1, height, 1), sl_v3(1, 0, 0), sl_v3(0, 0, 1), i <= LAMP_ON_WALL ? 1 : 0);
-        if (i >= POINT_INSIDE) {
-            parts.lights[parts.light_count++] = (sl_light){.type = i == SUN ? SL_LIGHT_DIRECTIONAL : SL_LIGHT_POINT, .position = {2, i == POINT_OUTSIDE ? 9 : 1, 2},
-                                                           .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
-        }
-        world w = world_of(&parts);
-        assert_solid(w.topology, 0, 12, wanted[i]);
-        discard(&w);
-    }
-}
-
-static void a_glowing_body_is_a_solid_if_it_shines_outwards_only(void **state) {
-    (void)state;
-    for (int inside = 0; inside < 2; inside++)
-        for (int two_sided = 0; two_sided < 2; two_sided++) {
-            trace_mesh parts = begin();
-            parts.materials[1].emission_two_sided = two_sided == 1;
-            trace_mesh_sphere(&parts, sl_v3(0, 0, 0), 1.0f, 6, 0.0f, inside == 1, 1);
-            world w = world_of(&parts);
-            assert_solid(w.topology, 0, (uint32_t)w.scene->triangle_count, inside || two_sided ? 0 : 2);
-            discard(&w);
-        }
-}
-
-/* Boxes, some of them standing on or in others, and a box within a box; with their answers. */
-static const float boxes[][6] = {{0, 0, 0, 1, 1, 1}, {0.25f, 1, 0.25f, 0.75f, 2, 0.75f}, {0.5f, 0.5f, 0.5f, 2.5f, 0.75f, 2.5f},
-                                 {3, 0, 0, 6, 3, 3}, {4, 1, 1, 5, 2, 2}, {0.1f, 2, 0.1f, 0.9f, 2.5f, 0.9f}};
-enum { BOXES = sizeof boxes / sizeof boxes[0] };
-
-static trace_mesh furniture(void) {
-    trace_mesh parts = begin();
-    for (int b = 0; b < BOXES; b++)
-        trace_mesh_box(&parts, sl_v3(boxes[b][0], boxes[b][1], boxes[b][2]), sl_v3(boxes[b][3], boxes[b][4], boxes[b][5]), b == 4, 0);
-    trace_mesh_quad(&parts, sl_v3(-5, 0, 8), sl_v3(15, 0, 0), sl_v3(0, 0, -13), 0);
-    trace_mesh_quad(&parts, sl_v3(-5, 6, -5), sl_v3(15, 0, 0), sl_v3(0, 0, 13), 1);
-    return parts;
-}
-
-/* Signed distance from all boxes' surfaces: negative inside one. */
-static float depth_in_boxes(sl_vec3 p, float *nearest) {
-    float least = INFINITY;
-    *nearest = INFINITY;
-    for (int b = 0; b < BOXES; b++) {
-        float x = fmaxf(boxes[b][0] - p.x, p.x - boxes[b][3]), y = fmaxf(boxes[b][1] - p.y, p.y - boxes[b][4]), z = fmaxf(boxes[b][2] - p.z, p.z - boxes[b][5]);
-        float d = fmaxf(x, fmaxf(y, z));
-        least = fminf(least, d);
-        *nearest = fminf(*nearest, fabsf(d));
-    }
-    return least;
-}
-
-static void points_inside_of_solids_are_known_from_those_outside(void **state) {
-    (void)state;
-    trace_mesh parts = furniture();
-    world w = world_of(&parts);
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(w.topology->body_count, BOXES);
-    uint64_t key = sl_random_key(8, 1);
-    size_t inside = 0;
-    for (uint64_t i = 0; i < 4000; i++) {
-        sl_vec3 p = sl_v3(7 * sl_random_unit(key, 3 * i) - 0.5f, 4 * sl_random_unit(key, 3 * i + 1) - 0.5f, 4 * sl_random_unit(key, 3 * i + 2) - 0.5f);
-        sl_counters counters = {0};
-        float nearest;
-        bool wanted = depth_in_boxes(p, &nearest) < 0.0f;
-        if (nearest < 0.001f) continue;
-        assert_int_equal(sl_topology_inside_solid(w.topology, tracer, p, sl_v3(0, 1, 0), &counters), wanted);
-        inside += wanted;
-    }
-    assert_true(inside > 800);
-    sl_tracer_destroy(tracer);
-    discard(&w);
-}
-
-static void a_floor_is_inside_where_a_leg_stands_on_it_and_a_leg_is_not(void **state) {
-    (void)state;
-    trace_mesh parts = furniture();
-    world w = world_of(&parts);
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
-    sl_counters counters = {0};
-    for (int y = 0; y < 20; y++)
-        for (int x = 0; x < 60; x++) {
-            sl_vec3 p = sl_v3(-0.4f + 0.11f * (float)x, 0, -0.45f + 0.19f * (float)y);
-            bool wanted = false;
-            for (int b = 0; b < BOXES; b++) wanted |= boxes[b][1] == 0.0f && p.x > boxes[b][0] && p.x < boxes[b][3] && p.z > boxes[b][2] && p.z < boxes[b][5];
-            assert_int_equal(sl_topology_inside_solid(w.topology, tracer, p, sl_v3(0, 1, 0), &counters), wanted);
-        }
-    /* The first box's own side, top, and top where the second one stands. */
-    assert_false(sl_topology_inside_solid(w.topology, tracer, sl_v3(0, 0.3f, 0.3f), sl_v3(-1, 0, 0), &counters));
-    assert_false(sl_topology_inside_solid(w.topology, tracer, sl_v3(0.9f, 1, 0.1f), sl_v3(0, 1, 0), &counters));
-    assert_true(sl_topology_inside_solid(w.topology, tracer, sl_v3(0.5f, 1, 0.5f), sl_v3(0, 1, 0), &counters));
-    sl_tracer_destroy(tracer);
-    discard(&w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(coplanar_triangles_share_corners_on_each_side_apart),
@@ -379,12 +225,6 @@ int main(void) {
         cmocka_unit_test(a_sphere_of_facets_and_all_its_edges_are_consistent),
         cmocka_unit_test(thousands_of_normals_at_one_corner_are_kept_apart),
         cmocka_unit_test(needles_and_points_that_are_no_numbers_are_degenerate),
-        cmocka_unit_test(closed_boxes_are_solids_whichever_way_they_are_wound),
-        cmocka_unit_test(what_is_open_wound_both_ways_or_flat_is_no_solid),
-        cmocka_unit_test(a_room_with_light_inside_is_no_solid),
-        cmocka_unit_test(a_glowing_body_is_a_solid_if_it_shines_outwards_only),
-        cmocka_unit_test(points_inside_of_solids_are_known_from_those_outside),
-        cmocka_unit_test(a_floor_is_inside_where_a_leg_stands_on_it_and_a_leg_is_not),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

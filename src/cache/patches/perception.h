@@ -1,7 +1,7 @@
-/* What an eye can tell apart on the display (the paper's threshold map). Errors are judged at the final pixel: radiance through the tone map
+/* Differences that an eye can tell on the display (Walter's threshold map). Errors are judged at the final pixel: radiance through the tone map
  * to grey levels 0 to 255, a difference against the threshold of the darker of the two. */
-#ifndef SL_MULTI_MESH_PERCEPTION_H
-#define SL_MULTI_MESH_PERCEPTION_H
+#ifndef SL_PATCHES_PERCEPTION_H
+#define SL_PATCHES_PERCEPTION_H
 
 #include "base/math.h"
 #include "scene/scene.h"
@@ -15,12 +15,9 @@ typedef struct sl_perception {
  * and mean reflectance alone; 1 where the scene has no light. */
 float sl_perception_exposure(const sl_scene *scene, float mean_radiance);
 
-/* D of a channel, in [0,255], monotone; negative, NaN: 0; infinite: 255. */
-float sl_display_level(const sl_perception *perception, float radiance);
-/* Of three channels, in the time of one. */
-void sl_display_colour(const sl_perception *perception, sl_rgb radiance, float level[3]);
-/* The same for loops over pixels, which it lets vectorise: within 1e-4 of a grey level, and monotone but for as much. exposure >= 0. */
-static inline float sl_display_level_fast(float exposure, float radiance) {
+/* D of a channel, in [0,255], within 1e-4 of a grey level, and monotone but for as much; negative, NaN: 0; infinite: 255. exposure >= 0. Loops over
+ * it vectorise. */
+static inline float sl_display_level(float exposure, float radiance) {
     float exposed = exposure * radiance;
     exposed = exposed > 0.0f ? exposed : 0.0f;
     exposed = exposed < 0x1p100f ? exposed : 0x1p100f;
@@ -28,7 +25,9 @@ static inline float sl_display_level_fast(float exposure, float radiance) {
 }
 /* T at level D: 10 at 0, 6 at 32, 4 at 64, 3 from 128 on, linear between; times threshold_scale. */
 float sl_display_threshold(const sl_perception *perception, float level);
-/* Largest |D difference| / T (of the darker one) over the channels: above 1 an eye can tell. */
+/* |D difference| / T of the darker one: above 1 an eye can tell. Where nothing is tolerated any difference is the largest there is. */
+float sl_levels_contrast(const sl_perception *perception, float a, float b);
+/* The largest of the channels'. */
 float sl_display_contrast(const sl_perception *perception, sl_rgb a, sl_rgb b);
 
 #endif

@@ -1,4 +1,4 @@
-#include "cache/shading_cache/enclosures.h"
+#include "cache/patches/solids.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@ typedef struct body {
     sl_vec3d areas;            /* sum of the triangles' area vectors: 0 of what is closed */
 } body;
 
-struct sl_enclosures {
+struct sl_solids {
     const sl_scene *scene;
     uint32_t *body_of;         /* by triangle */
     body *bodies;
@@ -103,7 +103,7 @@ static bool is_between_two(const edge *edges, size_t count, size_t i) {
     return !(first > 0 && same_edge(&edges[first - 1], e)) && !(end < count && same_edge(&edges[end], e));
 }
 
-static void find_sealed(sl_enclosures *solids, const edge *edges) {
+static void find_sealed(sl_solids *solids, const edge *edges) {
     const sl_scene *s = solids->scene;
     for (size_t i = 0; i < 3 * s->triangle_count; i++) {
         uint32_t t = edges[i].triangle, b = solids->body_of[t];
@@ -112,7 +112,7 @@ static void find_sealed(sl_enclosures *solids, const edge *edges) {
     }
 }
 
-static bool find_bodies(sl_enclosures *solids) {
+static bool find_bodies(sl_solids *solids) {
     const sl_scene *s = solids->scene;
     place *places = sl_allocate(s->vertex_count, sizeof *places);
     uint32_t *first = sl_allocate(s->vertex_count, sizeof *first);
@@ -142,7 +142,7 @@ static bool find_bodies(sl_enclosures *solids) {
 
 /* ---- which of it is solid ------------------------------------------------------------------------------------------------- */
 
-static void measure_boxes(sl_enclosures *solids) {
+static void measure_boxes(sl_solids *solids) {
     const sl_scene *s = solids->scene;
     for (size_t b = 0; b < solids->count; b++) {
         body *old = &solids->bodies[b];
@@ -159,7 +159,7 @@ static void measure_boxes(sl_enclosures *solids) {
     }
 }
 
-static void measure_volumes(sl_enclosures *solids) {
+static void measure_volumes(sl_solids *solids) {
     const sl_scene *s = solids->scene;
     for (size_t t = 0; t < s->triangle_count; t++) {
         body *b = &solids->bodies[solids->body_of[t]];
@@ -176,7 +176,7 @@ static bool box_holds(const body *b, sl_vec3 p) {
     return p.x >= b->low.x && p.x <= b->high.x && p.y >= b->low.y && p.y <= b->high.y && p.z >= b->low.z && p.z <= b->high.z;
 }
 
-static bool light_inside(const sl_enclosures *solids, const body *b) {
+static bool light_inside(const sl_solids *solids, const body *b) {
     const sl_scene *s = solids->scene;
     for (size_t l = 0; l < s->light_count; l++) {
         if (s->lights[l].type != SL_LIGHT_DIRECTIONAL && box_holds(b, s->lights[l].position)) return true;
@@ -189,7 +189,7 @@ static bool light_inside(const sl_enclosures *solids, const body *b) {
     return false;
 }
 
-void sl_enclosures_edit(sl_enclosures *solids) {
+void sl_solids_edit(sl_solids *solids) {
     measure_boxes(solids);
     measure_volumes(solids);
     solids->solid_count = 0;
@@ -205,9 +205,9 @@ void sl_enclosures_edit(sl_enclosures *solids) {
     }
 }
 
-sl_status sl_enclosures_find(const sl_scene *scene, sl_enclosures **out, sl_error *error) {
+sl_status sl_solids_find(const sl_scene *scene, sl_solids **out, sl_error *error) {
     *out = NULL;
-    sl_enclosures *solids = sl_allocate(1, sizeof *solids);
+    sl_solids *solids = sl_allocate(1, sizeof *solids);
     if (!solids) return sl_fail_memory(error, "the scene's solids");
     solids->scene = scene;
     solids->body_of = sl_allocate(scene->triangle_count, sizeof *solids->body_of);
@@ -216,15 +216,15 @@ sl_status sl_enclosures_find(const sl_scene *scene, sl_enclosures **out, sl_erro
         solids->solid = sl_allocate(solids->count, sizeof *solids->solid);
     }
     if (!found || !solids->solid) {
-        sl_enclosures_destroy(solids);
+        sl_solids_destroy(solids);
         return sl_fail_memory(error, "the scene's solids");
     }
-    sl_enclosures_edit(solids);
+    sl_solids_edit(solids);
     *out = solids;
     return SL_OK;
 }
 
-void sl_enclosures_destroy(sl_enclosures *solids) {
+void sl_solids_destroy(sl_solids *solids) {
     if (!solids) return;
     sl_free(solids->body_of);
     sl_free(solids->bodies);
@@ -255,27 +255,33 @@ static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
 }
 
 /* To an eye within it a lit one is a room. */
-static bool is_solid_to(const body *b, sl_vec3 eye) { return b->kind != LIT_SOLID || !box_holds(b, eye); }
+static bool is_solid_to(const body *b, const sl_vec3 *eye) { return b->kind != LIT_SOLID || (eye && !box_holds(b, *eye)); }
 
-bool sl_enclosures_eye_matters(const sl_enclosures *solids, sl_vec3 before, sl_vec3 now) {
+bool sl_solids_eye_matters(const sl_solids *solids, sl_vec3 before, sl_vec3 now) {
     bool other = false;
     for (size_t i = 0; i < solids->solid_count && !other; i++) {
         const body *b = &solids->bodies[solids->solid[i]];
-        other = is_solid_to(b, before) != is_solid_to(b, now);
+        other = is_solid_to(b, &before) != is_solid_to(b, &now);
     }
     return other;
 }
 
-bool sl_enclosures_hold(const sl_enclosures *solids, const sl_tracer *tracer, const sl_root_point *point, sl_vec3 eye, sl_counters *counters) {
+bool sl_solids_hide_back(const sl_solids *solids, uint32_t triangle) {
+    const body *b = &solids->bodies[solids->body_of[triangle]];
+    return b->kind == CLOSED_SOLID && b->sealed;
+}
+
+bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 position, sl_vec3 normal, uint32_t triangle, const sl_vec3 *eye,
+                    sl_counters *counters) {
     const sl_scene *s = solids->scene;
-    sl_vec3 p = sl_mad(point->position, 1e-5f * s->scale, point->geometric_normal);
-    uint32_t own = point->triangle != SL_NO_INDEX ? solids->body_of[point->triangle] : SL_NO_INDEX;
+    sl_vec3 p = sl_mad(position, 1e-5f * s->scale, normal);
+    uint32_t own = triangle != SL_NO_INDEX ? solids->body_of[triangle] : SL_NO_INDEX;
     bool near = false;
     for (size_t i = 0; i < solids->solid_count && !near; i++) near = solids->solid[i] != own && box_holds(&solids->bodies[solids->solid[i]], p);
     if (!near) return false;
     sl_ray16 rays;
     sl_hit16 hits;
-    probe_rays(p, point->geometric_normal, &rays);
+    probe_rays(p, normal, &rays);
     sl_trace(tracer, &rays, PROBES, false, &hits, counters);
     int closed = 0, open = 0;
     for (int i = 0; i < PROBES; i++) {
