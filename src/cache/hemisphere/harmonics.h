@@ -5,9 +5,8 @@
  *   basis.c          the functions, orthonormal over the hemisphere
  *   quadrature.c     Gauss-Legendre nodes, with which the tables are made
  *   lobe_integral.c  a Phong lobe over circles of latitude
- *   phong.c          the papers' table: a lobe times the cosine, as coefficients, over the outgoing angle; how much an order leaves out
- *   rotation.c       the papers' way to another frame: coefficients seen from a tilted one
- *   moved_lobe.c     both in one, and cheaper, which is what the renderer splats with: a pixel's lobe as coefficients in a record's frame
+ *   phong.c          a lobe times the cosine as coefficients: how much an order leaves out
+ *   moved_lobe.c     a pixel's lobe as coefficients in a record's frame, without rotating coefficients as the papers do
  *
  * Order n means bands l = 0 .. n-1, n^2 functions. Coefficients stand in this order everywhere: first those that go with
  * cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with sin(m phi), m = 1 .. l, n(n-1)/2 of
@@ -54,24 +53,14 @@ void sl_hsh_evaluate_by(const sl_hsh_recurrence *recurrence, sl_vec3d direction,
 
 /* ---- Phong lobes (phong.c) ---- */
 
-/* Coefficients of (s+2)/(2 pi) max(0, cos alpha)^s cos theta_i over the incoming directions, alpha measured from the mirror direction
- * of an outgoing direction with azimuth 0: even ones alone. 64 outgoing angles, evenly from 0 to 90 degrees. An exponent that is
- * negative or not a number counts as 0. */
+/* Tables of lobes have 64 polar angles, evenly from 0 to 90 degrees. What belongs to a cosine in [0,1] (clamped) lies between two
+ * rows: first[i] + mix (second[i] - first[i]). An exponent that is negative or not a number counts as 0. */
 enum { SL_PHONG_ANGLES = 64 };
-typedef struct sl_phong_table sl_phong_table;
-sl_status sl_phong_table_create(int order, double exponent, sl_phong_table **table, sl_error *error);
-void sl_phong_table_destroy(sl_phong_table *table); /* NULL is allowed */
-/* The coefficients for an outgoing cosine in [0,1] (clamped) lie between two rows of sl_hsh_odd_start(order) floats each, padding 0:
- * first[i] + mix (second[i] - first[i]). Outgoing radiance from coefficients lambda of incoming radiance: sum over l, m of
- * c_lm (cos(m phi_o) lambda_lm + sin(m phi_o) lambda_l-m), times ks. */
 typedef struct sl_phong_rows {
     const float *first, *second;
     float mix;
 } sl_phong_rows;
-sl_phong_rows sl_phong_table_at(const sl_phong_table *table, float cosine);
-sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosine); /* of any SL_PHONG_ANGLES rows */
-void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *even);
-size_t sl_phong_table_bytes(const sl_phong_table *table);
+sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosine);
 /* Relative L2 error of the lobe that order n makes, at an outgoing angle (radians) and at 45 degrees; and the least order that keeps
  * the latter within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for its truncation; for exponents below 1, whose
  * edge counts for more in that error than in what they reflect, the order for 1 and two more). */
@@ -98,32 +87,5 @@ size_t sl_moved_lobe_bytes(const sl_moved_lobe *lobe);
 sl_phong_rows sl_moved_lobe_at(const sl_moved_lobe *lobe, float cosine);
 /* All of that, in plain loops: r and n in the record's frame, cosine n . w_o; sl_hsh_stride(order) floats. */
 void sl_moved_lobe_look_up(const sl_moved_lobe *lobe, sl_vec3 r, sl_vec3 n, float cosine, float *coefficients);
-
-/* ---- rotation (rotation.c) ---- */
-
-/* The papers' way to another frame. The renderer moves lobes instead, which is as accurate and costs less; bench/bench_harmonics.c and
- * tests/cache/hemisphere/test_harmonics_tilt.c set the two side by side.
- * Directions that turn up from below the horizon of the frame that the coefficients were gathered in are unknown: */
-typedef enum sl_hsh_fill {
-    SL_HSH_MIRROR, /* they look like their mirror images above it */
-    SL_HSH_ZERO    /* they are black */
-} sl_hsh_fill;
-
-/* D(beta), what a tilt by beta makes of coefficients (rotation.c), for beta in [0, largest_angle], every half degree, interpolated
- * linearly. */
-typedef struct sl_hsh_rotation sl_hsh_rotation;
-sl_status sl_hsh_rotation_create(int order, double largest_angle, sl_hsh_fill fill, unsigned threads, sl_hsh_rotation **rotation,
-                                 sl_error *error);
-void sl_hsh_rotation_destroy(sl_hsh_rotation *rotation);
-size_t sl_hsh_rotation_bytes(const sl_hsh_rotation *rotation);
-/* Two tables of the transpose and how to mix them, for the angle beta (radians, clamped to the table): a vector v of the tilted
- * (pixel's) frame becomes u = D^T v of the record's frame, u_j = sum_i v_i ((1 - mix) first[i][j] + mix second[i][j]), even and odd
- * part apart: row i of the even part begins at even[i * sl_hsh_odd_start(order)], of the odd one at
- * odd[i * (sl_hsh_stride(order) - sl_hsh_odd_start(order))]. */
-typedef struct sl_hsh_tilt {
-    const float *even[2], *odd[2];
-    float mix;
-} sl_hsh_tilt;
-sl_hsh_tilt sl_hsh_tilt_at(const sl_hsh_rotation *rotation, float beta);
 
 #endif

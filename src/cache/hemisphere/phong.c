@@ -3,24 +3,16 @@
  *     c_lm(theta_o) = integral over the hemisphere of (s+2)/(2 pi) max(0, r . w)^s cos theta H_lm(w) dw
  *
  * r is the mirror direction of w_o = (sin theta_o, 0, cos theta_o), so the lobe is symmetric in y and has no part that goes with
- * sin(m phi). An isotropic lobe needs a table over theta_o alone: another azimuth only turns the coefficients. */
+ * sin(m phi). Their squares tell how much of the lobe an order holds. */
 #include "cache/hemisphere/harmonics.h"
 
-#include "base/error.h"
 #include "base/math.h"
-#include "base/memory.h"
 #include "cache/hemisphere/lobe_integral.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { ANGLES = SL_PHONG_ANGLES };
-
-struct sl_phong_table {
-    int order;
-    size_t width; /* floats a row */
-    float *rows;  /* ANGLES of them */
-};
 
 /* ---- one lobe ---------------------------------------------------------------------------------------------------- */
 
@@ -52,39 +44,7 @@ static double project_lobe(const sl_lobe *lobe, int order, double theta_out, dou
     return p.norm;
 }
 
-/* ---- the table --------------------------------------------------------------------------------------------------- */
-
-sl_status sl_phong_table_create(int order, double exponent, sl_phong_table **table, sl_error *error) {
-    *table = NULL;
-    if (order < 1 || order > SL_HSH_ORDER_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "order of hemispherical harmonics %d: expected 1 to %d", order, SL_HSH_ORDER_MAX);
-    sl_phong_table *t = sl_allocate(1, sizeof *t);
-    size_t width = sl_hsh_odd_start(order);
-    float *rows = sl_allocate(ANGLES * width, sizeof *rows);
-    if (!t || !rows) {
-        sl_free(t);
-        sl_free(rows);
-        return sl_fail_memory(error, "a table of Phong lobes");
-    }
-    *t = (sl_phong_table){.order = order, .width = width, .rows = rows};
-    sl_lobe lobe;
-    double coefficients[SL_HSH_MAX];
-    sl_lobe_make(exponent, &lobe);
-    for (int i = 0; i < ANGLES; i++) {
-        (void)project_lobe(&lobe, order, 0.5 * SL_PI * i / (ANGLES - 1), coefficients);
-        for (size_t j = 0; j < sl_hsh_even_count(order); j++) rows[(size_t)i * width + j] = (float)coefficients[j];
-    }
-    *table = t;
-    return SL_OK;
-}
-
-void sl_phong_table_destroy(sl_phong_table *table) {
-    if (!table) return;
-    sl_free(table->rows);
-    sl_free(table);
-}
-
-size_t sl_phong_table_bytes(const sl_phong_table *table) { return sizeof *table + ANGLES * table->width * sizeof *table->rows; }
+/* ---- rows by the polar angle -------------------------------------------------------------------------------------- */
 
 /* acos(x) / sqrt(1 - x) is smooth on [0,1]: fitted at Chebyshev nodes, acos within 3e-7. x in [0,1]. */
 static float quick_acos(float x) {
@@ -107,16 +67,6 @@ sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosin
     float mix = at - (float)row;
     const float *first = rows + (size_t)row * row_floats;
     return (sl_phong_rows){first, first + row_floats, mix < 1.0f ? mix : 1.0f};
-}
-
-sl_phong_rows sl_phong_table_at(const sl_phong_table *table, float cosine) {
-    return sl_phong_rows_at(table->rows, table->width, cosine);
-}
-
-void sl_phong_table_look_up(const sl_phong_table *table, float cosine, float *restrict even) {
-    sl_phong_rows rows = sl_phong_table_at(table, cosine);
-    const float *restrict first = rows.first, *restrict second = rows.second;
-    for (size_t i = 0; i < table->width; i++) even[i] = first[i] + rows.mix * (second[i] - first[i]);
 }
 
 /* ---- how much of a lobe an order holds --------------------------------------------------------------------------- */
