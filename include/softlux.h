@@ -334,7 +334,7 @@ typedef struct sl_observer {
 
 /** A place on a method's curve of speed against error: settings that are left at 0 follow it. */
 typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
-/** What plays the hemisphere over a point: rasterized planes of one view or of five, or rays; AUTO decides by a cost model on counts. */
+/** What plays the hemisphere over a point: rasterized planes of one view or of five, or rays; AUTO: rays. */
 typedef enum sl_gather_kind { SL_GATHER_AUTO, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS } sl_gather_kind;
 /** Where in a pixel the reference tracers sample. */
 typedef enum sl_pixel_filter {

@@ -31,7 +31,7 @@ typedef struct sl_hidden_light {
 } sl_hidden_light;
 
 typedef struct sl_gather_settings {
-    sl_gather_kind kind;      /* AUTO: on creation, by counts, what is cheapest at the expected error of N x N rays (gather_cost.h) */
+    sl_gather_kind kind;      /* AUTO: rays where there is a tracer, else the plane */
     int size;                 /* N */
     float plane_fov;          /* radians; 140 degrees by default */
     sl_border border;         /* plane only; RADIAL by default */

@@ -121,7 +121,4 @@ void sl_gather_finish(const sl_gather_view *view, sl_gather_sums *sums, sl_gathe
 /* What can be seen of the light sources where, by a few gathers on trial (light_trials.c); they are on the bill. */
 sl_status sl_gather_learn_lights(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error);
 
-/* The choice AUTO: the cheapest instrument at equal expected error, and its size (gather_choice.c). */
-sl_status sl_gather_choose(const sl_gather *gather, sl_gather_kind *kind, int *size, sl_error *error);
-
 #endif
