@@ -505,8 +505,6 @@ typedef struct sl_multi_mesh_settings {
     int light_size;             /**< N of N x N pixels around a light, 16 to 256, up to a power of two; 64, doubled up to 256 for points close to it */
     int light_rays;             /**< n of n x n jittered rays instead, 1 to 256; 16 */
     double gather_fov;          /**< radians, 1 to 3.11; 160 degrees */
-    bool undivided_gather;      /**< the gather's loss beyond its field of view is not made up for: the paper's */
-    bool side_strips;           /**< the rest of the hemisphere is drawn, too, where it may matter */
     double threshold_scale;     /**< times the threshold map of what an eye can tell, 0.001 to 1000; by quality 2, 1, 0.5 */
     double exposure;            /**< displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); e from 1e-30 to 1e30; by the light in the scene */
     double leaf_area;           /**< pixels squared, 1 to 1e9: leaves larger than that are split whatever their edges say; by quality 256, 144, 16; of indirect light 4 times that */
@@ -517,7 +515,6 @@ typedef struct sl_multi_mesh_settings {
     sl_mesh_selection selection; /**< HEAP */
     int batch;                  /**< K leaves at a time, 1 to 65536; 32 */
     bool joint_mesh;            /**< light and radiance share one mesh: what the paper argues against */
-    bool plain_highlights;      /**< the light as a point in the lobe, though it outshines the lamp: (6) as printed */
     bool keep_hanging;          /**< leaves ignore their neighbours' vertices on common edges: colours jump there */
 } sl_multi_mesh_settings;
 

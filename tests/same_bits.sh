@@ -59,7 +59,7 @@ same octree-glossy scenes/cornell-glossy.json -m light-octree -q draft --stored-
 same octree-atlas scenes/two-rooms.json -m light-octree -q draft --stored-photons 20000 --whole-voxels --fixed-neighbours --atlas --atlas-size 256 -s 96x64
 same octree-bumps scenes/bricks.json -m light-octree -q draft --stored-photons 20000 --own-photons --median-of-subsets -s 64x48
 same mesh-cornell scenes/cornell.json -m multi-mesh -q draft -s 64x64
-same mesh-glossy scenes/cornell-glossy.json -m multi-mesh -q normal --selection chain --bounces 2 --side-strips -s 48x48
+same mesh-glossy scenes/cornell-glossy.json -m multi-mesh -q normal --selection chain --bounces 2 -s 48x48
 same mesh-rays scenes/two-rooms.json -m multi-mesh -q draft --light-estimator look-at -s 64x48
 same shading-cornell scenes/cornell.json -m shading-cache -q draft --updates 10 -s 64x64
 same shading-glossy scenes/cornell-glossy.json -m shading-cache -q draft --updates 10 --pixel-selection systematic --variance-aware -s 48x48

@@ -154,8 +154,6 @@ static void add_multi_mesh(sl_raw_settings *r, table *t) {
         {"light-size", 0, SL_OPTION_COUNT, &r->light_size, NULL, "N", "N x N pixels around a light, N up to a power of two [64]", 16, 256, NULL},
         {"light-rays", 0, SL_OPTION_COUNT, &r->light_rays, NULL, "N", "N x N shadow rays to a light, by rays [16]", 1, 256, NULL},
         {"gather-fov", 0, SL_OPTION_REAL, &r->gather_fov, NULL, "DEGREES", "of an indirect gather [160]", 60.0, 178.0, NULL},
-        {"undivided-gather", 0, SL_OPTION_FLAG, &m->undivided_gather, NULL, NULL, "what lies beyond its field of view is lost, as in the paper", 0, 0, NULL},
-        {"side-strips", 0, SL_OPTION_FLAG, &m->side_strips, NULL, NULL, "gathers see the whole hemisphere where that may matter", 0, 0, NULL},
         {"threshold", 0, SL_OPTION_REAL, &m->threshold_scale, NULL, "X", "times what an eye can tell [by quality]", 1e-3, 1e3, NULL},
         {"exposure-of-thresholds", 0, SL_OPTION_REAL, &m->exposure, NULL, "E", "which radiance displays how bright [by the light in the scene]", 1e-30, 1e30, NULL},
         {"leaf-area", 0, SL_OPTION_REAL, &m->leaf_area, NULL, "PIXELS", "larger mesh triangles are always split [by quality]", 1.0, 1e9, NULL},
@@ -166,7 +164,6 @@ static void add_multi_mesh(sl_raw_settings *r, table *t) {
         {"selection", 0, SL_OPTION_CHOICE, &r->selection, NULL, "HOW", "what is refined next: heap or chain [heap]", 0, 0, selection_names},
         {"batch", 0, SL_OPTION_COUNT, &r->batch, NULL, "K", "mesh triangles that are tested together [32]", 1, 65536, NULL},
         {"joint-mesh", 0, SL_OPTION_FLAG, &m->joint_mesh, NULL, NULL, "light and radiance share one mesh", 0, 0, NULL},
-        {"plain-highlights", 0, SL_OPTION_FLAG, &m->plain_highlights, NULL, NULL, "highlights by (6) as printed", 0, 0, NULL},
         {"keep-hanging", 0, SL_OPTION_FLAG, &m->keep_hanging, NULL, NULL, "T-vertices stay visible", 0, 0, NULL},
     };
     ADD(t, options);

@@ -294,8 +294,6 @@ static void stamp_multi_mesh(stamping *st, const sl_settings *s) {
     stamp_count(st, "light_rays", (uint64_t)m->light_rays);
     stamp_count(st, "gather_size", (uint64_t)s->gather_size);
     stamp_angle(st, "gather_fov", m->gather_fov);
-    stamp_flag(st, "undivided_gather", m->undivided_gather);
-    stamp_flag(st, "side_strips", m->side_strips);
     stamp_real(st, "threshold", m->threshold_scale);
     stamp_real(st, "exposure_of_thresholds", m->exposure);
     stamp_real(st, "leaf_area", m->leaf_area);
@@ -307,7 +305,6 @@ static void stamp_multi_mesh(stamping *st, const sl_settings *s) {
     stamp_count(st, "batch", (uint64_t)m->batch);
     stamp_count(st, "bounces", s->bounces);
     stamp_flag(st, "joint_mesh", m->joint_mesh);
-    stamp_flag(st, "plain_highlights", m->plain_highlights);
     stamp_flag(st, "keep_hanging", m->keep_hanging);
 }
 

@@ -14,8 +14,7 @@ enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
 static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     sl_mesh_gather_settings gather = {.size = s->settings.gather_size, .reduced = s->settings.gather_size < 16 ? s->settings.gather_size : 16,
-                                      .fov = (float)m->gather_fov, .undivided = m->undivided_gather, .strips = m->side_strips,
-                                      .noticed = sl_rgb_mean(s->ambient) * 0.01f};
+                                      .fov = (float)m->gather_fov};
     sl_status status = sl_mesh_gather_create(s->scene, s->raster, s->coarse, &gather, &s->gather, error);
     if (status == SL_OK && !s->gatherer) {
         s->gatherer = sl_allocate(s->settings.threads, sizeof *s->gatherer);

@@ -72,14 +72,13 @@ static double mean_lobe(const sl_sampled_light *light, const highlight *h) {
 
 static bool has_area(const sl_sampled_light *light) { return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID; }
 
-static double lobe_of(const sl_sampled_light *light, const highlight *h, bool plain) {
+static double lobe_of(const sl_sampled_light *light, const highlight *h) {
     const sl_mesh_point *point = h->point;
     sl_lit_point lit = {point->position, point->normal, point->geometric_normal, point->triangle};
-    return has_area(light) && !plain ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, &lit));
+    return has_area(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, &lit));
 }
 
-sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point, float exponent, sl_vec3 eye,
-                          bool plain) {
+sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point, float exponent, sl_vec3 eye) {
     sl_vec3 to_eye = sl_sub(eye, point->position);
     float distance = sl_length(to_eye);
     if (!(distance > 0.0f)) return sl_grey(0.0f);
@@ -88,7 +87,7 @@ sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, c
     for (size_t l = 0; l < lights->count; l++) {
         const sl_sampled_light *light = &lights->light[l];
         if (!(share[l] > 0.0f)) continue;
-        double factor = lobe * lobe_of(light, &h, plain) * (double)share[l];
+        double factor = lobe * lobe_of(light, &h) * (double)share[l];
         sum[0] += factor * (double)light->colour.r;
         sum[1] += factor * (double)light->colour.g;
         sum[2] += factor * (double)light->colour.b;

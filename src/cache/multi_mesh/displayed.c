@@ -194,36 +194,6 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, s
     return count;
 }
 
-/* What leaves have on their edges is looked up again when they are drawn. */
-static void take_tidy(sl_displayed *d, const uint32_t *node_of, size_t nodes, uint32_t *first, uint32_t (*middle)[3]) {
-    size_t kept = 0;
-    for (size_t n = 0; n < nodes; n++)
-        if (node_of[n] != SL_NO_INDEX) first[node_of[n]] = d->first[n];
-    for (size_t i = 0; i < d->dirty_count; i++)
-        if (node_of[d->dirty[i]] != SL_NO_INDEX) d->dirty[kept++] = node_of[d->dirty[i]];
-    d->dirty_count = kept;
-    sl_free(d->first);
-    sl_free(d->middle);
-    d->first = first;
-    d->middle = middle;
-    d->node_capacity = d->mesh->node_capacity;
-    sl_displayed_forget_edges(d);
-}
-
-void sl_displayed_tidy(sl_displayed *d, bool forget) {
-    size_t nodes = d->mesh->node_count, used = nodes - d->mesh->free_nodes;
-    if (sl_mesh_is_tidy(d->mesh)) return;
-    uint32_t *node_of = sl_allocate_unset(nodes + 1, sizeof *node_of), *first = sl_allocate_unset(used + 1, sizeof *first);
-    uint32_t(*middle)[3] = sl_allocate_unset(used + 1, sizeof *middle);
-    if (node_of && first && middle && sl_mesh_tidy(d->mesh, forget, node_of)) {
-        take_tidy(d, node_of, nodes, first, middle);
-    } else {
-        sl_free(first);
-        sl_free(middle);
-    }
-    sl_free(node_of);
-}
-
 void sl_displayed_restart(sl_displayed *d) {
     sl_mesh_clear(d->mesh);
     d->hanging_count = 0;

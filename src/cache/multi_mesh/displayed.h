@@ -102,9 +102,6 @@ size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, uint32_t 
 void sl_displayed_prioritise(sl_displayed *displayed);
 /* Nothing is left to do in the view as it stands: what was not worth a look need not be judged again when it is seen again, no larger. */
 void sl_displayed_settle(sl_displayed *displayed);
-/* As little memory as it takes, when nothing is asked of it for the time being; where memory ends, all stays as it is. forget: values that show nowhere go,
- * which the tests of cuts that were undone left. No picture changes by it. */
-void sl_displayed_tidy(sl_displayed *displayed, bool forget);
 /* Throws the whole mesh away but for its memory, as specular radiance is when the eye moves (call sl_displayed_see() next). */
 void sl_displayed_restart(sl_displayed *displayed);
 

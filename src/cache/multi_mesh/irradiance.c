@@ -487,21 +487,6 @@ sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradian
 
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->sparing = sparing; }
 
-/* ---- memory ---- */
-
-void sl_irradiance_meshes_tidy(sl_irradiance_meshes *m) {
-    sl_free(m->wanted);
-    sl_free(m->result);
-    m->wanted = NULL;
-    m->result = NULL;
-    m->wanted_capacity = 0; /* nothing is wanted between two calls of sl_irradiance_at() */
-    for (size_t l = 0; l < m->settings.lights->count; l++) {
-        uint32_t *node_of = sl_mesh_is_tidy(m->mesh[l]) ? NULL : sl_allocate_unset(m->mesh[l]->node_count + 1, sizeof *node_of);
-        if (node_of) sl_mesh_tidy(m->mesh[l], false, node_of);
-        sl_free(node_of);
-    }
-}
-
 /* ---- life ---- */
 
 sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes, sl_error *error) {

@@ -55,9 +55,6 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_
 /* From now on what is known will do, whatever depth is wanted: samples are taken only where there is nothing to interpolate. (Or no longer.) */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);
 
-/* As little memory as it takes, when nothing is asked of them for the time being. */
-void sl_irradiance_meshes_tidy(sl_irradiance_meshes *meshes);
-
 /* Takes the world as it is now (settings; topology of the same structure, as many lights) and keeps the samples that are still true. After a
  * failure the meshes can be destroyed, no more. */
 sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings, const sl_irradiance_changes *changes,

@@ -18,8 +18,7 @@
  *   mesh_nodes.c        memory of nodes; roots
  *   mesh_vertices.c     keys, their table, where vertices lie
  *   mesh_interpolate.c  values between vertices
- *   mesh_neighbours.c   the other side of an edge
- *   mesh_tidy.c         as little memory as it takes, when a picture is done */
+ *   mesh_neighbours.c   the other side of an edge */
 #ifndef SL_MULTI_MESH_MESH_H
 #define SL_MULTI_MESH_MESH_H
 
@@ -107,14 +106,6 @@ void sl_mesh_destroy(sl_mesh *mesh);
 size_t sl_mesh_memory_bytes(const sl_mesh *mesh);
 /* No roots, nodes and vertices any more; the memory stays for the next ones. */
 void sl_mesh_clear(sl_mesh *mesh);
-
-/* As little memory as it takes: nodes and vertices get other numbers, in the order of the quadtrees. node_of has room for node_count and gets each node's new
- * one (SL_NO_INDEX: it was free). forget: vertices that are neither corners nor on any leaf's edge go. False: memory ended, and nothing has changed. */
-bool sl_mesh_tidy(sl_mesh *mesh, bool forget, uint32_t *node_of);
-/* Nothing that sl_mesh_tidy() would find in the wrong place. */
-static inline bool sl_mesh_is_tidy(const sl_mesh *mesh) {
-    return mesh->free_nodes == 0 && mesh->node_count == mesh->node_capacity && mesh->vertex_count + 1 == mesh->vertex_capacity;
-}
 
 /* The face's root, made if there is none yet; its vertices are UNKNOWN if they are new. SL_NO_INDEX with *status where memory ends. */
 uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error);

@@ -111,7 +111,7 @@ static size_t root_slot(const sl_mesh *mesh, uint32_t face) {
 
 uint32_t sl_mesh_root_of(const sl_mesh *mesh, uint32_t face) { return mesh->root[root_slot(mesh, face)]; }
 
-void sl_mesh_fill_roots(sl_mesh *mesh) {
+static void fill_roots(sl_mesh *mesh) {
     for (size_t i = 0; i < mesh->root_slots; i++) mesh->root[i] = SL_NO_INDEX;
     for (uint32_t n = 0; n < mesh->node_count; n++)
         if (sl_mesh_is_root(mesh, n)) mesh->root[root_slot(mesh, mesh->node[n].parent & ~SL_MESH_ROOT)] = n;
@@ -124,7 +124,7 @@ static bool grow_roots(sl_mesh *mesh) {
     sl_free(mesh->root);
     mesh->root = root;
     mesh->root_slots = slots;
-    sl_mesh_fill_roots(mesh);
+    fill_roots(mesh);
     return true;
 }
 

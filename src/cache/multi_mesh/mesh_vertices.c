@@ -57,7 +57,7 @@ static bool grow_vertices(sl_mesh *mesh) {
     return true;
 }
 
-void sl_mesh_fill_slots(sl_mesh *mesh) {
+static void fill_slots(sl_mesh *mesh) {
     for (size_t i = 0; i < mesh->slot_count; i++) mesh->slot[i] = SL_NO_INDEX;
     for (size_t v = 0; v < mesh->vertex_count; v++) mesh->slot[slot_of(mesh, &mesh->key[v])] = (uint32_t)v;
 }
@@ -69,7 +69,7 @@ static bool grow_slots(sl_mesh *mesh) {
     sl_free(mesh->slot);
     mesh->slot = slot;
     mesh->slot_count = count;
-    sl_mesh_fill_slots(mesh);
+    fill_slots(mesh);
     return true;
 }
 

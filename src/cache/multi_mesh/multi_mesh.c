@@ -257,17 +257,11 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
     return status;
 }
 
-/* The picture is whole. Values of direct light that show nowhere can be had again from the irradiance meshes; those of indirect light would have to be
- * gathered again, and stay. */
-static void tidy(sl_multi_mesh_state *s) {
+static void end_picture(sl_multi_mesh_state *s) {
     sl_multi_mesh_announce_light_sample(s);
     remember_done(s);
-    for (int i = 0; i < SL_COMPONENTS; i++) {
-        if (!s->part[i]) continue;
-        sl_displayed_settle(s->part[i]);
-        sl_displayed_tidy(s->part[i], i != SL_INDIRECT);
-    }
-    if (s->irradiance) sl_irradiance_meshes_tidy(s->irradiance);
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) sl_displayed_settle(s->part[i]);
     s->phase = SL_PHASE_DONE;
 }
 
@@ -285,7 +279,7 @@ static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
     bool full = sl_multi_mesh_is_full(s);
     sl_status status = full ? SL_OK : refine(s, &served, error);
     if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
-    if (status == SL_OK && served == 0 && (full || !look_again(s))) tidy(s);
+    if (status == SL_OK && served == 0 && (full || !look_again(s))) end_picture(s);
     return status;
 }
 

@@ -77,13 +77,13 @@ static bool several_exponents(const sl_scene *scene) {
 sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings) {
     (void)settings;
     sl_features f = sl_scene_features(scene);
-    bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters, falls = lights && sl_multi_mesh_light_can_fall(scene);
+    bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
     return (sl_multi_mesh_plan){
         .lights = lights,
         .direct_diffuse = lights && f.diffuse_triangles,
         .direct_specular = lights && f.glossy_triangles,
-        .indirect = f.diffuse_triangles && (falls || f.environment),
-        .coarse = falls || f.environment,
+        .indirect = f.diffuse_triangles && (lights || f.environment),
+        .coarse = lights || f.environment,
         .emission = f.emitters || f.environment,
         .specular_seen = f.glossy_triangles > 0,
         .several_exponents = f.glossy_triangles && several_exponents(scene),

@@ -8,15 +8,13 @@ typedef struct sl_multi_mesh_plan {
     bool lights;             /* any light with a place or a direction */
     bool direct_diffuse;     /* some surface has k_d > 0, and there are lights */
     bool direct_specular;    /* some surface has k_s > 0, and there are lights */
-    bool indirect;           /* some surface has k_d > 0, and light can fall on one, or there is an environment */
+    bool indirect;           /* some surface has k_d > 0, and there are lights or an environment */
     bool coarse;             /* the coarse mesh: direct light for gathers to see */
     bool emission;           /* lamps or an environment can be in view */
     bool specular_seen;      /* k_s anywhere: the second render target */
     bool several_exponents;  /* the specular mesh has sites of its own */
 } sl_multi_mesh_plan;
 
-/* By where lights and diffuse surfaces are, not by what hides them from each other (reach.c). */
-bool sl_multi_mesh_light_can_fall(const sl_scene *scene);
 /* Replaces what is 0 in the settings, or left to quality. The exposure stays 0 until the scene is known. */
 void sl_multi_mesh_complete(sl_settings *settings);
 /* The coarse mesh's longest edge, in scene units. */

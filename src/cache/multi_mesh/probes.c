@@ -48,8 +48,7 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
 static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share, const sl_mesh_point *point) {
     const sl_sampled_lights one = {.count = 1, .light = &leaf->s->lights->light[light]};
     if (leaf->part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(&one, &share);
-    return sl_direct_specular(&one, &share, point, sl_face_material(leaf->s->scene, point->face)->exponent, leaf->s->scene->camera.eye,
-                              leaf->s->settings.multi_mesh.plain_highlights);
+    return sl_direct_specular(&one, &share, point, sl_face_material(leaf->s->scene, point->face)->exponent, leaf->s->scene->camera.eye);
 }
 
 /* Could an eye tell the mesh's value at a point from that? */

@@ -24,8 +24,7 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share);
     sl_mesh_point point;
     sl_mesh_point_of(s->part[part]->mesh, vertex, &point);
-    return sl_direct_specular(s->lights, share, &point, sl_face_material(s->scene, point.face)->exponent, s->scene->camera.eye,
-                              s->settings.multi_mesh.plain_highlights);
+    return sl_direct_specular(s->lights, share, &point, sl_face_material(s->scene, point.face)->exponent, s->scene->camera.eye);
 }
 
 /* How deep a light's mesh must be, whatever its edges say. A leaf's edges have their middles sampled, so its samples are as close to each other as corners

@@ -19,7 +19,7 @@ static double bytes_a_leaf(const void *state, bool each) {
         leaves += c[k].leaves;
         bytes += c[k].bytes;
         if (each && c[k].leaves) print_message("  %zu leaves, %.0f bytes each\n", c[k].leaves, (double)c[k].bytes / (double)c[k].leaves);
-        if (each && c[k].leaves) assert_true((double)c[k].bytes <= 150.0 * (double)c[k].leaves);
+        if (each && c[k].leaves) assert_true((double)c[k].bytes <= 200.0 * (double)c[k].leaves);
     }
     return (double)bytes / (double)leaves;
 }

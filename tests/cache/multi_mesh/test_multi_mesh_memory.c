@@ -81,33 +81,6 @@ static long build(sl_mesh *mesh, bool failing) {
     return failures;
 }
 
-typedef struct tidying {
-    sl_mesh *mesh;
-    uint32_t *node_of;
-    size_t nodes, room, vertices;
-} tidying;
-
-static sl_status tidy(void *context) {
-    tidying *t = context;
-    return sl_mesh_tidy(t->mesh, true, t->node_of) ? SL_OK : SL_ERROR_RESOURCES;
-}
-
-static void nothing_has_changed(void *context) {
-    tidying *t = context;
-    assert_true(t->mesh->node_count == t->nodes && t->mesh->node_capacity == t->room && t->mesh->vertex_count == t->vertices);
-}
-
-/* Two meshes with the same in them: the first is tidied up at once, the second when there is room for all that it takes. */
-static void tidy_where_memory_ends(sl_mesh *a, sl_mesh *b) {
-    tidying t = {b, malloc(a->node_count * sizeof *t.node_of), b->node_count, b->node_capacity, b->vertex_count};
-    assert_true(t.node_of != NULL && sl_mesh_tidy(a, true, t.node_of));
-    assert_int_equal(until_it_succeeds(tidy, &t, false, nothing_has_changed), 7);
-    assert_int_equal(a->vertex_count, b->vertex_count);
-    assert_memory_equal(a->node, b->node, a->node_count * sizeof *a->node);
-    assert_memory_equal(a->key, b->key, a->vertex_count * sizeof *a->key);
-    free(t.node_of);
-}
-
 static void a_mesh_that_ran_out_of_memory_goes_on_as_if_it_had_not(void **state) {
     (void)state;
     sl_scene *scene = scene_of_a_sphere();
@@ -125,7 +98,6 @@ static void a_mesh_that_ran_out_of_memory_goes_on_as_if_it_had_not(void **state)
     assert_int_equal(mesh[0]->vertex_count, mesh[1]->vertex_count);
     assert_memory_equal(mesh[0]->node, mesh[1]->node, mesh[0]->node_count * sizeof *mesh[0]->node);
     assert_memory_equal(mesh[0]->key, mesh[1]->key, mesh[0]->vertex_count * sizeof *mesh[0]->key);
-    tidy_where_memory_ends(mesh[0], mesh[1]);
     for (int i = 0; i < 2; i++) sl_mesh_destroy(mesh[i]);
     sl_topology_destroy(topology);
     assert_int_equal(blocks_held, held);

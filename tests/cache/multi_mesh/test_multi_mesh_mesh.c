@@ -332,15 +332,6 @@ static void nodes_that_collapse_leave_are_used_again(void **state) {
     discard(&w);
 }
 
-static void set_random_values(world *w, float (*value)[3], size_t count) {
-    uint64_t key = stream(5);
-    uint32_t faces = (uint32_t)w->topology->face_count;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t face = sl_random_bits(key, 3 * i) % (faces / 2) * 2;
-        assert_true(sl_mesh_value(w->mesh, face, sl_random_unit(key, 3 * i + 1), sl_random_unit(key, 3 * i + 2), value[i]));
-    }
-}
-
 static void a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many(void **state) {
     (void)state;
     size_t bytes[2];
@@ -357,69 +348,6 @@ static void a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many(void **state) {
     }
     print_message("%zu and %zu bytes\n", bytes[0], bytes[1]);
     assert_true(bytes[1] < 2 * bytes[0]);
-}
-
-static void a_tidy_mesh_has_the_same_values_in_less_memory(void **state) {
-    (void)state;
-    enum { VALUES = 3000 };
-    static float before[VALUES][3], after[VALUES][3];
-    trace_mesh parts = field(4, 4);
-    world w = world_of(&parts, 3, 9);
-    uint64_t key = stream(8);
-    refine_randomly(&w, 1500, 9, 4);
-    for (uint64_t i = 0; i < 12000; i++) { /* many cuts are undone, and leave vertices */
-        sl_mesh_place leaf = random_leaf(w.mesh, key, i, 2);
-        if (leaf.depth > 0) sl_mesh_collapse(w.mesh, sl_mesh_parent(w.mesh, leaf.node));
-    }
-    know_all(w.mesh, "random");
-    set_random_values(&w, before, VALUES);
-    sl_mesh old = *w.mesh;
-    size_t bytes = sl_mesh_memory_bytes(w.mesh), roots = 0;
-    uint32_t *node_of = malloc(old.node_count * sizeof *node_of), first = sl_mesh_root_of(w.mesh, 2);
-    assert_true(node_of != NULL && old.free_nodes > 100 && !sl_mesh_is_tidy(w.mesh));
-    assert_true(sl_mesh_tidy(w.mesh, false, node_of));
-    assert_int_equal(w.mesh->vertex_count, old.vertex_count);
-    assert_int_equal(sl_mesh_root_of(w.mesh, 2), node_of[first]);
-    assert_true(sl_mesh_is_tidy(w.mesh) && w.mesh->node_count == old.node_count - old.free_nodes && w.mesh->leaf_count == old.leaf_count);
-    check_invariants(w.mesh);
-    set_random_values(&w, after, VALUES);
-    assert_memory_equal(before, after, sizeof before);
-    assert_true(sl_mesh_tidy(w.mesh, true, node_of));
-    assert_true(w.mesh->vertex_count < old.vertex_count * 9 / 10);
-    check_invariants(w.mesh);
-    set_random_values(&w, after, VALUES);
-    assert_memory_equal(before, after, sizeof before);
-    assert_true(sl_mesh_memory_bytes(w.mesh) < bytes * 7 / 10);
-    for (uint32_t n = 0; n < w.mesh->node_count; n++) roots += sl_mesh_parent(w.mesh, n) == SL_NO_INDEX;
-    assert_int_equal(roots, w.topology->face_count / 2);
-    refine_randomly(&w, 500, 9, 5); /* and goes on */
-    check_invariants(w.mesh);
-    free(node_of);
-    discard(&w);
-}
-
-static void what_an_undone_cut_left_inside_a_leaf_is_forgotten_and_what_is_on_its_edges_stays(void **state) {
-    (void)state;
-    trace_mesh parts = one_triangle();
-    world w = world_of(&parts, 1, 12);
-    uint32_t node_of[32];
-    root(&w, 0);
-    sl_mesh_place place = sl_mesh_root_place(w.mesh, 0);
-    split_all(w.mesh, place, 2); /* 15 vertices, three of them inside */
-    for (uint32_t c = 0; c < 4; c++) sl_mesh_collapse(w.mesh, w.mesh->node[place.node].child + c);
-    sl_mesh_collapse(w.mesh, place.node);
-    assert_int_equal(w.mesh->vertex_count, 15);
-    know_all(w.mesh, "linear");
-    assert_true(w.mesh->node_count <= 32 && sl_mesh_tidy(w.mesh, true, node_of));
-    assert_int_equal(w.mesh->vertex_count, 12);
-    assert_int_equal(w.mesh->node_count, 1);
-    sl_edge_vertices on_edge;
-    place = sl_mesh_root_place(w.mesh, 0);
-    for (int e = 0; e < 3; e++) {
-        sl_mesh_edge_vertices(w.mesh, &place, e, &on_edge);
-        assert_int_equal(on_edge.count, 3);
-    }
-    discard(&w);
 }
 
 static void a_cleared_mesh_starts_again_in_the_same_memory(void **state) {
@@ -890,8 +818,6 @@ int main(void) {
         cmocka_unit_test(ten_thousand_random_splits_and_collapses_leave_the_trees_sound),
         cmocka_unit_test(nodes_that_collapse_leave_are_used_again),
         cmocka_unit_test(a_mesh_of_few_faces_takes_no_more_in_a_scene_of_many),
-        cmocka_unit_test(a_tidy_mesh_has_the_same_values_in_less_memory),
-        cmocka_unit_test(what_an_undone_cut_left_inside_a_leaf_is_forgotten_and_what_is_on_its_edges_stays),
         cmocka_unit_test(a_cleared_mesh_starts_again_in_the_same_memory),
         cmocka_unit_test(children_keep_what_is_left_of_closed_edges),
         cmocka_unit_test(a_point_is_found_in_the_leaf_that_holds_it),
