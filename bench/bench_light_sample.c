@@ -4,8 +4,8 @@
  *                0.9 to 32 ms at 64 x 64; 128 x 128 pixels in the time of 16 x 16 rays)
  *   equal-error  how many pixels are as good as so many rays, and what both cost
  *   edge         error against the closed form: a light behind a straight edge, along the light's sides and at random angles
- *   parts        time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and reading back (paper: 70 %); and what
- *                finding occluders by cone and grid would cost beside the hardware's own culling of clusters
+ *   parts        time over N (paper: 0.33 ms and 0.138 us a pixel); the share of summing and reading back (paper: 70 %); what
+ *                the hardware culls
  *
  * Points are what the camera sees in random pixels, unless they get next to nothing from the light; errors are of those that see a part of it,
  * in units of what they would get without occluders, against 512 x 512 rays. Processor time of one thread, medians of repetitions in which all take turns.
@@ -20,7 +20,6 @@
 #include "cache/light/light_sample.h"
 #include "cache/light/light_sample_internal.h"
 #include "common.h"
-#include "raster/views/grid.h"
 #include "timing.h"
 
 enum { POINTS = 512, ASKED = 16384, REPETITIONS = 9, TRUTH = 512, CASES_MAX = 32 };
@@ -292,55 +291,38 @@ static void table_of_edges(bench *b, size_t first) {
 
 /* ---- where the time goes ---- */
 
-/* Microseconds a point of: 0 the reduction, 1 a cone through the grid, 2 the closed form. */
-static double part_us(const bench *b, sl_light_query *q, int size, int what, const sl_grid *grid, sl_grid_scratch *scratch, size_t *listed) {
-    const sl_sampled_light *light = &b->lights->light[b->light];
+static double reduction_us(const bench *b, sl_light_query *q, int size) {
     double t0 = now_ms();
-    for (size_t i = 0; i < b->count; i++) {
-        if (what == 0) sl_light_reduce(q, size);
-        if (what == 1) {
-            sl_cone cone = sl_cone_around(b->point[i].position, light->corner, 3 * light->triangles);
-            *listed += sl_grid_cone(grid, &cone, scratch).count;
-        }
-        if (what == 2) sl_light_unoccluded(light, &b->point[i]);
-    }
+    for (size_t i = 0; i < b->count; i++) sl_light_reduce(q, size);
+    return 1e3 * (now_ms() - t0) / (double)b->count;
+}
+
+static double closed_form_us(const bench *b) {
+    double t0 = now_ms();
+    for (size_t i = 0; i < b->count; i++) sl_light_unoccluded(&b->lights->light[b->light], &b->point[i]);
     return 1e3 * (now_ms() - t0) / (double)b->count;
 }
 
 static void table_of_parts(bench *b, size_t first) {
-    sl_grid *grid;
-    sl_grid_scratch *scratch;
-    sl_error error = {0};
-    double cone[REPETITIONS], form[REPETITIONS], reduce[REPETITIONS];
-    size_t listed = 0;
-    need(sl_grid_create(b->scene, 0, 1, &grid, &error), "grid", &error);
-    need(sl_grid_scratch_create(grid, &scratch, &error), "grid", &error);
+    double form[REPETITIONS], reduce[REPETITIONS];
     bench_table(&b->report, "parts", "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
     for (size_t k = 0; k < SIZES; k++) {
         bench_case *c = &b->cases[first + k];
         sl_light_query q = {.sampling = c->sampling, .light = b->light, .scratch = c->scratch, .counters = &c->counters};
-        for (int r = 0; r < b->repetitions; r++) reduce[r] = part_us(b, &q, c->size, 0, grid, scratch, &listed);
+        for (int r = 0; r < b->repetitions; r++) reduce[r] = reduction_us(b, &q, c->size);
         double us = median(reduce, b->repetitions), pixels = (double)(c->size * c->size);
         const bench_case *next = k + 1 < SIZES ? c + 1 : c - 1;
         double each = (next->us - c->us) / ((double)(next->size * next->size) - pixels);
         bench_row(&b->report, "%d|%.1f|%.2f|%.0f %%|%.1f us + %.2f ns", c->size, c->us, us, 100.0 * us / c->us, c->us - each * pixels, 1e3 * each);
     }
     const bench_case *c = &b->cases[first + 3]; /* 64 x 64 */
-    listed = 0;
-    for (int r = 0; r < b->repetitions; r++) {
-        cone[r] = part_us(b, NULL, 0, 1, grid, scratch, &listed);
-        form[r] = part_us(b, NULL, 0, 2, grid, scratch, &listed);
-    }
+    for (int r = 0; r < b->repetitions; r++) form[r] = closed_form_us(b);
     const uint64_t *n = c->counters.value;
     double passes = (double)n[SL_COUNT_RASTER_PASSES], tested = (double)n[SL_COUNT_CLUSTERS_TESTED] / passes;
-    bench_say(&b->report, "\nFinding occluders by cone and grid: %.2f us a point, before anything is drawn, %.0f triangles listed. ",
-              median(cone, b->repetitions), (double)listed / (double)(b->repetitions * (int)b->count));
-    bench_say(&b->report, "The hardware culls clusters: %.1f of %.0f are drawn, %.0f triangles submitted, %.0f rasterized. ",
+    bench_say(&b->report, "\nThe hardware culls clusters: %.1f of %.0f are drawn, %.0f triangles submitted, %.0f rasterized. ",
               tested - (double)n[SL_COUNT_CLUSTERS_CULLED] / passes, tested, (double)n[SL_COUNT_TRIANGLES_SUBMITTED] / passes,
               (double)n[SL_COUNT_TRIANGLES_RASTERIZED] / passes);
     bench_say(&b->report, "The closed form: %.2f us.\n", median(form, b->repetitions));
-    sl_grid_scratch_destroy(scratch);
-    sl_grid_destroy(grid);
 }
 
 int main(int argc, char **argv) {

@@ -11,7 +11,7 @@
 
 enum { SIDE = 1000, PIXELS = SIDE * SIDE };
 
-static const double wanted_splats = 6.0, wanted_blend = 4.5, wanted_fill = 4.0, wanted_small = 3.5, wanted_reduction = 15.0;
+static const double wanted_splats = 6.0, wanted_fill = 4.0, wanted_small = 3.5, wanted_reduction = 15.0;
 
 static void expect_ok(sl_status status, const sl_error *error) {
     if (status != SL_OK) bench_stop("fragments", error->message);
@@ -28,7 +28,7 @@ typedef struct splat_pass {
     sl_record record[SPLATS];
     sl_splat_rect rect[SPLATS];
     sl_record_pass rules;
-    float *plane[SUMS], *ones;
+    float *plane[SUMS];
     sl_splat_buffer sums;
     double fragments; /* area of the rectangles */
 } splat_pass;
@@ -39,12 +39,6 @@ static void draw_splats(void *context, unsigned threads, sl_counters *counters) 
     p->rules.threads = threads;
     const sl_record_list list = {.records = p->record, .count = SPLATS, .capacity = SPLATS};
     expect_ok(sl_splat_records(&p->rules, &list, 0, &p->sums, counters, &error), &error);
-}
-
-static void draw_blend(void *context, unsigned threads, sl_counters *counters) {
-    splat_pass *p = context;
-    sl_error error;
-    expect_ok(sl_raster_blend(SIDE, SIDE, SPLATS, p->rect, p->ones, 4, p->plane, threads, counters, &error), &error);
 }
 
 /* A record at a random pixel, so large that it is seen some 32 pixels to each side. */
@@ -99,8 +93,6 @@ static void make_splats(splat_pass *p) {
     for (size_t i = 0; i < SPLATS; i++) make_record(p, i, sl_random_key(3, 1));
     for (int k = 0; k < SUMS; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));
     p->sums = (sl_splat_buffer){p->plane[0], p->plane[1], p->plane[2], p->plane[3], p->plane[4], {NULL, NULL, NULL}};
-    p->ones = bench_allocate(4 * SPLATS, sizeof *p->ones);
-    for (size_t i = 0; i < 4 * SPLATS; i++) p->ones[i] = 1.0f;
 }
 
 /* Share of the pixels where the sums of weights are apart by more than a thousandth and the change of a record at its edge. */
@@ -121,47 +113,40 @@ static double differing_sums(splat_pass *p, peer_pass *peer, void (*draw)(void *
 }
 
 static double differing_splats(void *context, peer_pass *peer) { return differing_sums(context, peer, draw_splats); }
-static double differing_blend(void *context, peer_pass *peer) { return differing_sums(context, peer, draw_blend); }
 
 static void free_splats(splat_pass *p) {
     for (int k = 0; k < SUMS; k++) sl_free(p->plane[k]);
-    sl_free(p->ones);
     sl_gbuffer_destroy(p->gbuffer);
     sl_free(p->receives);
     sl_free(p);
 }
 
 void bench_splats(measurer *m, bench_scene *scene) {
-    workload w[2] = {{.name = "splats, 4000 records", .wanted = wanted_splats, .ours = draw_splats, .differing = differing_splats},
-                     {.name = "splats, blending alone", .wanted = wanted_blend, .ours = draw_blend, .differing = differing_blend}};
-    if (!measure_wants(m, w[0].name) && !measure_wants(m, w[1].name)) return;
+    workload w = {.name = "splats, 4000 records", .wanted = wanted_splats, .ours = draw_splats, .differing = differing_splats};
+    if (!measure_wants(m, w.name)) return;
     bench_scene_open(scene);
     splat_pass *p = bench_allocate(1, sizeof *p);
     peer_splat *splats = bench_allocate(SPLATS, sizeof *splats);
     p->scene = scene;
     make_splats(p);
-    for (int k = 0; k < 2; k++) {
-        if (!measure_wants(m, w[k].name)) continue;
-        for (size_t i = 0; i < SPLATS; i++) splats[i] = (peer_splat){p->rect[i], k ? NULL : &p->record[i]};
-        w[k].peer = peer_splats(SIDE, SIDE, splats, SPLATS, &p->rules.weights, k ? NULL : &p->rules.receivers);
-        w[k].renders = 1;
-        w[k].units = p->fragments;
-        w[k].unit = "pixels";
-        w[k].context = p;
-        measure_row(m, &w[k]);
-    }
+    for (size_t i = 0; i < SPLATS; i++) splats[i] = (peer_splat){p->rect[i], &p->record[i]};
+    w.peer = peer_splats(SIDE, SIDE, splats, SPLATS, &p->rules.weights, &p->rules.receivers);
+    w.renders = 1;
+    w.units = p->fragments;
+    w.unit = "pixels";
+    w.context = p;
+    measure_row(m, &w);
     sl_free(splats);
     free_splats(p);
 }
 
-/* ---- Gouraud: interpolated colours behind a depth test, or added up ---------------------------------------------------- */
+/* ---- Gouraud: interpolated colours behind a depth test ---------------------------------------------------- */
 
 typedef struct gouraud_pass {
     const bench_scene *scene;
     sl_view view;
     uint32_t *id;
     float *depth, *colour, *attributes;
-    bool additive;
 } gouraud_pass;
 
 static void draw_gouraud(void *context, unsigned threads, sl_counters *counters) {
@@ -172,20 +157,12 @@ static void draw_gouraud(void *context, unsigned threads, sl_counters *counters)
     sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id, p->attributes, 3, p->colour, counters);
 }
 
-static void add_gouraud(void *context, unsigned threads, sl_counters *counters) {
-    gouraud_pass *p = context;
-    sl_target size = {SIDE, SIDE, NULL, NULL};
-    sl_error error;
-    expect_ok(sl_raster_add(p->scene->raster, &p->view, threads, p->attributes, 3, &size, p->colour, counters, &error), &error);
-}
-
 static double differing_colours(void *context, peer_pass *peer) {
     gouraud_pass *p = context;
     sl_counters counters = {{0}};
     size_t differ = 0;
     memset(p->colour, 0, 3 * PIXELS * sizeof *p->colour);
-    if (p->additive) add_gouraud(p, 1, &counters);
-    else draw_gouraud(p, 1, &counters);
+    draw_gouraud(p, 1, &counters);
     peer_clear(peer);
     peer_run_view(peer, 0);
     const float *rgba = peer_plane(peer, 0);
@@ -197,17 +174,17 @@ static double differing_colours(void *context, peer_pass *peer) {
     return (double)differ / PIXELS;
 }
 
-static void measure_gouraud(measurer *m, workload *w, const float *xyz, const float *colours, size_t count, bool additive) {
+static void measure_gouraud(measurer *m, workload *w, const float *xyz, const float *colours, size_t count) {
     bench_scene scene = {.name = w->name};
     bench_scene_of_triangles(&scene, xyz, colours, count);
     gouraud_pass p = {&scene, bench_flat_view(SIDE, SIDE), bench_allocate(PIXELS, sizeof(uint32_t)), bench_allocate(PIXELS, sizeof(float)),
-                      bench_allocate(3 * PIXELS, sizeof(float)), bench_allocate(9 * count, sizeof(float)), additive};
+                      bench_allocate(3 * PIXELS, sizeof(float)), bench_allocate(9 * count, sizeof(float))};
     memcpy(p.attributes, colours, 9 * count * sizeof(float));
     w->context = &p;
     w->renders = 1;
-    w->ours = additive ? add_gouraud : draw_gouraud;
+    w->ours = draw_gouraud;
     w->differing = differing_colours;
-    w->peer = peer_gouraud(&scene.mesh, &p.view, additive);
+    w->peer = peer_gouraud(&scene.mesh, &p.view);
     measure_row(m, w);
     sl_free(p.id);
     sl_free(p.depth);
@@ -221,8 +198,8 @@ static void random_colours(float *colours, size_t count, uint64_t key) {
 }
 
 /* Each triangle covers one half of the screen, cut along a diagonal. Every one is nearer than the one before, so that a depth test alone
- * leaves nothing out; or depths are random at the corners, triangles go through each other, and no order is right; or all are added. */
-typedef enum { NEARING, MIXED, ADDED } fill_kind;
+ * leaves nothing out; or depths are random at the corners, triangles go through each other, and no order is right. */
+typedef enum { NEARING, MIXED } fill_kind;
 
 static void fill(measurer *m, const char *name, fill_kind kind) {
     enum { LAYERS = 100 };
@@ -240,13 +217,12 @@ static void fill(measurer *m, const char *name, fill_kind kind) {
         xyz[3 * i + 2] = kind == NEARING ? 0.9f - 1.8f * (float)t / LAYERS : 1.8f * sl_random_unit(key, i) - 0.9f;
     }
     random_colours(colours, LAYERS, sl_random_key(8, 9));
-    measure_gouraud(m, &w, xyz, colours, LAYERS, kind == ADDED);
+    measure_gouraud(m, &w, xyz, colours, LAYERS);
 }
 
 void bench_fill(measurer *m) {
     fill(m, "Gouraud, 100 x 500K pixels, nearing", NEARING);
     fill(m, "Gouraud, 100 x 500K pixels, mixed", MIXED);
-    fill(m, "Gouraud, 100 x 500K pixels, added", ADDED);
 }
 
 /* The bits of n at even places. */
@@ -278,7 +254,7 @@ void bench_small_triangles(measurer *m) {
         }
     }
     random_colours(colours, COUNT, sl_random_key(8, 11));
-    measure_gouraud(m, &w, xyz, colours, COUNT, false);
+    measure_gouraud(m, &w, xyz, colours, COUNT);
     sl_free(xyz);
     sl_free(colours);
 }

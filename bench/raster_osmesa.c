@@ -143,9 +143,9 @@ peer_pass *peer_gbuffer(const peer_mesh *mesh, const sl_view *view) {
     return pass;
 }
 
-peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view, bool additive) {
+peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view) {
     if (!running) return NULL;
-    peer_pass *pass = make_pass(view->width, view->height, 1, (osmesa_format[]){PLANE_RGBA32F}, !additive, additive);
+    peer_pass *pass = make_pass(view->width, view->height, 1, (osmesa_format[]){PLANE_RGBA32F}, true, false);
     pass->mesh = upload(mesh, mesh->colour, NULL);
     pass->program = peer_scene_program(gouraud_vertex, gouraud_fragment);
     set_views(pass, view, 1);

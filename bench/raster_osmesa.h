@@ -22,7 +22,7 @@ const char *peer_name(void);
 /* Each is NULL where OSMesa does not run. */
 peer_pass *peer_ids(const peer_mesh *mesh, const sl_view *views, size_t count, bool ids); /* without ids: depth alone */
 peer_pass *peer_gbuffer(const peer_mesh *mesh, const sl_view *view); /* position, normal, diffuse: three RGBA32F */
-peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view, bool additive); /* colour in RGBA32F; depth test or blending */
+peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view); /* colour in RGBA32F */
 
 typedef struct peer_splat {
     sl_splat_rect rect;

@@ -16,4 +16,20 @@ const char *sl_isa_name(sl_isa isa);
 #define SL_KERNEL_PASTE(name, suffix) SL_KERNEL_PASTE2(name, suffix)
 #define SL_KERNEL(name) SL_KERNEL_PASTE(name, SL_ISA_SUFFIX)
 
+/* Choosing among the variants. SL_KERNEL_VARIANTS(type, name) declares them, `type` being a table's type or a function's (a typedef of
+ * it); SL_KERNEL_OF(isa, name) is the function of that instruction set. SL_KERNEL_TABLE(type, name) defines
+ * const type *name_best(void), the best table of this machine. */
+#ifdef SL_BASELINE_ONLY
+#define SL_KERNEL_VARIANTS(type, name) extern type name##_baseline
+#define SL_KERNEL_OF(isa, name) ((void)(isa), name##_baseline)
+#define SL_KERNEL_CHOICE(isa, name) ((void)(isa), &name##_baseline)
+#else
+#define SL_KERNEL_VARIANTS(type, name) extern type name##_baseline, name##_avx2, name##_avx512
+#define SL_KERNEL_OF(isa, name) ((isa) == SL_ISA_AVX512 ? name##_avx512 : (isa) == SL_ISA_AVX2 ? name##_avx2 : name##_baseline)
+#define SL_KERNEL_CHOICE(isa, name) SL_KERNEL_OF(isa, &name)
+#endif
+#define SL_KERNEL_TABLE(type, name) \
+    SL_KERNEL_VARIANTS(const type, name); \
+    const type *name##_best(void) { return SL_KERNEL_CHOICE(sl_isa_best(), name); }
+
 #endif

@@ -1,6 +1,7 @@
 /* Triangles with an alpha mask: pixel by pixel, with the same coverage and depth as the hot loop, and the mask's
  * test before the write. They are few, and the order of drawing does not matter, so they need no place in the hot
  * loop. */
+#include "raster/pipeline.h"
 #include "raster/resolve/barycentrics.h"
 
 static bool covers(const sl_wide_edges *e, int x, int y) {

@@ -4,7 +4,8 @@
 #include <string.h>
 
 #include "base/bits16.h"
-#include "raster/internal.h"
+#include "raster/tile.h"
+#include "raster/triangles.h"
 
 /* The lower half, below 2^15. A mask of 16 bits would say the same, but sets compilers to work with short lanes. */
 static inline int32_t cell_x(int32_t cell) { return (int32_t)((uint32_t)cell << 16) >> 16; }

@@ -5,7 +5,7 @@
  * the two triangles that share an edge get the same new vertex, and no pixel between them is lost or drawn twice. */
 #include <math.h>
 
-#include "raster/internal.h"
+#include "raster/triangles.h"
 
 enum { POLYGON_MAX = 3 + SL_CLIP_PLANES };
 

@@ -24,7 +24,7 @@
  * the lowest index wins. */
 #include "base/bits16.h"
 #include "raster/block.h"
-#include "raster/internal.h"
+#include "raster/triangles.h"
 
 typedef sl_part_floats floats;
 typedef sl_part_ints ints;

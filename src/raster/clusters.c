@@ -11,7 +11,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/internal.h"
+#include "raster/pipeline.h"
+
+SL_KERNEL_TABLE(sl_raster_kernels, sl_raster_kernels)
 
 typedef struct {
     uint64_t code; /* size class in the top bits, Morton code below */
@@ -309,6 +311,7 @@ void sl_raster_destroy(sl_raster *r) {
     sl_free(r);
 }
 
+size_t sl_raster_cluster_count(const sl_raster *raster) { return raster->cluster_count; }
 size_t sl_raster_memory_bytes(const sl_raster *raster) { return raster->memory_bytes; }
 
 /* Two sorted lists of triangles, until the clusters stand: 57 to 59 bytes a triangle, of which 25 to 27 stay. */

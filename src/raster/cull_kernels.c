@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 /* Sixteen clusters' bounds relative to the eye. */
 typedef struct {

@@ -1,5 +1,5 @@
 /* Whether a view has anything to draw, before anything is cleared for it. */
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 /* The bounds reach across the plane, or lie before it; with room for rounding, as culling has it. NaN counts as inside. */
 static bool reaches(const sl_raster *r, const sl_pass_view *view, const float plane[4], size_t c) {

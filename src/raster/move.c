@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "raster/internal.h"
+#include "raster/clusters.h"
 
 enum { GROUP = 32 }; /* clusters of a task */
 #define SL_SCATTERED 2.0 /* the clusters' radii, together, against what they were */

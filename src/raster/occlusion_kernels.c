@@ -2,7 +2,7 @@
  * can be seen (Greene, Kass and Miller 1993, "Hierarchical Z-buffer visibility", without the hierarchy: a cluster covers few
  * blocks, and the first of them that has a gap ends the search). */
 #include "raster/block.h"
-#include "raster/internal.h"
+#include "raster/tile.h"
 
 /* Pixels, numbered from the tile's first, within [first, last] in one direction. */
 static inline sl_part_ints within(sl_part_ints i, int first, int last) { return (i >= first) & (i <= last); }

@@ -2,7 +2,7 @@
  * counting sort over the logarithm of the distance, 16 steps an octave, whose bits a float's bits are. */
 #include <string.h>
 
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 enum { BUCKETS = 256, STEP_BITS = 19 };
 

@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 /* ---- buffers ---- */
 

@@ -28,6 +28,7 @@
 #include <math.h>
 
 #include "raster/resolve/barycentrics.h"
+#include "raster/triangles.h"
 
 /* A corner on its way through steps 1 to 3. */
 typedef struct {
@@ -226,6 +227,8 @@ typedef struct {
     const sl_view *view;
     sl_pass_view pass; /* the view's constants: size, offset, region to draw */
     const sl_target *target;
+    const float *number; /* where layers are counted, without a depth test; else NULL */
+    float *sums;
 } picture;
 
 static int32_t least_of(int32_t a, int32_t b, int32_t c) { return a < b ? (a < c ? a : c) : (b < c ? b : c); }
@@ -245,6 +248,11 @@ static void draw_pixels(const picture *p, uint32_t t, const corner c[3]) {
         for (int i = x0; i < x1; i++) {
             if (!covers(c, area, 256 * (int64_t)i, 256 * (int64_t)j)) continue;
             size_t pixel = (size_t)j * (size_t)p->target->width + (size_t)i;
+            if (p->number) {
+                p->sums[pixel] += p->number[t];
+                p->sums[(size_t)p->target->width * (size_t)p->target->height + pixel] += 1.0f;
+                continue;
+            }
             float z = depth_at(&plane, opengl, i, j), old = p->target->depth[pixel];
             bool nearer = p->pass.inverse_w ? z > old : z < old;
             if (!nearer || !opaque_at(p->mesh, p->masks, p->view, &p->pass, t, i, j)) continue;
@@ -286,10 +294,20 @@ static void clear(const picture *p) {
     }
 }
 
-void sl_plain_id(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, const sl_target *target) {
-    picture p = {mesh, masks, view, sl_pass_view_make(view, target->width, target->height), target};
-    clear(&p);
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        if (t != view->skip_triangle && !(view->left_out && view->left_out[t])) draw_triangle(&p, t);
+static void draw_all(const picture *p) {
+    for (uint32_t t = 0; t < p->mesh->triangle_count; t++) {
+        if (t != p->view->skip_triangle && !(p->view->left_out && p->view->left_out[t])) draw_triangle(p, t);
     }
+}
+
+void sl_plain_id(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_view *view, const sl_target *target) {
+    picture p = {mesh, masks, view, sl_pass_view_make(view, target->width, target->height), target, NULL, NULL};
+    clear(&p);
+    draw_all(&p);
+}
+
+void sl_plain_layers(const sl_raster_mesh *mesh, const sl_view *view, int width, int height, const float *number, float *sums) {
+    const sl_target size = {.width = width, .height = height};
+    picture p = {mesh, NULL, view, sl_pass_view_make(view, width, height), &size, number, sums};
+    draw_all(&p);
 }

@@ -27,6 +27,7 @@ typedef struct sl_raster sl_raster;
 sl_status sl_raster_create(const sl_scene *scene, unsigned threads, sl_raster **raster, sl_error *error);
 void sl_raster_destroy(sl_raster *raster);
 size_t sl_raster_memory_bytes(const sl_raster *raster);
+size_t sl_raster_cluster_count(const sl_raster *raster);
 /* The most that one takes while it is made, and what it keeps, by the count of triangles. */
 double sl_raster_memory_need(size_t triangles);
 double sl_raster_memory_kept(size_t triangles);
@@ -162,12 +163,6 @@ uint64_t sl_resolver_run(const sl_resolver *resolver, unsigned worker, size_t fi
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
                        const float *attributes, int channels, float *out, sl_counters *counters);
 
-/* Additive float blending of triangles: every fragment of every triangle, hidden or not, in index order, adds perspective-correct
- * attributes (vertex v's at attributes[v*channels]) to `channels` planes of the target's size. Values stay between those of the corners,
- * so equal ones are added exactly. Masks are not tested. */
-sl_status sl_raster_add(const sl_raster *raster, const sl_view *view, unsigned threads, const float *attributes, int channels,
-                        const sl_target *size, float *planes, sl_counters *counters, sl_error *error);
-
 /* Depth cube: six faces of distance information around a light (shadow map), inverse-w depth, size x size each. */
 typedef struct sl_depth_cube {
     int size;
@@ -211,9 +206,6 @@ typedef struct sl_splat_program {
  * not touched. */
 sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_rect *rects, const sl_splat_program *program,
                            void *context, unsigned threads, sl_counters *counters, sl_error *error);
-/* The same with a constant colour per splat (blending alone): adds values[i*channels + c] to plane c in rectangle i. */
-sl_status sl_raster_blend(int width, int height, size_t count, const sl_splat_rect *rects, const float *values, int channels,
-                          float *const *planes, unsigned threads, sl_counters *counters, sl_error *error);
 /* Bounds on the screen of a sphere (centre, radius) in a camera view, rounded outwards by a pixel and cut to the
  * target; empty if nothing can show. Each axis by the two tangents from the eye to the sphere's circle (sphere_bounds.c). */
 sl_splat_rect sl_sphere_bounds(const sl_camera *camera, int width, int height, float near, sl_vec3 centre, float radius);

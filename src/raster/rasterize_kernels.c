@@ -15,7 +15,8 @@
  *      |/       |  \__   |          or drawn block by block */
 #include "base/bits16.h"
 #include "raster/block.h"
-#include "raster/internal.h"
+#include "raster/tile.h"
+#include "raster/triangles.h"
 
 static inline bool nearer_than(sl_depth_rule rule, float z, float old) {
     return rule == SL_NEARER_IS_LARGER ? z > old : z < old;

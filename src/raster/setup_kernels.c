@@ -1,7 +1,8 @@
 /* Set-up: from three window vertices to edge functions and a depth plane, many triangles together. */
 #include <math.h>
 
-#include "raster/internal.h"
+#include "raster/tile.h"
+#include "raster/triangles.h"
 
 /* ---- edges ---- */
 

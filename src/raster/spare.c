@@ -3,7 +3,7 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 enum { SPARES = 8 };
 

@@ -1,5 +1,5 @@
 /* The table of this instruction set's kernels. */
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 void SL_KERNEL(sl_raster_cull)(const sl_raster *raster, const sl_pass_view *view, sl_visible *visible);
 void SL_KERNEL(sl_raster_transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out);
@@ -17,8 +17,6 @@ void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *til
 bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
 void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile);
 void SL_KERNEL(sl_raster_copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
-uint64_t SL_KERNEL(sl_raster_add)(const sl_tile *tile, const sl_batch *batch, struct sl_add_tile *add);
-void SL_KERNEL(sl_raster_add_return)(const sl_tile *tile, struct sl_add_tile *add);
 extern const struct sl_resolve_kernels SL_KERNEL(sl_resolve_kernels);
 
 extern const sl_raster_kernels SL_KERNEL(sl_raster_kernels);
@@ -35,7 +33,5 @@ const sl_raster_kernels SL_KERNEL(sl_raster_kernels) = {
     .occluded = SL_KERNEL(sl_raster_occluded),
     .clear = SL_KERNEL(sl_raster_clear),
     .copy_out = SL_KERNEL(sl_raster_copy_out),
-    .add = SL_KERNEL(sl_raster_add),
-    .add_return = SL_KERNEL(sl_raster_add_return),
     .resolve = &SL_KERNEL(sl_resolve_kernels),
 };

@@ -1,7 +1,7 @@
 /* The tile's planes: cleared before anything is drawn, and turned from blocks into the target's rows at the end, four blocks
  * side by side being four rows of sixteen pixels. */
 #include "raster/block.h"
-#include "raster/internal.h"
+#include "raster/tile.h"
 
 void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile);
 void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile) {

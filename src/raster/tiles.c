@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 /* One view of those that are drawn together. */
 typedef struct {

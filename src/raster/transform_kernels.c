@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/internal.h"
+#include "raster/triangles.h"
 
 /* Rounds to the nearest integer, to even on a tie, for |x| <= 2^22: adding 1.5 * 2^23 leaves the integer in the low
  * bits. */

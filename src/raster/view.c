@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/math.h"
-#include "raster/internal.h"
+#include "raster/view.h"
 
 static void set_row(float row[4], sl_vec3d a, double w) {
     row[0] = (float)a.x;

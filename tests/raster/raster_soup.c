@@ -190,9 +190,13 @@ void soup_free(soup *s) {
     *s = (soup){0};
 }
 
+sl_raster_mesh soup_mesh(const soup *s) {
+    return (sl_raster_mesh){.vertex_count = 3 * s->triangles, .triangle_count = s->triangles, .x = s->position[0], .y = s->position[1],
+                            .z = s->position[2], .vertex = {s->vertex[0], s->vertex[1], s->vertex[2]}};
+}
+
 sl_raster *soup_raster(const soup *s) {
-    sl_raster_mesh mesh = {.vertex_count = 3 * s->triangles, .triangle_count = s->triangles, .x = s->position[0], .y = s->position[1],
-                           .z = s->position[2], .vertex = {s->vertex[0], s->vertex[1], s->vertex[2]}};
+    sl_raster_mesh mesh = soup_mesh(s);
     sl_raster *raster = NULL;
     sl_error error;
     if (sl_raster_create_mesh(&mesh, 1, &raster, &error) != SL_OK) fail_msg("%s", error.message);

@@ -33,6 +33,7 @@ typedef struct soup {
  * (of flat kinds) is constant and one of few values, so that depths tie. */
 soup soup_make(soup_kind kind, uint64_t seed, size_t triangles, int width, int height);
 void soup_free(soup *soup);
+sl_raster_mesh soup_mesh(const soup *soup);
 sl_raster *soup_raster(const soup *soup);
 
 /* A configuration with sanitizers does a twentieth of the work. */

@@ -1,7 +1,7 @@
 /* Vertices behind the eye, at the eye, on the near plane, beyond the screen, and not finite at all. */
 #include "raster_support.h"
 
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 enum { SIZE = 48, PIXELS = SIZE * SIZE };
 

@@ -4,7 +4,7 @@
 
 #include "base/counters.h"
 #include "base/math.h"
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 #include "raster/plain.h"
 #include "raster_support.h"
 
@@ -130,13 +130,6 @@ static void no_triangles_at_all_clear_the_picture(void **state) {
     soup s = soup_of(0);
     sl_view view = flat_view(300, 40);
     assert_int_equal(assert_agree(&s, &view, 300, 40), 0);
-    const float ones[1] = {1.0f};
-    float sums[4] = {5.0f, 6.0f, 7.0f, 8.0f};
-    sl_target size = {2, 2, NULL, NULL};
-    sl_counters counters = {{0}};
-    view = flat_view(2, 2);
-    assert_int_equal(sl_raster_add(s.raster, &view, 2, ones, 1, &size, sums, &counters, NULL), SL_OK);
-    assert_true(sums[0] == 5.0f && sums[3] == 8.0f);
     free_soup(&s);
 }
 
@@ -478,55 +471,6 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
     free(materials);
 }
 
-/* ---- additive blending ---- */
-
-/* Every triangle's coverage alone, by the plain twin, counts the layers that blending must add up to. */
-static void blending_adds_every_layer_that_the_plain_twin_draws(void **state) {
-    (void)state;
-    enum { WIDTH = 301, HEIGHT = 131, X = 17, Y = 9, PIXELS = (WIDTH + X) * (HEIGHT + Y) };
-    float *sums = malloc(2 * PIXELS * sizeof *sums);
-    int *layers = malloc(2 * PIXELS * sizeof *layers);
-    assert_true(sums && layers);
-    for (uint64_t n = 0; n < 6; n++) {
-        soup s = random_soup(sl_random_key(106, n), 1 + 30 * n);
-        sl_frame frame = sl_frame_from_normal(random_direction(sl_random_key(106, 100), n));
-        sl_view view = sl_view_pyramid(&frame, sl_v3(0, 0, 1), -2, 2, -2, 2, WIDTH, HEIGHT, 0.5f);
-        view.x = X, view.y = Y;
-        view.skip_triangle = n % 2 ? (uint32_t)n : SL_NO_INDEX;
-        float *weights = malloc(6 * s.triangles * sizeof *weights);
-        assert_non_null(weights);
-        for (size_t v = 0; v < 3 * s.triangles; v++) weights[2 * v] = 1.0f, weights[2 * v + 1] = (float)(v / 3 % 7);
-        memset(sums, 0, 2 * PIXELS * sizeof *sums);
-        memset(layers, 0, 2 * PIXELS * sizeof *layers);
-        uint64_t fragments = 0;
-        for (uint32_t t = 0; t < s.triangles; t++) {
-            sl_raster_mesh alone = {s.mesh.vertex_count, 1, s.at[0], s.at[1], s.at[2], {s.vertex[0] + t, s.vertex[1] + t, s.vertex[2] + t}};
-            sl_view whole = view;
-            whole.skip_triangle = SL_NO_INDEX;
-            picture p = picture_of(WIDTH + X, HEIGHT + Y);
-            sl_target target = target_of(&p);
-            sl_plain_id(&alone, NULL, &whole, &target);
-            for (int i = 0; i < PIXELS && t != view.skip_triangle; i++) {
-                layers[i] += p.id[i] == 0;
-                layers[PIXELS + i] += p.id[i] == 0 ? (int)(t % 7) : 0;
-                fragments += p.id[i] == 0;
-            }
-            free_picture(&p);
-        }
-        sl_counters counters = {{0}};
-        sl_target size = {WIDTH + X, HEIGHT + Y, NULL, NULL};
-        assert_int_equal(sl_raster_add(raster_soup(&s), &view, 1 + (unsigned)n % 3, weights, 2, &size, sums, &counters, NULL), SL_OK);
-        for (int i = 0; i < 2 * PIXELS; i++) {
-            if (sums[i] != (float)layers[i]) fail_msg("mesh %d, value %d: %g, not %d", (int)n, i, (double)sums[i], layers[i]);
-        }
-        assert_true(counters.value[SL_COUNT_FRAGMENTS_BLENDED] == fragments);
-        free(weights);
-        free_soup(&s);
-    }
-    free(sums);
-    free(layers);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_triangles_at_all_clear_the_picture),
@@ -549,7 +493,6 @@ int main(void) {
         cmocka_unit_test(mirrored_and_turned_views_agree),
         cmocka_unit_test(clusters_without_finite_bounds_agree),
         cmocka_unit_test(masked_triangles_do_not_hide_what_shows_through_them),
-        cmocka_unit_test(blending_adds_every_layer_that_the_plain_twin_draws),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

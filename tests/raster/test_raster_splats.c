@@ -205,14 +205,9 @@ static void a_tile_comes_and_goes_once_and_only_where_splats_are(void **state) {
     }
 }
 
-/* ---- constant colours ---- */
+/* ---- reduction ---- */
 
 enum { CHANNELS = 4 };
-
-static void fill_planes(float *planes) { /* what must keep its bits where no splat falls */
-    const float special[5] = {NAN, INFINITY, -INFINITY, -0.0f, 1e-42f};
-    for (int i = 0; i < CHANNELS * WIDTH * HEIGHT; i++) planes[i] = i % 7 < 5 ? special[i % 7] : 0.5f * (float)(i % 3);
-}
 
 static bool same_floats(const float *a, const float *b, size_t count) { /* all NaNs alike */
     for (size_t i = 0; i < count; i++) {
@@ -220,39 +215,6 @@ static bool same_floats(const float *a, const float *b, size_t count) { /* all N
     }
     return true;
 }
-
-static void constant_colours_have_the_bits_of_the_plain_loop(void **state) {
-    (void)state;
-    static sl_splat_rect rects[SPLATS];
-    static float values[SPLATS * CHANNELS], expected[CHANNELS * WIDTH * HEIGHT], got[CHANNELS * WIDTH * HEIGHT];
-    make_rects(rects);
-    uint64_t key = sl_random_key(14, 0), blended = 0;
-    for (uint64_t i = 0; i < SPLATS * CHANNELS; i++) values[i] = random_between(key, i, -1, 1);
-    for (int i = 100; i < 140; i++) rects[i] = (sl_splat_rect){64 * (i % 4), 5 * i - 490, 64 * (i % 4) + 1 + i % 3, 5 * i - 488};
-    rects[7] = (sl_splat_rect){0, 0, 0, 0}; /* so that some pixels are left alone */
-    fill_planes(expected);
-    for (size_t i = 0; i < SPLATS / 30; i++) {
-        sl_splat_rect r = on_target(rects[i]);
-        for (int y = r.y0; y < r.y1; y++) {
-            for (int x = r.x0; x < r.x1; x++) {
-                for (int c = 0; c < CHANNELS; c++) expected[(c * HEIGHT + y) * WIDTH + x] += values[i * CHANNELS + (size_t)c];
-                blended++;
-            }
-        }
-    }
-    float *planes[CHANNELS];
-    for (int c = 0; c < CHANNELS; c++) planes[c] = got + c * WIDTH * HEIGHT;
-    const unsigned threads[5] = {1, 2, 3, 7, 0};
-    for (int k = 0; k < 5; k++) {
-        sl_counters counters = {{0}};
-        fill_planes(got);
-        assert_int_equal(sl_raster_blend(WIDTH, HEIGHT, SPLATS / 30, rects, values, CHANNELS, planes, threads[k], &counters, NULL), SL_OK);
-        assert_true(same_floats(got, expected, CHANNELS * WIDTH * HEIGHT));
-        assert_int_equal(counters.value[SL_COUNT_FRAGMENTS_BLENDED], blended);
-    }
-}
-
-/* ---- reduction ---- */
 
 static void reduction_sums_squares_of_the_plane(void **state) {
     (void)state;
@@ -327,7 +289,6 @@ int main(void) {
         cmocka_unit_test(tiles_blend_in_index_order_bit_for_bit),
         cmocka_unit_test(no_splats_are_allowed),
         cmocka_unit_test(a_tile_comes_and_goes_once_and_only_where_splats_are),
-        cmocka_unit_test(constant_colours_have_the_bits_of_the_plain_loop),
         cmocka_unit_test(reduction_sums_squares_of_the_plane),
         cmocka_unit_test(reduction_has_the_bits_of_ping_pong_halving),
     };

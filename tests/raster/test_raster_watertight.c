@@ -2,6 +2,7 @@
  * closed surface is entered as often as it is left: so the triangles that cover the pixel, visible or hidden, are even in number
  * seen from outside and odd from inside; and front faces less back faces are 0 from outside, which also rules out that two faults
  * cancel. A convex body has just one front and one back, a height field one layer. */
+#include "raster/plain.h"
 #include "raster_support.h"
 
 #include <math.h>
@@ -155,36 +156,25 @@ static float side_of(const mesh *m, const sl_view *view, size_t t) {
 
 typedef struct layers {
     int width, height;
-    float *count, *sides; /* triangles that cover the pixel; front less back */
+    float *sides, *count; /* triangles that cover the pixel; front less back */
 } layers;
 
 /* Draws every triangle with (1, side); sides only where no triangle is clipped. */
 static layers count_layers(const mesh *m, const sl_view *view, bool sides) {
-    size_t pixels = (size_t)view->width * (size_t)view->height, corners = 3 * m->triangles;
+    size_t pixels = (size_t)view->width * (size_t)view->height;
     layers l = {view->width, view->height, calloc(2 * pixels, sizeof(float)), NULL};
-    float *position = calloc(3 * corners, sizeof *position), *attributes = calloc(2 * corners, sizeof *attributes);
-    uint32_t *index = calloc(corners, sizeof *index);
-    assert_true(l.count != NULL && position != NULL && attributes != NULL && index != NULL);
-    l.sides = l.count + pixels;
-    sl_raster_mesh split = {.vertex_count = corners, .triangle_count = m->triangles, .x = position, .y = position + corners, .z = position + 2 * corners,
-                            .vertex = {index, index + m->triangles, index + 2 * m->triangles}};
+    float *side = calloc(m->triangles, sizeof *side);
+    uint32_t *index = calloc(3 * m->triangles, sizeof *index);
+    assert_true(l.sides != NULL && side != NULL && index != NULL);
+    l.count = l.sides + pixels;
     for (size_t t = 0; t < m->triangles; t++) {
-        float side = sides ? side_of(m, view, t) : 0.0f;
-        for (size_t k = 0; k < 3; k++) {
-            size_t c = 3 * t + k;
-            for (size_t i = 0; i < 3; i++) position[i * corners + c] = m->position[i][m->corner[k][t]];
-            index[k * m->triangles + t] = (uint32_t)c;
-            attributes[2 * c] = 1.0f;
-            attributes[2 * c + 1] = side;
-        }
+        side[t] = sides ? side_of(m, view, t) : 0.0f;
+        for (size_t k = 0; k < 3; k++) index[k * m->triangles + t] = m->corner[k][t];
     }
-    sl_raster *raster = NULL;
-    sl_target size = {.width = view->width, .height = view->height};
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_create_mesh(&split, 1, &raster, NULL), SL_OK);
-    assert_int_equal(sl_raster_add(raster, view, 1, attributes, 2, &size, l.count, &counters, NULL), SL_OK);
-    sl_raster_destroy(raster);
-    free(position), free(attributes), free(index);
+    sl_raster_mesh drawn = {.vertex_count = m->vertices, .triangle_count = m->triangles, .x = m->position[0], .y = m->position[1], .z = m->position[2],
+                            .vertex = {index, index + m->triangles, index + 2 * m->triangles}};
+    sl_plain_layers(&drawn, view, view->width, view->height, side, l.sides);
+    free(side), free(index);
     return l;
 }
 
@@ -198,7 +188,7 @@ static double check_layers(layers l, float low, float high, int parity, float si
         }
         seen += (double)n;
     }
-    free(l.count);
+    free(l.sides);
     return seen;
 }
 
@@ -338,7 +328,7 @@ static void height_fields_cover_each_pixel_exactly_once(void **state) {
         sl_view ahead = sl_view_pyramid(&frame, sl_v3(0.1f, 1.0f, 0.2f), -1, 1, -1, 1, 64, 64, 1e-3f);
         layers l = count_layers(&m, &ahead, false);
         for (int i = 0; i < 64 * 64; i++) assert_true(l.count[i] == (i / 64 < 32 ? 1.0f : 0.0f));
-        free(l.count);
+        free(l.sides);
         mesh_destroy(&m);
     }
 }

@@ -27,10 +27,9 @@ static sl_status picture_of(const sl_radiance_map *map, const sl_map_face *face,
 
 /* Trilinear, of level log2(texels a block): one texel of the level for each block, where w / m is a power of two. */
 static void filtered_color(const sl_texture_image *image, const sl_map_face *face, int column, int row, double color[3]) {
-    const sl_sampler trilinear = {SL_WRAP_CLAMP, SL_WRAP_CLAMP, SL_WRAP_CLAMP, true, SL_MIP_LINEAR};
     double texels = (double)sl_block_texels(face);
     float s = (float)(((double)column + 0.5 * texels) / face->width), t = (float)(((double)row + 0.5 * texels) / face->height), rgba[4];
-    sl_texture_sample(image, trilinear, s, t, sl_log2f((float)texels), rgba);
+    sl_texture_sample(image, s, t, sl_log2f((float)texels), rgba);
     for (int c = 0; c < 3; c++) color[c] = (double)rgba[c];
 }
 

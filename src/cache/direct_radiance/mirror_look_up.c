@@ -48,13 +48,12 @@ static void append(const reflecting *r, size_t pixel, look_ups *l) {
 }
 
 static void look_up(const reflecting *r, look_ups *l) {
-    static const sl_sampler bilinear = {.linear = true, .mip = SL_MIP_NONE};
     const sl_scene *scene = r->mirrors->scene;
     float seen[4][SL_TEXTURE_BLOCK];
     for (int p = 0; l->count && p < SL_CUBE_PARTS; p++) {
         const sl_cube_map *map = r->mirrors->cube[l->cube].part[p];
         if (!map) continue;
-        sl_cube_map_sample_many(map, bilinear, l->count, l->x, l->y, l->z, NULL, (float *const[4]){seen[0], seen[1], seen[2], NULL});
+        sl_cube_map_sample_many(map, l->count, l->x, l->y, l->z, NULL, (float *const[4]){seen[0], seen[1], seen[2], NULL});
         for (size_t i = 0; i < l->count; i++) {
             const sl_rgb ks = scene->materials[r->receivers->gbuffer->material[l->pixel[i]]].mirror;
             r->plane[p][0][l->pixel[i]] += ks.r * seen[0][i];

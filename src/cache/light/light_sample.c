@@ -16,7 +16,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/light/light_sample_internal.h"
-#include "raster/views/cone.h"
+#include "raster/raster.h"
 
 sl_light_sample_settings sl_light_sample_defaults(void) {
     return (sl_light_sample_settings){.estimator = SL_LIGHT_RATIO, .size = 64, .largest = 256, .reduced = 16, .rays = 16};

@@ -46,7 +46,7 @@ static sl_status create_bricks(sl_voxel_texture *t, const sl_octree *octree, sl_
                        side * side * side);
     }
     t->brick_count = count;
-    return sl_volume_create(2 * (int)wide, 2 * (int)high, 2 * (int)deep, SL_VOLUME_RGBA8, &t->bricks, error);
+    return sl_volume_create(2 * (int)wide, 2 * (int)high, 2 * (int)deep, &t->bricks, error);
 }
 
 static void put_node(sl_voxel_texture *t, size_t brick, unsigned cell, size_t child) {

@@ -16,7 +16,6 @@ struct sl_gather_sky {
     float brightest;
 };
 
-static const sl_sampler between_levels = {SL_WRAP_CLAMP, SL_WRAP_CLAMP, SL_WRAP_CLAMP, true, SL_MIP_LINEAR};
 
 /* The mean over a texel, weighted by solid angle, at as many points as make one of each of the environment's texels. */
 static void average_texel(const sl_environment *environment, const sl_frame *frame, int x, int y, int samples, float rgba[4]) {
@@ -97,7 +96,7 @@ typedef struct batch {
 } batch;
 
 static void flush(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p, batch *b) {
-    sl_cube_map_sample_many(sky->cube, between_levels, b->count, b->x, b->y, b->z, b->lod, (float *const[4]){b->r, b->g, b->b, NULL});
+    sl_cube_map_sample_many(sky->cube, b->count, b->x, b->y, b->z, b->lod, (float *const[4]){b->r, b->g, b->b, NULL});
     const float *rgb[3] = {b->r, b->g, b->b};
     for (int c = 0; c < 3; c++) {
         for (size_t k = 0; k < b->count; k++) {

@@ -224,14 +224,13 @@ typedef struct {
 
 static void look_up_pixels(void *context, size_t index, unsigned worker) {
     (void)worker;
-    static const sl_sampler sampler = {SL_WRAP_CLAMP, SL_WRAP_CLAMP, SL_WRAP_CLAMP, true, SL_MIP_NONE};
     const environment_job *job = context;
     sl_reflections *r = job->reflecting.reflections;
     size_t end = (index + 1) * PIXELS_A_TASK < r->count ? (index + 1) * PIXELS_A_TASK : r->count;
     for (size_t slot = index * PIXELS_A_TASK; slot < end; slot++) {
         reflected ray = first_ray(&job->reflecting, slot);
         float rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-        if (job->cube) sl_cube_map_sample(job->cube, sampler, ray.direction, 0.0f, rgba);
+        if (job->cube) sl_cube_map_sample(job->cube, ray.direction, 0.0f, rgba);
         r->background[slot] = sl_rgb_mul(r->throughput[slot], (sl_rgb){rgba[0], rgba[1], rgba[2]});
         show_nothing(&job->reflecting, &ray);
     }

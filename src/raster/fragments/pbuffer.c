@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/internal.h"
+#include "raster/view.h"
 
 int sl_pbuffer_channels(sl_pbuffer_format format) {
     static const int channels[] = {

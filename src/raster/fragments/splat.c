@@ -1,13 +1,11 @@
 /* Splatting: rectangles blended additively. A tile's pixels are touched by one thread only, which runs the tile's
  * splats in index order; so every pixel adds in index order, and float sums come out the same bits at any number of
  * threads. */
-#include <string.h>
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "raster/internal.h"
-#include "raster/fragments/planes.h"
+#include "base/counters.h"
+#include "raster/view.h"
 
 enum { TILE = SL_SPLAT_TILE };
 
@@ -115,56 +113,4 @@ sl_status sl_raster_splats(int width, int height, size_t count, const sl_splat_r
     sl_free(s.splat);
     sl_free(s.blended);
     return ok ? SL_OK : sl_fail_memory(error, "the splats' tiles");
-}
-
-/* ---- constant colours ---- */
-
-typedef struct {
-    const sl_plane_kernels *kernels;
-    int width, channels;
-    const float *values;
-    float *const *planes;
-} constant_splats;
-
-static size_t target_at(const constant_splats *c, int x, int y) { return (size_t)y * (size_t)c->width + (size_t)x; }
-
-static float *tile_at(const sl_splat_tile *tile, int channel, int x, int y) {
-    return (float *)tile->memory + channel * SL_SPLAT_TILE_PIXELS + (y - tile->y) * TILE + (x - tile->x);
-}
-
-static void fetch_planes(void *context, const sl_splat_tile *tile) {
-    const constant_splats *c = context;
-    const sl_splat_rect r = tile->region;
-    for (int k = 0; k < c->channels; k++) {
-        for (int y = r.y0; y < r.y1; y++) {
-            memcpy(tile_at(tile, k, r.x0, y), c->planes[k] + target_at(c, r.x0, y), (size_t)(r.x1 - r.x0) * sizeof(float));
-        }
-    }
-}
-
-static void return_planes(void *context, const sl_splat_tile *tile) {
-    const constant_splats *c = context;
-    const sl_splat_rect r = tile->region;
-    for (int k = 0; k < c->channels; k++) {
-        for (int y = r.y0; y < r.y1; y++) {
-            memcpy(c->planes[k] + target_at(c, r.x0, y), tile_at(tile, k, r.x0, y), (size_t)(r.x1 - r.x0) * sizeof(float));
-        }
-    }
-}
-
-static uint64_t add_constant(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
-    const constant_splats *c = context;
-    for (int k = 0; k < c->channels; k++) {
-        c->kernels->add(tile_at(tile, k, tile->x, tile->y), rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x,
-                        rect.y1 - tile->y, c->values[index * (size_t)c->channels + (size_t)k]);
-    }
-    return (uint64_t)(rect.x1 - rect.x0) * (uint64_t)(rect.y1 - rect.y0);
-}
-
-sl_status sl_raster_blend(int width, int height, size_t count, const sl_splat_rect *rects, const float *values, int channels,
-                          float *const *planes, unsigned threads, sl_counters *counters, sl_error *error) {
-    const sl_splat_program program = {(size_t)channels * SL_SPLAT_TILE_PIXELS * sizeof(float), fetch_planes, add_constant,
-                                      return_planes};
-    constant_splats context = {sl_plane_kernels_best(), width, channels, values, planes};
-    return sl_raster_splats(width, height, count, rects, &program, &context, threads, counters, error);
 }

@@ -11,7 +11,7 @@
 #ifndef SL_RASTER_BARYCENTRICS_H
 #define SL_RASTER_BARYCENTRICS_H
 
-#include "raster/internal.h"
+#include "raster/view.h"
 
 /* The three lines e_k(x, y) = (a_k dx + b_k dy) + c_k, where dx and dy count pixels from an origin beside the triangle: a
  * small or thin triangle far from the origin would lose its digits to cancellation. */

@@ -18,7 +18,7 @@
 #define SL_RASTER_RESOLVE_H
 
 #include "base/stream.h"
-#include "raster/internal.h"
+#include "raster/pipeline.h"
 
 enum {
     SL_RESOLVE_PIXELS = 512,

@@ -9,29 +9,10 @@
 #include "base/math.h"
 #include "raster/textures/textures.h"
 
-/* How one axis wraps, as numbers instead of choices, since loops over choices do not vectorise. */
-typedef struct sl_axis {
-    float low, high; /* coordinates are cut to this: [0,1] if clamped; to where floats have long lost their fraction if repeated */
-    double repeat;   /* 1 if repeated, 0 if clamped */
-    int32_t ends;    /* the same */
-} sl_axis;
-
-static inline sl_axis sl_axis_of(sl_wrap wrap) {
-    return wrap == SL_WRAP_REPEAT ? (sl_axis){-0x1p30f, 0x1p30f, 1.0, 1} : (sl_axis){0.0f, 1.0f, 0.0, 0};
-}
-
-/* The coordinate in [0,1] (1 also by rounding): its fraction if repeated. NaN falls to the lower end. */
-static inline double sl_wrapped(float u, sl_axis axis) {
-    float cut = u > axis.low ? u : axis.low;
-    double x = (double)(cut < axis.high ? cut : axis.high);
-    double fraction = x - axis.repeat * (double)(int32_t)x;
-    return fraction + (fraction < 0.0 ? 1.0 : 0.0);
-}
-
-/* The texel in which x in [0,1] lies, of n. */
-static inline int32_t sl_nearest_texel(double x, int32_t n) {
-    int32_t i = (int32_t)(x * (double)n);
-    return i < n ? i : n - 1;
+/* The coordinate in [0,1]. NaN falls to the lower end. */
+static inline double sl_clamped(float u) {
+    float cut = u > 0.0f ? u : 0.0f;
+    return (double)(cut < 1.0f ? cut : 1.0f);
 }
 
 /* The two texels around x in [0,1], and the weight of the second. x n - 1/2 is the position in texel centres; half a
@@ -41,11 +22,10 @@ typedef struct sl_texel_pair {
     double weight;
 } sl_texel_pair;
 
-static inline sl_texel_pair sl_texels_around(double x, int32_t n, sl_axis axis) {
+static inline sl_texel_pair sl_texels_around(double x, int32_t n) {
     double position = x * (double)n + 0.5;
     int32_t i = (int32_t)position; /* 0 ... n */
-    int32_t before_first = axis.ends * (n - 1), after_last = (n - 1) - before_first;
-    return (sl_texel_pair){i == 0 ? before_first : i - 1, i == n ? after_last : i, position - (double)i};
+    return (sl_texel_pair){i == 0 ? 0 : i - 1, i == n ? n - 1 : i, position - (double)i};
 }
 
 static inline double sl_mix(double a, double b, double t) { return a + t * (b - a); }
@@ -63,12 +43,6 @@ static inline sl_level_pair sl_levels_around(float lod, int32_t levels) {
     int32_t fine = (int32_t)l;
     float beyond = l - (float)fine;
     return (sl_level_pair){fine, fine + (beyond > 0.0f ? 1 : 0), (double)beyond};
-}
-
-/* The one nearest to it: halfway is the finer's, as in OpenGL. */
-static inline int32_t sl_level_nearest(float lod, int32_t levels) {
-    sl_level_pair pair = sl_levels_around(lod, levels);
-    return pair.fine + (pair.weight > 0.5 ? 1 : 0);
 }
 
 /* A direction's face and its place (s, t) there in [0,1]: OpenGL 4.5, table 8.19; ties go to x, then y. */

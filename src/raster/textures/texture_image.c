@@ -1,9 +1,8 @@
-/* 2D textures: memory, and where their texels come from. */
+/* 2D textures: memory and MIP chain. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/textures/lookup_kernels.h"
 #include "raster/textures/mip_chain.h"
-#include "scene/texture.h"
 
 sl_status sl_texture_image_create(int width, int height, bool mip, sl_texture_image **image, sl_error *error) {
     *image = NULL;
@@ -41,38 +40,4 @@ void sl_texture_image_build(sl_texture_image *image, unsigned threads) {
         sl_mip_halve(image->texels + 4 * (size_t)image->first[l], image->width[l], image->height[l], (size_t)image->width[l],
                      image->texels + 4 * (size_t)image->first[l + 1], (size_t)image->width[l + 1], threads);
     }
-}
-
-sl_status sl_texture_image_of_texture(const sl_texture *texture, unsigned threads, sl_texture_image **image, sl_error *error) {
-    sl_status status = sl_texture_image_create(texture->width, texture->height, true, image, error);
-    if (status != SL_OK) return status;
-    float *texel = (*image)->texels;
-    for (int y = 0; y < texture->height; y++) {
-        int row = texture->height - 1 - y; /* the file's are from the top */
-        for (int x = 0; x < texture->width; x++, texel += 4) {
-            sl_rgb color = sl_texture_texel(texture, x, row);
-            uint8_t alpha = texture->texels[4 * ((size_t)row * (size_t)texture->width + (size_t)x) + 3];
-            texel[0] = color.r;
-            texel[1] = color.g;
-            texel[2] = color.b;
-            texel[3] = texture->has_alpha ? (float)alpha / 255.0f : 1.0f;
-        }
-    }
-    sl_texture_image_build(*image, threads);
-    return SL_OK;
-}
-
-sl_status sl_texture_image_of_pbuffer(const sl_pbuffer *pbuffer, unsigned threads, sl_texture_image **image, sl_error *error) {
-    *image = NULL;
-    int channels = sl_pbuffer_channels(pbuffer->format);
-    if (channels == 0) return sl_fail(error, SL_ERROR_USAGE, "a pbuffer of whole numbers has no means");
-    sl_status status = sl_texture_image_create(pbuffer->width, pbuffer->height, true, image, error);
-    if (status != SL_OK) return status;
-    size_t pixels = (size_t)pbuffer->width * (size_t)pbuffer->height;
-    float *texel = (*image)->texels;
-    for (size_t i = 0; i < pixels; i++) {
-        for (int c = 0; c < 4; c++) texel[4 * i + (size_t)c] = c < channels ? pbuffer->channel[c][i] : c == 3 ? 1.0f : 0.0f;
-    }
-    sl_texture_image_build(*image, threads);
-    return SL_OK;
 }

@@ -4,9 +4,10 @@
  *     filter   one lookup after the other: 4 or 8 texels of 4 channels each    (lanes are channels)
  *
  * The second step needs no gather instructions, which on some processors are slower than loads: a texel of RGBA is
- * one load. A lookup between two MIP levels and one between two slices of a 3D texture have the same form: two
- * footprints of four texels and the weight of the second. Same arithmetic in the same order as lookup.c, so the same
- * bits. */
+ * one load. A lookup between two MIP levels is two footprints of four texels and the weight of the second. Same arithmetic in
+ * the same order as lookup.c, so the same bits. */
+#include <string.h>
+
 #include "raster/textures/lookup_kernels.h"
 #include "raster/textures/texel_place.h"
 
@@ -68,22 +69,16 @@ static inline void filter_eight(const float *restrict texels, const taps *restri
 }
 #endif
 
-static void filter(const float *texels, const taps *p, bool linear, size_t count, float (*restrict rgba)[4]) {
+static void filter(const float *texels, const taps *p, size_t count, float (*restrict rgba)[4]) {
     for (size_t n = 0; n < count; n++) {
         if (p->blend[n] > 0.0) filter_eight(texels, p, n, rgba[n]);
-        else if (linear) filter_four(texels, p, n, rgba[n]);
-        else memcpy(rgba[n], texels + 4 * (size_t)p->texel[0][n], sizeof rgba[n]); /* as it stands, also where infinite or -0 */
+        else filter_four(texels, p, n, rgba[n]);
     }
 }
 
 /* Where no lookup of the block blends. */
 static void filter_fours(const float *texels, const taps *p, size_t count, float (*restrict rgba)[4]) {
     for (size_t n = 0; n < count; n++) filter_four(texels, p, n, rgba[n]);
-}
-
-/* Nearest lookups, one texel each. */
-static void copy(const float *texels, const int32_t *texel, size_t count, float (*restrict rgba)[4]) {
-    for (size_t n = 0; n < count; n++) memcpy(rgba[n], texels + 4 * (size_t)texel[n], sizeof rgba[n]);
 }
 
 static void spread(float (*restrict rgba)[4], size_t count, float *const plane[4]) {
@@ -100,18 +95,13 @@ typedef struct {
     double blend[N];
 } levels;
 
-static void find_levels(const float *restrict lod, int32_t count_of_levels, sl_mip mip, size_t count, levels *restrict out) {
-    if (!lod || mip == SL_MIP_NONE) {
+static void find_levels(const float *restrict lod, int32_t count_of_levels, size_t count, levels *restrict out) {
+    if (!lod || count_of_levels == 1) {
         memset(out, 0, sizeof *out);
         return;
     }
     int32_t *restrict fine = out->level[0], *restrict coarse = out->level[1];
     double *restrict blend = out->blend;
-    if (mip == SL_MIP_NEAREST) {
-        for (size_t n = 0; n < count; n++) fine[n] = coarse[n] = sl_level_nearest(lod[n], count_of_levels);
-        memset(blend, 0, sizeof out->blend);
-        return;
-    }
 #pragma omp simd
     for (size_t n = 0; n < count; n++) {
         sl_level_pair pair = sl_levels_around(lod[n], count_of_levels);
@@ -121,8 +111,8 @@ static void find_levels(const float *restrict lod, int32_t count_of_levels, sl_m
     }
 }
 
-static void place_linear(const sl_texture_image *image, sl_axis along_s, sl_axis along_t, size_t count, const float *restrict s,
-                         const float *restrict t, const int32_t *restrict level, int which, taps *restrict p) {
+static void place_linear(const sl_texture_image *image, size_t count, const float *restrict s, const float *restrict t,
+                         const int32_t *restrict level, int which, taps *restrict p) {
     int32_t *restrict a = p->texel[4 * which], *restrict b = p->texel[4 * which + 1], *restrict c = p->texel[4 * which + 2],
             *restrict d = p->texel[4 * which + 3];
     double *restrict right = p->right[which], *restrict up = p->up[which];
@@ -130,8 +120,8 @@ static void place_linear(const sl_texture_image *image, sl_axis along_s, sl_axis
 #pragma omp simd
     for (size_t n = 0; n < count; n++) {
         int32_t width = widths[level[n]], first = firsts[level[n]];
-        sl_texel_pair column = sl_texels_around(sl_wrapped(s[n], along_s), width, along_s);
-        sl_texel_pair row = sl_texels_around(sl_wrapped(t[n], along_t), heights[level[n]], along_t);
+        sl_texel_pair column = sl_texels_around(sl_clamped(s[n]), width);
+        sl_texel_pair row = sl_texels_around(sl_clamped(t[n]), heights[level[n]]);
         int32_t low = first + row.low * width, high = first + row.high * width;
         a[n] = low + column.low;
         b[n] = low + column.high;
@@ -142,52 +132,29 @@ static void place_linear(const sl_texture_image *image, sl_axis along_s, sl_axis
     }
 }
 
-static void place_nearest(const sl_texture_image *image, sl_axis along_s, sl_axis along_t, size_t count, const float *restrict s,
-                          const float *restrict t, const int32_t *restrict level, int32_t *restrict texel) {
-    const int32_t *restrict widths = image->width, *restrict heights = image->height, *restrict firsts = image->first;
-#pragma omp simd
-    for (size_t n = 0; n < count; n++) {
-        int32_t width = widths[level[n]];
-        int32_t column = sl_nearest_texel(sl_wrapped(s[n], along_s), width);
-        int32_t row = sl_nearest_texel(sl_wrapped(t[n], along_t), heights[level[n]]);
-        texel[n] = (firsts[level[n]] + row * width) + column;
-    }
-}
-
-/* A nearest lookup between two levels: footprints of one texel. */
-static void spread_nearest(int which, size_t count, taps *p) {
-    for (int k = 1; k < 4; k++) memcpy(p->texel[4 * which + k], p->texel[4 * which], count * sizeof p->texel[0][0]);
-    memset(p->right[which], 0, sizeof p->right[which]);
-    memset(p->up[which], 0, sizeof p->up[which]);
-}
-
 static bool blends(const double *blend, size_t count) {
     bool any = false;
     for (size_t n = 0; n < count; n++) any |= blend[n] > 0.0;
     return any;
 }
 
-static void sample_texture(const sl_texture_image *image, sl_sampler sampler, size_t count, const float *s, const float *t,
-                           const float *lod, float *const plane[4]) {
+/* The rest of a lookup, when levels and places are known. */
+static void filter_and_spread(const float *texels, const taps *p, int sets, size_t count, float *const plane[4]) {
+    float rgba[N][4];
+    if (sets == 2) filter(texels, p, count, rgba);
+    else filter_fours(texels, p, count, rgba);
+    spread(rgba, count, plane);
+}
+
+static void sample_texture(const sl_texture_image *image, size_t count, const float *s, const float *t, const float *lod,
+                           float *const plane[4]) {
     taps p;
     levels l;
-    float rgba[N][4];
-    sl_axis along_s = sl_axis_of(sampler.wrap_s), along_t = sl_axis_of(sampler.wrap_t);
-    find_levels(lod, image->levels, sampler.mip, count, &l);
-    memcpy(p.blend, l.blend, sizeof p.blend);
+    find_levels(lod, image->levels, count, &l);
+    memcpy(p.blend, l.blend, count * sizeof *p.blend);
     int sets = blends(l.blend, count) ? 2 : 1;
-    for (int k = 0; k < sets; k++) {
-        if (sampler.linear) {
-            place_linear(image, along_s, along_t, count, s, t, l.level[k], k, &p);
-        } else {
-            place_nearest(image, along_s, along_t, count, s, t, l.level[k], p.texel[4 * k]);
-            spread_nearest(k, count, &p);
-        }
-    }
-    if (sets == 2) filter(image->texels, &p, sampler.linear, count, rgba);
-    else if (sampler.linear) filter_fours(image->texels, &p, count, rgba);
-    else copy(image->texels, p.texel[0], count, rgba);
-    spread(rgba, count, plane);
+    for (int k = 0; k < sets; k++) place_linear(image, count, s, t, l.level[k], k, &p);
+    filter_and_spread(image->texels, &p, sets, count, plane);
 }
 
 /* ---- cube maps ---- */
@@ -233,171 +200,18 @@ static void place_in_faces(const sl_cube_map *cube, size_t count, const cube_pla
     }
 }
 
-static void place_nearest_in_faces(const sl_cube_map *cube, size_t count, const cube_places *restrict place,
-                                   const int32_t *restrict level, int32_t *restrict texel) {
-    const int32_t *restrict sizes = cube->level_size, *restrict firsts = cube->first;
-    const int32_t *restrict face = place->face;
-    const double *restrict s = place->s, *restrict t = place->t;
-#pragma omp simd
-    for (size_t n = 0; n < count; n++) {
-        int32_t size = sizes[level[n]], side = size + 2, first = firsts[level[n]] + face[n] * (side * side);
-        texel[n] = first + (sl_nearest_texel(t[n], size) + 1) * side + (sl_nearest_texel(s[n], size) + 1);
-    }
-}
-
-static void sample_cube(const sl_cube_map *cube, sl_sampler sampler, size_t count, const float *x, const float *y,
-                        const float *z, const float *lod, float *const plane[4]) {
+static void sample_cube(const sl_cube_map *cube, size_t count, const float *x, const float *y, const float *z, const float *lod,
+                        float *const plane[4]) {
     taps p;
     levels l;
     cube_places place;
-    float rgba[N][4];
-    find_levels(lod, cube->levels, sampler.mip, count, &l);
-    memcpy(p.blend, l.blend, sizeof p.blend);
+    find_levels(lod, cube->levels, count, &l);
+    memcpy(p.blend, l.blend, count * sizeof *p.blend);
     place_directions(count, x, y, z, &place);
     int sets = blends(l.blend, count) ? 2 : 1;
-    for (int k = 0; k < sets; k++) {
-        if (sampler.linear) {
-            place_in_faces(cube, count, &place, l.level[k], k, &p);
-        } else {
-            place_nearest_in_faces(cube, count, &place, l.level[k], p.texel[4 * k]);
-            spread_nearest(k, count, &p);
-        }
-    }
-    if (sets == 2) filter(cube->texels, &p, sampler.linear, count, rgba);
-    else if (sampler.linear) filter_fours(cube->texels, &p, count, rgba);
-    else copy(cube->texels, p.texel[0], count, rgba);
-    spread(rgba, count, plane);
+    for (int k = 0; k < sets; k++) place_in_faces(cube, count, &place, l.level[k], k, &p);
+    filter_and_spread(cube->texels, &p, sets, count, plane);
 }
-
-/* ---- 3D ---- */
-
-static void place_in_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *restrict s,
-                            const float *restrict t, const float *restrict r, taps *restrict p) {
-    int32_t width = volume->width, height = volume->height, depth = volume->depth;
-    sl_axis along_s = sl_axis_of(sampler.wrap_s), along_t = sl_axis_of(sampler.wrap_t), along_r = sl_axis_of(sampler.wrap_r);
-    int32_t *restrict a = p->texel[0], *restrict b = p->texel[1], *restrict c = p->texel[2], *restrict d = p->texel[3];
-    int32_t *restrict e = p->texel[4], *restrict f = p->texel[5], *restrict g = p->texel[6], *restrict h = p->texel[7];
-    double *restrict right = p->right[0], *restrict up = p->up[0], *restrict right2 = p->right[1], *restrict up2 = p->up[1];
-    double *restrict blend = p->blend;
-#pragma omp simd
-    for (size_t n = 0; n < count; n++) {
-        sl_texel_pair column = sl_texels_around(sl_wrapped(s[n], along_s), width, along_s);
-        sl_texel_pair row = sl_texels_around(sl_wrapped(t[n], along_t), height, along_t);
-        sl_texel_pair slice = sl_texels_around(sl_wrapped(r[n], along_r), depth, along_r);
-        int32_t low = slice.low * height, high = slice.high * height;
-        int32_t row0 = (low + row.low) * width, row1 = (low + row.high) * width;
-        int32_t row2 = (high + row.low) * width, row3 = (high + row.high) * width;
-        a[n] = row0 + column.low;
-        b[n] = row0 + column.high;
-        c[n] = row1 + column.low;
-        d[n] = row1 + column.high;
-        e[n] = row2 + column.low;
-        f[n] = row2 + column.high;
-        g[n] = row3 + column.low;
-        h[n] = row3 + column.high;
-        right[n] = right2[n] = column.weight;
-        up[n] = up2[n] = row.weight;
-        blend[n] = slice.weight;
-    }
-}
-
-static void place_nearest_in_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *restrict s,
-                                    const float *restrict t, const float *restrict r, int32_t *restrict texel) {
-    int32_t width = volume->width, height = volume->height, depth = volume->depth;
-    sl_axis along_s = sl_axis_of(sampler.wrap_s), along_t = sl_axis_of(sampler.wrap_t), along_r = sl_axis_of(sampler.wrap_r);
-#pragma omp simd
-    for (size_t n = 0; n < count; n++) {
-        int32_t column = sl_nearest_texel(sl_wrapped(s[n], along_s), width);
-        int32_t row = sl_nearest_texel(sl_wrapped(t[n], along_t), height);
-        int32_t slice = sl_nearest_texel(sl_wrapped(r[n], along_r), depth);
-        texel[n] = (slice * height + row) * width + column;
-    }
-}
-
-/* The stored bytes as one number, red lowest whatever the machine's byte order. */
-static void pack(const uint8_t *restrict bytes, const int32_t *restrict texel, size_t count, uint32_t *restrict out) {
-    for (size_t n = 0; n < count; n++) {
-        const uint8_t *restrict b = bytes + 4 * (size_t)texel[n];
-        out[n] = (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-    }
-}
-
-static inline double byte_of(uint32_t word, int shift) { return (double)(int32_t)(word >> shift & 255u); }
-
-/* Bytes are small enough that lanes are lookups here too: eight words of four bytes each, channel after channel. */
-static void filter_bytes(const sl_volume *volume, const taps *p, size_t count, float *const plane[4]) {
-    uint32_t word[8][N];
-    for (int k = 0; k < 8; k++) pack(volume->bytes, p->texel[k], count, word[k]);
-    const uint32_t *restrict w0 = word[0], *restrict w1 = word[1], *restrict w2 = word[2], *restrict w3 = word[3];
-    const uint32_t *restrict w4 = word[4], *restrict w5 = word[5], *restrict w6 = word[6], *restrict w7 = word[7];
-    const double *restrict right = p->right[0], *restrict up = p->up[0], *restrict blend = p->blend;
-    for (int c = 0; c < 4; c++) {
-        float *restrict out = plane[c];
-        int shift = 8 * c;
-        if (!out) continue;
-#pragma omp simd
-        for (size_t n = 0; n < count; n++) {
-            double low = sl_mix(byte_of(w0[n], shift), byte_of(w1[n], shift), right[n]);
-            double high = sl_mix(byte_of(w2[n], shift), byte_of(w3[n], shift), right[n]);
-            double low2 = sl_mix(byte_of(w4[n], shift), byte_of(w5[n], shift), right[n]);
-            double high2 = sl_mix(byte_of(w6[n], shift), byte_of(w7[n], shift), right[n]);
-            out[n] = (float)(sl_mix(sl_mix(low, high, up[n]), sl_mix(low2, high2, up[n]), blend[n]) / 255.0);
-        }
-    }
-}
-
-static void nearest_bytes(const sl_volume *volume, const int32_t *texel, size_t count, float *const plane[4]) {
-    uint32_t word[N];
-    pack(volume->bytes, texel, count, word);
-    for (int c = 0; c < 4; c++) {
-        float *restrict out = plane[c];
-        for (size_t n = 0; out && n < count; n++) out[n] = (float)(byte_of(word[n], 8 * c) / 255.0);
-    }
-}
-
-static void sample_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *s, const float *t,
-                          const float *r, float *const plane[4]) {
-    float rgba[N][4];
-    taps p;
-    if (sampler.linear) place_in_volume(volume, sampler, count, s, t, r, &p);
-    else place_nearest_in_volume(volume, sampler, count, s, t, r, p.texel[0]);
-    if (volume->format == SL_VOLUME_RGBA8) {
-        if (sampler.linear) filter_bytes(volume, &p, count, plane);
-        else nearest_bytes(volume, p.texel[0], count, plane);
-        return;
-    }
-    if (sampler.linear) filter(volume->texels, &p, true, count, rgba);
-    else copy(volume->texels, p.texel[0], count, rgba);
-    spread(rgba, count, plane);
-}
-
-static void nearest_in_volume(const sl_volume *volume, sl_sampler sampler, size_t count, const float *s, const float *t,
-                              const float *r, uint32_t *bytes) {
-    int32_t texel[N];
-    place_nearest_in_volume(volume, sampler, count, s, t, r, texel);
-    pack(volume->bytes, texel, count, bytes);
-}
-
-static inline int32_t clamp_index(int32_t i, int32_t n) {
-    int32_t above = i < 0 ? 0 : i;
-    return above < n ? above : n - 1;
-}
-
-static void fetch_in_volume(const sl_volume *volume, size_t count, const int32_t *restrict x, const int32_t *restrict y,
-                            const int32_t *restrict z, uint32_t *bytes) {
-    int32_t texel[N], width = volume->width, height = volume->height, depth = volume->depth;
-#pragma omp simd
-    for (size_t n = 0; n < count; n++) {
-        texel[n] = (clamp_index(z[n], depth) * height + clamp_index(y[n], height)) * width + clamp_index(x[n], width);
-    }
-    pack(volume->bytes, texel, count, bytes);
-}
-
-/* ---- the table ---- */
-
-void SL_KERNEL(sl_textured_coordinates)(const sl_resolve_block *block, const sl_view *view, sl_lod_rule rule, bool lod,
-                                        sl_textured_block *textured);
 
 extern const sl_texture_kernels SL_KERNEL(sl_texture_kernels);
-const sl_texture_kernels SL_KERNEL(sl_texture_kernels) = {sample_texture, sample_cube, sample_volume, nearest_in_volume,
-                                                          fetch_in_volume, SL_KERNEL(sl_textured_coordinates)};
+const sl_texture_kernels SL_KERNEL(sl_texture_kernels) = {sample_texture, sample_cube};

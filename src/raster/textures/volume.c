@@ -1,9 +1,9 @@
-/* 3D textures: memory. Their lookups are in lookup.c and texture_kernels.c. */
+/* 3D textures of bytes. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/textures/lookup_kernels.h"
+#include "raster/textures/textures.h"
 
-sl_status sl_volume_create(int width, int height, int depth, sl_volume_format format, sl_volume **volume, sl_error *error) {
+sl_status sl_volume_create(int width, int height, int depth, sl_volume **volume, sl_error *error) {
     *volume = NULL;
     bool fits = width >= 1 && height >= 1 && depth >= 1 && width <= SL_TEXTURE_SIZE_MAX && height <= SL_TEXTURE_SIZE_MAX &&
                 depth <= SL_TEXTURE_SIZE_MAX && (int64_t)width * height * depth <= INT32_MAX;
@@ -11,13 +11,9 @@ sl_status sl_volume_create(int width, int height, int depth, sl_volume_format fo
         return sl_fail(error, SL_ERROR_USAGE, "a 3D texture of %d x %d x %d texels: from 1 to %d each way, less than 2^31", width,
                        height, depth, (int)SL_TEXTURE_SIZE_MAX);
     }
-    size_t texels = (size_t)width * (size_t)height * (size_t)depth;
     sl_volume *v = sl_allocate(1, sizeof *v);
-    if (!v) return sl_fail_memory(error, "a 3D texture");
-    *v = (sl_volume){.width = width, .height = height, .depth = depth, .format = format, .kernels = sl_texture_kernels_best()};
-    if (format == SL_VOLUME_RGBA8) v->bytes = sl_allocate(texels, 4);
-    else v->texels = sl_allocate(texels, 4 * sizeof *v->texels);
-    if (!v->bytes && !v->texels) {
+    if (v) *v = (sl_volume){width, height, depth, sl_allocate((size_t)width * (size_t)height * (size_t)depth, 4)};
+    if (!v || !v->bytes) {
         sl_volume_destroy(v);
         return sl_fail_memory(error, "a 3D texture");
     }
@@ -27,7 +23,14 @@ sl_status sl_volume_create(int width, int height, int depth, sl_volume_format fo
 
 void sl_volume_destroy(sl_volume *volume) {
     if (!volume) return;
-    sl_free(volume->texels);
     sl_free(volume->bytes);
     sl_free(volume);
+}
+
+static size_t clamp_index(int i, int n) { return (size_t)(i < 0 ? 0 : i < n ? i : n - 1); }
+
+uint32_t sl_volume_fetch(const sl_volume *volume, int x, int y, int z) {
+    size_t row = clamp_index(z, volume->depth) * (size_t)volume->height + clamp_index(y, volume->height);
+    const uint8_t *b = volume->bytes + 4 * (row * (size_t)volume->width + clamp_index(x, volume->width));
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }

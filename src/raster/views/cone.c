@@ -1,7 +1,5 @@
-/* Cones (cone.h): around a light, prepared for tests, and against the clusters' boxes. */
+/* Cones (cone.h) around a light, prepared for tests. */
 #include "raster/views/cone.h"
-
-#include "raster/internal.h"
 
 sl_cone sl_cone_around(sl_vec3 apex, const sl_vec3 *points, size_t count) {
     sl_vec3d a = sl_to_double(apex), sum = {0, 0, 0};
@@ -35,17 +33,4 @@ sl_cone_test sl_cone_test_make(const sl_cone *cone) {
     test.cosine = cosine < 1.0 ? cosine : 1.0;
     test.sine = sqrt(1.0 - test.cosine * test.cosine);
     return test;
-}
-
-size_t sl_raster_cluster_count(const sl_raster *raster) { return raster->cluster_count; }
-
-size_t sl_raster_clusters_in_cone(const sl_raster *raster, const sl_cone *cone, uint32_t *clusters) {
-    sl_cone_test test = sl_cone_test_make(cone);
-    size_t count = 0;
-    for (size_t c = 0; c < raster->cluster_count; c++) {
-        sl_vec3 centre = sl_v3(raster->centre_x[c], raster->centre_y[c], raster->centre_z[c]);
-        sl_vec3 half = sl_v3(raster->half_x[c], raster->half_y[c], raster->half_z[c]);
-        if (sl_cone_meets_box(&test, sl_to_double(centre), sl_to_double(half))) clusters[count++] = (uint32_t)c;
-    }
-    return count;
 }

@@ -53,9 +53,4 @@ static inline bool sl_cone_meets_box(const sl_cone_test *c, sl_vec3d centre, sl_
     return !(rho * c->cosine - h * c->sine > reach + slack);
 }
 
-/* The clusters of the hardware that may hold a triangle in the cone, ascending; returns how many. `clusters` has room
- * for sl_raster_cluster_count(). */
-size_t sl_raster_cluster_count(const sl_raster *raster);
-size_t sl_raster_clusters_in_cone(const sl_raster *raster, const sl_cone *cone, uint32_t *clusters);
-
 #endif

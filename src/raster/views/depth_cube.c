@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "raster/internal.h"
+#include "raster/view.h"
 
 sl_status sl_raster_depth_cube(const sl_raster *raster, sl_vec3 eye, int size, float near, unsigned threads,
                                sl_depth_cube **cube, sl_counters *counters, sl_error *error) {

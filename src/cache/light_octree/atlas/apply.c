@@ -75,12 +75,11 @@ typedef struct look_ups {
 } look_ups;
 
 static void look_up(const application *a, look_ups *l) {
-    static const sl_sampler sampler = {SL_WRAP_CLAMP, SL_WRAP_CLAMP, SL_WRAP_CLAMP, true, SL_MIP_NONE};
     const sl_gbuffer *g = a->gbuffer;
     const float *const kd[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
     float irradiance[3][BATCH];
     float *const plane[4] = {irradiance[0], irradiance[1], irradiance[2], NULL};
-    sl_texture_sample_many(a->canvas->side[l->side], sampler, l->count, l->s, l->t, NULL, plane);
+    sl_texture_sample_many(a->canvas->side[l->side], l->count, l->s, l->t, NULL, plane);
     for (int k = 0; k < 3; k++) {
         for (size_t n = 0; n < l->count; n++) a->out[k][l->pixel[n]] = kd[k][l->pixel[n]] * (float)(1.0 / SL_PI) * irradiance[k][n];
     }

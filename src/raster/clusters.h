@@ -1,0 +1,44 @@
+/* How the hardware holds the geometry: triangles that lie together, with bounds around them (clusters.c made them, once). */
+#ifndef SL_RASTER_CLUSTERS_H
+#define SL_RASTER_CLUSTERS_H
+
+#include "raster/raster.h"
+
+enum {
+    SL_CLUSTER_TRIANGLES = 128,
+    SL_CLUSTER_VERTICES = 3 * SL_CLUSTER_TRIANGLES,
+    SL_LANES = 16 /* pixels (or vertices, triangles, clusters) done together: a block */
+};
+
+struct sl_raster {
+    const sl_scene *scene; /* NULL for a mesh alone */
+    sl_raster_mesh mesh;
+    const struct sl_raster_kernels *kernels;
+    bool masked; /* some triangle has an alpha mask */
+
+    size_t cluster_count;
+    /* Bounds: box and sphere share a centre. Arrays are padded to whole groups of SL_LANES. */
+    float *centre_x, *centre_y, *centre_z, *half_x, *half_y, *half_z, *radius;
+    uint32_t *first_triangle, *triangles, *first_vertex, *vertices; /* cluster_count each */
+
+    /* Positions, welded within a cluster by their bits; every cluster starts at a multiple of SL_LANES. */
+    float *vertex_x, *vertex_y, *vertex_z;
+    uint16_t *corner[3];     /* cluster-local vertex of each corner, in cluster order; a group of padding at the end */
+    uint32_t *triangle;      /* the scene's index of each */
+    uint8_t *triangle_masked;
+    uint32_t *cluster_of_triangle; /* by the scene's index */
+    size_t memory_bytes;
+    struct sl_vertex_sources *sources; /* of the vertices, once something moves (move.c); NULL before */
+    struct sl_spares *spares; /* buffers between passes (spare.c); NULL where no pass over tiles runs */
+};
+
+static inline sl_vec3 sl_mesh_position(const sl_raster_mesh *m, uint32_t vertex) {
+    return sl_v3(m->x[vertex], m->y[vertex], m->z[vertex]);
+}
+
+/* Room for the clusters' bounds, and bounds around vertices (clusters.c). */
+bool sl_bounds_allocate(sl_raster *raster, size_t clusters);
+void sl_vertex_sources_destroy(struct sl_vertex_sources *sources);
+void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z, size_t count);
+
+#endif
