@@ -30,8 +30,6 @@ void sl_displayed_destroy(sl_displayed *d) {
     sl_free(d->first);
     sl_free(d->middle);
     sl_free(d->hanging);
-    sl_free(d->order);
-    sl_free(d->order_at);
     sl_free(d->heap);
     sl_free(d->heap_place);
     sl_free(d->dirty);
@@ -40,7 +38,7 @@ void sl_displayed_destroy(sl_displayed *d) {
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_mesh_memory_bytes(d->mesh)
-           + (4 * d->node_capacity + d->order_capacity + 3 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t)
+           + (4 * d->node_capacity + 2 * d->heap_capacity + d->dirty_capacity) * sizeof(uint32_t)
            + d->hanging_capacity * sizeof(sl_hanging_vertex);
 }
 
@@ -56,14 +54,8 @@ sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
 
 /* ---- pixels down the quadtrees ---- */
 
-bool sl_displayed_follows_paths(const sl_mesh_place *p) {
-    int side = SL_MESH_DYADIC >> p->depth;
-    int area = (p->p[1] - p->p[0]) * (p->q[2] - p->q[0]) - (p->p[2] - p->p[0]) * (p->q[1] - p->q[0]);
-    return area == side * side; /* fourfold cuts leave a quarter each; a sliver's half */
-}
-
 /* Children have ranges of paths: the lowest two bits that the parent's level leaves open. */
-static void bisect_paths(sl_displayed *d, const sl_mesh_place *place) {
+void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
     const sl_visible_pixels *pixels = d->pixels;
     sl_mesh_node *node = &d->mesh->node[place->node], *child = &d->mesh->node[node->child];
     uint32_t at = d->first[place->node], end = at + node->pixels, shift = 2u * (uint32_t)(SL_PATH_LEVELS - 1 - place->depth);
@@ -74,11 +66,6 @@ static void bisect_paths(sl_displayed *d, const sl_mesh_place *place) {
         child[c].pixels = next - at;
         at = next;
     }
-}
-
-void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place) {
-    if (sl_displayed_cut_follows_paths(d, place)) bisect_paths(d, place);
-    else sl_displayed_partition(d, place);
 }
 
 /* Pixels, sizes and priorities of a tree. What is below a node that is closed and small here, or was not worth a look when a picture like this was
@@ -96,7 +83,7 @@ static void see_below(sl_displayed *d, const sl_face_clip *clip, const sl_mesh_p
     }
     settled |= sl_all_edges_closed(node) ? (node->flags & SL_NODE_SMALL) != 0 : sl_was_speck(node);
     sl_displayed_hand_down(d, place);
-    for (int c = 0; c < sl_mesh_children(d->mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         const sl_mesh_node *child = &d->mesh->node[node->child + (uint32_t)c];
         if (!child->pixels) continue; /* all is 0 below */
         sl_mesh_place below = sl_mesh_child_place(d->mesh, place, c);
@@ -125,18 +112,14 @@ static void see_share(void *context, size_t share, unsigned worker) {
 
 static sl_status reserve(sl_displayed *d, sl_error *error) {
     size_t entries = d->pixels->face_count;
-    d->order_count = 0;
     if (entries > d->heap_capacity || !d->heap) {
         sl_free(d->heap);
         sl_free(d->heap_place);
-        sl_free(d->order_at);
         d->heap = sl_allocate(entries, sizeof *d->heap);
         d->heap_place = sl_allocate(entries, sizeof *d->heap_place);
-        d->order_at = sl_allocate(entries, sizeof *d->order_at);
-        d->heap_capacity = d->heap && d->heap_place && d->order_at ? entries : 0;
-        if (!d->heap || !d->heap_place || !d->order_at) return sl_fail_memory(error, "displayed mesh");
+        d->heap_capacity = d->heap && d->heap_place ? entries : 0;
+        if (!d->heap || !d->heap_place) return sl_fail_memory(error, "displayed mesh");
     }
-    for (size_t e = 0; e < entries; e++) d->order_at[e] = SL_NO_INDEX;
     return SL_OK;
 }
 
@@ -163,8 +146,7 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels, boo
     for (size_t e = 0; status == SL_OK && e < pixels->face_count; e++) {
         d->heap_place[e] = want(context, pixels->face[e].face) ? 0 : SL_NO_INDEX;
         if (!sl_displayed_wants(d, e)) continue;
-        uint32_t root = sl_mesh_root(d->mesh, pixels->face[e].face, &status, error);
-        if (status == SL_OK && (d->mesh->node[root].flags & SL_NODE_SLIVERS)) status = sl_displayed_order_pixels(d, pixels->face[e].face, error);
+        sl_mesh_root(d->mesh, pixels->face[e].face, &status, error);
     }
     if (status == SL_OK) status = sl_displayed_grow(d, error);
     if (status != SL_OK) {

@@ -64,9 +64,6 @@ typedef struct sl_displayed {
     sl_mesh *mesh;                /* its own; 3 channels */
     const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
     uint32_t *first;              /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
-    uint32_t *order;              /* of faces with slivers, below the cuts of which no path tells whose they are (slivers.c) */
-    size_t order_count, order_capacity;
-    uint32_t *order_at;           /* by entry of pixels->face: where its pixels are in order, or SL_NO_INDEX */
     size_t node_capacity;
     /* Vertices on leaves' edges, remembered until the leaf is marked to be drawn again. */
     uint32_t (*middle)[3];        /* by node with SL_NODE_SIMPLE: the known vertex in the middle of each edge, or SL_NO_INDEX; with SL_NODE_LISTED:
@@ -104,9 +101,6 @@ void sl_displayed_prioritise(sl_displayed *displayed);
 void sl_displayed_settle(sl_displayed *displayed);
 /* Throws the whole mesh away but for its memory, as specular radiance is when the eye moves (call sl_displayed_see() next). */
 void sl_displayed_restart(sl_displayed *displayed);
-
-/* The pixels of a node that does not follow paths: node.pixels indices into the arrays of the view. */
-const uint32_t *sl_displayed_ordered(const sl_displayed *displayed, const sl_mesh_place *place);
 
 /* The highest priority of all leaves that are not taken; 0: nothing is left to do. */
 float sl_displayed_priority(const sl_displayed *displayed);

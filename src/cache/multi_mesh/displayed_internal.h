@@ -7,25 +7,12 @@
 
 /* ---- displayed.c ---- */
 
-/* Whether a node is one of a quadtree of fourfold cuts alone: then its pixels are those of a range of paths. */
-bool sl_displayed_follows_paths(const sl_mesh_place *place);
-/* And whether its children are. */
-static inline bool sl_displayed_cut_follows_paths(const sl_displayed *d, const sl_mesh_place *place) {
-    return !(d->mesh->node[place->node].flags & SL_NODE_BISECTED) && sl_displayed_follows_paths(place);
-}
 /* Hands a node's pixels to its children. */
 void sl_displayed_hand_down(sl_displayed *d, const sl_mesh_place *place);
 /* Room for what goes with nodes, after the mesh has grown. */
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error);
 static inline bool sl_displayed_wants(const sl_displayed *d, size_t entry) { return d->heap_place[entry] != SL_NO_INDEX; }
 static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) { return sl_mesh_root_of(d->mesh, d->pixels->face[entry].face); }
-
-/* ---- slivers.c ---- */
-
-/* Before the first cut in two of a face in view: its pixels get an order. */
-sl_status sl_displayed_order_pixels(sl_displayed *d, uint32_t face, sl_error *error);
-/* Hands pixels down where paths do not tell them apart. */
-void sl_displayed_partition(sl_displayed *d, const sl_mesh_place *place);
 
 /* ---- priorities.c ---- */
 

@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "cache/multi_mesh/draw_kernels.h"
 
-enum { LEAVES_AT_ONCE = 64, BLOCK = 256 };
+enum { LEAVES_AT_ONCE = 64 };
 
 /* ---- what is to be drawn ---- */
 
@@ -219,23 +219,7 @@ static void draw_leaf(draw_job *job, const sl_mesh_place *leaf) {
     const sl_displayed *d = job->d;
     const sl_visible_pixels *pixels = d->pixels;
     uint32_t first = d->first[leaf->node], count = d->mesh->node[leaf->node].pixels;
-    if (sl_displayed_follows_paths(leaf)) {
-        draw_list(job, leaf, pixels->pixel + first, pixels->w1 + first, pixels->w2 + first, count);
-        return;
-    }
-    const uint32_t *order = sl_displayed_ordered(d, leaf);
-    uint32_t pixel[BLOCK];
-    float w1[BLOCK], w2[BLOCK];
-    for (uint32_t at = 0, n; at < count; at += n) {
-        n = count - at < BLOCK ? count - at : BLOCK;
-        for (uint32_t k = 0; k < n; k++) {
-            uint32_t i = order[at + k];
-            pixel[k] = pixels->pixel[i];
-            w1[k] = pixels->w1[i];
-            w2[k] = pixels->w2[i];
-        }
-        draw_list(job, leaf, pixel, w1, w2, n);
-    }
+    draw_list(job, leaf, pixels->pixel + first, pixels->w1 + first, pixels->w2 + first, count);
 }
 
 static void draw_some(void *context, size_t index, unsigned worker) {
@@ -255,7 +239,7 @@ static void draw_below(draw_job *job, const sl_mesh_place *place) {
         draw_leaf(job, place);
         return;
     }
-    for (int c = 0; c < sl_mesh_children(job->d->mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(job->d->mesh, place, c);
         draw_below(job, &child);
     }

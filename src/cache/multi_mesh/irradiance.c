@@ -222,12 +222,11 @@ static bool holds(const sl_mesh_place *place, const sl_face_point *x) {
 }
 
 static sl_mesh_place child_that_holds(const sl_mesh *mesh, const sl_mesh_place *place, const sl_face_point *x) {
-    int children = sl_mesh_children(mesh, place->node);
-    for (int c = 0; c < children - 1; c++) {
+    for (int c = 0; c < 3; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
         if (holds(&child, x)) return child;
     }
-    return sl_mesh_child_place(mesh, place, children - 1);
+    return sl_mesh_child_place(mesh, place, 3);
 }
 
 static bool interpolate(const sl_mesh *mesh, const sl_mesh_place *leaf, const sl_face_point *x, float *share) {
@@ -427,7 +426,7 @@ static void reopen_below(sl_mesh *mesh, const sl_mesh_place *place, bool all) {
             set_edge_state(mesh, place->node, i, SL_EDGE_UNTESTED);
     }
     if (sl_mesh_is_leaf(mesh, place->node)) return;
-    for (int c = 0; c < sl_mesh_children(mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
         reopen_below(mesh, &child, all);
     }

@@ -24,8 +24,7 @@ static void put_edges_below(const sl_mesh *mesh, edges *e, uint32_t node) {
         for (int c = 0; c < 3; c++) put_edge(e, n->vertex[(c + 1) % 3], n->vertex[(c + 2) % 3]);
         return;
     }
-    int children = sl_mesh_children(mesh, node);
-    for (int c = 0; c < children; c++)
+    for (int c = 0; c < 4; c++)
         if (c < 3 || !sl_mesh_is_leaf(mesh, n->child + 3)) put_edges_below(mesh, e, n->child + (uint32_t)c);
 }
 

@@ -1,14 +1,7 @@
 /* A mesh over all faces, refined on its own (the multi-mesh paper keeps several of them over the same triangles): a quadtree of triangles
  * for each face, the sampled values at their corners.
- *
- *            2                      A split cuts a triangle at the middles of its edges. Children 0, 1, 2 keep the corner of that number,
- *           / \                     child 3 is the middle one with its corners at the middles opposite to corners 0, 1, 2. Corners of
- *          / 2 \                    children are in the order of the parent's, so that each child is the parent, halved and moved (child
- *         /_____\  middles:         3: turned by half a turn).
- *        / \ 3 / \   m0 of 1-2
- *       / 0 \ / 1 \  m1 of 2-0      Vertices are shared: a vertex is known by where it lies, on a site, on an edge between two sites (at a
- *      0 ----*---- 1 m2 of 0-1      dyadic fraction, counted from the lower site), or inside a face (at dyadic barycentrics). Its position is
- *                                   computed from that alone, so neighbours have it with the same bits.
+ * Vertices are shared: a vertex is known by where it lies, on a shared corner, on an edge between two of them (at a dyadic fraction, counted from the
+ * lower one), or inside a face (at dyadic barycentrics). Its position is computed from that alone, so neighbours have it with the same bits.
  *
  * Values live in vertices: `channels` floats each (irradiance from one light: 1; colours: 3). A vertex whose value is known and that lies in the
  * middle of an edge counts for interpolation on both sides of it, be the triangles there split or not: so there are no T-vertices, and
@@ -23,11 +16,12 @@
 #define SL_MULTI_MESH_MESH_H
 
 #include "cache/multi_mesh/topology.h"
+#include "cache/patches/dyadic.h"
 
 enum {
     SL_MESH_DEPTH_MAX = 12,
     SL_MESH_DYADIC = 1 << SL_MESH_DEPTH_MAX, /* what barycentrics of vertices are multiples of 1/ of */
-    SL_MESH_SLIVER = 20
+    SL_MESH_SLIVER = 2000000000
 };
 #define SL_MESH_ROOT 0x80000000u
 
@@ -44,13 +38,10 @@ enum {
     SL_NODE_EDGES = 0x3f,      /* three edge states: edge i at bits 2 i, 2 i + 1 */
     SL_NODE_TAKEN = 0x40,      /* chosen for a batch that is not done yet */
     SL_NODE_DIRTY = 0x80,      /* its pixels are to be drawn again */
-    SL_NODE_BISECTED = 0x100,  /* two children instead of four: a sliver, cut at its longest edge (node flags bits 9, 10: which) */
-    SL_NODE_CUT_SHIFT = 9,
     SL_NODE_SMALL = 0x800,     /* meets the size criterion in the view as it stands (displayed meshes) */
     SL_NODE_SETTLED = 0x1000,  /* a node above it is closed and small there: only another view asked for more */
     SL_NODE_SIMPLE = 0x2000,   /* nothing on its edges but their middles, which sl_displayed.middle names */
     SL_NODE_LISTED = 0x4000,   /* what is on its edges is in sl_displayed.hanging */
-    SL_NODE_SLIVERS = 0x8000,  /* a root with cuts in two below it (displayed meshes) */
     SL_NODE_TESTED_SHIFT = 16  /* the upper half: of leaves with closed edges sl_mesh_tested_size() or sl_mesh_probed_size(), of others sl_mesh_speck() */
 };
 
@@ -91,7 +82,7 @@ typedef struct sl_mesh {
     sl_mesh_node *node;
     size_t node_count, node_capacity; /* node_count: the highest ever used; those that collapse leave are used again first */
     size_t free_nodes;
-    uint32_t first_free[2];    /* chains of free blocks, of two and of four nodes, through node.child */
+    uint32_t first_free;       /* chain of free blocks, through node.child */
     size_t vertex_count, vertex_capacity;
     sl_vertex_key *key;
     float *value;              /* vertex_count x channels */
@@ -110,7 +101,6 @@ void sl_mesh_clear(sl_mesh *mesh);
 /* The face's root, made if there is none yet; its vertices are UNKNOWN if they are new. SL_NO_INDEX with *status where memory ends. */
 uint32_t sl_mesh_root(sl_mesh *mesh, uint32_t face, sl_status *status, sl_error *error);
 static inline bool sl_mesh_is_leaf(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].child == SL_NO_INDEX; }
-static inline int sl_mesh_children(const sl_mesh *mesh, uint32_t node) { return mesh->node[node].flags & SL_NODE_BISECTED ? 2 : 4; }
 /* SL_NO_INDEX: it is a root. */
 static inline uint32_t sl_mesh_parent(const sl_mesh *mesh, uint32_t node) {
     uint32_t parent = mesh->node[node].parent;
@@ -139,8 +129,6 @@ sl_mesh_place sl_mesh_place_of(const sl_mesh *mesh, uint32_t node);
 /* The leaf that holds a point, and the point's weights of the leaf's own corners 1 and 2. SL_NO_INDEX in node: the face has no root. */
 /* Points on borders belong to the lower child; weights outside the face are first moved onto it (NaN: 0). */
 sl_mesh_place sl_mesh_locate(const sl_mesh *mesh, uint32_t face, float w1, float w2, float *leaf_w1, float *leaf_w2);
-/* One step of that: the child (0 to 3) of a split node in which the point of the face lies. */
-int sl_mesh_child_at(const sl_mesh *mesh, const sl_mesh_place *place, float w1, float w2);
 /* A point's weights of a node's own corners 1 and 2, from those of the face's. Not rounded but at the end. */
 void sl_mesh_weights_within(const sl_mesh_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2);
 
@@ -153,7 +141,7 @@ uint32_t sl_mesh_vertex_at(sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q,
 /* The same, if there is one. */
 uint32_t sl_mesh_find_vertex(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q);
 
-/* Cuts a leaf in four (a sliver, longer than SL_MESH_SLIVER times its height, in two); children are leaves with all edges untested, but for what is
+/* Cuts a leaf in four; children are leaves with all edges untested, but for what is
  * left of closed edges, which are not tested again: state CLOSED. At max_depth, and where a child would have no area (coordinates end, the triangle
  * is degenerate), it returns SL_OK with nothing done: the node stays a leaf. Node pointers move. */
 sl_status sl_mesh_split(sl_mesh *mesh, const sl_mesh_place *place, sl_error *error);

@@ -55,7 +55,7 @@ static void look_in(search *s, const sl_mesh_place *place) {
         s->count++;
         return;
     }
-    for (int c = 0; c < sl_mesh_children(s->mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(s->mesh, place, c);
         look_in(s, &child);
     }

@@ -1,4 +1,4 @@
-/* Memory of a mesh: nodes and roots. Children lie in blocks of two or four, so that they need one link; blocks that collapse leave form chains and are
+/* Memory of a mesh: nodes and roots. Children lie in blocks of four, so that they need one link; blocks that collapse leave form chains and are
  * used again, last freed first. */
 #include <string.h>
 
@@ -49,7 +49,7 @@ void sl_mesh_clear(sl_mesh *mesh) {
     for (size_t i = 0; i < mesh->root_slots; i++) mesh->root[i] = SL_NO_INDEX;
     for (size_t i = 0; i < mesh->slot_count; i++) mesh->slot[i] = SL_NO_INDEX;
     mesh->root_count = mesh->node_count = mesh->vertex_count = mesh->leaf_count = mesh->free_nodes = 0;
-    mesh->first_free[0] = mesh->first_free[1] = SL_NO_INDEX;
+    mesh->first_free = SL_NO_INDEX;
 }
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
@@ -62,27 +62,12 @@ static bool grow_nodes(sl_mesh *mesh) {
     return true;
 }
 
-static uint32_t take_free(sl_mesh *mesh, int chain) {
-    uint32_t first = mesh->first_free[chain];
-    if (first == SL_NO_INDEX) return first;
-    mesh->first_free[chain] = mesh->node[first].child;
-    mesh->free_nodes -= chain == 0 ? 2 : 4;
-    return first;
-}
-
-/* Of a free four, two will do. */
-static uint32_t find_free(sl_mesh *mesh, int count) {
-    if (count == 1) return SL_NO_INDEX;
-    uint32_t first = take_free(mesh, count == 2 ? 0 : 1);
-    if (first != SL_NO_INDEX || count > 2) return first;
-    first = take_free(mesh, 1);
-    if (first != SL_NO_INDEX) sl_mesh_free_nodes(mesh, first + 2, 2);
-    return first;
-}
-
 uint32_t sl_mesh_take_nodes(sl_mesh *mesh, int count, uint32_t parent) {
-    uint32_t first = find_free(mesh, count), n = (uint32_t)count;
-    if (first == SL_NO_INDEX) {
+    uint32_t first = count == 4 ? mesh->first_free : SL_NO_INDEX, n = (uint32_t)count;
+    if (first != SL_NO_INDEX) {
+        mesh->first_free = mesh->node[first].child;
+        mesh->free_nodes -= 4;
+    } else {
         if (mesh->node_count + n > mesh->node_capacity && !grow_nodes(mesh)) return SL_NO_INDEX;
         first = (uint32_t)mesh->node_count;
         mesh->node_count += n;
@@ -92,20 +77,19 @@ uint32_t sl_mesh_take_nodes(sl_mesh *mesh, int count, uint32_t parent) {
     return first;
 }
 
-void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first, int count) {
-    uint32_t *chain = &mesh->first_free[count == 2 ? 0 : 1], n = (uint32_t)count;
-    for (uint32_t i = first; i < first + n; i++) mesh->node[i].parent = SL_NO_INDEX;
-    mesh->node[first].child = *chain;
-    *chain = first;
-    mesh->free_nodes += n;
+void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first) {
+    for (uint32_t i = first; i < first + 4; i++) mesh->node[i].parent = SL_NO_INDEX;
+    mesh->node[first].child = mesh->first_free;
+    mesh->first_free = first;
+    mesh->free_nodes += 4;
 }
 
 /* ---- roots ------------------------------------------------------------------------------------------------------- */
 
 /* Where a face's root is in the table, or would be. */
 static size_t root_slot(const sl_mesh *mesh, uint32_t face) {
-    size_t i = (size_t)((sl_hash64(face) >> 32) * mesh->root_slots >> 32);
-    while (mesh->root[i] != SL_NO_INDEX && mesh->node[mesh->root[i]].parent != (SL_MESH_ROOT | face)) i = i + 1 < mesh->root_slots ? i + 1 : 0;
+    size_t i = sl_slot_of_hash(sl_hash64(face), mesh->root_slots);
+    while (mesh->root[i] != SL_NO_INDEX && mesh->node[mesh->root[i]].parent != (SL_MESH_ROOT | face)) i = sl_slot_after(i, mesh->root_slots);
     return i;
 }
 

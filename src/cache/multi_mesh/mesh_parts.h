@@ -8,9 +8,9 @@
  * bits for the same point of an edge. */
 sl_vec3 sl_mesh_position_in_face(const sl_mesh *mesh, uint32_t face, uint32_t p, uint32_t q);
 
-/* Two or four fresh leaves below a node, or one that is a root (parent: SL_MESH_ROOT + its face): the first one's index, or SL_NO_INDEX where memory
+/* Four fresh leaves below a node, or one that is a root (parent: SL_MESH_ROOT + its face): the first one's index, or SL_NO_INDEX where memory
  * ends. */
 uint32_t sl_mesh_take_nodes(sl_mesh *mesh, int count, uint32_t parent);
-void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first, int count);
+void sl_mesh_free_nodes(sl_mesh *mesh, uint32_t first);
 
 #endif

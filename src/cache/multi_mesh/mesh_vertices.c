@@ -35,13 +35,13 @@ static bool same_key(const sl_vertex_key *x, const sl_vertex_key *y) {
 /* Of as many slots as there are. */
 static size_t first_slot(const sl_mesh *mesh, const sl_vertex_key *key) {
     uint64_t hash = sl_hash64((uint64_t)key->of << 32 | (uint64_t)key->p << 15 | (uint64_t)key->q << 2 | key->kind);
-    return (size_t)((hash >> 32) * mesh->slot_count >> 32);
+    return sl_slot_of_hash(hash, mesh->slot_count);
 }
 
 /* Where a key is in the table, or would be. */
 static size_t slot_of(const sl_mesh *mesh, const sl_vertex_key *key) {
     size_t i = first_slot(mesh, key);
-    while (mesh->slot[i] != SL_NO_INDEX && !same_key(&mesh->key[mesh->slot[i]], key)) i = i + 1 < mesh->slot_count ? i + 1 : 0;
+    while (mesh->slot[i] != SL_NO_INDEX && !same_key(&mesh->key[mesh->slot[i]], key)) i = sl_slot_after(i, mesh->slot_count);
     return i;
 }
 

@@ -111,7 +111,7 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_mesh_place *lea
 
 static float largest_of_children(const sl_mesh *mesh, uint32_t node) {
     float most = 0.0f;
-    for (int c = 0; c < sl_mesh_children(mesh, node); c++) {
+    for (int c = 0; c < 4; c++) {
         float priority = mesh->node[mesh->node[node].child + (uint32_t)c].priority;
         most = priority > most ? priority : most;
     }
@@ -133,7 +133,7 @@ float sl_displayed_prioritise_below(sl_displayed *d, const sl_mesh_place *place)
     sl_mesh_node *node = &d->mesh->node[place->node];
     if (node->child == SL_NO_INDEX) return node->priority = sl_displayed_leaf_priority(d, place);
     float most = 0.0f;
-    for (int c = 0; c < sl_mesh_children(d->mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         if (!d->mesh->node[node->child + (uint32_t)c].pixels) continue;
         sl_mesh_place child = sl_mesh_child_place(d->mesh, place, c);
         float priority = sl_displayed_prioritise_below(d, &child);

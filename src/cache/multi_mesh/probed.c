@@ -16,7 +16,7 @@ void sl_displayed_judge_probes(const sl_displayed *d, sl_mesh_node *node, sl_scr
 bool sl_displayed_wants_probes(const sl_displayed *d, const sl_mesh_place *leaf) { return sl_is_unprobed(d, &d->mesh->node[leaf->node]); }
 
 uint32_t sl_displayed_pixel(const sl_displayed *d, const sl_mesh_place *leaf, uint32_t i) {
-    return sl_displayed_follows_paths(leaf) ? d->first[leaf->node] + i : sl_displayed_ordered(d, leaf)[i];
+    return d->first[leaf->node] + i;
 }
 
 /* What else is small enough and does not count as such? */

@@ -66,11 +66,9 @@ static sl_status split(sl_displayed *d, const sl_mesh_place *leaf, sl_error *err
         sl_mesh_set_tested_size(node, FLT_MAX);
         return SL_OK;
     }
-    if (!sl_displayed_cut_follows_paths(d, leaf)) status = sl_displayed_order_pixels(d, leaf->face, error);
-    if (status != SL_OK) return status;
     sl_face_clip clip = sl_face_clip_of(d->mesh->topology->scene, &d->pixels->view, leaf->face);
     sl_displayed_hand_down(d, leaf);
-    for (int c = 0; c < sl_mesh_children(d->mesh, leaf->node) && status == SL_OK; c++) {
+    for (int c = 0; c < 4 && status == SL_OK; c++) {
         sl_mesh_place child = sl_mesh_child_place(d->mesh, leaf, c);
         sl_displayed_judge_size(d, &clip, &child);
         d->mesh->node[child.node].priority = sl_displayed_leaf_priority(d, &child);
@@ -94,15 +92,14 @@ static bool undo(sl_displayed *d, const sl_mesh_place *place) {
     sl_mesh *mesh = d->mesh;
     sl_mesh_node *node = &mesh->node[place->node];
     if (node->child == SL_NO_INDEX || !sl_all_edges_closed(node)) return false;
-    int children = sl_mesh_children(mesh, place->node);
-    for (int c = 0; c < children; c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
         if (!is_closed(d, &child)) return false;
     }
     for (int e = 0; e < 3; e++) { /* neighbours may have seen more on it by now */
         if (sl_displayed_test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
     }
-    for (int c = 0; c < children; c++) mesh->node[node->child + (uint32_t)c].flags &= ~(uint32_t)SL_NODE_DIRTY;
+    for (int c = 0; c < 4; c++) mesh->node[node->child + (uint32_t)c].flags &= ~(uint32_t)SL_NODE_DIRTY;
     sl_mesh_collapse(mesh, place->node);
     sl_face_clip clip = sl_face_clip_of(mesh->topology->scene, &d->pixels->view, place->face);
     sl_mesh_set_tested_size(node, sl_displayed_size(d, &clip, place).edge);

@@ -80,7 +80,7 @@ static sl_mesh_place best_leaf(const sl_displayed *d, uint32_t face) {
     while (!sl_mesh_is_leaf(mesh, place.node)) {
         const sl_mesh_node *child = &mesh->node[mesh->node[place.node].child];
         int best = 0;
-        for (int c = 1; c < sl_mesh_children(mesh, place.node); c++) best = child[c].priority > child[best].priority ? c : best;
+        for (int c = 1; c < 4; c++) best = child[c].priority > child[best].priority ? c : best;
         place = sl_mesh_child_place(mesh, &place, best);
     }
     return place;

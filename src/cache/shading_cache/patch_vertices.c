@@ -5,21 +5,20 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "cache/patches/dyadic.h"
 #include "cache/shading_cache/patch_parts.h"
 
 /* ---- the table ---------------------------------------------------------------------------------------------------------------- */
 
 static size_t home_of(const sl_patches *p, sl_root_place place) {
     uint64_t hash = sl_hash64((uint64_t)place.root << 32 | (uint64_t)place.u << 16 | place.v);
-    return (size_t)((hash >> 32) * p->slot_count >> 32); /* any number of slots, not a power of two: less is left empty */
+    return sl_slot_of_hash(hash, p->slot_count);
 }
-
-static size_t after(const sl_patches *p, size_t slot) { return slot + 1 < p->slot_count ? slot + 1 : 0; }
 
 /* The slot of the vertex at a place, or the empty one where it would go. */
 static size_t slot_of(const sl_patches *p, sl_root_place place) {
     size_t slot = home_of(p, place);
-    for (;; slot = after(p, slot)) {
+    for (;; slot = sl_slot_after(slot, p->slot_count)) {
         if (p->slot[slot] == SL_NO_INDEX) return slot;
         const sl_patch_vertex *v = &p->vertex[p->slot[slot]];
         if (v->root == place.root && v->u == place.u && v->v == place.v) return slot;
@@ -44,7 +43,7 @@ static sl_status reserve_slots(sl_patches *p, size_t vertices, sl_error *error) 
 
 /* Those that could have gone here, had it been empty, move up: no marks are left behind. */
 static void empty_slot(sl_patches *p, size_t hole) {
-    for (size_t slot = after(p, hole); p->slot[slot] != SL_NO_INDEX; slot = after(p, slot)) {
+    for (size_t slot = sl_slot_after(hole, p->slot_count); p->slot[slot] != SL_NO_INDEX; slot = sl_slot_after(slot, p->slot_count)) {
         size_t home = home_of(p, sl_vertex_place(&p->vertex[p->slot[slot]]));
         bool between = hole < slot ? home > hole && home <= slot : home > hole || home <= slot;
         if (between) continue;

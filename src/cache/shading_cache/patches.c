@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "cache/patches/dyadic.h"
 #include "cache/shading_cache/patch_parts.h"
 
 /* ---- life --------------------------------------------------------------------------------------------------------------------- */
@@ -145,25 +146,10 @@ static sl_patch_place root_place(const sl_patches *p, uint32_t root) {
     return (sl_patch_place){p->root_patch[root], root, 0, 4, {0, one, one, 0}, {0, 0, one, one}};
 }
 
-/* Each corner of a child is the middle of two corners of its parent, or one of them (then both are the same). The middle triangle's corner is opposite to the
- * parent's of the same number, so all triangles of a root are similar. */
-static const uint8_t triangle_child[4][3][2] = {
-    {{0, 0}, {0, 1}, {2, 0}}, {{0, 1}, {1, 1}, {1, 2}}, {{2, 0}, {1, 2}, {2, 2}}, {{1, 2}, {2, 0}, {0, 1}}};
-static const uint8_t quad_child[4][4][2] = {{{0, 0}, {0, 1}, {0, 2}, {3, 0}},
-                                            {{0, 1}, {1, 1}, {1, 2}, {0, 2}},
-                                            {{0, 2}, {1, 2}, {2, 2}, {2, 3}},
-                                            {{3, 0}, {0, 2}, {2, 3}, {3, 3}}};
-
-static uint16_t middle(uint16_t a, uint16_t b) { return (uint16_t)((a + b) / 2); }
-
 sl_patch_place sl_patch_child_place(const sl_patches *p, const sl_patch_place *parent, int child) {
     uint32_t first = p->patch[parent->patch].child;
     sl_patch_place place = {first == SL_NO_INDEX ? first : first + (uint32_t)child, parent->root, parent->depth + 1, parent->corners, {0}, {0}};
-    for (int c = 0; c < parent->corners; c++) {
-        const uint8_t *of = parent->corners == 3 ? triangle_child[child][c] : quad_child[child][c];
-        place.u[c] = middle(parent->u[of[0]], parent->u[of[1]]);
-        place.v[c] = middle(parent->v[of[0]], parent->v[of[1]]);
-    }
+    sl_dyadic_child(parent->corners, parent->u, parent->v, child, place.u, place.v);
     return place;
 }
 
@@ -175,20 +161,12 @@ sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
     return place;
 }
 
-/* Weights of corners 1 and 2 of a triangle; of the others how far it is to corner 1, and to corner 3. u and v in 1/SL_PATCH_DYADIC. */
-static void local_parameters(const sl_patch_place *place, double u, double v, double *a, double *b) {
-    int last = place->corners - 1;
-    *a = (u - (double)place->u[0]) / ((double)place->u[1] - (double)place->u[0]);
-    *b = (v - (double)place->v[0]) / ((double)place->v[last] - (double)place->v[0]);
-}
-
 static double scaled(double t) { return t > 0.0 ? (t < 1.0 ? t * SL_PATCH_DYADIC : SL_PATCH_DYADIC) : 0.0; }
 
 static int child_at(const sl_patch_place *place, double u, double v) {
     double a, b;
-    local_parameters(place, u, v, &a, &b);
-    if (place->corners == 3) return a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
-    return a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
+    sl_dyadic_local(place->corners, place->u, place->v, u, v, &a, &b);
+    return sl_dyadic_child_at(place->corners, a, b);
 }
 
 int sl_patch_child_at(const sl_patch_place *place, double u, double v) { return child_at(place, scaled(u), scaled(v)); }
@@ -275,7 +253,7 @@ static int middles_of(const sl_patch_place *parent) { return parent->corners == 
 static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t first) {
     for (int m = 0; m < middles_of(parent); m++) {
         int a = m == 4 ? 0 : m, b = m == 4 ? 2 : (m + 1) % parent->corners;
-        sl_root_place at = {parent->root, middle(parent->u[a], parent->u[b]), middle(parent->v[a], parent->v[b])};
+        sl_root_place at = {parent->root, sl_dyadic_middle(parent->u[a], parent->u[b]), sl_dyadic_middle(parent->v[a], parent->v[b])};
         bool created = false;
         sl_patch_block_of(p, first)->middle[m] = sl_vertex_take(p, at, &created);
         if (created) sl_patches_touch_place(p, at);
@@ -348,7 +326,7 @@ static double between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) :
 
 static void corner_weights(const sl_patch_place *place, double u, double v, double weight[4]) {
     double a, b;
-    local_parameters(place, u, v, &a, &b);
+    sl_dyadic_local(place->corners, place->u, place->v, u, v, &a, &b);
     a = between_0_and_1(a);
     b = between_0_and_1(b);
     if (place->corners == 3) {

@@ -167,7 +167,7 @@ static inline void visit_below(const sl_mesh *mesh, const sl_mesh_place *place, 
         visit(context, place);
         return;
     }
-    for (int c = 0; c < sl_mesh_children(mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
         visit_below(mesh, &child, visit, context);
     }

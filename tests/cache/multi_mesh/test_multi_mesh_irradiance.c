@@ -58,7 +58,7 @@ static void ask(lit_floor *f, int depth) {
 static int deepest_below(const sl_mesh *mesh, const sl_mesh_place *place) {
     int deepest = place->depth;
     if (sl_mesh_is_leaf(mesh, place->node)) return deepest;
-    for (int c = 0; c < sl_mesh_children(mesh, place->node); c++) {
+    for (int c = 0; c < 4; c++) {
         sl_mesh_place child = sl_mesh_child_place(mesh, place, c);
         int below = deepest_below(mesh, &child);
         deepest = below > deepest ? below : deepest;
