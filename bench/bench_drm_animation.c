@@ -18,7 +18,6 @@ typedef struct variant {
     char name[32];
     int samples;
     sl_map_filter filter;
-    bool steady, importance;
 } variant;
 
 typedef struct flicker {
@@ -48,8 +47,6 @@ static sl_settings settings_of(const series *s, const variant *v) {
     m->samples = v->samples;
     m->filter = v->filter;
     m->weight = SL_WEIGHT_FLUX;
-    m->steady_samples = v->steady;
-    m->importance_samples = v->importance;
     return settings;
 }
 
@@ -187,15 +184,12 @@ static int make_variants(variant *variants) {
     static const struct {
         const char *name;
         sl_map_filter filter;
-        bool steady, importance;
-    } kinds[] = {{"point", SL_MAP_FILTER_POINT, false, false},       {"radiance", SL_MAP_FILTER_RADIANCE, false, false},
-                 {"flux", SL_MAP_FILTER_FLUX, false, false},         {"flux, steady", SL_MAP_FILTER_FLUX, true, false},
-                 {"flux, importance", SL_MAP_FILTER_FLUX, false, true}};
+    } kinds[] = {{"point", SL_MAP_FILTER_POINT}, {"radiance", SL_MAP_FILTER_RADIANCE}, {"flux", SL_MAP_FILTER_FLUX}};
     int count = 0;
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < 3; k++) {
         for (int m = 0; m < 3; m++) {
             variant *v = &variants[count++];
-            *v = (variant){"", samples[m], kinds[k].filter, kinds[k].steady, kinds[k].importance};
+            *v = (variant){"", samples[m], kinds[k].filter};
             snprintf(v->name, sizeof v->name, "%s, m = %d", kinds[k].name, samples[m]);
         }
     }

@@ -186,8 +186,6 @@ static void paper(sl_radiance_map_settings *m) {
     m->filter = SL_MAP_FILTER_RADIANCE;
 }
 static void polygon(sl_radiance_map_settings *m) { m->weight = SL_WEIGHT_POLYGON; }
-static void importance(sl_radiance_map_settings *m) { m->importance_samples = true; }
-static void steady(sl_radiance_map_settings *m) { m->steady_samples = true; }
 static void blocks(sl_radiance_map_settings *m) { m->visibility = SL_VISIBILITY_BLOCKS; }
 static void rays(sl_radiance_map_settings *m) { m->visibility = SL_VISIBILITY_RAYS; }
 static void polygon_rays(sl_radiance_map_settings *m) {
@@ -199,7 +197,7 @@ static void eight_bit(sl_radiance_map_settings *m) { m->eight_bit_positions = tr
 
 static const extension extensions[] = {
     {"the paper's: frustum, (14), radiance", paper}, {"flux weight, frustum", frustum}, {"flux weight, all faces", none},
-    {"8-bit positions", eight_bit}, {"polygon weight", polygon}, {"importance samples", importance}, {"steady samples", steady},
+    {"8-bit positions", eight_bit}, {"polygon weight", polygon},
     {"light by curved mirrors", traced}, {"visibility by blocks", blocks},
     {"visibility by rays", rays}, {"polygon, rays", polygon_rays},
 };

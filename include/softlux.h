@@ -405,8 +405,6 @@ typedef struct sl_radiance_map_settings {
     double map_fov;                  /**< radians, of a frustum, 0.01 to 3; the spot's own, or 90 degrees */
     sl_photon_weight weight;         /**< AUTO */
     sl_map_filter filter;            /**< AUTO */
-    bool importance_samples;         /**< photons where the map's flux is, instead of a regular grid */
-    bool steady_samples;             /**< photons keep to their surface when a moving light would make them jump */
     sl_photon_visibility visibility; /**< NONE, the paper's */
     sl_mirror_light mirror_light;    /**< FULL */
     int reflections;                 /**< planar mirrors one after another, 1 to 8; 1 */
@@ -416,8 +414,6 @@ typedef struct sl_radiance_map_settings {
     int emitter_samples;             /**< an area light shines from n x n points of it, n 1 to 64, and each takes pictures; 1, the paper's, at draft, or 2.
                                           What stands close before a point moves it to where the light gets out */
     bool eight_bit_positions;        /**< the map's positions as 8-bit colours, scaled into the scene's box */
-    bool texture_photons;            /**< fragments fetch photons from textures, instead of finding them in registers: the same bits */
-    bool separate_passes;            /**< a geometry pass for each of the map's pictures, as without multiple render targets */
     bool local_light_only;           /**< no shadows and no indirect light: what the paper compares its times with */
     bool direct_light_only;          /**< shadows, but no indirect light: likewise */
     bool without_layers;             /**< pictures have R, G, B alone: the layers, and the estimate of spread, cost a fifth of a small frame */

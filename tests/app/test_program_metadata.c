@@ -103,7 +103,7 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
     (void)state;
     static const char *const lines[] = {
         "-m splatting", "-m splatting -a 0.712345678901234 --gather trace --hit-samples 2 --metric minimum --harmonics 3 --glossy-hits --bounces 2 --seed 7",
-        "-m direct-radiance", "-m direct-radiance -M 5 --map frustum --map-fov 77.7 --weight 15 --visibility blocks --mirror-light trick --8-bit-positions --importance",
+        "-m direct-radiance", "-m direct-radiance -M 5 --map frustum --map-fov 77.7 --weight 15 --visibility blocks --mirror-light trick --8-bit-positions",
         "-m light-octree", "-m light-octree --acceptance 41.7 --spread 3.3 --stored-photons 3000 --radius 70.123456789 --dilation 0.123456789 --atlas --lobes harmonics --whole-voxels",
         "-m multi-mesh", "-m multi-mesh --gather-fov 133.3 --light-rays 3 --light-size 16 --gather-size 16 --threshold 1.23456789012 --selection chain",
         "-m shading-cache", "-m shading-cache --area-samples 9 --indirect-samples 5 --random-share 0.0123456789012 --no-flood --updates 5 --stop-size 3.3 --caustics",

@@ -152,7 +152,6 @@ static sl_light_pass lighting(const radiance_state *s) {
                            .cubes = s->cubes,
                            .photons = s->photons,
                            .weight = m->weight,
-                           .supply = m->texture_photons ? SL_PHOTONS_IN_TEXTURES : SL_PHOTONS_IN_REGISTERS,
                            .tracer = s->tracer,
                            .visibility = m->visibility,
                            .threads = s->settings.threads};

@@ -12,8 +12,6 @@
  *   footprint.c         (12), (13), and what they should be
  *   photons.c           pass 3: sample photons; map_texel.c what a texel tells, photon_quad.c footprints as polygons
  *   map_filter.c        many texels to a photon: MIP levels, and photon_groups.c, a photon for each surface
- *   importance.c        photons where the flux is
- *   steady.c            photons that do not flash
  *
  *   mirrors.c           pass 4: curved mirrors; mirror_objects.c, mirror_look_up.c
  *   receivers.c         passes 5 and 6: what the eye sees, planar mirrors included; receiver_tiles.c: in tiles, for lanes

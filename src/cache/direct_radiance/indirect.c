@@ -11,20 +11,14 @@
 #include "base/memory.h"
 #include "cache/direct_radiance/light_tiles.h"
 #include "cache/direct_radiance/visibility.h"
-#include "raster/fragments/pbuffer.h"
-
-enum { TEXTURE_WIDTH = 256, TEXTURES = SL_PHOTON_CHANNELS / 4 };
 
 struct sl_photon_sums {
     const sl_light_pass *pass;
     size_t count;
     sl_photon_registers *photon;
     sl_weight_form *form;
-    sl_weight_terms *terms;     /* NULL unless fragments compute all */
     sl_lobe_registers *lobe;    /* NULL where all photons are Lambertian */
     sl_photon_polygon *polygon; /* NULL unless polygons are wanted */
-    sl_pbuffer *texture[TEXTURES];
-    sl_photon_textures textures;
     bool plain;                 /* all photons are Lambertian, and of one form */
     float share[2];             /* of the even and the odd photons' sum in half the difference of what each would be alone */
     sl_sight *sight;            /* NULL: photons are seen from everywhere */
@@ -38,13 +32,11 @@ typedef sl_photon_sums indirect_pass;
 static bool make_tables(indirect_pass *p) {
     const sl_map_photons *photons = p->pass->photons;
     bool lobes = photons->lobe != NULL, polygons = p->pass->weight == SL_WEIGHT_POLYGON && photons->quad;
-    bool compute = p->pass->supply == SL_PHOTONS_BY_FRAGMENTS;
     p->photon = sl_allocate(p->count, sizeof *p->photon);
     p->form = sl_allocate(p->count, sizeof *p->form);
     if (lobes) p->lobe = sl_allocate(p->count, sizeof *p->lobe);
     if (polygons) p->polygon = sl_allocate(p->count, sizeof *p->polygon);
-    if (compute) p->terms = sl_allocate(p->count, sizeof *p->terms);
-    return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon) && (!compute || p->terms);
+    return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon);
 }
 
 static void fill_tables(indirect_pass *p) {
@@ -52,7 +44,6 @@ static void fill_tables(indirect_pass *p) {
     p->plain = !p->lobe;
     for (size_t j = 0; j < p->count; j++) {
         p->form[j] = sl_photon_load(photons, j, p->pass->weight, &p->photon[j]);
-        if (p->terms) p->terms[j] = sl_weight_terms_of(photons, j);
         if (p->lobe) (void)sl_photon_with_lobe(photons, j, p->pass->weight, &p->lobe[j]);
         if (p->form[j] != SL_FORM_POLYGON) continue;
         sl_photon_polygon_of(photons, j, &p->polygon[j]);
@@ -63,50 +54,15 @@ static void fill_tables(indirect_pass *p) {
     p->share[1] = odd ? -0.5f * (float)p->count / (float)odd : 0.0f;
 }
 
-/* Photons side by side, four channels a texture. */
-static sl_status make_textures(indirect_pass *p, sl_error *error) {
-    int height = (int)((p->count + TEXTURE_WIDTH - 1) / TEXTURE_WIDTH);
-    for (int t = 0; t < TEXTURES; t++) {
-        sl_status status = sl_pbuffer_create(TEXTURE_WIDTH, height, SL_PBUFFER_RGBA32F, &p->texture[t], error);
-        if (status != SL_OK) return status;
-        for (int c = 0; c < 4; c++) {
-            p->textures.plane[4 * t + c] = p->texture[t]->channel[c];
-            const float *values = (const float *)p->photon + 4 * t + c;
-            for (size_t j = 0; j < p->count; j++) p->texture[t]->channel[c][j] = values[SL_PHOTON_CHANNELS * j];
-        }
-    }
-    return SL_OK;
-}
-
-static sl_status upload(indirect_pass *p, sl_error *error) {
-    if (!make_tables(p)) return sl_fail_memory(error, "photons of a frame");
-    fill_tables(p);
-    return p->pass->supply == SL_PHOTONS_IN_TEXTURES ? make_textures(p, error) : SL_OK;
-}
-
 static void release(indirect_pass *p) {
     sl_sight_destroy(p->sight);
     sl_free(p->photon);
     sl_free(p->form);
-    sl_free(p->terms);
     sl_free(p->lobe);
     sl_free(p->polygon);
-    for (int t = 0; t < TEXTURES; t++) sl_pbuffer_destroy(p->texture[t]);
 }
 
 /* ---- a photon and what is done with its weight ---- */
-
-/* One photon as the fragments get it. */
-static sl_photon_registers supply(const indirect_pass *p, size_t j) {
-    if (p->pass->supply == SL_PHOTONS_IN_REGISTERS) return p->photon[j];
-    sl_photon_registers r;
-    if (p->pass->supply == SL_PHOTONS_BY_FRAGMENTS) {
-        (void)sl_photon_load(p->pass->photons, j, p->pass->weight, &r);
-    } else {
-        for (size_t c = 0; c < SL_PHOTON_CHANNELS; c++) ((float *)&r)[c] = p->textures.plane[c][j];
-    }
-    return r;
-}
 
 static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j, const sl_photon_registers *r, float *weight) {
     if (p->form[j] != SL_FORM_POLYGON) {
@@ -151,7 +107,7 @@ static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photo
 
 static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j, sl_tile_sight *around,
                        sl_tile_light *sum, sl_counters *counters) {
-    const sl_photon_registers r = supply(p, j);
+    const sl_photon_registers r = p->photon[j];
     const sl_rgb colour = {r.red, r.green, r.blue};
     const size_t count = tile->padded;
     float weight[SL_TILE_PIXELS], visible[SL_TILE_PIXELS], of_photon[SL_TILE_PIXELS], of_receiver[SL_TILE_PIXELS];
@@ -179,17 +135,6 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
 
 /* ---- a tile ---- */
 
-static void sum_plainly(const indirect_pass *p, const sl_receiver_tile *tile, sl_tile_light half[2]) {
-    const sl_photon_weight weight = p->pass->weight;
-    const bool cosine = sl_weight_is_cosine(weight);
-    if (p->pass->supply == SL_PHOTONS_IN_TEXTURES)
-        p->kernels.fetch(tile, &p->textures, p->count, cosine, half);
-    else if (p->pass->supply == SL_PHOTONS_BY_FRAGMENTS)
-        p->kernels.compute(tile, p->pass->photons->photon, p->terms, p->count, weight, half);
-    else
-        p->kernels.sum(tile, p->photon, p->count, cosine, half);
-}
-
 /* All photons, even and odd ones apart, and both together. */
 static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light half[2], sl_tile_light *sum,
                         sl_counters *counters) {
@@ -197,7 +142,7 @@ static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bo
     sl_tile_sight around;
     for (int h = 0; h < 2; h++) memset(&half[h], 0, glossy ? sizeof half[h] : sizeof half[h].irradiance);
     if (p->plain && !p->sight && !glossy) {
-        sum_plainly(p, tile, half);
+        p->kernels.sum(tile, p->photon, p->count, sl_weight_is_cosine(p->pass->weight), half);
     } else {
         if (p->sight) sl_sight_begin_tile(p->sight, tile, &around);
         for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, &around, &half[j % 2], counters);
@@ -215,7 +160,6 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
         p->kernels.reflect_spread(tile, &difference, glossy, to->spread);
     }
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
-    if (p->pass->supply == SL_PHOTONS_IN_TEXTURES) sl_count(counters, SL_COUNT_TEXTURE_FETCHES, TEXTURES * tile->count * p->count);
 }
 
 /* ---- photon by photon ---- */
@@ -287,12 +231,13 @@ sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums
     if (!*sums) return sl_fail_memory(error, "photons of a frame");
     **sums = (sl_photon_sums){.pass = pass, .count = pass->photons->count, .kernels = sl_receiver_kernels_for(sl_isa_best()),
                               .sight_kernels = sl_sight_kernels_for(sl_isa_best())};
-    sl_status status = upload(*sums, error);
-    if (status != SL_OK) {
-        sl_photon_sums_destroy(*sums);
-        *sums = NULL;
+    if (make_tables(*sums)) {
+        fill_tables(*sums);
+        return SL_OK;
     }
-    return status;
+    sl_photon_sums_destroy(*sums);
+    *sums = NULL;
+    return sl_fail_memory(error, "photons of a frame");
 }
 
 void sl_photon_sums_destroy(sl_photon_sums *sums) {

@@ -12,20 +12,12 @@ typedef struct sl_lit_picture {
     float *direct[3], *indirect[3];
 } sl_lit_picture;
 
-/* How fragments come by what they need of a photon: the same bits, at different prices. */
-typedef enum sl_photon_supply {
-    SL_PHOTONS_IN_REGISTERS, /* what depends on the photon alone is computed once a frame, and uploaded */
-    SL_PHOTONS_IN_TEXTURES,  /* the same, fetched from textures by every fragment */
-    SL_PHOTONS_BY_FRAGMENTS  /* photons are uploaded as they are, and every fragment computes everything */
-} sl_photon_supply;
-
 typedef struct sl_light_pass {
     const sl_scene *scene;
     const sl_map_lights *lights;
     const sl_shadow_cubes *cubes;        /* NULL: no shadows */
     const sl_map_photons *photons;       /* NULL: no indirect light */
     sl_photon_weight weight;             /* not AUTO */
-    sl_photon_supply supply;
     const sl_tracer *tracer;             /* for visibility; NULL with SL_VISIBILITY_NONE */
     sl_photon_visibility visibility;
     sl_rgb trick_albedo;                 /* curved mirrors receive indirect light with k_s times that; 0: they do not */

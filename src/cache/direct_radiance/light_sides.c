@@ -44,13 +44,9 @@ sl_view sl_light_picture_view(const sl_scene *scene, const sl_map_light *light, 
 static float reach_along(sl_vec3 axis, sl_vec3 half) { return fabsf(axis.x * half.x) + fabsf(axis.y * half.y) + fabsf(axis.z * half.z); }
 
 sl_parallel_picture sl_parallel_picture_of(const sl_scene *scene, const sl_map_light *light) {
-    return sl_parallel_picture_along(scene, sl_frame_from_normal(light->direction));
-}
-
-sl_parallel_picture sl_parallel_picture_along(const sl_scene *scene, sl_frame frame) {
     sl_vec3 half = sl_scale(sl_sub(scene->box_max, scene->box_min), 0.5f);
     float margin = 1e-3f * scene->diagonal;
-    sl_parallel_picture p = {.centre = sl_add(scene->box_min, half), .frame = frame};
+    sl_parallel_picture p = {.centre = sl_add(scene->box_min, half), .frame = sl_frame_from_normal(light->direction)};
     p.reach_x = reach_along(p.frame.x, half) + margin;
     p.reach_y = reach_along(p.frame.y, half) + margin;
     p.reach_z = reach_along(p.frame.z, half) + margin;

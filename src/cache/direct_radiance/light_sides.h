@@ -39,7 +39,6 @@ typedef struct sl_parallel_picture {
     float reach_x, reach_y, reach_z; /* half extents */
 } sl_parallel_picture;
 sl_parallel_picture sl_parallel_picture_of(const sl_scene *scene, const sl_map_light *light);
-sl_parallel_picture sl_parallel_picture_along(const sl_scene *scene, sl_frame frame);
 sl_view sl_parallel_view(const sl_parallel_picture *picture, int width, int height);
 
 #endif

@@ -55,7 +55,7 @@ static double share_of(const sl_map_light *light, const sl_planned_face *face, i
 
 double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
     const sl_map_light *l = &map->lights->light[light];
-    sl_face_shape shape = {map->shape, map->fov, 2, 1, false};
+    sl_face_shape shape = {map->shape, map->fov, 2, 1};
     sl_planned_face face[SL_LIGHT_FACES_MAX];
     const float clearance[2] = {0};
     double flux = (double)sl_rgb_mean(sl_map_light_flux(l));

@@ -2,13 +2,11 @@
 
 #include "base/math.h"
 #include "cache/direct_radiance/light_sides.h"
-#include "cache/direct_radiance/steady.h"
 
 sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings) {
     int m = settings->samples > 1 ? settings->samples : 1;
-    int size = settings->steady_samples ? sl_steady_map_size(settings->map_size) : settings->map_size;
-    int texels = size > m ? (size + m - 1) / m : 1; /* w is rounded up to a multiple of m */
-    return (sl_face_shape){settings->shape, settings->map_fov, m, texels, settings->steady_samples};
+    int texels = settings->map_size > m ? (settings->map_size + m - 1) / m : 1; /* w is rounded up to a multiple of m */
+    return (sl_face_shape){settings->shape, settings->map_fov, m, texels};
 }
 
 /* ---- pyramids ---- */
@@ -71,12 +69,9 @@ static double frustum_reach(const sl_map_light *light, double fov) {
     return reach > 11.43 ? 11.43 : reach > 1e-3 ? reach : 1e-3;
 }
 
-static sl_frame frame_of(const sl_map_light *light, sl_map_shape shape, sl_vec3 aim, bool steady) {
+static sl_frame frame_of(const sl_map_light *light, sl_map_shape shape, sl_vec3 aim) {
     bool aimed = light->kind == SL_MAP_LIGHT_POINT && shape != SL_MAP_CUBE;
-    sl_frame frame = aimed ? sl_frame_from_normal(aim) : sl_light_frame(light);
-    if (!steady) return frame;
-    bool all_alike = light->kind == SL_MAP_LIGHT_POINT && shape == SL_MAP_CUBE; /* else z stays, by which dark faces are known */
-    return all_alike ? sl_steady_cube_frame(frame) : sl_steady_roll(frame);
+    return aimed ? sl_frame_from_normal(aim) : sl_light_frame(light);
 }
 
 /* ---- parallel ---- */
@@ -89,7 +84,6 @@ int sl_parallel_texels(int samples, int texels) {
 /* The picture lies as far before the box's middle as the box is deep. */
 static void add_parallel(face_list *list, const sl_scene *scene) {
     sl_parallel_picture p = sl_parallel_picture_of(scene, list->light);
-    if (list->shape->steady) p = sl_parallel_picture_along(scene, sl_steady_roll(p.frame));
     sl_face_shape finer = *list->shape;
     finer.texels = sl_parallel_texels(finer.samples, finer.texels);
     list->shape = &finer;
@@ -106,7 +100,7 @@ int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_fa
                    sl_planned_face *face, int *dark) {
     face_list list = {light, shape, clearance, face, 0, 0};
     sl_map_shape form = shape_for(light, shape->shape);
-    sl_frame frame = frame_of(light, form, aim, shape->steady);
+    sl_frame frame = frame_of(light, form, aim);
     if (light->kind == SL_MAP_LIGHT_DIRECTIONAL) add_parallel(&list, scene);
     else if (form == SL_MAP_CUBE) add_cube(&list, &frame);
     else if (form == SL_MAP_HEMICUBE) add_hemicube(&list, &frame, false);

@@ -20,7 +20,6 @@ typedef struct sl_face_shape {
     sl_map_shape shape; /* AUTO: by the light's kind */
     double fov;         /* of a frustum; 0: the spot's own, or 90 degrees */
     int samples, texels; /* m, and texels a side of a block: w / m */
-    bool steady;         /* steady.h: turned, and with more texels */
 } sl_face_shape;
 
 sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings);

@@ -60,7 +60,7 @@ sl_status sl_photons_of_filtered_radiance(sl_photon_list *list, const sl_map_fac
 
 static void group_block(sl_photon_list *list, const sl_map_face *f, int column, int row) {
     int texels = sl_block_texels(f);
-    sl_photon_groups groups = {.angle = 0.0};
+    sl_photon_groups groups = {.group = {{.luminance = 0.0}}};
     double block = sl_block_angle(list->map, f, column, row);
     for (int y = row; y < row + texels; y++) {
         for (int x = column; x < column + texels; x++) sl_photon_groups_add(list, f, x, y, block, &groups);

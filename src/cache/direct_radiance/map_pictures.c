@@ -53,10 +53,10 @@ static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, 
     d->map->color[2][i] = color.b;
 }
 
-void sl_map_texel_write(const sl_map_drawing *d, size_t i, const sl_surface *s, const sl_texel_light *light, unsigned pictures) {
-    if (pictures & SL_PICTURE_POSITIONS) write_position(d, i, s, light->way);
-    if (pictures & SL_PICTURE_COLORS) write_color(d, i, s, light);
-    if (pictures & SL_PICTURE_NORMALS) {
+void sl_map_texel_write(const sl_map_drawing *d, size_t i, const sl_surface *s, const sl_texel_light *light) {
+    write_position(d, i, s, light->way);
+    write_color(d, i, s, light);
+    if (d->map->normal[0]) {
         d->map->normal[0][i] = s->normal.x;
         d->map->normal[1][i] = s->normal.y;
         d->map->normal[2][i] = s->normal.z;
@@ -88,11 +88,10 @@ static sl_texel_light light_at(const sl_map_drawing *d, const sl_map_face *face,
 
 typedef struct {
     const sl_map_drawing *drawing;
-    unsigned pictures;
     uint64_t *shaded; /* by face */
 } resolution;
 
-static void resolve_texel(const sl_map_drawing *d, const sl_map_face *face, size_t i, float w1, float w2, unsigned pictures) {
+static void resolve_texel(const sl_map_drawing *d, const sl_map_face *face, size_t i, float w1, float w2) {
     uint32_t triangle = d->map->triangle[i];
     sl_surface surface;
     /* Every point of the triangle is seen from the same side. */
@@ -100,7 +99,7 @@ static void resolve_texel(const sl_map_drawing *d, const sl_map_face *face, size
     if (d->map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL) to_light = sl_neg(face->frame.z);
     sl_scene_surface(d->scene, triangle, w1, w2, to_light, &surface);
     sl_texel_light light = light_at(d, face, surface.position);
-    sl_map_texel_write(d, i, &surface, &light, pictures);
+    sl_map_texel_write(d, i, &surface, &light);
 }
 
 static void resolve_face(void *context, size_t index, unsigned worker) {
@@ -118,7 +117,7 @@ static void resolve_face(void *context, size_t index, unsigned worker) {
         for (size_t i = 0; i < count; i++) {
             size_t texel = face->first + first + i;
             if (d->map->triangle[texel] == SL_NO_INDEX) continue;
-            resolve_texel(d, face, texel, w1[i], w2[i], r->pictures);
+            resolve_texel(d, face, texel, w1[i], w2[i]);
             r->shaded[index]++;
         }
     }
@@ -161,18 +160,17 @@ static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
     return status;
 }
 
-sl_status sl_map_pictures_draw(const sl_map_drawing *d, unsigned pictures, sl_error *error) {
+sl_status sl_map_pictures_draw(const sl_map_drawing *d, sl_error *error) {
     size_t faces = d->map->face_count;
     if (!faces) return SL_OK;
-    resolution r = {d, pictures, sl_allocate(faces, sizeof *r.shaded)};
+    resolution r = {d, sl_allocate(faces, sizeof *r.shaded)};
     if (!r.shaded) return sl_fail_memory(error, "a radiance map's faces");
     sl_status status = draw_triangles(d, error);
     if (status == SL_OK) {
         sl_parallel_for(sl_thread_count(d->options->threads), faces, resolve_face, &r);
         for (size_t f = 0; f < faces; f++) sl_count(d->counters, SL_COUNT_FRAGMENTS_SHADED, r.shaded[f]);
         /* Four floats a texel; 8-bit positions have four bytes. */
-        size_t bytes = pictures & SL_PICTURE_POSITIONS ? d->settings->eight_bit_positions ? 4u : 16u : 0u;
-        bytes += (pictures & SL_PICTURE_COLORS ? 16u : 0u) + (pictures & SL_PICTURE_NORMALS ? 16u : 0u);
+        size_t bytes = (d->settings->eight_bit_positions ? 4u : 16u) + (d->map->normal[0] ? 32u : 16u);
         sl_count(d->counters, SL_COUNT_BYTES_READ_BACK, bytes * d->map->texels);
     }
     sl_free(r.shaded);

@@ -4,8 +4,6 @@
 
 #include "cache/direct_radiance/map_faces.h"
 
-enum { SL_PICTURE_POSITIONS = 1, SL_PICTURE_COLORS = 2, SL_PICTURE_NORMALS = 4 };
-
 typedef struct sl_map_drawing {
     const sl_scene *scene;
     const sl_raster *raster;
@@ -21,9 +19,9 @@ typedef struct sl_map_drawing {
 sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_view *views, const sl_target *targets, unsigned threads,
                                 sl_counters *counters, sl_error *error);
 
-/* Draws all faces and resolves the pictures asked for: together it is one pass with multiple render targets. No shadows are looked up: what
- * the light sees is lit. */
-sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, unsigned pictures, sl_error *error);
+/* Draws all faces and resolves their pictures in one pass with multiple render targets. No shadows are looked up: what the light
+ * sees is lit. */
+sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, sl_error *error);
 
 /* What a texel shows: light that arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane that faces it. */
 typedef struct sl_texel_light {
@@ -32,7 +30,7 @@ typedef struct sl_texel_light {
     float way;
 } sl_texel_light;
 /* Writes texel i of the pictures. */
-void sl_map_texel_write(const sl_map_drawing *drawing, size_t i, const sl_surface *surface, const sl_texel_light *light, unsigned pictures);
+void sl_map_texel_write(const sl_map_drawing *drawing, size_t i, const sl_surface *surface, const sl_texel_light *light);
 
 /* The direction in which a ray of the face's picture left the light itself: of mirrors' faces before the mirror. */
 sl_vec3 sl_map_face_departure(const sl_map_drawing *drawing, const sl_map_face *face, sl_vec3 direction);

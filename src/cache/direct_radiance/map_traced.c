@@ -137,7 +137,6 @@ static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, s
     if (!(spread > 0.0f) || !isfinite(spread)) return;
     sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light, departure), way[0].carried);
     sl_texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread), (float)way[0].way};
-    unsigned all = SL_PICTURE_POSITIONS | SL_PICTURE_COLORS | (map->normal[0] ? SL_PICTURE_NORMALS : 0u);
     map->triangle[i] = way[0].triangle;
     map->spread[i] = spread;
     map->arrival[0][i] = arriving.arrival.x;
@@ -146,7 +145,7 @@ static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, s
     map->carried[0][i] = way[0].carried.r;
     map->carried[1][i] = way[0].carried.g;
     map->carried[2][i] = way[0].carried.b;
-    sl_map_texel_write(d, i, &end, &arriving, all);
+    sl_map_texel_write(d, i, &end, &arriving);
 }
 
 typedef struct {

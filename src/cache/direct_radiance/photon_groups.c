@@ -1,8 +1,6 @@
 /* Texels become groups, and groups photons: a block of the map whose texels' flux is summed, surface by surface (SL_MAP_FILTER_FLUX). */
 #include "cache/direct_radiance/photon_groups.h"
 
-#include "cache/direct_radiance/steady.h"
-
 /* Facets of a curved surface whose normals differ by less than 20 degrees are one group, where they lie one beside the other: a table and
  * the floor below it have one normal, often one object, and nothing of either is halfway between them. (A photon of both moves by half the
  * table's height as texels change sides: of the irradiance of a room where a light glides past a box, the largest change in a
@@ -60,15 +58,13 @@ static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
 
 /* A stranger adds its flux and its area, so that no light is lost, and does not move the photon: between a roof and the
  * lawn there is a room. */
-static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger, double angle,
-                      double of_block) {
+static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger, double of_block) {
     double weight = stranger ? 0.0 : t->luminance;
     add_scaled(&sum->position, t->position, weight);
     add_scaled(&sum->normal, t->normal, weight);
     add_scaled(&sum->to_light, t->to_light, weight);
     sum->luminance += weight;
     sum->way += weight * t->way;
-    sum->angle += angle;
     sum->area += t->footprint / fmax(t->cos_alpha, SL_GROUP_COS_MIN);
     for (int k = 0; k < 3; k++) {
         sum->flux[k] += t->flux[k];
@@ -79,7 +75,7 @@ static void add_texel(sl_photon_sum *sum, const sl_radiance_map *map, const sl_m
     add_lobe(sum, t);
 }
 
-static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photon_sum *sum, double angle) {
+static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photon_sum *sum) {
     double mean = 1.0 / sum->luminance;
     sl_photon_sample s = {.position = sl_scaled(sum->position, mean), .normal = unit_or(sum->normal, sum->first_normal),
                           .way = sum->way * mean, .object = sum->object, .bent = sum->bent, .rectangle = sum->rectangle};
@@ -87,7 +83,7 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const sl_photo
     s.to_light = unit_or(sum->to_light, s.normal);
     s.cos_alpha = fmax(sl_dotd(s.normal, s.to_light), SL_GROUP_COS_MIN);
     /* A cos alpha, of which the flux weight makes A again. */
-    s.footprint = (list->steady ? sl_steady_area(sum->area, sum->angle / angle) : sum->area) * s.cos_alpha;
+    s.footprint = sum->area * s.cos_alpha;
     for (int k = 0; k < 3; k++) {
         s.flux[k] = sum->flux[k];
         s.radiance[k] = sum->radiance[k];
@@ -104,8 +100,6 @@ void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, i
     double angle = (double)list->map->block_angle[sl_map_texel_index(face, column, row)];
     const sl_texel_rectangle place = {column, row, column + 1, row + 1};
     sl_map_texel t;
-    groups->rectangle = groups->angle > 0.0 ? sl_texel_rectangle_join(groups->rectangle, place) : place;
-    groups->angle += angle;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
     bool stranger;
     sl_photon_sum *g = group_of(groups->group, &t, list->map->lambertian, &stranger);
@@ -113,17 +107,15 @@ void sl_photon_groups_add(const sl_photon_list *list, const sl_map_face *face, i
         *g = (sl_photon_sum){.first_position = t.position, .first_normal = t.normal, .object = t.object, .material = t.material,
                              .rectangle = place};
     }
-    add_texel(g, list->map, &t, stranger, angle, angle / block);
+    add_texel(g, list->map, &t, stranger, angle / block);
     g->bent = g->bent || sl_dotd(g->first_normal, t.normal) < 1.0 - 1e-6;
     if (!stranger) g->rectangle = sl_texel_rectangle_join(g->rectangle, place);
 }
 
 bool sl_photon_groups_finish(sl_photon_list *list, const sl_map_face *face, sl_photon_groups *groups) {
     size_t before = list->photons->count;
-    for (sl_photon_sum *g = groups->group; g < groups->group + SL_PHOTON_GROUPS && g->luminance > 0.0; g++) {
-        if (list->steady) g->rectangle = groups->rectangle;
-        finish(list, face, g, groups->angle);
-    }
-    *groups = (sl_photon_groups){.angle = 0.0};
+    for (sl_photon_sum *g = groups->group; g < groups->group + SL_PHOTON_GROUPS && g->luminance > 0.0; g++)
+        finish(list, face, g);
+    *groups = (sl_photon_groups){.group = {{.luminance = 0.0}}};
     return list->photons->count > before;
 }

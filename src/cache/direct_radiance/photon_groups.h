@@ -9,7 +9,7 @@ enum { SL_PHOTON_GROUPS = 4 }; /* at most */
 /* One surface's: sums of flux and area, and means of all else, weighted by luminance. */
 typedef struct sl_photon_sum {
     sl_vec3d position, normal, shading, to_light;
-    double luminance, way, area, angle;
+    double luminance, way, area;
     double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
     sl_vec3d first_position, first_normal; /* of the texel that opened it */
     uint32_t object;                       /* likewise */
@@ -20,8 +20,6 @@ typedef struct sl_photon_sum {
 
 /* Begins and ends as zeros. */
 typedef struct sl_photon_groups {
-    double angle;                 /* of all texels, lit or not */
-    sl_texel_rectangle rectangle; /* likewise */
     sl_photon_sum group[SL_PHOTON_GROUPS];
 } sl_photon_groups;
 

@@ -29,8 +29,6 @@ typedef struct sl_photon_list {
     const sl_scene *scene;
     const sl_radiance_map *map;
     sl_map_photons *photons;
-    bool grouped;            /* the flux filter */
-    bool steady;             /* steady.h */
 } sl_photon_list;
 
 /* Texels each way of a block. */
@@ -60,7 +58,6 @@ typedef sl_status sl_take_photons(sl_photon_list *list, const sl_map_face *face,
 sl_take_photons sl_photons_at_points;            /* photons.c */
 sl_take_photons sl_photons_of_filtered_radiance; /* map_filter.c */
 sl_take_photons sl_photons_of_groups;            /* map_filter.c */
-sl_take_photons sl_photons_by_importance;        /* importance.c */
 
 /* The footprint's corners on the sample's tangent plane (photon_quad.c). */
 void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *sample, sl_photon_quad *quad);

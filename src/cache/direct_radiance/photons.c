@@ -45,7 +45,6 @@ sl_status sl_photons_at_points(sl_photon_list *list, const sl_map_face *face, si
 }
 
 static sl_take_photons *way_to_take(const sl_radiance_map_settings *settings) {
-    if (settings->importance_samples) return sl_photons_by_importance;
     if (settings->filter == SL_MAP_FILTER_POINT) return sl_photons_at_points;
     if (settings->filter == SL_MAP_FILTER_RADIANCE) return sl_photons_of_filtered_radiance;
     return sl_photons_of_groups;
@@ -64,7 +63,7 @@ static size_t count_blocks(const sl_map_face *face, size_t face_count) {
     return blocks;
 }
 
-/* Room for the most that the samples can be: four groups a block; a part of the pictures that importance cuts out may end with each face. */
+/* Room for the most that the samples can be: four groups a block. */
 static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_map_photons **photons, sl_error *error) {
     sl_map_photons *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "sample photons");
@@ -83,14 +82,13 @@ static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_
 sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
                               sl_map_photons **photons, sl_counters *counters, sl_error *error) {
     bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, quads, SL_PHOTON_GROUPS * (count_blocks(map->face, map->face_count) + map->face_count), photons, error);
+    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map->face, map->face_count), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
     p->box_diagonal = scene->diagonal;
 
-    sl_photon_list list = {.scene = scene, .map = map, .photons = p, .grouped = settings->filter == SL_MAP_FILTER_FLUX,
-                           .steady = settings->steady_samples};
+    sl_photon_list list = {.scene = scene, .map = map, .photons = p};
     sl_take_photons *take = way_to_take(settings);
     size_t face = 0;
     for (size_t light = 0; light < SL_MAP_POINTS_MAX && status == SL_OK; light++) {

@@ -13,8 +13,8 @@ typedef struct sl_map_photon {
     float cos_alpha;      /* at y, towards the light; > 0 */
     sl_vec3 normal;       /* n_y, unit, on the lit side: the geometric one, which decides sides */
     float printed_area;   /* (13) with (12), for the printed weights: A of (14); its A' is printed_area * cos_alpha */
-    sl_rgb radiance;      /* for the printed weights: L_o, or with lobes the irradiance that is reflected; of a group, and of a texel drawn by
-                             importance, the share that it has in its sample's mean */
+    sl_rgb radiance;      /* for the printed weights: L_o, or with lobes the irradiance that is reflected; of a group, the share that it has in its
+                             sample's mean */
     uint32_t object;
 } sl_map_photon;
 
@@ -37,7 +37,7 @@ typedef struct sl_photon_quad {
 
 typedef struct sl_map_photons {
     size_t count, room;      /* of the arrays */
-    sl_map_photon *photon;   /* in order of light, face, row, column, group (by importance: of a curve through each face): of every sum */
+    sl_map_photon *photon;   /* in order of light, face, row, column, group: of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
     size_t first_of_light[SL_MAP_POINTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
@@ -47,7 +47,7 @@ typedef struct sl_map_photons {
     float box_diagonal;      /* ||B_max - B_min|| of (15) */
 } sl_map_photons;
 
-/* settings are complete. A pure function of scene and map: nothing outlives a frame, also with steady samples. */
+/* settings are complete. A pure function of scene and map: nothing outlives a frame. */
 sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map, const sl_radiance_map_settings *settings,
                               sl_map_photons **photons, sl_counters *counters, sl_error *error);
 void sl_map_photons_destroy(sl_map_photons *photons);

@@ -207,23 +207,12 @@ static sl_status make_map(const planning *p, sl_radiance_map *map, bool traced, 
     return status;
 }
 
-/* Multiple render targets, or a pass for each picture. */
-static sl_status draw_map(const sl_map_drawing *d, sl_error *error) {
-    unsigned all = SL_PICTURE_POSITIONS | SL_PICTURE_COLORS | (d->map->normal[0] ? SL_PICTURE_NORMALS : 0u);
-    if (!d->settings->separate_passes) return sl_map_pictures_draw(d, all, error);
-    sl_status status = SL_OK;
-    for (unsigned picture = 1; picture <= all && status == SL_OK; picture *= 2) {
-        if (all & picture) status = sl_map_pictures_draw(d, picture, error);
-    }
-    return status;
-}
-
 static sl_status render(planning *p, const sl_radiance_map_settings *settings, sl_radiance_map *map, sl_error *error) {
     bool traced = settings->traced_light_mirrors && p->options->tracer;
     sl_status status = plan(p, error);
     if (status == SL_OK) status = make_map(p, map, traced, error);
     sl_map_drawing drawing = {p->scene, p->raster, settings, p->options, p->face, p->stencil, map, p->counters};
-    if (status == SL_OK) status = draw_map(&drawing, error);
+    if (status == SL_OK) status = sl_map_pictures_draw(&drawing, error);
     if (status == SL_OK && traced) status = sl_map_trace_mirrors(&drawing, error);
     return status;
 }

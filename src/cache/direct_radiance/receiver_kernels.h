@@ -26,19 +26,9 @@ typedef void sl_where_kernel(size_t count, const float *b, float *a);
 /* share[0] half[0] + share[1] half[1] */
 typedef void sl_combine_kernel(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum);
 
-/* Photons as textures: channel c of photon j is at plane[c][j]. */
-typedef struct sl_photon_textures {
-    const float *plane[SL_PHOTON_CHANNELS];
-} sl_photon_textures;
-
-/* (10) over Lambertian photons in index order: adds the even ones to the irradiance of half[0], the odd ones to that of half[1]. All of
- * these give the same bits. sum: from registers; fetch: from textures; compute: everything by the fragment. */
+/* (10) over Lambertian photons in index order: adds the even ones to the irradiance of half[0], the odd ones to that of half[1]. */
 typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
                                   sl_tile_light half[2]);
-typedef void sl_photon_fetch_kernel(const sl_receiver_tile *tile, const sl_photon_textures *photons, size_t count, bool cosine,
-                                    sl_tile_light half[2]);
-typedef void sl_photon_compute_kernel(const sl_receiver_tile *tile, const sl_map_photon *photons, const sl_weight_terms *terms,
-                                      size_t count, sl_photon_weight weight, sl_tile_light half[2]);
 /* One photon's weight, or its polygon's where pi (its Pi by Lambert's formula) is given. */
 typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, bool cosine, float *weight);
 typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
@@ -72,8 +62,6 @@ typedef struct sl_receiver_kernels {
     sl_where_kernel *where;
     sl_combine_kernel *combine;
     sl_photon_sum_kernel *sum;
-    sl_photon_fetch_kernel *fetch;
-    sl_photon_compute_kernel *compute;
     sl_photon_weigh_kernel *weigh;
     sl_polygon_weigh_kernel *weigh_polygon;
     sl_photon_lobe_kernel *photon_lobe;
@@ -93,8 +81,6 @@ typedef struct sl_receiver_kernels {
     sl_where_kernel sl_receivers_where_##isa;             \
     sl_combine_kernel sl_receivers_combine_##isa;         \
     sl_photon_sum_kernel sl_photons_sum_##isa;            \
-    sl_photon_fetch_kernel sl_photons_fetch_##isa;        \
-    sl_photon_compute_kernel sl_photons_compute_##isa;    \
     sl_photon_weigh_kernel sl_photon_weigh_##isa;         \
     sl_polygon_weigh_kernel sl_photon_polygon_##isa;      \
     sl_photon_lobe_kernel sl_photon_lobe_power_##isa;     \
@@ -112,7 +98,7 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
         sl_receivers_prepare_##name, sl_receivers_fetch_rows_##name, sl_receivers_survey_##name,                           \
             sl_receivers_reflect_to_##name, sl_receivers_spread_##name,                                                    \
             sl_receivers_reached_##name, sl_receivers_where_##name, sl_receivers_combine_##name, sl_photons_sum_##name,    \
-            sl_photons_fetch_##name, sl_photons_compute_##name, sl_photon_weigh_##name,                                    \
+            sl_photon_weigh_##name,                                                                                        \
             sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
             sl_receiver_mirror_eye_##name, sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \
     }

@@ -8,13 +8,14 @@ static inline sl_vec3 geometric(const sl_receiver_tile *t, size_t i) {
 }
 static inline sl_vec3 shading(const sl_receiver_tile *t, size_t i) { return sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]); }
 
-/* One photon on lanes [first, end); cosine is a constant where this is inlined. */
-static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine, size_t first, size_t end,
+/* One photon on all lanes; cosine is a constant where this is inlined. */
+static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine,
                               float (*irradiance)[SL_TILE_PIXELS]) {
+    const size_t count = t->padded;
     const sl_photon_registers p = *photon;
     float *restrict r = irradiance[0], *restrict g = irradiance[1], *restrict b = irradiance[2];
 #pragma omp simd aligned(r, g, b : 64)
-    for (size_t i = first; i < end; i++) {
+    for (size_t i = 0; i < count; i++) {
         float w = cosine ? sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i))
                          : sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
         r[i] += p.red * w;
@@ -26,36 +27,9 @@ static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registe
 void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
                                sl_tile_light half[2]) {
     if (cosine) {
-        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, 0, tile->padded, half[j % 2].irradiance);
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, half[j % 2].irradiance);
     } else {
-        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, 0, tile->padded, half[j % 2].irradiance);
-    }
-}
-
-/* ---- sixteen fragments at a time, each of which reads its photons itself ---- */
-
-void SL_KERNEL(sl_photons_fetch)(const sl_receiver_tile *tile, const sl_photon_textures *photons, size_t count, bool cosine,
-                                 sl_tile_light half[2]) {
-    for (size_t first = 0; first < tile->padded; first += SL_TILE_LANES) {
-        for (size_t j = 0; j < count; j++) {
-            const float *const *plane = photons->plane;
-            sl_photon_registers p = {plane[0][j], plane[1][j], plane[2][j], plane[3][j], plane[4][j],  plane[5][j],
-                                     plane[6][j], plane[7][j], plane[8][j], plane[9][j], plane[10][j], plane[11][j]};
-            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, half[j % 2].irradiance);
-            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, half[j % 2].irradiance);
-        }
-    }
-}
-
-void SL_KERNEL(sl_photons_compute)(const sl_receiver_tile *tile, const sl_map_photon *photons, const sl_weight_terms *terms, size_t count,
-                                   sl_photon_weight weight, sl_tile_light half[2]) {
-    bool cosine = sl_weight_is_cosine(weight);
-    for (size_t first = 0; first < tile->padded; first += SL_TILE_LANES) {
-        for (size_t j = 0; j < count; j++) {
-            sl_photon_registers p = sl_photon_registers_of(&photons[j], weight, terms[j]);
-            if (cosine) add_photon(tile, &p, true, first, first + SL_TILE_LANES, half[j % 2].irradiance);
-            else add_photon(tile, &p, false, first, first + SL_TILE_LANES, half[j % 2].irradiance);
-        }
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, half[j % 2].irradiance);
     }
 }
 

@@ -38,8 +38,6 @@ typedef struct sl_photon_registers {
     float nx, ny, nz, nearest; /* nearest: square of the distance below which the photon gives nothing */
 } sl_photon_registers;
 
-enum { SL_PHOTON_CHANNELS = sizeof(sl_photon_registers) / sizeof(float) };
-
 static inline bool sl_weight_is_cosine(sl_photon_weight weight) { return weight == SL_WEIGHT_EVEN || weight == SL_WEIGHT_BOX; }
 /* The printed weights are of L_o, the others of the flux Psi. */
 static inline bool sl_weight_is_printed(sl_photon_weight weight) { return sl_weight_is_cosine(weight) || weight == SL_WEIGHT_DISC; }

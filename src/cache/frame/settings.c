@@ -238,12 +238,8 @@ static void stamp_radiance_map(stamping *st, const sl_radiance_map_settings *m) 
     stamp_count(st, "cube_size", (uint64_t)m->cube_size);
     stamp_count(st, "shadow_size", (uint64_t)m->shadow_size);
     stamp_count(st, "emitter_samples", (uint64_t)m->emitter_samples);
-    stamp_flag(st, "importance", m->importance_samples);
-    stamp_flag(st, "steady", m->steady_samples);
     stamp_flag(st, "light_mirrors", m->traced_light_mirrors);
     stamp_flag(st, "8_bit_positions", m->eight_bit_positions);
-    stamp_flag(st, "texture_photons", m->texture_photons);
-    stamp_flag(st, "separate_passes", m->separate_passes);
     stamp_flag(st, "local_light", m->local_light_only);
     stamp_flag(st, "direct_light", m->direct_light_only);
     stamp_flag(st, "without_layers", m->without_layers);

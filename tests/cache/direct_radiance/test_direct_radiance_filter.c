@@ -1,12 +1,12 @@
-/* Samples that look at all texels of their blocks: filtered radiance, flux groups, and photons by importance. */
+/* Samples that look at all texels of their blocks: filtered radiance and flux groups. */
 #include "radiance_maps.h"
 
 static sl_map_light light_at(sl_vec3 position) {
     return (sl_map_light){.kind = SL_MAP_LIGHT_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
 }
 
-static sl_radiance_map_settings with(sl_map_filter filter, bool importance) {
-    return (sl_radiance_map_settings){.filter = filter, .weight = SL_WEIGHT_FLUX, .importance_samples = importance};
+static sl_radiance_map_settings with(sl_map_filter filter) {
+    return (sl_radiance_map_settings){.filter = filter, .weight = SL_WEIGHT_FLUX};
 }
 
 /* A room of side 2 with a table of one object with it: walls of reflectance `walls`, floor and table 0.8. */
@@ -40,7 +40,7 @@ static void sum_flux(const sl_map_photons *photons, double sum[3]) {
 /* The sum over all texels: every texel a photon. */
 static void sum_flux_of_texels(const sl_scene *scene, sl_map_light light, int w, double sum[3]) {
     hand_map *h = pictures(scene, light, w, w);
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_POINT, false);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_POINT);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
     sum_flux(photons, sum);
     sl_map_photons_destroy(photons);
@@ -57,32 +57,26 @@ static void grouping_leaves_the_sum_of_flux_as_it_is(void **state) {
     sum_flux_of_texels(scene, light, 24, texels);
     for (int m = 1; m <= 24; m *= m == 3 ? 4 : m == 1 ? 3 : 2) {
         hand_map *h = pictures(scene, light, 24, m);
-        for (int steady = 0; steady < 2; steady++) {
-            for (int importance = 0; importance < 2; importance++) {
-                sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX, importance);
-                settings.steady_samples = steady;
-                sl_map_photons *photons = take_photons(scene, &h->map, &settings);
-                sum_flux(photons, sum);
-                for (int c = 0; c < 3; c++) assert_true(fabs(sum[c] / texels[c] - 1) < 1e-6);
-                assert_true(photons->count <= 4 * 6 * (size_t)(m * m) + 24);
-                sl_map_photons_destroy(photons);
-            }
-        }
+        sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
+        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+        sum_flux(photons, sum);
+        for (int c = 0; c < 3; c++) assert_true(fabs(sum[c] / texels[c] - 1) < 1e-6);
+        assert_true(photons->count <= 4 * 6 * (size_t)(m * m));
+        sl_map_photons_destroy(photons);
         hand_map_end(h);
     }
     sl_scene_destroy(scene);
 }
 
 /* One face of 4 x 4 texels as one block; left half of it one surface, right half another. */
-static sl_map_photons *photons_of_two(const sl_scene *scene, sl_vec3 left, sl_vec3 left_normal, sl_vec3 right, sl_vec3 right_normal,
-                                      bool importance) {
+static sl_map_photons *photons_of_two(const sl_scene *scene, sl_vec3 left, sl_vec3 left_normal, sl_vec3 right, sl_vec3 right_normal) {
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
     for (size_t i = 0; i < 16; i++) {
         sl_vec3 nudge = sl_v3(0, 0.01f * (float)(i / 4), 0);
         bool first = i % 4 < 2;
         hand_texel(h, i, 0, sl_add(first ? left : right, nudge), first ? left_normal : right_normal, sl_grey(0.5f));
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX, importance);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
     hand_map_end(h);
     return photons;
@@ -92,7 +86,7 @@ static void a_block_across_an_edge_has_a_photon_on_each_side(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
     sl_vec3 wall = sl_v3(1, 0, -0.2f), other = sl_v3(0.9f, 0, 0.3f);
-    sl_map_photons *photons = photons_of_two(scene, wall, sl_v3(-1, 0, 0), other, sl_v3(0, 0, -1), false);
+    sl_map_photons *photons = photons_of_two(scene, wall, sl_v3(-1, 0, 0), other, sl_v3(0, 0, -1));
     assert_int_equal(photons->count, 2);
     assert_true(fabsf(photons->photon[0].position.x - 1) < 1e-6f && photons->photon[0].normal.x == -1.0f);
     assert_true(fabsf(photons->photon[1].position.z - 0.3f) < 1e-6f && photons->photon[1].normal.z == -1.0f);
@@ -110,7 +104,7 @@ static void photons_of_more_surfaces_than_a_block_has_lie_on_some_of_them(void *
         hand_texel(h, i, 0, sl_v3(0.3f + 0.1f * (float)(i / 2), 0.01f * (float)(i % 2), 0.05f), sl_v3(-1, 0, 0), sl_grey(0.5f));
         expected += 2.0 * 0.5 * (double)h->map.block_angle[i] / SL_PI;
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX, false);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
     assert_int_equal(photons->count, 4);
     for (size_t j = 0; j < photons->count; j++) {
@@ -128,7 +122,7 @@ static void a_table_and_the_floor_below_it_are_two_photons(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
     sl_vec3 near = sl_v3(0.5f, 0, -0.1f), far = sl_v3(1, 0, 0.2f), normal = sl_v3(-1, 0, 0);
-    sl_map_photons *photons = photons_of_two(scene, near, normal, far, normal, false);
+    sl_map_photons *photons = photons_of_two(scene, near, normal, far, normal);
     assert_int_equal(photons->count, 2);
     assert_true(fabsf(photons->photon[0].position.x - 0.5f) < 1e-6f);
     assert_true(fabsf(photons->photon[1].position.x - 1.0f) < 1e-6f);
@@ -152,7 +146,7 @@ static void facets_of_a_curved_surface_are_one_photon(void **state) {
         weight += angle;
         area += b2 * angle / (-sl_dotd(p, n) / sqrt(b2));
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX, false);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
     assert_int_equal(photons->count, 1);
     const sl_map_photon *p = &photons->photon[0];
@@ -176,7 +170,7 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
         hand_texel(h, i, 0, sl_v3(1 + sl_random_unit(key, i + 1000), 0, 0), n, sl_grey(0.5f));
         texels += 0.5 * 3.0 * (double)h->map.block_angle[i] / SL_PI;
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX, false);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
     assert_int_equal(photons->count, 4);
     sum_flux(photons, sum);
@@ -189,7 +183,7 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
 static void a_groups_share_of_the_printed_radiance_is_its_share_of_the_block(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.5f);
-    sl_map_photons *photons = photons_of_two(scene, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_v3(2, 0, 0), sl_v3(-1, 0, 0), false);
+    sl_map_photons *photons = photons_of_two(scene, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_v3(2, 0, 0), sl_v3(-1, 0, 0));
     assert_int_equal(photons->count, 2);
     double near = 0.5 * 3.0 / SL_PI, far = near / 4; /* L_o of each; half the block */
     assert_true(fabs((double)photons->photon[0].radiance.g / (near / 2) - 1) < 1e-3);
@@ -220,7 +214,7 @@ static void filtered_radiance_is_the_mean_of_the_block(void **state) {
                 mean[i / (2 * texels) / texels * 2 + i % (2 * texels) / texels] += (double)value / (texels * texels);
             }
         }
-        sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE, false);
+        sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE);
         sl_map_photons *photons = take_photons(scene, &h->map, &settings);
         assert_int_equal(photons->count, 4);
         for (int j = 0; j < 4; j++) assert_true(fabs((double)photons->photon[j].radiance.g - mean[j]) < 1e-6);
@@ -235,7 +229,7 @@ static void filtered_radiance_between_levels_keeps_what_is_even(void **state) {
     sl_scene *scene = room_with_table(0.5f);
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 18, 3); /* level log2(6) */
     for (size_t i = 0; i < 18 * 18; i++) hand_texel(h, i, 0, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.25f));
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE, false), point = with(SL_MAP_FILTER_POINT, false);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE), point = with(SL_MAP_FILTER_POINT);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings), *points = take_photons(scene, &h->map, &point);
     assert_int_equal(photons->count, 9);
     for (int j = 0; j < 9; j++) {
@@ -258,7 +252,7 @@ static void filtered_flux_is_at_most_what_arrives(void **state) {
         bool far = i % 4 % 2 == 0 && i / 4 % 2 == 0; /* where the samples are */
         hand_texel(h, i, 0, sl_v3(far ? 1.0f : 0.01f, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE, false);
+    sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);
     assert_int_equal(photons->count, 4);
     for (int j = 0; j < 4; j++) {
@@ -270,86 +264,12 @@ static void filtered_flux_is_at_most_what_arrives(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- importance ---- */
-
-static void importance_keeps_the_luminance_of_the_light(void **state) {
-    (void)state;
-    sl_scene *scene = room_with_table(0.1f);
-    sl_map_light light = light_at(sl_v3(0.2f, 0.4f, 0.1f));
-    double texels[3], sum[3];
-    sum_flux_of_texels(scene, light, 16, texels);
-    for (int m = 1; m <= 16; m *= 2) {
-        hand_map *h = pictures(scene, light, 16, m);
-        sl_radiance_map_settings settings = with(SL_MAP_FILTER_POINT, true);
-        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
-        sum_flux(photons, sum);
-        assert_true(fabs(sl_luminance_of(sum) / sl_luminance_of(texels) - 1) < 1e-6);
-        assert_true(photons->count >= 1 && photons->count <= 6 * (size_t)(m * m));
-        assert_int_equal(photons->samples_of_light[0], 6 * m * m);
-        sl_map_photons_destroy(photons);
-        hand_map_end(h);
-    }
-    sl_scene_destroy(scene);
-}
-
-static void importance_puts_photons_where_the_flux_is(void **state) {
-    (void)state;
-    sl_scene *scene = room_with_table(0.02f);
-    hand_map *h = pictures(scene, light_at(sl_v3(0, 0.2f, 0)), 32, 4);
-    for (int grouped = 0; grouped < 2; grouped++) {
-        sl_radiance_map_settings settings = with(grouped ? SL_MAP_FILTER_FLUX : SL_MAP_FILTER_POINT, true);
-        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
-        size_t bright = 0;
-        for (size_t j = 0; j < photons->count; j++) bright += photons->photon[j].position.y < -0.3f;
-        assert_true(photons->count > 48 && (double)bright > 0.6 * (double)photons->count); /* a sixth of the directions */
-        sl_map_photons_destroy(photons);
-    }
-    hand_map_end(h);
-    sl_scene_destroy(scene);
-}
-
-/* Root of the mean square error of irradiance at points of the ceiling and of two walls, of its mean. */
-static double irradiance_error(const sl_scene *scene, sl_map_light light, int w, int m, sl_radiance_map_settings settings) {
-    hand_map *fine = pictures(scene, light, 48, 48), *h = pictures(scene, light, w, m);
-    sl_radiance_map_settings point = with(SL_MAP_FILTER_POINT, false);
-    sl_map_photons *reference = take_photons(scene, &fine->map, &point), *photons = take_photons(scene, &h->map, &settings);
-    double square = 0, mean = 0;
-    for (int i = 0; i < 108; i++) {
-        double u = -1 + (i % 6 + 0.5) / 3, v = -1 + (i / 6 % 6 + 0.5) / 3;
-        sl_vec3d x = i < 36 ? sl_v3d(u, 0.999, v) : i < 72 ? sl_v3d(0.999, u, v) : sl_v3d(u, v, -0.999);
-        sl_vec3d n = i < 36 ? sl_v3d(0, -1, 0) : i < 72 ? sl_v3d(-1, 0, 0) : sl_v3d(0, 0, 1);
-        double exact = flux_irradiance(reference, x, n), found = flux_irradiance(photons, x, n);
-        square += (found - exact) * (found - exact) / 108;
-        mean += exact / 108;
-    }
-    sl_map_photons_destroy(reference);
-    sl_map_photons_destroy(photons);
-    hand_map_end(fine);
-    hand_map_end(h);
-    return sqrt(square) / mean;
-}
-
-static void in_a_dark_room_importance_has_half_the_error(void **state) {
-    (void)state;
-    sl_scene *scene = room_with_table(0.02f);
-    sl_map_light light = light_at(sl_v3(0.1f, 0.2f, 0.05f));
-    double regular = irradiance_error(scene, light, 32, 4, with(SL_MAP_FILTER_FLUX, false));
-    double groups = irradiance_error(scene, light, 32, 4, with(SL_MAP_FILTER_FLUX, true));
-    double points = irradiance_error(scene, light, 32, 4, with(SL_MAP_FILTER_POINT, false));
-    double drawn = irradiance_error(scene, light, 32, 4, with(SL_MAP_FILTER_POINT, true));
-    print_message("relative error: groups %.4f, by importance %.4f; points %.4f, drawn %.4f\n", regular, groups, points, drawn);
-    assert_true(groups < 0.5 * regular);
-    assert_true(drawn < 0.5 * points);
-    sl_scene_destroy(scene);
-}
-
 static void photons_come_out_with_the_same_bits_again(void **state) {
     (void)state;
     sl_scene *scene = room_with_table(0.3f);
     hand_map *h = pictures(scene, light_at(sl_v3(0.2f, 0.4f, 0.1f)), 12, 4);
-    for (int i = 0; i < 12; i++) {
-        sl_radiance_map_settings settings = with((sl_map_filter)(SL_MAP_FILTER_POINT + i % 3), i / 3 % 2);
-        settings.steady_samples = i / 6;
+    for (int i = 0; i < 3; i++) {
+        sl_radiance_map_settings settings = with((sl_map_filter)(SL_MAP_FILTER_POINT + i));
         sl_map_photons *a = take_photons(scene, &h->map, &settings), *b = take_photons(scene, &h->map, &settings);
         assert_int_equal(a->count, b->count);
         assert_memory_equal(a->photon, b->photon, a->count * sizeof *a->photon);
@@ -372,9 +292,6 @@ int main(void) {
         cmocka_unit_test(filtered_radiance_is_the_mean_of_the_block),
         cmocka_unit_test(filtered_radiance_between_levels_keeps_what_is_even),
         cmocka_unit_test(filtered_flux_is_at_most_what_arrives),
-        cmocka_unit_test(importance_keeps_the_luminance_of_the_light),
-        cmocka_unit_test(importance_puts_photons_where_the_flux_is),
-        cmocka_unit_test(in_a_dark_room_importance_has_half_the_error),
         cmocka_unit_test(photons_come_out_with_the_same_bits_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -406,30 +406,6 @@ static void damaged_receivers_leave_no_value_that_is_not_finite(void **state) {
 
 /* ---- the same bits ---- */
 
-static void every_supply_of_photons_gives_the_same_bits(void **state) {
-    sl_map_photons *photons = room_photons(false);
-    for (uint32_t materials = 0; materials <= 2; materials += 2) {
-        sl_receivers *receivers = random_receivers(materials);
-        for (int w = 0; w < WEIGHTS; w++) {
-            sl_light_pass pass = {.scene = *state, .photons = photons, .weight = all_weights[w], .threads = 1};
-            sl_counters costs[3] = {{{0}}};
-            planes of[3];
-            for (int s = 0; s < 3; s++) {
-                pass.supply = (sl_photon_supply)s;
-                of[s] = light_up(&pass, receivers, NULL, &costs[s]);
-                assert_same_bits(of[0], of[s]);
-            }
-            uint64_t look_ups = costs[0].value[SL_COUNT_PHOTON_LOOK_UPS];
-            assert_true(look_ups > 0);
-            assert_int_equal(costs[SL_PHOTONS_IN_TEXTURES].value[SL_COUNT_TEXTURE_FETCHES], 3 * look_ups);
-            assert_int_equal(costs[SL_PHOTONS_IN_REGISTERS].value[SL_COUNT_TEXTURE_FETCHES], 0);
-            for (int s = 0; s < 3; s++) free_planes(&of[s]);
-        }
-        free_receivers(receivers);
-    }
-    free_photons(photons);
-}
-
 static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     sl_receivers *receivers = random_receivers(2);
     static const char *const isas[] = {"baseline", "avx2", "avx512"};
@@ -483,7 +459,6 @@ int main(void) {
         cmocka_unit_test(spread_is_half_the_difference_of_the_two_half_sums),
         cmocka_unit_test(work_is_photons_times_receivers),
         cmocka_unit_test(damaged_receivers_leave_no_value_that_is_not_finite),
-        cmocka_unit_test(every_supply_of_photons_gives_the_same_bits),
         cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };
     return cmocka_run_group_tests(tests, make_scene, destroy_scene);

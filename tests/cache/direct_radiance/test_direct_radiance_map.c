@@ -263,30 +263,6 @@ static bool same_planes(const sl_radiance_map *a, const sl_radiance_map *b) {
     return same;
 }
 
-static void separate_passes_give_the_same_bits_for_three_times_the_geometry(void **state) {
-    (void)state;
-    trace_mesh mesh = furnished();
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
-    how h = by_default();
-    world w = world_of(&mesh, &h);
-    sl_radiance_map *together = w.map;
-    sl_counters one = w.counters;
-    w.map = NULL;
-    h.settings.separate_passes = true;
-    take(&w, &h);
-    assert_true(same_planes(together, w.map));
-    assert_int_equal(passes(&w), 3 * one.value[SL_COUNT_RASTER_PASSES]);
-    assert_int_equal(w.counters.value[SL_COUNT_TRIANGLES_SUBMITTED], 3 * one.value[SL_COUNT_TRIANGLES_SUBMITTED]);
-    assert_int_equal(w.counters.value[SL_COUNT_FRAGMENTS_SHADED], 3 * one.value[SL_COUNT_FRAGMENTS_SHADED]);
-    assert_int_equal(w.counters.value[SL_COUNT_BYTES_READ_BACK], one.value[SL_COUNT_BYTES_READ_BACK]);
-    assert_int_equal(one.value[SL_COUNT_BYTES_READ_BACK], 6 * 256 * 48);
-    h.no_normals = true;
-    take(&w, &h);
-    assert_int_equal(passes(&w), 2 * one.value[SL_COUNT_RASTER_PASSES]);
-    sl_radiance_map_destroy(together);
-    discard(&w);
-}
-
 static void the_bits_are_the_same_at_any_number_of_threads(void **state) {
     (void)state;
     sl_radiance_map *maps[3];
@@ -790,7 +766,6 @@ int main(void) {
         cmocka_unit_test(eight_bit_positions_err_by_at_most_a_510th_of_the_box),
         cmocka_unit_test(the_radiance_picture_is_direct_light_at_the_same_points),
         cmocka_unit_test(true_colour_and_normals_are_there_exactly_when_asked_for),
-        cmocka_unit_test(separate_passes_give_the_same_bits_for_three_times_the_geometry),
         cmocka_unit_test(the_bits_are_the_same_at_any_number_of_threads),
         cmocka_unit_test(texels_solid_angles_add_up_to_those_of_cube_hemicube_and_frustum),
         cmocka_unit_test(any_number_of_samples_cuts_faces_into_whole_blocks),
