@@ -16,15 +16,7 @@ void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, float x, 
     float v = (1.0f - 2.0f * y / (float)lens->height) * lens->tan_y;
     const sl_camera *c = &scene->camera;
     sl_vec3 direction = sl_normalize_or(sl_sub(sl_mad(sl_scale(c->right, u), v, c->up), c->back), sl_neg(c->back));
-    rays->origin_x[i] = c->eye.x;
-    rays->origin_y[i] = c->eye.y;
-    rays->origin_z[i] = c->eye.z;
-    rays->direction_x[i] = direction.x;
-    rays->direction_y[i] = direction.y;
-    rays->direction_z[i] = direction.z;
-    rays->near[i] = 0.0f;
-    rays->far[i] = INFINITY;
-    rays->skip[i] = SL_NO_INDEX;
+    sl_ray16_set(rays, i, c->eye, direction, 0.0f, INFINITY, SL_NO_INDEX);
 }
 
 void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key, uint32_t index, sl_ray16 *rays,

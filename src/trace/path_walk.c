@@ -133,15 +133,9 @@ static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const s
                              sl_rgb light) {
     unsigned i = q->count++;
     sl_ray16 *r = &q->rays;
-    r->origin_x[i] = origin.x;
-    r->origin_y[i] = origin.y;
-    r->origin_z[i] = origin.z;
-    r->direction_x[i] = sample->to_light.x;
-    r->direction_y[i] = sample->to_light.y;
-    r->direction_z[i] = sample->to_light.z;
-    r->near[i] = 0.0f;
-    r->far[i] = sample->distance * (1.0f - 1e-4f); /* the light's own surface does not hide it */
-    r->skip[i] = sample->triangle != SL_NO_INDEX ? sample->triangle : triangle;
+    /* the light's own surface does not hide it */
+    sl_ray16_set(r, i, origin, sample->to_light, 0.0f, sample->distance * (1.0f - 1e-4f),
+                 sample->triangle != SL_NO_INDEX ? sample->triangle : triangle);
     q->light[i] = light;
     q->owner[i] = w;
 }
@@ -220,15 +214,7 @@ static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float
 /* ---- packets ------------------------------------------------------------------------------------------------------------ */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
-    rays->origin_x[i] = w->origin.x;
-    rays->origin_y[i] = w->origin.y;
-    rays->origin_z[i] = w->origin.z;
-    rays->direction_x[i] = w->direction.x;
-    rays->direction_y[i] = w->direction.y;
-    rays->direction_z[i] = w->direction.z;
-    rays->near[i] = w->near;
-    rays->far[i] = w->far;
-    rays->skip[i] = w->skip;
+    sl_ray16_set(rays, i, w->origin, w->direction, w->near, w->far, w->skip);
 }
 
 uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *first, uint64_t key, sl_hit16 *chosen,

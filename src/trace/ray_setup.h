@@ -32,8 +32,6 @@ typedef struct sl_ready_rays {
 /* Returns how many of the first `count` are usual. */
 typedef unsigned sl_ray_setup_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, const sl_ready_rays *ready);
 
-unsigned sl_ray_setup_usual_baseline(const sl_ray_setup *, const sl_ray16 *, unsigned, const sl_ready_rays *);
-unsigned sl_ray_setup_usual_avx2(const sl_ray_setup *, const sl_ray16 *, unsigned, const sl_ready_rays *);
-unsigned sl_ray_setup_usual_avx512(const sl_ray_setup *, const sl_ray16 *, unsigned, const sl_ready_rays *);
+SL_KERNEL_VARIANTS(sl_ray_setup_usual, sl_ray_setup_usual);
 
 #endif

@@ -25,6 +25,14 @@ typedef struct sl_ray16 {
     uint32_t skip[SL_PACKET]; /* a triangle that is not hit (the ray's own), or SL_NO_INDEX */
 } sl_ray16;
 
+static inline void sl_ray16_set(sl_ray16 *rays, unsigned i, sl_vec3 origin, sl_vec3 direction, float near, float far, uint32_t skip) {
+    rays->origin_x[i] = origin.x, rays->origin_y[i] = origin.y, rays->origin_z[i] = origin.z;
+    rays->direction_x[i] = direction.x, rays->direction_y[i] = direction.y, rays->direction_z[i] = direction.z;
+    rays->near[i] = near;
+    rays->far[i] = far;
+    rays->skip[i] = skip;
+}
+
 typedef struct sl_hit16 {
     _Alignas(64) float t[SL_PACKET];
     float w1[SL_PACKET], w2[SL_PACKET]; /* barycentric weights of corners 1 and 2 */

@@ -151,37 +151,6 @@ static sl_status build_hierarchy(sl_tracer *tracer, sl_error *error) {
     return SL_OK;
 }
 
-static sl_triangle_test *triangle_test_for(sl_isa isa) {
-#ifdef SL_BASELINE_ONLY
-    (void)isa;
-    return sl_triangle_test_baseline;
-#else
-    static sl_triangle_test *const tests[SL_ISAS] = {sl_triangle_test_baseline, sl_triangle_test_avx2,
-                                                     sl_triangle_test_avx512};
-    return tests[isa];
-#endif
-}
-
-static sl_ray_frames *ray_frames_for(sl_isa isa) {
-#ifdef SL_BASELINE_ONLY
-    (void)isa;
-    return sl_ray_frames_baseline;
-#else
-    static sl_ray_frames *const frames[SL_ISAS] = {sl_ray_frames_baseline, sl_ray_frames_avx2, sl_ray_frames_avx512};
-    return frames[isa];
-#endif
-}
-
-static sl_ray_setup_usual *ray_setup_for(sl_isa isa) {
-#ifdef SL_BASELINE_ONLY
-    (void)isa;
-    return sl_ray_setup_usual_baseline;
-#else
-    static sl_ray_setup_usual *const setups[SL_ISAS] = {sl_ray_setup_usual_baseline, sl_ray_setup_usual_avx2, sl_ray_setup_usual_avx512};
-    return setups[isa];
-#endif
-}
-
 sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config, sl_tracer **out,
                            sl_error *error) {
     *out = NULL;
@@ -192,9 +161,9 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     sl_tracer *tracer = sl_allocate(1, sizeof *tracer);
     if (!tracer) return sl_fail_memory(error, "the tracer");
     tracer->scene = scene;
-    tracer->test = triangle_test_for(sl_isa_best());
-    tracer->frames = ray_frames_for(sl_isa_best());
-    tracer->make_usual_ready = ray_setup_for(sl_isa_best());
+    tracer->test = SL_KERNEL_OF(sl_isa_best(), sl_triangle_test);
+    tracer->frames = SL_KERNEL_OF(sl_isa_best(), sl_ray_frames);
+    tracer->make_usual_ready = SL_KERNEL_OF(sl_isa_best(), sl_ray_setup_usual);
     sl_status status = place_triangles(tracer, error);
     if (status != SL_OK) {
         sl_tracer_destroy(tracer);

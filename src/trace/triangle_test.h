@@ -41,19 +41,12 @@ typedef struct sl_candidates {
 typedef uint32_t sl_triangle_test(const sl_ray_state *state, const sl_triangle_corners *corners, const int *valid,
                                   const unsigned *id, unsigned n, sl_candidates *candidates);
 
-uint32_t sl_triangle_test_baseline(const sl_ray_state *, const sl_triangle_corners *, const int *, const unsigned *, unsigned,
-                                   sl_candidates *);
-uint32_t sl_triangle_test_avx2(const sl_ray_state *, const sl_triangle_corners *, const int *, const unsigned *, unsigned,
-                               sl_candidates *);
-uint32_t sl_triangle_test_avx512(const sl_ray_state *, const sl_triangle_corners *, const int *, const unsigned *, unsigned,
-                                 sl_candidates *);
+SL_KERNEL_VARIANTS(sl_triangle_test, sl_triangle_test);
 
 /* sl_ray_state_set() for all sixteen rays at once; with_axis is replaced. Origins and directions by axis, then ray. */
 typedef void sl_ray_frames(sl_ray_state *state, const float origin[3][SL_PACKET], const float direction[3][SL_PACKET]);
 
-void sl_ray_frames_baseline(sl_ray_state *, const float[3][SL_PACKET], const float[3][SL_PACKET]);
-void sl_ray_frames_avx2(sl_ray_state *, const float[3][SL_PACKET], const float[3][SL_PACKET]);
-void sl_ray_frames_avx512(sl_ray_state *, const float[3][SL_PACKET], const float[3][SL_PACKET]);
+SL_KERNEL_VARIANTS(sl_ray_frames, sl_ray_frames);
 
 /* Sets origin, shear and dominant axis of ray i; the direction must be finite and not 0. with_axis starts as 0. */
 void sl_ray_state_set(sl_ray_state *state, unsigned i, sl_vec3 origin, sl_vec3 direction);

@@ -117,7 +117,7 @@ typedef struct sl_hidden_sums {
 /* Points [first, first + count) of points, count <= SL_LOOK_UP_MAX. without_light: sums of w alone, the same bits. */
 typedef void sl_look_up_kernel(const sl_hidden_field *field, const sl_hidden_points *points, size_t first, size_t count,
                                bool without_light, sl_hidden_sums *sums);
-sl_look_up_kernel sl_look_up_baseline, sl_look_up_avx2, sl_look_up_avx512;
+SL_KERNEL_VARIANTS(sl_look_up_kernel, sl_look_up);
 sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa);
 
 /* Adds the irradiance at the points to r, g, b. */

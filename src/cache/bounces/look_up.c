@@ -8,14 +8,7 @@
 
 #include "base/counters.h"
 
-sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_look_up_avx512;
-    if (isa == SL_ISA_AVX2) return sl_look_up_avx2;
-#endif
-    (void)isa;
-    return sl_look_up_baseline;
-}
+sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_look_up); }
 
 float sl_hidden_weight(const sl_hidden_list *list, size_t record, sl_vec3 position, sl_vec3 normal) {
     const sl_record_terms *k = &list->terms[record];
@@ -38,10 +31,7 @@ typedef struct {
 } lost_point;
 
 static void set_segment(sl_ray16 *rays, unsigned i, sl_vec3 from, sl_vec3 to, uint32_t skip) {
-    rays->origin_x[i] = from.x, rays->origin_y[i] = from.y, rays->origin_z[i] = from.z;
-    rays->direction_x[i] = to.x - from.x, rays->direction_y[i] = to.y - from.y, rays->direction_z[i] = to.z - from.z;
-    rays->far[i] = 1.0f;
-    rays->skip[i] = skip;
+    sl_ray16_set(rays, i, from, sl_sub(to, from), 0.0f, 1.0f, skip);
 }
 
 /* Both ends are lifted, so that a convex surface does not stand between its own points; nothing may be in the way up either. */

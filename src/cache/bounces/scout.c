@@ -42,14 +42,6 @@ static void look(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 
     }
 }
 
-static void set_ray(sl_ray16 *rays, unsigned i, sl_vec3 origin, sl_vec3 direction, float near, uint32_t skip) {
-    rays->origin_x[i] = origin.x, rays->origin_y[i] = origin.y, rays->origin_z[i] = origin.z;
-    rays->direction_x[i] = direction.x, rays->direction_y[i] = direction.y, rays->direction_z[i] = direction.z;
-    rays->near[i] = near;
-    rays->far[i] = INFINITY;
-    rays->skip[i] = skip;
-}
-
 /* ---- from points ---- */
 
 typedef struct {
@@ -80,7 +72,7 @@ static void scout_one(void *context, size_t index, unsigned worker, void *result
             double b = ((double)row + (double)sl_random_unit(key, 2 * cell + 1)) * (2.0 / RAYS_A_SIDE) - 1.0;
             sl_concentric_disc(a, b, &x, &y);
             double z = sqrt(fmax(0.0, 1.0 - x * x - y * y));
-            set_ray(&rays, i, eye, sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)z)), 0.0f, origin->triangle);
+            sl_ray16_set(&rays, i, eye, sl_frame_to_world(&frame, sl_v3((float)x, (float)y, (float)z)), 0.0f, INFINITY, origin->triangle);
         }
         look(c->scene, c->tracer, &rays, SL_PACKET, false, sl_random_key(key, 1000 + first), seen + first, counters);
     }
@@ -116,7 +108,7 @@ sl_status sl_scout_camera(const sl_scene *scene, const sl_tracer *tracer, const 
             float x = right * (2.0f * ((float)((first + i) % columns) + 0.5f) / (float)columns - 1.0f);
             float y = top * (2.0f * ((float)((first + i) / columns) + 0.5f) / (float)rows - 1.0f);
             sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), x, camera->right), y, camera->up);
-            set_ray(&rays, i, camera->eye, direction, 1e-5f * scene->scale, SL_NO_INDEX);
+            sl_ray16_set(&rays, i, camera->eye, direction, 1e-5f * scene->scale, INFINITY, SL_NO_INDEX);
         }
         look(scene, tracer, &rays, count, true, sl_random_key(settings->seed, first), seen->points + first, counters);
     }

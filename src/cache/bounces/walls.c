@@ -36,10 +36,7 @@ void sl_hidden_walls_find(const sl_scene *scene, const sl_tracer *tracer, const 
     memset(&rays, 0, sizeof rays);
     for (int i = 0; i < SL_WALL_SECTORS; i++) {
         sl_vec3 d = sl_frame_to_world(&frame, sl_v3(border[i][0], border[i][1], 0.0f));
-        rays.origin_x[i] = eye.x, rays.origin_y[i] = eye.y, rays.origin_z[i] = eye.z;
-        rays.direction_x[i] = d.x, rays.direction_y[i] = d.y, rays.direction_z[i] = d.z;
-        rays.far[i] = 1.1f * reach;
-        rays.skip[i] = point->triangle;
+        sl_ray16_set(&rays, (unsigned)i, eye, d, 0.0f, 1.1f * reach, point->triangle);
     }
     sl_trace(tracer, &rays, SL_PACKET, false, &hits, counters);
     walls->x = frame.x;

@@ -15,15 +15,8 @@ typedef struct sl_compose_row {
 } sl_compose_row;
 
 typedef void sl_compose_kernel(const sl_compose_row *row);
-sl_compose_kernel sl_compose_row_baseline, sl_compose_row_avx2, sl_compose_row_avx512;
+SL_KERNEL_VARIANTS(sl_compose_kernel, sl_compose_row);
 
-static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_compose_row_avx512;
-    if (isa == SL_ISA_AVX2) return sl_compose_row_avx2;
-#endif
-    (void)isa;
-    return sl_compose_row_baseline;
-}
+static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_compose_row); }
 
 #endif

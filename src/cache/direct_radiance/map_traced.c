@@ -71,15 +71,8 @@ static void follow(const sl_map_drawing *d, leg way[RAYS], sl_counters *counters
         unsigned count = 0;
         for (int k = 0; k < RAYS; k++) {
             if (!way[k].going) continue;
-            rays.origin_x[count] = way[k].origin.x;
-            rays.origin_y[count] = way[k].origin.y;
-            rays.origin_z[count] = way[k].origin.z;
-            rays.direction_x[count] = way[k].direction.x;
-            rays.direction_y[count] = way[k].direction.y;
-            rays.direction_z[count] = way[k].direction.z;
-            rays.near[count] = (leg_number ? 1e-6f : 1e-5f) * d->scene->scale;
-            rays.far[count] = INFINITY;
-            rays.skip[count] = way[k].from;
+            sl_ray16_set(&rays, count, way[k].origin, way[k].direction,
+                         (leg_number ? 1e-6f : 1e-5f) * d->scene->scale, INFINITY, way[k].from);
             which[count++] = k;
         }
         if (!count) return;

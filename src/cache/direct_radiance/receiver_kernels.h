@@ -71,42 +71,32 @@ typedef struct sl_receiver_kernels {
     sl_light_kernels light;
 } sl_receiver_kernels;
 
-#define SL_DECLARE_RECEIVER_KERNELS(isa)                  \
-    sl_prepare_kernel sl_receivers_prepare_##isa;         \
-    sl_fetch_rows_kernel sl_receivers_fetch_rows_##isa;   \
-    sl_survey_kernel sl_receivers_survey_##isa;           \
-    sl_reflect_to_kernel sl_receivers_reflect_to_##isa;   \
-    sl_reflect_spread_kernel sl_receivers_spread_##isa;   \
-    sl_reached_kernel sl_receivers_reached_##isa;         \
-    sl_where_kernel sl_receivers_where_##isa;             \
-    sl_combine_kernel sl_receivers_combine_##isa;         \
-    sl_photon_sum_kernel sl_photons_sum_##isa;            \
-    sl_photon_weigh_kernel sl_photon_weigh_##isa;         \
-    sl_polygon_weigh_kernel sl_photon_polygon_##isa;      \
-    sl_photon_lobe_kernel sl_photon_lobe_power_##isa;     \
-    sl_receiver_lobe_kernel sl_receiver_lobe_power_##isa; \
-    sl_mirror_eye_kernel sl_receiver_mirror_eye_##isa;    \
-    sl_multiply_kernel sl_receivers_multiply_##isa
-
-SL_DECLARE_RECEIVER_KERNELS(baseline);
-SL_DECLARE_RECEIVER_KERNELS(avx2);
-SL_DECLARE_RECEIVER_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_prepare_kernel, sl_receivers_prepare);
+SL_KERNEL_VARIANTS(sl_fetch_rows_kernel, sl_receivers_fetch_rows);
+SL_KERNEL_VARIANTS(sl_survey_kernel, sl_receivers_survey);
+SL_KERNEL_VARIANTS(sl_reflect_to_kernel, sl_receivers_reflect_to);
+SL_KERNEL_VARIANTS(sl_reflect_spread_kernel, sl_receivers_spread);
+SL_KERNEL_VARIANTS(sl_reached_kernel, sl_receivers_reached);
+SL_KERNEL_VARIANTS(sl_where_kernel, sl_receivers_where);
+SL_KERNEL_VARIANTS(sl_combine_kernel, sl_receivers_combine);
+SL_KERNEL_VARIANTS(sl_photon_sum_kernel, sl_photons_sum);
+SL_KERNEL_VARIANTS(sl_photon_weigh_kernel, sl_photon_weigh);
+SL_KERNEL_VARIANTS(sl_polygon_weigh_kernel, sl_photon_polygon);
+SL_KERNEL_VARIANTS(sl_photon_lobe_kernel, sl_photon_lobe_power);
+SL_KERNEL_VARIANTS(sl_receiver_lobe_kernel, sl_receiver_lobe_power);
+SL_KERNEL_VARIANTS(sl_mirror_eye_kernel, sl_receiver_mirror_eye);
+SL_KERNEL_VARIANTS(sl_multiply_kernel, sl_receivers_multiply);
 
 static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
-#define SL_RECEIVER_KERNELS_OF(name)                                                                                       \
-    (sl_receiver_kernels) {                                                                                                \
-        sl_receivers_prepare_##name, sl_receivers_fetch_rows_##name, sl_receivers_survey_##name,                           \
-            sl_receivers_reflect_to_##name, sl_receivers_spread_##name,                                                    \
-            sl_receivers_reached_##name, sl_receivers_where_##name, sl_receivers_combine_##name, sl_photons_sum_##name,    \
-            sl_photon_weigh_##name,                                                                                        \
-            sl_photon_polygon_##name, sl_photon_lobe_power_##name, sl_receiver_lobe_power_##name,                          \
-            sl_receiver_mirror_eye_##name, sl_receivers_multiply_##name, sl_light_kernels_for(isa)                                                        \
-    }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_RECEIVER_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_RECEIVER_KERNELS_OF(avx2);
-#endif
-    return SL_RECEIVER_KERNELS_OF(baseline);
+    return (sl_receiver_kernels){
+        SL_KERNEL_OF(isa, sl_receivers_prepare), SL_KERNEL_OF(isa, sl_receivers_fetch_rows),
+        SL_KERNEL_OF(isa, sl_receivers_survey), SL_KERNEL_OF(isa, sl_receivers_reflect_to),
+        SL_KERNEL_OF(isa, sl_receivers_spread), SL_KERNEL_OF(isa, sl_receivers_reached),
+        SL_KERNEL_OF(isa, sl_receivers_where), SL_KERNEL_OF(isa, sl_receivers_combine),
+        SL_KERNEL_OF(isa, sl_photons_sum), SL_KERNEL_OF(isa, sl_photon_weigh),
+        SL_KERNEL_OF(isa, sl_photon_polygon), SL_KERNEL_OF(isa, sl_photon_lobe_power),
+        SL_KERNEL_OF(isa, sl_receiver_lobe_power), SL_KERNEL_OF(isa, sl_receiver_mirror_eye),
+        SL_KERNEL_OF(isa, sl_receivers_multiply), sl_light_kernels_for(isa)};
 }
 
 /* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */

@@ -31,15 +31,8 @@ static inline size_t sl_shadow_zeros(int size) { return ((size_t)size + 2 + 15) 
 typedef void sl_shadow_cube_kernel(const sl_shadow_cube *cube, size_t count, const float *px, const float *py, const float *pz,
                                    const float *nx, const float *ny, const float *nz, float *lit);
 
-sl_shadow_cube_kernel sl_shadow_cube_lit_baseline, sl_shadow_cube_lit_avx2, sl_shadow_cube_lit_avx512;
+SL_KERNEL_VARIANTS(sl_shadow_cube_kernel, sl_shadow_cube_lit);
 
-static inline sl_shadow_cube_kernel *sl_shadow_cube_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_shadow_cube_lit_avx512;
-    if (isa == SL_ISA_AVX2) return sl_shadow_cube_lit_avx2;
-#endif
-    (void)isa;
-    return sl_shadow_cube_lit_baseline;
-}
+static inline sl_shadow_cube_kernel *sl_shadow_cube_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_shadow_cube_lit); }
 
 #endif

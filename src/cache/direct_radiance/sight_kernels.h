@@ -37,25 +37,15 @@ typedef struct sl_sight_kernels {
     sl_sight_tell_kernel *tell;
 } sl_sight_kernels;
 
-#define SL_DECLARE_SIGHT_KERNELS(isa)           \
-    sl_sight_fit_kernel sl_sight_fit_##isa;     \
-    sl_sight_agree_kernel sl_sight_agree_##isa; \
-    sl_sight_want_kernel sl_sight_want_##isa;   \
-    sl_sight_tell_kernel sl_sight_tell_##isa
-
-SL_DECLARE_SIGHT_KERNELS(baseline);
-SL_DECLARE_SIGHT_KERNELS(avx2);
-SL_DECLARE_SIGHT_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_sight_fit_kernel, sl_sight_fit);
+SL_KERNEL_VARIANTS(sl_sight_agree_kernel, sl_sight_agree);
+SL_KERNEL_VARIANTS(sl_sight_want_kernel, sl_sight_want);
+SL_KERNEL_VARIANTS(sl_sight_tell_kernel, sl_sight_tell);
 
 static inline sl_sight_kernels sl_sight_kernels_for(sl_isa isa) {
-#define SL_SIGHT_KERNELS_OF(name) \
-    (sl_sight_kernels) { sl_sight_fit_##name, sl_sight_agree_##name, sl_sight_want_##name, sl_sight_tell_##name }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_SIGHT_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_SIGHT_KERNELS_OF(avx2);
-#endif
-    (void)isa;
-    return SL_SIGHT_KERNELS_OF(baseline);
+    return (sl_sight_kernels){
+        SL_KERNEL_OF(isa, sl_sight_fit), SL_KERNEL_OF(isa, sl_sight_agree),
+        SL_KERNEL_OF(isa, sl_sight_want), SL_KERNEL_OF(isa, sl_sight_tell)};
 }
 
 #endif

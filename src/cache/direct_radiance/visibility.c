@@ -43,11 +43,7 @@ static sl_vec3 ray_end(const sl_map_photon *p, float offset) {
 static void set_ray(const sl_sight *s, const sl_receiver_tile *t, size_t i, sl_vec3 end, unsigned k, sl_ray16 *rays) {
     sl_vec3 p = sl_v3(t->x[i], t->y[i], t->z[i]);
     sl_vec3 origin = sl_mad(p, sl_scene_offset_at(s->pass->scene, s->offset, p), sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]));
-    rays->origin_x[k] = origin.x, rays->origin_y[k] = origin.y, rays->origin_z[k] = origin.z;
-    rays->direction_x[k] = end.x - origin.x, rays->direction_y[k] = end.y - origin.y, rays->direction_z[k] = end.z - origin.z;
-    rays->near[k] = 0.0f;
-    rays->far[k] = 0.9999f;
-    rays->skip[k] = s->receivers->gbuffer->id[t->pixel[i]];
+    sl_ray16_set(rays, k, origin, sl_sub(end, origin), 0.0f, 0.9999f, s->receivers->gbuffer->id[t->pixel[i]]);
 }
 
 /* Rays on their way, sixteen at a time: neighbours towards one photon where there are so many. */

@@ -58,27 +58,17 @@ typedef struct sl_gather_kernels {
     sl_gather_spread_kernel *spread;
 } sl_gather_kernels;
 
-#define SL_DECLARE_GATHER_KERNELS(isa)                        \
-    sl_gather_directions_kernel sl_gather_directions_##isa;   \
-    sl_gather_surfaces_kernel sl_gather_surfaces_##isa;       \
-    sl_gather_sums_kernel sl_gather_sums_##isa;               \
-    sl_gather_curvature_kernel sl_gather_curvature_##isa;     \
-    sl_gather_spread_kernel sl_gather_spread_##isa
-
-SL_DECLARE_GATHER_KERNELS(baseline);
-SL_DECLARE_GATHER_KERNELS(avx2);
-SL_DECLARE_GATHER_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_gather_directions_kernel, sl_gather_directions);
+SL_KERNEL_VARIANTS(sl_gather_surfaces_kernel, sl_gather_surfaces);
+SL_KERNEL_VARIANTS(sl_gather_sums_kernel, sl_gather_sums);
+SL_KERNEL_VARIANTS(sl_gather_curvature_kernel, sl_gather_curvature);
+SL_KERNEL_VARIANTS(sl_gather_spread_kernel, sl_gather_spread);
 
 static inline sl_gather_kernels sl_gather_kernels_for(sl_isa isa) {
-#define SL_GATHER_KERNELS_OF(name) \
-    (sl_gather_kernels) { sl_gather_directions_##name, sl_gather_surfaces_##name, sl_gather_sums_##name, sl_gather_curvature_##name, \
-                          sl_gather_spread_##name }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_GATHER_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_GATHER_KERNELS_OF(avx2);
-#endif
-    (void)isa;
-    return SL_GATHER_KERNELS_OF(baseline);
+    return (sl_gather_kernels){
+        SL_KERNEL_OF(isa, sl_gather_directions), SL_KERNEL_OF(isa, sl_gather_surfaces),
+        SL_KERNEL_OF(isa, sl_gather_sums), SL_KERNEL_OF(isa, sl_gather_curvature),
+        SL_KERNEL_OF(isa, sl_gather_spread)};
 }
 
 #endif

@@ -29,15 +29,9 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
 
 void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away, sl_rgb irradiance, uint32_t tag) {
     unsigned i = q->count++;
-    q->rays.origin_x[i] = origin.x;
-    q->rays.origin_y[i] = origin.y;
-    q->rays.origin_z[i] = origin.z;
-    q->rays.direction_x[i] = direction.x;
-    q->rays.direction_y[i] = direction.y;
-    q->rays.direction_z[i] = direction.z;
-    q->rays.near[i] = 0.0f;
-    q->rays.far[i] = far_away ? INFINITY : 1.0f - 1e-4f; /* short of the light itself */
-    q->rays.skip[i] = q->view->scratch->hits.triangle[k];
+    /* short of the light itself */
+    sl_ray16_set(&q->rays, i, origin, direction, 0.0f, far_away ? INFINITY : 1.0f - 1e-4f,
+                 q->view->scratch->hits.triangle[k]);
     q->slot[i] = (uint32_t)k;
     q->tag[i] = tag;
     q->light[i] = irradiance;

@@ -47,24 +47,14 @@ typedef struct sl_hit_light_kernels {
     sl_hit_light_points_kernel *points;
 } sl_hit_light_kernels;
 
-#define SL_DECLARE_HIT_LIGHT_KERNELS(isa)             \
-    sl_hit_light_expect_kernel sl_hit_light_expect_##isa; \
-    sl_hit_light_block_kernel sl_hit_light_block_##isa;   \
-    sl_hit_light_points_kernel sl_hit_light_points_##isa
-
-SL_DECLARE_HIT_LIGHT_KERNELS(baseline);
-SL_DECLARE_HIT_LIGHT_KERNELS(avx2);
-SL_DECLARE_HIT_LIGHT_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_hit_light_expect_kernel, sl_hit_light_expect);
+SL_KERNEL_VARIANTS(sl_hit_light_block_kernel, sl_hit_light_block);
+SL_KERNEL_VARIANTS(sl_hit_light_points_kernel, sl_hit_light_points);
 
 static inline sl_hit_light_kernels sl_hit_light_kernels_for(sl_isa isa) {
-#define SL_HIT_LIGHT_KERNELS_OF(name) \
-    (sl_hit_light_kernels) { sl_hit_light_expect_##name, sl_hit_light_block_##name, sl_hit_light_points_##name }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_HIT_LIGHT_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_HIT_LIGHT_KERNELS_OF(avx2);
-#endif
-    (void)isa;
-    return SL_HIT_LIGHT_KERNELS_OF(baseline);
+    return (sl_hit_light_kernels){
+        SL_KERNEL_OF(isa, sl_hit_light_expect), SL_KERNEL_OF(isa, sl_hit_light_block),
+        SL_KERNEL_OF(isa, sl_hit_light_points)};
 }
 
 #endif

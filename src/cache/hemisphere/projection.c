@@ -227,14 +227,7 @@ sl_status sl_projection_create(const sl_gather_tables *tables, double half_tange
 
 /* ---- one projection -------------------------------------------------------------------------------------------- */
 
-static sl_projection_kernel *kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_projection_sums_avx512;
-    if (isa == SL_ISA_AVX2) return sl_projection_sums_avx2;
-#endif
-    (void)isa;
-    return sl_projection_sums_baseline;
-}
+static sl_projection_kernel *kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_projection_sums); }
 
 void sl_project(const sl_projection *p, sl_isa isa, const float *const picture[4], float *coefficients) {
     sl_projection_sums sums;

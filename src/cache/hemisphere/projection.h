@@ -61,6 +61,6 @@ void sl_project(const sl_projection *projection, sl_isa isa, const float *const 
 /* ---- the kernels (projection_kernels.c) ---- */
 
 typedef void sl_projection_kernel(const sl_projection *projection, const float *const picture[4], sl_projection_sums *sums);
-sl_projection_kernel sl_projection_sums_baseline, sl_projection_sums_avx2, sl_projection_sums_avx512;
+SL_KERNEL_VARIANTS(sl_projection_kernel, sl_projection_sums);
 
 #endif

@@ -9,15 +9,8 @@ static void trace_packet(const sl_gather_view *view, size_t first, unsigned coun
     sl_hit16 hits;
     for (unsigned i = 0; i < SL_PACKET; i++) {
         size_t k = first + (i < count ? i : 0);
-        rays.origin_x[i] = view->eye.x;
-        rays.origin_y[i] = view->eye.y;
-        rays.origin_z[i] = view->eye.z;
-        rays.direction_x[i] = h->direction_x[k];
-        rays.direction_y[i] = h->direction_y[k];
-        rays.direction_z[i] = h->direction_z[k];
-        rays.near[i] = 0.0f;
-        rays.far[i] = INFINITY;
-        rays.skip[i] = view->point->triangle;
+        sl_ray16_set(&rays, i, view->eye, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]),
+                     0.0f, INFINITY, view->point->triangle);
     }
     sl_trace(view->gather->tracer, &rays, count, true, &hits, counters);
     for (unsigned i = 0; i < count; i++) {

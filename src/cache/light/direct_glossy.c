@@ -26,11 +26,7 @@ static float offset_at(const queue *q) { return sl_scene_offset_at(q->direct->sc
 static void push(queue *q, sl_vec3 direction, float far) {
     unsigned i = q->count++;
     sl_vec3 o = sl_mad(q->at.position, offset_at(q), q->at.geometric_normal);
-    q->rays.origin_x[i] = o.x, q->rays.origin_y[i] = o.y, q->rays.origin_z[i] = o.z;
-    q->rays.direction_x[i] = direction.x, q->rays.direction_y[i] = direction.y, q->rays.direction_z[i] = direction.z;
-    q->rays.near[i] = 0.0f;
-    q->rays.far[i] = far;
-    q->rays.skip[i] = q->at.triangle;
+    sl_ray16_set(&q->rays, i, o, direction, 0.0f, far, q->at.triangle);
 }
 
 static void end_light_samples(queue *q, sl_counters *counters) {

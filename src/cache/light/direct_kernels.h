@@ -44,21 +44,11 @@ typedef struct sl_direct_kernels {
     sl_sun_kernel *sun;
 } sl_direct_kernels;
 
-#define SL_DECLARE_DIRECT_KERNELS(isa)  \
-    sl_aim_kernel sl_direct_aim_##isa;  \
-    sl_sun_kernel sl_direct_sun_aim_##isa
-
-SL_DECLARE_DIRECT_KERNELS(baseline);
-SL_DECLARE_DIRECT_KERNELS(avx2);
-SL_DECLARE_DIRECT_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_aim_kernel, sl_direct_aim);
+SL_KERNEL_VARIANTS(sl_sun_kernel, sl_direct_sun_aim);
 
 static inline sl_direct_kernels sl_direct_kernels_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return (sl_direct_kernels){sl_direct_aim_avx512, sl_direct_sun_aim_avx512};
-    if (isa == SL_ISA_AVX2) return (sl_direct_kernels){sl_direct_aim_avx2, sl_direct_sun_aim_avx2};
-#endif
-    (void)isa;
-    return (sl_direct_kernels){sl_direct_aim_baseline, sl_direct_sun_aim_baseline};
+    return (sl_direct_kernels){SL_KERNEL_OF(isa, sl_direct_aim), SL_KERNEL_OF(isa, sl_direct_sun_aim)};
 }
 
 #endif

@@ -79,27 +79,15 @@ typedef struct sl_light_kernels {
     sl_accumulate_kernel *accumulate;
 } sl_light_kernels;
 
-#define SL_DECLARE_LIGHT_KERNELS(isa)             \
-    sl_arrive_kernel sl_light_arrive_##isa;       \
-    sl_lit_kernel sl_shadow_map_lit_##isa;        \
-    sl_polygon_kernel sl_polygon_light_##isa;     \
-    sl_accumulate_kernel sl_light_accumulate_##isa
-
-SL_DECLARE_LIGHT_KERNELS(baseline);
-SL_DECLARE_LIGHT_KERNELS(avx2);
-SL_DECLARE_LIGHT_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_arrive_kernel, sl_light_arrive);
+SL_KERNEL_VARIANTS(sl_lit_kernel, sl_shadow_map_lit);
+SL_KERNEL_VARIANTS(sl_polygon_kernel, sl_polygon_light);
+SL_KERNEL_VARIANTS(sl_accumulate_kernel, sl_light_accumulate);
 
 static inline sl_light_kernels sl_light_kernels_for(sl_isa isa) {
-#define SL_LIGHT_KERNELS_OF(name)                                                                                           \
-    (sl_light_kernels) {                                                                                                    \
-        sl_light_arrive_##name, sl_shadow_map_lit_##name, sl_polygon_light_##name, sl_light_accumulate_##name               \
-    }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_LIGHT_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_LIGHT_KERNELS_OF(avx2);
-#endif
-    (void)isa;
-    return SL_LIGHT_KERNELS_OF(baseline);
+    return (sl_light_kernels){
+        SL_KERNEL_OF(isa, sl_light_arrive), SL_KERNEL_OF(isa, sl_shadow_map_lit),
+        SL_KERNEL_OF(isa, sl_polygon_light), SL_KERNEL_OF(isa, sl_light_accumulate)};
 }
 
 #endif

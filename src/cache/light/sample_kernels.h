@@ -56,28 +56,17 @@ typedef struct sl_light_pixel_kernels {
     sl_ray_weights *weights;
 } sl_light_pixel_kernels;
 
-#define SL_DECLARE_LIGHT_PIXEL_KERNELS(isa)  \
-    sl_window_weigh sl_window_weigh_##isa;   \
-    sl_look_at_weigh sl_look_at_weigh_##isa; \
-    sl_ray_jitter sl_ray_jitter_##isa;       \
-    sl_ray_places sl_ray_places_##isa;       \
-    sl_ray_weights sl_ray_weights_##isa
-
-SL_DECLARE_LIGHT_PIXEL_KERNELS(baseline);
-SL_DECLARE_LIGHT_PIXEL_KERNELS(avx2);
-SL_DECLARE_LIGHT_PIXEL_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_window_weigh, sl_window_weigh);
+SL_KERNEL_VARIANTS(sl_look_at_weigh, sl_look_at_weigh);
+SL_KERNEL_VARIANTS(sl_ray_jitter, sl_ray_jitter);
+SL_KERNEL_VARIANTS(sl_ray_places, sl_ray_places);
+SL_KERNEL_VARIANTS(sl_ray_weights, sl_ray_weights);
 
 static inline sl_light_pixel_kernels sl_light_pixel_kernels_for(sl_isa isa) {
-#define SL_LIGHT_PIXEL_KERNELS_OF(name)                                                                                                    \
-    (sl_light_pixel_kernels) {                                                                                                             \
-        sl_window_weigh_##name, sl_look_at_weigh_##name, sl_ray_jitter_##name, sl_ray_places_##name, sl_ray_weights_##name                 \
-    }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_LIGHT_PIXEL_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_LIGHT_PIXEL_KERNELS_OF(avx2);
-#endif
-    (void)isa;
-    return SL_LIGHT_PIXEL_KERNELS_OF(baseline);
+    return (sl_light_pixel_kernels){
+        SL_KERNEL_OF(isa, sl_window_weigh), SL_KERNEL_OF(isa, sl_look_at_weigh),
+        SL_KERNEL_OF(isa, sl_ray_jitter), SL_KERNEL_OF(isa, sl_ray_places),
+        SL_KERNEL_OF(isa, sl_ray_weights)};
 }
 
 #endif

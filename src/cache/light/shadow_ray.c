@@ -60,15 +60,7 @@ static void flush(packet *p) {
 /* d: of any length, the place aimed at being at far = 1. */
 static void add_ray(packet *p, sl_vec3 d, float far, double weight) {
     unsigned i = p->count++;
-    p->rays.origin_x[i] = p->eye.x;
-    p->rays.origin_y[i] = p->eye.y;
-    p->rays.origin_z[i] = p->eye.z;
-    p->rays.direction_x[i] = d.x;
-    p->rays.direction_y[i] = d.y;
-    p->rays.direction_z[i] = d.z;
-    p->rays.near[i] = 0.0f;
-    p->rays.far[i] = far;
-    p->rays.skip[i] = p->skip;
+    sl_ray16_set(&p->rays, i, p->eye, d, 0.0f, far, p->skip);
     p->weight[i] = weight;
     if (p->count == SL_PACKET) flush(p);
 }

@@ -25,24 +25,14 @@ typedef struct sl_cluster_kernels {
     sl_angles_kernel *angles;
 } sl_cluster_kernels;
 
-#define SL_DECLARE_CLUSTER_KERNELS(isa)          \
-    sl_assign_kernel sl_cluster_assign_##isa;    \
-    sl_farthest_kernel sl_cluster_farthest_##isa; \
-    sl_angles_kernel sl_cluster_angles_##isa
-
-SL_DECLARE_CLUSTER_KERNELS(baseline);
-SL_DECLARE_CLUSTER_KERNELS(avx2);
-SL_DECLARE_CLUSTER_KERNELS(avx512);
+SL_KERNEL_VARIANTS(sl_assign_kernel, sl_cluster_assign);
+SL_KERNEL_VARIANTS(sl_farthest_kernel, sl_cluster_farthest);
+SL_KERNEL_VARIANTS(sl_angles_kernel, sl_cluster_angles);
 
 static inline sl_cluster_kernels sl_cluster_kernels_for(sl_isa isa) {
-#define SL_CLUSTER_KERNELS_OF(name) \
-    (sl_cluster_kernels) { sl_cluster_assign_##name, sl_cluster_farthest_##name, sl_cluster_angles_##name }
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return SL_CLUSTER_KERNELS_OF(avx512);
-    if (isa == SL_ISA_AVX2) return SL_CLUSTER_KERNELS_OF(avx2);
-#endif
-    (void)isa;
-    return SL_CLUSTER_KERNELS_OF(baseline);
+    return (sl_cluster_kernels){
+        SL_KERNEL_OF(isa, sl_cluster_assign), SL_KERNEL_OF(isa, sl_cluster_farthest),
+        SL_KERNEL_OF(isa, sl_cluster_angles)};
 }
 
 #endif

@@ -25,16 +25,11 @@ typedef struct sl_hull_kernels {
     sl_hull_outside_kernel *outside;
 } sl_hull_kernels;
 
-sl_hull_extremes_kernel sl_hull_extremes_baseline, sl_hull_extremes_avx2, sl_hull_extremes_avx512;
-sl_hull_outside_kernel sl_hull_outside_baseline, sl_hull_outside_avx2, sl_hull_outside_avx512;
+SL_KERNEL_VARIANTS(sl_hull_extremes_kernel, sl_hull_extremes);
+SL_KERNEL_VARIANTS(sl_hull_outside_kernel, sl_hull_outside);
 
 static inline sl_hull_kernels sl_hull_kernels_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return (sl_hull_kernels){sl_hull_extremes_avx512, sl_hull_outside_avx512};
-    if (isa == SL_ISA_AVX2) return (sl_hull_kernels){sl_hull_extremes_avx2, sl_hull_outside_avx2};
-#endif
-    (void)isa;
-    return (sl_hull_kernels){sl_hull_extremes_baseline, sl_hull_outside_baseline};
+    return (sl_hull_kernels){SL_KERNEL_OF(isa, sl_hull_extremes), SL_KERNEL_OF(isa, sl_hull_outside)};
 }
 
 #endif

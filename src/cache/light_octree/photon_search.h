@@ -46,15 +46,8 @@ typedef struct sl_photon_search {
 
 /* Leaves the k smallest keys, in no order. */
 typedef void sl_photon_search_kernel(const sl_photon_buckets *buckets, sl_photon_search *search);
-sl_photon_search_kernel sl_photon_search_baseline, sl_photon_search_avx2, sl_photon_search_avx512;
+SL_KERNEL_VARIANTS(sl_photon_search_kernel, sl_photon_search);
 
-static inline sl_photon_search_kernel *sl_photon_search_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_photon_search_avx512;
-    if (isa == SL_ISA_AVX2) return sl_photon_search_avx2;
-#endif
-    (void)isa;
-    return sl_photon_search_baseline;
-}
+static inline sl_photon_search_kernel *sl_photon_search_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_photon_search); }
 
 #endif

@@ -267,15 +267,7 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
 /* ---- bounce by bounce -------------------------------------------------------------------------------------------- */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const light_path *p) {
-    rays->origin_x[i] = p->origin.x;
-    rays->origin_y[i] = p->origin.y;
-    rays->origin_z[i] = p->origin.z;
-    rays->direction_x[i] = p->direction.x;
-    rays->direction_y[i] = p->direction.y;
-    rays->direction_z[i] = p->direction.z;
-    rays->near[i] = 0.0f;
-    rays->far[i] = INFINITY;
-    rays->skip[i] = p->skip;
+    sl_ray16_set(rays, i, p->origin, p->direction, 0.0f, INFINITY, p->skip);
 }
 
 static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned alive, unsigned bounces, chunk_result *r) {

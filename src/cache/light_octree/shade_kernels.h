@@ -44,15 +44,8 @@ typedef struct sl_shade_block {
 
 typedef void sl_shade_kernel(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *block);
 
-sl_shade_kernel sl_shade_block_baseline, sl_shade_block_avx2, sl_shade_block_avx512;
+SL_KERNEL_VARIANTS(sl_shade_kernel, sl_shade_block);
 
-static inline sl_shade_kernel *sl_shade_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_shade_block_avx512;
-    if (isa == SL_ISA_AVX2) return sl_shade_block_avx2;
-#endif
-    (void)isa;
-    return sl_shade_block_baseline;
-}
+static inline sl_shade_kernel *sl_shade_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_shade_block); }
 
 #endif

@@ -29,15 +29,8 @@ typedef struct sl_surfel_sums {
 /* For the first `count` limits, each into its own sums. */
 typedef void sl_surfel_kernel(const sl_surfels *surfels, size_t first, size_t end, const sl_surfel_query *query, int count,
                               sl_surfel_sums *sums);
-sl_surfel_kernel sl_surfel_area_baseline, sl_surfel_area_avx2, sl_surfel_area_avx512;
+SL_KERNEL_VARIANTS(sl_surfel_kernel, sl_surfel_area);
 
-static inline sl_surfel_kernel *sl_surfel_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_surfel_area_avx512;
-    if (isa == SL_ISA_AVX2) return sl_surfel_area_avx2;
-#endif
-    (void)isa;
-    return sl_surfel_area_baseline;
-}
+static inline sl_surfel_kernel *sl_surfel_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_surfel_area); }
 
 #endif

@@ -25,15 +25,8 @@ typedef struct sl_mesh_gather_pixels {
 } sl_mesh_gather_pixels;
 
 typedef void sl_mesh_gather_kernel(const sl_mesh_gather_pixels *pixels);
-sl_mesh_gather_kernel sl_mesh_gather_shade_baseline, sl_mesh_gather_shade_avx2, sl_mesh_gather_shade_avx512;
+SL_KERNEL_VARIANTS(sl_mesh_gather_kernel, sl_mesh_gather_shade);
 
-static inline sl_mesh_gather_kernel *sl_mesh_gather_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_mesh_gather_shade_avx512;
-    if (isa == SL_ISA_AVX2) return sl_mesh_gather_shade_avx2;
-#endif
-    (void)isa;
-    return sl_mesh_gather_shade_baseline;
-}
+static inline sl_mesh_gather_kernel *sl_mesh_gather_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_mesh_gather_shade); }
 
 #endif

@@ -242,15 +242,7 @@ static void probe_rays(sl_vec3 p, sl_vec3 normal, sl_ray16 *rays) {
     static const float turn[PROBES] = {0.03f, 0.17f, 0.30f, 0.42f, 0.53f, 0.67f, 0.79f, 0.92f};
     for (int i = 0; i < PROBES; i++) {
         sl_vec3 d = sl_direction_around(normal, height[i], turn[i]);
-        rays->origin_x[i] = p.x;
-        rays->origin_y[i] = p.y;
-        rays->origin_z[i] = p.z;
-        rays->direction_x[i] = d.x;
-        rays->direction_y[i] = d.y;
-        rays->direction_z[i] = d.z;
-        rays->near[i] = 0.0f;
-        rays->far[i] = INFINITY;
-        rays->skip[i] = SL_NO_INDEX;
+        sl_ray16_set(rays, (unsigned)i, p, d, 0.0f, INFINITY, SL_NO_INDEX);
     }
 }
 

@@ -136,10 +136,7 @@ static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl
     sl_hit16 hits;
     memset(&packet, 0, sizeof packet);
     for (unsigned i = 0; i < count; i++) {
-        packet.origin_x[i] = rays[i].origin.x, packet.origin_y[i] = rays[i].origin.y, packet.origin_z[i] = rays[i].origin.z;
-        packet.direction_x[i] = rays[i].direction.x, packet.direction_y[i] = rays[i].direction.y, packet.direction_z[i] = rays[i].direction.z;
-        packet.far[i] = INFINITY;
-        packet.skip[i] = rays[i].skip;
+        sl_ray16_set(&packet, i, rays[i].origin, rays[i].direction, 0.0f, INFINITY, rays[i].skip);
     }
     sl_trace(c->tracer, &packet, count, true, &hits, counters);
     unsigned left = 0;

@@ -60,15 +60,7 @@ typedef struct packet {
 
 static void put_ray(const lit *at, packet *p, sl_vec3 direction, double far, uint32_t skip, double weight, double lobe) {
     unsigned i = p->count++;
-    p->rays.origin_x[i] = at->origin.x;
-    p->rays.origin_y[i] = at->origin.y;
-    p->rays.origin_z[i] = at->origin.z;
-    p->rays.direction_x[i] = direction.x;
-    p->rays.direction_y[i] = direction.y;
-    p->rays.direction_z[i] = direction.z;
-    p->rays.near[i] = 0.0f;
-    p->rays.far[i] = (float)far;
-    p->rays.skip[i] = skip;
+    sl_ray16_set(&p->rays, i, at->origin, direction, 0.0f, (float)far, skip);
     p->weight[i] = weight;
     p->lobe[i] = lobe;
 }

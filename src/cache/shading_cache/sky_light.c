@@ -70,15 +70,7 @@ static void add_direction(const sky_point *at, sl_vec3 d, packet *p, sums *s) {
     unsigned i = p->count++;
     p->irradiance[i] = sl_rgb_scale(radiance, (float)(cosine / density));
     p->lobe[i] = at->has_lobe ? sl_rgb_mul(p->irradiance[i], sl_bsdf_value(&at->lobe, d, SL_LOBE_GLOSSY)) : sl_grey(0.0f);
-    p->rays.origin_x[i] = at->origin.x;
-    p->rays.origin_y[i] = at->origin.y;
-    p->rays.origin_z[i] = at->origin.z;
-    p->rays.direction_x[i] = d.x;
-    p->rays.direction_y[i] = d.y;
-    p->rays.direction_z[i] = d.z;
-    p->rays.near[i] = 0.0f;
-    p->rays.far[i] = INFINITY;
-    p->rays.skip[i] = point->triangle;
+    sl_ray16_set(&p->rays, i, at->origin, d, 0.0f, INFINITY, point->triangle);
     if (p->count == SL_PACKET) trace(at, p, s);
 }
 

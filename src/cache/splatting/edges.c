@@ -55,11 +55,8 @@ static void set_ray(const edge_pass *p, uint32_t pixel, unsigned k, sl_ray16 *ra
     const sl_vec3 eye = p->scene->camera.eye;
     const uint32_t x = pixel % width, y = pixel / width;
     const sl_vec3 d = sl_view_direction(&p->view, (double)x + 0.5, (double)y + 0.5);
-    rays->origin_x[k] = eye.x, rays->origin_y[k] = eye.y, rays->origin_z[k] = eye.z;
-    rays->direction_x[k] = d.x, rays->direction_y[k] = d.y, rays->direction_z[k] = d.z;
-    rays->near[k] = 1e-5f * p->scene->scale; /* the view's near plane */
-    rays->far[k] = INFINITY;
-    rays->skip[k] = SL_NO_INDEX;
+    /* the view's near plane */
+    sl_ray16_set(rays, k, eye, d, 1e-5f * p->scene->scale, INFINITY, SL_NO_INDEX);
 }
 
 /* Where the triangle is the ray's, the rasterizer's position is as good. */

@@ -130,13 +130,6 @@ size_t sl_glossy_bytes(const sl_glossy *glossy) {
     return bytes;
 }
 
-extern sl_glossy_kernel sl_glossy_radiance_baseline, sl_glossy_radiance_avx2, sl_glossy_radiance_avx512;
+SL_KERNEL_VARIANTS(sl_glossy_kernel, sl_glossy_radiance);
 
-sl_glossy_kernel *sl_glossy_kernel_for(sl_isa isa) {
-#ifndef SL_BASELINE_ONLY
-    if (isa == SL_ISA_AVX512) return sl_glossy_radiance_avx512;
-    if (isa == SL_ISA_AVX2) return sl_glossy_radiance_avx2;
-#endif
-    (void)isa;
-    return sl_glossy_radiance_baseline;
-}
+sl_glossy_kernel *sl_glossy_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_glossy_radiance); }

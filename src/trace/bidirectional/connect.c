@@ -215,15 +215,7 @@ static void put(queue *q, unsigned lane, const sl_connection *c, double x, doubl
         return;
     }
     unsigned i = q->count++;
-    q->rays.origin_x[i] = c->from.x;
-    q->rays.origin_y[i] = c->from.y;
-    q->rays.origin_z[i] = c->from.z;
-    q->rays.direction_x[i] = c->towards.x;
-    q->rays.direction_y[i] = c->towards.y;
-    q->rays.direction_z[i] = c->towards.z;
-    q->rays.near[i] = 0.0f;
-    q->rays.far[i] = c->far;
-    q->rays.skip[i] = c->skip;
+    sl_ray16_set(&q->rays, i, c->from, c->towards, 0.0f, c->far, c->skip);
     q->unseen |= 1u << i;
     q->waiting[i].lane = lane;
     q->waiting[i].s = c->s;

@@ -219,15 +219,7 @@ static bool arrive(const sl_path_maker *m, walker *w, uint32_t triangle, float w
 /* ---- packets ------------------------------------------------------------------------------------------------------------- */
 
 static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
-    rays->origin_x[i] = w->origin.x;
-    rays->origin_y[i] = w->origin.y;
-    rays->origin_z[i] = w->origin.z;
-    rays->direction_x[i] = w->direction.x;
-    rays->direction_y[i] = w->direction.y;
-    rays->direction_z[i] = w->direction.z;
-    rays->near[i] = 0.0f;
-    rays->far[i] = INFINITY;
-    rays->skip[i] = w->skip;
+    sl_ray16_set(rays, i, w->origin, w->direction, 0.0f, INFINITY, w->skip);
 }
 
 /* No visibility between x1 and x2: one of all surfaces on the ray. All ways in which such a path may be made have this ray in
