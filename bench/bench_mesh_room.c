@@ -15,7 +15,7 @@
 #include "base/memory.h"
 #include "cache/multi_mesh/coarse_light.h"
 #include "cache/multi_mesh/gather.h"
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "mesh_bench.h"
 #include "timing.h"

@@ -5,7 +5,7 @@
 #define SL_MULTI_MESH_CHANGES_H
 
 #include "cache/light/lights.h"
-#include "cache/multi_mesh/topology.h"
+#include "cache/patches/topology.h"
 #include "scene/object_places.h"
 
 typedef struct sl_irradiance_changes {

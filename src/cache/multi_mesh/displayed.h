@@ -22,7 +22,7 @@
 #ifndef SL_MULTI_MESH_DISPLAYED_H
 #define SL_MULTI_MESH_DISPLAYED_H
 
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 #include "cache/multi_mesh/pixels.h"
 

@@ -15,7 +15,7 @@
 #ifndef SL_MULTI_MESH_GATHER_H
 #define SL_MULTI_MESH_GATHER_H
 
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "raster/raster.h"
 
 /* The coarse mesh: every face of the scene that may be seen (not a solid's inner side, not degenerate), split until its edges are short enough. A tree of

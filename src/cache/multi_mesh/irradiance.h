@@ -13,7 +13,7 @@
 
 #include "cache/light/light_sample.h"
 #include "cache/multi_mesh/changes.h"
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 
 /* A vertex of any mesh as a place in a face: weights of corners 1 and 2 in 1/SL_MESH_DYADIC. */

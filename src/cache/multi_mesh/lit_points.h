@@ -3,7 +3,7 @@
 #define SL_MULTI_MESH_LIT_POINTS_H
 
 #include "cache/light/light_sample.h"
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 
 /* How much of the way to its leaf's middle a point is moved that lies inside other geometry: these one after another. */
 enum { SL_NUDGES = 3 };

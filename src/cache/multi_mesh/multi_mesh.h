@@ -8,8 +8,6 @@
  *   story.c          a picture told backwards, pixel by pixel
  *   marks.c          what can be seen of the meshes while they are made
  *   world.c          what outlives a picture, and what is kept when lights and objects move
- *   topology.c       faces, and which corners they share
- *   mesh.c           a quadtree of triangles for each face; split, collapse; interpolation
  *   pixels.c         visible sizes                                                             P1, P1b
  *   displayed.c      a mesh as the eye uses it: priorities, tests, drawing                      P2b, P3
  *   irradiance.c     a mesh for each light, refined only where radiance asks for it
@@ -20,7 +18,7 @@
  *   gather.c         the 160-degree gather
  *   merge.c          the five pictures into one                                                P4
  *
- * Single lights are sampled in cache/light_sample. */
+ * Faces, their shared corners and the quadtrees on them are those of cache/patches; single lights are sampled in cache/light. */
 #ifndef SL_MULTI_MESH_MULTI_MESH_H
 #define SL_MULTI_MESH_MULTI_MESH_H
 

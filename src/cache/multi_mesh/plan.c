@@ -2,7 +2,7 @@
 
 #include "base/math.h"
 #include "cache/multi_mesh/gather.h"
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "scene/features.h"
 
 enum { LIGHT_SIZE = 64, LIGHT_RAYS = 16, BATCH = 32 };

@@ -16,7 +16,7 @@
 #ifndef SL_SHADING_CACHE_DISPLAY_H
 #define SL_SHADING_CACHE_DISPLAY_H
 
-#include "cache/shading_cache/patches.h"
+#include "cache/patches/patches.h"
 #include "raster/raster.h"
 
 typedef struct sl_display sl_display;

@@ -3,7 +3,7 @@
 #ifndef SL_SHADING_CACHE_FADE_H
 #define SL_SHADING_CACHE_FADE_H
 
-#include "cache/shading_cache/patches.h"
+#include "cache/patches/patches.h"
 
 typedef struct sl_fade {
     uint32_t vertex, evaluated; /* another value by now: evaluated in another update */

@@ -4,7 +4,7 @@
 #define SL_SHADING_CACHE_PRIORITY_H
 
 #include "cache/patches/perception.h"
-#include "cache/shading_cache/patches.h"
+#include "cache/patches/patches.h"
 
 /* Radiance to display levels, 0 to 255: Y = (5R + 9G + 2B) / 16, R = Y / Y_ref, S(R) = (R + 1/k) / (R + k) with k = 10, and
  * D = 255 ((S - S(0)) / (1 - S(0)))^(1/2.2), which is the level at an exposure of 1 / (k Y_ref). */

@@ -10,7 +10,7 @@
 #ifndef SL_SHADING_CACHE_RENDERERS_H
 #define SL_SHADING_CACHE_RENDERERS_H
 
-#include "cache/shading_cache/primitives.h"
+#include "cache/patches/primitives.h"
 #include "trace/trace.h"
 
 typedef struct sl_sample_request {

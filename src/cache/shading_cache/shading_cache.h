@@ -3,8 +3,7 @@
  *   plan.c             what a scene needs
  *   state.h            what a cache consists of; shading_cache.c: made, edited, shown
  *   update.c           one update: id map, priorities, selection, work, samples, commit, ageing, display             U1 to U10
- *   primitives.c       triangles, quadrilaterals, bicubic patches and their parameters
- *   patches.c          the hierarchy; vertices; eviction
+ *   cache/patches      triangles, quadrilaterals and bicubic patches, and the hierarchy on them
  *   priority.c         display levels, interpolation error, age, normalisation                                        U2, U3
  *   selection.c        hit-and-test; systematic.c: instead of it; flood.c: from hits to what is beside them               U4
  *   work.c             requests: evaluate or split; patch_size.c: how large a patch is in the picture                  U5, U6

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/shading_cache/display_parts.h"
-#include "cache/shading_cache/patch_parts.h"
+#include "cache/patches/patch_parts.h"
 
 /* ---- what a vertex lies between ------------------------------------------------------------------------------------------------ */
 

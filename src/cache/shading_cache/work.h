@@ -2,7 +2,6 @@
 #ifndef SL_SHADING_CACHE_WORK_H
 #define SL_SHADING_CACHE_WORK_H
 
-#include "cache/patches/screen_size.h"
 #include "cache/shading_cache/selection.h"
 
 /* Where in its patch a chosen pixel lies. */
@@ -35,9 +34,6 @@ enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
 /* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first set of samples. Others in the list that
  * were evaluated want one more set. */
 bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
-
-/* Returns the size of what the camera sees of a patch. */
-sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place, const sl_camera *camera, int width, int height);
 
 /* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split. Where that holds for all visible leaves a
  * picture of a still scene is done. */

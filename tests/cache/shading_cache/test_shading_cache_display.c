@@ -9,7 +9,7 @@
 #include "base/random.h"
 #include "cache/shading_cache/display.h"
 #include "cache/shading_cache/leaf_lookup.h"
-#include "cache/shading_cache/patch_parts.h"
+#include "cache/patches/patch_parts.h"
 
 enum { W = 96, H = 80, PIXELS = W * H };
 

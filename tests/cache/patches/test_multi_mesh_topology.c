@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/multi_mesh/topology.h"
+#include "cache/patches/topology.h"
 #include "trace_scenes.h"
 
 typedef struct world {

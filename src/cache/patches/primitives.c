@@ -1,11 +1,11 @@
 /* What the scene is made of for the patch hierarchy: its triangles, the parallelograms that importers cut in two, and its bicubic patches. */
-#include "cache/shading_cache/primitives.h"
+#include "cache/patches/primitives.h"
 
 #include <math.h>
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/shading_cache/primitive_parts.h"
+#include "cache/patches/primitive_parts.h"
 
 static const float SAME_NORMAL = 1e-4f;
 static const double SAME_SIZE = 1e-5; /* of a parallelogram's */

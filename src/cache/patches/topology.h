@@ -8,8 +8,8 @@
  *   topology.c       all of it; degenerate triangles
  *   sites.c          shared corners
  *   edges.c          which faces lie along the same two sites */
-#ifndef SL_MULTI_MESH_TOPOLOGY_H
-#define SL_MULTI_MESH_TOPOLOGY_H
+#ifndef SL_PATCHES_TOPOLOGY_H
+#define SL_PATCHES_TOPOLOGY_H
 
 #include "scene/scene.h"
 #include "cache/patches/solids.h"

@@ -1,6 +1,6 @@
 /* What lies on the other side of an edge. Within a face quadtrees of triangles are nested, so a leaf beside an edge touches it along a stretch or at a
  * corner, and never reaches across. Everything is in whole numbers of 1/SL_MESH_DYADIC. */
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 
 typedef struct point {
     int p, q;

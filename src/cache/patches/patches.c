@@ -1,5 +1,5 @@
 /* The trees: where patches lie, how they are cut and uncut, what they show. */
-#include "cache/shading_cache/patches.h"
+#include "cache/patches/patches.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/patches/dyadic.h"
-#include "cache/shading_cache/patch_parts.h"
+#include "cache/patches/patch_parts.h"
 
 /* ---- life --------------------------------------------------------------------------------------------------------------------- */
 

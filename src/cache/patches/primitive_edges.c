@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/shading_cache/primitive_parts.h"
+#include "cache/patches/primitive_parts.h"
 
 /* Places are numbered 4 primitive + edge or corner. */
 static uint32_t primitive_of(uint32_t code) { return code / 4; }

@@ -1,8 +1,8 @@
 /* What a mesh's parts ask of each other beyond its own header. */
-#ifndef SL_MULTI_MESH_MESH_PARTS_H
-#define SL_MULTI_MESH_MESH_PARTS_H
+#ifndef SL_PATCHES_MESH_PARTS_H
+#define SL_PATCHES_MESH_PARTS_H
 
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 
 /* The position of weights p, q of a face's corners 1 and 2, in 1/SL_MESH_DYADIC: of whatever face, and whatever the order of an edge's ends, the same
  * bits for the same point of an edge. */

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "cache/multi_mesh/mesh.h"
-#include "cache/multi_mesh/mesh_parts.h"
+#include "cache/patches/mesh.h"
+#include "cache/patches/mesh_parts.h"
 
 /* ---- places --------------------------------------------------------------------------------------------------------- */
 

@@ -6,8 +6,8 @@
 #include "base/grow.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/mesh.h"
-#include "cache/multi_mesh/mesh_parts.h"
+#include "cache/patches/mesh.h"
+#include "cache/patches/mesh_parts.h"
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 

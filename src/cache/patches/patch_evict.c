@@ -3,7 +3,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/shading_cache/patch_parts.h"
+#include "cache/patches/patch_parts.h"
 
 /* What a patch loses with its children, all of them leaves. */
 typedef struct candidate {

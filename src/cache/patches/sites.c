@@ -9,7 +9,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/topology_parts.h"
+#include "cache/patches/topology_parts.h"
 
 #define SAME_NORMAL 1e-4  /* radians */
 #define NORMAL_CELLS 512.0 /* a unit length: a cell is far wider than SAME_NORMAL, so that few corners have to look in several */

@@ -1,8 +1,8 @@
 /* Between primitives.c, primitive_points.c and primitive_edges.c. */
-#ifndef SL_SHADING_CACHE_PRIMITIVE_PARTS_H
-#define SL_SHADING_CACHE_PRIMITIVE_PARTS_H
+#ifndef SL_PATCHES_PRIMITIVE_PARTS_H
+#define SL_PATCHES_PRIMITIVE_PARTS_H
 
-#include "cache/shading_cache/primitives.h"
+#include "cache/patches/primitives.h"
 
 /* Do shading normals agree so far that shading at them is one? Within 1e-4. */
 bool sl_same_normal(sl_vec3 a, sl_vec3 b);

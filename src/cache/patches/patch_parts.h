@@ -1,8 +1,8 @@
-/* Between patches.c, patch_vertices.c, patch_around.c and evict.c; the display finds vertices by it, too. */
-#ifndef SL_SHADING_CACHE_PATCH_PARTS_H
-#define SL_SHADING_CACHE_PATCH_PARTS_H
+/* Between patches.c, patch_vertices.c, patch_around.c and patch_evict.c; the display finds vertices by it, too. */
+#ifndef SL_PATCHES_PATCH_PARTS_H
+#define SL_PATCHES_PATCH_PARTS_H
 
-#include "cache/shading_cache/patches.h"
+#include "cache/patches/patches.h"
 
 /* Larger lists with room for `wanted` entries: a 128th more than before, as what is allocated and not used counts, too. */
 static inline size_t sl_patches_room(size_t capacity, size_t wanted) {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 
 typedef struct edge_end {
     int at;       /* in 1/2^SL_FAN_LEVELS of the edge */

@@ -1,5 +1,5 @@
 /* The size of a patch in the picture: of its corners as the camera sees them, or of cells of a curved one. */
-#include "cache/shading_cache/work.h"
+#include "cache/patches/patches.h"
 
 static sl_clip_point seen_at(const sl_patches *p, const sl_view *view, uint32_t root, uint32_t u, uint32_t v) {
     return sl_clip_point_of(view, sl_root_position(p->primitives, root, u, v));

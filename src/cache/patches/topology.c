@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/topology_parts.h"
+#include "cache/patches/topology_parts.h"
 
 /* Triangles of no area to speak of; NaN has none. */
 static void find_degenerate(sl_topology *topology) {

@@ -1,7 +1,7 @@
 /* Points of roots: from (u, v) to the scene's triangles and back. */
 #include <math.h>
 
-#include "cache/shading_cache/primitive_parts.h"
+#include "cache/patches/primitive_parts.h"
 #include "scene/bicubic.h"
 #include "scene/surface_rules.h"
 

@@ -12,10 +12,10 @@
  *   mesh_vertices.c     keys, their table, where vertices lie
  *   mesh_interpolate.c  values between vertices
  *   mesh_neighbours.c   the other side of an edge */
-#ifndef SL_MULTI_MESH_MESH_H
-#define SL_MULTI_MESH_MESH_H
+#ifndef SL_PATCHES_MESH_H
+#define SL_PATCHES_MESH_H
 
-#include "cache/multi_mesh/topology.h"
+#include "cache/patches/topology.h"
 #include "cache/patches/dyadic.h"
 
 enum {

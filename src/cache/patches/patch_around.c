@@ -1,6 +1,6 @@
 /* What lies around a vertex, in its own root and in those that meet there; and vertices along a leaf's edge. */
-#include "cache/shading_cache/patch_parts.h"
-#include "cache/shading_cache/primitive_parts.h"
+#include "cache/patches/patch_parts.h"
+#include "cache/patches/primitive_parts.h"
 
 /* ---- leaves around a place ---------------------------------------------------------------------------------------------------- */
 

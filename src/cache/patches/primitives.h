@@ -10,8 +10,8 @@
  *   primitive_edges.c   where roots meet: edges and corners on which shading is shared
  *
  * A root is a side of a primitive: 2 p its front, 2 p + 1 its back; light on them has nothing in common. */
-#ifndef SL_SHADING_CACHE_PRIMITIVES_H
-#define SL_SHADING_CACHE_PRIMITIVES_H
+#ifndef SL_PATCHES_PRIMITIVES_H
+#define SL_PATCHES_PRIMITIVES_H
 
 #include "scene/scene.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/math.h"
-#include "cache/shading_cache/patch_parts.h"
+#include "cache/patches/patch_parts.h"
 
 void sl_patches_borrow(sl_patches *p, uint32_t vertex) {
     p->vertex[vertex].borrowed = 1;

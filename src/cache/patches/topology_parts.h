@@ -1,8 +1,8 @@
 /* What sl_topology_create() is made of. */
-#ifndef SL_MULTI_MESH_TOPOLOGY_PARTS_H
-#define SL_MULTI_MESH_TOPOLOGY_PARTS_H
+#ifndef SL_PATCHES_TOPOLOGY_PARTS_H
+#define SL_PATCHES_TOPOLOGY_PARTS_H
 
-#include "cache/multi_mesh/topology.h"
+#include "cache/patches/topology.h"
 
 /* sites.c */
 sl_status sl_sites_make(sl_topology *topology, bool by_exponent, sl_error *error);

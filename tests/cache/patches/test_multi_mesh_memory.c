@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "failing_memory.h"
 #include "trace_scenes.h"
 

@@ -11,7 +11,7 @@
 
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/mesh.h"
+#include "cache/patches/mesh.h"
 #include "trace_scenes.h"
 
 typedef struct world {

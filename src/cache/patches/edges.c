@@ -2,7 +2,7 @@
  * counting sorts; equal neighbours are one edge, whose faces then lie together, ascending. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/topology_parts.h"
+#include "cache/patches/topology_parts.h"
 
 /* order_out: order_in, stably sorted by key. start has room for limit + 1. */
 static void counting_sort(const uint32_t *key, size_t count, size_t limit, const uint32_t *order_in, uint32_t *order_out, uint32_t *start) {

@@ -6,7 +6,7 @@
 #include "base/grow.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/multi_mesh/mesh_parts.h"
+#include "cache/patches/mesh_parts.h"
 
 /* ---- keys ------------------------------------------------------------------------------------------------------------ */
 

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/patches/dyadic.h"
-#include "cache/shading_cache/patch_parts.h"
+#include "cache/patches/patch_parts.h"
 
 /* ---- the table ---------------------------------------------------------------------------------------------------------------- */
 

@@ -2,17 +2,18 @@
  *
  *   patches.c          trees: roots, splits, dropped children, blocks that are used again
  *   patch_vertices.c   vertices: shared inside a root by where they lie, and between roots along edges where position, normal and material agree
+ *   patch_size.c       sizes in the picture
  *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
- *   borrow.c           vertices without light of their own
- *   evict.c            ageing: children that nobody has seen for long, or that are below a pixel, go when there are too many
+ *   patch_borrow.c     vertices without light of their own
+ *   patch_evict.c      ageing: children that nobody has seen for long, or that are below a pixel, go when there are too many
  *
- * Triangles are cut at their edges' middles (children 0 to 2 keep corners 0 to 2, 3 is the middle one), the others at the middles and the
- * centre (child i keeps corner i). Corners are counter-clockwise in (u, v). Vertices are counted by the splits (and roots) that asked for them: the last
+ * dyadic.h has how patches are cut. Vertices are counted by the splits (and roots) that asked for them: the last
  * one to go takes its vertex with it. */
-#ifndef SL_SHADING_CACHE_PATCHES_H
-#define SL_SHADING_CACHE_PATCHES_H
+#ifndef SL_PATCHES_PATCHES_H
+#define SL_PATCHES_PATCHES_H
 
-#include "cache/shading_cache/primitives.h"
+#include "cache/patches/primitives.h"
+#include "cache/patches/screen_size.h"
 
 enum {
     SL_PATCH_LEVEL = 0xf,        /* depth below the root */
@@ -169,6 +170,9 @@ size_t sl_patch_hanging_at(const sl_patches *patches, const sl_patch_place *leaf
 uint32_t sl_leaf_oldest(const sl_patches *patches, uint32_t leaf);
 /* Vertices on a leaf's edges that are looked at for that. */
 enum { SL_HANGING_MOST = 1024 };
+
+/* Returns the size of what the camera sees of a patch. */
+sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place, const sl_camera *camera, int width, int height);
 
 /* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its value has changed. */
 void sl_patches_touch(sl_patches *patches, uint32_t vertex);

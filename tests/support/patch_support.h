@@ -10,7 +10,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "cache/shading_cache/patches.h"
+#include "cache/patches/patches.h"
 #include "trace_scenes.h"
 
 typedef struct hierarchy {
