@@ -154,7 +154,7 @@ static void draw_gouraud(void *context, unsigned threads, sl_counters *counters)
     sl_target target = {SIDE, SIDE, p->id, p->depth};
     sl_error error;
     expect_ok(sl_raster_id(p->scene->raster, &p->view, threads, &target, counters, &error), &error);
-    sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id, p->attributes, 3, p->colour, counters);
+    sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id, &(sl_gouraud_pass){.channels = 3, .vertex = p->attributes, .out = p->colour}, counters);
 }
 
 static double differing_colours(void *context, peer_pass *peer) {

@@ -271,7 +271,7 @@ static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_ra
     bool ok = r && a && b;
     if (ok) {
         *r = (sl_raster){.scene = scene, .mesh = *mesh, .kernels = sl_raster_kernels_best(), .memory_bytes = sizeof *r,
-                         .spares = sl_spares_create()};
+                         .observer = scene ? scene->observer : NULL, .spares = sl_spares_create()};
         ok = r->spares && build(r, order_of(r, a, b));
     }
     sl_free(a);
@@ -295,6 +295,8 @@ sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl
     (void)threads;
     return create(NULL, mesh, raster, error);
 }
+
+void sl_raster_observe(sl_raster *raster, const sl_raster_observer *observer) { raster->observer = observer; }
 
 void sl_raster_destroy(sl_raster *r) {
     if (!r) return;

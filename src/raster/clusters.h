@@ -15,6 +15,7 @@ struct sl_raster {
     sl_raster_mesh mesh;
     const struct sl_raster_kernels *kernels;
     bool masked; /* some triangle has an alpha mask */
+    const sl_raster_observer *observer; /* or NULL */
 
     size_t cluster_count;
     /* Bounds: box and sphere share a centre. Arrays are padded to whole groups of SL_LANES. */

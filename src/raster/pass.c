@@ -196,6 +196,7 @@ void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_t
                         sl_counters *counters) {
     sl_pass_view pass = sl_pass_view_make(view, target->width, target->height);
     const sl_tiles tiles = sl_tiles_of(&pass);
+    if (raster->observer) raster->observer->draw(raster->observer->context, raster, view, true);
     raster->kernels->cull(raster, &pass, &scratch->visible);
     sl_visible_sort(&scratch->visible);
     for (uint32_t n = 0; n < scratch->visible.count; n++) scratch->fate[n] = 0;

@@ -41,6 +41,15 @@ typedef enum sl_depth_kind {
     SL_DEPTH_INVERSE_W  /* 1/w, linear on the screen, larger is nearer, no far plane; cleared to 0 */
 } sl_depth_kind;
 
+/* Is told of every pass before it is drawn, on the thread that asks for it. */
+typedef struct sl_view sl_view;
+typedef struct sl_gouraud_pass sl_gouraud_pass;
+typedef struct sl_raster_observer {
+    void (*draw)(void *context, const sl_raster *raster, const sl_view *view, bool small);
+    void (*gouraud)(void *context, const sl_raster *raster, const sl_view *view, const uint32_t *id, const sl_gouraud_pass *pass);
+    void *context;
+} sl_raster_observer;
+
 /* Triangles as they stand: corners are indices of vertices. Nothing is welded or dropped beforehand; coordinates may be NaN, triangles
  * without area. */
 typedef struct sl_raster_mesh {
@@ -51,6 +60,8 @@ typedef struct sl_raster_mesh {
 /* A rasterizer of triangles that are no scene (refined meshes, tests): ids are triangle numbers; no G-buffer, no alpha masks. The arrays
  * must outlive it. */
 sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster, sl_error *error);
+/* Sets the observer of a rasterizer, which has been its scene's, or none. */
+void sl_raster_observe(sl_raster *raster, const sl_raster_observer *observer);
 
 /* Half-open, in pixels of the target; x0 = x1 = 0: no scissor. */
 typedef struct sl_scissor {
@@ -59,7 +70,9 @@ typedef struct sl_scissor {
 
 /* A view: clip = matrix * (p - origin, 1), rows first: clip_i = sum_j m[i][j] q_j. The origin (the eye) is subtracted first, in float,
  * so that tiny near distances keep their precision. */
-typedef struct sl_view {
+typedef enum sl_view_kind { SL_VIEW_CAMERA, SL_VIEW_PYRAMID, SL_VIEW_CUBE_FACE, SL_VIEW_HEMICUBE_FACE, SL_VIEW_LIGHT, SL_VIEW_MIRRORED, SL_VIEW_KINDS } sl_view_kind;
+struct sl_view {
+    sl_view_kind kind;      /* of which it was made; told to observers */
     float clip[4][4];
     sl_vec3 origin;
     int width, height;      /* of the viewport */
@@ -71,7 +84,7 @@ typedef struct sl_view {
     uint32_t skip_triangle; /* not drawn (a gather's own triangle); SL_NO_INDEX, or any number that no triangle has: all are drawn */
     const uint8_t *left_out; /* by triangle: 1: not drawn (the object from within which a picture is taken); NULL: all are drawn. A mirrored
                               * view draws all: in a mirror, what stands around the eye is in nobody's way */
-} sl_view;
+};
 
 /* Perspective camera with near and far planes, window depth. */
 sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far);
@@ -158,10 +171,29 @@ void sl_resolver_destroy(sl_resolver *resolver);
 /* `count` pixels from `first` on, into planes that hold those alone. Returns how many of them show a triangle. */
 uint64_t sl_resolver_run(const sl_resolver *resolver, unsigned worker, size_t first, size_t count, sl_gbuffer *part);
 
-/* Gouraud: interpolates `channels` floats per vertex (vertex v's at attributes[v*channels]) at every pixel of an id plane of the
- * view's width x height; out holds `channels` planes; background 0. */
-void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,
-                       const float *attributes, int channels, float *out, sl_counters *counters);
+/* What the Gouraud pass hands on: `count` pixels from `first` on, with the interpolated values of each. */
+enum { SL_GOURAUD_CHANNELS = 4, SL_GOURAUD_STRIP = 2048 };
+typedef struct sl_gouraud_pixels {
+    size_t first, count;
+    const uint32_t *id;                       /* of these pixels */
+    const float *value[SL_GOURAUD_CHANNELS];  /* 0 on the background */
+    const float *diffuse[3];                  /* kd times texture, where the pass is textured */
+} sl_gouraud_pixels;
+
+/* Values are given by vertex (vertex v's at vertex[v * channels]), or by corner: corners() writes a triangle's, `channels` for each of three. */
+struct sl_gouraud_pass {
+    int channels;
+    const float *vertex;
+    void (*corners)(const void *context, uint32_t triangle, float *value);
+    bool textured;       /* needs a scene */
+    float *out;          /* `channels` planes of the view's size; or NULL and */
+    void (*shade)(void *context, const sl_gouraud_pixels *pixels); /* what is done with visible pixels: every strip of SL_GOURAUD_STRIP once, any thread's */
+    void *context;
+    size_t first, count; /* the pixels; count 0: all from `first` on */
+};
+/* Gouraud: interpolates at every pixel of an id plane of the view's width x height, perspective-correct. */
+void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id, const sl_gouraud_pass *pass,
+                       sl_counters *counters);
 
 /* Depth cube: six faces of distance information around a light (shadow map), inverse-w depth, size x size each. */
 typedef struct sl_depth_cube {

@@ -140,6 +140,7 @@ sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *vi
                                 .pass = sl_pass_view_make(&views[n], targets[n].width, targets[n].height)};
         pictures[n].tiles = sl_tiles_of(&pictures[n].pass);
         p.tiles += (size_t)pictures[n].tiles.columns * (size_t)pictures[n].tiles.rows;
+        if (raster->observer) raster->observer->draw(raster->observer->context, raster, &views[n], false);
     }
     if (status == SL_OK && !draw_pictures(&p, threads, counters)) status = sl_fail_memory(error, "a render's planes");
     sl_free(pictures);

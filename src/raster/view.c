@@ -30,7 +30,7 @@ sl_view sl_view_camera(const sl_camera *camera, int width, int height, float nea
 /* x/w runs from -1 at tangent `left` to 1 at tangent `right`. Row 2 is w - near: the near plane's distance. */
 sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float right, float bottom, float top, int width,
                         int height, float near) {
-    sl_view view = {.origin = eye, .width = width, .height = height, .depth = SL_DEPTH_INVERSE_W,
+    sl_view view = {.kind = SL_VIEW_PYRAMID, .origin = eye, .width = width, .height = height, .depth = SL_DEPTH_INVERSE_W,
                     .skip_triangle = SL_NO_INDEX};
     double l = (double)left, r = (double)right, b = (double)bottom, t = (double)top;
     sl_vec3d x = sl_to_double(frame->x), y = sl_to_double(frame->y), z = sl_to_double(frame->z);

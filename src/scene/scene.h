@@ -93,6 +93,7 @@ typedef struct sl_animation sl_animation; /* keyframes of camera, objects and li
 
 struct sl_scene {
     uint64_t version;     /* raised by every edit */
+    const struct sl_raster_observer *observer; /* of the passes that draw it (raster/raster.h), or NULL */
 
     size_t vertex_count;
     float *position_x, *position_y, *position_z;

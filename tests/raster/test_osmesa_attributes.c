@@ -161,7 +161,7 @@ static void compare_picture(soup_kind kind, uint64_t seed, const osmesa_target *
     sl_target planes = {.width = SIZE, .height = SIZE, .id = ours->id, .depth = ours->depth};
     sl_counters counters = {{0}};
     assert_int_equal(sl_raster_id(raster, &s.view, 1, &planes, &counters, NULL), SL_OK);
-    sl_raster_gouraud(raster, &s.view, 1, ours->id, attributes, CHANNELS, ours->attributes, &counters);
+    sl_raster_gouraud(raster, &s.view, 1, ours->id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = ours->attributes}, &counters);
     osmesa_mesh mesh = mesh_of(s.position, 3 * s.triangles, attributes, CHANNELS, 0, NULL);
     judge_draw(program, target, &mesh, &s.view, true, false);
     osmesa_read(target, 0, theirs->id);

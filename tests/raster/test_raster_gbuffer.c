@@ -91,7 +91,7 @@ static void gouraud_of_an_affine_function_equals_its_value_at_the_position(void 
     for (int n = 0; n < 4; n++) {
         const sl_gbuffer *g = f->gbuffer[n];
         sl_counters counters = {{0}};
-        sl_raster_gouraud(f->raster, &f->view[n], 2, g->id, attributes, CHANNELS, out, &counters);
+        sl_raster_gouraud(f->raster, &f->view[n], 2, g->id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out}, &counters);
         uint64_t seen = 0;
         for (int i = 0; i < PIXELS; i++) {
             seen += g->id[i] != SL_NO_INDEX;

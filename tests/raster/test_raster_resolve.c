@@ -122,7 +122,7 @@ static errors errors_of_triangle(const sl_scene *one, const sl_view *view, uint6
     for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_scene_position(one, one->vertex[k][0]), view->origin);
     sl_counters counters = {{0}};
     render(raster, view, 1, id, NULL);
-    sl_raster_gouraud(raster, view, 1, id, attribute, 1, out, &counters);
+    sl_raster_gouraud(raster, view, 1, id, &(sl_gouraud_pass){.channels = 1, .vertex = attribute, .out = out}, &counters);
     for (int i = 0; i < PIXELS; i++) {
         long double b[3], exact = 0;
         if (id[i] != 0 || !exact_weights(view, q, i % SIZE, i / SIZE, b)) continue;
@@ -429,8 +429,8 @@ static void gouraud_needs_no_scene_but_a_g_buffer_does(void **state) {
     render(raster, &view, 1, id, NULL);
     for (int i = 0; i < PIXELS; i += 13) id[i] = SL_NO_INDEX;
     sl_counters counters[2] = {{{0}}};
-    sl_raster_gouraud(raster, &view, 1, id, attributes, CHANNELS, out[0], &counters[0]);
-    sl_raster_gouraud(raster, &view, 3, id, attributes, CHANNELS, out[1], &counters[1]);
+    sl_raster_gouraud(raster, &view, 1, id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[0]}, &counters[0]);
+    sl_raster_gouraud(raster, &view, 3, id, &(sl_gouraud_pass){.channels = CHANNELS, .vertex = attributes, .out = out[1]}, &counters[1]);
     assert_memory_equal(out[0], out[1], sizeof out[0]);
     assert_memory_equal(&counters[0], &counters[1], sizeof counters[0]);
     for (uint32_t i = 0; i < PIXELS; i++) {

@@ -12,15 +12,15 @@
 #include "cache/multi_mesh/path_kernels.h"
 #include "scene/surface_rules.h"
 
-enum { BANDS = 64, SHORT_LIST = 24, PATH_SHIFT = 32, TOP_SHIFT = PATH_SHIFT + 2 * SL_PATH_LEVELS - 4 };
+enum { STRIP = SL_GOURAUD_STRIP, SHORT_LIST = 24, PATH_SHIFT = 32, TOP_SHIFT = PATH_SHIFT + 2 * SL_PATH_LEVELS - 4 };
 
 typedef struct sort_job {
     const sl_scene *scene;
     const sl_raster *raster;
     const sl_view *view;
     const uint32_t *id;
-    size_t pixel_count;
-    size_t band_start[BANDS + 1];  /* in the arrays below: pixels that show something, as they lie on the screen */
+    size_t pixel_count, strips;
+    size_t *strip_start;           /* in the arrays below: pixels that show something, as they lie on the screen */
     uint32_t *pixel, *face;
     float *w1, *w2;
     uint32_t *path;                /* out's, until all have gone into keys */
@@ -30,14 +30,12 @@ typedef struct sort_job {
     sl_visible_pixels *out;
 } sort_job;
 
-static size_t band_begin(const sort_job *j, size_t band) { return j->pixel_count * band / BANDS; }
-
-static void count_band(void *context, size_t band, unsigned worker) {
+static void count_strip(void *context, size_t strip, unsigned worker) {
     (void)worker;
     sort_job *j = context;
     size_t shown = 0;
-    for (size_t i = band_begin(j, band); i < band_begin(j, band + 1); i++) shown += j->id[i] != SL_NO_INDEX;
-    j->band_start[band + 1] = shown;
+    for (size_t i = strip * STRIP; i < j->pixel_count && i < (strip + 1) * STRIP; i++) shown += j->id[i] != SL_NO_INDEX;
+    j->strip_start[strip + 1] = shown;
 }
 
 /* Sides as sl_scene_surface() has them. Where the eye is not close to the triangle's plane one pixel says it for all. */
@@ -64,17 +62,25 @@ static size_t end_of_run(const sort_job *j, size_t i, size_t end) {
     return i;
 }
 
-/* A band's pixels: weights, face, path; counts those of each face. */
-static void resolve_band(void *context, size_t band, unsigned worker) {
-    (void)worker;
+/* What the Gouraud pass interpolates: a place in a triangle, told by its weights of corners 1 and 2. */
+static void corner_places(const void *context, uint32_t triangle, float *value) {
+    static const float places[6] = {0, 0, 1, 0, 0, 1};
+    (void)context;
+    (void)triangle;
+    memcpy(value, places, sizeof places);
+}
+
+/* A strip's pixels: weights, face, path; counts those of each face. */
+static void resolve_strip(void *context, const sl_gouraud_pixels *pixels) {
     sort_job *j = context;
-    size_t first = j->band_start[band], end = j->band_start[band + 1], at = first;
-    for (size_t i = band_begin(j, band); i < band_begin(j, band + 1); i++) {
-        if (j->id[i] == SL_NO_INDEX) continue;
-        j->pixel[at] = (uint32_t)i;
-        j->face[at++] = j->id[i];
+    size_t strip = pixels->first / STRIP, first = j->strip_start[strip], end = j->strip_start[strip + 1], at = first;
+    for (size_t i = 0; i < pixels->count; i++) {
+        if (pixels->id[i] == SL_NO_INDEX) continue;
+        j->pixel[at] = (uint32_t)(pixels->first + i);
+        j->face[at] = pixels->id[i];
+        j->w1[at] = pixels->value[0][i];
+        j->w2[at++] = pixels->value[1][i];
     }
-    sl_raster_barycentrics(j->raster, j->view, end - first, j->pixel + first, j->face + first, j->w1 + first, j->w2 + first);
     j->paths(end - first, j->w1 + first, j->w2 + first, j->path + first);
     side_seen side = {SL_NO_INDEX, 0, false};
     for (size_t i = first; i < end; i++) {
@@ -107,11 +113,11 @@ static sl_status list_faces(sort_job *j, sl_error *error) {
 }
 
 /* Keys of a face in any order, which depends on the threads: they are sorted. */
-static void deal_band(void *context, size_t band, unsigned worker) {
+static void deal_strip(void *context, size_t strip, unsigned worker) {
     (void)worker;
     sort_job *j = context;
-    size_t end = j->band_start[band + 1];
-    for (size_t i = j->band_start[band], next; i < end;) {
+    size_t end = j->strip_start[strip + 1];
+    for (size_t i = j->strip_start[strip], next; i < end;) {
         next = end_of_run(j, i, end);
         unsigned at = atomic_fetch_add_explicit(&j->of_face[j->face[i]], (unsigned)(next - i), memory_order_relaxed);
         for (; i < next; i++) j->key[at++] = (uint64_t)j->path[i] << PATH_SHIFT | i;
@@ -181,6 +187,7 @@ static bool allocate(sort_job *j) {
 }
 
 static void release(sort_job *j) {
+    sl_free(j->strip_start);
     sl_free(j->pixel);
     sl_free(j->face);
     sl_free(j->w1);
@@ -190,16 +197,19 @@ static void release(sort_job *j) {
     sl_free(j->of_face);
 }
 
-static sl_status sort(sort_job *j, unsigned threads, sl_error *error) {
+static sl_status sort(sort_job *j, unsigned threads, sl_counters *counters, sl_error *error) {
     sl_visible_pixels *out = j->out;
-    sl_parallel_for(threads, BANDS, count_band, j);
-    for (size_t b = 0; b < BANDS; b++) j->band_start[b + 1] += j->band_start[b];
-    out->count = j->band_start[BANDS];
+    j->strip_start = sl_allocate(j->strips + 1, sizeof *j->strip_start);
+    if (!j->strip_start) return sl_fail_memory(error, "visible pixels");
+    sl_parallel_for(threads, j->strips, count_strip, j);
+    for (size_t s = 0; s < j->strips; s++) j->strip_start[s + 1] += j->strip_start[s];
+    out->count = j->strip_start[j->strips];
     if (!allocate(j)) return sl_fail_memory(error, "visible pixels");
-    sl_parallel_for(threads, BANDS, resolve_band, j);
+    const sl_gouraud_pass pass = {.channels = 2, .corners = corner_places, .shade = resolve_strip, .context = j};
+    sl_raster_gouraud(j->raster, j->view, threads, j->id, &pass, counters);
     sl_status status = list_faces(j, error);
     if (status != SL_OK) return status;
-    sl_parallel_for(threads, BANDS, deal_band, j);
+    sl_parallel_for(threads, j->strips, deal_strip, j);
     sl_parallel_for(threads, SL_VISIBLE_SHARES, sort_share, j);
     return SL_OK;
 }
@@ -213,13 +223,13 @@ sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster,
     out->view = *view;
     sort_job job = {.scene = scene, .raster = raster, .view = view, .id = id, .pixel_count = (size_t)view->width * (size_t)view->height,
                     .paths = sl_path_kernel_for(sl_isa_best()), .out = out};
-    sl_status status = sort(&job, sl_thread_count(threads), error);
+    job.strips = (job.pixel_count + STRIP - 1) / STRIP;
+    sl_status status = sort(&job, sl_thread_count(threads), counters, error);
     release(&job);
     if (status != SL_OK) {
         sl_visible_pixels_destroy(out);
         return status;
     }
-    (void)counters;
     *pixels = out;
     return SL_OK;
 }

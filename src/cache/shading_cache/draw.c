@@ -1,4 +1,6 @@
 /* Frames: visibility by the raster hardware, then for each pixel its root and (u, v), its leaf there, and L_e + k_d E / pi + L_s (section on display). */
+#include <string.h>
+
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/parallel.h"
@@ -6,8 +8,6 @@
 #include "cache/shading_cache/leaf_lookup.h"
 #include "cache/shading_cache/story.h"
 #include "scene/surface_rules.h"
-
-enum { STRIP = 2048 }; /* pixels of a task */
 
 /* ---- visibility --------------------------------------------------------------------------------------------------------------- */
 
@@ -39,7 +39,6 @@ typedef struct frame_job {
     sl_view view;
     size_t pixels;
     float *const *out;         /* pictures */
-    sl_resolver *resolver;     /* of textures; NULL: there are none */
     const sl_display_ids *ids; /* id maps */
 } frame_job;
 
@@ -48,7 +47,6 @@ typedef struct triangle_run {
     uint32_t root;             /* SL_NO_INDEX: the background */
     const sl_display_root *wanted; /* NULL: not wanted yet */
     bool curved;
-    float u[3], v[3];          /* at corner 0, and how much more at corners 1 and 2 */
     bool lobe;                 /* L_s, too */
     sl_rgb emission, diffuse;
     const sl_texture *texture; /* NULL: diffuse is all */
@@ -56,23 +54,26 @@ typedef struct triangle_run {
     sl_leaf_field field;
 } triangle_run;
 
-static void corner_differences(float p[3]) {
-    p[1] -= p[0];
-    p[2] -= p[0];
-}
-
-/* Of a triangle that is drawn as it stands: plain, or half of a quadrilateral, whose corners go round from wherever the triangle begins. */
-static void scene_parameters(const sl_primitives *p, uint32_t t, triangle_run *run) {
+/* The Gouraud pass interpolates a place (u, v) in the root. Of a triangle that is drawn as it stands: plain, or half of a quadrilateral, whose
+ * corners go round from wherever the triangle begins. */
+static void scene_places(const void *context, uint32_t t, float *value) {
     static const float round[3][3][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+    const sl_primitives *p = ((const frame_job *)context)->display->primitives;
     uint32_t primitive = p->of_triangle[t];
     bool plain = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
     const float(*corner)[2] = round[plain ? 0 : 1 + (t - p->first_triangle[primitive])];
     double u = 0.0, v = 0.0;
     if (!plain) sl_root_parameters(p, t, 0.0f, 0.0f, &u, &v);
     int first = u == 0.0 && v == 0.0 ? 0 : u == (double)corner[1][0] && v == (double)corner[1][1] ? 1 : 2;
+    for (int c = 0; c < 3; c++) memcpy(value + 2 * c, corner[(first + c) % 3], 2 * sizeof *value);
+}
+
+/* Of a tessellated one. */
+static void curved_places(const void *context, uint32_t triangle, float *value) {
+    const sl_tessellation *t = &((const frame_job *)context)->window->tessellation;
     for (int c = 0; c < 3; c++) {
-        run->u[c] = corner[(first + c) % 3][0];
-        run->v[c] = corner[(first + c) % 3][1];
+        value[2 * c] = t->u[t->vertex[c][triangle]];
+        value[2 * c + 1] = t->v[t->vertex[c][triangle]];
     }
 }
 
@@ -81,32 +82,27 @@ static uint32_t seen_root(uint32_t primitive, sl_vec3 geometric, sl_vec3 to_view
     return 2 * primitive + (sl_side_seen(geometric, to_viewer) < 0.0f ? 1 : 0);
 }
 
-static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, triangle_run *run) {
+static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_run *run) {
     const sl_scene *s = job->window->scene;
     const sl_primitives *p = job->display->primitives;
     run->root = SL_NO_INDEX;
-    if (id == SL_NO_INDEX && curved_id == SL_NO_INDEX) return;
-    run->curved = id == SL_NO_INDEX;
+    if (id == SL_NO_INDEX) return;
+    run->curved = curved;
     sl_vec3 geometric, corner[3];
     uint32_t primitive;
     if (run->curved) {
         const sl_tessellation *t = &job->window->tessellation;
-        primitive = t->primitive[curved_id];
+        primitive = t->primitive[id];
         for (int c = 0; c < 3; c++) {
-            uint32_t v = t->vertex[c][curved_id];
+            uint32_t v = t->vertex[c][id];
             corner[c] = sl_v3(t->x[v], t->y[v], t->z[v]);
-            run->u[c] = t->u[v];
-            run->v[c] = t->v[v];
         }
         geometric = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
     } else {
         primitive = p->of_triangle[id];
         corner[0] = sl_scene_position(s, s->vertex[0][id]);
-        scene_parameters(p, id, run);
         geometric = sl_scene_geometric_normal(s, id);
     }
-    corner_differences(run->u);
-    corner_differences(run->v);
     run->root = seen_root(primitive, geometric, sl_sub(job->view.origin, corner[0]));
     uint32_t wanted = job->copy->root[run->root];
     run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
@@ -119,55 +115,15 @@ static void begin_run(const frame_job *job, uint32_t id, uint32_t curved_id, tri
 }
 
 /* The leaf of a place, if its root has any; returns whether it is another one than before. */
-static bool find_leaf(const frame_job *job, triangle_run *run, float w1, float w2, int32_t *u, int32_t *v) {
-    *u = sl_place_of(run->u[0] + w1 * run->u[1] + w2 * run->u[2]);
-    *v = sl_place_of(run->v[0] + w1 * run->v[1] + w2 * run->v[2]);
+static bool find_leaf(const frame_job *job, triangle_run *run, const float place[2], int32_t *u, int32_t *v) {
+    *u = sl_place_of(place[0]);
+    *v = sl_place_of(place[1]);
     return run->wanted && !sl_leaf_find(job->copy, &run->leaf, *u, *v);
 }
 
 static float as_parameter(int32_t place) { return (float)place * (1.0f / (float)SL_PLACE_ONE); }
 
-/* ---- strips of a frame -------------------------------------------------------------------------------------------------------- */
-
-/* Weights of corners 1 and 2, whichever raster drew the pixel. */
-typedef struct strip {
-    size_t first, count;
-    const uint32_t *id, *curved_id; /* the latter NULL where nothing is curved */
-    float w1[STRIP], w2[STRIP];
-} strip;
-
-static void begin_pixels(const frame_job *job, size_t first, size_t count, strip *s) {
-    uint32_t pixel[STRIP] = {0};
-    s->first = first;
-    s->count = count;
-    s->id = job->window->frame.id + s->first;
-    s->curved_id = job->display->curved ? job->window->frame.curved_id + s->first : NULL;
-    bool any = false;
-    for (size_t i = 0; i < s->count; i++) {
-        pixel[i] = (uint32_t)(s->first + i);
-        any |= s->curved_id && s->curved_id[i] != SL_NO_INDEX;
-    }
-    sl_raster_barycentrics(job->window->raster, &job->view, s->count, pixel, s->id, s->w1, s->w2);
-    if (!any) return;
-    float w1[STRIP], w2[STRIP];
-    sl_raster_barycentrics(job->window->tessellation.raster, &job->view, s->count, pixel, s->curved_id, w1, w2);
-    for (size_t i = 0; i < s->count; i++) {
-        bool curved = s->curved_id[i] != SL_NO_INDEX;
-        s->w1[i] = curved ? w1[i] : s->w1[i];
-        s->w2[i] = curved ? w2[i] : s->w2[i];
-    }
-}
-
-static void begin_strip(const frame_job *job, size_t index, strip *s) {
-    size_t first = index * STRIP;
-    begin_pixels(job, first, job->pixels - first < STRIP ? job->pixels - first : STRIP, s);
-}
-
-static void next_pixel(const frame_job *job, const strip *s, size_t i, triangle_run *run) {
-    uint32_t curved = s->curved_id ? s->curved_id[i] : SL_NO_INDEX;
-    bool same = i > 0 && s->id[i] == s->id[i - 1] && (!s->curved_id || curved == s->curved_id[i - 1]);
-    if (!same) begin_run(job, s->id[i], curved, run);
-}
+/* ---- pixels of a frame -------------------------------------------------------------------------------------------------------- */
 
 static sl_rgb background(const frame_job *job, size_t pixel) {
     const sl_environment *environment = &job->window->scene->environment;
@@ -187,11 +143,11 @@ static sl_rgb diffuse_of(const frame_job *job, const triangle_run *run, int32_t 
     return !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
 }
 
-static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2, const sl_rgb *textured) {
+static sl_rgb shade(const frame_job *job, triangle_run *run, const float place[2], const sl_rgb *textured) {
     const sl_rgb guess = job->copy->guess;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
     int32_t u, v;
-    bool fresh = find_leaf(job, run, w1, w2, &u, &v);
+    bool fresh = find_leaf(job, run, place, &u, &v);
     if (run->wanted && !run->lobe) { /* the constant, so that colours are compiled for it */
         if (fresh) sl_leaf_field_of(job->copy, 1, &run->leaf, &run->field);
         sl_leaf_value(job->copy, 1, &run->leaf, &run->field, e);
@@ -205,44 +161,59 @@ static sl_rgb shade(const frame_job *job, triangle_run *run, float w1, float w2,
                     run->emission.b + kd.b * e[2] * over_pi + e[5]};
 }
 
-static void shade_strip(void *context, size_t index, unsigned worker) {
-    const frame_job *job = context;
-    strip s;
-    begin_strip(job, index, &s);
-    float kd[3][STRIP];
-    if (job->resolver) {
-        sl_gbuffer part = {.width = (int)s.count, .height = 1, .diffuse_r = kd[0], .diffuse_g = kd[1], .diffuse_b = kd[2]};
-        sl_resolver_run(job->resolver, worker, s.first, s.count, &part);
-    }
+static void put(const frame_job *job, size_t pixel, sl_rgb radiance) {
+    job->out[0][pixel] = sl_picture_value(radiance.r);
+    job->out[1][pixel] = sl_picture_value(radiance.g);
+    job->out[2][pixel] = sl_picture_value(radiance.b);
+}
+
+static bool is_background(const frame_job *job, size_t pixel) {
+    return !job->display->curved || job->window->frame.curved_id[pixel] == SL_NO_INDEX;
+}
+
+/* What the Gouraud pass does with the pixels of one of the two rasterizers; the background is the first one's. */
+static void shade_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
     triangle_run run = {.root = SL_NO_INDEX};
-    for (size_t i = 0; i < s.count; i++) {
-        next_pixel(job, &s, i, &run);
-        sl_rgb textured = {0}, radiance;
-        if (job->resolver) textured = (sl_rgb){kd[0][i], kd[1][i], kd[2][i]};
-        radiance = run.root == SL_NO_INDEX ? background(job, s.first + i) : shade(job, &run, s.w1[i], s.w2[i], &textured);
-        job->out[0][s.first + i] = sl_picture_value(radiance.r);
-        job->out[1][s.first + i] = sl_picture_value(radiance.g);
-        job->out[2][s.first + i] = sl_picture_value(radiance.b);
+    for (size_t i = 0; i < p->count; i++) {
+        size_t pixel = p->first + i;
+        if (p->id[i] == SL_NO_INDEX) {
+            if (!curved && is_background(job, pixel)) put(job, pixel, background(job, pixel));
+            continue;
+        }
+        if (i == 0 || p->id[i] != p->id[i - 1]) begin_run(job, p->id[i], curved, &run);
+        const float place[2] = {p->value[0][i], p->value[1][i]};
+        sl_rgb textured = {0};
+        if (p->diffuse[0]) textured = (sl_rgb){p->diffuse[0][i], p->diffuse[1][i], p->diffuse[2][i]};
+        put(job, pixel, shade(job, &run, place, &textured));
     }
 }
 
-static void name_strip(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const frame_job *job = context;
-    strip s;
-    begin_strip(job, index, &s);
+static void shade_planar(void *context, const sl_gouraud_pixels *pixels) { shade_pixels(context, pixels, false); }
+static void shade_curved(void *context, const sl_gouraud_pixels *pixels) { shade_pixels(context, pixels, true); }
+
+static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, uint32_t root, int32_t u, int32_t v) {
+    if (ids->patch) ids->patch[pixel] = patch;
+    if (ids->root) ids->root[pixel] = root;
+    if (ids->u) ids->u[pixel] = as_parameter(u);
+    if (ids->v) ids->v[pixel] = as_parameter(v);
+}
+
+static void name_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
     triangle_run run = {.root = SL_NO_INDEX};
-    for (size_t i = 0; i < s.count; i++) {
-        next_pixel(job, &s, i, &run);
-        int32_t u = 0, v = 0;
-        bool covered = run.root != SL_NO_INDEX;
-        if (covered) find_leaf(job, &run, s.w1[i], s.w2[i], &u, &v);
-        if (job->ids->patch) job->ids->patch[s.first + i] = covered && run.wanted ? sl_leaf_patch(&run.leaf) : SL_NO_INDEX;
-        if (job->ids->root) job->ids->root[s.first + i] = run.root;
-        if (job->ids->u) job->ids->u[s.first + i] = as_parameter(u);
-        if (job->ids->v) job->ids->v[s.first + i] = as_parameter(v);
+    for (size_t i = 0; i < p->count; i++) {
+        if (p->id[i] == SL_NO_INDEX) {
+            if (!curved && is_background(job, p->first + i)) name_pixel(job->ids, p->first + i, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
+            continue;
+        }
+        int32_t u, v;
+        if (i == 0 || p->id[i] != p->id[i - 1]) begin_run(job, p->id[i], curved, &run);
+        find_leaf(job, &run, (const float[2]){p->value[0][i], p->value[1][i]}, &u, &v);
+        name_pixel(job->ids, p->first + i, run.wanted ? sl_leaf_patch(&run.leaf) : SL_NO_INDEX, run.root, u, v);
     }
 }
+
+static void name_planar(void *context, const sl_gouraud_pixels *pixels) { name_pixels(context, pixels, false); }
+static void name_curved(void *context, const sl_gouraud_pixels *pixels) { name_pixels(context, pixels, true); }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------------------- */
 
@@ -253,27 +224,24 @@ static sl_status begin_frame(sl_display *d, const sl_window *window, const sl_di
     return draw_ids(d, window, &job->view, threads, counters, error);
 }
 
-static void run_strips(frame_job *job, unsigned threads, sl_task *task, sl_counters *counters) {
-    sl_parallel_for(threads, (job->pixels + STRIP - 1) / STRIP, task, job);
-    const sl_frame_planes *frame = &job->window->frame;
-    uint64_t covered = 0;
-    for (size_t i = 0; i < job->pixels; i++) {
-        covered += frame->id[i] != SL_NO_INDEX || (job->display->curved && frame->curved_id[i] != SL_NO_INDEX);
-    }
-    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, covered);
+typedef void pixel_program(void *context, const sl_gouraud_pixels *pixels);
+
+static void draw_gouraud(frame_job *job, unsigned threads, bool textured, pixel_program *planar, pixel_program *curved, sl_counters *counters) {
+    const sl_window *w = job->window;
+    sl_gouraud_pass pass = {.channels = 2, .corners = scene_places, .textured = textured, .shade = planar, .context = job};
+    sl_raster_gouraud(w->raster, &job->view, threads, w->frame.id, &pass, counters);
+    if (!job->display->curved) return;
+    pass = (sl_gouraud_pass){.channels = 2, .corners = curved_places, .shade = curved, .context = job};
+    sl_raster_gouraud(w->tessellation.raster, &job->view, threads, w->frame.curved_id, &pass, counters);
 }
 
 static sl_status draw_copy(sl_display *d, const sl_window *window, const sl_display_copy *copy, unsigned threads, float *const planes[3],
                            sl_counters *counters, sl_error *error) {
     frame_job job;
     sl_status status = begin_frame(d, window, copy, threads, &job, counters, error);
-    if (status == SL_OK && d->textured) {
-        status = sl_resolver_create(window->raster, 1, &job.view, NULL, window->frame.id, threads, &job.resolver, error);
-    }
     if (status != SL_OK) return status;
     job.out = planes;
-    run_strips(&job, threads, shade_strip, counters);
-    sl_resolver_destroy(job.resolver);
+    draw_gouraud(&job, threads, d->textured, shade_planar, shade_curved, counters);
     return SL_OK;
 }
 
@@ -299,7 +267,7 @@ sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_id
     sl_status status = begin_frame(d, &d->own, copy, threads, &job, counters, error);
     if (status == SL_OK) {
         job.ids = ids;
-        run_strips(&job, threads, name_strip, counters);
+        draw_gouraud(&job, threads, false, name_planar, name_curved, counters);
     }
     sl_display_give_back(d, copy);
     if (status != SL_OK) return status;
@@ -312,38 +280,44 @@ sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_id
 
 /* ---- one pixel again ------------------------------------------------------------------------------------------------------------ */
 
-static sl_status texture_at(const frame_job *job, size_t pixel, sl_rgb *textured, sl_error *error) {
-    sl_resolver *resolver;
-    float kd[3];
-    sl_gbuffer part = {.width = 1, .height = 1, .diffuse_r = &kd[0], .diffuse_g = &kd[1], .diffuse_b = &kd[2]};
-    sl_status status = sl_resolver_create(job->window->raster, 1, &job->view, NULL, job->window->frame.id, 1, &resolver, error);
-    if (status != SL_OK) return status;
-    sl_resolver_run(resolver, 0, pixel, 1, &part);
-    sl_resolver_destroy(resolver);
-    *textured = (sl_rgb){kd[0], kd[1], kd[2]};
-    return SL_OK;
-}
+typedef struct one_pixel {
+    frame_job job;
+    sl_shown_pixel *shown;
+} one_pixel;
 
-sl_status sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown, sl_error *error) {
-    frame_job job = {.display = d, .copy = &d->copy[d->shown], .window = &d->own,
-                     .view = sl_view_scene(d->own.scene, d->settings.width, d->settings.height)};
-    strip s;
+static void tell_pixel(one_pixel *of, const sl_gouraud_pixels *p, bool curved) {
+    sl_shown_pixel *shown = of->shown;
     triangle_run run = {.root = SL_NO_INDEX};
-    begin_pixels(&job, pixel, 1, &s);
-    next_pixel(&job, &s, 0, &run);
-    *shown = (sl_shown_pixel){.copy = job.copy, .root = run.root, .guess = job.copy->guess};
-    if (run.root == SL_NO_INDEX) {
-        shown->emission = background(&job, pixel);
-        return SL_OK;
-    }
     int32_t u, v;
+    if (p->id[0] == SL_NO_INDEX) return;
+    begin_run(&of->job, p->id[0], curved, &run);
+    find_leaf(&of->job, &run, (const float[2]){p->value[0][0], p->value[1][0]}, &u, &v);
     sl_rgb textured = {0};
-    find_leaf(&job, &run, s.w1[0], s.w2[0], &u, &v);
-    sl_status status = run.texture && !run.curved ? texture_at(&job, pixel, &textured, error) : SL_OK;
+    if (p->diffuse[0]) textured = (sl_rgb){p->diffuse[0][0], p->diffuse[1][0], p->diffuse[2][0]};
+    shown->root = run.root;
     shown->wanted = run.wanted != NULL;
     shown->lobe = run.lobe;
     shown->leaf = run.leaf;
     shown->emission = run.emission;
-    shown->diffuse = diffuse_of(&job, &run, u, v, &textured);
-    return status;
+    shown->diffuse = diffuse_of(&of->job, &run, u, v, &textured);
+}
+
+static void tell_planar(void *context, const sl_gouraud_pixels *pixels) { tell_pixel(context, pixels, false); }
+static void tell_curved(void *context, const sl_gouraud_pixels *pixels) { tell_pixel(context, pixels, true); }
+
+void sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown) {
+    one_pixel of = {.job = {.display = d, .copy = &d->copy[d->shown], .window = &d->own,
+                            .view = sl_view_scene(d->own.scene, d->settings.width, d->settings.height)}, .shown = shown};
+    sl_gouraud_pass pass = {.channels = 2, .corners = scene_places, .textured = d->textured, .shade = tell_planar, .context = &of,
+                            .first = pixel, .count = 1};
+    sl_counters none = {{0}};
+    *shown = (sl_shown_pixel){.copy = of.job.copy, .root = SL_NO_INDEX, .guess = of.job.copy->guess};
+    sl_raster_gouraud(d->own.raster, &of.job.view, 1, d->own.frame.id, &pass, &none);
+    if (d->curved && shown->root == SL_NO_INDEX) {
+        pass.corners = curved_places;
+        pass.textured = false;
+        pass.shade = tell_curved;
+        sl_raster_gouraud(d->own.tessellation.raster, &of.job.view, 1, d->own.frame.curved_id, &pass, &none);
+    }
+    if (shown->root == SL_NO_INDEX) shown->emission = background(&of.job, pixel);
 }

@@ -15,7 +15,7 @@ typedef struct sl_shown_pixel {
     sl_rgb emission, diffuse, guess;
 } sl_shown_pixel;
 /* draw.c: by the functions that draw it. pixel: bottom row first. */
-sl_status sl_display_pixel(sl_display *display, size_t pixel, sl_shown_pixel *shown, sl_error *error);
+void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_pixel *shown);
 
 /* See sl_method_story(). */
 sl_status sl_shading_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error);

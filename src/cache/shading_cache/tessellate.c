@@ -351,7 +351,9 @@ static sl_status make(const sl_display *d, const sl_scene *scene, unsigned threa
     t->camera = scene->camera;
     if (any_masked(d)) return make_masked(d, t, threads, error);
     t->mesh = (sl_raster_mesh){vertices, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
-    return sl_raster_create_mesh(&t->mesh, threads, &t->raster, error);
+    sl_status status = sl_raster_create_mesh(&t->mesh, threads, &t->raster, error);
+    if (status == SL_OK) sl_raster_observe(t->raster, scene->observer);
+    return status;
 }
 
 sl_status sl_tessellate(const sl_display *d, sl_window *w, sl_error *error) {

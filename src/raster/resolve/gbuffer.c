@@ -58,7 +58,6 @@ void sl_gbuffer_destroy(sl_gbuffer *g) {
 typedef struct {
     sl_resolve_block pixels;
     sl_surface_block surface;
-    sl_albedo_block albedo;
     sl_vector_planes diffuse;
     uint32_t index[SL_RESOLVE_ROOM];
 } workspace;
@@ -119,9 +118,8 @@ static void bumpy_surface(const sl_scene *scene, const sl_pass_view *view, uint3
 }
 
 /* NULL planes stay as they are. */
-static void resolve_bumps(const resolution *r, const sl_pass_view *view, const sl_resolve_block *pixels, sl_vector_planes *normal,
+static void resolve_bumps(const sl_scene *scene, const sl_pass_view *view, const sl_resolve_block *pixels, sl_vector_planes *normal,
                           sl_vector_planes *diffuse) {
-    const sl_scene *scene = r->raster->scene;
     for (uint32_t run = 0; run < pixels->runs; run++) {
         uint32_t triangle = sl_run_triangle(pixels, run);
         if (!is_bumpy(scene, triangle)) continue;
@@ -139,7 +137,7 @@ static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size
     s->normals = r->normals;
     if (s->normals) fetch_normals(r->raster->scene, w);
     r->raster->kernels->resolve->surfaces(&w->pixels, view, s);
-    if (s->normals) resolve_bumps(r, view, &w->pixels, &s->normal, NULL);
+    if (s->normals) resolve_bumps(r->raster->scene, view, &w->pixels, &s->normal, NULL);
     uint32_t count = w->pixels.count;
     put(r, r->out->position_x, first, s->position.x, count);
     put(r, r->out->position_y, first, s->position.y, count);
@@ -158,10 +156,9 @@ static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) 
     return triangle == SL_NO_INDEX ? NULL : &scene->materials[scene->material_index[triangle]];
 }
 
-static void fetch_albedo(const sl_scene *scene, workspace *w) {
-    sl_albedo_block *a = &w->albedo;
-    for (uint32_t run = 0; run < w->pixels.runs; run++) {
-        uint32_t triangle = sl_run_triangle(&w->pixels, run);
+static void fetch_albedo(const sl_scene *scene, const sl_resolve_block *pixels, sl_albedo_block *a) {
+    for (uint32_t run = 0; run < pixels->runs; run++) {
+        uint32_t triangle = sl_run_triangle(pixels, run);
         const sl_material *material = material_of(scene, triangle);
         bool textured = material && material->texture != SL_NO_INDEX;
         a->red[run] = material ? material->diffuse.r : 0.0f;
@@ -175,10 +172,15 @@ static void fetch_albedo(const sl_scene *scene, workspace *w) {
     }
 }
 
+void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block, sl_vector_planes *diffuse) {
+    sl_albedo_block albedo;
+    fetch_albedo(raster->scene, block, &albedo);
+    raster->kernels->resolve->albedo(block, &albedo, diffuse);
+    resolve_bumps(raster->scene, view, block, NULL, diffuse);
+}
+
 static void resolve_diffuse(const resolution *r, const sl_pass_view *view, size_t first, workspace *w) {
-    fetch_albedo(r->raster->scene, w);
-    r->raster->kernels->resolve->albedo(&w->pixels, &w->albedo, &w->diffuse);
-    resolve_bumps(r, view, &w->pixels, NULL, &w->diffuse);
+    sl_resolve_diffuse(r->raster, view, &w->pixels, &w->diffuse);
     put(r, r->out->diffuse_r, first, w->diffuse.x, w->pixels.count);
     put(r, r->out->diffuse_g, first, w->diffuse.y, w->pixels.count);
     put(r, r->out->diffuse_b, first, w->diffuse.z, w->pixels.count);

@@ -98,6 +98,8 @@ static inline void sl_resolve_put(void *plane, size_t pixels, size_t first, cons
     if (pixels >= SL_RESOLVE_STREAMED) sl_stream_copy(to, values, 4 * (size_t)count);
     else memcpy(to, values, 4 * (size_t)count);
 }
+/* kd times texture of a block's pixels, of a raster with a scene. */
+void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block, sl_vector_planes *diffuse);
 /* Pixels of a block that show a triangle. */
 uint64_t sl_resolve_shaded(const sl_resolve_block *block);
 

@@ -210,6 +210,7 @@ static sl_light_sight hold(const outline *o, sl_vec3 eye, const sl_frame *frame,
     float half_way = 0.5f * out->nearest;
     float clip = half_way >= FLT_MIN && half_way < near ? half_way : near;
     out->view = sl_view_pyramid(frame, eye, out->left, out->right, out->bottom, out->top, width, height, clip);
+    out->view.kind = SL_VIEW_LIGHT;
     return SL_LIGHT_IN_VIEW;
 }
 

@@ -43,6 +43,7 @@ bool sl_view_mirrored(const sl_view *view, const sl_plane *mirror, double offset
     if (!(fabs(length - 1.0) < 1e-6) || !(fabs(height) > offset) || !isfinite(height)) return false;
     sl_vec3d n = sl_scaled(mirror->normal, height > 0.0 ? 1.0 : -1.0); /* towards the eye */
     *mirrored = *view;
+    mirrored->kind = SL_VIEW_MIRRORED;
     mirrored->depth = SL_DEPTH_INVERSE_W;
     mirrored->left_out = NULL;
     mirrored->origin = sl_to_float(image);
