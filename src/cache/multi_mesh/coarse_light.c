@@ -77,28 +77,14 @@ static sl_mesh_point point_of(const sl_coarse_light *c, const sl_coarse_vertex *
     return at;
 }
 
-/* A vertex behind a wall that is but a face (lit_points.h): a face's corner has the light before the wall, another vertex none of its own. */
-static bool is_walled_in(const sl_coarse_light *c, const sl_coarse_vertex *v, const sl_mesh_point *at, sl_mesh_point *inside, light_worker *w) {
-    *inside = point_of(c, v, sl_nudge[SL_NUDGES - 1] * sl_dyadic_reach(v->p, v->q));
-    return sl_share_before_wall(c->settings.tracer, at, inside, 1e-5f * c->settings.scene->scale, &w->counters) < SL_STUB;
-}
-
-static sl_rgb light_before_wall(const sl_coarse_light *c, const sl_coarse_vertex *v, const sl_mesh_point *inside, light_worker *w) {
-    if (sl_dyadic_reach(v->p, v->q) < 1.0) return sl_grey(NAN);
-    sl_lit_point point = sl_lit_point_of(inside);
-    light_point(c, &point, w);
-    return sl_direct_diffuse(c->settings.lights, w->share);
-}
-
-/* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further inside its face (irradiance.c). */
+/* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further inside its face. */
 static sl_rgb light_vertex(const sl_coarse_light *c, const sl_coarse_vertex *v, light_worker *w) {
+    static const double nudge[] = {0.0, 0.01, 0.05, 0.2};
     const sl_coarse_light_settings *s = &c->settings;
-    for (int i = 0; i <= SL_NUDGES; i++) {
-        sl_mesh_point at = point_of(c, v, i ? sl_nudge[i - 1] : 0.0), inside;
+    for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
+        sl_mesh_point at = point_of(c, v, nudge[i]);
         sl_lit_point point = sl_lit_point_of(&at);
-        bool lit = light_point(c, &point, w);
-        if (!lit && sl_mesh_point_in_solid(s->topology, s->tracer, &at, &w->counters)) continue;
-        if (!lit && i == 0 && is_walled_in(c, v, &at, &inside, w)) return light_before_wall(c, v, &inside, w);
+        if (!light_point(c, &point, w) && sl_mesh_point_in_solid(s->topology, s->tracer, &at, &w->counters)) continue;
         return sl_direct_diffuse(s->lights, w->share);
     }
     return sl_grey(NAN);

@@ -7,9 +7,33 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "cache/multi_mesh/story.h"
 
 enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
+
+/* ---- gathers ---- */
+
+typedef struct gathering {
+    const sl_multi_mesh_state *s;
+    const sl_mesh_point *point;
+    sl_rgb *irradiance;
+} gathering;
+
+static void gather_one(void *context, size_t task, unsigned worker) {
+    const gathering *g = context;
+    sl_gather_worker *w = &g->s->gatherer[worker];
+    g->irradiance[task] = sl_mesh_gather_take(g->s->gather, &g->point[task], w->scratch, &w->counters);
+}
+
+void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance) {
+    gathering g = {s, points, irradiance};
+    sl_parallel_for(s->settings.threads, count, gather_one, &g);
+    for (unsigned t = 0; t < s->settings.threads; t++) {
+        sl_counters_add(&s->counters, &s->gatherer[t].counters);
+        s->gatherer[t].counters = (sl_counters){{0}};
+    }
+}
 
 static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
@@ -24,6 +48,8 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
         if (!s->gatherer[t].scratch) status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t].scratch, error);
     return status;
 }
+
+/* ---- rounds ---- */
 
 static void light_coarse(sl_multi_mesh_state *s, size_t count) {
     if (!s->coarse_light) return;

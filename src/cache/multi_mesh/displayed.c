@@ -1,4 +1,4 @@
-/* A mesh as the eye uses it: which of the id map's pixels show which leaf (passes P1b and P2b). Roots are made for faces in view, and pixels
+/* A mesh as the eye uses it: which of the id map's pixels show which leaf (image pass 1). Roots are made for faces in view, and pixels
  * handed down their quadtrees: a leaf's count of pixels is exact, also where other things hide part of it. */
 #include "cache/multi_mesh/displayed_internal.h"
 

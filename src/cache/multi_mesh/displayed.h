@@ -1,14 +1,13 @@
 /* A mesh as the eye uses it: the direct diffuse, direct specular and indirect meshes. It knows which pixels show which leaf, which leaf
  * matters most, when a leaf is fine enough, and redraws what has changed.
  *
- *   displayed.c      visible pixels down the quadtrees, sizes on the screen                         (P1b, P2b)
- *   slivers.c        ... where cuts are in two
+ *   displayed.c      visible pixels down the quadtrees, sizes on the screen                         (pass 1)
  *   priorities.c     the size criterion; P = n_px (delta + delta_0), maxima up to the roots
  *   selection.c      the heap over the roots; the paper's random chain
  *   edge_tests.c     what a leaf's edges say
  *   refine.c         the test of a leaf, split, undo
  *   probed.c         leaves whose edges agree, and yet something lies between them
- *   draw.c           Gouraud: a leaf's pixels from its vertices                                     (P3)
+ *   draw.c           Gouraud: a leaf's pixels from its vertices                                     (pass 3)
  *
  * One step of refinement:
  *   leaf = sl_displayed_take(mesh)           the one that matters most; it is marked as taken

@@ -1,4 +1,4 @@
-/* Gouraud (pass P3): a leaf's pixels from its vertices and those that its neighbours put on its edges. Only what has changed is drawn: leaves
+/* Gouraud (image pass 3): a leaf's pixels from its vertices and those that its neighbours put on its edges. Only what has changed is drawn: leaves
  * that were cut or put together, and those on whose edges a vertex became known. Pixels belong to one leaf each, so the picture does not
  * depend on the order, and an incremental one is that of drawing it all. */
 #include "cache/multi_mesh/displayed_internal.h"

@@ -320,16 +320,9 @@ static sample_result sample_vertex(const sl_irradiance_meshes *m, const wanted_s
     float share = take(m, light, &at, w);
     if (share > 0.0f) return (sample_result){share, true};
     sl_lit_point point = sl_lit_point_of(&at);
-    const sl_topology *topology = m->settings.topology;
-    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0) ||
-        !sl_mesh_point_in_solid(topology, m->settings.tracer, &at, &w->counters))
-        return (sample_result){0.0f, true};
-    for (int i = 0; i < SL_NUDGES; i++) {
-        sl_mesh_point_nudged(mesh, vertex, wanted->leaf, sl_nudge[i], &at);
-        if (!sl_mesh_point_in_solid(topology, m->settings.tracer, &at, &w->counters))
-            return (sample_result){take(m, light, &at, w), true};
-    }
-    return (sample_result){0.0f, false};
+    if (!(sl_light_unoccluded(&m->settings.lights->light[light], &point) > 0.0)) return (sample_result){0.0f, true};
+    bool moved, valid = sl_leave_solid(mesh, m->settings.tracer, vertex, wanted->leaf, &at, &moved, &w->counters);
+    return (sample_result){moved ? take(m, light, &at, w) : 0.0f, valid};
 }
 
 static void sample_some(void *context, size_t task, unsigned worker) {

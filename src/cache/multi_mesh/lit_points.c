@@ -2,7 +2,9 @@
 
 #include <math.h>
 
-const double sl_nudge[SL_NUDGES] = {0.01, 0.05, 0.2};
+/* How much of the way to its leaf's middle a point is moved that lies inside other geometry: these one after another. */
+enum { NUDGES = 3 };
+static const double nudge[NUDGES] = {0.01, 0.05, 0.2};
 
 /* How much of the way to a face's middle is needed to be so far from those of its edges that a point lies on; at most a quarter. */
 static double share_inside(const sl_vec3d corner[3], sl_vec3d middle, sl_vec3d p, double far) {
@@ -32,18 +34,17 @@ void sl_step_inside(const sl_topology *topology, double inwards, sl_mesh_point *
     at->position = sl_to_float(sl_addd(p, way));
 }
 
-double sl_dyadic_reach(uint32_t p, uint32_t q) {
-    uint32_t level = 0;
-    while (level < SL_MESH_DEPTH_MAX && (p | q) % ((uint32_t)SL_MESH_DYADIC >> level) != 0) level++;
-    return 1.0 / (double)(1u << level);
+static bool is_inside(const sl_mesh *mesh, const sl_tracer *tracer, const sl_mesh_point *at, sl_counters *counters) {
+    return sl_mesh_point_in_solid(mesh->topology, tracer, at, counters);
 }
 
-float sl_share_before_wall(const sl_tracer *tracer, const sl_mesh_point *vertex, const sl_mesh_point *inside, float lift, sl_counters *counters) {
-    sl_vec3 from = sl_mad(vertex->position, lift, vertex->normal), way = sl_sub(sl_mad(inside->position, lift, inside->normal), from);
-    if (!sl_is_finite(way) || !(sl_length(way) > 0.0f)) return 1.0f;
-    sl_ray16 ray = {.origin_x = {from.x}, .origin_y = {from.y}, .origin_z = {from.z}, .direction_x = {way.x}, .direction_y = {way.y},
-                    .direction_z = {way.z}, .far = {1.0f}, .skip = {vertex->triangle}};
-    sl_hit16 hit;
-    sl_trace(tracer, &ray, 1, false, &hit, counters);
-    return hit.triangle[0] != SL_NO_INDEX ? hit.t[0] : 1.0f;
+bool sl_leave_solid(const sl_mesh *mesh, const sl_tracer *tracer, uint32_t vertex, sl_leaf_middle leaf, sl_mesh_point *at, bool *moved,
+                    sl_counters *counters) {
+    *moved = false;
+    if (!is_inside(mesh, tracer, at, counters)) return true;
+    for (int i = 0; i < NUDGES && !*moved; i++) {
+        sl_mesh_point_nudged(mesh, vertex, leaf, nudge[i], at);
+        *moved = !is_inside(mesh, tracer, at, counters);
+    }
+    return *moved;
 }

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* ---- P2 ---- */
+/* ---- image pass 2 ---- */
 
 static const float *const no_planes[3] = {NULL, NULL, NULL};
 
@@ -115,7 +115,7 @@ double sl_materials_glossy_share(const sl_materials_seen *m) {
     return (double)glossy / (double)pixels;
 }
 
-/* ---- P4 ---- */
+/* ---- image pass 4 ---- */
 
 enum { PICTURE = 0, DIRECT = 3, SPECULAR = 6, INDIRECT = 9, EMISSION = 12, KD = 15, KS = 18, CHANNELS = 21 };
 

@@ -1,4 +1,4 @@
-/* The material pass (P2) and the merge (P4): L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e. */
+/* The material pass (image pass 2) and the merge (image pass 4): L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e. */
 #ifndef SL_MULTI_MESH_MERGE_H
 #define SL_MULTI_MESH_MERGE_H
 

@@ -2,21 +2,21 @@
  * on its own. Read in this order:
  *
  *   plan.c           which passes a scene needs
- *   multi_mesh.c     the passes of a picture, batch by batch
- *   samples.c        samples of vertices, by all threads
+ *   multi_mesh.c     the paper: the passes of a picture, update by update
+ *   state.c          made, edited, measured
  *   coarse_rounds.c  the coarse mesh, some vertices a batch
  *   story.c          a picture told backwards, pixel by pixel
  *   marks.c          what can be seen of the meshes while they are made
  *   world.c          what outlives a picture, and what is kept when lights and objects move
- *   pixels.c         visible sizes                                                             P1, P1b
- *   displayed.c      a mesh as the eye uses it: priorities, tests, drawing                      P2b, P3
+ *   pixels.c         visible sizes                                                             pass 1
+ *   displayed.c      a mesh as the eye uses it: priorities, tests, drawing                      progressive sampling, pass 3
  *   irradiance.c     a mesh for each light, refined only where radiance asks for it
  *   changes.c        what is still true when lights and objects have moved
  *   direct.c         direct diffuse and specular radiance from them
  *   coarse.c         the coarse mesh of the whole scene, which indirect gathers see
  *   coarse_light.c   ... direct light on it
  *   gather.c         the 160-degree gather
- *   merge.c          the five pictures into one                                                P4
+ *   merge.c          the five pictures into one                                                passes 2, 4
  *
  * Faces, their shared corners and the quadtrees on them are those of cache/patches; single lights are sampled in cache/light. */
 #ifndef SL_MULTI_MESH_MULTI_MESH_H

@@ -74,9 +74,26 @@ static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_
     return &scene->materials[scene->material_index[face / 2]];
 }
 
-/* ---- memory.c ---- */
+/* ---- multi_mesh.c ---- */
 
-/* The meshes have taken what memory they may. To be asked from the first refinement on. */
+sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error);
+sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error);
+static inline bool sl_is_in_view(const sl_displayed *part) { return part && part->heap_count > 0; }
+
+/* ---- state.c ---- */
+
+/* Tells whether a mesh is refined: not one that was in the same view before, nor indirect light without a coarse mesh. */
+bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part);
+/* Hands the view to the meshes and clears their planes. */
+sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error);
+sl_materials_wanted sl_multi_mesh_materials_in_view(const sl_multi_mesh_state *s);
+/* A picture that was done once is done. */
+bool sl_multi_mesh_was_done(const sl_multi_mesh_state *s);
+void sl_multi_mesh_remember_done(sl_multi_mesh_state *s);
+void sl_multi_mesh_forget_view(sl_multi_mesh_state *s);
+double sl_multi_mesh_fraction(sl_multi_mesh_state *s);
+sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error);
+/* Tells whether the meshes have taken what memory they may. To be asked from the first refinement on. */
 bool sl_multi_mesh_is_full(sl_multi_mesh_state *s);
 const char *sl_multi_mesh_filled(const void *state);
 
@@ -89,19 +106,12 @@ sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, const uint8_t *finer
 sl_status sl_multi_mesh_follow_world(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
 
-/* ---- samples.c ---- */
-
 /* A vertex of a displayed mesh that is to be sampled. */
 typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
     sl_leaf_middle leaf;       /* of the leaf that wants it */
 } sl_wanted_vertex;
-/* Values of vertices of one displayed mesh: from then on they are KNOWN or INVALID. */
-sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count, const sl_wanted_vertex *wanted, sl_error *error);
-/* Irradiance that points gather from the coarse mesh. */
-void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance);
-
 /* ---- probes.c ---- */
 
 /* A leaf of direct light that is to be probed (displayed.h). */
@@ -115,6 +125,8 @@ void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_probed_leaf *l
 
 /* ---- coarse_rounds.c ---- */
 
+/* Irradiance that points gather from the coarse mesh. */
+void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points, sl_rgb *irradiance);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
 

@@ -1,4 +1,4 @@
-/* Visible sizes (passes P1 and P1b): a counting sort of the id map's pixels by the faces that they show, and within a face by the way down
+/* Visible sizes (image pass 1): a counting sort of the id map's pixels by the faces that they show, and within a face by the way down
  * its quadtree. */
 #include "cache/multi_mesh/pixels.h"
 

@@ -1,4 +1,4 @@
-/* The id map's pixels in the order of the faces that they show: what "visible sizes" (pass P1b) come to, and what a mesh hands down its
+/* The id map's pixels in the order of the faces that they show: what "visible sizes" (image pass 1) come to, and what a mesh hands down its
  * quadtrees to know exactly which pixels show which leaf.
  *
  * Within a face, pixels are in the order of their way down a quadtree of triangles (mesh.h): those of any node of any mesh lie together, and
@@ -30,7 +30,7 @@ typedef struct sl_visible_pixels {
 
 enum { SL_PATH_LEVELS = 12, SL_VISIBLE_SHARES = 64 };
 
-/* From an id plane (P1). Pixels of mirrors and of alpha masks are as the id map has them. The same at any number of threads. */
+/* From an id plane. Pixels of mirrors and of alpha masks are as the id map has them. The same at any number of threads. */
 sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
                                  sl_visible_pixels **pixels, sl_counters *counters, sl_error *error);
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels);

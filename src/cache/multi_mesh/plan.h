@@ -23,7 +23,7 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_setti
 void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport);
 void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* memory.c */
+/* state.c */
 sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_concession sl_multi_mesh_concessions[];
 

@@ -1,6 +1,6 @@
 /* Which leaf matters most to the eye: P = n_px (delta + delta_0), the pixels that show it times what they may be wrong by. delta is the largest
  * difference between the colours at its corners in units of what an eye can tell; delta_0 keeps a leaf in the race that is too large for
- * its corners to say what lies between them. Inner nodes have the largest of their children's (pass P2b). */
+ * its corners to say what lies between them. Inner nodes have the largest of their children's. */
 #include "cache/multi_mesh/displayed_internal.h"
 
 #include "base/parallel.h"

@@ -1,4 +1,4 @@
-/* The story of a pixel: Gouraud (P3) and the merge (P4) told backwards. In each mesh the pixel lies in a leaf; the leaf's corners and what lies on its edges add
+/* The story of a pixel: image passes 3 and 4 told backwards. In each mesh the pixel lies in a leaf; the leaf's corners and what lies on its edges add
  * weight times value times what the surface reflects. */
 #include "cache/multi_mesh/story.h"
 

@@ -10,7 +10,7 @@ sl_status sl_multi_mesh_story(void *state, int x, int y, sl_story_writer *writer
 
 /* marks.c: all of these do nothing without an observer. */
 
-/* P1's triangles as a plane of numbers. */
+/* The triangles of image pass 1 as a plane of numbers. */
 void sl_multi_mesh_announce_ids(sl_multi_mesh_state *s);
 /* How much the roots matter, of the first mesh that there is, at the pixels that show them. */
 void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s);

@@ -1,0 +1,274 @@
+/* The state of a picture: how it is made, edited, measured, and what it takes. */
+#include "cache/frame/budget.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
+#include "cache/multi_mesh/story.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+
+enum { FRACTION_EVERY = 16 /* updates */ };
+
+/* ---- life ---- */
+
+void sl_multi_mesh_forget_view(sl_multi_mesh_state *s) {
+    sl_visible_pixels_destroy(s->visible);
+    sl_materials_destroy(s->materials);
+    s->visible = NULL;
+    s->materials = NULL;
+}
+
+static void multi_mesh_destroy(void *state) {
+    sl_multi_mesh_state *s = state;
+    if (!s) return;
+    sl_multi_mesh_forget_view(s);
+    sl_multi_mesh_forget_world(s);
+    sl_free(s->id);
+    sl_free(s->plane_memory);
+    sl_free(s);
+}
+
+static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                                   sl_error *error) {
+    (void)transport; /* its own: sl_multi_mesh_transport() */
+    sl_multi_mesh_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "the meshes");
+    s->scene = scene;
+    s->settings = *settings;
+    s->plan = sl_multi_mesh_plan_make(scene, settings);
+    s->announcer = (sl_announcer){.observer = settings->observer, .method = "multi-mesh", .counters = &s->counters};
+    s->id = sl_allocate(sl_multi_mesh_pixels(s), sizeof *s->id);
+    s->plane_memory = sl_allocate(3 * SL_COMPONENTS * sl_multi_mesh_pixels(s), sizeof *s->plane_memory);
+    sl_status status = s->id && s->plane_memory ? sl_multi_mesh_make_world(s, error) : sl_fail_memory(error, "the picture");
+    if (status != SL_OK) {
+        multi_mesh_destroy(s);
+        return status;
+    }
+    for (size_t i = 0; i < SL_COMPONENTS; i++)
+        for (size_t k = 0; k < 3; k++) s->planes[i][k] = s->plane_memory + (3 * i + k) * sl_multi_mesh_pixels(s);
+    *state = s;
+    return SL_OK;
+}
+
+/* The eye: specular radiance starts again, all else stays. Lights and objects: samples of direct light stay where they still hold. */
+static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error) {
+    sl_multi_mesh_state *s = state;
+    sl_status status = SL_OK;
+    s->phase = SL_PHASE_VIEW;
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
+        sl_multi_mesh_forget_view(s);
+        s->full = false;
+        s->done_count = 0;
+        status = sl_multi_mesh_follow_world(s, error);
+        if (status != SL_OK) sl_multi_mesh_forget_world(s);
+    } else if (s->part[SL_DIRECT_SPECULAR]) {
+        sl_displayed_restart(s->part[SL_DIRECT_SPECULAR]);
+    }
+    return status;
+}
+
+/* ---- views ---- */
+
+static bool wants_diffuse(const void *context, uint32_t face) { return sl_material_is_diffuse(sl_face_material(context, face)); }
+static bool wants_specular(const void *context, uint32_t face) { return sl_material_is_glossy(sl_face_material(context, face)); }
+
+static bool (*const wants[SL_COMPONENTS])(const void *, uint32_t) = {wants_diffuse, wants_specular, wants_diffuse};
+
+/* Tells whether any visible face needs a pass. A pass that no visible face needs is skipped. */
+static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32_t)) {
+    for (size_t f = 0; f < s->visible->face_count; f++)
+        if (has(s->scene, s->visible->face[f].face)) return true;
+    return false;
+}
+
+static bool shines(const void *context, uint32_t face) { return sl_material_is_emitter(sl_face_material(context, face)); }
+
+sl_materials_wanted sl_multi_mesh_materials_in_view(const sl_multi_mesh_state *s) {
+    bool sky = s->scene->environment.present && s->visible->count < sl_multi_mesh_pixels(s);
+    return (sl_materials_wanted){.specular = s->plan.specular_seen && shows(s, wants_specular), .emission = s->plan.emission && (sky || shows(s, shines))};
+}
+
+/* A row of all planes that will be drawn. */
+static void clear_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const sl_multi_mesh_state *s = context;
+    size_t width = (size_t)s->settings.width;
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        for (int k = 0; k < 3 && sl_is_in_view(s->part[i]); k++) memset(s->planes[i][k] + row * width, 0, width * sizeof(float));
+}
+
+sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
+        if (s->part[i]) status = sl_displayed_see(s->part[i], s->visible, wants[i], s->scene, error);
+    if (status == SL_OK) sl_parallel_for(s->settings.threads, (size_t)s->settings.height, clear_row, s);
+    return status;
+}
+
+/* A picture that was done once is done: what other views have found since shows in it, and would be looked into further without end. */
+bool sl_multi_mesh_was_done(const sl_multi_mesh_state *s) {
+    for (size_t i = 0; i < s->done_count && i < SL_DONE_VIEWS; i++)
+        if (memcmp(&s->done[i], &s->scene->camera, sizeof s->done[i]) == 0) return true;
+    return false;
+}
+
+void sl_multi_mesh_remember_done(sl_multi_mesh_state *s) {
+    if (!s->full && !s->seen_before) s->done[s->done_count++ % SL_DONE_VIEWS] = s->scene->camera;
+}
+
+bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part) {
+    bool done = s->seen_before && part != SL_DIRECT_SPECULAR;
+    return s->part[part] && !done && (part != SL_INDIRECT || s->coarse_whole);
+}
+
+/* The share of visible pixels in faces that need nothing more, in all meshes. */
+static double share_done(const sl_multi_mesh_state *s) {
+    double done = 0.0, all = 0.0;
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        const sl_displayed *part = s->part[i];
+        if (!part) continue;
+        for (size_t f = 0; f < s->visible->face_count; f++) {
+            const sl_visible_face *face = &s->visible->face[f];
+            uint32_t root = sl_mesh_root_of(part->mesh, face->face);
+            all += face->count;
+            if (root != SL_NO_INDEX && sl_multi_mesh_takes_part(s, i) && s->phase == SL_PHASE_REFINE && !(part->mesh->node[root].priority > 0.0f)) done += face->count;
+        }
+    }
+    return all > 0.0 ? 0.99 * done / all : 0.0;
+}
+
+/* Roughly, for the progress bar alone: to look at all faces that are seen takes a batch's samples longer by a twentieth. */
+double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
+    if (s->phase == SL_PHASE_DONE) return 1.0;
+    if (s->phase == SL_PHASE_VIEW || !s->visible) return 0.0;
+    if (s->phase != SL_PHASE_REFINE || s->updates++ % FRACTION_EVERY == 0) s->fraction = share_done(s);
+    return s->fraction;
+}
+
+/* Tells of what lobes leave out where enough is seen of it: a twentieth of the picture. */
+sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error) {
+    double share = sl_materials_glossy_share(s->materials);
+    if (!(share > 0.05)) return SL_OK;
+    return sl_warn(image, error, "%.0f %% of the pixels show gloss, which reflects lamps alone: what surfaces and the sky would "
+                                 "add to it is missing", 100.0 * share);
+}
+
+/* ---- memory ---- */
+
+/* IDs 4, three Gouraud planes 36, materials 28, the pixels by face 16, the picture 84. For each triangle three meshes have a root (its node, its corners and edges, what
+ * they are on the screen), there is the topology, and a coarse mesh. Refinement has no use for less than a thousand leaves. */
+enum { A_PIXEL = 176, OF_GLOSS = 24, A_TRIANGLE = 760, A_COARSE = 320, AN_IRRADIANCE = 120, LEAVES_LEAST = 1000, A_LEAF = 200, A_CELL = 160 };
+
+/* The coarse mesh has edges of its own: pieces of the surface, as large as the scene's box six times over. */
+static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
+    const double edge = sl_multi_mesh_coarse_edge(scene, settings), d = (double)scene->diagonal;
+    double pieces = 4.0 * 6.0 * d * d / (edge * edge), finest = (double)scene->triangle_count;
+    for (int i = 0; i < settings->multi_mesh.coarse_depth; i++) finest *= 4.0;
+    return 2.0 * (pieces < finest ? pieces : finest) * A_COARSE; /* as many again where light differs */
+}
+
+sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
+    const sl_multi_mesh_plan plan = sl_multi_mesh_plan_make(scene, settings);
+    const double triangles = (double)scene->triangle_count, n = settings->gather_size, l = settings->multi_mesh.light_size;
+    const double lights = sl_need_lights(scene);
+    double caches = triangles * A_TRIANGLE + (plan.coarse ? coarse_bytes(scene, settings) : 0.0) + LEAVES_LEAST * A_LEAF;
+    caches += sl_need_of_threads(settings, A_CELL * (n * n + l * l)) + lights * 2000.0 + 3e6;
+    return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
+                                                       : sl_raster_memory_need(scene->triangle_count),
+                            .caches = caches,
+                            .picture = sl_need_of_pixels(settings, A_PIXEL + (plan.specular_seen ? OF_GLOSS : 0))};
+}
+
+const sl_concession sl_multi_mesh_concessions[] = {{"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_CONCEDE_INT, 16.0},
+                                                   {"levels of the coarse mesh", offsetof(sl_settings, multi_mesh.coarse_depth), SL_CONCEDE_LEVEL, 1.0},
+                                                   {NULL, 0, SL_CONCEDE_INT, 0.0}};
+
+static double mesh_bytes(const sl_multi_mesh_state *s) {
+    double bytes = s->irradiance ? (double)sl_irradiance_meshes_bytes(s->irradiance) : 0.0;
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) bytes += (double)sl_displayed_memory_bytes(s->part[i]);
+    return bytes;
+}
+
+bool sl_multi_mesh_is_full(sl_multi_mesh_state *s) {
+    if (!s->settings.memory_bytes || s->full) return s->full;
+    double bytes = mesh_bytes(s);
+    if (!s->bytes_of_roots) s->bytes_of_roots = (size_t)bytes;
+    s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes; /* arrays are there twice while they grow */
+    size_t leaves = 0;
+    for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaf_count : 0;
+    if (s->full) snprintf(s->filled, sizeof s->filled, "meshes end at %zu leaves", leaves);
+    return s->full;
+}
+
+const char *sl_multi_mesh_filled(const void *state) {
+    const sl_multi_mesh_state *s = state;
+    return s->full ? s->filled : NULL;
+}
+
+/* ---- the method ---- */
+
+static const sl_counters *multi_mesh_counters(const void *state) { return &((const sl_multi_mesh_state *)state)->counters; }
+
+static size_t multi_mesh_bytes(const void *state) {
+    const sl_multi_mesh_state *s = state;
+    size_t bytes = sizeof *s + sl_multi_mesh_pixels(s) * (sizeof *s->id + 3 * SL_COMPONENTS * sizeof(float));
+    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
+    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    if (s->topology) bytes += sl_topology_memory_bytes(s->topology);
+    if (s->by_exponent) bytes += sl_topology_memory_bytes(s->by_exponent);
+    if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
+    if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
+    if (s->coarse) bytes += sl_coarse_memory_bytes(s->coarse);
+    if (s->coarse_light) bytes += sl_coarse_light_memory_bytes(s->coarse_light);
+    if (s->gather) bytes += sl_mesh_gather_memory_bytes(s->gather);
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
+    return bytes;
+}
+
+static sl_mesh_census census_of(const sl_mesh *mesh, size_t bytes) {
+    sl_mesh_census c = {.leaves = mesh->leaf_count, .vertices = mesh->vertex_count, .bytes = bytes};
+    for (size_t v = 0; v < mesh->vertex_count; v++) c.known += mesh->state[v] == SL_VERTEX_KNOWN;
+    return c;
+}
+
+void sl_multi_mesh_census(const void *state, sl_mesh_census census[SL_MESH_KINDS]) {
+    const sl_multi_mesh_state *s = state;
+    for (int k = 0; k < SL_MESH_KINDS; k++) census[k] = (sl_mesh_census){0};
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) census[i] = census_of(s->part[i]->mesh, sl_displayed_memory_bytes(s->part[i]));
+    for (size_t l = 0; s->irradiance && l < s->lights->count; l++) {
+        sl_mesh_census c = census_of(sl_irradiance_mesh(s->irradiance, l), 0), *all = &census[SL_MESH_IRRADIANCE];
+        all->leaves += c.leaves;
+        all->vertices += c.vertices;
+        all->known += c.known;
+    }
+    if (s->irradiance) census[SL_MESH_IRRADIANCE].bytes = sl_irradiance_meshes_bytes(s->irradiance);
+    if (s->coarse) {
+        size_t vertices = sl_coarse_vertex_count(s->coarse);
+        census[SL_MESH_COARSE] = (sl_mesh_census){sl_coarse_triangle_count(s->coarse), vertices, s->coarse_whole ? vertices : s->coarse_done,
+                                                  sl_coarse_memory_bytes(s->coarse)};
+    }
+}
+
+const sl_method_class sl_multi_mesh_method = {
+    .name = "multi-mesh",
+    .complete = sl_multi_mesh_complete,
+    .create = multi_mesh_create,
+    .destroy = multi_mesh_destroy,
+    .update = sl_multi_mesh_update,
+    .resolve = sl_multi_mesh_resolve,
+    .edit = multi_mesh_edit,
+    .counters = multi_mesh_counters,
+    .memory_bytes = multi_mesh_bytes,
+    .need = sl_multi_mesh_need,
+    .concessions = sl_multi_mesh_concessions,
+    .filled = sl_multi_mesh_filled,
+    .transport = sl_multi_mesh_transport,
+    .plan = sl_multi_mesh_plan_write,
+    .story = sl_multi_mesh_story,
+};
