@@ -3,7 +3,7 @@
  *   bench_direct SCENE SIZE rays|maps [light samples] [reference.exr]
  *
  * The reference is the direct light alone, of SIZE x SIZE pixels:
- *   softlux render SCENE -m path --transport direct --filter centre -s SIZExSIZE --spp 4096 -o reference.exr
+ *   softlux render SCENE -m path --transport direct --set filter=centre -s SIZExSIZE --spp 4096 -o reference.exr
  * Seconds are those of one thread, the least of five frames. */
 #define _POSIX_C_SOURCE 200809L
 

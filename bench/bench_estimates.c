@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 enum { QUALITIES = 3, SEEDS_MAX = 100, PROBES = 512, PROBE_SAMPLES = 32 };
 

@@ -1,5 +1,5 @@
 /* The paper's central claim, for which it gives no number: samples of direct light that one mesh takes in which every light is sampled at every
- * vertex (--joint-mesh), over those of a mesh for each light, for the same error. The Cornell box with 1, 2, 4 and 8 small lights of the same
+ * vertex (--set multi-mesh.joint-mesh=1), over those of a mesh for each light, for the same error. The Cornell box with 1, 2, 4 and 8 small lights of the same
  * power together: side by side under the ceiling, so that their shadows lie apart.
  *
  * Both ways are run with several thresholds of what an eye can tell; between those errors go log-log.

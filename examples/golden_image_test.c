@@ -15,11 +15,13 @@ int main(int argc, char **argv) {
     sl_method *method = NULL;
     sl_image *picture = NULL, *golden = NULL;
     sl_progress progress;
-    sl_settings settings = sl_settings_default();
-    settings.width = settings.height = 64;
-    settings.quality = SL_QUALITY_DRAFT;
+    sl_settings *settings = NULL;
     if (sl_scene_load(argv[1], &scene, &error) != SL_OK) return fail(&error);
-    if (sl_method_create(scene, &settings, &method, &error) != SL_OK) return fail(&error);
+    if (sl_settings_create(&settings, &error) != SL_OK) return fail(&error);
+    if (sl_settings_set(settings, "size", "64x64", &error) != SL_OK) return fail(&error);
+    if (sl_settings_set(settings, "quality", "draft", &error) != SL_OK) return fail(&error);
+    if (sl_method_create(scene, settings, &method, &error) != SL_OK) return fail(&error);
+    sl_settings_destroy(settings);
     do
         if (sl_method_update(method, &progress, &error) != SL_OK) return fail(&error);
     while (!progress.done);

@@ -7,9 +7,11 @@
  *     sl_scene *scene;
  *     sl_method *method;
  *     sl_image *image;
- *     sl_settings settings = sl_settings_default();
+ *     sl_settings *settings;
  *     if (sl_scene_load("scenes/cornell.json", &scene, &error) == SL_OK &&
- *         sl_method_create(scene, &settings, &method, &error) == SL_OK) {
+ *         sl_settings_create(&settings, &error) == SL_OK &&
+ *         sl_settings_set(settings, "quality", "high", &error) == SL_OK &&
+ *         sl_method_create(scene, settings, &method, &error) == SL_OK) {
  *         sl_progress progress = {0};
  *         while (!progress.done && sl_method_update(method, &progress, &error) == SL_OK) {}
  *         sl_method_resolve(method, &image, &error);
@@ -26,7 +28,8 @@
  *
  * Threads: there is no global state. Different handles may be used from different threads at once; one handle, and a scene
  * that methods are reading, by one thread at a time (functions that take a const handle may run side by side). A
- * call spreads over sl_settings.threads threads of its own; where the system starts fewer, fewer do the work. A caller's thread needs a stack of 256 KiB, these 128 KiB (OMP_STACKSIZE).
+ * call spreads over as many threads of its own as the option "threads" says; where the system starts fewer, fewer do the work.
+ * A caller's thread needs a stack of 256 KiB, these 128 KiB (OMP_STACKSIZE).
  *
  * Processes: one that forks while no call is under way may go on with every handle in the child, to the same bits at any number of threads; but a show
  * that plays (sl_live) is the parent's alone, and must not be touched, not even stopped, in the child. */
@@ -54,7 +57,7 @@ typedef enum sl_status {
     SL_ERROR_USAGE = 2,    /**< what was asked for cannot be: a NULL, a number out of range, an unknown name, functions in the wrong order */
     SL_ERROR_INPUT = 3,    /**< a file cannot be read, or it and the pictures and scenes that were given are not what they ought to be */
     SL_ERROR_OUTPUT = 4,   /**< a file cannot be written */
-    SL_ERROR_RESOURCES = 5 /**< no memory, threads or descriptors; or more than sl_settings.memory_bytes */
+    SL_ERROR_RESOURCES = 5 /**< no memory, threads or descriptors; or more than the option "memory" allows */
 } sl_status;
 
 /** What went wrong. Written by the function that failed, and by it alone. */
@@ -332,276 +335,38 @@ typedef struct sl_observer {
 
 /* ---- methods --------------------------------------------------------------------------------------------------------- */
 
-/** A place on a method's curve of speed against error: settings that are left at 0 follow it. */
-typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
-/** What plays the hemisphere over a point: rasterized planes of one view or of five, or rays; AUTO: rays. */
-typedef enum sl_gather_kind { SL_GATHER_AUTO, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS } sl_gather_kind;
-/** Where in a pixel the reference tracers sample. */
-typedef enum sl_pixel_filter {
-    SL_FILTER_METHOD, /**< what the method or the matched method does */
-    SL_FILTER_BOX,    /**< samples spread over the pixel */
-    SL_FILTER_CENTRE  /**< all samples at the pixel's centre, as a rasterizer samples */
-} sl_pixel_filter;
-/** How splatting tells whether a light is seen. AUTO: by rays where there are any, else by shadow maps. */
-typedef enum sl_direct_kind { SL_DIRECT_AUTO, SL_DIRECT_RAYS, SL_DIRECT_SHADOW_MAPS } sl_direct_kind;
-/** The order in which splatting visits pixels for new records. */
-typedef enum sl_traversal_order {
-    SL_ORDER_COARSE_TO_FINE, /**< few gathers in vain when records are made in parallel */
-    SL_ORDER_LINEAR          /**< row by row, as in the paper */
-} sl_traversal_order;
-/** What a splatting record's reach is judged by. */
-typedef enum sl_radius_metric {
-    SL_METRIC_AUTO,     /**< the one that measured best */
-    SL_METRIC_HARMONIC, /**< harmonic mean distance (Ward et al. 1988), the paper's */
-    SL_METRIC_MINIMUM,  /**< minimum distance (Tabellion and Lamorlette 2004) */
-    SL_METRIC_HESSIAN,  /**< second derivatives, occlusion included (Schwarzhaupt et al. 2012) */
-    SL_METRIC_ADAPTIVE  /**< disagreement with neighbours (Krivanek et al. 2006) */
-} sl_radius_metric;
+/** What a method is asked for; opaque. What is not set follows the quality, the scene and the machine. */
+typedef struct sl_settings sl_settings;
 
-/* ---- Direct Radiance Mapping ---- */
+/** One option, as the program's --help, its manual pages and `softlux help settings` tell of it. */
+typedef struct sl_setting {
+    const char *name;     /**< "light-octree.depth", or "spp" where several methods heed it */
+    const char *methods;  /**< those that do, "splatting, multi-mesh"; "": all */
+    const char *unit;     /**< what a value is: "N", "DEGREES", "WxH"; or the choices, "auto|rays|shadow-maps"; "": a flag, 0 or 1 */
+    const char *symbol;   /**< the paper's, "k"; or "" */
+    const char *help;     /**< one line */
+    double minimum;       /**< in that unit */
+    double maximum;       /**< not above the minimum: there are no bounds */
+    double by_quality[3]; /**< default at draft, normal and high quality; 0 where otherwise tells, and of flags and choices: the first */
+    const char *otherwise; /**< how it is chosen, "by density"; or NULL */
+    bool everyday;        /**< an option of the program; the others are for experiments */
+    char letter;          /**< its short form, or 0 */
+} sl_setting;
 
-/** How a sample photon's light falls on a receiver. Numbers are those of the paper's equations; those three are computed as printed. */
-typedef enum sl_photon_weight {
-    SL_WEIGHT_AUTO,     /**< flux; polygon at high quality */
-    SL_WEIGHT_FLUX,     /**< (14) with the form factor of a disc put right, of the photon's flux: bounded, any number of photons */
-    SL_WEIGHT_POLYGON,  /**< the photon's footprint as a polygon, in closed form: for receivers close to it */
-    SL_WEIGHT_PLAIN,    /**< point to point: unbiased, singular */
-    SL_WEIGHT_EVEN,     /**< (11) */
-    SL_WEIGHT_DISC,     /**< (14) */
-    SL_WEIGHT_BOX       /**< (15) */
-} sl_photon_weight;
-/** Which directions a light's map covers. */
-typedef enum sl_map_shape {
-    SL_MAP_AUTO,     /**< a frustum for spots, a hemicube for area lights, a cube for points */
-    SL_MAP_FRUSTUM,  /**< the paper's */
-    SL_MAP_HEMICUBE,
-    SL_MAP_CUBE
-} sl_map_shape;
-/** What a sample photon takes from the map around it. */
-typedef enum sl_map_filter {
-    SL_MAP_FILTER_AUTO,     /**< flux */
-    SL_MAP_FILTER_POINT,    /**< the texel at the sample */
-    SL_MAP_FILTER_RADIANCE, /**< radiance from a MIP level, the paper's */
-    SL_MAP_FILTER_FLUX      /**< the flux of all texels around the sample, in groups that lie on one surface */
-} sl_map_filter;
-/** What curved mirrors show of indirect light. */
-typedef enum sl_mirror_light {
-    SL_MIRROR_LIGHT_FULL,   /**< their environment cubes hold it */
-    SL_MIRROR_LIGHT_TRICK,  /**< they do not; the mirror itself receives it as if it were diffuse */
-    SL_MIRROR_LIGHT_DIRECT  /**< none */
-} sl_mirror_light;
-/** Occlusion between a receiver and the photons, which the paper leaves out. */
-typedef enum sl_photon_visibility {
-    SL_VISIBILITY_NONE,
-    SL_VISIBILITY_RAYS,   /**< a ray for each pixel and photon */
-    SL_VISIBILITY_BLOCKS  /**< rays for one pixel of each block, carried to its neighbours on the same surface */
-} sl_photon_visibility;
+/** All of them, in order; NULL past the end. */
+SL_API const sl_setting *sl_setting_at(size_t index);
 
-/** Direct Radiance Mapping (Frisvad et al. 2005). 0, wherever it stands, is the default that is named. */
-typedef struct sl_radiance_map_settings {
-    int samples;                     /**< m of m x m sample photons a face, 1 to 256; by quality 3, 6, 8 */
-    int map_size;                    /**< w: texels a side of a face, 1 to 1024, rounded up to a multiple of m; 16, or 2 m where that is more */
-    sl_map_shape shape;              /**< AUTO */
-    double map_fov;                  /**< radians, of a frustum, 0.01 to 3; the spot's own, or 90 degrees */
-    sl_photon_weight weight;         /**< AUTO */
-    sl_map_filter filter;            /**< AUTO */
-    sl_photon_visibility visibility; /**< NONE, the paper's */
-    sl_mirror_light mirror_light;    /**< FULL */
-    int reflections;                 /**< planar mirrors one after another, 1 to 8; 1 */
-    int cube_size;                   /**< texels a side of a curved mirror's environment cube, 4 to 4096; 128 */
-    bool traced_light_mirrors;       /**< light by way of curved mirrors, traced */
-    int shadow_size;                 /**< texels a side of a face of a depth cube, 16 to 8192; 512 */
-    int emitter_samples;             /**< an area light shines from n x n points of it, n 1 to 64, and each takes pictures; 1, the paper's, at draft, or 2.
-                                          What stands close before a point moves it to where the light gets out */
-    bool eight_bit_positions;        /**< the map's positions as 8-bit colours, scaled into the scene's box */
-    bool local_light_only;           /**< no shadows and no indirect light: what the paper compares its times with */
-    bool direct_light_only;          /**< shadows, but no indirect light: likewise */
-    bool without_layers;             /**< pictures have R, G, B alone: the layers, and the estimate of spread, cost a fifth of a small frame */
-} sl_radiance_map_settings;
-
-/* ---- the light octree ---- */
-
-/** Which photon hits are kept. */
-typedef enum sl_photon_store {
-    SL_STORE_INDIRECT, /**< those after at least one bounce: direct light is another pass's affair */
-    SL_STORE_ALL,      /**< the first hits too: the picture's indirect part then holds direct light as well */
-    SL_STORE_CAUSTIC   /**< those that came by mirrors alone */
-} sl_photon_store;
-/** The area over which gathered photons are spread: irradiance is their flux over it. */
-typedef enum sl_photon_area {
-    SL_PHOTON_AREA_CLIP,   /**< of the scene's triangles within the ellipsoid */
-    SL_PHOTON_AREA_SECTION, /**< of the photons' mean plane within it */
-    SL_PHOTON_AREA_DISC    /**< of its equator */
-} sl_photon_area;
-/** What a voxel keeps of its photons' directions. */
-typedef enum sl_voxel_lobes {
-    SL_LOBES_PERPENDICULAR, /**< directional lights of the irradiance perpendicular to them: shading has a cosine */
-    SL_LOBES_SURFACE,       /**< ... of the irradiance on the surface, as the paper's sum is printed: shading has none */
-    SL_LOBES_NONE,          /**< one irradiance: the paper's colour octree */
-    SL_LOBES_HARMONICS      /**< spherical harmonics of order 2 or 3 instead of directional lights */
-} sl_voxel_lobes;
-/** How the voxels around a point are put together. */
-typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_filter;
-
-/** The light octree (Vivanloc et al. 2007). 0, wherever it stands, is the default that is named. */
-typedef struct sl_light_octree_settings {
-    int depth;                    /**< of the octree, 1 to 8; by quality 5, 5, 6; shallower ones are shown first */
-    uint64_t photons;             /**< to be stored, 1e9 at most; by quality 150,000, 600,000, 1,200,000 */
-    int neighbours;               /**< k, at most, 2 to 4096; by quality 150, 300, 500 */
-    double radius;                /**< r, in scene units, 1e-12 to 1e12; by density: 2 sqrt(k A / (pi N)), at least one voxel */
-    double flatness;              /**< f, 0.001 to 1; 0.25 */
-    int lights;                   /**< n: virtual directional lights a voxel, 1 to 8; 4 */
-    double spread_tolerance;      /**< radians, 1e-4 to 1.6: fewer lights where that is met; 0: off */
-    double acceptance;            /**< radians between a photon's normal and the voxel's, 0.01 to 3.15; 60 degrees; pi: all */
-    sl_photon_store store;        /**< INDIRECT */
-    sl_photon_area area;          /**< CLIP */
-    sl_voxel_lobes lobes;         /**< PERPENDICULAR */
-    sl_voxel_filter filter;       /**< TRILINEAR */
-    bool unit_weights;            /**< K-means with equal weights */
-    bool median_of_subsets;       /**< a voxel's irradiance is the median of what fifths of its photons tell: against fireflies; biased */
-    bool wide_directions;         /**< 12 + 12 bits a direction instead of 8 + 8 */
-    bool own_photons;             /**< a voxel counts the photons that lie in it, over the area in it, and looks for no others: the paper's bands where
-                                     that is a sliver; voxels are whole then */
-    bool photons_at_pixels;       /**< the photon map itself is shown: every pixel gathers its k nearest photons, and there are no lights in between */
-    bool whole_voxels;            /**< one set of lights a voxel, as the paper; else one for each group of normals in it */
-    bool whole_area;              /**< all surface within reach of a voxel's photons counts as area, also what no photon met; else no more than their convex
-                                     hull tells */
-    bool fixed_neighbours;        /**< k photons a voxel, as the paper; else k/4 to k of them, by an error estimate */
-    bool keep_void_dark;          /**< empty voxels count as black in filtering: the paper's holes */
-    bool environment_mirrors;     /**< mirrors show the environment from a cube map, and nothing of the scene; no ray is followed */
-    double dilation;              /**< voxels also hold what lies around them within that share of their edge, 0 to 1: the paper's cure for holes; 0 */
-    bool distance_weights;        /**< in filtering voxels weigh by their distance alone, as whole ones and those beside dark void do; else also by the
-                                     cosine between their normal and the point's */
-    bool geometric_normals;       /**< surfaces take the octree's light by their geometric normals: where shading normals turn away from all of it */
-    bool atlas;                   /**< light is rendered to a texture atlas first, and the picture looks it up there */
-    int atlas_size;               /**< texels a side, 16 to 16384; 1024 */
-    bool direct_sky;              /**< all of the environment lights pixels directly, by light samples; else only what stands out of it, and the
-                                     octree holds the rest, without noise but blurred to the photons' distance */
-    bool indirect_only;           /**< direct light is left out */
-} sl_light_octree_settings;
-
-/* ---- multi-mesh caching ---- */
-
-/** How light arriving from an area light is sampled at a vertex. */
-typedef enum sl_light_estimator {
-    SL_LIGHT_RATIO,   /**< in closed form, times the visible share by the light's own plane as a window: the default */
-    SL_LIGHT_WINDOW,  /**< the same window's weights alone */
-    SL_LIGHT_LOOK_AT, /**< the paper's frustum around the light, with the pixels' solid angles */
-    SL_LIGHT_RAYS     /**< as SL_LIGHT_RATIO, the visible share by jittered shadow rays */
-} sl_light_estimator;
-/** Which mesh triangle is refined next. */
-typedef enum sl_mesh_selection {
-    SL_SELECT_HEAP,  /**< the one that matters most */
-    SL_SELECT_CHAIN  /**< the paper's random chain */
-} sl_mesh_selection;
-
-/** Multi-mesh caching with hardware sampling. 0, wherever it stands, is the default that is named. */
-typedef struct sl_multi_mesh_settings {
-    sl_light_estimator estimator; /**< RATIO */
-    int light_size;             /**< N of N x N pixels around a light, 16 to 256, up to a power of two; 64, doubled up to 256 for points close to it */
-    int light_rays;             /**< n of n x n jittered rays instead, 1 to 256; 16 */
-    double gather_fov;          /**< radians, 1 to 3.11; 160 degrees */
-    double threshold_scale;     /**< times the threshold map of what an eye can tell, 0.001 to 1000; by quality 2, 1, 0.5 */
-    double exposure;            /**< displayed level of radiance L: 255 (eL / (1 + eL))^(1/2.2); e from 1e-30 to 1e30; by the light in the scene */
-    double leaf_area;           /**< pixels squared, 1 to 1e9: leaves larger than that are split whatever their edges say; by quality 256, 144, 16; of indirect light 4 times that */
-    double leaf_edge;           /**< pixels: likewise; by quality 32, 24, 8; of indirect light twice that */
-    int max_depth;              /**< of splits, 1 to 12; 12 */
-    int coarse_depth;           /**< of the coarse mesh, 1 to 8; by quality 3, 4, 5 */
-    double coarse_edge;         /**< scene units, 1e-12 to 1e12: its edges; by quality 1/24, 1/24, 1/48 of the scene's diagonal */
-    sl_mesh_selection selection; /**< HEAP */
-    int batch;                  /**< K leaves at a time, 1 to 65536; 32 */
-    bool joint_mesh;            /**< light and radiance share one mesh: what the paper argues against */
-    bool keep_hanging;          /**< leaves ignore their neighbours' vertices on common edges: colours jump there */
-} sl_multi_mesh_settings;
-
-/* ---- the shading cache ---- */
-
-/** How direct light of area lights is sampled at a point. */
-typedef enum sl_area_sampling {
-    SL_AREA_RATIO,  /**< in closed form, times the visible share of the samples: the default */
-    SL_AREA_SAMPLED /**< the samples' mean alone, the paper's */
-} sl_area_sampling;
-/** Who computes indirect light. */
-typedef enum sl_indirect_renderer {
-    SL_INDIRECT_BIDIRECTIONAL, /**< bidirectional path tracing, the paper's */
-    SL_INDIRECT_NONE
-} sl_indirect_renderer;
-/** How pixels are chosen for samples. */
-typedef enum sl_pixel_selection {
-    SL_PIXELS_HIT_AND_TEST, /**< the paper's: random pixels, accepted by priority, and flood fill from them */
-    SL_PIXELS_SYSTEMATIC,   /**< equal steps through the sums of priorities along a Hilbert curve */
-    SL_PIXELS_SORTED        /**< the highest priorities first: what the paper compares with */
-} sl_pixel_selection;
-
-/** The Shading Cache (Tole, Pellacini, Walter, Greenberg 2002). 0, wherever it stands, is the default that is named. */
-typedef struct sl_shading_cache_settings {
-    int points;                  /**< M: shaded in an update, 1e6 at most; 64 */
-    int area_samples;            /**< points on each area light, 1e6 at most; 64, with SL_AREA_SAMPLED 100; at high quality 4 times that */
-    sl_area_sampling area;       /**< RATIO */
-    int indirect_samples;        /**< eye paths at a point, 1e6 at most; by quality 100, 400, 1200 */
-    int path_depth;              /**< surfaces on a path, 1 to 64; 6 */
-    sl_indirect_renderer indirect; /**< BIDIRECTIONAL */
-    bool caustics;               /**< a photon map of caustics is another sample renderer */
-    double random_share;         /**< epsilon: pixels chosen whatever their priority, 1e-4 to 1; 0.03 */
-    sl_pixel_selection selection; /**< HIT_AND_TEST */
-    double flood_threshold;      /**< normalised priority down to which floods run, 1e-6 to 1; 0.5 */
-    bool no_flood;               /**< without flood fill: to see what it is worth */
-    bool no_random;              /**< without the random share: likewise */
-    bool plain_normalisation;    /**< mean +- 4 sigma as the paper has it, which chooses nearly uniformly */
-    bool by_channel;             /**< errors and changes are those of R, G and B, too: edges between colours that are equally bright */
-    bool no_ageing;              /**< samples do not grow old */
-    bool no_resolution_drop;     /**< what changes keeps its fine patches */
-    double stop_size;            /**< pixels: patches smaller than that are not split, 1e-4 to 1e6; 1; with fewer than 24 rows or columns the square of their 24th part */
-    int ageing_window;           /**< updates: what was not seen for so long may be evicted, 1e6 at most; 60 */
-    double cache_limit;          /**< patches a pixel, 0.01 to 100; 1.5 */
-    double clean_up_seconds;     /**< T_c: how fast what changes is to look right again, 0.01 to 1e6; 5 */
-    double nominal_rate;         /**< samples a second that this is reckoned with, 1 to 1e9; 2000 */
-    double change_threshold;     /**< grey levels, 0.01 to 255; 2 */
-    int change_window;           /**< updates, 1e6 at most; 3 */
-    double blending;             /**< beta: share of a new value in an unchanged scene, 0.01 to 1; 1 */
-    bool variance_aware;         /**< more samples where noise passes for contrast */
-    int frames_per_update;       /**< of the deterministic schedule, 1e6 at most; 20 */
-    double hold_levels;          /**< motion waits until what is seen seems to be that good: mean error in displayed levels (1e-6 to 255); 0: it does not wait */
-    uint32_t updates;            /**< a picture of a still scene is done after so many; 0: by quality and size, 0.03, 0.12, 0.5 points a pixel, 1024 points at least */
-    double mean_level_radiance;  /**< Y_ref: radiance in the middle of the displayed levels, 1e-30 to 1e30; by the light in the scene */
-} sl_shading_cache_settings;
-
-/** What a method is asked for. Begin with sl_settings_default(). */
-typedef struct sl_settings {
-    const char *method;    /**< "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional" */
-    const char *transport; /**< "direct", "one-bounce", "full", "matched:METHOD"; NULL: the method's own.
-                              Only the reference tracers take another than their own. */
-    int width;             /**< pixels, 1 to 16384, by path and bidirectional to 32768; 0, and height 0 too: the scene's film */
-    int height;            /**< likewise */
-    unsigned threads;      /**< 0: one a processor; more than 256 count as 256 */
-    uint64_t seed;         /**< of the random numbers: another seed, other noise */
-    sl_quality quality;    /**< where on the curve of speed against error; NORMAL */
-    uint32_t spp;          /**< path, bidirectional: samples a pixel; splatting, light-octree: light samples a pixel; 1e8 at most; 0: by quality */
-    double accuracy;       /**< splatting: a of the paper; 0: by quality */
-    int gather_size;       /**< splatting, multi-mesh (8 or more, up to a power of two): N of an N x N gather, even, 4 to 1024; 0: by quality */
-    sl_gather_kind gather; /**< splatting: AUTO */
-    sl_direct_kind direct; /**< splatting: AUTO */
-    sl_pixel_filter filter; /**< path, bidirectional: METHOD */
-    sl_traversal_order order; /**< splatting: COARSE_TO_FINE */
-    sl_radius_metric metric;  /**< splatting: AUTO */
-    double glossy_accuracy; /**< splatting: a of the radiance records; either a 0.001 to 2; 0: by quality */
-    int harmonics_order;   /**< splatting: n of the hemispherical harmonics, 1 to 12; 0: the least that holds every lobe in the scene */
-    uint32_t bounces;      /**< splatting, multi-mesh (2 at most, and more are 2): surfaces between the visible one and the light, 1 to 64; 0: 1 */
-    bool glossy_hits;      /**< splatting: what a gather sees reflects its glossy lobe too (L G D E, L G G E) */
-    uint32_t hit_samples;  /**< splatting: light samples for each thing that a gather sees, 256 at most; 0: by quality */
-    uint32_t records_per_frame; /**< splatting: a frame ends after so many new records (a walk-through); 0: no limit */
-    sl_radiance_map_settings radiance_map; /**< direct-radiance */
-    sl_light_octree_settings light_octree; /**< light-octree */
-    sl_multi_mesh_settings multi_mesh; /**< multi-mesh */
-    sl_shading_cache_settings shading_cache; /**< shading-cache */
-    uint64_t memory_bytes; /**< the most that scene, rays, buffers, caches and the finished picture may take together; 0: no limit.
-                              Where more would be taken the method does less, and sl_method_concession() tells what; or it refuses, with
-                              SL_ERROR_RESOURCES and the least that it needs. Not counted: what loading the scene takes while it loads */
-    const sl_observer *observer; /**< or NULL */
-} sl_settings;
-
-/** Splatting at normal quality, everything else by quality, scene and machine. */
-SL_API sl_settings sl_settings_default(void);
+/** Splatting at normal quality, everything else by quality, scene and machine. The caller destroys them. */
+SL_API sl_status sl_settings_create(sl_settings **settings, sl_error *error);
+/** NULL is allowed. */
+SL_API void sl_settings_destroy(sl_settings *settings);
+/** Sets one by its name or the last part of it, "method", "size", "light-octree.depth", to a value as text: "path", "640x480",
+ * "6". A picture's metadata softlux.NAME, with _ for -, are such names and values. USAGE: no such name, or not such a value. */
+SL_API sl_status sl_settings_set(sl_settings *settings, const char *name, const char *value, sl_error *error);
+/** Its value as text, cut to the room that there is, the NUL included; 0 stands for what is left open. USAGE: no such name. */
+SL_API sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room, sl_error *error);
+/** Who is told of every pass from then on, by methods that are created with these settings; or NULL. It must outlive them. */
+SL_API void sl_settings_observe(sl_settings *settings, const sl_observer *observer);
 
 /** A method at work on a scene: its caches and its picture so far; opaque. */
 typedef struct sl_method sl_method;
@@ -610,13 +375,13 @@ typedef struct sl_method sl_method;
 typedef struct sl_progress {
     uint64_t batches;  /**< done so far */
     double fraction;   /**< an estimate in [0,1] */
-    bool frame_done;   /**< with records_per_frame: the frame has what it may have; resolve it, then edit or go on refining */
+    bool frame_done;   /**< with splatting.records-per-frame: the frame has what it may have; resolve it, then edit or go on refining */
     bool done;         /**< nothing left to refine; until an edit, updating again changes nothing */
 } sl_progress;
 
 /** Prepares a method for a scene: checks and completes the settings (which are copied), and computes no pixel yet. The scene must
  * outlive the method and must not change but as told to sl_method_edit(); the caller destroys the method. USAGE: an unknown method or transport, or a
- * setting out of its range. RESOURCES: memory_bytes is less than the least that it needs. */
+ * setting out of its range. RESOURCES: the option "memory" is less than the least that it needs. */
 SL_API sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                                   sl_error *error);
 /** Frees a method; its scene stays. NULL is allowed. */
@@ -637,7 +402,7 @@ SL_API bool sl_method_keeps_cache(const sl_method *method);
 /** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold of. They belong to the scene (its
  * geometry, materials, lights and environment; not its camera) and to the settings that decide what is in them; a file of
  * other ones, of another version, or one that is damaged is refused with SL_ERROR_INPUT, with a line that says so, and nothing changes. With a file
- * saved from the same place, under the same memory_bytes, nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. USAGE: the method keeps none. */
+ * saved from the same place, under the same "memory", nothing is gathered anew, and the picture has the same bits. The file appears whole or not at all. USAGE: the method keeps none. */
 SL_API sl_status sl_method_save(const sl_method *method, const char *path, sl_error *error);
 /** Takes over what sl_method_save() wrote, in place of what the method has: best before the first update. */
 SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *error);
@@ -645,11 +410,11 @@ SL_API sl_status sl_method_load(sl_method *method, const char *path, sl_error *e
 SL_API const sl_counters *sl_method_counters(const sl_method *method);
 /** Bytes that the method holds, its own hierarchies, caches and pictures, without the scene. */
 SL_API size_t sl_method_memory_bytes(const sl_method *method);
-/** An upper estimate, from counts alone and before anything is allocated, of what sl_settings.memory_bytes bounds, for these settings as they
+/** An upper estimate, from counts alone and before anything is allocated, of what the option "memory" bounds, for these settings as they
  * stand: 32 MiB for the program itself, the scene, the hierarchies over it, the method at its largest, and its picture as it is given and
  * written. Caches that grow as they are filled count with the least that they can work with. No observer is counted. Fails as sl_method_create() does. */
 SL_API sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes, sl_error *error);
-/** One line on what the method does less than its settings ask for, so as to keep within sl_settings.memory_bytes: "75000 stored
+/** One line on what the method does less than its settings ask for, so as to keep within "memory": "75000 stored
  * photons instead of 600000". Caches that are full by then are told of once they are. Owned by the method, and valid until it is called
  * again; NULL where it does all. The picture's metadata tell the settings that were used. */
 SL_API const char *sl_method_concession(sl_method *method);
@@ -708,11 +473,11 @@ typedef struct sl_live_state {
                              once their picture has been finished there; several before the first of them shows are one */
     double change_seconds;  /**< the scene's time of the last of those moves, and of its first where it was several: what shading lags behind by, to a frame that shows one more */
     uint64_t change_frames; /**< ... and how many frames after the first that could have shown it that was; 0: in that one */
-    bool held;            /**< a move waits for shading_cache.hold_levels */
+    bool held;            /**< a move waits for shading-cache.hold */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
 } sl_live_state;
 
-/** Makes a method and starts to update it, with settings->threads workers. Until sl_live_stop() the scene is the show's own: nobody
+/** Makes a method and starts to update it, with workers of its own. Until sl_live_stop() the scene is the show's own: nobody
  * else may change it. An observer is called in the updating thread. All calls on one show come from one thread at a time. Fails as
  * sl_method_create() does. */
 SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error);
@@ -720,7 +485,7 @@ SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_
  * method's, and those of the frames. NULL is allowed. */
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
 /** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is under way (methods without
- * a display of their own, all but the Shading Cache, show it once an update has been done there, with as much light as one update makes). With shading_cache.hold_levels the move
+ * a display of their own, all but the Shading Cache, show it once an update has been done there, with as much light as one update makes). With shading-cache.hold the move
  * waits until what is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
 /** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */

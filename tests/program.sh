@@ -125,7 +125,7 @@ expect 0 'triangles' info scenes/cornell.json
 
 # Memory within bounds: less, or nothing.
 expect 2 'expected bytes, as 512M' render scenes/cornell.json --memory 20x -o "$folder/m.exr"
-expect 2 'expected 16M to' render scenes/cornell.json --memory 3M -o "$folder/m.exr"
+expect 5 'not enough' render scenes/cornell.json --memory 3M -o "$folder/m.exr"
 expect 5 'cornell.json: 16M of memory are not enough to load it' render scenes/cornell.json --memory 16M -o "$folder/m.exr"
 expect 5 'moving-ball.json: 16M of memory are not enough to load it' live scenes/moving-ball.json -s 8x8 --frames 1 --memory 16M
 expect 5 '100M of memory are not enough: shading-cache needs' live scenes/moving-ball.json -s 2000x2000 -t 1 --frames 1 --memory 100M
@@ -280,12 +280,12 @@ expect 0 '' render "$folder/own/index.html" -m path --spp 1 -s 8x8 --quiet -o "$
 
 # What a method finds out on its way is told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
-expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 -s 16x16 -o "$folder/low.pfm"
+expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --set direct-radiance.weight=15 -s 16x16 -o "$folder/low.pfm"
 [ "$(grep -c 'weight 15' "$folder/err")" -eq 1 ] || { echo 'a warning is not told once'; bad=1; }
 for series in '' '--frames 1'; do
-    expect 0 '"warnings":.*\["weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 --quiet --json $series -s 16x16 -o "$folder/low%d.pfm"
+    expect 0 '"warnings":.*\["weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --set direct-radiance.weight=15 --quiet --json $series -s 16x16 -o "$folder/low%d.pfm"
 done
-expect 0 '' render "$folder/low.json" --allow-outside -m direct-radiance --weight 15 --quiet -s 16x16 -o "$folder/low.pfm"
+expect 0 '' render "$folder/low.json" --allow-outside -m direct-radiance --set direct-radiance.weight=15 --quiet -s 16x16 -o "$folder/low.pfm"
 [ ! -s "$folder/err" ] || { echo '--quiet warns'; bad=1; }
 
 # A live show: pictures, a stream, a report; and what cannot be shown.

@@ -3,7 +3,7 @@
 #define SL_APP_AUTO_METHOD_H
 
 #include "app/auto_choice.h"
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 typedef struct sl_auto_budget {
     double error;        /* relative RMSE that is to be reached; 0: nothing said */

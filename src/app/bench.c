@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/same_file.h"
+#include "base/values.h"
 #include "image/output_file.h"
 #include "scene/features.h"
 
@@ -97,7 +98,7 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no table", 0, 0, NULL},
         {.name = NULL}};
     const sl_command_line line = {"softlux bench SCENE... [-o DIR] [options]", "Speed against error of every method, as tables and plots.", details, options, 1,
-                                  MOST_SCENES};
+                                  MOST_SCENES, NULL, NULL};
     if (!sl_options_parse(&line, argc, argv, q->scenes, &q->scene_count, status) || !check_lists(o, status)) return false;
     o->repeats = (int)q->repeats;
     o->threads = (unsigned)q->threads;

@@ -2,7 +2,7 @@
 #include "app/auto_method.h"
 #include "app/commands.h"
 #include "app/load_options.h"
-#include "app/settings_options.h"
+#include "app/options.h"
 #include "scene/features.h"
 #include "softlux.h"
 
@@ -52,16 +52,14 @@ static sl_status print_choice(const sl_scene *scene, sl_settings *settings, sl_e
 int sl_command_info(int argc, char **argv) {
     const char *path;
     int operands, exit_status;
-    sl_raw_settings raw;
+    sl_settings settings = sl_settings_default();
     sl_load_request reading = {0};
-    sl_option options[SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
+    sl_option options[SL_LOAD_OPTIONS + 1] = {0};
     sl_load_options_table(&reading, options);
-    sl_settings_options(&raw, options + SL_LOAD_OPTIONS);
     const sl_command_line line = {"softlux info SCENE [options]",
                                   "Prints what is in a scene, what loading had to repair, and which passes a method would run.",
-                                  NULL, options, 1, 1};
+                                  NULL, options, 1, 1, &settings, NULL};
     if (!sl_options_parse(&line, argc, argv, &path, &operands, &exit_status)) return exit_status;
-    sl_settings settings = sl_settings_taken(&raw);
     const sl_load_options load = sl_load_options_taken(&reading);
     sl_error error;
     sl_scene *scene;

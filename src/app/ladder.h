@@ -2,7 +2,7 @@
 #ifndef SL_APP_LADDER_H
 #define SL_APP_LADDER_H
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 enum { SL_LADDER_MAX = 8 };
 

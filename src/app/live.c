@@ -8,14 +8,11 @@
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/same_file.h"
-#include "app/settings_options.h"
 #include "cache/frame/method.h"
 #include "scene/features.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static const char *const tone_names[] = {"clip", "reinhard", NULL}; /* as sl_tone_curve */
 
 typedef struct show_options {
     const char *scene_path, *output;
@@ -30,9 +27,9 @@ typedef struct show_options {
 
 static bool parse(int argc, char **argv, show_options *o, int *status) {
     enum { OWN = 12 };
-    sl_raw_settings raw;
-    sl_option options[OWN + SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
-    *o = (show_options){.tone = SL_TONE_REINHARD, .seconds = 5.0, .frames_per_second = 25.0};
+    sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
+    *o = (show_options){.tone = SL_TONE_REINHARD, .seconds = 5.0, .frames_per_second = 25.0, .settings = sl_settings_default()};
+    o->settings.method = "shading-cache";
     const sl_option own[] = {
         {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILES", "frame-%04d.png, or show.y4m, or - for such a stream [nothing is written]", 0, 0, NULL},
         {"seconds", 0, SL_OPTION_REAL, &o->seconds, NULL, "S", "how long [5]", 1e-3, 1e9, NULL},
@@ -40,7 +37,7 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         {"at", 0, SL_OPTION_REAL, &o->at, NULL, "SECONDS", "time of the scene to begin with [0]", -1e9, 1e9, NULL},
         {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames a second; 0: as many as can be [25]", 0, 1e4, NULL},
         {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "times 2^STOPS [that of the first picture with light]", -64, 64, NULL},
-        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0, tone_names},
+        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "clip or reinhard [reinhard]", 0, 0, "clip|reinhard"},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no report, no warnings", 0, 0, NULL},
     };
@@ -48,9 +45,6 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
     sl_load_options_table(&o->reading, options + count);
-    count += SL_LOAD_OPTIONS;
-    sl_settings_options(&raw, options + count);
-    raw.settings.method = "shading-cache";
     const sl_command_line line = {
         "softlux live SCENE [-o FILES] [options]",
         "Plays a scene's keyframes in real time: frames never wait for light, which comes from a thread of its own.",
@@ -58,10 +52,9 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         "What frames show depends on the clock; for the same pictures twice: softlux render --frames.\n"
         "Ctrl-C ends the show as its --seconds do: what was shown is whole, and the exit status 0.\n\n"
         "example: softlux live scenes/moving-light.json --seconds 10 -o - | ffplay -",
-        options, 1, 1};
+        options, 1, 1, &o->settings, NULL};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
-    o->settings = sl_settings_taken(&raw);
     o->load = sl_load_options_taken(&o->reading);
     return true;
 }

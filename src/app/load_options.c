@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-static const char *const axis_names[] = {"auto", "y", "z", NULL}; /* as sl_up_axis */
 static const double degree = 0.017453292519943295;
 
 void sl_load_options_table(sl_load_request *r, sl_option *options) {
@@ -17,7 +16,7 @@ void sl_load_options_table(sl_load_request *r, sl_option *options) {
         {"fov", 0, SL_OPTION_REAL, &r->fov_degrees, &v->has_fov, "DEGREES",
          "field of view from top to bottom [the scene's]", 0.01, 179.0, NULL},
         {"up-axis", 0, SL_OPTION_CHOICE, &r->up_axis, NULL, "AXIS",
-         "of a mesh file, y or z points up [auto: as its format says; else by its shape]", 0, 0, axis_names},
+         "of a mesh file, y or z points up [auto: as its format says; else by its shape]", 0, 0, "auto|y|z"},
         {"allow-outside", 0, SL_OPTION_FLAG, &r->allow_outside, NULL, NULL,
          "files that the scene names may lie outside of its folder", 0, 0, NULL},
     };

@@ -2,6 +2,8 @@
 #include "app/commands.h"
 #include "app/manual.h"
 #include "app/options.h"
+#include "app/settings_text.h"
+#include "base/values.h"
 #include "softlux.h"
 
 #include <errno.h>
@@ -30,7 +32,8 @@ static void print_help(FILE *out) {
     fprintf(out, "usage: softlux COMMAND ...\n\n"
                  "Global illumination of triangle scenes on a CPU: deterministic, without a GPU.\n\ncommands:\n");
     for (size_t i = 0; i < COMMANDS; i++) fprintf(out, "  %-15s %s\n", commands[i].name, commands[i].summary);
-    fprintf(out, "\n`softlux COMMAND --help` tells more; `softlux --version` prints the version.\n"
+    fprintf(out, "\n`softlux COMMAND --help` tells more, `softlux help settings` every option of the methods; `softlux --version`\n"
+                 "prints the version.\n"
                  "Exit status: 0, 1 comparison failed, 2 usage, 3 input, 4 output, 5 resources; 128 + N where signal N (Ctrl-C: 2)\n"
                  "cut the work short: what was done by then is written.\n\n"
                  "example: softlux render scenes/cornell.json -o cornell.png\n");
@@ -61,6 +64,10 @@ static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
         return SL_ERROR_USAGE;
+    }
+    if (strcmp(argv[1], "help") == 0 && argc > 2 && strcmp(argv[2], "settings") == 0) {
+        sl_print_settings();
+        return 0;
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_help(stdout);

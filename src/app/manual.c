@@ -29,25 +29,19 @@ static void print_heading(const char *page, const char *summary) {
     putchar('\n');
 }
 
-static void print_option(const sl_option *o) {
-    if (o->kind == SL_OPTION_HEADING) {
-        printf(".SS \"");
-        print_text(o->help);
-        printf("\"\n");
-        return;
-    }
+static void print_option(char letter, const char *name, const char *unit, const char *help) {
     printf(".TP\n");
-    if (o->letter) printf("\\fB\\-%c\\fR, ", o->letter);
+    if (letter) printf("\\fB\\-%c\\fR, ", letter);
     printf("\\fB\\-\\-");
-    print_text(o->name);
+    print_text(name);
     printf("\\fR");
-    if (o->metavar) {
+    if (*unit) {
         printf(" \\fI");
-        print_text(o->metavar);
+        print_text(unit);
         printf("\\fR");
     }
     putchar('\n');
-    print_text(o->help);
+    print_text(help);
     putchar('\n');
 }
 
@@ -76,7 +70,7 @@ void sl_print_command_manual(const sl_command_line *line) {
     printf("\n.SH DESCRIPTION\n");
     print_text(line->summary);
     printf("\n.SH OPTIONS\n.TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR\na short form of this page\n");
-    for (const sl_option *o = line->options; o->name; o++) print_option(o);
+    sl_each_option(line, print_option);
     if (line->details) {
         printf(".SH NOTES\n.nf\n");
         print_text(line->details);

@@ -2,7 +2,7 @@
 #ifndef SL_APP_MEMORY_LIMIT_H
 #define SL_APP_MEMORY_LIMIT_H
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 /* As sl_scene_load_with(). Where settings->memory_bytes says how much may be taken, what would be more fails while the scene loads; then a little more is
  * allowed, since the system counts what is reserved and not what is used, and the method keeps account itself. A scene that could not be loaded for want of

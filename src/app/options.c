@@ -1,60 +1,37 @@
 #include "app/options.h"
 
 #include "app/manual.h"
+#include "app/settings_text.h"
+#include "base/values.h"
 
-#include <errno.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
-
-/* Levenshtein distance; words longer than the row are taken as far apart. */
-static size_t edit_distance(const char *a, const char *b) {
-    enum { LONGEST = 64 };
-    size_t row[LONGEST + 1], a_length = strlen(a), b_length = strlen(b);
-    if (a_length > LONGEST || b_length > LONGEST) return LONGEST;
-    for (size_t j = 0; j <= b_length; j++) row[j] = j;
-    for (size_t i = 1; i <= a_length; i++) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= b_length; j++) {
-            size_t above = row[j];
-            row[j] = smaller(smaller(above, row[j - 1]) + 1, diagonal + (a[i - 1] != b[j - 1]));
-            diagonal = above;
-        }
-    }
-    return row[b_length];
+static void print_option(char letter, const char *name, const char *unit, const char *help) {
+    char left[64], short_form[8] = "    ";
+    if (letter) snprintf(short_form, sizeof short_form, "-%c, ", letter);
+    snprintf(left, sizeof left, "%s--%s%s%s", short_form, name, *unit ? " " : "", unit);
+    printf("  %-32s %s\n", left, help);
 }
 
-const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count) {
-    const char *nearest = NULL;
-    size_t best = strlen(word) / 3 + 2; /* a word further off than this is another word, not a slip */
-    for (size_t i = 0; i < count; i++) {
-        size_t distance = edit_distance(word, candidates[i]);
-        if (distance < best) best = distance, nearest = candidates[i];
+void sl_each_option(const sl_command_line *line, sl_option_printer print) {
+    for (const sl_option *o = line->options; o->name; o++) print(o->letter, o->name, o->metavar ? o->metavar : "", o->help);
+    if (!line->settings) return;
+    const sl_setting *s;
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        char help[256];
+        sl_setting_help(s, help, sizeof help);
+        if (s->everyday) print(s->letter, sl_setting_flag(s), s->unit, help);
     }
-    return nearest;
-}
-
-static void print_option(const sl_option *o) {
-    char left[64], letter[8] = "    ";
-    if (o->kind == SL_OPTION_HEADING) {
-        printf("\n%s:\n", o->help);
-        return;
-    }
-    if (o->letter) snprintf(letter, sizeof letter, "-%c, ", o->letter);
-    snprintf(left, sizeof left, "%s--%s%s%s", letter, o->name, o->metavar ? " " : "", o->metavar ? o->metavar : "");
-    printf("  %-32s %s\n", left, o->help);
+    print(0, "set", "NAME=VALUE", "any other option of a method; softlux help settings lists them");
 }
 
 static void print_help(const sl_command_line *line) {
     printf("usage: %s\n\n%s\n\noptions:\n", line->usage, line->summary);
     printf("  %-32s %s\n", "-h, --help", "this page");
     printf("  %-32s %s\n", "    --man", "this page as a manual page, for man(1)");
-    for (const sl_option *o = line->options; o->name; o++) print_option(o);
+    sl_each_option(line, print_option);
     if (line->details) printf("\n%s\n", line->details);
 }
 
@@ -69,145 +46,114 @@ __attribute__((format(printf, 2, 3))) static bool mistake(int *status, const cha
     return false;
 }
 
+/* An option that is only for experiments tells how it is reached. */
 static bool unknown_option(const sl_command_line *line, const char *word, int *status) {
-    enum { NAMES = 128 };
+    enum { NAMES = 256 };
     const char *names[NAMES];
     size_t count = 0;
-    for (const sl_option *o = line->options; o->name && count < NAMES; o++) {
-        if (o->kind != SL_OPTION_HEADING) names[count++] = o->name;
-    }
+    for (const sl_option *o = line->options; o->name && count < NAMES; o++) names[count++] = o->name;
+    for (size_t i = 0; line->settings && sl_setting_at(i) && count < NAMES; i++) names[count++] = sl_setting_flag(sl_setting_at(i));
     const char *near = sl_nearest_word(word, names, count);
+    const sl_setting *setting = near && line->settings ? sl_setting_of_flag(near) : NULL;
+    if (setting && !setting->everyday)
+        return mistake(status, "unknown option --%s; write --set %s=%s", word, setting->name, *setting->unit ? setting->unit : "1");
     if (near) return mistake(status, "unknown option --%s; did you mean --%s?", word, near);
     return mistake(status, "unknown option --%s; see --help", word);
 }
 
-static bool within_bounds(const sl_option *o, double value) {
-    return !(o->minimum < o->maximum) || (value >= o->minimum && value <= o->maximum);
-}
-
-static bool parse_real(const sl_option *o, const char *text, int *status) {
-    char *end;
-    double value = strtod(text, &end);
-    if (end == text || *end || !isfinite(value)) return mistake(status, "--%s: expected a number, got '%s'", o->name, text);
-    if (!within_bounds(o, value))
-        return mistake(status, "--%s: expected %g to %g, got %s", o->name, o->minimum, o->maximum, text);
-    *(double *)o->value = value;
-    return true;
-}
-
-static bool parse_count(const sl_option *o, const char *text, int *status) {
-    char *end;
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end || errno)
-        return mistake(status, "--%s: expected a whole number, got '%s'", o->name, text);
-    if (!within_bounds(o, (double)value))
-        return mistake(status, "--%s: expected %.0f to %.0f, got %s", o->name, o->minimum, o->maximum, text);
-    *(uint64_t *)o->value = value;
-    return true;
-}
-
-static bool parse_choice(const sl_option *o, const char *text, int *status) {
-    size_t count = 0;
-    char all[512] = "";
-    for (; o->choices[count]; count++) {
-        if (strcmp(text, o->choices[count]) == 0) {
-            *(int *)o->value = (int)count;
-            return true;
-        }
-        size_t used = strlen(all);
-        snprintf(all + used, sizeof all - used, "%s%s", count ? ", " : "", o->choices[count]);
+static sl_status read_value(const sl_option *o, const char *text, sl_error *error) {
+    switch (o->kind) {
+    case SL_OPTION_FLAG: *(bool *)o->value = true; return SL_OK;
+    case SL_OPTION_TEXT: *(const char **)o->value = text; return SL_OK;
+    case SL_OPTION_REAL: return sl_value_real(text, o->minimum, o->maximum, o->value, error);
+    case SL_OPTION_COUNT: return sl_value_count(text, o->minimum, o->maximum, o->value, error);
+    case SL_OPTION_CHOICE: return sl_value_choice(text, o->choices, o->value, error);
+    case SL_OPTION_SIZE: return sl_value_size(text, 32768, o->value, error);
+    case SL_OPTION_BYTES: return sl_value_bytes(text, o->minimum, o->maximum, o->value, error);
+    case SL_OPTION_VECTOR: return sl_value_vector(text, o->value, error);
     }
-    const char *near = sl_nearest_word(text, o->choices, count);
-    return mistake(status, "--%s: expected one of %s; got '%s'%s%s%s", o->name, all, text, near ? ", did you mean " : "",
-                   near ? near : "", near ? "?" : "");
-}
-
-static bool parse_size(const sl_option *o, const char *text, int *status) {
-    int width, height, used = 0;
-    bool read = sscanf(text, "%5dx%5d%n", &width, &height, &used) == 2 && !text[used];
-    if (!read || width < 1 || height < 1 || width > 32768 || height > 32768)
-        return mistake(status, "--%s: expected WIDTHxHEIGHT in pixels, 1 to 32768 each, got '%s'", o->name, text);
-    ((int *)o->value)[0] = width;
-    ((int *)o->value)[1] = height;
-    return true;
-}
-
-static bool parse_vector(const sl_option *o, const char *text, int *status) {
-    const char *at = text;
-    for (int i = 0; i < 3; i++) {
-        char *end;
-        double value = strtod(at, &end);
-        if (end == at || !isfinite(value) || *end != (i < 2 ? ',' : '\0')) return mistake(status, "--%s: expected three numbers, as 1,2.5,-3, got '%s'", o->name, text);
-        ((double *)o->value)[i] = value;
-        at = end + 1;
-    }
-    return true;
-}
-
-/* K, M, G and T are powers of 1024; a B or iB after them is allowed. */
-static bool parse_bytes(const sl_option *o, const char *text, int *status) {
-    static const char units[] = "kmgt";
-    char *end;
-    double value = text[0] >= '0' && text[0] <= '9' ? strtod(text, &end) : -1.0;
-    if (value >= 0.0 && *end) {
-        const char *unit = strchr(units, *end | 0x20);
-        if (unit) value *= (double)(1ull << 10 * (unit - units + 1)), end++;
-        if (unit && *end == 'i') end++;
-        if (*end == 'B' || *end == 'b') end++;
-    }
-    if (!(value >= 0.0) || *end) return mistake(status, "--%s: expected bytes, as 512M or 2G, got '%s'", o->name, text);
-    if (!within_bounds(o, value)) return mistake(status, "--%s: expected %.0fM to %.0fG, got %s", o->name, o->minimum / 0x1p20, o->maximum / 0x1p30, text);
-    *(uint64_t *)o->value = (uint64_t)value;
-    return true;
+    return SL_OK;
 }
 
 static bool take_value(const sl_option *o, const char *text, int *status) {
+    sl_error error;
     if (o->given) *o->given = true;
-    switch (o->kind) {
-    case SL_OPTION_FLAG: *(bool *)o->value = true; return true;
-    case SL_OPTION_TEXT: *(const char **)o->value = text; return true;
-    case SL_OPTION_REAL: return parse_real(o, text, status);
-    case SL_OPTION_COUNT: return parse_count(o, text, status);
-    case SL_OPTION_CHOICE: return parse_choice(o, text, status);
-    case SL_OPTION_BYTES: return parse_bytes(o, text, status);
-    case SL_OPTION_SIZE: return parse_size(o, text, status);
-    case SL_OPTION_VECTOR: return parse_vector(o, text, status);
-    case SL_OPTION_HEADING: break;
-    }
-    return false;
+    if (read_value(o, text, &error) == SL_OK) return true;
+    return mistake(status, "--%s: %s", o->name, error.message);
 }
 
-static const sl_option *find_option(const sl_command_line *line, const char *word, size_t length, char letter) {
-    for (const sl_option *o = line->options; o->name; o++) {
-        if (o->kind == SL_OPTION_HEADING) continue;
-        if (letter ? o->letter == letter : strlen(o->name) == length && strncmp(o->name, word, length) == 0) return o;
-    }
-    return NULL;
+/* The library's line begins with the whole name. */
+static bool take_setting(const sl_command_line *line, const sl_setting *setting, const char *text, int *status) {
+    sl_error error;
+    const char *flag = sl_setting_flag(setting);
+    if (line->quality_given && strcmp(flag, "quality") == 0) *line->quality_given = true;
+    if (sl_settings_set(line->settings, setting->name, text, &error) == SL_OK) return true;
+    return mistake(status, "--%s%s", setting->everyday ? flag : setting->name, error.message + strlen(setting->name));
 }
+
+/* --set light-octree.depth=6 */
+static bool set_by_name(const sl_command_line *line, const char *text, int *status) {
+    char name[64];
+    const char *equals = strchr(text, '=');
+    sl_error error;
+    if (!equals) return mistake(status, "--set: expected NAME=VALUE, got '%s'", text);
+    snprintf(name, sizeof name, "%.*s", (int)(equals - text), text);
+    const sl_setting *setting = sl_setting_named(name);
+    if (setting) return take_setting(line, setting, equals + 1, status);
+    sl_settings_set(line->settings, name, equals + 1, &error);
+    return mistake(status, "--set: %s", error.message);
+}
+
+/* What a word of the command line names: an option of the command, a setting, or --set. */
+typedef struct named {
+    const sl_option *option;
+    const sl_setting *setting;
+    bool set;
+} named;
+
+static named find_letter(const sl_command_line *line, char letter) {
+    for (const sl_option *o = line->options; o->name; o++)
+        if (o->letter == letter) return (named){.option = o};
+    for (size_t i = 0; line->settings && sl_setting_at(i); i++)
+        if (sl_setting_at(i)->letter == letter) return (named){.setting = sl_setting_at(i)};
+    return (named){0};
+}
+
+static named find_name(const sl_command_line *line, const char *name) {
+    for (const sl_option *o = line->options; o->name; o++)
+        if (strcmp(o->name, name) == 0) return (named){.option = o};
+    const sl_setting *setting = line->settings ? sl_setting_of_flag(name) : NULL;
+    return (named){.setting = setting && setting->everyday ? setting : NULL, .set = line->settings && strcmp(name, "set") == 0};
+}
+
+static bool take_named(const sl_command_line *line, const named *n, const char *text, int *status) {
+    if (n->option) return take_value(n->option, text, status);
+    return n->set ? set_by_name(line, text, status) : take_setting(line, n->setting, text ? text : "1", status);
+}
+
+static bool is_flag(const named *n) { return n->option ? n->option->kind == SL_OPTION_FLAG : n->setting && !*n->setting->unit; }
+
+static const char *unit_of(const named *n) { return n->option ? n->option->metavar : n->setting ? n->setting->unit : "NAME=VALUE"; }
 
 /* One option at argv[*i]; moves *i on to its value. */
 static bool take_option(const sl_command_line *line, int argc, char **argv, int *i, int *status) {
-    char *word = argv[*i];
+    char *word = argv[*i], *name = word + 2;
     const char *value = NULL;
-    const sl_option *o = NULL;
+    named n = {0};
     if (word[1] == '-') {
-        size_t length = strcspn(word + 2, "=");
-        o = find_option(line, word + 2, length, 0);
-        if (word[2 + length] == '=') value = word + 3 + length;
-        word[2 + length] = '\0';
-        if (!o) return unknown_option(line, word + 2, status);
-    } else {
-        if (!word[2]) o = find_option(line, NULL, 0, word[1]);
-        if (!o) return mistake(status, "unknown option %s; see --help", word);
+        const size_t length = strcspn(name, "=");
+        if (name[length] == '=') value = name + length + 1;
+        name[length] = '\0';
+        n = find_name(line, name);
+    } else if (!word[2]) {
+        n = find_letter(line, *--name);
     }
-    if (o->kind == SL_OPTION_FLAG) {
-        if (value) return mistake(status, "--%s takes no value", o->name);
-        return take_value(o, NULL, status);
-    }
+    if (!n.option && !n.setting && !n.set)
+        return word[1] == '-' ? unknown_option(line, name, status) : mistake(status, "unknown option %s; see --help", word);
+    if (is_flag(&n)) return value ? mistake(status, "%s takes no value", word) : take_named(line, &n, NULL, status);
     if (!value && *i + 1 < argc) value = argv[++*i];
-    if (!value) return mistake(status, "--%s needs a value: %s", o->name, o->metavar);
-    return take_value(o, value, status);
+    if (!value) return mistake(status, "%s needs a value: %s", word, unit_of(&n));
+    return take_named(line, &n, value, status);
 }
 
 bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands, int *operand_count,

@@ -7,16 +7,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "cache/frame/settings.h"
+
 typedef enum sl_option_kind {
     SL_OPTION_FLAG,    /* bool *: set to true */
     SL_OPTION_TEXT,    /* const char **  */
     SL_OPTION_REAL,    /* double *, finite, within [minimum, maximum] */
     SL_OPTION_COUNT,   /* uint64_t *, decimal, within [minimum, maximum] */
-    SL_OPTION_CHOICE,  /* int *: the index into choices */
+    SL_OPTION_CHOICE,  /* int *: the number of the choice */
     SL_OPTION_BYTES,   /* uint64_t *: 512M, 2G, 900000000; within [minimum, maximum] */
     SL_OPTION_SIZE,    /* int[2]: WxH, each 1 to 32768 */
-    SL_OPTION_VECTOR,  /* double[3]: X,Y,Z, finite */
-    SL_OPTION_HEADING  /* no option: a line of the help page above those that follow; its name is "" */
+    SL_OPTION_VECTOR   /* double[3]: X,Y,Z, finite */
 } sl_option_kind;
 
 typedef struct sl_option {
@@ -28,7 +29,7 @@ typedef struct sl_option {
     const char *metavar;        /* "N"; NULL for flags */
     const char *help;           /* one line; ends with the default in brackets where there is one */
     double minimum, maximum;    /* REAL and COUNT; both 0: no bounds but the type's */
-    const char *const *choices; /* CHOICE: NULL-terminated */
+    const char *choices;        /* CHOICE: "clip|reinhard" */
 } sl_option;
 
 typedef struct sl_command_line {
@@ -37,6 +38,8 @@ typedef struct sl_command_line {
     const char *details;      /* printed under the options; or NULL */
     const sl_option *options; /* ends with a NULL name */
     int operands_min, operands_max;
+    sl_settings *settings;    /* of methods, if the command takes them: options, too; or NULL */
+    bool *quality_given;      /* set to true where --quality occurs; or NULL */
 } sl_command_line;
 
 /* Parses argv[0..argc). operands receives up to operands_max strings. Returns true to go on; otherwise *status is the exit status
@@ -44,7 +47,8 @@ typedef struct sl_command_line {
 bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const char **operands, int *operand_count,
                       int *status);
 
-/* The candidate nearest to a misspelt word by edit distance, or NULL if none is near. */
-const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count);
+/* Hands out every option of a command as a help page shows it. */
+typedef void (*sl_option_printer)(char letter, const char *name, const char *unit, const char *help);
+void sl_each_option(const sl_command_line *line, sl_option_printer print);
 
 #endif

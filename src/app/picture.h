@@ -3,7 +3,7 @@
 #define SL_APP_PICTURE_H
 
 #include "app/load_options.h"
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 #include <cjson/cJSON.h>
 

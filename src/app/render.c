@@ -6,19 +6,15 @@
 #include "app/options.h"
 #include "app/picture.h"
 #include "app/same_file.h"
-#include "app/settings_options.h"
 #include "app/target.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static const char *const tone_names[] = {"clip", "reinhard", NULL}; /* as sl_tone_curve */
-
 static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text, int *status) {
     enum { OWN = 18 };
-    sl_raw_settings raw;
-    sl_option options[OWN + SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
-    *o = (sl_render_options){.tone = SL_TONE_REINHARD, .output = "out.exr", .frames_per_second = 25.0};
+    sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
+    *o = (sl_render_options){.tone = SL_TONE_REINHARD, .output = "out.exr", .frames_per_second = 25.0, .settings = sl_settings_default()};
     const sl_option own[] = {
         {"output", 'o', SL_OPTION_TEXT, &o->output, NULL, "FILE", "picture to write: .exr, .png or .pfm [out.exr]", 0, 0, NULL},
         {"load-cache", 0, SL_OPTION_TEXT, &o->load_cache, NULL, "FILE", "splatting: start with the records of another run", 0, 0, NULL},
@@ -34,7 +30,7 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         {"fps", 0, SL_OPTION_REAL, &o->frames_per_second, NULL, "F", "frames for each second of the scene's time [25]", 1e-3, 1e6, NULL},
         {"exposure", 0, SL_OPTION_REAL, &o->exposure, &o->exposure_given, "STOPS", "PNG: times 2^STOPS [automatic]", -64, 64,
          NULL},
-        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0, tone_names},
+        {"tone", 0, SL_OPTION_CHOICE, &o->tone, NULL, "CURVE", "PNG: clip or reinhard [reinhard]", 0, 0, "clip|reinhard"},
         {"json", 0, SL_OPTION_FLAG, &o->json, NULL, NULL, "print what was done as one JSON object", 0, 0, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &o->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
@@ -42,8 +38,6 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
     sl_load_options_table(&o->reading, options + count);
-    count += SL_LOAD_OPTIONS;
-    sl_settings_options(&raw, options + count);
     const sl_command_line line = {
         "softlux render SCENE [-o FILE] [options]",
         "Renders a scene: a JSON scene file, or a mesh file (OBJ, glTF, PLY, ...).",
@@ -56,14 +50,12 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
         "(130 for Ctrl-C), also of a series, whose whole frames are kept. A second one ends the program at once. A picture stopped by --time can be had again, bit for bit, with the settings\n"
         "that its metadata tells, and --batches with the number in softlux.batches.\n\n"
         "example: softlux render scenes/cornell.json -q high -o cornell.exr",
-        options, 1, 1};
+        options, 1, 1, &o->settings, &o->quality_given};
     int operands;
     *at_given = false;
     *error_text = NULL;
     if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
-    o->settings = sl_settings_taken(&raw);
     o->load = sl_load_options_taken(&o->reading);
-    o->quality_given = raw.quality_given;
     return true;
 }
 

@@ -10,6 +10,7 @@
 #ifndef SL_SCENE_TRANSPORT_H
 #define SL_SCENE_TRANSPORT_H
 
+#include "base/choices.h"
 #include "softlux.h"
 
 enum { SL_LOBE_DIFFUSE = 1, SL_LOBE_GLOSSY = 2, SL_LOBE_MIRROR = 4, SL_LOBE_ALL = 7 };

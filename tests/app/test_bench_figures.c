@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cache/frame/settings.h"
 #include "app/bench/curves.h"
 #include "app/bench/journal.h"
 #include "app/bench/judge.h"
@@ -271,7 +272,7 @@ static void every_trial_s_arguments_mean_something_and_are_its_own(void **state)
         else if (s.transport) assert_string_equal(s.transport, t->transport);
     }
     sl_settings s;
-    assert_true(sl_trial_settings("-m path --transport one-bounce --filter centre --spp 7", &s));
+    assert_true(sl_trial_settings("-m path --transport one-bounce --set filter=centre --spp 7", &s));
     assert_true(s.spp == 7 && s.filter == SL_FILTER_CENTRE);
 }
 

@@ -287,7 +287,7 @@ static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
         {sl_command_compare, "nowhere.exr nowhere.exr --difference %/none/d.png"},
         {sl_command_live, "nowhere.json --frames 1 -o %/none/a%d.png"},
         {sl_command_live, "nowhere.json --frames 1 -o %/none/a.y4m"},
-        {sl_command_steps, "scenes/cornell.json -m magic -o %/page"},
+        {sl_command_steps, "scenes/cornell.json -s 8x8 -q draft -o %/page"},
         {sl_command_bench, "nowhere.json --quiet --references /dev/null/references -o %/report"},
         {sl_command_bench, "nowhere.json --quiet --references %/references -o %/page"},
     };

@@ -9,46 +9,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/settings_options.h"
-#include "cache/frame/settings.h"
+#include "app/options.h"
+#include "app/settings_text.h"
 #include "rendering.h"
 
-enum { WORDS = 300, WORD = 64 };
+enum { WORD = 64 };
 
-typedef struct words {
-    char text[WORDS][WORD];
-    int count;
-} words;
-
-static void add_word(words *w, const char *text) {
-    assert_true(w->count < WORDS && strlen(text) < WORD);
-    strcpy(w->text[w->count++], text);
-}
-
-static sl_settings settings_of(words *w) {
-    static sl_option options[SL_SETTINGS_OPTIONS];
-    static sl_raw_settings raw;
-    char *argv[WORDS];
-    const char *operand;
-    int operands, status = -1;
-    sl_settings_options(&raw, options);
-    const sl_command_line line = {"test", "test", NULL, options, 0, 0};
-    for (int i = 0; i < w->count; i++) argv[i] = w->text[i];
-    if (!sl_options_parse(&line, w->count, argv, &operand, &operands, &status)) fail_msg("not taken");
-    return sl_settings_taken(&raw);
-}
-
-/* ---- from metadata back to options ---------------------------------------------------------------------------------------------------- */
-
-static const sl_option *option_of(const sl_option *options, const char *key) {
-    char name[WORD];
-    snprintf(name, sizeof name, "%s", key);
-    for (char *c = name; *c; c++) *c = *c == '_' ? '-' : *c;
-    for (const sl_option *o = options; o->name; o++) {
-        if (strcmp(o->name, name) == 0) return o;
-    }
-    return NULL;
-}
+static const char ours[] = "softlux.";
 
 static bool tells_what_came_out(const char *key) {
     static const char *const results[] = {"version", "scene_hash", "batches", "warning", "concession", "flux_captured", "flux_received"};
@@ -59,67 +26,90 @@ static bool tells_what_came_out(const char *key) {
     return false;
 }
 
-static void add_setting(words *w, const sl_option *options, const sl_metadatum *m) {
-    static const char ours[] = "softlux.";
-    if (strncmp(m->key, ours, sizeof ours - 1) != 0 || tells_what_came_out(m->key + sizeof ours - 1)) return;
-    const sl_option *o = option_of(options, m->key + sizeof ours - 1);
-    if (!o) fail_msg("%s is no option", m->key);
-    if (strcmp(m->value, "0") == 0 && o->minimum > 0.0) return; /* nothing was said, and nothing chosen */
+/* NULL: the entry tells of no setting. */
+static const sl_setting *setting_of(const sl_metadatum *m) {
     char name[WORD];
-    snprintf(name, sizeof name, "--%s", o->name);
-    add_word(w, name);
-    if (o->kind != SL_OPTION_FLAG) add_word(w, m->value);
-    else assert_string_equal(m->value, "true");
+    if (strncmp(m->key, ours, sizeof ours - 1) != 0 || tells_what_came_out(m->key + sizeof ours - 1)) return NULL;
+    snprintf(name, sizeof name, "%s", m->key + sizeof ours - 1);
+    for (char *c = name; *c; c++) *c = *c == '_' ? '-' : *c;
+    const sl_setting *setting = sl_setting_of_flag(name);
+    if (!setting) fail_msg("%s is no option", m->key);
+    return setting;
 }
 
-static words told_by(const sl_image *image) {
-    static sl_option options[SL_SETTINGS_OPTIONS];
-    sl_raw_settings raw;
-    words w = {.count = 0};
-    sl_settings_options(&raw, options);
-    for (size_t i = 0; i < image->metadata_count; i++) add_setting(&w, options, &image->metadata[i]);
-    return w;
+static bool is_told(const sl_image *image, const sl_setting *setting) {
+    for (size_t i = 0; i < image->metadata_count; i++)
+        if (setting_of(&image->metadata[i]) == setting) return true;
+    return false;
 }
 
-/* Also of settings that have not mattered. */
-static void assert_all_are_told(const words *asked, const words *told) {
-    for (int i = 0; i < asked->count; i++) {
-        bool found = strncmp(asked->text[i], "--", 2) != 0;
-        for (int k = 0; k < told->count; k++) found = found || strcmp(told->text[k], asked->text[i]) == 0;
-        if (!found) fail_msg("%s is not told", asked->text[i]);
-    }
+static void set(sl_settings *settings, const char *name, const char *value) {
+    sl_error error;
+    if (sl_settings_set(settings, name, value, &error) != SL_OK) fail_msg("%s", error.message);
 }
 
 /* ---- the same again ------------------------------------------------------------------------------------------------------------------- */
 
-static sl_image *render_words(const sl_scene *scene, words *w) {
-    sl_settings settings = settings_of(w);
+static sl_settings settings_of_line(const char *line) {
+    enum { WORDS = 60 };
+    static const sl_option none = {0};
+    sl_settings settings = sl_settings_default();
+    const sl_command_line command = {"test", "test", NULL, &none, 0, 0, &settings, NULL};
+    char text[400], *words[WORDS], *rest = NULL;
+    const char *operand;
+    int count = 0, operands, status = -1;
+    snprintf(text, sizeof text, "%s", line);
+    for (char *word = strtok_r(text, " ", &rest); word && count < WORDS; word = strtok_r(NULL, " ", &rest)) words[count++] = word;
+    if (!sl_options_parse(&command, count, words, &operand, &operands, &status)) fail_msg("not taken");
+    return settings;
+}
+
+static sl_settings settings_of_picture(const sl_image *image) {
+    sl_settings settings = sl_settings_default();
+    for (size_t i = 0; i < image->metadata_count; i++) {
+        const sl_setting *setting = setting_of(&image->metadata[i]);
+        if (setting) set(&settings, setting->name, image->metadata[i].value);
+    }
+    return settings;
+}
+
+static sl_image *render_small(const sl_scene *scene, sl_settings settings) {
     settings.width = 17;
     settings.height = 13;
+    settings.threads = 1;
     return render(scene, &settings, NULL);
 }
 
 static void the_settings_that_a_picture_tells_make_it_again(void **state) {
     (void)state;
     static const char *const lines[] = {
-        "-m splatting", "-m splatting -a 0.712345678901234 --gather trace --hit-samples 2 --metric minimum --harmonics 3 --glossy-hits --bounces 2 --seed 7",
-        "-m direct-radiance", "-m direct-radiance -M 5 --map frustum --map-fov 77.7 --weight 15 --visibility blocks --mirror-light trick --8-bit-positions",
-        "-m light-octree", "-m light-octree --acceptance 41.7 --spread 3.3 --stored-photons 3000 --radius 70.123456789 --dilation 0.123456789 --atlas --lobes harmonics --whole-voxels",
-        "-m multi-mesh", "-m multi-mesh --gather-fov 133.3 --light-rays 3 --light-size 16 --gather-size 16 --threshold 1.23456789012 --selection chain",
-        "-m shading-cache", "-m shading-cache --area-samples 9 --indirect-samples 5 --random-share 0.0123456789012 --no-flood --updates 5 --stop-size 3.3 --caustics",
-        "-m path --spp 3 --filter centre --transport one-bounce", "-m bidirectional --spp 2 --transport matched:splatting",
+        "-m splatting",
+        "-m splatting -a 0.712345678901234 --set gather=trace --set splatting.hit-samples=2 --set metric=minimum "
+        "--set harmonics=3 --set glossy-hits=1 --bounces 2 --seed 7",
+        "-m direct-radiance",
+        "-m direct-radiance -M 5 --set map=frustum --set map-fov=77.7 --set weight=15 --visibility blocks "
+        "--set mirror-light=trick",
+        "-m light-octree",
+        "-m light-octree --set acceptance=41.7 --set spread=3.3 --stored-photons 3000 --set radius=70.123456789 "
+        "--set atlas=1 --set lobes=harmonics --set whole-voxels=1",
+        "-m multi-mesh",
+        "-m multi-mesh --set gather-fov=133.3 --set light-rays=3 --set light-size=16 --set gather-size=16 "
+        "--threshold 1.23456789012 --set multi-mesh.selection=chain",
+        "-m shading-cache",
+        "-m shading-cache --set area-samples=9 --set indirect-samples=5 --set random-share=0.0123456789012 "
+        "--set no-flood=1 --updates 5 --set stop-size=3.3 --caustics",
+        "-m path --spp 3 --set filter=centre --transport one-bounce",
+        "-m path --spp 2 --transport matched:splatting --bounces 3",
+        "-m bidirectional --spp 2 --transport matched:splatting",
     };
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     for (size_t l = 0; l < sizeof lines / sizeof *lines; l++) {
-        words first = {.count = 0};
-        char line[300], *rest = NULL;
-        snprintf(line, sizeof line, "-q draft -t 1 %s", lines[l]);
-        for (char *word = strtok_r(line, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) add_word(&first, word);
-        sl_image *image = render_words(scene, &first);
-        words again = told_by(image);
-        assert_all_are_told(&first, &again);
-        sl_image *same = render_words(scene, &again);
+        char line[400];
+        snprintf(line, sizeof line, "-q draft %s", lines[l]);
+        sl_image *image = render_small(scene, settings_of_line(line));
+        sl_image *same = render_small(scene, settings_of_picture(image));
         if (!same_picture(image, same)) fail_msg("%s: another picture", lines[l]);
+        assert_int_equal(image->metadata_count, same->metadata_count);
         sl_image_destroy(image);
         sl_image_destroy(same);
     }
@@ -128,58 +118,85 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
 
 /* ---- all of them -------------------------------------------------------------------------------------------------------------------------- */
 
-/* How it is asked for with some value that is not the default. */
-static void ask_for(words *w, const sl_option *o) {
-    char text[WORD];
-    snprintf(text, sizeof text, "--%s", o->name);
-    add_word(w, text);
-    if (o->kind == SL_OPTION_FLAG) return;
-    if (o->kind == SL_OPTION_COUNT) snprintf(text, sizeof text, "%g", o->minimum + 1.0);
-    if (o->kind == SL_OPTION_REAL) snprintf(text, sizeof text, "%g", 0.25 * o->maximum + 0.75 * o->minimum);
-    if (o->kind == SL_OPTION_TEXT) snprintf(text, sizeof text, "direct");
-    for (int i = 0; o->kind == SL_OPTION_CHOICE && o->choices[i]; i++) snprintf(text, sizeof text, "%s", o->choices[i]);
-    add_word(w, text);
+/* Some value that is not the default, as text. */
+static void other_value(const sl_setting *s, char text[WORD]) {
+    const char *last = strrchr(s->unit, '|');
+    if (last) snprintf(text, WORD, "%s", last + 1);
+    else if (strcmp(s->unit, "PATHS") == 0) snprintf(text, WORD, "direct");
+    else if (strcmp(s->unit, "BYTES") == 0) snprintf(text, WORD, "64M");
+    else if (strcmp(s->unit, "WxH") == 0) snprintf(text, WORD, "7x5");
+    else if (!*s->unit) snprintf(text, WORD, "true");
+    else if (s->minimum < s->maximum) snprintf(text, WORD, "%.0f", s->minimum > 1.0 || s->maximum > 2.0 ? s->minimum + 1.0 : 1.0);
+    else snprintf(text, WORD, "3");
 }
 
-static void assert_told(const char *method, const sl_option *options, const sl_option *o) {
-    words asked = {.count = 0};
-    add_word(&asked, "--method");
-    add_word(&asked, method);
-    ask_for(&asked, o);
-    sl_settings settings = settings_of(&asked);
-    if (!settings.transport) settings.transport = "matched";
+
+static void assert_set_and_told(const sl_setting *setting, const char *method) {
+    sl_settings settings = sl_settings_default();
+    char value[WORD], back[WORD];
     sl_image *image;
-    bool told = false;
+    set(&settings, "method", method);
+    set(&settings, "transport", "full");
+    other_value(setting, value);
+    set(&settings, setting->name, value);
+    assert_int_equal(sl_settings_get(&settings, setting->name, back, sizeof back, NULL), SL_OK);
+    assert_string_equal(back, value);
     assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
     assert_int_equal(sl_settings_stamp(&settings, image, NULL), SL_OK);
-    for (size_t i = 0; i < image->metadata_count; i++) told = told || option_of(options, image->metadata[i].key + strlen("softlux.")) == o;
-    if (!told) fail_msg("%s: --%s is not told", method, o->name);
+    if (!is_told(image, setting)) fail_msg("%s: %s is not told", method, setting->name);
     sl_image_destroy(image);
 }
 
-/* Their headings name the methods. */
-static void pictures_tell_every_option_of_their_method(void **state) {
+/* How large a picture is, and how much it took to make it, does not decide its values. */
+static bool is_apart(const sl_setting *s) {
+    return strcmp(s->name, "size") == 0 || strcmp(s->name, "threads") == 0 || strcmp(s->name, "memory") == 0 ||
+           strcmp(s->name, "method") == 0;
+}
+
+static void every_option_is_set_by_name_and_told_by_the_pictures_of_its_methods(void **state) {
     (void)state;
-    static sl_option options[SL_SETTINGS_OPTIONS];
-    sl_raw_settings raw;
-    const char *heading = "";
+    const sl_setting *s;
     int count = 0;
-    sl_settings_options(&raw, options);
-    for (const sl_option *o = options; o->name; o++) {
-        if (o->kind == SL_OPTION_HEADING) heading = o->help;
-        for (size_t m = 0; o->kind != SL_OPTION_HEADING && sl_method_name(m); m++) {
-            if (!strstr(heading, sl_method_name(m))) continue;
-            assert_told(sl_method_name(m), options, o);
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        for (size_t m = 0; sl_method_name(m); m++) {
+            if (is_apart(s) || (*s->methods && !strstr(s->methods, sl_method_name(m)))) continue;
+            assert_set_and_told(s, sl_method_name(m));
             count++;
         }
     }
-    assert_true(count > 90);
+    assert_true(count > 80);
+}
+
+static void every_option_has_a_name_of_its_own_and_a_line_of_help(void **state) {
+    (void)state;
+    const sl_setting *s;
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        assert_ptr_equal(sl_setting_named(s->name), s);
+        assert_ptr_equal(sl_setting_of_flag(sl_setting_flag(s)), s);
+        assert_true(strlen(s->help) > 3);
+        assert_null(strchr(s->help, '\n'));
+    }
+}
+
+static void every_method_can_be_named(void **state) {
+    (void)state;
+    for (size_t m = 0; sl_method_name(m); m++) {
+        char matched[WORD];
+        sl_settings settings = sl_settings_default();
+        snprintf(matched, sizeof matched, "matched:%s", sl_method_name(m));
+        set(&settings, "method", sl_method_name(m));
+        set(&settings, "transport", matched);
+        assert_string_equal(settings.method, sl_method_name(m));
+        assert_string_equal(settings.transport, matched);
+    }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_settings_that_a_picture_tells_make_it_again),
-        cmocka_unit_test(pictures_tell_every_option_of_their_method),
+        cmocka_unit_test(every_option_is_set_by_name_and_told_by_the_pictures_of_its_methods),
+        cmocka_unit_test(every_option_has_a_name_of_its_own_and_a_line_of_help),
+        cmocka_unit_test(every_method_can_be_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 enum { WIDTH = 48, HEIGHT = 40 };
 static const char scene_path[] = "scenes/cornell-glossy.json";

@@ -11,6 +11,7 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -330,62 +331,6 @@ static void every_camera_that_is_taken_gives_numbers(void **state) {
 
 /* ---- settings ---------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct bad_setting {
-    size_t offset;
-    enum { WHOLE, UNSIGNED, LONG, REAL } kind;
-    double low, high; /* the first ones out of range; low is 0 where 0 is a default and nothing is below it */
-} bad_setting;
-
-#define AT(field) offsetof(sl_settings, field)
-
-static const bad_setting bad_settings[] = {
-    {AT(width), WHOLE, -1, 32769}, {AT(height), WHOLE, -1, 32769}, {AT(quality), WHOLE, -1, SL_QUALITY_HIGH + 1}, {AT(spp), UNSIGNED, 0, 100000001},
-    {AT(accuracy), REAL, 0.0009, 2.001}, {AT(gather_size), WHOLE, 2, 1026}, {AT(gather_size), WHOLE, -2, 5}, {AT(gather), WHOLE, -1, SL_GATHER_RAYS + 1},
-    {AT(direct), WHOLE, -1, SL_DIRECT_SHADOW_MAPS + 1}, {AT(filter), WHOLE, -1, SL_FILTER_CENTRE + 1}, {AT(order), WHOLE, -1, SL_ORDER_LINEAR + 1},
-    {AT(metric), WHOLE, -1, SL_METRIC_ADAPTIVE + 1}, {AT(glossy_accuracy), REAL, 0.0009, 2.001}, {AT(harmonics_order), WHOLE, -1, 13},
-    {AT(bounces), UNSIGNED, 0, 65}, {AT(hit_samples), UNSIGNED, 0, 257},
-
-    {AT(radiance_map.samples), WHOLE, -1, 257}, {AT(radiance_map.map_size), WHOLE, -1, 1025}, {AT(radiance_map.shape), WHOLE, -1, SL_MAP_CUBE + 1},
-    {AT(radiance_map.map_fov), REAL, 0.009, 3.01}, {AT(radiance_map.weight), WHOLE, -1, SL_WEIGHT_BOX + 1},
-    {AT(radiance_map.filter), WHOLE, -1, SL_MAP_FILTER_FLUX + 1}, {AT(radiance_map.visibility), WHOLE, -1, SL_VISIBILITY_BLOCKS + 1},
-    {AT(radiance_map.mirror_light), WHOLE, -1, SL_MIRROR_LIGHT_DIRECT + 1}, {AT(radiance_map.reflections), WHOLE, -1, 9},
-    {AT(radiance_map.cube_size), WHOLE, 3, 4097}, {AT(radiance_map.shadow_size), WHOLE, 15, 8193}, {AT(radiance_map.emitter_samples), WHOLE, -1, 65},
-
-    {AT(light_octree.depth), WHOLE, -1, 9}, {AT(light_octree.photons), LONG, 0, 1e9 + 1}, {AT(light_octree.neighbours), WHOLE, 1, 4097},
-    {AT(light_octree.radius), REAL, 1e-13, 1e13}, {AT(light_octree.flatness), REAL, 0.0009, 1.001}, {AT(light_octree.lights), WHOLE, -1, 9},
-    {AT(light_octree.spread_tolerance), REAL, 0.00009, 1.61}, {AT(light_octree.acceptance), REAL, 0.009, 3.16},
-    {AT(light_octree.store), WHOLE, -1, SL_STORE_CAUSTIC + 1}, {AT(light_octree.area), WHOLE, -1, SL_PHOTON_AREA_DISC + 1},
-    {AT(light_octree.lobes), WHOLE, -1, SL_LOBES_HARMONICS + 1}, {AT(light_octree.filter), WHOLE, -1, SL_VOXEL_NEAREST + 1},
-    {AT(light_octree.dilation), REAL, -0.001, 1.001}, {AT(light_octree.atlas_size), WHOLE, 15, 16385},
-
-    {AT(multi_mesh.estimator), WHOLE, -1, SL_LIGHT_RAYS + 1}, {AT(multi_mesh.light_size), WHOLE, 15, 257}, {AT(multi_mesh.light_rays), WHOLE, -1, 257},
-    {AT(multi_mesh.gather_fov), REAL, 0.99, 3.12}, {AT(multi_mesh.threshold_scale), REAL, 0.0009, 1001}, {AT(multi_mesh.exposure), REAL, 1e-31, 1e31},
-    {AT(multi_mesh.leaf_area), REAL, 0.99, 1.1e9}, {AT(multi_mesh.leaf_edge), REAL, 0.99, 1.1e9}, {AT(multi_mesh.max_depth), WHOLE, -1, 13},
-    {AT(multi_mesh.coarse_depth), WHOLE, -1, 9}, {AT(multi_mesh.coarse_edge), REAL, 1e-13, 1e13},
-    {AT(multi_mesh.selection), WHOLE, -1, SL_SELECT_CHAIN + 1}, {AT(multi_mesh.batch), WHOLE, -1, 65537},
-
-    {AT(shading_cache.points), WHOLE, -1, 1000001}, {AT(shading_cache.area_samples), WHOLE, -1, 1000001},
-    {AT(shading_cache.area), WHOLE, -1, SL_AREA_SAMPLED + 1}, {AT(shading_cache.indirect_samples), WHOLE, -1, 1000001},
-    {AT(shading_cache.path_depth), WHOLE, -1, 65}, {AT(shading_cache.indirect), WHOLE, -1, SL_INDIRECT_NONE + 1},
-    {AT(shading_cache.random_share), REAL, 0.00009, 1.001}, {AT(shading_cache.selection), WHOLE, -1, SL_PIXELS_SORTED + 1},
-    {AT(shading_cache.flood_threshold), REAL, 1e-7, 1.001}, {AT(shading_cache.stop_size), REAL, 0.00009, 1.1e6},
-    {AT(shading_cache.ageing_window), WHOLE, -1, 1000001}, {AT(shading_cache.cache_limit), REAL, 0.009, 100.1},
-    {AT(shading_cache.clean_up_seconds), REAL, 0.009, 1.1e6}, {AT(shading_cache.nominal_rate), REAL, 0.99, 1.1e9},
-    {AT(shading_cache.change_threshold), REAL, 0.009, 255.1}, {AT(shading_cache.change_window), WHOLE, -1, 1000001},
-    {AT(shading_cache.blending), REAL, 0.009, 1.001}, {AT(shading_cache.frames_per_update), WHOLE, -1, 1000001},
-    {AT(shading_cache.hold_levels), REAL, 1e-7, 255.1}, {AT(shading_cache.mean_level_radiance), REAL, 1e-31, 1e31},
-};
-
-static void put(sl_settings *settings, const bad_setting *b, double value) {
-    char *at = (char *)settings + b->offset;
-    switch (b->kind) {
-    case WHOLE: *(int *)(void *)at = (int)value; break;
-    case UNSIGNED: *(uint32_t *)(void *)at = (uint32_t)value; break;
-    case LONG: *(uint64_t *)(void *)at = (uint64_t)value; break;
-    case REAL: *(double *)(void *)at = value; break;
-    }
-}
-
 /* By everything that takes settings. */
 static void assert_refused(sl_scene *scene, const sl_settings *settings, sl_status wanted) {
     sl_method *method = anything;
@@ -401,65 +346,95 @@ static void assert_refused(sl_scene *scene, const sl_settings *settings, sl_stat
     assert_true(!method && !plan && !live && (settings->memory_bytes || (!probe && bytes == 0)));
 }
 
-static void settings_out_of_range_are_refused_by_whatever_takes_them(void **state) {
+static void assert_not_settable(const sl_setting *setting, const char *value) {
+    sl_settings *settings;
+    char before[64], after[64];
+    assert_int_equal(sl_settings_create(&settings, NULL), SL_OK);
+    assert_int_equal(sl_settings_get(settings, setting->name, before, sizeof before, NULL), SL_OK);
+    if (sl_settings_set(settings, setting->name, value, NULL) != SL_ERROR_USAGE) fail_msg("%s may be '%s'", setting->name, value);
+    assert_int_equal(sl_settings_get(settings, setting->name, after, sizeof after, NULL), SL_OK);
+    assert_string_equal(before, after);
+    sl_settings_destroy(settings);
+}
+
+static void no_option_takes_a_value_that_is_none_or_out_of_its_range(void **state) {
+    (void)state;
+    static const char *const never[] = {"", " ", "x", "-1", "nan", "1x", "1e999"};
+    const sl_setting *s;
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        char text[32];
+        for (size_t n = 0; n < sizeof never / sizeof *never; n++) assert_not_settable(s, never[n]);
+        if (!(s->minimum < s->maximum) || !*s->unit) continue;
+        snprintf(text, sizeof text, "%.17g", s->minimum - 0.001 * fabs(s->minimum) - (s->minimum == 0.0));
+        assert_not_settable(s, text);
+        snprintf(text, sizeof text, "%.0f", floor(s->maximum * 1.001 + 1.0));
+        assert_not_settable(s, text);
+    }
+}
+
+/* What the library's own callers put into the fields is checked like that, too. */
+static void fields_out_of_range_are_refused_by_whatever_takes_them(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);
-    for (size_t i = 0; i < sizeof bad_settings / sizeof bad_settings[0]; i++) {
-        const bad_setting *b = &bad_settings[i];
-        const double values[] = {b->high, b->low, NAN, INFINITY, -1.0};
-        for (int v = 0; v < (b->kind == REAL ? 5 : 2); v++) {
-            sl_settings settings = least_settings("splatting", SIDE, SIDE);
-            if (v == 1 && b->low == 0.0) continue;
-            put(&settings, b, values[v]);
-            if (sl_method_plan(scene, &settings, &(char *){NULL}, NULL) == SL_OK) fail_msg("setting %zu of the list may be %g", i, values[v]);
-            assert_refused(scene, &settings, SL_ERROR_USAGE);
-        }
+    static const double wrong[] = {0.0009, 2.001, NAN, INFINITY, -1.0};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        sl_settings settings = least_settings("splatting", SIDE, SIDE);
+        settings.accuracy = wrong[i];
+        assert_refused(scene, &settings, SL_ERROR_USAGE);
+    }
+    static const int sizes[] = {-2, 2, 5, 1026};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        sl_settings settings = least_settings("splatting", SIDE, SIDE);
+        settings.gather_size = sizes[i];
+        assert_refused(scene, &settings, SL_ERROR_USAGE);
     }
     sl_scene_destroy(scene);
 }
 
-/* Of one method's own settings that one; of those that several share NULL. */
-static const char *owner_of(const bad_setting *b) {
-    static const struct { size_t from; const char *method; } owners[] = {
-        {AT(radiance_map), "direct-radiance"}, {AT(light_octree), "light-octree"}, {AT(multi_mesh), "multi-mesh"}, {AT(shading_cache), "shading-cache"}};
-    static const size_t bytes[] = {sizeof(sl_radiance_map_settings), sizeof(sl_light_octree_settings), sizeof(sl_multi_mesh_settings), sizeof(sl_shading_cache_settings)};
-    for (int i = 0; i < 4; i++) {
-        if (b->offset >= owners[i].from && b->offset < owners[i].from + bytes[i]) return owners[i].method;
-    }
-    return NULL;
-}
-
-static void assert_rendered_with(const sl_scene *scene, const char *name, const bad_setting *b, double value) {
+static void assert_rendered_with(const sl_scene *scene, const char *name, const sl_setting *setting, const char *value) {
     sl_settings settings = least_settings(name, SIDE, SIDE);
-    put(&settings, b, value);
     sl_method *method = NULL;
     sl_image *image = NULL;
     sl_progress progress;
     sl_error error = {SL_OK, ""};
-    sl_status status = sl_method_create(scene, &settings, &method, &error);
+    sl_status status = sl_settings_set(&settings, setting->name, value, &error);
+    if (status == SL_OK) status = sl_method_create(scene, &settings, &method, &error);
     for (int k = 0; k < 2 && status == SL_OK; k++) status = sl_method_update(method, &progress, &error);
     if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
-    if (status != SL_OK) fail_msg("%s: setting %zu of the list at %g: %s", name, (size_t)(b - bad_settings), value, error.message);
+    if (status != SL_OK) fail_msg("%s: %s=%s: %s", name, setting->name, value, error.message);
     sl_image_destroy(image);
     sl_method_destroy(method);
 }
 
-/* Of numbers the least, of what there are a few of all. */
+static void assert_rendered_by_its_methods(const sl_scene *scene, const sl_setting *setting, const char *value) {
+    for (size_t m = 0; m < METHODS; m++) {
+        if (!*setting->methods || strstr(setting->methods, methods[m])) assert_rendered_with(scene, methods[m], setting, value);
+    }
+}
+
+static void assert_choices_are_taken(const sl_scene *scene, const sl_setting *setting) {
+    char choices[128], *rest = NULL;
+    snprintf(choices, sizeof choices, "%s", setting->unit);
+    for (char *c = strtok_r(choices, "|", &rest); c; c = strtok_r(NULL, "|", &rest)) assert_rendered_by_its_methods(scene, setting, c);
+}
+
+/* Of numbers the least, of what there are a few of all, and every choice. */
 static void settings_within_their_range_are_taken_whole(void **state) {
     (void)state;
     enum { A_FEW = 14 };
+    const sl_setting *s;
     sl_scene *scene = load_scene(box);
-    for (size_t i = 0; i < sizeof bad_settings / sizeof bad_settings[0]; i++) {
-        const bad_setting *b = &bad_settings[i];
-        const char *owner = owner_of(b);
-        if (b->kind != WHOLE || b->offset == AT(width) || b->offset == AT(height) || b->offset == AT(gather_size) || b->offset == AT(filter)) continue;
-        for (double value = b->low + 1.0; value < b->high && (value == b->low + 1.0 || b->high <= A_FEW); value++) {
-            for (size_t m = 0; m < METHODS; m++) {
-                if (!owner || strcmp(owner, methods[m]) == 0) assert_rendered_with(scene, methods[m], b, value);
-            }
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        char value[32];
+        if (strcmp(s->name, "size") == 0 || strcmp(s->name, "memory") == 0 || strcmp(s->name, "filter") == 0) continue;
+        if (strchr(s->unit, '|')) assert_choices_are_taken(scene, s);
+        else if (!*s->unit) assert_rendered_by_its_methods(scene, s, "1");
+        for (double n = s->minimum; *s->unit && s->minimum >= 1.0 && n <= s->maximum; n++) {
+            if (n > s->minimum && s->maximum > A_FEW) break;
+            snprintf(value, sizeof value, "%.0f", n);
+            assert_rendered_by_its_methods(scene, s, value);
         }
     }
-    for (size_t m = 0; m < METHODS; m++) assert_rendered_with(scene, methods[m], &(bad_setting){AT(gather_size), WHOLE, 2, 1026}, 4);
     sl_scene_destroy(scene);
 }
 
@@ -499,11 +474,11 @@ static void what_is_out_of_range_is_told_apart_from_its_bounds(void **state) {
     photons.light_octree.photons = 1000000001;
     share.shading_cache.random_share = 1.0 + 1e-12;
     assert_int_equal(sl_method_plan(scene, &samples, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message, "expected samples a pixel of 1 to 1e+08, got 100000001");
+    assert_string_equal(error.message, "spp: expected 1 to 1e+08, got 100000001");
     assert_int_equal(sl_method_plan(scene, &photons, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message, "expected stored photons of 1 to 1e+09, got 1000000001");
+    assert_string_equal(error.message, "light-octree.stored-photons: expected 1 to 1e+09, got 1000000001");
     assert_int_equal(sl_method_plan(scene, &share, &(char *){NULL}, &error), SL_ERROR_USAGE);
-    assert_string_equal(error.message, "expected a random share of 0.0001 to 1, got 1.000000000001");
+    assert_string_equal(error.message, "shading-cache.random-share: expected 0.0001 to 1, got 1.000000000001");
     sl_scene_destroy(scene);
 }
 
@@ -924,7 +899,8 @@ int main(void) {
         cmocka_unit_test(a_camera_has_a_frame_and_a_field_of_view),
         cmocka_unit_test(a_scene_says_no_more_than_it_has_to_say),
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),
-        cmocka_unit_test(settings_out_of_range_are_refused_by_whatever_takes_them),
+        cmocka_unit_test(no_option_takes_a_value_that_is_none_or_out_of_its_range),
+        cmocka_unit_test(fields_out_of_range_are_refused_by_whatever_takes_them),
         cmocka_unit_test(settings_within_their_range_are_taken_whole), cmocka_unit_test(pictures_are_as_large_as_the_header_says),
         cmocka_unit_test(what_is_out_of_range_is_told_apart_from_its_bounds),
         cmocka_unit_test(methods_and_light_paths_that_do_not_exist_are_refused),

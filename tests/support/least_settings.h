@@ -2,7 +2,7 @@
 #ifndef SL_TESTS_LEAST_SETTINGS_H
 #define SL_TESTS_LEAST_SETTINGS_H
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 static inline sl_settings least_settings(const char *method, int width, int height) {
     sl_settings s = sl_settings_default();

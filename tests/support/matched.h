@@ -2,7 +2,7 @@
 #ifndef SL_TESTS_MATCHED_H
 #define SL_TESTS_MATCHED_H
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 typedef struct matched {
     double error;   /* root of relMSE, less what the reference's own noise adds */

@@ -2,7 +2,7 @@
 #ifndef SL_TESTS_RENDERING_H
 #define SL_TESTS_RENDERING_H
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 sl_scene *load_scene(const char *path);
 /* A scene file from text, in a temporary folder; mesh text (OBJ) may be NULL, else the scene calls it "mesh.obj". */

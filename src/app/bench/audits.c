@@ -1,3 +1,4 @@
+#include "cache/frame/settings.h"
 #include "app/bench/audits.h"
 
 #include "app/clock.h"

@@ -1,6 +1,6 @@
 /* One trial, in its own process: a scene, a method, a picture, and what they cost. */
 #include "app/bench/trials.h"
-#include "app/settings_options.h"
+#include "app/options.h"
 #include "app/clock.h"
 
 #include <cjson/cJSON.h>
@@ -12,28 +12,15 @@
 
 bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     enum { WORDS = 48 };
+    static const sl_option none = {0};
     char text[SL_BENCH_ARGUMENTS], *words[WORDS], *rest = NULL;
-    sl_raw_settings raw;
-    sl_option options[SL_SETTINGS_OPTIONS];
     const char *operands[1];
     int count = 0, operand_count, status;
     snprintf(text, sizeof text, "%s", arguments);
     for (char *w = strtok_r(text, " ", &rest); w && count < WORDS; w = strtok_r(NULL, " ", &rest)) words[count++] = w;
-    sl_settings_options(&raw, options);
-    const sl_command_line line = {arguments, "", NULL, options, 0, 0};
-    if (!sl_options_parse(&line, count, words, operands, &operand_count, &status)) return false;
-    *settings = sl_settings_taken(&raw);
-    /* Texts among the settings point into `text`, which ends here: the two that there are can be found again. */
-    settings->method = settings->transport = NULL;
-    for (size_t i = 0; sl_method_name(i); i++) {
-        const char *given = strstr(arguments, "-m ");
-        size_t length = strlen(sl_method_name(i));
-        if (given && strncmp(given + 3, sl_method_name(i), length) == 0 && (given[3 + length] == ' ' || !given[3 + length]))
-            settings->method = sl_method_name(i);
-    }
-    if (strstr(arguments, "--transport one-bounce")) settings->transport = "one-bounce";
-    if (strstr(arguments, "--transport full")) settings->transport = "full";
-    return settings->method != NULL;
+    *settings = sl_settings_default();
+    const sl_command_line line = {arguments, "", NULL, &none, 0, 0, settings, NULL};
+    return sl_options_parse(&line, count, words, operands, &operand_count, &status);
 }
 
 /* ---- a look: which passes take the time ---- */

@@ -286,7 +286,7 @@ int sl_command_check_numerics(int argc, char **argv) {
         "difference (the room scaled, moved, mirrored, cut in other triangles) the picture must be the plain room's; elsewhere it must be as near to\n"
         "the same light paths, path traced, as in the plain room. Each row tells how far off it is, and its bound: a part of the picture's mean, or\n"
         "some times what another seed changes, or what the plain room is off by. Exit status 1 if anything fails.",
-        options, 0, 0};
+        options, 0, 0, NULL, NULL};
     int operands, exit_status;
     if (!sl_options_parse(&line, argc, argv, NULL, &operands, &exit_status)) return exit_status;
     for (size_t i = 0; c.list && i < sl_hard_case_count; i++) puts(sl_hard_cases[i].name);

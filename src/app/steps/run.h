@@ -4,6 +4,7 @@
 
 #include "app/steps/record.h"
 #include "app/steps/stories.h"
+#include "cache/frame/settings.h"
 
 typedef struct sl_snapshot {
     uint64_t batches;

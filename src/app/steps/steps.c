@@ -4,7 +4,7 @@
 #include "app/load_options.h"
 #include "app/memory_limit.h"
 #include "app/same_file.h"
-#include "app/settings_options.h"
+#include "app/options.h"
 #include "app/steps/page.h"
 #include "image/output_file.h"
 
@@ -26,9 +26,8 @@ typedef struct steps_command {
 
 static bool parse(int argc, char **argv, steps_command *s, int *status) {
     enum { OWN = 8 };
-    sl_raw_settings raw;
-    sl_option options[OWN + SL_LOAD_OPTIONS + SL_SETTINGS_OPTIONS];
-    *s = (steps_command){.folder = "steps", .reference_samples = 64};
+    sl_option options[OWN + SL_LOAD_OPTIONS] = {0};
+    *s = (steps_command){.folder = "steps", .reference_samples = 64, .settings = sl_settings_default()};
     const sl_option own[] = {
         {"output", 'o', SL_OPTION_TEXT, &s->folder, NULL, "DIR", "folder for the page, index.html [steps]", 0, 0, NULL},
         {"beside", 0, SL_OPTION_TEXT, &s->beside, NULL, "METHOD", "another method on the same scene, side by side", 0, 0, NULL},
@@ -37,24 +36,19 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
         {"at", 0, SL_OPTION_REAL, &s->at_seconds, NULL, "SECONDS", "time of an animated scene [0]", -1e9, 1e9, NULL},
         {"quiet", 0, SL_OPTION_FLAG, &s->quiet, NULL, NULL, "no progress bar, no warnings", 0, 0, NULL},
     };
+    _Static_assert(sizeof own / sizeof own[0] < OWN, "room for them all");
     size_t count = sizeof own / sizeof own[0];
     memcpy(options, own, sizeof own);
     sl_load_options_table(&s->reading, options + count);
-    count += SL_LOAD_OPTIONS;
-    sl_settings_options(&raw, options + count);
-    for (sl_option *o = options + count; o->name; o++) {
-        if (strcmp(o->name, "method") == 0) o->help = "splatting, direct-radiance, light-octree, multi-mesh or shading-cache [splatting]";
-    }
     const sl_command_line line = {
         "softlux steps SCENE [-m METHOD] [-o DIR] [options]",
         "Runs a method step by step: every pass as a picture, explained, in a page that needs nothing else.",
         "On the page a slider plays the refinement, and a click on a pixel tells what made it: which records, photons, voxels or\n"
         "vertices, with weights and values that add up to the pixel's exact value.\n\n"
         "example: softlux steps scenes/cornell.json -m splatting -o cornell-steps",
-        options, 1, 1};
+        options, 1, 1, &s->settings, NULL};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &s->scene, &operands, status)) return false;
-    s->settings = sl_settings_taken(&raw);
     s->load = sl_load_options_taken(&s->reading);
     return true;
 }

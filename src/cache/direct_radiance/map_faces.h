@@ -2,6 +2,7 @@
 #ifndef SL_CACHE_DIRECT_RADIANCE_MAP_FACES_H
 #define SL_CACHE_DIRECT_RADIANCE_MAP_FACES_H
 
+#include "cache/frame/settings.h"
 #include "cache/direct_radiance/radiance_map.h"
 
 /* Two hemicubes. */

@@ -226,7 +226,7 @@ static sl_status warn_of_lights(const sl_map_report *report, sl_image *image, sl
 static sl_status warn_of_flux(const sl_map_report *report, sl_image *image, sl_error *error) {
     sl_status status = SL_OK;
     if (report->captured < LEAST_CAPTURED)
-        status = sl_warn(image, error, "the maps hold %.0f %% of the lights' flux, and no indirect light comes from the rest; --map cube holds all",
+        status = sl_warn(image, error, "the maps hold %.0f %% of the lights' flux, and no indirect light comes from the rest; --set direct-radiance.map=cube holds all",
                          100.0 * report->captured);
     if (status == SL_OK && report->received > MOST_RECEIVED)
         status = sl_warn(image, error, "indirect light passes through walls and furniture: what is reflected arrives %.2g times; --visibility rays "

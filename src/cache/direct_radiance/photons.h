@@ -3,6 +3,7 @@
 #ifndef SL_CACHE_DIRECT_RADIANCE_PHOTONS_H
 #define SL_CACHE_DIRECT_RADIANCE_PHOTONS_H
 
+#include "cache/frame/settings.h"
 #include "cache/direct_radiance/radiance_map.h"
 
 /* 64 bytes: what a fragment program would hold in four registers. */

@@ -4,22 +4,12 @@
 #include "base/math.h"
 #include "scene/features.h"
 
-enum { MAP_SIZE = 16, CUBE_SIZE = 128, SHADOW_SIZE = 512 };
-
-static int or_default(int value, int otherwise) { return value ? value : otherwise; }
-
 void sl_radiance_complete(sl_settings *settings) {
-    static const int samples[] = {[SL_QUALITY_DRAFT] = 3, [SL_QUALITY_NORMAL] = 6, [SL_QUALITY_HIGH] = 8};
     sl_radiance_map_settings *m = &settings->radiance_map;
-    m->samples = or_default(m->samples, samples[settings->quality]);
-    m->map_size = or_default(m->map_size, MAP_SIZE);
+    sl_settings_complete(settings);
     /* Whole texels to a sample, and at least two each way. */
     if (m->map_size < 2 * m->samples) m->map_size = 2 * m->samples;
     m->map_size = (m->map_size + m->samples - 1) / m->samples * m->samples;
-    m->reflections = or_default(m->reflections, 1);
-    m->cube_size = or_default(m->cube_size, CUBE_SIZE);
-    m->shadow_size = or_default(m->shadow_size, SHADOW_SIZE);
-    m->emitter_samples = or_default(m->emitter_samples, settings->quality == SL_QUALITY_DRAFT ? 1 : 2);
     if (m->weight == SL_WEIGHT_AUTO) m->weight = settings->quality == SL_QUALITY_HIGH ? SL_WEIGHT_POLYGON : SL_WEIGHT_FLUX;
     if (m->filter == SL_MAP_FILTER_AUTO) m->filter = SL_MAP_FILTER_FLUX;
 }

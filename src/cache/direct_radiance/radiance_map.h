@@ -14,6 +14,7 @@
 #ifndef SL_CACHE_DIRECT_RADIANCE_RADIANCE_MAP_H
 #define SL_CACHE_DIRECT_RADIANCE_RADIANCE_MAP_H
 
+#include "cache/frame/settings.h"
 #include "cache/direct_radiance/lights.h"
 #include "raster/raster.h"
 #include "raster/views/mirror.h"

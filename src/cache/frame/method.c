@@ -21,8 +21,6 @@
 static const sl_method_class *const classes[] = {&sl_splatting_method, &sl_direct_radiance_method, &sl_light_octree_method, &sl_multi_mesh_method, &sl_shading_cache_method, &sl_path_method, &sl_bidirectional_method};
 enum { CLASSES = sizeof classes / sizeof classes[0] };
 
-sl_settings sl_settings_default(void) { return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL}; }
-
 const char *sl_method_name(size_t index) { return index < CLASSES ? classes[index]->name : NULL; }
 
 static const sl_method_class *find_class(const char *name) {

@@ -3,6 +3,7 @@
 #ifndef SL_FRAME_METHOD_H
 #define SL_FRAME_METHOD_H
 
+#include "cache/frame/settings.h"
 #include "scene/scene.h"
 #include "softlux.h"
 

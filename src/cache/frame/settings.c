@@ -1,35 +1,143 @@
+/* The table of options as data, and what is made from it: settings set and told by name, checked, completed, and
+ * stamped on pictures. */
 #include "cache/frame/settings.h"
 
 #include "base/error.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/print.h"
+#include "base/values.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- bounds ---- */
+/* ---- the rows ---- */
 
-/* A whole number, or a choice, between bounds; 0 is a default where zero says so. */
-typedef struct bound {
-    const char *what;
-    double value, minimum, maximum;
-    bool zero;
-} bound;
+typedef enum field_kind { FIELD_FLAG, FIELD_INT, FIELD_UINT, FIELD_COUNT, FIELD_REAL, FIELD_NAME } field_kind;
 
-static sl_status check_bounds(const bound *bounds, size_t count, sl_error *error) {
-    for (size_t i = 0; i < count; i++) {
-        const bound *b = &bounds[i];
-        if ((b->zero && b->value == 0.0) || (b->value >= b->minimum && b->value <= b->maximum)) continue;
-        char text[32];
-        return sl_fail(error, SL_ERROR_USAGE, "expected %s of %g to %g, got %s", b->what, b->minimum, b->maximum,
-                       sl_outside_text(b->value, b->minimum, b->maximum, text));
+typedef struct row {
+    sl_setting told;
+    const char *flag; /* the name without the method's */
+    field_kind kind;
+    size_t offset;
+    bool stamped;
+} row;
+
+#define KIND(place) \
+    _Generic(((sl_settings *)0)->place, bool: FIELD_FLAG, int: FIELD_INT, unsigned: FIELD_UINT, \
+             uint64_t: FIELD_COUNT, double: FIELD_REAL, const char *: FIELD_NAME)
+
+#define NOTHING 0.0, 0.0, 0.0, NULL
+#define IS(value) value, value, value, NULL
+#define BY(draft, normal, high) draft, normal, high, NULL
+#define TOLD(words) 0.0, 0.0, 0.0, words
+#define USER(letter) true, letter, true
+#define UNSTAMPED(letter) true, letter, false
+#define RESEARCH false, 0, true
+
+#define ROW(place, methods, prefix, ...) ROW_OF(place, methods, prefix, __VA_ARGS__)
+#define ROW_OF(place, methods, prefix, name, unit, least, most, draft, normal, high, words, symbol, everyday, letter, \
+               stamped, help) \
+    {{prefix name, methods, unit, symbol, help, least, most, {draft, normal, high}, words, everyday, letter}, name, \
+     KIND(place), offsetof(sl_settings, place), stamped},
+#define COMMON(type, field, ...) ROW(field, "", "", __VA_ARGS__)
+#define GATHERING(type, field, ...) ROW(field, "splatting, multi-mesh", "", __VA_ARGS__)
+#define SPLATTING(type, field, ...) ROW(field, "splatting", "splatting.", __VA_ARGS__)
+#define RADIANCE_MAP(type, field, ...) ROW(radiance_map.field, "direct-radiance", "direct-radiance.", __VA_ARGS__)
+#define LIGHT_OCTREE(type, field, ...) ROW(light_octree.field, "light-octree", "light-octree.", __VA_ARGS__)
+#define MULTI_MESH(type, field, ...) ROW(multi_mesh.field, "multi-mesh", "multi-mesh.", __VA_ARGS__)
+#define SHADING_CACHE(type, field, ...) ROW(shading_cache.field, "shading-cache", "shading-cache.", __VA_ARGS__)
+
+static const row rows[] = {
+    SL_OPTIONS_OF_COMMON(COMMON)
+    SL_OPTIONS_OF_GATHERING(GATHERING)
+    SL_OPTIONS_OF_SPLATTING(SPLATTING)
+    SL_OPTIONS_OF_RADIANCE_MAP(RADIANCE_MAP)
+    SL_OPTIONS_OF_LIGHT_OCTREE(LIGHT_OCTREE)
+    SL_OPTIONS_OF_MULTI_MESH(MULTI_MESH)
+    SL_OPTIONS_OF_SHADING_CACHE(SHADING_CACHE)
+};
+enum { ROWS = sizeof rows / sizeof rows[0] };
+
+const sl_setting *sl_setting_at(size_t index) { return index < ROWS ? &rows[index].told : NULL; }
+
+static bool is_size(const row *r) { return strcmp(r->told.unit, "WxH") == 0; }
+static bool is_choice(const row *r) { return strchr(r->told.unit, '|') != NULL; }
+static double unit_of(const row *r) { return strcmp(r->told.unit, "DEGREES") == 0 ? SL_PI / 180.0 : 1.0; }
+static bool concerns(const row *r, const char *method) { return !*r->told.methods || strstr(r->told.methods, method); }
+
+/* By its whole name, or by the last part: that of a method that has an option of the name goes before others'. */
+static const row *find_row(const char *name, const char *method) {
+    const row *found = NULL;
+    for (size_t i = 0; i < ROWS; i++) {
+        const row *r = &rows[i];
+        if (strcmp(r->told.name, name) == 0) return r;
+        if (strcmp(r->flag, name) == 0 && (!found || concerns(r, method))) found = r;
     }
+    return found;
+}
+
+const sl_setting *sl_setting_named(const char *name) {
+    const row *r = name ? find_row(name, "") : NULL;
+    return r ? &r->told : NULL;
+}
+
+/* ---- fields ---- */
+
+static const void *field_of(const row *r, const sl_settings *s) { return (const char *)s + r->offset; }
+
+static double value_of(const row *r, const sl_settings *s) {
+    const void *at = field_of(r, s);
+    switch (r->kind) {
+    case FIELD_FLAG: return *(const bool *)at ? 1.0 : 0.0;
+    case FIELD_INT: return *(const int *)at;
+    case FIELD_UINT: return *(const unsigned *)at;
+    case FIELD_COUNT: return (double)*(const uint64_t *)at;
+    case FIELD_REAL: return *(const double *)at;
+    case FIELD_NAME: break;
+    }
+    return 0.0;
+}
+
+static void put_value(const row *r, sl_settings *s, double value) {
+    void *at = (char *)s + r->offset;
+    switch (r->kind) {
+    case FIELD_FLAG: *(bool *)at = value != 0.0; break;
+    case FIELD_INT: *(int *)at = (int)value; break;
+    case FIELD_UINT: *(unsigned *)at = (unsigned)value; break;
+    case FIELD_COUNT: *(uint64_t *)at = (uint64_t)value; break;
+    case FIELD_REAL: *(double *)at = value; break;
+    case FIELD_NAME: break;
+    }
+}
+
+/* ---- settings as a whole ---- */
+
+sl_settings sl_settings_default(void) { return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL}; }
+
+sl_status sl_settings_create(sl_settings **settings, sl_error *error) {
+    if (!settings) return sl_fail_null(error, "a place for settings");
+    *settings = sl_allocate(1, sizeof **settings);
+    if (!*settings) return sl_fail_memory(error, "settings");
+    **settings = sl_settings_default();
     return SL_OK;
 }
 
-#define CHECK(bounds, error) check_bounds(bounds, sizeof(bounds) / sizeof(bounds)[0], error)
+void sl_settings_destroy(sl_settings *settings) { sl_free(settings); }
+
+void sl_settings_observe(sl_settings *settings, const sl_observer *observer) { settings->observer = observer; }
+
+void sl_settings_complete(sl_settings *s) {
+    for (size_t i = 0; i < ROWS; i++) {
+        const row *r = &rows[i];
+        const double standard = r->told.by_quality[s->quality];
+        if (standard > 0.0 && value_of(r, s) == 0.0) put_value(r, s, standard * unit_of(r));
+    }
+}
+
+/* ---- what is allowed ---- */
 
 /* Pixels a side: what is rasterized is snapped to 1/256 pixel, in 22 bits. */
 static int largest_side(const sl_settings *s) {
@@ -37,322 +145,169 @@ static int largest_side(const sl_settings *s) {
     return by_rays_alone ? 32768 : 16384;
 }
 
-static sl_status check_common(const sl_settings *s, sl_error *error) {
-    const int most = largest_side(s);
-    if (s->width < 1 || s->height < 1 || s->width > most || s->height > most)
-        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to %d pixels each way for %s, got %dx%d", most, s->method, s->width, s->height);
-    const bound bounds[] = {
-        {"a quality", s->quality, SL_QUALITY_DRAFT, SL_QUALITY_HIGH, false},
-        {"samples a pixel", s->spp, 1, 1e8, true},
-        {"a pixel filter", s->filter, SL_FILTER_METHOD, SL_FILTER_CENTRE, false},
-    };
-    return CHECK(bounds, error);
+static double choices_of(const row *r) {
+    double count = 1.0;
+    for (const char *c = r->told.unit; *c; c++) count += *c == '|';
+    return count;
 }
 
-static sl_status check_splatting(const sl_settings *s, sl_error *error) {
-    const bound bounds[] = {
-        {"a gather", s->gather, SL_GATHER_AUTO, SL_GATHER_RAYS, false},
-        {"a way to find direct light", s->direct, SL_DIRECT_AUTO, SL_DIRECT_SHADOW_MAPS, false},
-        {"a traversal order", s->order, SL_ORDER_COARSE_TO_FINE, SL_ORDER_LINEAR, false},
-        {"a metric", s->metric, SL_METRIC_AUTO, SL_METRIC_ADAPTIVE, false},
-        {"an accuracy", s->accuracy, 1e-3, 2.0, true},
-        {"a glossy accuracy", s->glossy_accuracy, 1e-3, 2.0, true},
-        {"harmonics of an order", s->harmonics_order, 1, 12, true},
-        {"bounces", s->bounces, 1, 64, true},
-        {"samples a hit", s->hit_samples, 1, 256, true},
-    };
-    if (s->gather_size != 0 && (s->gather_size < 4 || s->gather_size > 1024 || s->gather_size % 2))
-        return sl_fail(error, SL_ERROR_USAGE, "expected an even gather size of 4 to 1024, got %d", s->gather_size);
-    return CHECK(bounds, error);
-}
-
-static sl_status check_radiance_map(const sl_radiance_map_settings *m, sl_error *error) {
-    const bound bounds[] = {
-        {"photons a side of a map's face", m->samples, 1, 256, true},
-        {"a map", m->map_size, 1, 1024, true},
-        {"a map's shape", m->shape, SL_MAP_AUTO, SL_MAP_CUBE, false},
-        {"a map's field of view", m->map_fov, 0.01, 3.0, true},
-        {"a photon's weight", m->weight, SL_WEIGHT_AUTO, SL_WEIGHT_BOX, false},
-        {"a map filter", m->filter, SL_MAP_FILTER_AUTO, SL_MAP_FILTER_FLUX, false},
-        {"a visibility", m->visibility, SL_VISIBILITY_NONE, SL_VISIBILITY_BLOCKS, false},
-        {"a way to light mirrors", m->mirror_light, SL_MIRROR_LIGHT_FULL, SL_MIRROR_LIGHT_DIRECT, false},
-        {"reflections", m->reflections, 1, 8, true},
-        {"an environment cube", m->cube_size, 4, 4096, true},
-        {"a depth cube", m->shadow_size, 16, 8192, true},
-        {"samples a side of an emitter", m->emitter_samples, 1, 64, true},
-    };
-    return CHECK(bounds, error);
-}
-
-static sl_status check_light_octree(const sl_light_octree_settings *o, sl_error *error) {
-    const bound bounds[] = {
-        {"an octree's depth", o->depth, 1, 8, true},
-        {"stored photons", (double)o->photons, 1, 1e9, true},
-        {"neighbours", o->neighbours, 2, 4096, true},
-        {"a radius", o->radius, 1e-12, 1e12, true},
-        {"a flatness", o->flatness, 1e-3, 1.0, true},
-        {"lights a voxel", o->lights, 1, 8, true},
-        {"a spread", o->spread_tolerance, 1e-4, 1.6, true},
-        {"an angle of acceptance", o->acceptance, 0.01, 3.15, true},
-        {"photons to store", o->store, SL_STORE_INDIRECT, SL_STORE_CAUSTIC, false},
-        {"a photon area", o->area, SL_PHOTON_AREA_CLIP, SL_PHOTON_AREA_DISC, false},
-        {"lobes", o->lobes, SL_LOBES_PERPENDICULAR, SL_LOBES_HARMONICS, false},
-        {"a voxel filter", o->filter, SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST, false},
-        {"an atlas", o->atlas_size, 16, 16384, true},
-        {"a dilation", o->dilation, 0.0, 1.0, false},
-    };
-    return CHECK(bounds, error);
-}
-
-static sl_status check_multi_mesh(const sl_multi_mesh_settings *m, sl_error *error) {
-    const bound bounds[] = {
-        {"a light estimator", m->estimator, SL_LIGHT_RATIO, SL_LIGHT_RAYS, false},
-        {"pixels a side around a light", m->light_size, 16, 256, true},
-        {"rays a side to a light", m->light_rays, 1, 256, true},
-        {"a gather's field of view", m->gather_fov, 1.0, 3.11, true},
-        {"a threshold scale", m->threshold_scale, 1e-3, 1e3, true},
-        {"an exposure", m->exposure, 1e-30, 1e30, true},
-        {"a leaf's area", m->leaf_area, 1, 1e9, true},
-        {"a leaf's edge", m->leaf_edge, 1, 1e9, true},
-        {"a mesh depth", m->max_depth, 1, 12, true},
-        {"a coarse mesh's depth", m->coarse_depth, 1, 8, true},
-        {"a coarse mesh's edge", m->coarse_edge, 1e-12, 1e12, true},
-        {"a selection", m->selection, SL_SELECT_HEAP, SL_SELECT_CHAIN, false},
-        {"a batch", m->batch, 1, 65536, true},
-    };
-    return CHECK(bounds, error);
-}
-
-static sl_status check_shading_cache(const sl_shading_cache_settings *c, sl_error *error) {
-    const bound bounds[] = {
-        {"points an update", c->points, 1, 1e6, true},
-        {"samples of an area light", c->area_samples, 1, 1e6, true},
-        {"a way to sample area lights", c->area, SL_AREA_RATIO, SL_AREA_SAMPLED, false},
-        {"indirect samples", c->indirect_samples, 1, 1e6, true},
-        {"a path depth", c->path_depth, 1, 64, true},
-        {"an indirect renderer", c->indirect, SL_INDIRECT_BIDIRECTIONAL, SL_INDIRECT_NONE, false},
-        {"a random share", c->random_share, 1e-4, 1.0, true},
-        {"a pixel selection", c->selection, SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SORTED, false},
-        {"a flood threshold", c->flood_threshold, 1e-6, 1.0, true},
-        {"a stop size", c->stop_size, 1e-4, 1e6, true},
-        {"an ageing window", c->ageing_window, 1, 1e6, true},
-        {"a cache limit", c->cache_limit, 0.01, 100.0, true},
-        {"seconds to clean up", c->clean_up_seconds, 0.01, 1e6, true},
-        {"a nominal rate", c->nominal_rate, 1.0, 1e9, true},
-        {"a change threshold", c->change_threshold, 0.01, 255.0, true},
-        {"a change window", c->change_window, 1, 1e6, true},
-        {"blending", c->blending, 0.01, 1.0, true},
-        {"frames an update", c->frames_per_update, 1, 1e6, true},
-        {"a quality to hold for", c->hold_levels, 1e-6, 255.0, true},
-        {"a middle radiance", c->mean_level_radiance, 1e-30, 1e30, true},
-    };
-    return CHECK(bounds, error);
+/* 0 is a default, and what people write in degrees is rounded. */
+static sl_status check_row(const row *r, const sl_settings *s, sl_error *error) {
+    const double slack = 1e-9, value = value_of(r, s) / unit_of(r);
+    const double least = r->told.minimum, most = is_choice(r) ? choices_of(r) - 1.0 : r->told.maximum;
+    if (!(least < most) || value == 0.0 || is_size(r)) return SL_OK;
+    if (value >= least * (1.0 - slack) && value <= most * (1.0 + (unit_of(r) == 1.0 ? 0.0 : slack))) return SL_OK;
+    char text[32];
+    return sl_fail(error, SL_ERROR_USAGE, "%s: expected %g to %g, got %s", r->told.name, least, most,
+                   sl_outside_text(value, least, most, text));
 }
 
 sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
-    sl_status status = check_common(s, error);
-    if (status == SL_OK) status = check_splatting(s, error);
-    if (status == SL_OK) status = check_radiance_map(&s->radiance_map, error);
-    if (status == SL_OK) status = check_light_octree(&s->light_octree, error);
-    if (status == SL_OK) status = check_multi_mesh(&s->multi_mesh, error);
-    if (status == SL_OK) status = check_shading_cache(&s->shading_cache, error);
+    const int most = largest_side(s);
+    if (s->width < 1 || s->height < 1 || s->width > most || s->height > most)
+        return sl_fail(error, SL_ERROR_USAGE, "expected a size of 1 to %d pixels each way for %s, got %dx%d", most,
+                       s->method, s->width, s->height);
+    if (s->gather_size % 2) return sl_fail(error, SL_ERROR_USAGE, "gather-size: expected an even number, got %d", s->gather_size);
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < ROWS && status == SL_OK; i++) status = check_row(&rows[i], s, error);
     return status;
 }
 
-/* ---- metadata ---- */
+/* ---- from text ---- */
 
-typedef struct stamping {
-    sl_image *image;
-    sl_error *error;
-    sl_status status;
-} stamping;
+static const char *const names[] = {
+    "splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional", "auto",
+    "direct", "one-bounce", "full", "matched:splatting", "matched:direct-radiance", "matched:light-octree",
+    "matched:multi-mesh", "matched:shading-cache", "matched:path", "matched:bidirectional",
+};
+enum { METHODS_AND_AUTO = 8, NAMES = sizeof names / sizeof names[0] };
 
-static void stamp_text(stamping *st, const char *name, const char *value) {
-    char key[SL_METADATA_KEY_MAX];
-    snprintf(key, sizeof key, "softlux.%s", name);
-    if (st->status == SL_OK) st->status = sl_image_set_metadata(st->image, key, value, st->error);
+/* Names outlive the text that they are read from. */
+static sl_status set_name(const row *r, sl_settings *s, const char *text, sl_error *error) {
+    const bool method = r->offset == offsetof(sl_settings, method);
+    const size_t from = method ? 0 : METHODS_AND_AUTO, to = method ? METHODS_AND_AUTO : NAMES;
+    for (size_t i = from; i < to; i++) {
+        if (strcmp(text, names[i]) != 0) continue;
+        *(const char **)(void *)((char *)s + r->offset) = names[i];
+        return SL_OK;
+    }
+    const char *near = sl_nearest_word(text, names + from, to - from);
+    return sl_fail(error, SL_ERROR_USAGE, "unknown %s '%s'; expected %s%s%s%s", r->flag, text, method ? "one of " : "",
+                   method ? r->told.help : "direct, one-bounce, full or matched:METHOD", near ? "; did you mean " : "",
+                   near ? near : "");
 }
 
-static void stamp_count(stamping *st, const char *name, uint64_t value) {
-    char text[24];
-    snprintf(text, sizeof text, "%" PRIu64, value);
-    stamp_text(st, name, text);
+static sl_status set_flag(const row *r, sl_settings *s, const char *text, sl_error *error) {
+    int index = 0;
+    sl_status status = sl_value_choice(text, "0|1|false|true", &index, error);
+    if (status == SL_OK) put_value(r, s, index % 2);
+    return status;
 }
 
-/* As few digits as give the value again, so that what is stamped can be asked for. */
-static void stamp_in_units(stamping *st, const char *name, double value, double unit) {
+static sl_status set_number(const row *r, sl_settings *s, const char *text, sl_error *error) {
+    const double least = r->told.minimum, most = r->told.maximum;
+    uint64_t count = 0;
+    double value = 0.0;
+    if (r->kind == FIELD_REAL) {
+        sl_status status = sl_value_real(text, least, most, &value, error);
+        if (status == SL_OK) put_value(r, s, value * unit_of(r));
+        return status;
+    }
+    sl_status status = strcmp(r->told.unit, "BYTES") == 0 ? sl_value_bytes(text, least, most, &count, error)
+                                                          : sl_value_count(text, least, most, &count, error);
+    if (status == SL_OK && r->kind == FIELD_COUNT) *(uint64_t *)(void *)((char *)s + r->offset) = count;
+    else if (status == SL_OK) put_value(r, s, (double)count);
+    return status;
+}
+
+static sl_status set_choice(const row *r, sl_settings *s, const char *text, sl_error *error) {
+    int index = 0;
+    sl_status status = sl_value_choice(text, r->told.unit, &index, error);
+    if (status == SL_OK) put_value(r, s, index);
+    return status;
+}
+
+static sl_status set_row(const row *r, sl_settings *s, const char *text, sl_error *error) {
+    if (r->kind == FIELD_NAME) return set_name(r, s, text, error);
+    if (r->kind == FIELD_FLAG) return set_flag(r, s, text, error);
+    if (is_size(r)) {
+        int size[2];
+        sl_status status = sl_value_size(text, (int)r->told.maximum, size, error);
+        if (status == SL_OK) s->width = size[0], s->height = size[1];
+        return status;
+    }
+    return is_choice(r) ? set_choice(r, s, text, error) : set_number(r, s, text, error);
+}
+
+static sl_status unknown(const char *name, sl_error *error) {
+    const char *known[2 * ROWS];
+    for (size_t i = 0; i < ROWS; i++) known[i] = rows[i].told.name, known[ROWS + i] = rows[i].flag;
+    const char *near = sl_nearest_word(name, known, 2 * ROWS);
+    return sl_fail(error, SL_ERROR_USAGE, "unknown option %s%s%s%s", name, near ? "; did you mean " : "",
+                   near ? find_row(near, "")->told.name : "", near ? "?" : "");
+}
+
+sl_status sl_settings_set(sl_settings *settings, const char *name, const char *value, sl_error *error) {
+    if (!settings || !name || !value) return sl_fail_null(error, "settings, a name and a value");
+    const row *r = find_row(name, settings->method);
+    if (!r) return unknown(name, error);
+    sl_error why;
+    if (set_row(r, settings, value, &why) == SL_OK) return SL_OK;
+    return sl_fail(error, SL_ERROR_USAGE, "%s: %s", r->told.name, why.message);
+}
+
+/* ---- to text ---- */
+
+/* As few digits as give the value again, so that what is told can be asked for. */
+static void print_real(double value, double unit, char *text, size_t room) {
     enum { DIGITS_OF_A_DOUBLE = 17 };
-    char text[32];
     void *before = sl_c_locale_begin();
     for (int digits = 9; digits <= DIGITS_OF_A_DOUBLE; digits++) {
-        sl_print(text, sizeof text, "%.*g", digits, value / unit);
+        snprintf(text, room, "%.*g", digits, value / unit);
         if (strtod(text, NULL) * unit == value) break;
     }
     sl_c_locale_end(before);
-    stamp_text(st, name, text);
 }
 
-static void stamp_real(stamping *st, const char *name, double value) { stamp_in_units(st, name, value, 1.0); }
-
-/* In degrees, as options have it. */
-static void stamp_angle(stamping *st, const char *name, double value) { stamp_in_units(st, name, value, SL_PI / 180.0); }
-
-static void stamp_flag(stamping *st, const char *name, bool value) {
-    if (value) stamp_text(st, name, "true");
+static void print_row(const row *r, const sl_settings *s, char *text, size_t room) {
+    const char *name = r->kind == FIELD_NAME ? *(const char *const *)field_of(r, s) : NULL;
+    if (r->kind == FIELD_NAME) snprintf(text, room, "%s", name ? name : "");
+    else if (r->kind == FIELD_FLAG) snprintf(text, room, "%s", value_of(r, s) != 0.0 ? "true" : "false");
+    else if (is_size(r)) snprintf(text, room, "%dx%d", s->width, s->height);
+    else if (is_choice(r)) sl_value_choice_name(r->told.unit, (int)value_of(r, s), text, room);
+    else if (r->kind == FIELD_REAL) print_real(value_of(r, s), unit_of(r), text, room);
+    else if (r->kind == FIELD_COUNT) snprintf(text, room, "%" PRIu64, *(const uint64_t *)field_of(r, s));
+    else snprintf(text, room, "%.0f", value_of(r, s));
 }
 
-static void stamp_splatting(stamping *st, const sl_settings *s) {
-    static const char *const gathers[] = {"auto", "raster", "hemicube", "trace"};
-    static const char *const directs[] = {"auto", "rays", "shadow-maps"};
-    static const char *const orders[] = {"coarse-to-fine", "linear"};
-    static const char *const metrics[] = {"auto", "harmonic", "minimum", "hessian", "adaptive"};
-    stamp_real(st, "accuracy", s->accuracy);
-    stamp_count(st, "gather_size", (uint64_t)s->gather_size);
-    stamp_text(st, "gather", gathers[s->gather]);
-    stamp_text(st, "direct", directs[s->direct]);
-    stamp_text(st, "order", orders[s->order]);
-    stamp_text(st, "metric", metrics[s->metric]);
-    stamp_real(st, "glossy_accuracy", s->glossy_accuracy);
-    stamp_count(st, "harmonics", (uint64_t)s->harmonics_order);
-    stamp_count(st, "bounces", s->bounces);
-    stamp_count(st, "hit_samples", s->hit_samples);
-    stamp_count(st, "records_per_frame", s->records_per_frame);
-    stamp_flag(st, "glossy_hits", s->glossy_hits);
+sl_status sl_settings_get(const sl_settings *settings, const char *name, char *text, size_t room, sl_error *error) {
+    if (!settings || !name || !text || !room) return sl_fail_null(error, "settings, a name and room for text");
+    text[0] = '\0';
+    const row *r = find_row(name, settings->method);
+    if (!r) return unknown(name, error);
+    print_row(r, settings, text, room);
+    return SL_OK;
 }
 
-static void stamp_radiance_map(stamping *st, const sl_radiance_map_settings *m) {
-    static const char *const shapes[] = {"auto", "frustum", "hemicube", "cube"};
-    static const char *const weights[] = {"auto", "flux", "polygon", "plain", "11", "14", "15"};
-    static const char *const filters[] = {"auto", "point", "radiance", "flux"};
-    static const char *const mirrors[] = {"full", "trick", "direct"};
-    static const char *const visibilities[] = {"none", "rays", "blocks"};
-    stamp_count(st, "photons", (uint64_t)m->samples);
-    stamp_count(st, "map_size", (uint64_t)m->map_size);
-    stamp_text(st, "map", shapes[m->shape]);
-    stamp_angle(st, "map_fov", m->map_fov);
-    stamp_text(st, "weight", weights[m->weight]);
-    stamp_text(st, "map_filter", filters[m->filter]);
-    stamp_text(st, "mirror_light", mirrors[m->mirror_light]);
-    stamp_text(st, "visibility", visibilities[m->visibility]);
-    stamp_count(st, "reflections", (uint64_t)m->reflections);
-    stamp_count(st, "cube_size", (uint64_t)m->cube_size);
-    stamp_count(st, "shadow_size", (uint64_t)m->shadow_size);
-    stamp_count(st, "emitter_samples", (uint64_t)m->emitter_samples);
-    stamp_flag(st, "light_mirrors", m->traced_light_mirrors);
-    stamp_flag(st, "8_bit_positions", m->eight_bit_positions);
-    stamp_flag(st, "local_light", m->local_light_only);
-    stamp_flag(st, "direct_light", m->direct_light_only);
-    stamp_flag(st, "without_layers", m->without_layers);
-}
-
-static void stamp_light_octree(stamping *st, const sl_light_octree_settings *o) {
-    static const char *const stores[] = {"indirect", "all", "caustic"};
-    static const char *const areas[] = {"clip", "section", "disc"};
-    static const char *const lobes[] = {"perpendicular", "surface", "none", "harmonics"};
-    static const char *const filters[] = {"trilinear", "nearest"};
-    stamp_count(st, "depth", (uint64_t)o->depth);
-    stamp_count(st, "stored_photons", o->photons);
-    stamp_count(st, "neighbours", (uint64_t)o->neighbours);
-    stamp_real(st, "radius", o->radius);
-    stamp_real(st, "flatness", o->flatness);
-    stamp_count(st, "lights", (uint64_t)o->lights);
-    stamp_angle(st, "spread", o->spread_tolerance);
-    stamp_angle(st, "acceptance", o->acceptance);
-    stamp_text(st, "store", stores[o->store]);
-    stamp_text(st, "photon_area", areas[o->area]);
-    stamp_text(st, "lobes", lobes[o->lobes]);
-    stamp_text(st, "voxel_filter", filters[o->filter]);
-    stamp_flag(st, "unit_weights", o->unit_weights);
-    stamp_flag(st, "median_of_subsets", o->median_of_subsets);
-    stamp_flag(st, "wide_directions", o->wide_directions);
-    stamp_flag(st, "own_photons", o->own_photons);
-    stamp_flag(st, "photons_at_pixels", o->photons_at_pixels);
-    stamp_flag(st, "whole_voxels", o->whole_voxels);
-    stamp_flag(st, "whole_area", o->whole_area);
-    stamp_flag(st, "fixed_neighbours", o->fixed_neighbours);
-    stamp_flag(st, "void_dark", o->keep_void_dark);
-    if (o->dilation > 0.0) stamp_real(st, "dilation", o->dilation);
-    stamp_flag(st, "distance_weights", o->distance_weights);
-    stamp_flag(st, "geometric_normals", o->geometric_normals);
-    stamp_flag(st, "environment_mirrors", o->environment_mirrors);
-    stamp_flag(st, "atlas", o->atlas);
-    stamp_count(st, "atlas_size", (uint64_t)o->atlas_size);
-    stamp_flag(st, "direct_sky", o->direct_sky);
-    stamp_flag(st, "indirect_only", o->indirect_only);
-}
-
-static void stamp_multi_mesh(stamping *st, const sl_settings *s) {
-    static const char *const estimators[] = {"ratio", "window", "look-at", "rays"};
-    static const char *const selections[] = {"heap", "chain"};
-    const sl_multi_mesh_settings *m = &s->multi_mesh;
-    stamp_text(st, "light_estimator", estimators[m->estimator]);
-    stamp_count(st, "light_size", (uint64_t)m->light_size);
-    stamp_count(st, "light_rays", (uint64_t)m->light_rays);
-    stamp_count(st, "gather_size", (uint64_t)s->gather_size);
-    stamp_angle(st, "gather_fov", m->gather_fov);
-    stamp_real(st, "threshold", m->threshold_scale);
-    stamp_real(st, "exposure_of_thresholds", m->exposure);
-    stamp_real(st, "leaf_area", m->leaf_area);
-    stamp_real(st, "leaf_edge", m->leaf_edge);
-    stamp_count(st, "mesh_depth", (uint64_t)m->max_depth);
-    stamp_count(st, "coarse_depth", (uint64_t)m->coarse_depth);
-    stamp_real(st, "coarse_edge", m->coarse_edge);
-    stamp_text(st, "selection", selections[m->selection]);
-    stamp_count(st, "batch", (uint64_t)m->batch);
-    stamp_count(st, "bounces", s->bounces);
-    stamp_flag(st, "joint_mesh", m->joint_mesh);
-    stamp_flag(st, "keep_hanging", m->keep_hanging);
-}
-
-static void stamp_shading_cache(stamping *st, const sl_shading_cache_settings *c) {
-    static const char *const areas[] = {"ratio", "sampled"};
-    static const char *const renderers[] = {"bidirectional", "none"};
-    static const char *const selections[] = {"hit-and-test", "systematic", "sorted"};
-    stamp_count(st, "points", (uint64_t)c->points);
-    stamp_count(st, "area_samples", (uint64_t)c->area_samples);
-    stamp_text(st, "area_sampling", areas[c->area]);
-    stamp_count(st, "indirect_samples", (uint64_t)c->indirect_samples);
-    stamp_count(st, "path_depth", (uint64_t)c->path_depth);
-    stamp_text(st, "indirect", renderers[c->indirect]);
-    stamp_flag(st, "caustics", c->caustics);
-    stamp_real(st, "random_share", c->random_share);
-    stamp_text(st, "pixel_selection", selections[c->selection]);
-    stamp_real(st, "flood_threshold", c->flood_threshold);
-    stamp_flag(st, "no_flood", c->no_flood);
-    stamp_flag(st, "no_random", c->no_random);
-    stamp_flag(st, "plain_normalisation", c->plain_normalisation);
-    stamp_flag(st, "no_ageing", c->no_ageing);
-    stamp_flag(st, "by_channel", c->by_channel);
-    stamp_flag(st, "no_resolution_drop", c->no_resolution_drop);
-    stamp_real(st, "stop_size", c->stop_size);
-    stamp_count(st, "ageing_window", (uint64_t)c->ageing_window);
-    stamp_real(st, "cache_limit", c->cache_limit);
-    stamp_real(st, "clean_up", c->clean_up_seconds);
-    stamp_real(st, "nominal_rate", c->nominal_rate);
-    stamp_real(st, "change_threshold", c->change_threshold);
-    stamp_count(st, "change_window", (uint64_t)c->change_window);
-    stamp_real(st, "blending", c->blending);
-    stamp_flag(st, "variance_aware", c->variance_aware);
-    stamp_count(st, "frames_per_update", (uint64_t)c->frames_per_update);
-    stamp_real(st, "hold", c->hold_levels);
-    stamp_count(st, "updates", c->updates);
-    stamp_real(st, "mean_level", c->mean_level_radiance);
+/* Nothing that is 0, and so left open, but for what has a choice there. */
+static bool is_told(const row *r, const sl_settings *s) {
+    static const char matched[] = "matched:";
+    if (!r->stamped) return false;
+    if (r->kind == FIELD_FLAG && value_of(r, s) == 0.0) return false;
+    if (r->told.minimum > 0.0 && value_of(r, s) == 0.0) return false;
+    const char *paths = s->transport && strncmp(s->transport, matched, sizeof matched - 1) == 0 ? s->transport + sizeof matched - 1 : s->method;
+    return concerns(r, s->method) || concerns(r, paths);
 }
 
 sl_status sl_settings_stamp(const sl_settings *s, sl_image *image, sl_error *error) {
-    static const char *const qualities[] = {"draft", "normal", "high"};
-    static const char *const filters[] = {"method", "box", "centre"};
-    stamping st = {image, error, SL_OK};
-    stamp_text(&st, "method", s->method);
-    stamp_text(&st, "transport", s->transport);
-    stamp_text(&st, "quality", qualities[s->quality]);
-    stamp_text(&st, "filter", filters[s->filter]);
-    stamp_count(&st, "seed", s->seed);
-    stamp_count(&st, "spp", s->spp);
-    if (strcmp(s->method, "splatting") == 0) stamp_splatting(&st, s);
-    if (strcmp(s->method, "direct-radiance") == 0) stamp_radiance_map(&st, &s->radiance_map);
-    if (strcmp(s->method, "light-octree") == 0) stamp_light_octree(&st, &s->light_octree);
-    if (strcmp(s->method, "multi-mesh") == 0) stamp_multi_mesh(&st, s);
-    if (strcmp(s->method, "shading-cache") == 0) stamp_shading_cache(&st, &s->shading_cache);
-    return st.status;
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < ROWS && status == SL_OK; i++) {
+        char key[SL_METADATA_KEY_MAX], text[64];
+        if (!is_told(&rows[i], s)) continue;
+        snprintf(key, sizeof key, "softlux.%s", rows[i].flag);
+        for (char *c = key; *c; c++) *c = *c == '-' ? '_' : *c;
+        print_row(&rows[i], s, text, sizeof text);
+        status = sl_image_set_metadata(image, key, text, error);
+    }
+    return status;
 }

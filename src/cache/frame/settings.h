@@ -1,12 +1,52 @@
-/* The settings of all methods: whether they make sense, and how a picture tells of them. */
+/* What a method is asked for, field by field, and the table of options that sets, checks and tells the fields. */
 #ifndef SL_FRAME_SETTINGS_H
 #define SL_FRAME_SETTINGS_H
 
+#include "base/choices.h"
+#include "cache/frame/options.h"
 #include "softlux.h"
 
+#define SL_SETTINGS_FIELD(type, field, ...) type field;
+
+typedef struct sl_radiance_map_settings {
+    SL_OPTIONS_OF_RADIANCE_MAP(SL_SETTINGS_FIELD)
+} sl_radiance_map_settings;
+
+typedef struct sl_light_octree_settings {
+    SL_OPTIONS_OF_LIGHT_OCTREE(SL_SETTINGS_FIELD)
+} sl_light_octree_settings;
+
+typedef struct sl_multi_mesh_settings {
+    SL_OPTIONS_OF_MULTI_MESH(SL_SETTINGS_FIELD)
+} sl_multi_mesh_settings;
+
+typedef struct sl_shading_cache_settings {
+    SL_OPTIONS_OF_SHADING_CACHE(SL_SETTINGS_FIELD)
+} sl_shading_cache_settings;
+
+struct sl_settings {
+    SL_OPTIONS_OF_COMMON(SL_SETTINGS_FIELD)
+    SL_OPTIONS_OF_GATHERING(SL_SETTINGS_FIELD)
+    SL_OPTIONS_OF_SPLATTING(SL_SETTINGS_FIELD)
+    int height; /* of "size" */
+    sl_radiance_map_settings radiance_map;
+    sl_light_octree_settings light_octree;
+    sl_multi_mesh_settings multi_mesh;
+    sl_shading_cache_settings shading_cache;
+    const sl_observer *observer; /* or NULL */
+};
+
+#undef SL_SETTINGS_FIELD
+
+/* Splatting at normal quality, everything else by quality, scene and machine. */
+sl_settings sl_settings_default(void);
 /* SL_ERROR_USAGE with what was expected. 0 is allowed wherever it stands for a default; width and height are not 0 any more. */
 sl_status sl_settings_check(const sl_settings *settings, sl_error *error);
-/* Metadata "softlux.NAME": those of every method, and those of the method that made the picture. */
+/* Replaces 0 by the table's default, of any method's options. What the table leaves to the methods stays 0. */
+void sl_settings_complete(sl_settings *settings);
+/* Metadata "softlux.NAME": what the method that made the picture was asked for. */
 sl_status sl_settings_stamp(const sl_settings *settings, sl_image *image, sl_error *error);
+/* The option of that whole name, or else with that last part; NULL where there is none. */
+const sl_setting *sl_setting_named(const char *name);
 
 #endif

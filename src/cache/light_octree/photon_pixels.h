@@ -3,6 +3,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_PIXELS_H
 #define SL_CACHE_LIGHT_OCTREE_PHOTON_PIXELS_H
 
+#include "cache/frame/settings.h"
 #include "cache/light_octree/octree.h"
 #include "cache/light_octree/photon_tree.h"
 #include "raster/raster.h"

@@ -8,33 +8,12 @@
 #include "cache/light_octree/octree.h"
 #include "scene/features.h"
 
-typedef struct {
-    int depth;
-    uint64_t photons;
-    int neighbours;
-    uint32_t light_samples;
-} octree_quality;
-
-static const octree_quality by_quality[] = {
-    [SL_QUALITY_DRAFT] = {5, 150000, 150, 8},
-    [SL_QUALITY_NORMAL] = {5, 600000, 300, 16},
-    [SL_QUALITY_HIGH] = {6, 1200000, 500, 64},
-};
-
-enum { SHALLOWEST_SHOWN = 4, LIGHTS = 4, ATLAS_SIZE = 1024 };
-static const double flatness = 0.25, acceptance = SL_PI / 3.0;
+enum { SHALLOWEST_SHOWN = 4 };
 
 void sl_octree_complete(sl_settings *settings) {
-    const octree_quality *q = &by_quality[settings->quality];
-    sl_light_octree_settings *o = &settings->light_octree;
-    if (!o->depth) o->depth = q->depth;
-    if (!o->photons) o->photons = q->photons;
-    if (!o->neighbours) o->neighbours = q->neighbours;
-    if (!o->lights) o->lights = LIGHTS;
-    if (o->flatness == 0.0) o->flatness = flatness;
-    if (o->acceptance == 0.0) o->acceptance = acceptance;
-    if (!o->atlas_size) o->atlas_size = ATLAS_SIZE;
-    if (!settings->spp) settings->spp = q->light_samples;
+    static const uint32_t light_samples[] = {[SL_QUALITY_DRAFT] = 8, [SL_QUALITY_NORMAL] = 16, [SL_QUALITY_HIGH] = 64};
+    sl_settings_complete(settings);
+    if (!settings->spp) settings->spp = light_samples[settings->quality];
 }
 
 sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *settings) {

@@ -5,11 +5,8 @@
 #include "cache/patches/mesh.h"
 #include "scene/features.h"
 
-enum { LIGHT_SIZE = 64, LIGHT_RAYS = 16, BATCH = 32 };
-
 typedef struct by_quality {
-    double threshold_scale, leaf_area, leaf_edge;
-    int gather_size, coarse_depth;
+    int gather_size;
     double coarse_edges; /* to the diagonal of the scene's core */
 } by_quality;
 
@@ -21,18 +18,15 @@ typedef struct by_quality {
  * Gathers of 128 x 128 pixels take twice as long as those of 64 x 64. What pixels make of small bright things moves from row to row as the point moves:
  * with 64 x 64 in streaks that can be seen, and leaves are cut for their sake. */
 static const by_quality qualities[] = {
-    [SL_QUALITY_DRAFT] = {2.0, 256.0, 32.0, 64, 3, 24.0},
-    [SL_QUALITY_NORMAL] = {1.0, 144.0, 24.0, 128, 4, 24.0},
-    [SL_QUALITY_HIGH] = {0.5, 16.0, 8.0, 128, 5, 48.0},
+    [SL_QUALITY_DRAFT] = {64, 24.0},
+    [SL_QUALITY_NORMAL] = {128, 24.0},
+    [SL_QUALITY_HIGH] = {128, 48.0},
 };
 
 double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings) {
     double chosen = settings->multi_mesh.coarse_edge;
     return chosen > 0.0 ? chosen : (double)sl_scene_core_diagonal(scene) / qualities[settings->quality].coarse_edges;
 }
-
-static int or_default(int value, int otherwise) { return value ? value : otherwise; }
-static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
 
 static int power_of_two(int value) {
     int power = 1;
@@ -47,18 +41,10 @@ static uint32_t bounces_of(const sl_settings *settings) {
 }
 
 void sl_multi_mesh_complete(sl_settings *settings) {
-    const by_quality *q = &qualities[settings->quality];
-    sl_multi_mesh_settings *m = &settings->multi_mesh;
-    m->light_size = power_of_two(or_default(m->light_size, LIGHT_SIZE));
-    m->light_rays = or_default(m->light_rays, LIGHT_RAYS);
-    m->gather_fov = or_default_real(m->gather_fov, 160.0 * SL_PI / 180.0);
-    m->threshold_scale = or_default_real(m->threshold_scale, q->threshold_scale);
-    m->leaf_area = or_default_real(m->leaf_area, q->leaf_area);
-    m->leaf_edge = or_default_real(m->leaf_edge, q->leaf_edge);
-    m->max_depth = or_default(m->max_depth, SL_MESH_DEPTH_MAX);
-    m->coarse_depth = or_default(m->coarse_depth, q->coarse_depth);
-    m->batch = or_default(m->batch, BATCH);
-    settings->gather_size = power_of_two(or_default(settings->gather_size, q->gather_size));
+    sl_settings_complete(settings);
+    settings->multi_mesh.light_size = power_of_two(settings->multi_mesh.light_size);
+    if (!settings->gather_size) settings->gather_size = qualities[settings->quality].gather_size;
+    settings->gather_size = power_of_two(settings->gather_size);
     if (settings->gather_size < SL_MESH_GATHER_LEAST) settings->gather_size = SL_MESH_GATHER_LEAST;
     settings->bounces = bounces_of(settings);
 }

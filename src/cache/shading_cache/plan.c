@@ -4,15 +4,11 @@
 
 #include "scene/features.h"
 
-enum { POINTS = 64, AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, AGEING_WINDOW = 60, CHANGE_WINDOW = 3, FRAMES_AN_UPDATE = 20, FEW = 1024, SMALL_SIDE = 24, SMALL = 64 * 64 };
+enum { AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, FEW = 1024, SMALL_SIDE = 24, SMALL = 64 * 64 };
 
 /* A picture of a still scene is done after so many points a pixel: the paper's cache has its quality at 0.03. But every primitive wants its corners and every shadow its
  * edge, however few pixels there are: there are FEW points at least. */
 static const double points_a_pixel[] = {[SL_QUALITY_DRAFT] = 0.03, [SL_QUALITY_NORMAL] = 0.12, [SL_QUALITY_HIGH] = 0.5};
-static const int indirect_samples[] = {[SL_QUALITY_DRAFT] = 100, [SL_QUALITY_NORMAL] = 400, [SL_QUALITY_HIGH] = 1200};
-
-static int or_default(int value, int otherwise) { return value ? value : otherwise; }
-static double or_default_real(double value, double otherwise) { return value > 0.0 ? value : otherwise; }
 
 static uint32_t updates_for(const sl_settings *settings) {
     double pixels = (double)settings->width * (double)settings->height, points = fmax(points_a_pixel[settings->quality] * pixels, FEW);
@@ -34,21 +30,9 @@ double sl_shading_patch_limit(const sl_settings *settings) {
 void sl_shading_complete(sl_settings *settings) {
     sl_shading_cache_settings *c = &settings->shading_cache;
     int area = c->area == SL_AREA_SAMPLED ? AREA_SAMPLES_ALONE : AREA_SAMPLES;
-    c->points = or_default(c->points, POINTS);
-    c->area_samples = or_default(c->area_samples, settings->quality == SL_QUALITY_HIGH ? 4 * area : area);
-    c->indirect_samples = or_default(c->indirect_samples, indirect_samples[settings->quality]);
-    c->path_depth = or_default(c->path_depth, PATH_DEPTH);
-    c->random_share = or_default_real(c->random_share, 0.03);
-    c->flood_threshold = or_default_real(c->flood_threshold, 0.5);
-    c->stop_size = or_default_real(c->stop_size, stop_size_for(settings));
-    c->ageing_window = or_default(c->ageing_window, AGEING_WINDOW);
-    c->cache_limit = or_default_real(c->cache_limit, 1.5);
-    c->clean_up_seconds = or_default_real(c->clean_up_seconds, 5.0);
-    c->nominal_rate = or_default_real(c->nominal_rate, 2000.0);
-    c->change_threshold = or_default_real(c->change_threshold, 2.0);
-    c->change_window = or_default(c->change_window, CHANGE_WINDOW);
-    c->blending = or_default_real(c->blending, 1.0);
-    c->frames_per_update = or_default(c->frames_per_update, FRAMES_AN_UPDATE);
+    sl_settings_complete(settings);
+    if (!c->area_samples) c->area_samples = settings->quality == SL_QUALITY_HIGH ? 4 * area : area;
+    if (!(c->stop_size > 0.0)) c->stop_size = stop_size_for(settings);
     if (c->updates == 0) c->updates = updates_for(settings);
 }
 

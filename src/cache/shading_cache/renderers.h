@@ -10,6 +10,7 @@
 #ifndef SL_SHADING_CACHE_RENDERERS_H
 #define SL_SHADING_CACHE_RENDERERS_H
 
+#include "cache/frame/settings.h"
 #include "cache/patches/primitives.h"
 #include "trace/trace.h"
 

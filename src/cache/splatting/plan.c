@@ -4,29 +4,25 @@
 #include "cache/splatting/glossy.h"
 #include "scene/features.h"
 
+/* The table of options has the accuracies. */
 static const sl_splat_quality by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.50, 0.30, 6.0, 20, 8},
-    [SL_QUALITY_NORMAL] = {0.25, 0.20, 4.0, 32, 16},
-    [SL_QUALITY_HIGH] = {0.12, 0.12, 2.0, 52, 64},
+    [SL_QUALITY_DRAFT] = {0.0, 0.0, 6.0, 20, 8},
+    [SL_QUALITY_NORMAL] = {0.0, 0.0, 4.0, 32, 16},
+    [SL_QUALITY_HIGH] = {0.0, 0.0, 2.0, 52, 64},
 };
 
-static sl_splat_quality chosen_quality(const sl_settings *settings) {
-    sl_splat_quality q = by_quality[settings->quality];
-    if (settings->accuracy > 0.0) q.accuracy = settings->accuracy;
-    if (settings->glossy_accuracy > 0.0) q.glossy_accuracy = settings->glossy_accuracy;
-    if (settings->gather_size > 0) q.gather_size = settings->gather_size;
-    if (settings->spp > 0) q.light_samples = settings->spp;
-    return q;
+void sl_splat_complete(sl_settings *settings) {
+    const sl_splat_quality *q = &by_quality[settings->quality];
+    sl_settings_complete(settings);
+    if (settings->gather_size == 0) settings->gather_size = q->gather_size;
+    if (settings->spp == 0) settings->spp = q->light_samples;
+    if (settings->bounces == 0) settings->bounces = 1;
 }
 
-void sl_splat_complete(sl_settings *settings) {
-    sl_splat_quality q = chosen_quality(settings);
-    settings->accuracy = q.accuracy;
-    settings->glossy_accuracy = q.glossy_accuracy;
-    settings->gather_size = q.gather_size;
-    settings->spp = q.light_samples;
-    if (settings->bounces == 0) settings->bounces = 1;
-    if (settings->hit_samples == 0) settings->hit_samples = 1;
+static sl_splat_quality chosen_quality(const sl_settings *settings) {
+    sl_settings s = *settings;
+    sl_splat_complete(&s);
+    return (sl_splat_quality){s.accuracy, s.glossy_accuracy, by_quality[s.quality].minimum_pixels, s.gather_size, s.spp};
 }
 
 /* At 400 x 400, accuracies tuned to equal records: in the Cornell box the Hessian's error (relative RMS) is 2.6 times below the

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 typedef struct {
     const char *scene;

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh", "light-octree"};
 enum { METHODS = sizeof methods / sizeof methods[0], WIDTH = 40, HEIGHT = 32 };

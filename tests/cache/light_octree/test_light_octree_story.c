@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 enum { SIZE = 20 };
 
