@@ -535,6 +535,9 @@ SL_API sl_status sl_error_probe_estimate(sl_error_probe *probe, const sl_image *
  * as 1/rel_rmse^2. USAGE: rel_rmse is not above 0. */
 SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *image, double rel_rmse, uint64_t rays,
                                       sl_error_estimate *estimate, sl_error *error);
+/** How much of the first picture's error is left in the second, which was judged last: with 95 % confidence no less than *share (0 to 1) of it. Told by
+ * the differences at the same probes, from which most of the probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
+SL_API sl_status sl_error_probe_left(sl_error_probe *probe, const sl_image *first, const sl_image *second, double *share, sl_error *error);
 /** The pixels that are judged, as sl_compare_options.mask takes them: 1 where a surface is seen, 0 where a lamp or the sky is. Of a box pixel any part
  * may show it. Owned by the probe. */
 SL_API const sl_image *sl_error_probe_surfaces(const sl_error_probe *probe);

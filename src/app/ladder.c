@@ -159,30 +159,7 @@ sl_settings sl_ladder_settings(const sl_settings *asked, unsigned rung) {
     return s;
 }
 
-/* a finer than b, or as fine as the top. */
-#define FINER(table, field) (r->field != q->field || r->field == table[RUNGS(table) - 1].field)
-
-bool sl_ladder_differs(const char *method, unsigned coarse, unsigned fine) {
-    if (fine >= sl_ladder_rungs(method) || coarse >= fine) return false;
-    if (is(method, "splatting")) {
-        const splatting_rung *q = &splatting[coarse], *r = &splatting[fine];
-        return q->quality == SL_QUALITY_HIGH && FINER(splatting, accuracy) && FINER(splatting, light_samples);
-    }
-    if (is(method, "light-octree")) {
-        const octree_rung *q = &octree[coarse], *r = &octree[fine];
-        return q->quality == SL_QUALITY_HIGH && FINER(octree, depth) && FINER(octree, photons) && FINER(octree, neighbours);
-    }
-    if (is(method, "direct-radiance")) {
-        const map_rung *q = &map[coarse], *r = &map[fine];
-        return q->quality == SL_QUALITY_HIGH && FINER(map, samples) && FINER(map, emitter_samples) && FINER(map, shadow_size);
-    }
-    if (is(method, "multi-mesh")) {
-        const mesh_rung *q = &mesh[coarse], *r = &mesh[fine];
-        return q->quality == SL_QUALITY_HIGH && FINER(mesh, leaf_area) && FINER(mesh, gather_size) && FINER(mesh, coarse_depth) && FINER(mesh, light_size);
-    }
-    const shading_rung *q = &shading[coarse], *r = &shading[fine];
-    return q->quality == SL_QUALITY_HIGH && FINER(shading, points_a_pixel) && FINER(shading, area_samples);
-}
+unsigned sl_ladder_refines_all_from(const char *method) { return is(method, "multi-mesh") ? 5 : 3; }
 
 double sl_ladder_cost(const char *method, unsigned rung) {
     if (rung >= sl_ladder_rungs(method)) return 1.0;

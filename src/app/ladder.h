@@ -12,8 +12,8 @@ unsigned sl_ladder_rungs(const char *method);
 unsigned sl_ladder_rung_of(const char *method, sl_quality quality);
 /* What was asked for, and for what was left open this rung's settings. */
 sl_settings sl_ladder_settings(const sl_settings *asked, unsigned rung);
-/* Whether all that finer rungs than the first change is finer in the second already, or as fine as it gets. */
-bool sl_ladder_differs(const char *method, unsigned coarse, unsigned fine);
+/* From this rung on each next one is finer in all that limits the error, or as fine there as it gets. */
+unsigned sl_ladder_refines_all_from(const char *method);
 /* Its time, as a multiple of the first rung's, on a large picture: rather too long than too short. */
 double sl_ladder_cost(const char *method, unsigned rung);
 

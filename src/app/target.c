@@ -19,11 +19,11 @@ static const double trusted_share = 0.8;
 /* A rung has about 1.4 times less error than the one below; jumps reckon with more, so as not to jump too far: all rungs below one together take
  * about as long as it, and one too far up takes several times that. */
 static const double error_a_rung = 1.7, cost_of_a_jump = 4.5;
-/* Probes may take as many rays as the picture costs beyond those before it: all together twice the picture. And about a second's in any case. */
+/* Probes may take as many rays as a picture, and about a second's in any case. */
 static const double probe_rays_at_least = 3e6;
-/* Where a picture without any error could hardly be promised to be within E by as many probes, bounds do not follow pictures. */
-static const double hardly_promised = 0.8;
-/* Two rungs that differ in all that limits the error, and in the error by less than this: the method's own limit. */
+/* A picture with more than this of E can hardly be promised to be within it, a perfect one not by probes that alone leave more than that. */
+static const double too_near = 0.75, hardly_promised = 0.8;
+/* Settings that are finer in all that limits the error, and leave more of it than this: the method's own limit. */
 static const double worthwhile = 0.9;
 
 typedef struct candidate {
@@ -43,7 +43,10 @@ typedef struct climb {
     sl_error_probe *probe; /* NULL without --error */
     double start;
     candidate best;
-    sl_error_estimate judged[SL_LADDER_MAX]; /* by rung; those not tried have no probes */
+    sl_image *last;           /* the colours of the last rung's picture, */
+    unsigned last_rung;
+    sl_error_estimate judged; /* what this rung's came to, */
+    double left;              /* and how much of the error is left at least; 0 where settings did not differ in all that limits it */
     double effort_before, effort; /* of all rungs before, and of this one, in rays */
     char why[160];         /* it was not within the error */
     double rung_seconds[2], rung_cost[2]; /* of the last two finished */
@@ -81,11 +84,8 @@ static bool path_is_blind(const climb *c) {
     return strcmp(c->asked.method, "path") == 0 && full && f.mirror_triangles && f.point_lights + f.spot_lights + f.directional_lights > 0;
 }
 
-/* Pictures and probes together shall take no more than twice this rung's picture. */
-static uint64_t affordable_rays(const climb *c) {
-    double rays = c->effort - c->effort_before;
-    return (uint64_t)(rays > probe_rays_at_least ? rays : probe_rays_at_least);
-}
+/* Probes shall take no longer than this rung's picture. */
+static uint64_t affordable_rays(const climb *c) { return (uint64_t)fmax(c->effort, probe_rays_at_least); }
 
 static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl_error *error) {
     if (!is_tracer(c)) return sl_error_probe_judge(c->probe, image, c->o->error, affordable_rays(c), e, error);
@@ -142,9 +142,23 @@ static void tell(const climb *c, const candidate *p) {
     fprintf(stderr, "\n");
 }
 
+/* Holds a rung's picture against the last one's, and keeps it for the next. */
+static sl_status hold_against_last(climb *c, const sl_image *image, unsigned rung, sl_error *error) {
+    static const char *const names[] = {"R", "G", "B"};
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    sl_status status = SL_OK;
+    c->left = 0.0;
+    if (c->last && c->last_rung >= sl_ladder_refines_all_from(c->asked.method)) status = sl_error_probe_left(c->probe, c->last, image, &c->left, error);
+    if (status == SL_OK && !c->last) status = sl_image_create(image->width, image->height, 3, names, &c->last, error);
+    for (size_t i = 0; status == SL_OK && i < 3; i++)
+        memcpy(c->last->planes + i * pixels, sl_image_channel(image, names[i]), pixels * sizeof(float));
+    c->last_rung = rung;
+    return status;
+}
+
 /* The picture as it is now: its error, and whether it is the best so far. */
 static sl_status consider(climb *c, const sl_render_options *o, sl_method *method, const sl_progress *progress, unsigned rung,
-                          sl_error_estimate *estimate, sl_error *error) {
+                          sl_error *error) {
     candidate p = {.progress = *progress, .rung = rung};
     sl_status status = sl_method_resolve(method, &p.image, error);
     if (status != SL_OK) return status;
@@ -156,8 +170,9 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
         if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
         if (status == SL_OK) add_json(c, p.json, &p.estimate);
         c->reached = status == SL_OK && p.estimate.bound <= c->o->error;
+        if (status == SL_OK && c->rungs && progress->done && !c->reached) status = hold_against_last(c, p.image, rung, error);
     }
-    *estimate = p.estimate;
+    c->judged = p.estimate;
     if (status == SL_OK) tell(c, &p);
     if (status == SL_OK && is_better(c, &p)) {
         release(&c->best);
@@ -169,11 +184,11 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
 }
 
 /* When to look next. The tracers' error falls as the root of the samples. */
-static uint64_t next_look(const climb *c, uint64_t batches, const sl_error_estimate *e) {
+static uint64_t next_look(const climb *c, uint64_t batches) {
     enum { FIRST = 16, FIRST_SAMPLES = 4 };
     if (!batches) return is_tracer(c) ? FIRST_SAMPLES : FIRST;
     if (!is_tracer(c)) return 2 * batches;
-    double ratio = e->bound / c->o->error, needed = 1.05 * (double)batches * ratio * ratio, most = 2.0 * (double)batches;
+    double ratio = c->judged.bound / c->o->error, needed = 1.05 * (double)batches * ratio * ratio, most = 2.0 * (double)batches;
     return needed < most ? (needed > (double)batches ? (uint64_t)needed + 1 : batches + 1) : (uint64_t)most;
 }
 
@@ -185,17 +200,16 @@ static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
     sl_render_options o = *c->o;
     sl_method *method = NULL;
     sl_progress progress = {0};
-    sl_error_estimate e = {0};
     double begun = sl_seconds_now();
     o.settings = sl_ladder_settings(&c->asked, rung);
     sl_status status = sl_method_create(c->scene, &o.settings, &method, error);
     while (status == SL_OK && !c->reached) {
-        o.batches = o.error > 0.0 && refines(c) ? next_look(c, progress.batches, &e) : 0;
+        o.batches = o.error > 0.0 && refines(c) ? next_look(c, progress.batches) : 0;
         status = sl_picture_run(&o, method, &progress, c->start, 0.0, error);
         c->out_of_time = o.time_seconds > 0.0 && sl_seconds_now() - c->start >= o.time_seconds;
         bool cut_short = !progress.done && (c->out_of_time || sl_interrupted());
         if (status != SL_OK || (cut_short && c->best.image && !is_tracer(c))) break;
-        status = consider(c, &o, method, &progress, rung, &e, error);
+        status = consider(c, &o, method, &progress, rung, error);
         if (progress.done || cut_short) break;
     }
     sl_method_destroy(method);
@@ -205,7 +219,6 @@ static sl_status climb_rung(climb *c, unsigned rung, sl_error *error) {
     c->rung_seconds[1] = sl_seconds_now() - begun;
     c->rung_cost[1] = sl_ladder_cost(c->asked.method, rung);
     c->finished++;
-    if (c->rungs) c->judged[rung] = e;
     return SL_OK;
 }
 
@@ -226,7 +239,7 @@ static unsigned next_rung(const climb *c, unsigned rung) {
     unsigned next = rung + 1;
     if (c->o->error > 0.0) {
         const double most = cost_of_a_jump * sl_ladder_cost(c->asked.method, rung);
-        double ratio = c->judged[rung].rel_rmse / c->o->error;
+        double ratio = c->judged.rel_rmse / c->o->error;
         for (; ratio > error_a_rung * error_a_rung && next + 1 < c->rungs && sl_ladder_cost(c->asked.method, next + 1) <= most; next++)
             ratio /= error_a_rung;
     } else {
@@ -241,52 +254,38 @@ static unsigned next_rung(const climb *c, unsigned rung) {
 
 /* ---- whether there is any use in it -------------------------------------------------------------------------------------- */
 
-/* Whether by its estimate the picture is within the error, as far as the probes' own noise lets that be told. */
-static bool may_do(const climb *c, const sl_error_estimate *e) {
-    double asked = c->o->error;
-    return e->probes && e->rel_rmse * e->rel_rmse <= asked * asked + 0.5 * e->resolution * e->resolution && e->least <= 0.75 * asked;
-}
-
 static double probe_rays(const climb *c) {
     const sl_counters *probes = sl_error_probe_counters(c->probe);
     return (double)(probes->value[SL_COUNT_RAYS] + probes->value[SL_COUNT_SHADOW_RAYS]);
 }
 
-/* The picture may do, and for what the probes may trace a better one could hardly be promised, or the last that might have done was promised no less.
- * Pictures that have cost less than the probes go on all the same. */
+/* The picture may do, but even of a perfect one the next rung's probes would not tell: their noise falls with the root of their number. Pictures
+ * that take less than the probes go on all the same. */
 static bool bound_cannot_follow(const climb *c, unsigned rung) {
-    const sl_error_estimate *e = &c->judged[rung], *last = e;
-    for (unsigned i = 0; i < rung; i++) last = may_do(c, &c->judged[i]) ? &c->judged[i] : last;
-    bool stays = last != e && e->bound > hardly_promised * last->bound;
-    return may_do(c, e) && (stays || e->resolution > hardly_promised * c->o->error) && c->effort_before + c->effort >= probe_rays(c);
+    double next = c->effort * sl_ladder_cost(c->asked.method, rung + 1) / sl_ladder_cost(c->asked.method, rung);
+    double pictures = c->effort_before + c->effort, probes = probe_rays(c), ratio = c->judged.resolution / (hardly_promised * c->o->error);
+    bool may_do = c->judged.least <= too_near * c->o->error, cheap = pictures + next < probes;
+    return may_do && !cheap && probes * ratio * ratio > fmax(next, probe_rays_at_least);
 }
 
-/* The picture is told apart from one within E; and if every rung that is left lowers the error as much as this one, the last is not either. Both were
- * judged by mostly the same probes, whose noise does not show in the ratio. */
-static bool ends_above(const climb *c, unsigned before, unsigned rung) {
-    double last = c->judged[rung].rel_rmse, share = last / c->judged[before].rel_rmse;
-    for (unsigned i = rung + 1; i < c->rungs && share < 1.0; i++) last *= share;
-    return !may_do(c, &c->judged[rung]) && last > c->o->error;
-}
-
-static bool hardly_gets_closer(climb *c, unsigned rung) {
-    unsigned before = rung;
-    while (before-- > 0) {
-        const sl_error_estimate *b = &c->judged[before], *e = &c->judged[rung];
-        if (!b->probes || !sl_ladder_differs(c->asked.method, before, rung)) continue;
-        if (!(e->rel_rmse > worthwhile * b->rel_rmse) || !ends_above(c, before, rung)) return false;
-        snprintf(c->why, sizeof c->why, "and finer settings hardly lower it (about %.3g %%, then %.3g %%)", 100.0 * b->rel_rmse, 100.0 * e->rel_rmse);
-        return true;
-    }
-    return false;
+/* If every rung that is left leaves as much of the error as this one, the last does not do either. */
+static bool ends_above(const climb *c, unsigned rung) {
+    double error = c->judged.rel_rmse;
+    for (unsigned i = rung + 1; i < c->rungs; i++) error *= c->left;
+    return error > too_near * c->o->error;
 }
 
 /* Notes why; false where another rung may do. */
 static bool is_in_vain(climb *c, unsigned rung) {
     if (!(c->o->error > 0.0)) return false;
-    if (c->judged[rung].nonfinite) snprintf(c->why, sizeof c->why, "with values that are no numbers, for which nothing is promised");
-    else if (bound_cannot_follow(c, rung)) snprintf(c->why, sizeof c->why, "and probes that take no longer than the pictures can promise no more");
-    else return hardly_gets_closer(c, rung);
+    if (c->judged.nonfinite)
+        snprintf(c->why, sizeof c->why, "with values that are no numbers, for which nothing is promised");
+    else if (rung + 1 < c->rungs && bound_cannot_follow(c, rung))
+        snprintf(c->why, sizeof c->why, "and probes that take no longer than the pictures can promise no more");
+    else if (rung + 1 < c->rungs && c->left > worthwhile && ends_above(c, rung))
+        snprintf(c->why, sizeof c->why, "and with finer settings at least %d %% of the error was left", (int)(100.0 * c->left));
+    else
+        return false;
     return true;
 }
 
@@ -358,6 +357,7 @@ sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene,
     if (!c.reached && o->error > 0.0) *end = SL_RENDER_MISSED;
     if (!c.reached && sl_interrupted()) *end = SL_RENDER_STOPPED;
     release(&c.best);
+    sl_image_destroy(c.last);
     sl_error_probe_destroy(c.probe);
     return status;
 }

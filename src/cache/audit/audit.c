@@ -38,6 +38,22 @@ static double student_95(double degrees) {
 static double square_of(double v) { return v * v; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
+/* Noise that both pictures' squares share leaves with the difference: with d and d' for their differences from (p + q)/2 and l for the
+ * share, Var = 2 (d' - l d)^2 s2 + (1 - l)^2 s2^2. */
+sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share, const double p[3], const double q[3],
+                                     double weight) {
+    sl_audit_pixel a = {.weight = weight};
+    double deviation = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double r = 0.5 * (p[c] + q[c]), d = second[c] - r - share * (first[c] - r), s2 = 0.5 * square_of(p[c] - q[c]);
+        a.square += ((second[c] - p[c]) * (second[c] - q[c]) - share * (first[c] - p[c]) * (first[c] - q[c])) / 3.0;
+        deviation += sqrt(2.0 * d * d * s2 + square_of((1.0 - share) * s2)) / 3.0;
+    }
+    a.square_variance = square_of(deviation);
+    a.unseen = (weight - 1.0) * larger(-a.square, 0.0);
+    return a;
+}
+
 sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight) {
     sl_audit_pixel a = {.weight = weight};
     double square_deviation = 0.0, difference_deviation = 0.0; /* a.perfect_deviation: the same for d = 0 */
@@ -98,6 +114,17 @@ static estimate_of_mean weighted_mean(const sl_audit_pixel *pixels, size_t count
     return m;
 }
 
+static double most_unseen(const sl_audit_pixel *pixels, size_t count) {
+    double most = 0.0;
+    for (size_t i = 0; i < count; i++) most = larger(most, pixels[i].unseen);
+    return most;
+}
+
+bool sl_audit_is_positive(const sl_audit_pixel *pixels, size_t count, double population) {
+    estimate_of_mean m = weighted_mean(pixels, count, population, the_square, variance_of_square);
+    return m.mean - m.spread > RULE_OF_THREE * most_unseen(pixels, count) / larger(population, 1.0);
+}
+
 /* As in a comparison: 0/0 is 0, no error of a black picture; anything else to 0 is infinite. What is not a number promises nothing. */
 static double ratio(double a, double b) {
     if (a == 0.0) return 0.0;
@@ -119,16 +146,15 @@ static double perfect_square(const sl_audit_pixel *pixels, size_t count, double 
 }
 
 void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *e) {
-    double unseen = 0.0, noise = 0.0, weights = 0.0;
+    double noise = 0.0, weights = 0.0;
     for (size_t i = 0; i < count; i++) {
-        unseen = larger(unseen, pixels[i].unseen);
         noise += pixels[i].weight * pixels[i].noise;
         weights += pixels[i].weight;
     }
     estimate_of_mean square = weighted_mean(pixels, count, population, the_square, variance_of_square);
     estimate_of_mean difference = weighted_mean(pixels, count, population, the_difference, variance_of_difference);
     double mean_square = larger(square.mean, 0.0);
-    double upper = mean_square + square.spread + RULE_OF_THREE * unseen / larger(population, 1.0);
+    double upper = mean_square + square.spread + RULE_OF_THREE * most_unseen(pixels, count) / larger(population, 1.0);
     e->mean = mean_image - difference.mean;
     e->rmse = sqrt(mean_square);
     e->noise = sqrt(noise / larger(weights, 1.0));

@@ -18,6 +18,13 @@ typedef struct sl_audit_pixel {
 
 sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight);
 
+/* The same values in two pictures: what the second has of squared error beyond `share` times that of the first. */
+sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share, const double p[3], const double q[3],
+                                     double weight);
+
+/* With 95 % confidence the mean of squares of some pixels out of `population` is above 0. */
+bool sl_audit_is_positive(const sl_audit_pixel *pixels, size_t count, double population);
+
 /* rel_rmse, bound, least, rmse, mean, noise and resolution. population: of how many pixels these are some; mean_image: of all their values. */
 void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double population, double mean_image, sl_error_estimate *estimate);
 

@@ -22,6 +22,8 @@ static const uint64_t probe_salt = 0x70726f6265u; /* probes must not repeat the 
 struct sl_error_probe {
     sl_probe_tracer tracer;
     sl_image *surfaces; /* the pixels that are judged */
+    uint64_t probes;    /* that the last estimate asked for, */
+    uint32_t samples;   /* and samples of each */
     bool blind;
 };
 
@@ -140,14 +142,20 @@ static void audit_end(audit *a) {
 
 /* ---- what they say ------------------------------------------------------------------------------------------------------- */
 
+static void value_of(const sl_audit_view *view, uint32_t pixel, double x[3]) {
+    for (int c = 0; c < 3; c++) x[c] = (double)view->planes[c][pixel];
+}
+
 /* By those that are chosen. */
 static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_error_estimate *e, sl_error *error) {
     sl_status status = sl_probe_tracer_trace(&a->p->tracer, a->chosen, a->count, samples, error);
     if (status != SL_OK) return status;
+    a->p->probes = probes;
+    a->p->samples = samples;
     for (size_t i = 0; i < a->count; i++) {
         double x[3], p[3], q[3];
         uint32_t pixel = a->chosen[i];
-        for (int c = 0; c < 3; c++) x[c] = (double)a->view.planes[c][pixel];
+        value_of(&a->view, pixel, x);
         sl_probe_tracer_means(&a->p->tracer, pixel, p, q);
         a->pixel[i] = sl_audit_pixel_of(x, p, q, 1.0 / probability(a, pixel, probes));
     }
@@ -219,5 +227,38 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
     }
     audit_end(&a);
     if (status != SL_OK) *e = (sl_error_estimate){0}; /* not what fewer probes said */
+    return status;
+}
+
+/* ---- two pictures -------------------------------------------------------------------------------------------------------- */
+
+/* Whether more than `share` of the first picture's error is left in the second, which chose the pixels. */
+static bool leaves_more(audit *a, const sl_audit_view *first, double share) {
+    for (size_t i = 0; i < a->count; i++) {
+        double x[3], y[3], p[3], q[3];
+        uint32_t pixel = a->chosen[i];
+        value_of(first, pixel, x);
+        value_of(&a->view, pixel, y);
+        sl_probe_tracer_means(&a->p->tracer, pixel, p, q);
+        a->pixel[i] = sl_audit_pixel_beyond(x, y, share * share, p, q, 1.0 / probability(a, pixel, a->p->probes));
+    }
+    return sl_audit_is_positive(a->pixel, a->count, (double)a->view.judged);
+}
+
+sl_status sl_error_probe_left(sl_error_probe *p, const sl_image *first, const sl_image *second, double *share, sl_error *error) {
+    enum { HALVINGS = 10 };
+    audit a = {0};
+    sl_audit_view view;
+    if (share) *share = 0.0;
+    if (!p || !first || !second || !share) return sl_fail_null(error, "error probes, two images and a place for a share");
+    if (!p->probes) return sl_fail(error, SL_ERROR_USAGE, "expected probes that have judged the second image");
+    sl_status status = audit_begin(&a, p, second, error);
+    if (status == SL_OK) status = sl_audit_view_of(first, p->surfaces, &view, error);
+    if (status == SL_OK) choose(&a, p->probes);
+    if (status == SL_OK) status = sl_probe_tracer_trace(&p->tracer, a.chosen, a.count, p->samples, error);
+    for (double step = 0.5; status == SL_OK && step > ldexp(1.0, -HALVINGS); step *= 0.5) {
+        if (leaves_more(&a, &view, *share + step)) *share += step;
+    }
+    audit_end(&a);
     return status;
 }

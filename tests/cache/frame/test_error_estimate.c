@@ -412,6 +412,40 @@ static void a_picture_of_two_halves_knows_its_own_error(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Two planted errors, of which the second is so many times the first. */
+static void how_much_of_an_error_is_left_is_told_by_differences_at_the_same_probes(void **state) {
+    (void)state;
+    enum { SEEDS = 10 };
+    const double shares[] = {1.0, 0.96, 0.3};
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
+    sl_settings settings = small_settings("path", SIZE, SIZE);
+    settings.transport = "direct";
+    sl_image *first = reference_of(scene, "direct", 64), *second = reference_of(scene, "direct", 64);
+    double error = 0.2 * mean_of(first), planted = 0.0;
+    add_to_picture(first, (float)error);
+    for (size_t i = 0; i < sizeof shares / sizeof shares[0]; i++) {
+        unsigned held = 0, near = 0, overlap = 0;
+        add_to_picture(second, (float)(shares[i] * error - planted));
+        planted = shares[i] * error;
+        for (settings.seed = 0; settings.seed < SEEDS; settings.seed++) {
+            double left;
+            sl_error_probe *probe = probe_of(scene, &settings);
+            sl_error_estimate before = estimate_with(probe, first, 128, 16), after = estimate_with(probe, second, 128, 16);
+            assert_int_equal(sl_error_probe_left(probe, first, second, &left, NULL), SL_OK);
+            held += left <= shares[i];
+            near += left > shares[i] - 0.1;
+            overlap += after.bound > before.least;
+            sl_error_probe_destroy(probe);
+        }
+        print_message("%.2f: %u not above, %u near, %u of the bounds overlap\n", shares[i], held, near, overlap);
+        assert_true(10 * held >= 9 * SEEDS);
+        if (shares[i] > 0.9) assert_true(10 * near >= 9 * SEEDS && 10 * overlap >= 9 * SEEDS);
+    }
+    sl_image_destroy(second);
+    sl_image_destroy(first);
+    sl_scene_destroy(scene);
+}
+
 static void what_no_path_from_the_eye_finds_is_owned_up_to(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/mirror-balls.json");
@@ -446,6 +480,9 @@ static void mistakes_are_told(void **state) {
     assert_int_equal(sl_error_probe_estimate(probe, small, 0, 1, &e, &error), SL_ERROR_USAGE);
     assert_int_equal(sl_error_probe_estimate(probe, small, 1, 0, &e, &error), SL_ERROR_USAGE);
     assert_int_equal(sl_error_probe_judge(probe, small, 0.0, 0, &e, &error), SL_ERROR_USAGE);
+    double left;
+    assert_int_equal(sl_error_probe_left(probe, small, small, &left, &error), SL_ERROR_USAGE);
+    assert_non_null(strstr(error.message, "judged"));
     assert_int_equal(sl_error_probe_judge(probe, small, (double)NAN, 0, &e, &error), SL_ERROR_USAGE);
     settings.method = "guesswork";
     assert_int_equal(sl_error_probe_create(scene, &settings, &none, &error), SL_ERROR_USAGE);
@@ -518,6 +555,7 @@ int main(void) {
         cmocka_unit_test(a_black_scene_has_no_error_and_a_lit_one_in_black_has_all),
         cmocka_unit_test(nothing_is_promised_for_a_picture_with_a_value_that_is_no_number),
         cmocka_unit_test(a_picture_of_two_halves_knows_its_own_error),
+        cmocka_unit_test(how_much_of_an_error_is_left_is_told_by_differences_at_the_same_probes),
         cmocka_unit_test(what_no_path_from_the_eye_finds_is_owned_up_to),
         cmocka_unit_test(mistakes_are_told),
     };
