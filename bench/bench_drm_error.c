@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cache/direct_radiance/plan.h"
+#include "cache/direct_radiance/direct_radiance.h"
 #include "drm_bench.h"
 #include "timing.h"
 

@@ -14,8 +14,8 @@
 #include <unistd.h>
 
 #include "base/math.h"
-#include "cache/direct_radiance/plan.h"
-#include "cache/direct_radiance/radiance_map.h"
+#include "cache/direct_radiance/direct_radiance.h"
+#include "cache/direct_radiance/map.h"
 #include "drm_bench.h"
 #include "drm_osmesa.h"
 #include "raster_osmesa.h"

@@ -1,10 +1,9 @@
-#include "cache/direct_radiance/light_groups.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/direct_radiance/lights.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/error.h"
-#include "base/memory.h"
 
 /* ---- side by side in one plane ---- */
 

@@ -1,16 +1,13 @@
 /* Pass 4: environment cubes of curved mirrors. Each face is a picture of the scene like the camera's, planar mirrors included,
  * lit by the same passes. */
-#include "cache/direct_radiance/mirrors.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/direct_radiance/emission.h"
-#include "cache/direct_radiance/mirror_objects.h"
+#include "cache/direct_radiance/direct_radiance.h"
+
+#include <math.h>
+#include <string.h>
 
 enum { FACES = 6, TOGETHER = 4 /* cubes made at once: what they leave out is a byte a triangle each */ };
 
@@ -25,7 +22,6 @@ static void destroy_cubes(sl_environment_cube *cube, size_t count) {
 
 typedef struct {
     const sl_mirror_pass *pass;
-    const sl_curved_mirrors *before; /* the generation before, or NULL */
     const sl_mirror_objects *objects;
     sl_environment_cube *cube;          /* to be filled */
     size_t first;                    /* of the cubes that are made together */
@@ -33,7 +29,7 @@ typedef struct {
     sl_status status[TOGETHER * FACES];
     sl_error error[TOGETHER * FACES];
     sl_counters counters[TOGETHER * FACES];
-} generation_pass;
+} cubes_pass;
 
 /* The planes of a face: three of each part, and which pixels are known. */
 typedef struct {
@@ -49,12 +45,9 @@ static bool allocate_planes(face_planes *f, size_t pixels) {
     return f->memory != NULL;
 }
 
-/* The pixel shows a mirror that nothing tells about: a curved one without an earlier cube, or a planar one beyond the nesting limit. */
-static bool is_unknown_mirror(const generation_pass *g, uint32_t id) {
-    const sl_scene *scene = g->pass->scene;
-    if (id == SL_NO_INDEX || !sl_material_is_mirror(&scene->materials[scene->material_index[id]])) return false;
-    if (!sl_is_curved_mirror(scene, g->pass->planar, id)) return true;
-    return !g->before || g->before->objects.cube_of[scene->object_index[id]] == SL_NO_INDEX;
+/* The pixel shows a mirror that nothing tells about: a curved one, or a planar one beyond the nesting limit. */
+static bool is_unknown_mirror(const sl_scene *scene, uint32_t id) {
+    return id != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[scene->material_index[id]]);
 }
 
 static void set_pixel(const face_planes *f, size_t i, sl_rgb value) {
@@ -66,12 +59,12 @@ static void set_pixel(const face_planes *f, size_t i, sl_rgb value) {
 }
 
 /* Times the planar mirrors on the way. A mirror that is not known keeps the factor by which it will show the cube's mean. */
-static void finish_pixels(const generation_pass *g, const sl_receivers *r, const face_planes *f) {
+static void finish_pixels(const cubes_pass *g, const sl_receivers *r, const face_planes *f) {
     const size_t pixels = (size_t)r->width * (size_t)r->height;
     const sl_scene *scene = g->pass->scene;
     for (size_t i = 0; i < pixels; i++) {
         const uint32_t id = r->gbuffer->id[i];
-        const bool unknown = is_unknown_mirror(g, id);
+        const bool unknown = is_unknown_mirror(scene, id);
         f->known[i] = unknown ? 0.0f : 1.0f;
         if (unknown) set_pixel(f, i, scene->materials[scene->material_index[id]].mirror);
         for (int k = 0; k < 3 && r->throughput[k]; k++) {
@@ -80,7 +73,7 @@ static void finish_pixels(const generation_pass *g, const sl_receivers *r, const
     }
 }
 
-static sl_status light_face(const generation_pass *g, const sl_receivers *r, const face_planes *f, sl_counters *counters, sl_error *error) {
+static sl_status light_face(const cubes_pass *g, const sl_receivers *r, const face_planes *f, sl_counters *counters, sl_error *error) {
     sl_light_pass light = *g->pass->light;
     sl_lit_picture picture;
     light.threads = 1;
@@ -91,7 +84,6 @@ static sl_status light_face(const generation_pass *g, const sl_receivers *r, con
     sl_status status = sl_light_directly(&light, r, &picture, counters, error);
     if (status == SL_OK && g->pass->indirect) status = sl_light_indirectly(&light, r, &picture, NULL, counters, error);
     if (status != SL_OK) return status;
-    sl_curved_mirrors_reflect(g->before, r, 1, f->plane[SL_CUBE_EMISSION], f->plane[SL_CUBE_DIRECT], f->plane[SL_CUBE_INDIRECT], counters);
     finish_pixels(g, r, f);
     return SL_OK;
 }
@@ -104,7 +96,7 @@ static void keep_face(sl_environment_cube *cube, int face, int size, const face_
     }
 }
 
-static sl_status make_face(const generation_pass *g, size_t number, int face, sl_counters *counters, sl_error *error) {
+static sl_status make_face(const cubes_pass *g, size_t number, int face, sl_counters *counters, sl_error *error) {
     const sl_mirror_pass *pass = g->pass;
     const int size = pass->cube_size;
     sl_view view = sl_view_cube_face(g->objects->object[number].centre, face, size, 1e-5f * pass->scene->scale);
@@ -122,7 +114,7 @@ static sl_status make_face(const generation_pass *g, size_t number, int face, sl
 
 static void make_face_task(void *context, size_t index, unsigned worker) {
     (void)worker;
-    generation_pass *g = context;
+    cubes_pass *g = context;
     g->status[index] = make_face(g, g->first + index / FACES, (int)(index % FACES), &g->counters[index], &g->error[index]);
 }
 
@@ -179,7 +171,7 @@ static void fill_unknown(const sl_cube_map *map) {
 
 static void complete_cube_task(void *context, size_t index, unsigned worker) {
     (void)worker;
-    const generation_pass *g = context;
+    const cubes_pass *g = context;
     for (int p = 0; p < SL_CUBE_PARTS; p++) {
         sl_cube_map *map = g->cube[g->first + index].part[p];
         if (!map) continue;
@@ -188,7 +180,7 @@ static void complete_cube_task(void *context, size_t index, unsigned worker) {
     }
 }
 
-/* ---- a generation ---- */
+/* ---- all cubes ---- */
 
 static sl_status create_cubes(const sl_mirror_pass *pass, size_t count, sl_environment_cube **cubes, sl_error *error) {
     const sl_scene *scene = pass->scene;
@@ -205,7 +197,7 @@ static sl_status create_cubes(const sl_mirror_pass *pass, size_t count, sl_envir
     return SL_OK;
 }
 
-static sl_status make_together(generation_pass *g, size_t count, sl_counters *counters, sl_error *error) {
+static sl_status make_together(cubes_pass *g, size_t count, sl_counters *counters, sl_error *error) {
     const unsigned threads = sl_thread_count(g->pass->light->threads);
     memset(g->counters, 0, sizeof g->counters);
     for (size_t n = 0; n < count; n++) sl_mirror_object_mark(g->pass->scene, &g->objects->object[g->first + n], g->left_out[n]);
@@ -219,10 +211,10 @@ static sl_status make_together(generation_pass *g, size_t count, sl_counters *co
     return SL_OK;
 }
 
-static sl_status make_generation(const sl_mirror_pass *pass, const sl_curved_mirrors *before, const sl_mirror_objects *objects,
-                                 sl_environment_cube **cubes, sl_counters *counters, sl_error *error) {
+static sl_status make_cubes(const sl_mirror_pass *pass, const sl_mirror_objects *objects, sl_environment_cube **cubes,
+                            sl_counters *counters, sl_error *error) {
     sl_status status = create_cubes(pass, objects->count, cubes, error);
-    generation_pass *g = sl_allocate(1, sizeof *g);
+    cubes_pass *g = sl_allocate(1, sizeof *g);
     bool ok = g != NULL;
     for (size_t n = 0; ok && n < TOGETHER && n < objects->count; n++) {
         g->left_out[n] = sl_allocate(pass->scene->triangle_count, 1);
@@ -231,7 +223,6 @@ static sl_status make_generation(const sl_mirror_pass *pass, const sl_curved_mir
     if (status == SL_OK && !ok) status = sl_fail_memory(error, "environment cubes");
     if (ok) {
         g->pass = pass;
-        g->before = before;
         g->objects = objects;
         g->cube = *cubes;
     }
@@ -251,13 +242,7 @@ sl_status sl_curved_mirrors_render(const sl_mirror_pass *pass, const sl_receiver
     if (!m) return sl_fail_memory(error, "the curved mirrors");
     *m = (sl_curved_mirrors){.scene = pass->scene, .planar = pass->planar};
     sl_status status = sl_mirror_objects_find(pass->scene, pass->planar, seen, &m->objects, error);
-    const int generations = pass->generations > 0 ? pass->generations : 1;
-    for (int n = 0; status == SL_OK && m->objects.count && n < generations; n++) {
-        sl_environment_cube *cubes = NULL;
-        status = make_generation(pass, n ? m : NULL, &m->objects, &cubes, counters, error);
-        destroy_cubes(m->cube, m->objects.count);
-        m->cube = cubes;
-    }
+    if (status == SL_OK && m->objects.count) status = make_cubes(pass, &m->objects, &m->cube, counters, error);
     if (status == SL_OK && m->objects.count) *mirrors = m;
     else sl_curved_mirrors_destroy(m);
     return status;

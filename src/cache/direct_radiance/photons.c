@@ -1,10 +1,9 @@
 /* Pass 3: regular samples of the direct radiance map, and what they have in common with the other ways to take them. */
-#include "cache/direct_radiance/photons.h"
-
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
-#include "cache/direct_radiance/photon_groups.h"
+#include "cache/direct_radiance/map.h"
 
 /* A receiver that is as near as that to a photon gets nothing from it: its direction would be noise. */
 #define NEAREST_RECEIVER 1e-6
@@ -122,4 +121,257 @@ size_t sl_map_photons_bytes(const sl_map_photons *photons) {
     if (!photons) return 0;
     size_t each = sizeof *photons->photon + (photons->lobe ? sizeof *photons->lobe : 0) + (photons->quad ? sizeof *photons->quad : 0);
     return sizeof *photons + photons->room * each;
+}
+
+/* From a texel of the map to the light that leaves the surface there. */
+
+static sl_vec3d plane_at(float *const plane[3], size_t i) {
+    return sl_v3d((double)plane[0][i], (double)plane[1][i], (double)plane[2][i]);
+}
+
+static bool is_finite(sl_vec3d a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+
+/* Unit vector; false where a has no direction. */
+static bool make_unit(sl_vec3d *a) {
+    double length = sl_lengthd(*a);
+    if (!(length > 0.0) || !isfinite(length)) return false;
+    *a = sl_scaled(*a, 1.0 / length);
+    return is_finite(*a);
+}
+
+void sl_map_face_ray(const sl_map_face *face, bool directional, double column, double row, sl_vec3d *origin, sl_vec3d *direction) {
+    double u = face->left + (face->right - face->left) * (column / (double)face->width);
+    double v = face->bottom + (face->top - face->bottom) * (row / (double)face->height);
+    sl_vec3d x = sl_to_double(face->frame.x), y = sl_to_double(face->frame.y), z = sl_to_double(face->frame.z);
+    sl_vec3d aside = sl_addd(sl_scaled(x, u), sl_scaled(y, v)), eye = sl_to_double(face->eye);
+    *origin = directional ? sl_addd(eye, aside) : eye;
+    *direction = directional ? z : sl_addd(z, aside);
+}
+
+/* Way, direction of arrival and perpendicular area of a texel. */
+static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
+    t->way = (double)map->path[i];
+    t->footprint = (double)map->block_angle[i]; /* of a directional light: an area already */
+    if (map->spread && map->spread[i] > 0.0f) {
+        t->footprint = (double)map->spread[i];
+        t->to_light = plane_at(map->arrival, i);
+        if (!make_unit(&t->to_light)) return false;
+    } else if (map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL) {
+        t->to_light = sl_to_double(sl_neg(face->frame.z));
+    } else {
+        t->to_light = sl_subd(sl_to_double(face->eye), t->position);
+        t->way = sl_lengthd(t->to_light);
+        t->to_light = sl_scaled(t->to_light, 1.0 / t->way); /* at the light itself NaN, and near: dropped */
+        t->footprint *= t->way * t->way;
+    }
+    return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
+}
+
+/* The direction in which the texel's light left the light. Its image in a mirror shines as it does itself: the mirror's plane lies halfway
+ * between. What came by curved mirrors left along the picture's ray, and arrives from somewhere else. */
+static sl_vec3 as_it_left(const sl_radiance_map *map, const sl_map_face *face, size_t i, const sl_map_texel *t) {
+    const sl_map_light *light = &map->lights->light[face->light];
+    sl_vec3d direction = sl_scaled(t->to_light, -1.0), origin;
+    if (map->spread && map->spread[i] > 0.0f) {
+        size_t texel = i - face->first, width = (size_t)face->width;
+        sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin, &direction);
+    }
+    sl_vec3d across = sl_subd(sl_to_double(light->position), sl_to_double(face->eye));
+    if (face->mirror != SL_NO_INDEX && make_unit(&across)) {
+        direction = sl_subd(direction, sl_scaled(across, 2.0 * sl_dotd(direction, across)));
+    }
+    return sl_normalize_or(sl_to_float(direction), sl_v3(0.0f, 0.0f, 1.0f));
+}
+
+/* I dOmega: what leaves the light within the texel, less the mirrors' share. */
+static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
+    const sl_map_light *light = &map->lights->light[face->light];
+    bool by_direction = light->kind == SL_MAP_LIGHT_SPOT || light->kind == SL_MAP_LIGHT_AREA;
+    sl_rgb intensity = by_direction ? sl_map_light_intensity(light, as_it_left(map, face, i, t)) : light->intensity;
+    intensity = sl_rgb_mul(intensity, face->reflectance);
+    if (map->spread && map->spread[i] > 0.0f) {
+        intensity = sl_rgb_mul(intensity, (sl_rgb){map->carried[0][i], map->carried[1][i], map->carried[2][i]});
+    }
+    const double c[3] = {(double)intensity.r, (double)intensity.g, (double)intensity.b};
+    bool any = false;
+    for (int k = 0; k < 3; k++) {
+        t->arriving[k] = c[k] > 0.0 ? c[k] * (double)map->block_angle[i] : 0.0;
+        any |= t->arriving[k] > 0.0;
+        if (!isfinite(t->arriving[k])) return false;
+    }
+    return any;
+}
+
+/* Psi = L_o A = rho I dOmega / pi cos_s / cos_alpha, where cos_s is the shading normal's cosine, in L_o, and cos_alpha the geometric
+ * one's, in A: 1 to another on facets. On rounded silhouettes the quotient can be huge. No surface sends on more than arrives:
+ * pi Psi <= I dOmega bounds it, in all channels by one factor, so that the hue stays. */
+static void find_flux(const sl_radiance_map *map, sl_map_texel *t) {
+    double share = 1.0, reflected[3];
+    if (map->lambertian) {
+        double area = t->footprint / t->cos_alpha;
+        for (int k = 0; k < 3; k++) {
+            t->flux[k] = t->color[k] > 0.0 ? t->color[k] * area : 0.0;
+            double most = t->arriving[k] * (1.0 / SL_PI);
+            if (t->flux[k] * share > most) share = most / t->flux[k];
+        }
+        for (int k = 0; k < 3; k++) reflected[k] = t->flux[k] *= share;
+    } else {
+        const sl_rgb s = t->material->specular;
+        const double specular[3] = {(double)s.r, (double)s.g, (double)s.b};
+        double most = 0.0, tilt = sl_dotd(t->shading, t->to_light) / t->cos_alpha;
+        for (int k = 0; k < 3; k++) {
+            reflected[k] = t->color[k] + specular[k];
+            most = fmax(most, reflected[k]);
+        }
+        share = tilt > 0.0 ? tilt : 0.0;
+        if (most * share > 1.0) share = 1.0 / most;
+        for (int k = 0; k < 3; k++) reflected[k] *= t->flux[k] = t->arriving[k] * share;
+    }
+    t->luminance = sl_luminance_of(reflected);
+}
+
+bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const sl_map_face *face, int column, int row,
+                       const double *color, sl_map_texel *t) {
+    size_t i = sl_map_texel_index(face, column, row);
+    if (map->triangle[i] == SL_NO_INDEX) return false;
+    t->position = plane_at(map->position, i);
+    if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
+    bool directional = map->lights->light[face->light].kind == SL_MAP_LIGHT_DIRECTIONAL;
+    if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_core_diagonal(scene)) return false;
+
+    t->normal = plane_at(map->geometric, i);
+    if (!make_unit(&t->normal)) return false;
+    t->shading = t->normal;
+    if (map->normal[0]) {
+        sl_vec3d shading = plane_at(map->normal, i);
+        if (make_unit(&shading)) t->shading = shading;
+    }
+    t->cos_alpha = fmax(sl_dotd(t->normal, t->to_light), SL_TEXEL_COS_MIN);
+    t->material = &scene->materials[scene->material_index[map->triangle[i]]];
+    t->object = scene->object_index[map->triangle[i]];
+    for (int k = 0; k < 3; k++) {
+        t->color[k] = color ? color[k] : (double)map->color[k][i];
+        if (!(t->color[k] >= 0.0) || !isfinite(t->color[k])) return false;
+    }
+    if (!find_arriving(map, face, i, t)) return false;
+    find_flux(map, t);
+    return t->luminance > 0.0 && isfinite(t->luminance);
+}
+
+/* Samples become photons: the footprint's printed form, the lobe and the polygon beside it. */
+
+static sl_rgb rgb_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
+
+/* The material without the texture, which the map's true colour has. */
+static void find_lobe(const sl_radiance_map *map, const sl_map_texel *t, double diffuse[3], double specular[3], double *exponent) {
+    if (map->lambertian) return;
+    const sl_rgb s = t->material->specular;
+    const double ks[3] = {(double)s.r, (double)s.g, (double)s.b};
+    for (int k = 0; k < 3; k++) {
+        diffuse[k] = t->color[k];
+        specular[k] = ks[k];
+    }
+    *exponent = (double)t->material->exponent;
+}
+
+sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *t, double times, sl_texel_rectangle rectangle) {
+    sl_photon_sample s = {.position = t->position, .normal = t->normal, .shading = t->shading, .to_light = t->to_light,
+                          .cos_alpha = t->cos_alpha, .footprint = times * t->footprint, .way = t->way, .object = t->object,
+                          .rectangle = rectangle};
+    for (int k = 0; k < 3; k++) {
+        s.flux[k] = times * t->flux[k];
+        s.radiance[k] = sl_printed_radiance(list->map, t, k);
+    }
+    find_lobe(list->map, t, s.diffuse, s.specular, &s.exponent);
+    return s;
+}
+
+/* A of (13) with A' of (12) and w := m; a directional light's A' is its block's area. */
+static double printed_area(const sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *s) {
+    double footprint;
+    if (sl_face_is_directional(list->map, face)) {
+        footprint = (face->right - face->left) / face->columns * ((face->top - face->bottom) / face->rows);
+    } else {
+        footprint = sl_printed_footprint(s->way, sl_atan(face->right) - sl_atan(face->left), face->columns);
+    }
+    return sl_printed_tilted_footprint(footprint, s->cos_alpha);
+}
+
+static bool photon_is_sound(const sl_map_photon *p) {
+    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_rgb_is_finite(p->flux) && sl_rgb_is_finite(p->radiance) &&
+           isfinite(p->printed_area) && isfinite(p->footprint) && p->footprint > 0.0f && p->cos_alpha > 0.0f &&
+           sl_rgb_max(p->flux) > 0.0f;
+}
+
+/* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the polygon is far smaller than what
+ * they cover: its radiance would be that much too large. */
+static bool holds_surface(const sl_photon_quad *quad, const sl_photon_sample *s) {
+    return 2.0 * (double)quad->area * s->cos_alpha >= s->footprint;
+}
+
+void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *s) {
+    sl_map_photons *photons = list->photons;
+    if (photons->count == photons->room) return;
+    sl_map_photon *photon = &photons->photon[photons->count];
+    *photon = (sl_map_photon){.position = sl_to_float(s->position), .footprint = (float)s->footprint, .flux = rgb_of(s->flux),
+                              .cos_alpha = (float)fmin(s->cos_alpha, 1.0), .normal = sl_to_float(s->normal),
+                              .printed_area = (float)printed_area(list, face, s), .radiance = rgb_of(s->radiance), .object = s->object};
+    if (!photon_is_sound(photon)) return;
+    if (photons->lobe) {
+        photons->lobe[photons->count] = (sl_photon_lobe){rgb_of(s->diffuse), rgb_of(s->specular), (float)s->exponent,
+                                                         sl_to_float(s->to_light), sl_to_float(s->shading)};
+    }
+    if (photons->quad) {
+        sl_photon_quad *quad = &photons->quad[photons->count];
+        sl_photon_quad_find(list->map, face, s, quad);
+        if (!holds_surface(quad, s)) *quad = (sl_photon_quad){0};
+        quad->depth = sqrtf(quad->area) * (s->bent ? 0.05f : 1e-4f); /* 0.09 of the radius, as in visibility.c; or rounding */
+    }
+    photons->count++;
+}
+
+/* The polygon that a photon stands for: where the corner rays of its part of the picture meet its tangent plane. */
+
+/* A corner farther from the light than so many times b is not that surface any more; of parallel light, one that is so many widths away. */
+#define LONGEST_RAY 4.0
+
+typedef struct corner_rays {
+    sl_vec3d point, normal;
+    double longest;    /* of a ray from the light */
+    double width;      /* of the picture's part, for parallel light */
+    bool directional;
+} corner_rays;
+
+static bool meet_plane(const corner_rays *rays, sl_vec3d origin, sl_vec3d direction, sl_vec3d *corner) {
+    double towards = sl_dotd(direction, rays->normal), way = sl_dotd(sl_subd(rays->point, origin), rays->normal);
+    double t = way / towards; /* may be infinite or NaN */
+    if (!(towards < 0.0) || !isfinite(t)) return false;
+    *corner = sl_addd(origin, sl_scaled(direction, t));
+    if (rays->directional) return sl_lengthd(sl_subd(*corner, rays->point)) <= LONGEST_RAY * rays->width;
+    return t > 0.0 && t * sl_lengthd(direction) <= rays->longest;
+}
+
+void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *s, sl_photon_quad *quad) {
+    *quad = (sl_photon_quad){0};
+    bool directional = sl_face_is_directional(map, face);
+    const sl_texel_rectangle *r = &s->rectangle;
+    if (!(r->left < r->right) || !(r->bottom < r->top)) return;
+    double width = (face->right - face->left) / face->width * (r->right - r->left);
+    double height = (face->top - face->bottom) / face->height * (r->top - r->bottom);
+    corner_rays rays = {s->position, s->normal, LONGEST_RAY * s->way, fmax(fabs(width), fabs(height)), directional};
+    const double column[4] = {r->left, r->right, r->right, r->left}, row[4] = {r->bottom, r->bottom, r->top, r->top};
+    sl_vec3d corner[4];
+    for (int c = 0; c < 4; c++) {
+        sl_vec3d origin, direction;
+        sl_map_face_ray(face, directional, column[c], row[c], &origin, &direction);
+        if (!meet_plane(&rays, origin, direction, &corner[c])) return;
+    }
+    /* Twice the area, along the normal where the corners turn counter-clockwise; a mirrored picture turns them round. */
+    sl_vec3d twice = sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
+    double area = 0.5 * sl_lengthd(twice);
+    if (!(area > 0.0) || !isfinite(area) || !((float)area > 0.0f)) return;
+    bool turned = sl_dotd(twice, s->normal) < 0.0;
+    for (int c = 0; c < 4; c++) quad->corner[c] = sl_to_float(corner[turned ? 3 - c : c]);
+    quad->count = 4;
+    quad->area = (float)area;
 }

@@ -1,7 +1,8 @@
 /* Which passes run. Only what the plan asks for is made. */
-#include "cache/direct_radiance/plan.h"
-
 #include "base/math.h"
+#include "cache/direct_radiance/direct_radiance.h"
+#include "cache/direct_radiance/map.h"
+#include "cache/frame/budget.h"
 #include "scene/features.h"
 
 void sl_radiance_complete(sl_settings *settings) {
@@ -108,3 +109,97 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
                  f.environment ? ", environment" : "");
     write_limits(scene, &p, m, writer);
 }
+
+/* Whether anything in a scene can throw a shadow on something else. */
+
+/* Where the vertices of a scene, or its lights, lie relative to a triangle's plane. */
+enum { IN_FRONT = 1, BEHIND = 2, BOTH = IN_FRONT | BEHIND };
+
+typedef struct {
+    sl_vec3d point, normal;
+    double tolerance;
+} plane;
+
+static plane plane_of(const sl_scene *scene, size_t triangle) {
+    return (plane){.point = sl_to_double(sl_scene_position(scene, scene->vertex[0][triangle])),
+                   .normal = sl_to_double(sl_scene_geometric_normal(scene, (uint32_t)triangle)),
+                   .tolerance = 1e-6 * (double)scene->scale};
+}
+
+static unsigned side_of(double height, double tolerance) { return height > tolerance ? IN_FRONT : height < -tolerance ? BEHIND : 0; }
+
+static unsigned sides_of_vertices(const sl_scene *scene, const plane *p) {
+    unsigned sides = 0;
+    for (uint32_t v = 0; v < scene->vertex_count && sides != BOTH; v++)
+        sides |= side_of(sl_dotd(p->normal, sl_subd(sl_to_double(sl_scene_position(scene, v)), p->point)), p->tolerance);
+    return sides;
+}
+
+/* A directional light stands as far away as can be, on the side from which it comes. */
+static unsigned side_of_light(const sl_light *light, const plane *p) {
+    if (light->type == SL_LIGHT_DIRECTIONAL) return side_of(-sl_dotd(p->normal, sl_to_double(light->direction)), 1e-6);
+    return side_of(sl_dotd(p->normal, sl_subd(sl_to_double(light->position), p->point)), p->tolerance);
+}
+
+/* Every plane has all vertices and all lights on one side of it, so no straight line from a light, or from one point of the surface to another, meets it in
+ * between. A single pair of lamp and wall fails the test, and rightly so: a lamp has a back. */
+sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene) {
+    enum { TESTS_AT_MOST = 1 << 24 };
+    bool outside = false;
+    if (scene->triangle_count * (scene->vertex_count + scene->light_count) > TESTS_AT_MOST) return SL_SHADOWS_OF_SURFACES;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        const plane p = plane_of(scene, t);
+        const unsigned sides = sides_of_vertices(scene, &p);
+        if (sides == BOTH) return SL_SHADOWS_OF_SURFACES;
+        for (size_t i = 0; i < scene->light_count && !outside; i++) outside = (sides | side_of_light(&scene->lights[i], &p)) == BOTH;
+    }
+    return outside ? SL_SHADOWS_OF_WALLS : SL_NO_SHADOWS;
+}
+
+/* What Direct Radiance Mapping takes: pictures from the lights, for the most part. */
+
+/* A picture has the order of receivers 4 and 13 layers; drawn pass by pass (visibility) 120 more; mirrors tell of two ways a pixel. A texel of a map: 22 planes
+ * and the rasterizer's 6. A photon: itself, its lobe, its polygon, and the weights of a reordering. Texels of a depth cube are there twice while it is drawn. */
+enum { FACES = 6, LAYERS = 13, A_PIXEL = 8, BY_PASSES = 120, OF_MIRRORS = 140, A_TEXEL = 28 * 4, A_PHOTON = 512, A_THREAD = 2000000, CURVED = 8 };
+
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+/* Maps are taken from no more than SL_MAP_LIGHTS_MAX lights, and from no more points of them than SL_MAP_POINTS_MAX. */
+static double light_points(const sl_scene *scene, const sl_radiance_map_settings *m, double *lights) {
+    *lights = smaller(sl_need_lights(scene), SL_MAP_LIGHTS_MAX);
+    const double n = m->emitter_samples;
+    double points = smaller((double)scene->light_count, SL_MAP_LIGHTS_MAX) + n * n * smaller(sl_need_emitters(scene), SL_MAP_LIGHTS_MAX);
+    return points;
+}
+
+static double map_bytes(const sl_radiance_map_settings *m, double pictures, double directional) {
+    const double texels = (double)m->map_size * m->map_size, samples = (double)m->samples * m->samples;
+    const double wide = (double)m->samples * sl_parallel_texels(m->samples, m->map_size / m->samples + 1);
+    return pictures * FACES * (texels * A_TEXEL + samples * A_PHOTON) + directional * wide * wide * A_TEXEL;
+}
+
+sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings) {
+    const sl_radiance_map_settings *m = &settings->radiance_map;
+    const sl_features f = sl_scene_features(scene);
+    double lights, points = light_points(scene, m, &lights);
+    const double cube = (double)m->shadow_size * m->shadow_size * FACES * sizeof(float);
+    const double curved = f.mirror_triangles ? CURVED * 3.0 * FACES * 16.0 * (double)m->cube_size * m->cube_size : 0.0;
+    const double layers = m->without_layers ? 3.0 : LAYERS, triangles = (double)scene->triangle_count;
+    const bool rays = m->visibility != SL_VISIBILITY_NONE || m->traced_light_mirrors;
+    /* Where light comes by planar mirrors each light has a picture more for each of them; a few at most count. */
+    const double pictures = smaller(points, SL_MAP_POINTS_MAX) * (f.mirror_triangles ? 3.0 : 1.0);
+    const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
+    return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene->triangle_count) + sl_raster_memory_kept(scene->triangle_count)
+                                                : sl_raster_memory_need(scene->triangle_count),
+                            .caches = points * cube + map_bytes(m, pictures, suns) + curved + sl_need_of_threads(settings, A_THREAD) + 8.0 * triangles + 4e6,
+                            .picture = sl_need_of_pixels(settings, A_PIXEL + 4.0 * layers + (m->visibility != SL_VISIBILITY_NONE ? BY_PASSES : 0) +
+                                                                       (f.mirror_triangles ? OF_MIRRORS : 0))};
+}
+
+const sl_concession sl_radiance_concessions[] = {{"sample photons a side of a map's face", offsetof(sl_settings, radiance_map.samples), SL_CONCEDE_INT, 2.0},
+                                                 {"texels a side of a map's face", offsetof(sl_settings, radiance_map.map_size), SL_CONCEDE_INT, 4.0},
+                                                 {"texels a side of a depth cube", offsetof(sl_settings, radiance_map.shadow_size), SL_CONCEDE_INT, 64.0},
+                                                 {"texels a side of a mirror's cube", offsetof(sl_settings, radiance_map.cube_size), SL_CONCEDE_INT, 16.0},
+                                                 {"points a side of an area light", offsetof(sl_settings, radiance_map.emitter_samples), SL_CONCEDE_INT, 1.0},
+                                                 {"no layers", offsetof(sl_settings, radiance_map.without_layers), SL_CONCEDE_FLAG, 0.0},
+                                                 {NULL, 0, SL_CONCEDE_INT, 0.0}};

@@ -1,14 +1,12 @@
-#include "cache/direct_radiance/visibility.h"
-
-#include "cache/direct_radiance/receiver_kernels.h"
-
-#include <string.h>
-
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/direct_radiance/direct_radiance.h"
+#include "cache/direct_radiance/receivers.h"
+
+#include <string.h>
 
 enum { BLOCK = 4 };
 

@@ -14,9 +14,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/direct_radiance/footprint.h"
-#include "cache/direct_radiance/map_texel.h"
-#include "cache/direct_radiance/photons.h"
+#include "cache/direct_radiance/map.h"
 #include "trace_scenes.h"
 
 /* A map made by hand: a point light, faces added one by one, texels filled by the rasterizer or by the test. */

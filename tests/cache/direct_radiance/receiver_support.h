@@ -3,7 +3,7 @@
 #ifndef SL_TESTS_RECEIVER_SUPPORT_H
 #define SL_TESTS_RECEIVER_SUPPORT_H
 
-#include "cache/direct_radiance/light_receivers.h"
+#include "cache/direct_radiance/direct_radiance.h"
 
 /* ---- receivers ---- */
 

@@ -6,9 +6,8 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/direct_radiance/footprint.h"
-#include "cache/direct_radiance/light_openings.h"
-#include "cache/direct_radiance/radiance_map.h"
+#include "cache/direct_radiance/map.h"
+#include "cache/direct_radiance/lights.h"
 #include "trace_scenes.h"
 
 static sl_map_lights *find(const sl_scene *scene, int subdivision) {

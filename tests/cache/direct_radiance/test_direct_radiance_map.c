@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/direct_radiance/radiance_map.h"
+#include "cache/direct_radiance/map.h"
 #include "trace/trace.h"
 #include "trace_scenes.h"
 

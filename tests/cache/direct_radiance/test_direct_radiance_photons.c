@@ -1,7 +1,7 @@
 /* Regular sample photons of direct radiance maps, against what their surfaces reflect. */
 #include "radiance_maps.h"
 
-#include "cache/direct_radiance/light_receivers.h"
+#include "cache/direct_radiance/direct_radiance.h"
 #include "trace/trace.h"
 
 static sl_map_light point_light(sl_vec3 position) {

@@ -1,5 +1,5 @@
 /* Receivers of Direct Radiance Mapping: the camera's G-buffer, what planar mirrors show in it, and the light that is seen directly. */
-#include "cache/direct_radiance/emission.h"
+#include "cache/direct_radiance/direct_radiance.h"
 #include "raster_support.h"
 
 enum { W = 96, H = 72, PIXELS = W * H, MAX = 4096 };

@@ -8,8 +8,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "cache/direct_radiance/shadow_cube_kernels.h"
-#include "cache/direct_radiance/shadow_cubes.h"
+#include "cache/direct_radiance/lights.h"
 #include "trace/trace.h"
 #include "trace_scenes.h"
 

@@ -1,15 +1,11 @@
-#include "cache/direct_radiance/radiance_map.h"
-
-#include <string.h>
-
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/direct_radiance/footprint.h"
-#include "cache/direct_radiance/map_mirrors.h"
-#include "cache/direct_radiance/map_pictures.h"
-#include "cache/direct_radiance/map_traced.h"
+#include "cache/direct_radiance/map.h"
+
+#include <math.h>
+#include <string.h>
 
 /* ---- planning ---- */
 
@@ -262,4 +258,21 @@ size_t sl_radiance_map_bytes(const sl_radiance_map *map) {
     if (!map) return 0;
     size_t planes = 12 + (map->normal[0] ? 3u : 0u) + (map->spread ? 7u : 0u);
     return sizeof *map + map->face_count * sizeof *map->face + planes * map->texels * sizeof(float);
+}
+
+/* Solid angle of [0,x] x [0,y]; odd in both. The product stands over a root that never vanishes. */
+static double corner_angle(double x, double y) { return sl_atan(x * y / sqrt(1.0 + x * x + y * y)); }
+
+double sl_rectangle_solid_angle(double x0, double y0, double x1, double y1) {
+    return (corner_angle(x1, y1) - corner_angle(x0, y1)) - (corner_angle(x1, y0) - corner_angle(x0, y0));
+}
+
+double sl_printed_footprint(double b, double fov, int m) {
+    double side = 2.0 * b * sl_tan(fov / (2.0 * (double)m));
+    return side * side;
+}
+
+double sl_printed_tilted_footprint(double footprint, double cos_alpha) {
+    if (!(cos_alpha >= 0.0)) return 0.0;
+    return cos_alpha > 0.0 ? footprint / cos_alpha : footprint > 0.0 ? INFINITY : 0.0;
 }

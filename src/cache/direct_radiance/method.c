@@ -1,0 +1,263 @@
+/* Direct Radiance Mapping as a method: frames, edits, memory, and what made a pixel. */
+#include "cache/direct_radiance/direct_radiance.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+/* ---- what observers are shown ---- */
+
+/* Texel for texel, faces one above another; those of a hemicube's sides are lower. */
+void sl_radiance_announce_map(sl_radiance_state *s) {
+    const sl_radiance_map *map = s->map;
+    if (!map->face_count) return;
+    int width = map->face[0].width, rows = (int)(map->texels / (size_t)width);
+    if ((size_t)width * (size_t)rows != map->texels) return;
+    const struct {
+        const char *name;
+        float *const *plane;
+    } pictures[] = {{"map of positions", map->position}, {map->lambertian ? "map of radiance" : "map of true colour", map->color}, {"map of normals", map->normal}};
+    for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; i++) {
+        if (!pictures[i].plane[0]) continue;
+        const float *const planes[3] = {pictures[i].plane[0], pictures[i].plane[1], pictures[i].plane[2]};
+        sl_announce_planes(&s->announcer, pictures[i].name, "direct radiance map", width, rows, planes);
+    }
+}
+
+void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons) {
+    sl_mark *marks = sl_announcing(announcer) && photons->count ? sl_allocate(photons->count, sizeof *marks) : NULL;
+    if (!marks) return;
+    for (size_t j = 0; j < photons->count; j++) {
+        const sl_map_photon *p = &photons->photon[j];
+        marks[j] = (sl_mark){.kind = SL_MARK_POINT, .at = {p->position.x, p->position.y, p->position.z}, .colour = {p->flux.r, p->flux.g, p->flux.b}};
+    }
+    sl_announce_marks(announcer, "sample photons", "samples of the direct radiance map", marks, photons->count);
+    sl_free(marks);
+}
+
+/* ---- a pixel explained: (10) photon by photon ---- */
+
+struct sl_radiance_story {
+    sl_light_pass light;
+    sl_receivers *receivers; /* whole, since pictures that are drawn in strips leave none */
+    sl_receiver_kinds kinds;
+    sl_photon_sums *sums;    /* NULL: no photons */
+};
+
+static void story_destroy(sl_radiance_story *story) {
+    if (!story) return;
+    sl_photon_sums_destroy(story->sums);
+    sl_receiver_kinds_release(&story->kinds);
+    sl_receivers_destroy(story->receivers);
+    sl_free(story);
+}
+
+static sl_status story_create(const sl_light_pass *light, const sl_raster *raster, const sl_view *view, const sl_mirrors *planar,
+                                   int reflections, sl_radiance_story **out, sl_error *error) {
+    sl_counters ignored = {{0}};
+    sl_radiance_story *story = sl_allocate(1, sizeof *story);
+    *out = NULL;
+    if (!story) return sl_fail_memory(error, "the stories of pixels");
+    *story = (sl_radiance_story){.light = *light};
+    sl_status status = sl_receivers_render(light->scene, raster, view, planar, reflections, light->threads, &story->receivers, &ignored, error);
+    if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &story->kinds, error);
+    if (status == SL_OK && light->photons && light->photons->count) {
+        status = sl_photon_sums_create(&story->light, &story->sums, error);
+        if (status == SL_OK) status = sl_photon_sums_see(story->sums, story->receivers, &story->kinds, &ignored, error);
+    }
+    if (status != SL_OK) story_destroy(story);
+    else *out = story;
+    return status;
+}
+
+static size_t story_bytes(const sl_radiance_story *story) {
+    return story ? sizeof *story + (story->receivers ? sl_receivers_bytes(story->receivers) : 0) : 0;
+}
+
+typedef struct {
+    const sl_radiance_story *story;
+    size_t pixel;
+    sl_story_writer *writer;
+} telling;
+
+static void tell_photon(void *context, size_t photon, float weight, const float radiance[3]) {
+    const telling *t = context;
+    const sl_map_photon *p = &t->story->light.photons->photon[photon];
+    sl_story_term term = {.layer = "indirect", .kind = "photon of the map", .index = photon, .placed = true, .weight = (double)weight,
+                          .position = {p->position.x, p->position.y, p->position.z}, .value = {p->flux.r, p->flux.g, p->flux.b}};
+    for (int c = 0; c < 3; c++) {
+        const float *throughput = t->story->receivers->throughput[c];
+        term.contribution[c] = (double)radiance[c] * (throughput ? (double)throughput[t->pixel] : 1.0);
+    }
+    sl_story_add(t->writer, &term);
+}
+
+/* The tile's lanes up to one pixel's, and as few as loops take: what lies beyond has no say. */
+static sl_receiver_tile up_to(const sl_receiver_tile *tile, size_t lane) {
+    sl_receiver_tile shorter = *tile;
+    shorter.count = lane + 1;
+    shorter.padded = (lane / SL_TILE_LANES + 1) * SL_TILE_LANES;
+    shorter.whole = false;
+    return shorter;
+}
+
+/* Of the tiles of its strip the one that has the pixel. */
+static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
+    const telling *t = context;
+    for (size_t lane = 0; lane < tile->count; lane++) {
+        if (tile->pixel[lane] != t->pixel) continue;
+        const sl_receiver_tile shorter = up_to(tile, lane);
+        sl_indirect_light_apart(t->story->sums, &shorter, glossy, lane, tell_photon, context, counters);
+    }
+}
+
+static void story_tell(const sl_radiance_story *story, int x, int y, sl_story_writer *writer) {
+    const sl_receivers *r = story->receivers;
+    telling t = {story, (size_t)y * (size_t)r->width + (size_t)x, writer};
+    sl_counters ignored = {{0}};
+    sl_story_add_layer(writer, "emission", "emitted light");
+    sl_story_add_layer(writer, "direct", "direct light");
+    uint32_t material = r->gbuffer->material[t.pixel];
+    bool mirror = material != SL_NO_INDEX && sl_material_is_mirror(&story->light.scene->materials[material]);
+    if (mirror) sl_story_add_layer(writer, "indirect", "what a curved mirror shows");
+    else if (story->sums) sl_receiver_tiles_strip(r, &story->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
+}
+
+/* ---- frames ---- */
+
+/* The G-buffer stays for the next frame. */
+static void forget_picture(sl_radiance_state *s) {
+    story_destroy(s->story);
+    s->story = NULL;
+    sl_curved_mirrors_destroy(s->curved);
+    sl_image_destroy(s->image);
+    s->curved = NULL;
+    s->image = NULL;
+    s->drawn = false;
+}
+
+static void radiance_destroy(void *state) {
+    sl_radiance_state *s = state;
+    if (!s) return;
+    forget_picture(s);
+    sl_receivers_destroy(s->receivers);
+    sl_radiance_darken(s);
+    sl_radiance_forget_geometry(s);
+    sl_report_points_destroy(s->points);
+    sl_free(s->planes);
+    sl_free(s);
+}
+
+static sl_status radiance_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport, void **state,
+                                 sl_error *error) {
+    (void)transport; /* its own: sl_radiance_transport() */
+    sl_radiance_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "direct radiance mapping");
+    s->scene = scene;
+    s->settings = *settings;
+    s->announcer = (sl_announcer){.observer = settings->observer, .method = "direct-radiance", .counters = &s->counters};
+    sl_status status = sl_radiance_place(s, error);
+    if (status != SL_OK) {
+        radiance_destroy(s);
+        return status;
+    }
+    *state = s;
+    return SL_OK;
+}
+
+/* A whole frame: there is nothing to refine. */
+static sl_status radiance_update(void *state, sl_progress *progress, sl_error *error) {
+    sl_radiance_state *s = state;
+    sl_status status = s->placed ? SL_OK : sl_radiance_place(s, error);
+    if (status == SL_OK && !s->lit) status = sl_radiance_light_up(s, error);
+    forget_picture(s);
+    if (status == SL_OK) status = sl_radiance_draw(s, error);
+    s->drawn = status == SL_OK;
+    progress->fraction = 1.0;
+    progress->frame_done = progress->done = true;
+    return status;
+}
+
+/* A picture of strips is handed over; who wants it again has it drawn again, and that is not counted. */
+static sl_status give_picture(sl_radiance_state *s, sl_image **image, sl_error *error) {
+    sl_counters ignored = {{0}};
+    if (!sl_radiance_in_strips(s))
+        return sl_radiance_compose(&s->layers, s->receivers, !s->settings.radiance_map.without_layers, s->settings.threads, image, error);
+    if (!s->image) return sl_radiance_draw_image(s, image, &ignored, error);
+    *image = s->image;
+    s->image = NULL;
+    return SL_OK;
+}
+
+static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error) {
+    sl_radiance_state *s = state;
+    sl_progress ignored;
+    sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
+    if (status == SL_OK) status = give_picture(s, image, error);
+    if (status == SL_OK && s->map) status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
+    if (status == SL_OK && s->plan.environment) status = sl_warn(*image, error, "the sky is seen, but lights nothing");
+    return status;
+}
+
+/* Passes 1 to 3 do not know the camera. */
+static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
+    (void)error;
+    sl_radiance_state *s = state;
+    forget_picture(s);
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) sl_radiance_darken(s);
+    if (changes & SL_CHANGED_OBJECTS) {
+        s->placed = false; /* and planned anew */
+        sl_report_points_follow(s->points);
+    }
+    if (s->placed && (changes & SL_CHANGED_LIGHTS)) s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings); /* they may have left a convex room */
+    return SL_OK;
+}
+
+static const sl_counters *radiance_counters(const void *state) { return &((const sl_radiance_state *)state)->counters; }
+
+static size_t radiance_memory_bytes(const void *state) {
+    const sl_radiance_state *s = state;
+    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    size_t bytes = sizeof *s + (s->planes ? SL_RADIANCE_PLANES * pixels * sizeof *s->planes : 0);
+    if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
+    if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
+    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
+    if (s->map) bytes += sl_radiance_map_bytes(s->map);
+    if (s->photons) bytes += sl_map_photons_bytes(s->photons);
+    bytes += sl_report_points_bytes(s->points) + story_bytes(s->story);
+    if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
+    if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
+    return bytes;
+}
+
+static sl_status radiance_story(void *state, int x, int y, sl_story_writer *writer, sl_error *error) {
+    sl_radiance_state *s = state;
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    sl_status status = SL_OK;
+    if (!s->drawn || s->settings.radiance_map.without_layers) return sl_fail(error, SL_ERROR_USAGE, "stories want a picture with its layers");
+    if (!s->story) {
+        const sl_light_pass light = sl_radiance_indirect_lighting(s);
+        status = story_create(&light, s->raster, &view, s->plan.planar ? s->planar : NULL,
+                                          s->settings.radiance_map.reflections, &s->story, error);
+    }
+    if (status == SL_OK) story_tell(s->story, x, y, writer);
+    return status;
+}
+
+const sl_method_class sl_direct_radiance_method = {
+    .name = "direct-radiance",
+    .complete = sl_radiance_complete,
+    .create = radiance_create,
+    .destroy = radiance_destroy,
+    .update = radiance_update,
+    .resolve = radiance_resolve,
+    .edit = radiance_edit,
+    .counters = radiance_counters,
+    .memory_bytes = radiance_memory_bytes,
+    .need = sl_radiance_need,
+    .concessions = sl_radiance_concessions,
+    .story = radiance_story,
+    .transport = sl_radiance_transport,
+    .plan = sl_radiance_plan_write,
+    .any_transport = false,
+};

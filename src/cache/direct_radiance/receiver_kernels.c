@@ -1,0 +1,306 @@
+/* What is done with a tile's lanes before light is added, and after. */
+#include "cache/direct_radiance/receivers.h"
+#include "cache/frame/picture_value.h"
+
+void SL_KERNEL(sl_receivers_prepare)(sl_receiver_tile *t) {
+    float *restrict gx = t->geometric_x, *restrict gy = t->geometric_y, *restrict gz = t->geometric_z;
+    float *restrict nx = t->normal_x, *restrict ny = t->normal_y, *restrict nz = t->normal_z;
+    float *restrict r = t->diffuse[0], *restrict g = t->diffuse[1], *restrict b = t->diffuse[2];
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        float of_geometric = gx[i] * gx[i] + gy[i] * gy[i] + gz[i] * gz[i];
+        float of_shading = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
+        bool sound = (of_geometric <= 2.0f) & (of_shading <= 2.0f);
+        gx[i] = sound ? gx[i] : 0.0f;
+        gy[i] = sound ? gy[i] : 0.0f;
+        gz[i] = sound ? gz[i] : 0.0f;
+        nx[i] = sound ? nx[i] : 0.0f;
+        ny[i] = sound ? ny[i] : 0.0f;
+        nz[i] = sound ? nz[i] : 0.0f;
+        r[i] *= (float)(1.0 / SL_PI);
+        g[i] *= (float)(1.0 / SL_PI);
+        b[i] *= (float)(1.0 / SL_PI);
+    }
+}
+
+/* The same on the way from the G-buffer. */
+static inline void fetch_normals(const float *restrict in_gx, const float *restrict in_gy, const float *restrict in_gz,
+                                 const float *restrict in_nx, const float *restrict in_ny, const float *restrict in_nz, size_t to,
+                                 sl_receiver_tile *restrict t) {
+#pragma omp simd
+    for (size_t i = 0; i < SL_TILE_WIDTH; i++) {
+        float gx = in_gx[i], gy = in_gy[i], gz = in_gz[i], nx = in_nx[i], ny = in_ny[i], nz = in_nz[i];
+        bool sound = (gx * gx + gy * gy + gz * gz <= 2.0f) & (nx * nx + ny * ny + nz * nz <= 2.0f);
+        t->geometric_x[to + i] = sound ? gx : 0.0f;
+        t->geometric_y[to + i] = sound ? gy : 0.0f;
+        t->geometric_z[to + i] = sound ? gz : 0.0f;
+        t->normal_x[to + i] = sound ? nx : 0.0f;
+        t->normal_y[to + i] = sound ? ny : 0.0f;
+        t->normal_z[to + i] = sound ? nz : 0.0f;
+    }
+}
+
+static inline void fetch_rest(const float *restrict x, const float *restrict y, const float *restrict z, const float *restrict r,
+                              const float *restrict g, const float *restrict b, size_t to, sl_receiver_tile *restrict t) {
+#pragma omp simd
+    for (size_t i = 0; i < SL_TILE_WIDTH; i++) {
+        t->x[to + i] = x[i];
+        t->y[to + i] = y[i];
+        t->z[to + i] = z[i];
+        t->diffuse[0][to + i] = r[i] * (float)(1.0 / SL_PI);
+        t->diffuse[1][to + i] = g[i] * (float)(1.0 / SL_PI);
+        t->diffuse[2][to + i] = b[i] * (float)(1.0 / SL_PI);
+    }
+}
+
+void SL_KERNEL(sl_receivers_fetch_rows)(const float *const plane[SL_TILE_PLANES], size_t width, sl_receiver_tile *t) {
+    for (size_t row = 0; row < SL_TILE_HEIGHT; row++) {
+        const float *from[SL_TILE_PLANES];
+        for (size_t k = 0; k < SL_TILE_PLANES; k++) from[k] = plane[k] + t->pixel[0] + row * width;
+        fetch_rest(from[0], from[1], from[2], from[9], from[10], from[11], row * SL_TILE_WIDTH, t);
+        fetch_normals(from[3], from[4], from[5], from[6], from[7], from[8], row * SL_TILE_WIDTH, t);
+    }
+}
+
+bool SL_KERNEL(sl_receivers_survey)(const uint32_t *material, uint32_t first, uint32_t width, uint32_t *restrict pixel) {
+    const uint32_t all = material[first];
+    uint32_t differences = 0;
+    for (uint32_t row = 0; row < SL_TILE_HEIGHT; row++) {
+        const uint32_t begin = first + row * width, *restrict of_row = material + begin;
+        uint32_t *restrict out = pixel + row * SL_TILE_WIDTH;
+#pragma omp simd reduction(| : differences)
+        for (uint32_t x = 0; x < SL_TILE_WIDTH; x++) {
+            differences |= of_row[x] ^ all;
+            out[x] = begin + x;
+        }
+    }
+    return differences == 0;
+}
+
+/* ---- light that arrives ---- */
+
+bool SL_KERNEL(sl_receivers_reached)(size_t count, const float *restrict weight, float largest, float *restrict lit) {
+    uint32_t any = 0;
+#pragma omp simd reduction(| : any)
+    for (size_t i = 0; i < count; i++) {
+        bool reached = (weight[i] > 0.0f) & (weight[i] <= largest);
+        lit[i] = reached ? 1.0f : 0.0f;
+        any |= reached ? 1u : 0u;
+    }
+    return any != 0;
+}
+
+void SL_KERNEL(sl_receivers_where)(size_t count, const float *restrict b, float *restrict a) {
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) a[i] = b[i] > 0.0f ? a[i] : 0.0f;
+}
+
+/* ---- light that leaves ---- */
+
+static inline void reflect(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int channel, float *restrict out) {
+    const float *restrict kd = t->diffuse[channel], *restrict ks = t->specular[channel];
+    const float *restrict e = light->irradiance[channel], *restrict l = light->lobe[channel];
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) out[i] = kd[i] * e[i];
+    if (!glossy) return;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) out[i] += ks[i] * l[i];
+}
+
+void SL_KERNEL(sl_receivers_reflect_to)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, int width,
+                                        float *const planes[3]) {
+    float radiance[SL_TILE_PIXELS];
+    for (int c = 0; c < 3; c++) {
+        reflect(t, light, glossy, c, radiance);
+        for (size_t row = 0; row < SL_TILE_HEIGHT && t->whole; row++) {
+            float *restrict out = planes[c] + (size_t)t->pixel[0] + row * (size_t)width;
+            const float *restrict in = radiance + row * SL_TILE_WIDTH;
+#pragma omp simd
+            for (size_t x = 0; x < SL_TILE_WIDTH; x++) out[x] += in[x];
+        }
+        for (size_t i = 0; i < t->count && !t->whole; i++) planes[c][t->pixel[i]] += radiance[i];
+    }
+}
+
+void SL_KERNEL(sl_receivers_spread)(const sl_receiver_tile *t, const sl_tile_light *light, bool glossy, float *plane) {
+    float radiance[3][SL_TILE_PIXELS], spread[SL_TILE_PIXELS];
+    for (int c = 0; c < 3; c++) reflect(t, light, glossy, c, radiance[c]);
+    const size_t padded = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < padded; i++) spread[i] = fabsf(sl_luminance((sl_rgb){radiance[0][i], radiance[1][i], radiance[2][i]}));
+    for (size_t i = 0; i < t->count; i++) plane[t->pixel[i]] = spread[i];
+}
+
+void SL_KERNEL(sl_receivers_combine)(size_t count, bool glossy, const sl_tile_light half[2], const float share[2], sl_tile_light *sum) {
+    const float of_even = share[0], of_odd = share[1];
+    for (int c = 0; c < 3; c++) {
+        const float *restrict even = half[0].irradiance[c], *restrict odd = half[1].irradiance[c];
+        float *restrict out = sum->irradiance[c];
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) out[i] = of_even * even[i] + of_odd * odd[i];
+        const float *restrict even_lobe = half[0].lobe[c], *restrict odd_lobe = half[1].lobe[c];
+        float *restrict out_lobe = sum->lobe[c];
+        if (!glossy) continue;
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) out_lobe[i] = of_even * even_lobe[i] + of_odd * odd_lobe[i];
+    }
+}
+
+/* (10): sums over photons. Photons pass one after another over the lanes of a tile, each of which has two accumulators a channel, for
+ * even and for odd photons: the order of every pixel's sums is the photons' own. */
+
+static inline sl_vec3 receiver(const sl_receiver_tile *t, size_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
+static inline sl_vec3 geometric(const sl_receiver_tile *t, size_t i) {
+    return sl_v3(t->geometric_x[i], t->geometric_y[i], t->geometric_z[i]);
+}
+static inline sl_vec3 shading(const sl_receiver_tile *t, size_t i) { return sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]); }
+
+/* One photon on all lanes; cosine is a constant where this is inlined. */
+static inline void add_photon(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine,
+                              float (*irradiance)[SL_TILE_PIXELS]) {
+    const size_t count = t->padded;
+    const sl_photon_registers p = *photon;
+    float *restrict r = irradiance[0], *restrict g = irradiance[1], *restrict b = irradiance[2];
+#pragma omp simd aligned(r, g, b : 64)
+    for (size_t i = 0; i < count; i++) {
+        float w = cosine ? sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i))
+                         : sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+        r[i] += p.red * w;
+        g[i] += p.green * w;
+        b[i] += p.blue * w;
+    }
+}
+
+void SL_KERNEL(sl_photons_sum)(const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
+                               sl_tile_light half[2]) {
+    if (cosine) {
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], true, half[j % 2].irradiance);
+    } else {
+        for (size_t j = 0; j < count; j++) add_photon(tile, &photons[j], false, half[j % 2].irradiance);
+    }
+}
+
+/* ---- one photon, for those who have more to do with its weight ---- */
+
+void SL_KERNEL(sl_photon_weigh)(const sl_receiver_tile *t, const sl_photon_registers *photon, bool cosine, float *restrict weight) {
+    const sl_photon_registers p = *photon;
+    const size_t count = t->padded;
+    if (cosine) {
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) weight[i] = sl_cosine_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+    } else {
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) weight[i] = sl_disc_weight(&p, receiver(t, i), geometric(t, i), shading(t, i));
+    }
+}
+
+void SL_KERNEL(sl_photon_polygon)(const sl_receiver_tile *t, const sl_photon_registers *photon, const sl_photon_polygon *polygon,
+                                  const float *restrict pi, float *restrict weight) {
+    const sl_photon_registers p = *photon;
+    const sl_photon_polygon q = *polygon;
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) weight[i] = sl_polygon_weight(&p, &q, receiver(t, i), geometric(t, i), pi[i]);
+}
+
+void SL_KERNEL(sl_receivers_multiply)(size_t count, const float *restrict b, float *restrict a) {
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) a[i] *= b[i];
+}
+
+/* Modified Phong lobes, on either side: (cos alpha)^n between a lobe's axis and the line between receiver and light. */
+
+/* A photon's lobe stands along the mirrored direction of its light. */
+void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
+                                     float *restrict power) {
+    const sl_lobe_registers l = *lobe;
+    const float px = photon->x, py = photon->y, pz = photon->z;
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        float dx = t->x[i] - px, dy = t->y[i] - py, dz = t->z[i] - pz;
+        power[i] = sl_lobe_power(l.x * dx + l.y * dy + l.z * dz, dx * dx + dy * dy + dz * dz, l.exponent);
+    }
+}
+
+/* A receiver's stands along the mirrored direction of the eye. Photons and the points of area lights stand for discs:
+ * a sharp lobe would show each of them as a spot. The lobe's mean over the disc is a wider lobe: near its axis cos^n is
+ * a Gaussian of variance 1 / n, the disc of angular radius a adds a^2 / 4, so
+ *
+ *     n' = n / (1 + n a^2 / 4),    a^2 = A cos theta' / (pi r^2),    scaled by (n' + 2) / (n + 2) to keep its integral. */
+static inline float wider_exponent(float n, float extent, float there, float squared) {
+    float r = squared > 0.0f ? squared : 1.0f, cube = r * sqrtf(r);
+    float blur = extent * (there > 0.0f ? there : 0.0f) / (cube > 0x1p-126f ? cube : 0x1p-126f);
+    return n / (1.0f + n * (blur < 1e30f ? blur : 1e30f));
+}
+
+void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_target *target, float *restrict power) {
+    const sl_vec3 p = target->towards, m = target->normal;
+    const float keep = target->direction ? 0.0f : 1.0f, extent = target->extent, behind = target->two_sided ? 1.0f : 0.0f;
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        float dx = p.x - keep * t->x[i], dy = p.y - keep * t->y[i], dz = p.z - keep * t->z[i];
+        float squared = dx * dx + dy * dy + dz * dz, along = t->mirrored_x[i] * dx + t->mirrored_y[i] * dy + t->mirrored_z[i] * dz;
+        float n = t->exponent[i], there = -(m.x * dx + m.y * dy + m.z * dz);
+        float wide = wider_exponent(n, extent, there < 0.0f ? -behind * there : there, squared);
+        power[i] = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
+    }
+}
+
+void SL_KERNEL(sl_receiver_mirror_eye)(sl_receiver_tile *t) {
+    float *restrict mx = t->mirrored_x, *restrict my = t->mirrored_y, *restrict mz = t->mirrored_z;
+    const size_t count = t->padded;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        sl_vec3 x = sl_v3(t->x[i], t->y[i], t->z[i]), n = sl_v3(t->normal_x[i], t->normal_y[i], t->normal_z[i]);
+        sl_vec3 to_eye = sl_normalize_or(sl_sub(sl_v3(mx[i], my[i], mz[i]), x), n);
+        /* In double before it is rounded, so that high exponents see a unit vector. */
+        sl_vec3 mirrored = sl_normalize_or(sl_sub(sl_scale(n, 2.0f * sl_dot(n, to_eye)), to_eye), n);
+        mx[i] = mirrored.x;
+        my[i] = mirrored.y;
+        mz[i] = mirrored.z;
+    }
+}
+
+/* sl_picture_value(), without a branch. */
+static inline float value(float v) {
+    float large = v > 0.0f ? FLT_MAX : 0.0f;
+    return fabsf(v) <= FLT_MAX ? v : large;
+}
+
+void SL_KERNEL(sl_compose_row)(const sl_compose_row *row) {
+    const float *restrict emission = row->emission, *restrict direct = row->direct, *restrict indirect = row->indirect;
+    const float *restrict throughput = row->throughput;
+    float *restrict picture = row->out[0];
+    const size_t width = row->width;
+    if (!throughput && !row->out[1]) {
+#pragma omp simd
+        for (size_t x = 0; x < width; x++) picture[x] = value(value(emission[x]) + value(direct[x]) + value(indirect[x]));
+        return;
+    }
+    float *restrict e = row->out[1], *restrict d = row->out[2], *restrict i = row->out[3];
+    if (!throughput) {
+#pragma omp simd
+        for (size_t x = 0; x < width; x++) {
+            e[x] = value(emission[x]);
+            d[x] = value(direct[x]);
+            i[x] = value(indirect[x]);
+            picture[x] = value(e[x] + d[x] + i[x]);
+        }
+    } else if (!row->out[1]) {
+#pragma omp simd
+        for (size_t x = 0; x < width; x++)
+            picture[x] = value(value(throughput[x] * emission[x]) + value(throughput[x] * direct[x]) + value(throughput[x] * indirect[x]));
+    } else {
+#pragma omp simd
+        for (size_t x = 0; x < width; x++) {
+            e[x] = value(throughput[x] * emission[x]);
+            d[x] = value(throughput[x] * direct[x]);
+            i[x] = value(throughput[x] * indirect[x]);
+            picture[x] = value(e[x] + d[x] + i[x]);
+        }
+    }
+}
