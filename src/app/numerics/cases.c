@@ -249,7 +249,6 @@ const sl_known_limit sl_known_limits[] = {
     {"path", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
     {"bidirectional", "reflectance 0", 0.5, "noise of the lamp's outline alone"},
     {"light-octree", "one row", 0.5, "voxels blur the two pixels in which all of the room is"},
-    {"direct-radiance", "exponent 1e5", 0.6, "each point of a lamp shows as wide as its share of it, soft at the rim"},
     {"shading-cache", "exponent 1e5", 0.25, "what sharp lobes show is cached at vertices"},
     {"shading-cache", "mirrors", 0.2, "what mirrors show is cached at vertices"},
     {NULL, NULL, 0, NULL}};

@@ -225,15 +225,33 @@ void SL_KERNEL(sl_photon_lobe_power)(const sl_receiver_tile *t, const sl_photon_
     }
 }
 
-/* A receiver's stands along the mirrored direction of the eye. Photons and the points of area lights stand for discs:
- * a sharp lobe would show each of them as a spot. The lobe's mean over the disc is a wider lobe: near its axis cos^n is
- * a Gaussian of variance 1 / n, the disc of angular radius a adds a^2 / 4, so
+/* A receiver's stands along the mirrored direction of the eye. Photons and the points of area lights stand for discs of area A: a sharp lobe
+ * would show each of them as a spot. With a^2 = A cos theta' / (pi r^2), the disc's angular radius, the lobe's mean over it is
  *
- *     n' = n / (1 + n a^2 / 4),    a^2 = A cos theta' / (pi r^2),    scaled by (n' + 2) / (n + 2) to keep its integral. */
-static inline float wider_exponent(float n, float extent, float there, float squared) {
+ *     a wider lobe where n a^2 is small: near its axis cos^n is a Gaussian of variance 1 / n, the disc adds a^2 / 4, so
+ *         n' = n / (1 + n a^2 / 4),    scaled by (n' + 2) / (n + 2) to keep its integral
+ *     the disc itself with a rim where n a^2 is large: 2 / ((n + 2) a^2) where the axis meets it, and at a distance rho from its middle
+ *         falling to 0 while rho^2 pi / A goes from 1 - w to 1 + w, w^2 = 12 / (n a^2): the same integral and variance, without a tail
+ *
+ * and a blend of both where n a^2 is from 6 to 24. */
+static inline float squared_radius(float extent, float there, float squared) {
     float r = squared > 0.0f ? squared : 1.0f, cube = r * sqrtf(r);
-    float blur = extent * (there > 0.0f ? there : 0.0f) / (cube > 0x1p-126f ? cube : 0x1p-126f);
-    return n / (1.0f + n * (blur < 1e30f ? blur : 1e30f));
+    float radius = 4.0f * extent * there / (cube > 0x1p-126f ? cube : 0x1p-126f);
+    return radius < 2.0f ? radius : 2.0f;
+}
+
+/* rho^2 pi / A where the axis meets the disc's plane; out of reach where it does not, ahead. */
+static inline float place_on_disc(sl_vec3 d, sl_vec3 axis, sl_vec3 normal, float extent) {
+    float towards = normal.x * axis.x + normal.y * axis.y + normal.z * axis.z;
+    float t = (normal.x * d.x + normal.y * d.y + normal.z * d.z) / (fabsf(towards) > 1e-9f ? towards : 1e-9f);
+    float x = t * axis.x - d.x, y = t * axis.y - d.y, z = t * axis.z - d.z;
+    float place = (x * x + y * y + z * z) / (4.0f * (extent > 1e-30f ? extent : 1e-30f));
+    return (t > 0.0f) & (place < 1e6f) ? place : 1e6f;
+}
+
+static inline float rimmed_disc(float n, float a, float place) {
+    float sharpness = n * a > 6.0f ? n * a : 6.0f, rim = sqrtf(12.0f / sharpness), inside = (1.0f + rim - place) / (2.0f * rim);
+    return 2.0f * n / ((n + 2.0f) * sharpness) * (inside > 0.0f ? (inside < 1.0f ? inside : 1.0f) : 0.0f);
 }
 
 void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_target *target, float *restrict power) {
@@ -242,11 +260,14 @@ void SL_KERNEL(sl_receiver_lobe_power)(const sl_receiver_tile *t, const sl_lobe_
     const size_t count = t->padded;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        float dx = p.x - keep * t->x[i], dy = p.y - keep * t->y[i], dz = p.z - keep * t->z[i];
-        float squared = dx * dx + dy * dy + dz * dz, along = t->mirrored_x[i] * dx + t->mirrored_y[i] * dy + t->mirrored_z[i] * dz;
-        float n = t->exponent[i], there = -(m.x * dx + m.y * dy + m.z * dz);
-        float wide = wider_exponent(n, extent, there < 0.0f ? -behind * there : there, squared);
-        power[i] = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
+        sl_vec3 d = {p.x - keep * t->x[i], p.y - keep * t->y[i], p.z - keep * t->z[i]};
+        sl_vec3 axis = {t->mirrored_x[i], t->mirrored_y[i], t->mirrored_z[i]};
+        float squared = d.x * d.x + d.y * d.y + d.z * d.z, along = axis.x * d.x + axis.y * d.y + axis.z * d.z;
+        float n = t->exponent[i], there = -(m.x * d.x + m.y * d.y + m.z * d.z);
+        float a = squared_radius(extent, there > 0.0f ? there : -behind * there, squared), wide = n / (1.0f + 0.25f * n * a);
+        float share = (n * a - 6.0f) * (1.0f / 18.0f), disc = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
+        float lobe = (wide + 2.0f) / (n + 2.0f) * sl_lobe_power(along, squared, wide);
+        power[i] = along > 0.0f ? lobe + disc * (rimmed_disc(n, a, place_on_disc(d, axis, m, extent)) - lobe) : 0.0f;
     }
 }
 

@@ -224,6 +224,52 @@ static void highlight_moves_with_the_eye(void **state) {
     free_receivers(r);
 }
 
+/* Of one receiver in the origin whose mirrored eye looks along (x, y, 1), towards a disc of radius 0.2 there, turned by a normal. */
+static float lobe_towards(float x, float y, float exponent, sl_vec3 at, sl_vec3 normal) {
+    static sl_receiver_tile t;
+    float power[SL_TILE_PIXELS];
+    sl_vec3 axis = sl_normalize_or(sl_v3(x, y, 1), sl_v3(0, 0, 1));
+    t = (sl_receiver_tile){.count = 1, .padded = SL_TILE_LANES};
+    t.mirrored_x[0] = axis.x, t.mirrored_y[0] = axis.y, t.mirrored_z[0] = axis.z, t.exponent[0] = exponent;
+    const sl_lobe_target target = {.towards = at, .normal = normal, .extent = 0.01f}; /* A / 4 pi */
+    sl_receiver_kernels_for(sl_isa_best()).receiver_lobe(&t, &target, power);
+    return power[0];
+}
+
+static void a_sharp_lobe_shows_a_lamps_point_as_a_disc_with_hard_rims(void **state) {
+    (void)state;
+    const sl_vec3 middle = sl_v3(0, 0, 1), facing = sl_v3(0, 0, -1), turned = sl_v3(0, 0.8f, -0.6f);
+    const float inside = 2.0f / (1e5f * 0.04f);
+    assert_true(fabsf(lobe_towards(0.18f, 0, 1e5f, middle, facing) / inside - 1) < 0.01f);
+    assert_true(lobe_towards(0.22f, 0, 1e5f, middle, facing) == 0);
+    assert_true(lobe_towards(0, 0.18f, 1e5f, middle, turned) == 0 && lobe_towards(0.18f, 0, 1e5f, middle, turned) > inside);
+    assert_true(lobe_towards(-0.6f, 0, 1e5f, middle, facing) == 0);
+}
+
+static void a_disc_in_a_lobe_adds_up_to_the_same_whatever_the_exponent(void **state) {
+    (void)state;
+    enum { STEPS = 400 };
+    for (float exponent = 50; exponent < 1e5f; exponent *= 2) {
+        double sum = 0, reach = 1.2, step = 2 * reach / STEPS;
+        for (int i = 0; i < STEPS * STEPS; i++) {
+            double x = -reach + (i % STEPS + 0.5) * step, y = -reach + (i / STEPS + 0.5) * step, squared = 1 + x * x + y * y;
+            double power = (double)lobe_towards((float)x, (float)y, exponent, sl_v3(0, 0, 1), sl_v3(0, 0, -1));
+            sum += power * step * step / (squared * sqrt(squared));
+        }
+        double expected = 2 * SL_PI / (double)exponent;
+        if (fabs(sum / expected - 1) > 0.08) fail_msg("exponent %g: %g of %g", (double)exponent, sum, expected);
+    }
+}
+
+static void a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within(void **state) {
+    (void)state;
+    const sl_vec3 at[] = {{0, 0, 1}, {0, 0, 0}, {0, 0, 1e-30f}, {0, 0, 1e18f}}, normal[] = {{0, 1, 0}, {0, 0, -1}, {0, 0, 0}, {0, 0, 1}};
+    for (int i = 0; i < 4 * 4 * 3; i++) {
+        float power = lobe_towards(0, 0, i / 16 == 0 ? 0.0f : i / 16 == 1 ? 30.0f : 1e5f, at[i % 4], normal[i / 4 % 4]);
+        assert_true(power >= 0 && power <= 1);
+    }
+}
+
 /* (n+2) / (2 pi) is 1 / pi for n = 0. */
 static void lobe_of_exponent_0_is_lambertian(void **state) {
     sl_vec3 eye = sl_v3(0.5f, 0, 2), light = sl_v3(-0.3f, 0.4f, 1.5f);
@@ -365,6 +411,9 @@ int main(void) {
         cmocka_unit_test(highlight_of_an_area_light_is_as_wide_as_the_light),
         cmocka_unit_test(highlight_moves_with_the_eye),
         cmocka_unit_test(lobe_of_exponent_0_is_lambertian),
+        cmocka_unit_test(a_sharp_lobe_shows_a_lamps_point_as_a_disc_with_hard_rims),
+        cmocka_unit_test(a_disc_in_a_lobe_adds_up_to_the_same_whatever_the_exponent),
+        cmocka_unit_test(a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within),
         cmocka_unit_test(mirrors_black_surfaces_and_background_stay_as_they_are),
         cmocka_unit_test(lights_on_the_surface_or_behind_it_give_nothing),
         cmocka_unit_test(scale_of_the_scene_does_not_matter),
