@@ -43,7 +43,7 @@ sl_status sl_radiance_compose(const sl_radiance_layers *layers, const sl_receive
 sl_status sl_radiance_picture_create(int width, int height, bool all, sl_image **image, sl_error *error);
 void sl_radiance_compose_rows(const sl_radiance_layers *layers, const sl_receivers *receivers, size_t first, size_t end, sl_image *image);
 
-/* What Direct Radiance Mapping runs for a scene: settings completed, and the passes that it needs. */
+/* ---- the plan (plan.c): settings completed, and the passes that a scene needs ---- */
 
 typedef struct sl_radiance_plan {
     bool receivers;      /* some surface is diffuse or glossy */
@@ -67,7 +67,7 @@ bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings)
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport);
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* Whether a point of the scene's surface can hide another from a light, one of its own triangles among them. */
+/* Tells if a point of the scene's surface can hide another from a light, one of the light's own triangles included. */
 typedef enum sl_shadow_casters {
     SL_NO_SHADOWS,          /* all of it bounds one convex space, or one convex body, and no light without extent is beyond any of its planes */
     SL_SHADOWS_OF_WALLS,    /* convex, but a light shines from outside */
@@ -138,10 +138,10 @@ void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *
 /* sl_photon_sums_create() makes it. */
 void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy, const sl_tile_target *to,
                             sl_counters *counters);
-/* Where the pass wants visibility: from receivers of a whole picture. */
+/* Prepares visibility, where the pass has it, from receivers of a whole picture. */
 sl_status sl_photon_sums_see(sl_photon_sums *sums, const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_counters *counters,
                              sl_error *error);
-/* What each photon alone sends from one of the tile's receivers towards the eye, in index order; weight: of its diffuse part, and 0 for what the
+/* Lists the radiance that each photon alone sends from one of the tile's receivers towards the eye, in index order; weight: of its diffuse part, and 0 for what the
  * receiver does not see. */
 typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);
 void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy, size_t lane, sl_photon_told *told,
@@ -156,7 +156,7 @@ void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile 
 
 typedef struct sl_sight sl_sight;
 
-/* What a photon would send to a tile's receivers if all of them saw it. */
+/* Returns the weights of a photon at a tile's receivers, as if all of them saw it. */
 typedef void sl_weigh_photon(const void *context, const sl_receiver_tile *tile, size_t photon, float *weight);
 
 /* Traces the blocks' rays, where it is by blocks. */
@@ -258,7 +258,9 @@ struct sl_curved_mirrors {
     sl_environment_cube *cube; /* of each object */
 };
 
-/* What direct radiance maps leave out or count twice, told with every picture: the share of the lights' flux that they hold, the share of
+/* ---- the report (report.c): light that direct radiance maps leave out or count twice ---- */
+
+/* Stated with every picture: the share of the lights' flux that they hold, the share of
  * the photons' flux that arrives somewhere (more than 1 where missing indirect shadows let it arrive behind what should stop it), and whether
  * (15) can mean anything in a scene of that size. */
 
@@ -311,8 +313,8 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
 
 enum { SL_RADIANCE_PLANES = 10 };
 
-/* What all explanations of a picture's pixels share (method.c). */
-typedef struct sl_radiance_story sl_radiance_story;
+/* Shared by all explanations of a picture's pixels (method.c). */
+typedef struct sl_radiance_explanation sl_radiance_explanation;
 
 typedef struct sl_radiance_state {
     const sl_scene *scene;
@@ -335,7 +337,7 @@ typedef struct sl_radiance_state {
     float *planes;                 /* of light, as large as the picture; NULL where it is drawn in strips */
     sl_radiance_layers layers;
     sl_image *image;               /* drawn in strips; NULL: handed over already, or not drawn yet */
-    sl_radiance_story *story;      /* what stories of this picture share; NULL: nobody has asked */
+    sl_radiance_explanation *explanation; /* of this picture's pixels; NULL until one is explained */
 
     sl_rgb trick_albedo;           /* of curved mirrors that receive indirect light as if they were diffuse */
 

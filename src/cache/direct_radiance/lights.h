@@ -65,7 +65,7 @@ sl_rgb sl_map_light_flux(const sl_map_light *light);
  * other one). What lies lower is left out of pictures taken from the eye. */
 float sl_map_light_clearance(const sl_scene *scene, const sl_map_lights *lights, size_t light, sl_vec3 eye, bool back);
 
-/* Which emissive triangles make one light, and which lights are merged where there are too many. */
+/* ---- groups of emissive triangles, and clusters of too many lights (light_groups.c) ---- */
 
 /* Group numbers of the scene's emitters, by their first emitter; SL_NO_INDEX for those without finite flux. Triangles of one object and
  * material that share a corner and lie in one plane are one group. */
@@ -79,7 +79,7 @@ typedef struct sl_light_seed {
     sl_vec3 normal;
 } sl_light_seed;
 
-/* Which of at most `most` clusters each of `count` seeds belongs to, numbered by their first seed: the seeds themselves where they are few
+/* Assigns each of `count` seeds to one of at most `most` clusters, numbered by their first seed: the seeds themselves where they are few
  * enough; else the cluster that has most power spread widest, in position and normal, is split again and again: strong lights end up
  * alone, the weakest together. */
 sl_status sl_light_seeds_merge(const sl_light_seed *seed, size_t count, size_t most, float size, uint32_t *cluster, size_t *clusters,
@@ -97,7 +97,7 @@ bool sl_map_light_mask_point(const sl_scene *scene, uint32_t triangle, int index
 
 /* Points of area lights that stand behind something: bars, jambs, a frame. */
 
-/* What was found. */
+/* Numbers of points found. */
 typedef struct sl_light_openings {
     size_t points; /* of area lights */
     size_t moved;  /* to where light gets out */

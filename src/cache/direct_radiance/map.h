@@ -86,7 +86,7 @@ double sl_printed_footprint(double b, double fov, int m);
 /* (13): A' / cos alpha; infinite at grazing incidence, 0 below. */
 double sl_printed_tilted_footprint(double footprint, double cos_alpha);
 
-/* Which pictures a light takes: their frames and extents, before anything is drawn. */
+/* ---- the pictures that a light takes: frames and extents, before anything is drawn (map_faces.c) ---- */
 
 /* Two hemicubes. */
 enum { SL_LIGHT_FACES_MAX = 10 };
@@ -114,7 +114,7 @@ int sl_light_faces(const sl_scene *scene, const sl_map_light *light, const sl_fa
 /* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole scene, and the sun
  * that falls through a window is a small part of it. 8 times as many, up to 512 a side of the picture. */
 int sl_parallel_texels(int samples, int texels);
-/* What draws a face. */
+/* Returns the view that draws a face. */
 sl_view sl_map_face_view(const sl_scene *scene, const sl_map_light *light, const sl_planned_face *planned);
 /* A face of directional light is as deep as the scene's box looks from there, and begins that far before the box. */
 float sl_parallel_depth(const sl_scene *scene, const sl_map_face *face);
@@ -161,7 +161,7 @@ sl_status sl_map_triangles_draw(const sl_raster *raster, size_t count, const sl_
  * sees is lit. */
 sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, sl_error *error);
 
-/* What a texel shows: light that arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane that faces it. */
+/* Light at a texel: it arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane that faces it. */
 typedef struct sl_texel_light {
     sl_vec3 arrival;
     sl_rgb facing;
@@ -235,7 +235,7 @@ typedef struct sl_map_photon {
     uint32_t object;
 } sl_map_photon;
 
-/* How a photon on a surface that is not Lambertian reflects, beside photon i. */
+/* Reflection of photon i on a surface that is not Lambertian. */
 typedef struct sl_photon_lobe {
     sl_rgb diffuse, specular; /* kd, ks */
     float exponent;

@@ -69,7 +69,7 @@ sl_vec3 sl_map_face_departure(const sl_map_drawing *d, const sl_map_face *face, 
     return sl_to_float(sl_subd(v, sl_scaled(n, 2.0 * sl_dotd(v, n))));
 }
 
-/* How a light's light comes straight, or unfolded from behind a mirror, to y. */
+/* Returns the light that comes straight, or unfolded from behind a mirror, to y. */
 static sl_texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 y) {
     const sl_map_light *light = &d->map->lights->light[face->light];
     sl_vec3d way = sl_subd(sl_to_double(y), sl_to_double(face->eye));

@@ -36,56 +36,56 @@ void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons)
 
 /* ---- a pixel explained: (10) photon by photon ---- */
 
-struct sl_radiance_story {
+struct sl_radiance_explanation {
     sl_light_pass light;
     sl_receivers *receivers; /* whole, since pictures that are drawn in strips leave none */
     sl_receiver_kinds kinds;
     sl_photon_sums *sums;    /* NULL: no photons */
 };
 
-static void story_destroy(sl_radiance_story *story) {
-    if (!story) return;
-    sl_photon_sums_destroy(story->sums);
-    sl_receiver_kinds_release(&story->kinds);
-    sl_receivers_destroy(story->receivers);
-    sl_free(story);
+static void explanation_destroy(sl_radiance_explanation *explanation) {
+    if (!explanation) return;
+    sl_photon_sums_destroy(explanation->sums);
+    sl_receiver_kinds_release(&explanation->kinds);
+    sl_receivers_destroy(explanation->receivers);
+    sl_free(explanation);
 }
 
-static sl_status story_create(const sl_light_pass *light, const sl_raster *raster, const sl_view *view, const sl_mirrors *planar,
-                                   int reflections, sl_radiance_story **out, sl_error *error) {
+static sl_status explanation_create(const sl_light_pass *light, const sl_raster *raster, const sl_view *view, const sl_mirrors *planar,
+                                   int reflections, sl_radiance_explanation **out, sl_error *error) {
     sl_counters ignored = {{0}};
-    sl_radiance_story *story = sl_allocate(1, sizeof *story);
+    sl_radiance_explanation *explanation = sl_allocate(1, sizeof *explanation);
     *out = NULL;
-    if (!story) return sl_fail_memory(error, "the stories of pixels");
-    *story = (sl_radiance_story){.light = *light};
-    sl_status status = sl_receivers_render(light->scene, raster, view, planar, reflections, light->threads, &story->receivers, &ignored, error);
-    if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &story->kinds, error);
+    if (!explanation) return sl_fail_memory(error, "the explanation of pixels");
+    *explanation = (sl_radiance_explanation){.light = *light};
+    sl_status status = sl_receivers_render(light->scene, raster, view, planar, reflections, light->threads, &explanation->receivers, &ignored, error);
+    if (status == SL_OK) status = sl_receiver_kinds_find(light->scene, light->trick_albedo, &explanation->kinds, error);
     if (status == SL_OK && light->photons && light->photons->count) {
-        status = sl_photon_sums_create(&story->light, &story->sums, error);
-        if (status == SL_OK) status = sl_photon_sums_see(story->sums, story->receivers, &story->kinds, &ignored, error);
+        status = sl_photon_sums_create(&explanation->light, &explanation->sums, error);
+        if (status == SL_OK) status = sl_photon_sums_see(explanation->sums, explanation->receivers, &explanation->kinds, &ignored, error);
     }
-    if (status != SL_OK) story_destroy(story);
-    else *out = story;
+    if (status != SL_OK) explanation_destroy(explanation);
+    else *out = explanation;
     return status;
 }
 
-static size_t story_bytes(const sl_radiance_story *story) {
-    return story ? sizeof *story + (story->receivers ? sl_receivers_bytes(story->receivers) : 0) : 0;
+static size_t explanation_bytes(const sl_radiance_explanation *explanation) {
+    return explanation ? sizeof *explanation + (explanation->receivers ? sl_receivers_bytes(explanation->receivers) : 0) : 0;
 }
 
 typedef struct {
-    const sl_radiance_story *story;
+    const sl_radiance_explanation *explanation;
     size_t pixel;
     sl_story_writer *writer;
 } telling;
 
 static void tell_photon(void *context, size_t photon, float weight, const float radiance[3]) {
     const telling *t = context;
-    const sl_map_photon *p = &t->story->light.photons->photon[photon];
+    const sl_map_photon *p = &t->explanation->light.photons->photon[photon];
     sl_story_term term = {.layer = "indirect", .kind = "photon of the map", .index = photon, .placed = true, .weight = (double)weight,
                           .position = {p->position.x, p->position.y, p->position.z}, .value = {p->flux.r, p->flux.g, p->flux.b}};
     for (int c = 0; c < 3; c++) {
-        const float *throughput = t->story->receivers->throughput[c];
+        const float *throughput = t->explanation->receivers->throughput[c];
         term.contribution[c] = (double)radiance[c] * (throughput ? (double)throughput[t->pixel] : 1.0);
     }
     sl_story_add(t->writer, &term);
@@ -106,28 +106,28 @@ static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, 
     for (size_t lane = 0; lane < tile->count; lane++) {
         if (tile->pixel[lane] != t->pixel) continue;
         const sl_receiver_tile shorter = up_to(tile, lane);
-        sl_indirect_light_apart(t->story->sums, &shorter, glossy, lane, tell_photon, context, counters);
+        sl_indirect_light_apart(t->explanation->sums, &shorter, glossy, lane, tell_photon, context, counters);
     }
 }
 
-static void story_tell(const sl_radiance_story *story, int x, int y, sl_story_writer *writer) {
-    const sl_receivers *r = story->receivers;
-    telling t = {story, (size_t)y * (size_t)r->width + (size_t)x, writer};
+static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y, sl_story_writer *writer) {
+    const sl_receivers *r = explanation->receivers;
+    telling t = {explanation, (size_t)y * (size_t)r->width + (size_t)x, writer};
     sl_counters ignored = {{0}};
     sl_story_add_layer(writer, "emission", "emitted light");
     sl_story_add_layer(writer, "direct", "direct light");
     uint32_t material = r->gbuffer->material[t.pixel];
-    bool mirror = material != SL_NO_INDEX && sl_material_is_mirror(&story->light.scene->materials[material]);
+    bool mirror = material != SL_NO_INDEX && sl_material_is_mirror(&explanation->light.scene->materials[material]);
     if (mirror) sl_story_add_layer(writer, "indirect", "what a curved mirror shows");
-    else if (story->sums) sl_receiver_tiles_strip(r, &story->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
+    else if (explanation->sums) sl_receiver_tiles_strip(r, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
 }
 
 /* ---- frames ---- */
 
 /* The G-buffer stays for the next frame. */
 static void forget_picture(sl_radiance_state *s) {
-    story_destroy(s->story);
-    s->story = NULL;
+    explanation_destroy(s->explanation);
+    s->explanation = NULL;
     sl_curved_mirrors_destroy(s->curved);
     sl_image_destroy(s->image);
     s->curved = NULL;
@@ -177,7 +177,7 @@ static sl_status radiance_update(void *state, sl_progress *progress, sl_error *e
     return status;
 }
 
-/* A picture of strips is handed over; who wants it again has it drawn again, and that is not counted. */
+/* A picture of strips is handed over; to have it again it is drawn again, which is not counted. */
 static sl_status give_picture(sl_radiance_state *s, sl_image **image, sl_error *error) {
     sl_counters ignored = {{0}};
     if (!sl_radiance_in_strips(s))
@@ -224,7 +224,7 @@ static size_t radiance_memory_bytes(const void *state) {
     if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
     if (s->map) bytes += sl_radiance_map_bytes(s->map);
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
-    bytes += sl_report_points_bytes(s->points) + story_bytes(s->story);
+    bytes += sl_report_points_bytes(s->points) + explanation_bytes(s->explanation);
     if (s->curved) bytes += sl_curved_mirrors_bytes(s->curved);
     if (s->receivers) bytes += sl_receivers_bytes(s->receivers);
     return bytes;
@@ -234,13 +234,13 @@ static sl_status radiance_story(void *state, int x, int y, sl_story_writer *writ
     sl_radiance_state *s = state;
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status = SL_OK;
-    if (!s->drawn || s->settings.radiance_map.without_layers) return sl_fail(error, SL_ERROR_USAGE, "stories want a picture with its layers");
-    if (!s->story) {
+    if (!s->drawn || s->settings.radiance_map.without_layers) return sl_fail(error, SL_ERROR_USAGE, "a pixel is explained in a picture with its layers");
+    if (!s->explanation) {
         const sl_light_pass light = sl_radiance_indirect_lighting(s);
-        status = story_create(&light, s->raster, &view, s->plan.planar ? s->planar : NULL,
-                                          s->settings.radiance_map.reflections, &s->story, error);
+        status = explanation_create(&light, s->raster, &view, s->plan.planar ? s->planar : NULL,
+                                          s->settings.radiance_map.reflections, &s->explanation, error);
     }
-    if (status == SL_OK) story_tell(s->story, x, y, writer);
+    if (status == SL_OK) explanation_tell(s->explanation, x, y, writer);
     return status;
 }
 

@@ -112,7 +112,9 @@ void sl_mirror_object_mark(const sl_scene *scene, const sl_mirror_object *object
     }
 }
 
-/* What curved mirrors show: their pixels look up the environment cubes with the reflected eye vector. And the trick, which
+/* ---- the picture in a curved mirror ---- */
+
+/* Pixels of curved mirrors look up the environment cubes with the reflected eye vector. And the trick, which
  * does without indirect light in the cubes. */
 
 /* ---- look-up ---- */

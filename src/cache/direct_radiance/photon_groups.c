@@ -18,7 +18,7 @@ static bool on_surface_of(const sl_photon_sum *group, const sl_map_texel *t, boo
            fabs(sl_dotd(group->first_normal, way)) <= GROUP_SINE * sl_lengthd(way);
 }
 
-/* How little a texel is of a group's surface: its normal turned away, its place off the group's plane. */
+/* Returns a measure that grows as a texel is less of a group's surface: its normal turned away, its place off the group's plane. */
 static double strangeness(const sl_photon_sum *group, const sl_map_texel *t) {
     const sl_vec3d way = sl_subd(t->position, group->first_position);
     const double length = sl_lengthd(way), off = length > 0.0 ? fabs(sl_dotd(group->first_normal, way)) / length : 0.0;
@@ -45,7 +45,7 @@ static sl_vec3d unit_or(sl_vec3d a, sl_vec3d fallback) {
 
 static void add_scaled(sl_vec3d *sum, sl_vec3d a, double s) { *sum = sl_addd(*sum, sl_scaled(a, s)); }
 
-/* What a photon that is not Lambertian reflects: means by the flux that each colour channel has to reflect. */
+/* Adds to the reflectances of a photon that is not Lambertian: means by the flux that each colour channel has to reflect. */
 static void add_lobe(sl_photon_sum *sum, const sl_map_texel *t) {
     const sl_rgb s = t->material->specular;
     const double specular[3] = {(double)s.r, (double)s.g, (double)s.b};

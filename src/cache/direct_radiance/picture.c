@@ -15,7 +15,7 @@
 /* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into the same lines of the cache. */
 enum { SURFACE_PLANES = 13, LIGHT_PLANES = 10, APART = 112 };
 
-/* What a thread has of its strip. */
+/* A thread's part of the picture. */
 typedef struct {
     sl_gbuffer gbuffer;
     float *surface; /* the G-buffer's planes */

@@ -1,4 +1,4 @@
-/* Which passes run. Only what the plan asks for is made. */
+/* The passes that run. Only passes of the plan are drawn. */
 #include "base/math.h"
 #include "cache/direct_radiance/direct_radiance.h"
 #include "cache/direct_radiance/map.h"
@@ -110,7 +110,7 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
     write_limits(scene, &p, m, writer);
 }
 
-/* Whether anything in a scene can throw a shadow on something else. */
+/* ---- convex scenes, in which nothing throws a shadow ---- */
 
 /* Where the vertices of a scene, or its lights, lie relative to a triangle's plane. */
 enum { IN_FRONT = 1, BEHIND = 2, BOTH = IN_FRONT | BEHIND };
@@ -156,7 +156,7 @@ sl_shadow_casters sl_scene_shadow_casters(const sl_scene *scene) {
     return outside ? SL_SHADOWS_OF_WALLS : SL_NO_SHADOWS;
 }
 
-/* What Direct Radiance Mapping takes: pictures from the lights, for the most part. */
+/* ---- memory: pictures from the lights, for the most part ---- */
 
 /* A picture has the order of receivers 4 and 13 layers; drawn pass by pass (visibility) 120 more; mirrors tell of two ways a pixel. A texel of a map: 22 planes
  * and the rasterizer's 6. A photon: itself, its lobe, its polygon, and the weights of a reordering. Texels of a depth cube are there twice while it is drawn. */

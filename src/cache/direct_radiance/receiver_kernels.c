@@ -1,4 +1,4 @@
-/* What is done with a tile's lanes before light is added, and after. */
+/* Loops over a tile's lanes: receivers fetched, photons summed by (10), lobes, light that leaves, and the picture's rows. */
 #include "cache/direct_radiance/receivers.h"
 #include "cache/frame/picture_value.h"
 

@@ -218,7 +218,7 @@ void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kern
     kernels->prepare(t);
 }
 
-/* Curved mirrors alone: a planar one lies beyond the nesting limit, and nobody has left out indirect light on its account. */
+/* Curved mirrors alone: a planar one lies beyond the nesting limit, and has its indirect light already. */
 static void set_trick(const sl_receivers *receivers, const sl_receiver_kinds *kinds, sl_receiver_tile *t) {
     const sl_gbuffer *g = receivers->gbuffer;
     const sl_mirrors *planar = receivers->mirrors;

@@ -1,4 +1,4 @@
-/* What a picture shows, pixel by pixel, ready to be lit: the camera's view, with what planar mirrors show in it, or a face of a curved
+/* The surfaces that a picture shows, pixel by pixel, ready to be lit: the camera's view, with what planar mirrors show in it, or a face of a curved
  * mirror's environment cube. */
 #ifndef SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
 #define SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
@@ -30,7 +30,7 @@ typedef struct sl_receivers {
  * replaced: fresh memory costs as much as a small scene. */
 sl_status sl_receivers_render(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
                               int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
-/* Which triangle each pixel shows, and by way of which mirrors: all but the G-buffer's resolution, for picture.c. Of the G-buffer there are
+/* Finds the triangle that each pixel shows, and by way of which mirrors: all but the G-buffer's resolution, for picture.c. Of the G-buffer there are
  * the id plane, and with mirrors the depth. */
 sl_status sl_receivers_outline(const sl_scene *scene, const sl_raster *raster, const sl_view *view, const sl_mirrors *mirrors,
                                int reflections, unsigned threads, sl_receivers **receivers, sl_counters *counters, sl_error *error);
@@ -47,7 +47,7 @@ static inline sl_vec3 sl_receiver_eye(const sl_receivers *r, size_t pixel) { ret
 enum { SL_TILE_WIDTH = 32, SL_TILE_HEIGHT = 4, SL_TILE_PIXELS = SL_TILE_WIDTH * SL_TILE_HEIGHT, SL_TILE_LANES = 16, SL_TILE_PLANES = 12 };
 _Static_assert((int)SL_TILE_PIXELS == (int)SL_LIGHT_BLOCK, "a tile is what the loops over lights take at once");
 
-/* What a pixel does with light that falls on it. */
+/* A pixel's reflection of light that falls on it. */
 typedef enum sl_receiver_kind {
     SL_RECEIVER_NONE,    /* background, mirrors, black emitters */
     SL_RECEIVER_DIFFUSE,
@@ -90,7 +90,7 @@ void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
 sl_receiver_kind sl_receiver_kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *gbuffer, size_t pixel);
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 
-/* What is done with each tile that has pixels to be lit. Costs are counted apart for every strip of tiles. */
+/* Lights a tile that has pixels to be lit. Costs are counted apart for every strip of tiles. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
 /* Diffuse pixels of a tile first, then glossy ones; strips of tiles are shared out to threads. Counts the fragments. */
 /* A strip of tiles from row y0 on, by this thread. */
@@ -135,7 +135,7 @@ static inline bool sl_weight_is_cosine(sl_photon_weight weight) { return weight 
 /* The printed weights are of L_o, the others of the flux Psi. */
 static inline bool sl_weight_is_printed(sl_photon_weight weight) { return sl_weight_is_cosine(weight) || weight == SL_WEIGHT_DISC; }
 
-/* What a weight takes from all photons together. */
+/* Terms of a weight that all photons share. */
 typedef struct sl_weight_terms {
     float nearest_squared;
     float per_sample;   /* (11): 2 pi / M, M of the photon's light */
@@ -227,7 +227,7 @@ static inline float sl_polygon_weight(const sl_photon_registers *p, const sl_pho
 
 /* ---- all photons of a frame ---- */
 
-/* How a photon with a lobe sends its flux: the light's direction mirrored, and the colour of the lobe. */
+/* The directions into which a photon with a lobe sends its flux: the light's direction mirrored, and the colour of the lobe. */
 typedef struct sl_lobe_registers {
     float x, y, z, exponent;
     sl_rgb colour;
@@ -365,7 +365,7 @@ static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) { return SL_K
 
 /* Visibility carried from blocks of pixels to pixels: the loops over lanes, in sight_kernels.c. */
 
-/* What a tile's receivers see of 32 photons, a bit each, and the four blocks around each of its pixels. */
+/* Visibility of 32 photons from a tile's receivers, a bit each, and the four blocks around each of its pixels. */
 enum { SL_SIGHT_PHOTONS = 32, SL_SIGHT_BLOCKS = 4 };
 typedef struct sl_tile_sight {
     _Alignas(64) uint32_t wanted[SL_TILE_PIXELS];   /* light would arrive */
@@ -382,7 +382,7 @@ typedef struct sl_block_planes {
 
 typedef void sl_sight_fit_kernel(const sl_receiver_tile *tile, const sl_block_planes *planes, const float *reach_squared,
                                  float offset_squared, sl_tile_sight *around);
-/* Of a word of every block's answers: seen is what the blocks that fit and know agree on, unsure the rest. A block knows of the
+/* Of a word of every block's answers: seen is what the blocks that fit and know agree on, unsure the rest. A block has answers for the
  * photons that would send light to its pixel. */
 typedef void sl_sight_agree_kernel(size_t count, const uint32_t *known, const uint32_t *seen, size_t words, size_t word,
                                    sl_tile_sight *around);

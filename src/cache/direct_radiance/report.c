@@ -246,7 +246,7 @@ sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weig
     return status;
 }
 
-/* How much of a light's flux leaves inside its map's pictures: in closed form for points and areas. */
+/* ---- the share of a light's flux that leaves inside its map's pictures, in closed form for points and areas ---- */
 
 /* Form factor of a face towards a plane at its eye: Lambert's formula, of a rectangle that lies above the plane. */
 static double cosine_share(const sl_map_face *f, sl_vec3 normal) {

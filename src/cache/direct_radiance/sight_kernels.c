@@ -1,4 +1,4 @@
-/* What a depth cube says, for many receivers at once.
+/* Look-ups in a depth cube, for many receivers at once.
  *
  * Reciprocal planar depth is linear across a picture: with the receiver P seen from the light and its normal n, both in the picture's axes,
  * the receiver's plane has at the tangents (a, b)
@@ -130,7 +130,7 @@ static void compare(const sl_shadow_cube *map, size_t count, places *at) {
 
 /* ---- corners ---- */
 
-/* How what texel k holds changes along a row or a column (place: k's in it), told from its neighbour on the far side of the receiver, which
+/* Returns the change of texel k's depth along a row or a column (place: k's in it), told from its neighbour on the far side of the receiver, which
  * lies `away` texels from k's middle: the near side is where the surface may end. */
 static float slope_at(const float *stored, int32_t k, int32_t step, int32_t place, int32_t size, float away) {
     bool back = place > 0 && (away > 0.0f || place + 1 == size);
@@ -197,7 +197,9 @@ void SL_KERNEL(sl_shadow_cube_lit)(const sl_shadow_cube *cube, size_t count, con
     }
 }
 
-/* What blocks of pixels saw of photons is carried to the pixels around, as a joint bilateral filter would: as far as they lie on one
+/* ---- photons seen from blocks of pixels ----
+ *
+ * A block's answers are carried to the pixels around, as a joint bilateral filter would: as far as they lie on one
  * surface. Where the blocks disagree a shadow's edge passes between them, and the pixels there are left to ask themselves. */
 
 /* A block fits where both points lie near each other's tangent plane (within 6 degrees of it, seen from one another),

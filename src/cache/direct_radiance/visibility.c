@@ -84,7 +84,7 @@ static void ask(const sl_sight *s, const sl_receiver_tile *tile, size_t first, s
     flush(s, &p, seen, counters);
 }
 
-/* Which of the photons would send light to which receiver. */
+/* Marks the photons that would send light to each receiver. */
 static void find_wanted(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, sl_tile_sight *around) {
     float weight[SL_TILE_PIXELS];
     memset(around->wanted, 0, sizeof around->wanted);
@@ -94,7 +94,7 @@ static void find_wanted(const sl_sight *s, const sl_receiver_tile *tile, size_t 
     }
 }
 
-/* What a ray for each photon and receiver tells. */
+/* Traces a ray for each photon and receiver. */
 static void see_by_rays(const sl_sight *s, const sl_receiver_tile *tile, size_t first, size_t count, sl_tile_sight *around,
                         sl_counters *counters) {
     find_wanted(s, tile, first, count, around);

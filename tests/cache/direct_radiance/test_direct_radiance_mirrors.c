@@ -167,7 +167,7 @@ static sl_vec3 reflected_at(const picture *p, int i) {
 
 /* ---- what is not made ---- */
 
-static picture a, b, c;
+static picture a, b;
 
 static void nothing_is_made_where_no_curved_mirror_is_in_view(void **state) {
     (void)state;
