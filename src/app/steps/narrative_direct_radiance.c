@@ -36,7 +36,7 @@ static const sl_narrative_pass passes[] = {
          M_FRAC(M_T("cos") M_I("&#x3B8;") M_TIMES M_T("cos") M_SUP(M_I("&#x3B8;"), M_O("&#x2032;")), M_SUP(M_I("r"), M_N("2")) M_O("+") M_FRAC(M_I("A"), M_I("&#x3C0;"))),
      "sl_light_indirectly(), src/cache/direct_radiance/indirect.c", "indirect", SL_SHOW_LIGHT},
     {"curved mirrors", "Curved mirrors", "A curved mirror shows a cube of pictures that was drawn around its middle, lit like everything else.", NULL,
-     "sl_curved_mirrors_reflect(), src/cache/direct_radiance/mirrors.c", NULL, SL_SHOW_LIGHT},
+     "sl_curved_mirrors_reflect(), src/cache/direct_radiance/mirror_objects.c", NULL, SL_SHOW_LIGHT},
     {NULL, NULL, NULL, NULL, NULL, NULL, SL_SHOW_LIGHT}};
 
 const sl_narrative sl_direct_radiance_narrative = {
